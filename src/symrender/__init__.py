@@ -1,0 +1,1 @@
+"""symrender: the oracle for rendering."""

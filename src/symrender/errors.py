@@ -1,0 +1,55 @@
+"""What symrender raises, as one small tree.
+
+::
+
+    SymrenderError            any expected failure; str() is the one line shown to a user
+    +-- SceneError            a scene file, scene value or parameter name is wrong
+    +-- OptionError           an argument of a call or of the command line is out of range
+    +-- ImageError            an image file cannot be read, written or compared
+    +-- OutputError           an output cannot be written (exit 74)
+    +-- NonFiniteError        a kernel produced a NaN or an infinity
+    +-- Unsupported           the mathematics does not cover this case; refused, never dropped
+
+Exit codes of the command line: 0 success, 1 two images differ, 2 wrong input
+(``SceneError``, ``OptionError``, ``ImageError``, ``Unsupported``), 3 non-finite pixels, 4 image written but
+some pixel missed its tolerance, 74 the output could not be written, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+
+class SymrenderError(Exception):
+    """Any failure symrender expects; the message is complete and fits one line."""
+
+    exit_code = 2
+
+
+class SceneError(SymrenderError):
+    """A scene file, a scene value or a parameter name is wrong.
+
+    The message reads ``scene.yaml:12: spheres[1].radius: must be > 0 and finite, got -1``.
+    """
+
+
+class OptionError(SymrenderError):
+    """An argument of a call or of the command line is out of range; the message names it and the range."""
+
+
+class ImageError(SymrenderError):
+    """An image file cannot be read, or two images cannot be compared."""
+
+
+class OutputError(SymrenderError):
+    """An output could not be written; the final name still holds what it held before."""
+
+    exit_code = 74
+
+
+class NonFiniteError(SymrenderError):
+    """A kernel produced a NaN or an infinity; the message lists pixels and shapes."""
+
+    exit_code = 3
+
+
+class Unsupported(SymrenderError):
+    """The mathematics does not cover this case; it is refused by name, never dropped."""

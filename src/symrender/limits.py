@@ -1,0 +1,47 @@
+"""Every public limit, in one table.
+
+An input beyond a limit is refused with an error that names the limit, before anything is allocated.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+MAX_FILE_BYTES: Final = 1 << 20
+"""Largest scene file, bytes."""
+MAX_DEPTH: Final = 32
+"""Deepest nesting of a scene file."""
+MAX_KEYS: Final = 10_000
+"""Most keys and items in a scene file."""
+MAX_NAME: Final = 100
+"""Longest name of a scene, characters."""
+MAX_PART_NAME: Final = 32
+"""Longest name of a sphere or a light, characters."""
+MAX_SPHERES: Final = 4096
+"""Most spheres in a scene."""
+MAX_LIGHTS: Final = 256
+"""Most lights in a scene."""
+MAX_LIGHT_POINTS: Final = 65_536
+"""Most points all disk lights together are replaced by under a K x K rule."""
+MAX_PIXELS: Final = 1 << 28
+"""Most pixels in an image, unless ``max_pixels`` says otherwise."""
+MAX_LOBE: Final = 4096
+"""Largest K of the K x K lobe strata."""
+MAX_DISK: Final = 256
+"""Largest K of the K x K disk strata."""
+MAX_EXPONENT: Final = 1e12
+"""Largest lobe exponent; beyond it, ask for ``mirror: true``."""
+MAX_COORDINATE: Final = 1e12
+"""Largest magnitude of a coordinate, scene units."""
+MIN_LENGTH: Final = 1e-150
+"""Smallest radius; the square of anything shorter is not a normal number."""
+MAX_RADIANCE: Final = 1e12
+"""Largest colour component of a light, scene units of radiance."""
+MAX_SHININESS: Final = 1e9
+"""Largest exponent of a highlight."""
+MAX_TEXTURE_FREQUENCY: Final = 4096
+"""Largest number of texture half-periods around a sphere."""
+MAX_THREADS: Final = 1024
+"""Most worker threads."""
+MIN_TOLERANCE: Final = 1e-13
+"""Smallest tolerance double precision can meet."""

@@ -1,0 +1,1 @@
+"""Scenes: shapes, materials, lights, camera; validation, loading, parameter names, gallery."""

@@ -1,0 +1,35 @@
+"""Lights. Neither falls off with distance: ``color`` is the arriving radiance scale, in scene units."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from symrender.scene.values import Colour, Extent, Part, PartName, Point3
+
+
+class PointLight(Part):
+    """A light at one point."""
+
+    type: Literal["point"] = "point"
+    name: PartName
+    position: Point3
+    color: Colour = (1.0, 1.0, 1.0)
+
+
+class DiskLight(Part):
+    """A disk of ``radius`` about ``position`` facing ``target``; its effect is the mean over its area.
+
+    Radius 0 is the point light, bit for bit.
+    """
+
+    type: Literal["disk"] = "disk"
+    name: PartName
+    position: Point3
+    radius: Extent
+    target: Point3 = (0.0, 0.0, 0.0)
+    color: Colour = (1.0, 1.0, 1.0)
+
+
+Light = Annotated[PointLight | DiskLight, Field(discriminator="type")]

@@ -1,0 +1,21 @@
+"""The reflection lobe of a surface."""
+
+from __future__ import annotations
+
+import math
+
+from symrender.scene.values import Exponent, HalfAngle, Part, Share
+
+
+class Lobe(Part):
+    """Cosine-power lobe about the mirror direction; reflected = weight * gloss.
+
+    gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw with W = 2 pi (1 - cos^(n+1) theta_max)/(n+1): the
+    ``lobe_average`` convention, a weighted mean of radiance, not the BRDF integral (no surface cosine inside).
+    ``theta_max = 0`` is the mirror, the same code path as ``mirror: true``.
+    """
+
+    weight: Share = 0.3
+    exponent: Exponent = 16.0
+    theta_max: HalfAngle = math.pi / 3
+    mirror: bool = False

@@ -1,0 +1,28 @@
+"""Scene: everything an image depends on, as validated immutable numbers with units."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
+
+from symrender.limits import MAX_LIGHTS, MAX_NAME, MAX_SPHERES
+from symrender.scene.camera import Camera
+from symrender.scene.light import Light
+from symrender.scene.shading import Shading
+from symrender.scene.shape import Floor, Sphere
+from symrender.scene.values import Colour, Part, _tuple
+
+
+class Scene(Part):
+    """A camera, spheres, at most one floor, lights; right-handed, z up, lengths and radiance in scene units."""
+
+    name: Annotated[str, Field(max_length=MAX_NAME)] = "scene"
+    description: Annotated[str, Field(max_length=4000)] = ""
+    camera: Camera
+    spheres: Annotated[tuple[Sphere, ...], BeforeValidator(_tuple), Field(max_length=MAX_SPHERES)] = ()
+    floor: Floor | None = None
+    lights: Annotated[tuple[Light, ...], BeforeValidator(_tuple), Field(max_length=MAX_LIGHTS)] = ()
+    ambient: Colour = (0.0, 0.0, 0.0)
+    background: Colour = (0.0, 0.0, 0.0)
+    shading: Shading = Shading()

@@ -1,0 +1,25 @@
+"""How a lit point is shaded, for the whole scene."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from symrender.scene.values import Part, Share, Shininess
+
+
+class Shading(Part):
+    """Direct light at Q: ka ambient + sum over lights color V (kd albedo max(0, N.l) + ks s).
+
+    s = max(0, N.h)^shininess with h = unit(l + v) (``blinn``) or max(0, r.v)^shininess with r = 2 (N.l) N - l
+    (``phong``). ``highlight_view`` says whose v a reflected highlight uses: the reflecting point's (``ray``) or
+    the camera's (``eye``, the source chapter's choice). ``specular_terminator`` says whether s is cut where
+    N.l < 0 (``cut``) or not (``open``, the source chapter's choice).
+    """
+
+    model: Literal["blinn", "phong"] = "blinn"
+    ka: Share = 0.1
+    kd: Share = 0.7
+    ks: Share = 0.5
+    shininess: Shininess = 32.0
+    highlight_view: Literal["ray", "eye"] = "ray"
+    specular_terminator: Literal["cut", "open"] = "cut"

@@ -1,0 +1,49 @@
+"""The number types of a scene: finite, bounded, never coerced from text or booleans.
+
+Each alias states unit and range once; the schema, the ``params`` table and the error messages all read it here.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from symrender.limits import (
+    MAX_COORDINATE,
+    MAX_EXPONENT,
+    MAX_PART_NAME,
+    MAX_RADIANCE,
+    MAX_SHININESS,
+    MAX_TEXTURE_FREQUENCY,
+    MIN_LENGTH,
+)
+
+
+class Part(BaseModel):
+    """Base of everything in a scene: immutable, strict, no unknown keys."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+Coordinate = Annotated[float, Field(ge=-MAX_COORDINATE, le=MAX_COORDINATE, json_schema_extra={"unit": "length"})]
+Length = Annotated[float, Field(ge=MIN_LENGTH, le=MAX_COORDINATE, json_schema_extra={"unit": "length"})]
+Extent = Annotated[float, Field(ge=0, le=MAX_COORDINATE, json_schema_extra={"unit": "length"})]
+Share = Annotated[float, Field(ge=0, le=1, json_schema_extra={"unit": "1"})]
+Radiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "radiance"})]
+Exponent = Annotated[float, Field(ge=0, le=MAX_EXPONENT, json_schema_extra={"unit": "1"})]
+Shininess = Annotated[float, Field(ge=0, le=MAX_SHININESS, json_schema_extra={"unit": "1"})]
+HalfAngle = Annotated[float, Field(ge=0, le=math.pi / 2, json_schema_extra={"unit": "rad"})]
+Frequency = Annotated[float, Field(ge=0, le=MAX_TEXTURE_FREQUENCY, json_schema_extra={"unit": "half-periods"})]
+FieldOfView = Annotated[float, Field(gt=0, lt=180, json_schema_extra={"unit": "degree"})]
+PartName = Annotated[str, Field(pattern=rf"^[A-Za-z][A-Za-z0-9_-]{{0,{MAX_PART_NAME - 1}}}$")]
+
+Point3 = Annotated[tuple[Coordinate, Coordinate, Coordinate], BeforeValidator(_tuple)]
+Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(_tuple)]
+Albedo = Annotated[tuple[Share, Share, Share], BeforeValidator(_tuple)]
+Colour = Annotated[tuple[Radiance, Radiance, Radiance], BeforeValidator(_tuple)]

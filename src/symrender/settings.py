@@ -1,0 +1,100 @@
+"""How an image is rendered, apart from the scene: one validated record both pipelines read."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final, Literal, get_args
+
+from symrender.errors import OptionError
+from symrender.limits import MAX_DISK, MAX_LOBE, MAX_PIXELS, MAX_THREADS, MIN_TOLERANCE
+
+Sampler = Literal["jittered", "independent", "importance", "sobol", "none"]
+Symbolic = Literal["strata", "chambers", "none"]
+Weights = Literal["exact", "midpoint"]
+Nodes = Literal["midpoint", "barycentre", "gauss"]
+Partition = Literal["equal_angle", "equal_solid_angle", "equal_weight"]
+Antialias = Literal["analytic", "none"]
+
+EXACT_DISK: Final = 0
+"""``Settings.disk_order`` of the exactly integrated disk."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Everything about an image that is not the scene.
+
+    ``lobe`` is K of K rings x K sectors (K x K samples for a sampler). ``disk`` is ``"KxK"``, the centroids of the
+    disk light's K x K strata, or ``"exact"``. ``normalised`` divides by the closed-form integral of the weight
+    instead of the sum of the weights met. ``threads`` 0 takes the processors this process may use.
+    """
+
+    width: int = 256
+    height: int = 256
+    lobe: int = 4
+    numeric: Sampler = "jittered"
+    normalised: bool = False
+    symbolic: Symbolic = "strata"
+    weights: Weights = "exact"
+    nodes: Nodes = "midpoint"
+    partition: Partition = "equal_angle"
+    disk: str = "2x2"
+    aa: Antialias = "analytic"
+    seed: int = 7
+    threads: int = 0
+    tile: int = 64
+    tol: float = 1e-6
+    max_pixels: int = MAX_PIXELS
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("width", 1, 1 << 31),
+            ("height", 1, 1 << 31),
+            ("lobe", 1, MAX_LOBE),
+            ("seed", 0, (1 << 63) - 1),
+            ("threads", 0, MAX_THREADS),
+            ("tile", 1, 1 << 31),
+            ("max_pixels", 1, 1 << 62),
+        ):
+            value = getattr(self, name)
+            if type(value) is not int or not low <= value <= high:
+                raise OptionError(f"{name}: must be a whole number from {low} to {high}, got {value!r}")
+        for name, choices in (
+            ("numeric", Sampler),
+            ("symbolic", Symbolic),
+            ("weights", Weights),
+            ("nodes", Nodes),
+            ("partition", Partition),
+            ("aa", Antialias),
+        ):
+            value = getattr(self, name)
+            if value not in get_args(choices):
+                raise OptionError(f"{name}: must be one of {', '.join(get_args(choices))}, got {value!r}")
+        if self.width * self.height > self.max_pixels:
+            gib = self.width * self.height * 10 * 8 / 2**30
+            raise OptionError(
+                f"size: {self.width} x {self.height} pixels need {gib:.3g} GiB and exceed max_pixels {self.max_pixels}"
+            )
+        if type(self.tol) is not float or not math.isfinite(self.tol) or not 0 < self.tol <= 1:
+            raise OptionError(f"tol: must be a number in (0, 1], got {self.tol!r}")
+        if self.tol < MIN_TOLERANCE:
+            raise OptionError(f"tol: {self.tol!r} is below double precision, the smallest is {MIN_TOLERANCE}")
+        _ = self.disk_order
+
+    @property
+    def disk_order(self) -> int:
+        """K of a ``KxK`` disk rule, ``EXACT_DISK`` for ``exact``."""
+        if self.disk == "exact":
+            return EXACT_DISK
+        a, cross, b = self.disk.partition("x") if isinstance(self.disk, str) else ("", "", "")
+        if not (cross and a == b and a.isascii() and a.isdigit() and len(a) <= 4 and 1 <= int(a) <= MAX_DISK):
+            raise OptionError(f"disk: must be 'exact' or 'KxK' with K from 1 to {MAX_DISK}, got {self.disk!r}")
+        return int(a)
+
+
+def image_size(size: Any) -> tuple[int, int]:
+    """Width and height from ``size``: N for a square, or (width, height)."""
+    pair = size if isinstance(size, tuple | list) else (size, size)
+    if len(pair) != 2 or any(type(n) is not int for n in pair):
+        raise OptionError(f"size: must be N or (width, height) in whole pixels, got {size!r}")
+    return pair[0], pair[1]
