@@ -130,11 +130,14 @@ def scene_arrays(scene: Scene) -> SceneArrays:
 
     s = scene.shading
     shading = np.array(
-        [s.ka, s.kd, s.ks, s.shininess]
-        + [PHONG if s.model == "phong" else BLINN]
-        + [EYE if s.highlight_view == "eye" else RAY]
-        + [OPEN if s.specular_terminator == "open" else CUT]
-        + [*scene.ambient, *scene.background]
+        [
+            *(s.ka, s.kd, s.ks, s.shininess),
+            PHONG if s.model == "phong" else BLINN,
+            EYE if s.highlight_view == "eye" else RAY,
+            OPEN if s.specular_terminator == "open" else CUT,
+            *scene.ambient,
+            *scene.background,
+        ]
     )
 
     camera = np.zeros(CAMERA_COLUMNS)
