@@ -11,7 +11,7 @@ MAX_FILE_BYTES: Final = 1 << 20
 """Largest scene file, bytes."""
 MAX_DEPTH: Final = 32
 """Deepest nesting of a scene file."""
-MAX_KEYS: Final = 10_000
+MAX_KEYS: Final = 50_000
 """Most keys and items in a scene file."""
 MAX_NAME: Final = 100
 """Longest name of a scene, characters."""
@@ -45,3 +45,9 @@ MAX_THREADS: Final = 1024
 """Most worker threads."""
 MIN_TOLERANCE: Final = 1e-13
 """Smallest tolerance double precision can meet."""
+MAX_PRODUCT_EXPONENT: Final = 1024
+"""Largest whole power a kernel computes by products."""
+MAX_TEXTURE_DEGREE: Final = 64
+"""Largest frequency whose texture sign a kernel computes as a polynomial."""
+MAX_FOOTPRINT_LINES: Final = 4096
+"""Most checker lines one edge of a pixel's footprint may cross; beyond, the checker is its mean."""

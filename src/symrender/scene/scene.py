@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated
 
 from pydantic import BeforeValidator, Field
@@ -26,3 +27,9 @@ class Scene(Part):
     ambient: Colour = (0.0, 0.0, 0.0)
     background: Colour = (0.0, 0.0, 0.0)
     shading: Shading = Shading()
+
+    def replace(self, changes: Mapping[str, object]) -> Scene:
+        """This scene with values changed by dotted name; see :func:`symrender.scene.replace.replace`."""
+        from symrender.scene.replace import replace
+
+        return replace(self, changes)

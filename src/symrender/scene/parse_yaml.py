@@ -1,0 +1,162 @@
+"""YAML to plain data with line numbers: the YAML 1.2 core schema, and nothing beyond it.
+
+The data is built from the event stream, so anchors, aliases, tags, merge keys, deep nesting and long lists are
+refused where they stand, before anything is constructed.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, Final
+
+import yaml
+
+from symrender.limits import MAX_DEPTH, MAX_KEYS
+from symrender.scene.document import Malformed, Path
+from symrender.scene.numerals import number
+from symrender.scene.printable import printable
+
+_LOADER: Final[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+_DECIMAL: Final = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_BASED: Final = re.compile(r"0o[0-7]{1,20}|0x[0-9a-fA-F]{1,15}")
+_NOT_FINITE: Final = re.compile(r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
+_WORDS: Final[dict[str, bool | None]] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
+
+
+def _plain(text: str) -> Any:
+    """A plain scalar under the YAML 1.2 core schema; ValueError for a number no scene can hold."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _DECIMAL.fullmatch(text):
+        return number(text)
+    if _BASED.fullmatch(text):
+        return int(text, 0)
+    if _NOT_FINITE.fullmatch(text):
+        raise ValueError(f"must be finite, got {text}")
+    return text
+
+
+class _Builder:
+    """Grows plain data from events; one frame per open mapping or list."""
+
+    def __init__(self) -> None:
+        self.root: Any = None
+        self.lines: dict[Path, int] = {}
+        self.entries = 0
+        self.frames: list[tuple[Any, Path]] = []
+        self.key: list[str | None] = []
+
+    def path(self) -> Path:
+        """Where the next value goes."""
+        if not self.frames:
+            return ()
+        holder, path = self.frames[-1]
+        return (*path, len(holder)) if isinstance(holder, list) else (*path, str(self.key[-1]))
+
+    def expects_key(self) -> bool:
+        return bool(self.frames) and isinstance(self.frames[-1][0], dict) and self.key[-1] is None
+
+    def count(self, line: int) -> None:
+        self.entries += 1
+        if self.entries > MAX_KEYS:
+            raise Malformed(f"a scene file may hold at most {MAX_KEYS} keys and items", line)
+
+    def take_key(self, event: yaml.ScalarEvent, line: int) -> None:
+        name = str(event.value)
+        holder, path = self.frames[-1]
+        if event.implicit[0] and name == "<<":
+            raise Malformed("merge keys (<<) are not allowed", line, path)
+        try:
+            is_text = not event.implicit[0] or isinstance(_plain(name), str)
+        except ValueError:
+            is_text = False
+        if not is_text:
+            raise Malformed(f"a key must be text, got {printable(name)}", line, path)
+        if name in holder:
+            first = self.lines[(*path, name)]
+            raise Malformed(f"duplicate key, first on line {first}", line, (*path, name))
+        self.count(line)
+        self.lines[(*path, name)] = line
+        self.key[-1] = name
+
+    def put(self, value: Any, line: int) -> None:
+        path = self.path()
+        if not self.frames:
+            self.root = value
+            self.lines[()] = line
+            return
+        holder = self.frames[-1][0]
+        if isinstance(holder, list):
+            self.count(line)
+            self.lines[path] = line
+            holder.append(value)
+        else:
+            holder[self.key[-1]] = value
+            self.key[-1] = None
+
+    def open(self, holder: Any, line: int) -> None:
+        if self.expects_key():
+            raise Malformed("a key must be text, got a list or a mapping", line, self.frames[-1][1])
+        if len(self.frames) >= MAX_DEPTH:
+            raise Malformed(f"nesting must be at most {MAX_DEPTH} deep", line)
+        path = self.path()
+        self.put(holder, line)
+        self.frames.append((holder, path))
+        self.key.append(None)
+
+    def close(self) -> None:
+        self.frames.pop()
+        self.key.pop()
+
+    def scalar(self, event: yaml.ScalarEvent, line: int) -> None:
+        if self.expects_key():
+            self.take_key(event, line)
+            return
+        try:
+            value = _plain(event.value) if event.implicit[0] else event.value
+        except ValueError as error:
+            raise Malformed(str(error), line, self.path()) from None
+        self.put(value, line)
+
+
+def _build(text: str) -> _Builder:
+    builder = _Builder()
+    documents = 0
+    for event in yaml.parse(text, Loader=_LOADER):
+        mark = event.start_mark
+        line = mark.line + 1 if mark else 1
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
+            raise Malformed("anchors and aliases are not allowed", line)
+        if isinstance(event, yaml.DocumentStartEvent):
+            documents += 1
+            if documents > 1:
+                raise Malformed("a scene file must hold one document, a second one starts here", line)
+            continue
+        if tag := getattr(event, "tag", None):
+            raise Malformed(f"tags are not allowed, got {printable(tag)}", line)
+        match event:
+            case yaml.ScalarEvent():
+                builder.scalar(event, line)
+            case yaml.MappingStartEvent():
+                builder.open({}, line)
+            case yaml.SequenceStartEvent():
+                builder.open([], line)
+            case yaml.MappingEndEvent() | yaml.SequenceEndEvent():
+                builder.close()
+    return builder
+
+
+def parse_yaml(text: str) -> tuple[Any, dict[Path, int]]:
+    """Plain data and the line of each key and item; Malformed names the line of what is refused."""
+    try:
+        builder = _build(text)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        what = getattr(error, "problem", None) or getattr(error, "reason", None) or "cannot be read"
+        raise Malformed(f"not valid YAML: {printable(str(what), 100)}", mark.line + 1 if mark else None) from None
+    return builder.root, builder.lines

@@ -1,0 +1,67 @@
+"""Plain data to a Scene, or one error that lists every problem."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from symrender.limits import MAX_PART_NAME
+from symrender.scene.document import Document, Path, Problem, failure
+from symrender.scene.fields import length, locate, models
+from symrender.scene.printable import shown
+from symrender.scene.scene import Scene
+from symrender.scene.wording import expected, unknown_key, wrong_type
+
+MOST_LISTED: Final = 20
+"""Most problems one error lists."""
+
+
+def _at(data: Any, path: Path) -> Any:
+    for step in path:
+        data = data[step]
+    return data
+
+
+def _problem(error: ErrorDetails, data: Any) -> Problem:
+    path, info, here = locate(Scene, error["loc"])
+    value, context = error["input"], error.get("ctx", {})
+    match error["type"]:
+        case "scene":
+            return Problem(path + tuple(context.get("path", ())), error["msg"])
+        case "extra_forbidden":
+            owner = locate(Scene, error["loc"][:-1])[2]
+            return Problem(path, unknown_key(str(path[-1]), owner[0]))
+        case "missing" if not isinstance(path[-1], int):
+            return Problem(path, f"missing, {expected(info, None, path[-1]) if info else 'required'}")
+        case "missing" | "too_long":
+            if error["type"] == "missing":
+                path, info, here = locate(Scene, error["loc"][:-1])
+            if info is not None and length(info) is not None:
+                return Problem(path, f"{expected(info, None)}, got {shown(_at(data, path))}")
+            return Problem(path, f"must hold at most {context['max_length']} entries, got {shown(value)}")
+        case "union_tag_invalid" | "union_tag_not_found":
+            return Problem((*path, "type"), wrong_type(value, here))
+        case "string_too_long":
+            return Problem(path, f"must have at most {context['max_length']} characters, got {len(value)}")
+        case "string_unicode":
+            return Problem(path, f"must be text without lone surrogates, got {shown(value)}")
+        case "string_pattern_mismatch":
+            rule = f"must be a letter, then letters, digits, - or _, at most {MAX_PART_NAME} in all"
+            return Problem(path, f"{rule}, got {shown(value)}")
+    if info is None:
+        return Problem(path, f"{'must be a mapping' if here else error['msg']}, got {shown(value)}")
+    if models(info) and isinstance(value, dict):
+        return Problem(path, error["msg"])
+    return Problem(path, f"{expected(info, value, path[-1])}, got {shown(value)}")
+
+
+def scene_of(document: Document) -> Scene:
+    """The scene ``document`` describes; SceneError lists its problems, one a line."""
+    try:
+        return Scene.model_validate(document.data)
+    except ValidationError as error:
+        details = error.errors(include_url=False)
+    problems = list(dict.fromkeys(_problem(detail, document.data) for detail in details[:MOST_LISTED]))
+    raise failure(document, problems, max(0, len(details) - MOST_LISTED))
