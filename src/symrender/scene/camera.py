@@ -17,9 +17,9 @@ class PlaneCamera(Part):
     """
 
     type: Literal["plane"] = "plane"
-    eye: Point3
-    window_half: Length
-    window_center: Point2 = (0.0, 0.0)
+    eye: Annotated[Point3, Field(description="where the camera stands")]
+    window_half: Annotated[Length, Field(description="half the width of the floor window")]
+    window_center: Annotated[Point2, Field(description="middle of the floor window")] = (0.0, 0.0)
 
 
 class LookAtCamera(Part):
@@ -30,10 +30,10 @@ class LookAtCamera(Part):
     """
 
     type: Literal["look_at"] = "look_at"
-    eye: Point3
-    target: Point3 = (0.0, 0.0, 0.0)
+    eye: Annotated[Point3, Field(description="where the camera stands")]
+    target: Annotated[Point3, Field(description="the point in the middle of the image")] = (0.0, 0.0, 0.0)
     up: Annotated[Point3, Field(description="any vector not along the view")] = (0.0, 0.0, 1.0)
-    fov: FieldOfView = 40.0
+    fov: Annotated[FieldOfView, Field(description="vertical field of view")] = 40.0
 
 
 Camera = Annotated[PlaneCamera | LookAtCamera, Field(discriminator="type")]

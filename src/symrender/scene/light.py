@@ -14,8 +14,8 @@ class PointLight(Part):
 
     type: Literal["point"] = "point"
     name: PartName
-    position: Point3
-    color: Colour = (1.0, 1.0, 1.0)
+    position: Annotated[Point3, Field(description="where the light is")]
+    color: Annotated[Colour, Field(description="arriving radiance scale")] = (1.0, 1.0, 1.0)
 
 
 class DiskLight(Part):
@@ -26,10 +26,10 @@ class DiskLight(Part):
 
     type: Literal["disk"] = "disk"
     name: PartName
-    position: Point3
-    radius: Extent
-    target: Point3 = (0.0, 0.0, 0.0)
-    color: Colour = (1.0, 1.0, 1.0)
+    position: Annotated[Point3, Field(description="centre of the disk")]
+    radius: Annotated[Extent, Field(description="radius of the disk")]
+    target: Annotated[Point3, Field(description="the point the disk faces")] = (0.0, 0.0, 0.0)
+    color: Annotated[Colour, Field(description="arriving radiance scale")] = (1.0, 1.0, 1.0)
 
 
 Light = Annotated[PointLight | DiskLight, Field(discriminator="type")]

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
+
+from pydantic import Field
 
 from symrender.scene.values import Exponent, HalfAngle, Part, Share
 
@@ -15,7 +18,7 @@ class Lobe(Part):
     ``theta_max = 0`` is the mirror, the same code path as ``mirror: true``.
     """
 
-    weight: Share = 0.3
-    exponent: Exponent = 16.0
-    theta_max: HalfAngle = math.pi / 3
-    mirror: bool = False
+    weight: Annotated[Share, Field(description="share of the gloss that is reflected")] = 0.3
+    exponent: Annotated[Exponent, Field(description="cosine power of the lobe")] = 16.0
+    theta_max: Annotated[HalfAngle, Field(description="half-angle of the cone the lobe fills")] = math.pi / 3
+    mirror: Annotated[bool, Field(description="the limit of an infinite exponent")] = False

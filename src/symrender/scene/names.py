@@ -61,7 +61,7 @@ def _model(info: FieldInfo | None, value: Any) -> type[Part] | None:
 
 def _step(info: FieldInfo | None, value: Any, step: str | int) -> tuple[str | int | None, FieldInfo | None, list[str]]:
     """One step down from ``value``: key or index (None if there is none), its field, the names there are."""
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         assert info is not None
         if axes := letters(info):
             index = axes.find(step) if isinstance(step, str) and len(step) == 1 else step

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import BeforeValidator, Field
 
@@ -13,6 +13,9 @@ from symrender.scene.light import Light
 from symrender.scene.shading import Shading
 from symrender.scene.shape import Floor, Sphere
 from symrender.scene.values import Colour, Part, _tuple
+
+if TYPE_CHECKING:
+    from symrender.scene.parameters import Parameter
 
 
 class Scene(Part):
@@ -24,9 +27,22 @@ class Scene(Part):
     spheres: Annotated[tuple[Sphere, ...], BeforeValidator(_tuple), Field(max_length=MAX_SPHERES)] = ()
     floor: Floor | None = None
     lights: Annotated[tuple[Light, ...], BeforeValidator(_tuple), Field(max_length=MAX_LIGHTS)] = ()
-    ambient: Colour = (0.0, 0.0, 0.0)
-    background: Colour = (0.0, 0.0, 0.0)
+    ambient: Annotated[Colour, Field(description="ambient radiance, weighted by ka")] = (0.0, 0.0, 0.0)
+    background: Annotated[Colour, Field(description="radiance where nothing is hit")] = (0.0, 0.0, 0.0)
     shading: Shading = Shading()
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the scene's values; see :func:`symrender.scene.canonical.scene_hash`."""
+        from symrender.scene.canonical import scene_hash
+
+        return scene_hash(self)
+
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Every real number of the scene; see :func:`symrender.scene.parameters.parameters`."""
+        from symrender.scene.parameters import parameters
+
+        return parameters(self)
 
     def replace(self, changes: Mapping[str, object]) -> Scene:
         """This scene with values changed by dotted name; see :func:`symrender.scene.replace.replace`."""

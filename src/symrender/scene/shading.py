@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from symrender.scene.values import Part, Share, Shininess
 
@@ -17,9 +19,9 @@ class Shading(Part):
     """
 
     model: Literal["blinn", "phong"] = "blinn"
-    ka: Share = 0.1
-    kd: Share = 0.7
-    ks: Share = 0.5
-    shininess: Shininess = 32.0
+    ka: Annotated[Share, Field(description="weight of the ambient light")] = 0.1
+    kd: Annotated[Share, Field(description="weight of the diffuse term")] = 0.7
+    ks: Annotated[Share, Field(description="weight of the highlight")] = 0.5
+    shininess: Annotated[Shininess, Field(description="exponent of the highlight")] = 32.0
     highlight_view: Literal["ray", "eye"] = "ray"
     specular_terminator: Literal["cut", "open"] = "cut"

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+from pydantic import Field
+
 from symrender.scene.lobe import Lobe
 from symrender.scene.texture import FloorChecker, FloorTexture, Solid, SphereTexture
 from symrender.scene.values import Albedo, Length, Part, PartName, Point3
@@ -11,9 +15,9 @@ class Sphere(Part):
     """A sphere; what is below the floor is invisible from above."""
 
     name: PartName
-    center: Point3
-    radius: Length
-    color: Albedo = (0.5, 0.5, 0.5)
+    center: Annotated[Point3, Field(description="centre")]
+    radius: Annotated[Length, Field(description="radius")]
+    color: Annotated[Albedo, Field(description="albedo, before the texture")] = (0.5, 0.5, 0.5)
     texture: SphereTexture = Solid()
     lobe: Lobe | None = None
 

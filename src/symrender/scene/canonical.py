@@ -1,0 +1,31 @@
+"""The canonical form of a scene and its hash."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+from symrender.scene.scene import Scene
+
+
+def _canonical(value: Any) -> Any:
+    if isinstance(value, float):
+        return (value + 0.0).hex()  # -0.0 + 0.0 is 0.0
+    if isinstance(value, dict):
+        return {key: _canonical(entry) for key, entry in value.items()}
+    return [_canonical(entry) for entry in value] if isinstance(value, tuple) else value
+
+
+def canonical(scene: Scene) -> str:
+    """``scene`` as text that depends on its values alone: keys sorted, defaults filled in, floats in hexadecimal.
+
+    ``name`` and ``description`` are left out, for no image depends on them. -0.0 is 0.0.
+    """
+    data = scene.model_dump(mode="python", exclude={"name", "description"})
+    return json.dumps(_canonical(data), sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+
+
+def scene_hash(scene: Scene) -> str:
+    """SHA-256 of :func:`canonical`, 64 hexadecimal digits: equal hashes, equal images."""
+    return hashlib.sha256(canonical(scene).encode("ascii")).hexdigest()

@@ -1,0 +1,60 @@
+"""Every real number of a scene under its dotted name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from symrender.scene.fields import item, number_range
+from symrender.scene.names import letters, resolve
+from symrender.scene.scene import Scene
+from symrender.scene.values import Part
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One real number of a scene.
+
+    ``unit`` is ``length``, ``radiance`` (both in scene units), ``rad``, ``degree``, ``half-periods`` or ``1``;
+    ``low`` and ``high`` bound the values accepted, both included but for ``degree``, which excludes them.
+    """
+
+    name: str
+    value: float
+    unit: str
+    low: float
+    high: float
+    description: str
+
+
+def _walk(prefix: str, info: FieldInfo | None, value: Any, description: str) -> Iterator[Parameter]:
+    if isinstance(value, Part):
+        for key, field in type(value).model_fields.items():
+            name = f"{prefix}.{key}" if prefix else key
+            yield from _walk(name, field, getattr(value, key), field.description or "")
+    elif info is not None and isinstance(value, tuple):
+        axes = letters(info)
+        for index, entry in enumerate(value):
+            step = axes[index] if axes else entry.name
+            yield from _walk(f"{prefix}.{step}", item(info, index), entry, description)
+    elif info is not None and (bounds := number_range(info)) is not None:
+        yield Parameter(prefix, value, bounds.unit, bounds.low, bounds.high, description)
+
+
+def parameters(scene: Scene) -> tuple[Parameter, ...]:
+    """The real numbers of ``scene`` in the order of its fields, by dotted name (``spheres.B.center.x``)."""
+    return tuple(_walk("", None, scene, ""))
+
+
+def get(scene: Scene, name: str) -> Any:
+    """The value of dotted ``name``: a number, a vector, a choice, a part; SceneError if there is none.
+
+    Takes the names :func:`symrender.scene.replace.replace` takes.
+    """
+    value: Any = scene
+    for step in resolve(scene.model_dump(mode="python"), name)[0]:
+        value = value[step] if isinstance(step, int) else getattr(value, step)
+    return value
