@@ -1,0 +1,1 @@
+"""The conventional ray tracer, written from geometry: the independent opinion beside the symbolic pipeline."""

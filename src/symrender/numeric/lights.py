@@ -1,0 +1,62 @@
+"""Lights as points: the disk frame, the K x K rule and points sampled on the disk."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.errors import OptionError
+from symrender.kernel_cache import jitable
+from symrender.limits import MAX_LIGHT_POINTS
+from symrender.numeric.vectors import Vector, cross, unit
+from symrender.scene.arrays import DISK, Array
+from symrender.settings import EXACT_DISK
+
+
+@jitable
+def disk_axes(position: Vector, target: Vector) -> tuple[Vector, Vector]:
+    """Orthonormal axes of the disk at ``position`` facing ``target``; a target at the position is taken below it."""
+    w = unit((target[0] - position[0], target[1] - position[1], target[2] - position[2]))
+    if w == (0.0, 0.0, 0.0):
+        w = (0.0, 0.0, -1.0)
+    up = (0.0, 1.0, 0.0) if abs(w[1]) < 0.9 else (1.0, 0.0, 0.0)
+    e1 = unit(cross(w, up))
+    return e1, cross(w, e1)
+
+
+@jitable
+def disk_point(light: Array, axes: Array, u: float, v: float) -> Vector:
+    """Point of the disk that the unit square's (u, v) maps to with constant density: radius sqrt(u), turn v."""
+    r = light[4] * math.sqrt(u)
+    a, b = r * math.cos(2.0 * math.pi * v), r * math.sin(2.0 * math.pi * v)
+    return (
+        light[1] + a * axes[0] + b * axes[3],
+        light[2] + a * axes[1] + b * axes[4],
+        light[3] + a * axes[2] + b * axes[5],
+    )
+
+
+def light_points(lights: Array, order: int) -> tuple[Array, npt.NDArray[np.int64], Array]:
+    """Points that stand for the lights: (p, 3), the first index of each light (m + 1,), disk axes (m, 6).
+
+    A point light is its point; a disk light is the ``order`` x ``order`` centroids of its strata, all of one weight,
+    or no points at all under ``EXACT_DISK``, which samples it.
+    """
+    disks = int(np.count_nonzero(lights[:, 0] == DISK))
+    if disks * order * order > MAX_LIGHT_POINTS:
+        raise OptionError(f"disk: {disks} lights of {order}x{order} points exceed {MAX_LIGHT_POINTS} light points")
+    points: list[Vector] = []
+    first = np.zeros(len(lights) + 1, dtype=np.int64)
+    axes = np.zeros((len(lights), 6))
+    for l, light in enumerate(lights):
+        if light[0] != DISK:
+            points.append((light[1], light[2], light[3]))
+        else:
+            e1, e2 = disk_axes((light[1], light[2], light[3]), (light[8], light[9], light[10]))
+            axes[l] = (*e1, *e2)
+            cells = range(order if order != EXACT_DISK else 0)
+            points += [disk_point(light, axes[l], (i + 0.5) / order, (j + 0.5) / order) for i in cells for j in cells]
+        first[l + 1] = len(points)
+    return np.array(points, dtype=np.float64).reshape(-1, 3), first, axes

@@ -1,0 +1,158 @@
+"""Direct light at a point: shadows, diffuse and highlight terms, summed over the lights."""
+
+from __future__ import annotations
+
+import math
+
+from symrender.kernel_cache import jitable
+from symrender.numeric.lights import disk_point
+from symrender.numeric.random import Key, uniforms
+from symrender.numeric.vectors import Vector, along, dot, minus
+from symrender.numeric.world import World
+from symrender.scene.arrays import AMBIENT, BLINN, CUT, FIRST_SPHERE, FLOOR, Array
+
+_WHOLE_POWER = 256.0
+
+
+@jitable
+def power(x: float, exponent: float) -> float:
+    """x^exponent for x >= 0, with 0^0 = 1."""
+    if exponent > _WHOLE_POWER or exponent != math.floor(exponent):
+        return float(x**exponent)
+    result = 1.0
+    n = int(exponent)
+    while n > 0:
+        if n & 1:
+            result *= x
+        x *= x
+        n >>= 1
+    return result
+
+
+@jitable
+def inside_sphere(sphere: Array, point: Vector) -> float:
+    """Radius^2 - distance^2 from the centre: positive inside, negative outside."""
+    f = (point[0] - sphere[0], point[1] - sphere[1], point[2] - sphere[2])
+    return float(sphere[3] * sphere[3] - dot(f, f))
+
+
+@jitable
+def sphere_blocks(sphere: Array, q: Vector, light: Vector) -> bool:
+    """Whether the open segment from q to the light point meets the sphere's surface."""
+    f = (q[0] - sphere[0], q[1] - sphere[1], q[2] - sphere[2])
+    d = minus(light, q)
+    toward = -dot(f, d)
+    power_of_q = dot(f, f) - sphere[3] * sphere[3]
+    if power_of_q <= 0.0:
+        return (power_of_q < 0.0 or toward > 0.0) and inside_sphere(sphere, light) < 0.0
+    if toward <= 0.0:
+        return False
+    length = dot(d, d)
+    if toward >= length:
+        return inside_sphere(sphere, light) > 0.0
+    l = along(f, toward / length, d)
+    return bool(dot(l, l) <= sphere[3] * sphere[3])
+
+
+@jitable
+def visible(world: World, own: int, inside: bool, q: Vector, light: Vector) -> bool:
+    """Whether a light point lights q on the shape of hit class ``own``, which was met from ``inside`` or not.
+
+    Other spheres block where the open segment meets them; the floor where the ends are on opposite sides (a light not
+    above it does not light it); the shape's own sphere iff the light point is on its other side.
+    """
+    if world.floor[0] != 0.0:
+        if own == FLOOR:
+            if light[2] <= 0.0:
+                return False
+        elif (q[2] > 0.0 and light[2] < 0.0) or (q[2] < 0.0 and light[2] > 0.0):
+            return False
+    for j in range(world.spheres.shape[0]):
+        sphere = world.spheres[j]
+        if own == FIRST_SPHERE + j:
+            within = inside_sphere(sphere, light)
+            if within < 0.0 if inside else within > 0.0:
+                return False
+        elif sphere_blocks(sphere, q, light):
+            return False
+    return True
+
+
+@jitable
+def light_terms(
+    world: World, own: int, inside: bool, q: Vector, n: Vector, v: Vector, light: Vector
+) -> tuple[float, float]:
+    """Visible diffuse max(0, n.l) and highlight s of one light point; both 0 for a light at q itself."""
+    d = minus(light, q)
+    length = math.sqrt(dot(d, d))
+    if length == 0.0:
+        return 0.0, 0.0
+    l = (d[0] / length, d[1] / length, d[2] / length)
+    cosine = dot(n, l)
+    diffuse = max(0.0, cosine)
+    shininess = world.shading[3]
+    base = -1.0
+    if (cosine > 0.0 or world.shading[6] != CUT) and dot(v, v) > 0.0:
+        if world.shading[4] == BLINN:
+            h = along(l, 1.0, v)
+            square = dot(h, h)
+            if square > 0.0:
+                base = max(0.0, dot(n, h) / math.sqrt(square))
+        else:
+            base = max(0.0, 2.0 * cosine * dot(n, v) - dot(l, v))
+    highlight = base > 0.0 or (base == 0.0 and shininess == 0.0)
+    if diffuse == 0.0 and not highlight:
+        return 0.0, 0.0
+    if not visible(world, own, inside, q, light):
+        return 0.0, 0.0
+    return diffuse, power(base, shininess) if highlight else 0.0
+
+
+@jitable
+def direct_light(
+    world: World,
+    own: int,
+    inside: bool,
+    q: Vector,
+    n: Vector,
+    v: Vector,
+    albedo: Vector,
+    key: Key,
+    sample: int,
+    strata: int,
+) -> Vector:
+    """Radiance of a lit point: ka ambient + sum over lights of colour (kd albedo diffuse + ks s), scene units.
+
+    A disk light's terms are means over its points, or over ``strata`` x ``strata`` points drawn on it where it has
+    none; those are drawn in the dimensions of ``sample`` of the pixel ``key``.
+    """
+    ka, kd, ks = world.shading[0], world.shading[1], world.shading[2]
+    red = ka * world.shading[AMBIENT]
+    green = ka * world.shading[AMBIENT + 1]
+    blue = ka * world.shading[AMBIENT + 2]
+    for index in range(world.lights.shape[0]):
+        start, end = world.first[index], world.first[index + 1]
+        diffuse, highlight = 0.0, 0.0
+        count = end - start
+        if count > 0:
+            for p in range(start, end):
+                light = (world.points[p, 0], world.points[p, 1], world.points[p, 2])
+                terms = light_terms(world, own, inside, q, n, v, light)
+                diffuse += terms[0]
+                highlight += terms[1]
+        else:
+            count = strata * strata
+            for cell in range(count):
+                a, b = uniforms(key, sample * count + cell, 2 * index + strata)
+                a, b = (cell // strata + a) / strata, (cell % strata + b) / strata
+                light = disk_point(world.lights[index], world.axes[index], a, b)
+                terms = light_terms(world, own, inside, q, n, v, light)
+                diffuse += terms[0]
+                highlight += terms[1]
+        if diffuse != 0.0 or highlight != 0.0:
+            diffuse *= kd / count
+            highlight *= ks / count
+            red += world.lights[index, 5] * (albedo[0] * diffuse + highlight)
+            green += world.lights[index, 6] * (albedo[1] * diffuse + highlight)
+            blue += world.lights[index, 7] * (albedo[2] * diffuse + highlight)
+    return red, green, blue
