@@ -68,7 +68,7 @@ def check_target(path: str | Path, *, force: bool = True, inputs: Iterable[str |
 def make_folder(path: str | Path) -> Path:
     """``path`` as an existing folder, made with its parents where missing; ``OutputError`` otherwise."""
     folder = Path(path)
-    if not str(path) or "\0" in str(folder):
+    if not str(path) or "\0" in str(folder) or "://" in str(path):
         raise OutputError(f"{str(path)!r}: is not a folder name")
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -74,14 +74,13 @@ class Ledger:
             flips = "unknown" if self.flips is None else str(self.flips)
             tables.append((f"symbolic - numeric; flips {flips}; interior: both met the same shape", rows))
         if self.lobes:
-            head = ("lobe of", "n", "theta_max", "chapter ruler 1/sqrt(2n)", "per axis 1/sqrt(n)",
-                    "RMS angle", "sqrt(2/n)", "mean cosine")  # fmt: skip
+            head = ("lobe of", "n", "theta_max", "chapter ruler", "per axis", "RMS angle", "sqrt(2/n)", "mean cosine")
             widths: list[tuple[str, ...]] = [
                 (w.surface, *(number(v) for v in (w.exponent, w.theta_max, w.chapter_ruler, w.sigma, w.rms_angle,
                                                   w.rms_angle_limit, w.mean_cosine)))
                 for w in self.lobes
             ]  # fmt: skip
-            tables.append(("lobe widths, radians", [head, *widths]))
+            tables.append(("lobe widths, radians; chapter ruler 1/sqrt(2n), per axis 1/sqrt(n)", [head, *widths]))
         return tables
 
     def text(self) -> str:

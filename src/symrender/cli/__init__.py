@@ -1,0 +1,62 @@
+"""The command line: ``symrender VERB``; a verb is a file of this folder holding a function of its own name.
+
+Files that begin with an underscore hold what verbs share. Nothing slow is imported before a verb needs it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+from symrender.errors import SymrenderError
+
+_INTERRUPTED = 130
+_OUTPUT_FAILED = 74
+_FAULT = 70
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line ``argv`` (default: that of the process) and return its exit code.
+
+    A failure is one line on stderr, ``ERROR what: where: what was read, what was expected``; ``--debug`` anywhere
+    shows the traceback instead.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    debug = "--debug" in arguments
+    try:
+        from symrender.cli._application import application
+
+        code = application().main([a for a in arguments if a != "--debug"], "symrender", standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except KeyboardInterrupt:
+        return _fail("interrupted", _INTERRUPTED)
+    except BrokenPipeError:
+        # the reader has gone; keep the interpreter from failing again when it flushes at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _OUTPUT_FAILED
+    except Exception as error:
+        if debug:
+            raise
+        return _report(error)
+
+
+def _report(error: Exception) -> int:
+    if isinstance(error, SymrenderError):
+        return _fail(str(error), error.exit_code)
+    if isinstance(error, MemoryError):
+        return _fail("out of memory; ask for a smaller size", 2)
+    if isinstance(error, OSError):
+        return _fail(f"{error.filename or 'output'}: {error.strerror or error}", _OUTPUT_FAILED)
+    usage = getattr(error, "format_message", None)
+    if usage is not None:
+        return _fail(usage() or "a command is needed; symrender --help lists them", 2)
+    return _fail(f"a fault in symrender: {type(error).__name__}: {error}; --debug shows where", _FAULT)
+
+
+def _fail(message: str, code: int) -> int:
+    from symrender.scene.printable import printable
+
+    print(f"ERROR {printable(' '.join(message.split()), 400)}", file=sys.stderr)
+    return code

@@ -1,0 +1,57 @@
+"""The typer application, assembled from the verbs found in this folder."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from typing import Annotated, Any
+
+import typer
+
+import symrender.cli
+
+EXIT_CODES = (
+    "Exit codes: 0 success; 1 two images differ; 2 wrong input; 3 non-finite pixels; 4 some pixel missed its "
+    "tolerance; 70 a fault in symrender; 74 the output could not be written; 130 interrupted."
+)
+
+
+def verbs() -> list[str]:
+    """Names of the commands: the modules of this folder without a leading underscore."""
+    return sorted(m.name for m in pkgutil.iter_modules(symrender.cli.__path__) if not m.name.startswith("_"))
+
+
+def application() -> Any:
+    """The command line as one command object."""
+    app = typer.Typer(
+        no_args_is_help=True,
+        rich_markup_mode="rich",
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+        epilog=EXIT_CODES,
+    )
+
+    @app.callback()
+    def symrender_(
+        version: Annotated[
+            bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+        ] = False,
+        debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    ) -> None:
+        """The oracle for rendering: glossy reflection integrated numerically and symbolically, errors stated.
+
+        Example: symrender render gloss --size 256 --out pictures
+        """
+
+    for name in verbs():
+        module = importlib.import_module(f"symrender.cli.{name}")
+        app.command(name, epilog=EXIT_CODES)(getattr(module, name))
+    return typer.main.get_command(app)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"symrender {version('symrender')}")
+        raise typer.Exit

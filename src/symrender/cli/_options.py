@@ -1,0 +1,97 @@
+"""Arguments and options several verbs share, with their completions."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from symrender.errors import OptionError, SceneError
+
+if TYPE_CHECKING:
+    from symrender.scene.scene import Scene
+
+DEFAULT_SCENE = "gloss"
+_SIZE = re.compile(r"([0-9]{1,10})(?:[xX]([0-9]{1,10}))?")
+
+
+def _scene_names(incomplete: str) -> list[str]:
+    from symrender.scene import gallery
+
+    return [name for name in gallery.names() if name.startswith(incomplete)]
+
+
+def _parameter_names(ctx: typer.Context, incomplete: str) -> list[str]:
+    from symrender.errors import SymrenderError
+    from symrender.scene.load import load
+
+    try:
+        parameters = load(ctx.params.get("scene") or DEFAULT_SCENE).parameters()
+    except SymrenderError:
+        return []
+    return [f"{p.name}=" for p in parameters if p.name.startswith(incomplete)]
+
+
+SceneArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="[SCENE]",
+        help="Gallery name or path of a .yaml, .toml or .json file.",
+        autocompletion=_scene_names,
+    ),
+]
+Define = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--define",
+        "-D",
+        metavar="NAME=VALUE",
+        help="Change a scene value, repeatable: -D floor.lobe.exponent=64 -D 'camera.eye=[3, -3, 2]'. "
+        "symrender params lists names and units.",
+        autocompletion=_parameter_names,
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace existing files (never an input).")]
+
+
+def scene_with(source: str, changes: list[str] | None) -> Scene:
+    """The scene named ``source`` with ``-D`` changes applied; values are read as YAML, so 64, [3, -3, 2], eye."""
+    from symrender.scene.load import load
+
+    scene = load(source)
+    return scene.replace(dict(_change(text) for text in changes)) if changes else scene
+
+
+def scene_files(source: str) -> list[Path]:
+    """The file ``source`` names, if it names one: an input no output may replace."""
+    from symrender.scene import gallery
+
+    return [] if source in gallery.names() else [Path(source)]
+
+
+def parse_size(text: str) -> int | tuple[int, int]:
+    """``512`` or ``640x480`` as ``size``; OptionError for anything else."""
+    match = _SIZE.fullmatch(text)
+    if match is None:
+        raise OptionError(f"size: must be N or WxH in whole pixels, such as 512 or 640x480, got {text[:40]!r}")
+    width, height = match.groups()
+    return (int(width), int(height)) if height else int(width)
+
+
+def _change(text: str) -> tuple[str, Any]:
+    from symrender.scene.document import Malformed
+    from symrender.scene.parse_yaml import parse_yaml
+
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        raise OptionError(f"define: must be NAME=VALUE, such as floor.lobe.exponent=64, got {text[:60]!r}")
+    if value.startswith("(") and value.endswith(")"):
+        value = f"[{value[1:-1]}]"
+    try:
+        return name.strip(), parse_yaml(value)[0]
+    except Malformed as error:
+        raise SceneError(f"{name.strip()}: {error.problem.message}") from None

@@ -1,0 +1,60 @@
+"""Progress of a long run, on stderr: a bar for a terminal, JSON lines for a program, or nothing."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Literal
+
+ProgressMode = Literal["auto", "json", "none"]
+Progress = Callable[[int, int, str], None]
+"""Called with (done, total, label) as work advances."""
+
+
+@contextmanager
+def progress(mode: ProgressMode, *, quiet: bool = False) -> Iterator[Progress | None]:
+    """The callback for ``mode``; None where nothing is to be shown. ``auto`` shows a bar only on a terminal."""
+    if mode == "none" or quiet or (mode == "auto" and not sys.stderr.isatty()):
+        yield None
+    elif mode == "json":
+        yield _json_lines(time.monotonic())
+    else:
+        with _bar() as advance:
+            yield advance
+
+
+def _json_lines(start: float) -> Progress:
+    def advance(done: int, total: int, label: str) -> None:
+        seconds = round(time.monotonic() - start, 3)
+        line = {"label": label, "done": done, "total": total, "seconds": seconds}
+        print(json.dumps(line), file=sys.stderr, flush=True)
+
+    return advance
+
+
+@contextmanager
+def _bar() -> Iterator[Progress]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    tasks: dict[str, TaskID] = {}
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("ETA"),
+        TimeRemainingColumn(),
+    )
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+
+        def advance(done: int, total: int, label: str) -> None:
+            if label not in tasks:
+                tasks[label] = bar.add_task(label, total=total)
+            bar.update(tasks[label], completed=done, total=total)
+
+        yield advance

@@ -1,0 +1,80 @@
+"""``symrender doctor``: what this machine offers, in one block to paste into a report."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+import sys
+from pathlib import Path
+
+import typer
+
+from symrender.cli._options import Json
+
+_CORE = ("numpy", "sympy", "numba", "llvmlite", "pydantic", "PyYAML", "typer", "rich", "pillow", "OpenEXR")
+_EXTRAS = {
+    "certify": ("python-flint",),
+    "dist": ("distributed",),
+    "notebook": ("nbformat", "jupytext", "nbclient", "matplotlib"),
+    "flip": ("flip-evaluator",),
+    "gpu": ("numba-cuda",),
+}
+_FEATURES = ("sse4_2", "avx", "avx2", "fma", "avx512f", "asimd", "sve")
+
+
+def doctor(json: Json = False) -> None:
+    """Print versions, processor, threads, the kernel cache and the extras: one block to paste into a report.
+
+    Example: symrender doctor
+    """
+    facts = {
+        "symrender": _version("symrender"),
+        "python": f"{platform.python_version()} {platform.python_implementation()}",
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "processor": _processor(),
+        "threads": f"{_usable()} usable of {os.cpu_count()}",
+        "kernel cache": _cache(),
+        **{name: _version(name) for name in _CORE},
+        **{f"extra {name}": ", ".join(f"{p} {_version(p)}" for p in packages) for name, packages in _EXTRAS.items()},
+        "terminal": f"{sys.stdout.encoding}, {'colour' if sys.stdout.isatty() else 'not a terminal'}",
+    }
+    if json:
+        import json as json_module
+
+        typer.echo(json_module.dumps(facts, indent=2))
+    else:
+        width = max(map(len, facts))
+        typer.echo("\n".join(f"{name.ljust(width)}  {fact}" for name, fact in facts.items()))
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _usable() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return platform.processor() or "unknown"
+    fields = {key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines)}
+    flags = set((fields.get("flags") or fields.get("Features") or "").split())
+    name = fields.get("model name") or platform.processor() or platform.machine()
+    return f"{name} ({' '.join(f for f in _FEATURES if f in flags) or 'features unknown'})"
+
+
+def _cache() -> str:
+    from symrender.kernel_cache import cache_directory
+
+    directory, reason = cache_directory()
+    if directory is None:
+        return f"in memory only: {reason}"
+    entries = [entry for entry in directory.iterdir() if entry.is_file()] if directory.is_dir() else []
+    return f"{directory} ({len(entries)} files, {sum(e.stat().st_size for e in entries) / 1e6:.1f} MB)"

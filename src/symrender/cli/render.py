@@ -1,0 +1,139 @@
+"""``symrender render``: one scene, both pipelines, their difference and the ledger."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from symrender.cli._options import (
+    DEFAULT_SCENE,
+    Define,
+    Force,
+    Json,
+    Quiet,
+    SceneArgument,
+    parse_size,
+    scene_files,
+    scene_with,
+)
+from symrender.cli._progress import ProgressMode, progress
+from symrender.settings import Antialias, Nodes, Partition, Sampler, Symbolic, Weights
+
+if TYPE_CHECKING:
+    from symrender.image import Image
+    from symrender.views import Picture
+
+
+def render(
+    scene: SceneArgument = DEFAULT_SCENE,
+    size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "512",
+    lobe: Annotated[int, typer.Option(help="K of the K rings x K sectors (K x K samples) of a lobe.")] = 4,
+    numeric: Annotated[Sampler, typer.Option(help="Sampler of the numeric pipeline.")] = "jittered",
+    normalised: Annotated[
+        bool, typer.Option(help="Divide by the closed-form normaliser instead of the sum of weights met.")
+    ] = False,
+    symbolic: Annotated[Symbolic, typer.Option(help="Rule of the symbolic pipeline.")] = "strata",
+    weights: Annotated[Weights, typer.Option(help="Weights of the strata.")] = "exact",
+    nodes: Annotated[Nodes, typer.Option(help="Where in a stratum the radiance is read.")] = "midpoint",
+    partition: Annotated[Partition, typer.Option(help="How the lobe is cut into rings.")] = "equal_angle",
+    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
+    aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
+    seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
+    threads: Annotated[int, typer.Option(help="Worker threads; 0 takes the processors this process may use.")] = 0,
+    define: Define = None,
+    out: Annotated[Path, typer.Option(help="Folder the files are written to; made if missing.")] = Path("out"),
+    views: Annotated[
+        bool, typer.Option("--views", help="Also write gloss and hit-class pictures of each render.")
+    ] = False,
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    progress_mode: Annotated[
+        ProgressMode, typer.Option("--progress", help="auto: a bar on a terminal; json: lines on stderr.")
+    ] = "auto",
+) -> None:
+    """Render SCENE numerically and symbolically, write both, their difference, and print the ledger.
+
+    Writes numeric.png, numeric.exr, symbolic.png, symbolic.exr and difference.png. The .exr holds every layer as
+    linear radiance with the scene and the settings; the .png is clipped to [0, 1] and sRGB encoded.
+
+    Example: symrender render gloss --size 640x480 --lobe 8 -D floor.lobe.exponent=64 --out pictures
+    """
+    from symrender.output import check_target, make_folder
+
+    pixels = parse_size(size)
+    chosen = scene_with(scene, define)
+    for warning in chosen.warnings():
+        if not quiet:
+            typer.echo(f"WARNING {warning}", err=True)
+    names = [side for side, choice in (("numeric", numeric), ("symbolic", symbolic)) if choice != "none"]
+    folder = make_folder(out)
+    for name in _file_names(names, views=views):
+        check_target(folder / name, force=force, inputs=scene_files(scene))
+
+    from symrender.render import render as render_pair
+
+    with progress(progress_mode, quiet=quiet) as advance:
+        pair = render_pair(
+            chosen,
+            size=pixels,
+            lobe=lobe,
+            numeric=numeric,
+            normalised=normalised,
+            symbolic=symbolic,
+            weights=weights,
+            nodes=nodes,
+            partition=partition,
+            disk=disk,
+            aa=aa,
+            seed=seed,
+            threads=threads,
+            progress=advance,
+        )
+    images = {name: image for name in names if (image := getattr(pair, name)) is not None}
+    told = _write(images, folder, views=views, force=force)
+    if json:
+        import json as json_module
+
+        report = {"files": told, "ledger": pair.ledger.as_json()}
+        typer.echo(json_module.dumps(report, indent=2, allow_nan=False))
+    elif not quiet:
+        if sys.stdout.isatty():
+            from rich.console import Console
+
+            Console().print(pair.ledger)
+        else:
+            typer.echo(pair.ledger.text())
+        for file, remark in told.items():
+            typer.echo(f"wrote {folder / file}{f' ({remark})' if remark else ''}")
+
+
+def _file_names(sides: list[str], *, views: bool) -> list[str]:
+    endings = (".png", ".exr", *(("_gloss.png", "_hit_class.png") if views else ()))
+    names = [side + ending for side in sides for ending in endings]
+    return [*names, "difference.png"] if len(sides) == 2 else names
+
+
+def _write(images: dict[str, Image], folder: Path, *, views: bool, force: bool) -> dict[str, str]:
+    """Write the files; their names, each with what its picture leaves out or means."""
+    from symrender.ledger.pictures import absolute_difference
+    from symrender.views import gloss_view, hit_class_view
+
+    told: dict[str, str] = {}
+    pictures: dict[str, Picture] = {}
+    for name, image in images.items():
+        saved = image.save(folder / f"{name}.png", force=force)
+        told[f"{name}.png"] = f"{saved.clipped} of {image.width * image.height} pixels clipped"
+        image.save(folder / f"{name}.exr", force=force)
+        told[f"{name}.exr"] = ""
+        if views:
+            pictures |= {f"{name}_gloss.png": gloss_view(image), f"{name}_hit_class.png": hit_class_view(image)}
+    if len(images) == 2:
+        pictures["difference.png"] = absolute_difference(*images.values())
+    for file, picture in pictures.items():
+        picture.save(folder / file, force=force)
+        told[file] = picture.caption
+    return told

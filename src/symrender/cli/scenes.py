@@ -1,0 +1,44 @@
+"""``symrender scenes``: the scenes that come with symrender, and the form of a scene file."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from symrender.cli._options import Json, _scene_names
+from symrender.errors import OptionError
+
+
+def scenes(
+    show: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Print a scene's YAML: a file to start from.", autocompletion=_scene_names),
+    ] = None,
+    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of a scene file.")] = False,
+    json: Json = False,
+) -> None:
+    """List the gallery scenes, or print one as YAML, or the JSON Schema that lets an editor complete scene files.
+
+    Example: symrender scenes --show gloss > mine.yaml
+    """
+    from symrender.scene import gallery
+
+    if show is not None:
+        if show not in gallery.names():
+            raise OptionError(f"show: must be one of {', '.join(gallery.names())}, got {show[:40]!r}")
+        typer.echo(gallery.text(show), nl=False)
+    elif schema:
+        import json as json_module
+
+        from symrender.scene.scene import Scene
+
+        typer.echo(json_module.dumps(Scene.model_json_schema(), indent=2))
+    elif json:
+        import json as json_module
+
+        typer.echo(json_module.dumps({name: gallery.describe(name) for name in gallery.names()}, indent=2))
+    else:
+        width = max(map(len, gallery.names()))
+        for name in gallery.names():
+            typer.echo(f"{name.ljust(width)}  {gallery.describe(name)}")
