@@ -72,8 +72,8 @@ def test_damaged_entry_is_compiled_again(directory: Path, damage: str) -> None:
 def test_whole_entry_that_cannot_be_used_is_compiled_again(directory: Path) -> None:
     _run()
     (entry,) = directory.iterdir()
-    kernel_cache._write(entry, b"not a pickle")
-    assert kernel_cache._read(entry) == b"not a pickle"
+    kernel_cache.write_entry(entry, b"not a pickle")
+    assert kernel_cache.read_entry(entry) == b"not a pickle"
     assert _run() == (24.5, 0, 1)
 
 
@@ -85,7 +85,7 @@ def test_entry_others_may_write_is_ignored(directory: Path) -> None:
     link = directory / "elsewhere"
     entry.replace(link)
     entry.symlink_to(link)
-    assert kernel_cache._read(link) is not None and kernel_cache._read(entry) is None
+    assert kernel_cache.read_entry(link) is not None and kernel_cache.read_entry(entry) is None
 
 
 @pytest.mark.parametrize("kind", ["writable by others", "foreign", "file", "below a file", "link"])

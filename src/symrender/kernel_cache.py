@@ -38,14 +38,14 @@ F = TypeVar("F", bound=Callable[..., Any])
 _DIGEST_BYTES = 32
 
 
-def jitable(function: F) -> F:
+def jitable(function: F, *, inline: bool = False) -> F:
     """Mark a plain function as callable from kernels; it stays callable from Python, for tests.
 
-    Imports Numba, so modules that use it are imported only when something is rendered.
+    ``inline`` copies its machine code into every caller. Imports Numba, so modules that use it are imported only when something is rendered.
     """
     from numba.extending import register_jitable
 
-    marked: F = register_jitable(function)
+    marked: F = register_jitable(forceinline=inline)(function)
     return marked
 
 
@@ -138,7 +138,7 @@ class _Text(importlib.abc.InspectLoader):
         return compile(self.text, self.file, "exec", dont_inherit=True)
 
 
-def _read(path: Path) -> bytes | None:
+def read_entry(path: Path) -> bytes | None:
     """Content of an entry that is ours and whole, else None."""
     try:
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0))
@@ -156,7 +156,7 @@ def _read(path: Path) -> bytes | None:
     return content if hashlib.sha256(content).digest() == data[:_DIGEST_BYTES] else None
 
 
-def _write(path: Path, content: bytes) -> None:
+def write_entry(path: Path, content: bytes) -> None:
     """Write an entry whole or not at all; a failure only costs a compilation later."""
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=".entry-")
@@ -195,7 +195,7 @@ def _store(directory: Path, parts: Sequence[str]) -> Any:
             target_context.refresh()
             if not self.on:
                 return None
-            content = _read(self.path(sig, target_context.codegen()))
+            content = read_entry(self.path(sig, target_context.codegen()))
             if content is None:
                 return None
             try:
@@ -207,7 +207,7 @@ def _store(directory: Path, parts: Sequence[str]) -> Any:
         def save_overload(self, sig: Any, data: Any) -> None:
             if not self.on or data.library.has_dynamic_globals or any(not lifted.can_cache for lifted in data.lifted):
                 return
-            _write(self.path(sig, data.codegen), serialize.dumps(data._reduce()))
+            write_entry(self.path(sig, data.codegen), serialize.dumps(data._reduce()))
 
         def enable(self) -> None:
             self.on = True

@@ -1,0 +1,63 @@
+"""Vectors of SymPy expressions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+
+@dataclass(frozen=True)
+class Vec3:
+    """Three scalar expressions; the arithmetic of ordinary space."""
+
+    x: sp.Expr
+    y: sp.Expr
+    z: sp.Expr
+
+    @property
+    def parts(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """The components as a tuple."""
+        return self.x, self.y, self.z
+
+    def __add__(self, other: Vec3) -> Vec3:
+        return Vec3(self.x + other.x, self.y + other.y, self.z + other.z)
+
+    def __sub__(self, other: Vec3) -> Vec3:
+        return Vec3(self.x - other.x, self.y - other.y, self.z - other.z)
+
+    def __neg__(self) -> Vec3:
+        return Vec3(-self.x, -self.y, -self.z)
+
+    def __mul__(self, factor: sp.Expr | int) -> Vec3:
+        return Vec3(self.x * factor, self.y * factor, self.z * factor)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: sp.Expr | int) -> Vec3:
+        return Vec3(self.x / divisor, self.y / divisor, self.z / divisor)
+
+
+def vec3(name: str) -> Vec3:
+    """Three real symbols ``name_x``, ``name_y``, ``name_z``."""
+    return Vec3(*(sp.Symbol(f"{name}_{axis}", real=True) for axis in "xyz"))
+
+
+def dot(a: Vec3, b: Vec3) -> sp.Expr:
+    """a . b"""
+    return a.x * b.x + a.y * b.y + a.z * b.z
+
+
+def cross(a: Vec3, b: Vec3) -> Vec3:
+    """a x b"""
+    return Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+
+
+def norm2(a: Vec3) -> sp.Expr:
+    """|a|^2"""
+    return dot(a, a)
+
+
+def unit(a: Vec3) -> Vec3:
+    """a / |a|"""
+    return a / sp.sqrt(norm2(a))

@@ -1,0 +1,39 @@
+"""The whole image program, from the formulas to two entries and the small functions beside them."""
+
+from __future__ import annotations
+
+from symrender.kernel import footprint, gather, light, shade, tile, trace
+from symrender.kernel.program import Program
+
+ENTRIES = ("tile", "trace")
+"""What a runtime compiles; ``light_point`` and ``camera_axes`` run once an image and need no compiler."""
+
+
+def image_program() -> Program:
+    """Program of one image: one text for every scene, since a scene is only arrays."""
+    return Program(
+        (
+            light.light_point(),
+            tile.camera_axes(),
+            shade.power(),
+            shade.texture_factor(),
+            shade.floor_side(),
+            shade.blocked(),
+            shade.light_factors(),
+            shade.direct(),
+            trace.nearest(),
+            trace.sphere_radiance(),
+            trace.floor_radiance(),
+            trace.see(),
+            trace.trace(),
+            gather.frame(),
+            gather.candidates(),
+            gather.gather(),
+            footprint.box_share(),
+            footprint.edge_share(),
+            footprint.quad_share(),
+            tile.footprint_share(),
+            tile.tile(),
+        ),
+        ENTRIES,
+    )

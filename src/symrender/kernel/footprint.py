@@ -1,0 +1,84 @@
+"""Functions of the program that filter the floor checker over a pixel."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from symrender.expression import footprint
+from symrender.kernel.block import Block, real
+from symrender.kernel.program import Array, Function
+from symrender.limits import MAX_FOOTPRINT_LINES
+from symrender.scene import arrays as at
+
+FLOOR = Array("floor", 1)
+
+
+def box_share() -> Function:
+    """Bright share of an axis-aligned rectangle of the floor: exact, and exact for every pixel of a plane camera."""
+    x, y, width, height = real("x"), real("y"), real("width"), real("height")
+    cell = FLOOR[at.FLOOR_CELL]
+    block = Block()
+    across = block.let("across", footprint.interval_mean((x - FLOOR[at.FLOOR_OFFSET]) / cell, width / cell))
+    along = block.let("along", footprint.interval_mean((y - FLOOR[at.FLOOR_OFFSET + 1]) / cell, height / cell))
+    block.leave((1 + across * along) / 2)
+    return Function("box_share", (x, y, width, height, FLOOR), block.statements, "bright share of a floor rectangle")
+
+
+def edge_share() -> Function:
+    """Part of one straight edge, in cell coordinates, in the integral of the checker's sign over a polygon.
+
+    The edge is cut where it meets a checker line; an edge that meets more than ``MAX_FOOTPRINT_LINES`` is not
+    followed (the caller asks first).
+    """
+    a0, b0, a1, b1 = (real(name) for name in ("a_0", "b_0", "a_1", "b_1"))
+    block = Block()
+    run, rise = block.lets({"run": a1 - a0, "rise": b1 - b0})
+    lines_a = block.count("lines_a", sp.Abs(sp.floor(a1) - sp.floor(a0)))
+    lines_b = block.count("lines_b", sp.Abs(sp.floor(b1) - sp.floor(b0)))
+    total, done = block.let("total", sp.Integer(0)), block.let("done", sp.Integer(0))
+    next_a, next_b = block.let("next_a", sp.Integer(2)), block.let("next_b", sp.Integer(2))
+    step_a, step_b = block.let("step_a", sp.Integer(0)), block.let("step_b", sp.Integer(0))
+    for slope, start, following, step in ((run, a0, next_a, step_a), (rise, b0, next_b, step_b)):
+        with block.when(slope > 0):
+            block.set(following, (sp.floor(start) + 1 - start) / slope)
+            block.set(step, 1 / slope)
+        with block.when(slope < 0):
+            block.set(following, (sp.floor(start) - start) / slope)
+            block.set(step, -1 / slope)
+    with block.loop("piece", lines_a + lines_b + 3):
+        stop = block.let("stop", sp.Min(1, next_a, next_b))
+        middle = block.let("middle", (done + stop) / 2)
+        value = footprint.edge_integral(a0 + run * middle, b0 + rise * done, b0 + rise * stop, run * (stop - done))
+        block.set(total, block.let("more", total + value))
+        block.set(done, stop)
+        with block.when(stop >= 1):
+            block.leave(total)
+        with block.when(next_a <= stop):
+            block.set(next_a, next_a + step_a)
+        with block.when(next_b <= stop):
+            block.set(next_b, next_b + step_b)
+    block.leave(total)
+    return Function("edge_share", (a0, b0, a1, b1), block.statements, "one edge's part of the integral of the sign")
+
+
+def quad_share() -> Function:
+    """Bright share of a convex quadrilateral of the floor, exact in floor area up to ``MAX_FOOTPRINT_LINES``.
+
+    Beyond that many lines the share is 1/2; the mean of the sign over a convex region is at most its perimeter
+    over twice its area, in cells, so what is dropped there is below 4 / MAX_FOOTPRINT_LINES.
+    """
+    corners = [real(f"{axis}_{k}") for k in range(4) for axis in "xy"]
+    cell = FLOOR[at.FLOOR_CELL]
+    block = Block()
+    scaled = [
+        block.let(f"{'ab'[k % 2]}_{k // 2}", (value - FLOOR[at.FLOOR_OFFSET + k % 2]) / cell)
+        for k, value in enumerate(corners)
+    ]
+    edges = [(*scaled[2 * k : 2 * k + 2], *scaled[2 * ((k + 1) % 4) : 2 * ((k + 1) % 4) + 2]) for k in range(4)]
+    lines = block.let("lines", sp.Max(*(sp.Abs(e[2] - e[0]) + sp.Abs(e[3] - e[1]) for e in edges)))
+    area = block.let("area", sum(e[0] * e[3] - e[2] * e[1] for e in edges) / 2)
+    with block.when(sp.Or(lines > MAX_FOOTPRINT_LINES, sp.Eq(area, 0))):
+        block.leave(sp.Rational(1, 2))
+    parts = [block.call("edge_share", edge, f"part_{k}")[0] for k, edge in enumerate(edges)]
+    block.leave((1 + sum(parts) / area) / 2)
+    return Function("quad_share", (*corners, FLOOR), block.statements, "bright share of a convex floor quadrilateral")

@@ -1,0 +1,1 @@
+"""Text to callable: compiled by Numba, or run as it is."""

@@ -1,0 +1,1 @@
+"""Program to text, one file per language; pure: no compiler, no device."""

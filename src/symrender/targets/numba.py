@@ -1,0 +1,186 @@
+"""Program to Python text that Numba compiles.
+
+Whole powers become products, negative powers divisions, and no name in the text comes from a scene. The text
+imports nothing but ``math`` and ``numba``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+from sympy.printing.precedence import PRECEDENCE, precedence
+from sympy.printing.str import StrPrinter
+
+from symrender.kernel.program import (
+    Call,
+    Function,
+    Let,
+    Loop,
+    Next,
+    Program,
+    Return,
+    Statement,
+    Store,
+    When,
+)
+from symrender.targets.interface import Target
+
+_FUNCTIONS = {
+    "sin": "math.sin",
+    "cos": "math.cos",
+    "tan": "math.tan",
+    "acos": "math.acos",
+    "atan2": "math.atan2",
+    "exp": "math.exp",
+    "log": "math.log",
+    "log1p": "math.log1p",
+    "expm1": "math.expm1",
+    "floor": "math.floor",
+    "Abs": "abs",
+    "Max": "max",
+    "Min": "min",
+}
+_LARGEST_PRODUCT = 4
+
+
+class _Printer(StrPrinter):
+    def emptyPrinter(self, expr: sp.Basic) -> str:
+        raise NotImplementedError(f"no Python text for {type(expr).__name__}")
+
+    def _print_Symbol(self, expr: sp.Symbol) -> str:
+        return str(expr.name)
+
+    def _print_Integer(self, expr: sp.Integer) -> str:
+        return str(int(expr))
+
+    def _print_Rational(self, expr: sp.Rational) -> str:
+        return repr(float(expr))
+
+    def _print_Float(self, expr: sp.Float) -> str:
+        return repr(float(expr))
+
+    def _print_Pi(self, expr: sp.Expr) -> str:
+        return "math.pi"
+
+    def _print_Infinity(self, expr: sp.Expr) -> str:
+        return "math.inf"
+
+    def _print_Indexed(self, expr: sp.Indexed) -> str:
+        return f"{expr.base.label}[{', '.join(self._print(index) for index in expr.indices)}]"
+
+    def _print_Function(self, expr: sp.Function) -> str:
+        name = type(expr).__name__
+        return f"{_FUNCTIONS[name]}({', '.join(self._print(argument) for argument in expr.args)})"
+
+    _print_Max = _print_Min = _print_Abs = _print_Function
+
+    def _print_floor(self, expr: sp.Expr) -> str:
+        share, whole = expr.args[0].as_coeff_Mul()
+        if whole.is_integer and share.is_Rational and share.p == 1:
+            return f"{self.parenthesize(whole, PRECEDENCE['Mul'])}//{share.q}"
+        return str(self._print_Function(expr))
+
+    def _print_length(self, expr: sp.Expr) -> str:
+        return f"{self._print(expr.args[0])}.shape[0]"
+
+    def _print_Mod(self, expr: sp.Mod) -> str:
+        return " % ".join(self.parenthesize(argument, PRECEDENCE["Mul"], strict=True) for argument in expr.args)
+
+    def _print_Pow(self, expr: sp.Pow) -> str:
+        base, exponent = expr.args
+        if exponent == sp.Rational(1, 2):
+            return f"math.sqrt({self._print(base)})"
+        if exponent.is_Integer and 1 < int(exponent) <= _LARGEST_PRODUCT:
+            return "*".join([self.parenthesize(base, PRECEDENCE["Mul"], strict=True)] * int(exponent))
+        if exponent.is_number and exponent.is_negative:
+            return f"1.0/{self.parenthesize(base ** (-exponent), PRECEDENCE['Pow'])}"
+        return f"math.pow({self._print(base)}, {self._print(exponent)})"
+
+    def _print_Mul(self, expr: sp.Mul) -> str:
+        coefficient, rest = expr.as_coeff_Mul()
+        if coefficient == -1:
+            return f"-{self.parenthesize(rest, PRECEDENCE['Mul'])}"
+        over = [1 / factor for factor in expr.args if factor.is_Pow and factor.exp.is_number and factor.exp.is_negative]
+        under = [f for f in expr.args if not (f.is_Pow and f.exp.is_number and f.exp.is_negative)]
+        top = "*".join(self._factor(factor) for factor in under) or "1.0"
+        if not over:
+            return top
+        bottom = "*".join(self._factor(factor) for factor in over)
+        simple = len(over) == 1 and precedence(over[0]) > PRECEDENCE["Mul"] and not over[0].is_Pow
+        return f"{top}/{bottom}" if simple else f"{top}/({bottom})"
+
+    def _factor(self, factor: sp.Expr) -> str:
+        if factor.is_Number and factor.is_positive:
+            return str(self._print(factor))
+        return str(self.parenthesize(factor, PRECEDENCE["Mul"]))
+
+    def _print_And(self, expr: sp.And) -> str:
+        return " and ".join(self.parenthesize(a, PRECEDENCE["And"]) for a in sorted(expr.args, key=sp.default_sort_key))
+
+    def _print_Or(self, expr: sp.Or) -> str:
+        return " or ".join(self.parenthesize(a, PRECEDENCE["Or"]) for a in sorted(expr.args, key=sp.default_sort_key))
+
+    def _print_Not(self, expr: sp.Not) -> str:
+        return f"not {self.parenthesize(expr.args[0], PRECEDENCE['Not'])}"
+
+    def _print_BooleanTrue(self, expr: sp.Basic) -> str:
+        return "True"
+
+    def _print_BooleanFalse(self, expr: sp.Basic) -> str:
+        return "False"
+
+    def _print_Relational(self, expr: sp.core.relational.Relational) -> str:
+        return f"{self._print(expr.lhs)} {expr.rel_op} {self._print(expr.rhs)}"
+
+
+def _body(statements: Sequence[Statement], printer: _Printer, depth: int) -> list[str]:
+    pad = "    " * depth
+    lines: list[str] = []
+    for statement in statements:
+        match statement:
+            case Let(name=name, value=value):
+                number = float(value) if value.is_Integer and not name.is_integer else None
+                lines.append(f"{pad}{name.name} = {printer.doprint(value) if number is None else repr(number)}")
+            case Store(element=element, value=value):
+                lines.append(f"{pad}{printer.doprint(element)} = {printer.doprint(value)}")
+            case Loop(index=index, count=count, body=body, first=first):
+                span = printer.doprint(count) if first == 0 else f"{printer.doprint(first)}, {printer.doprint(count)}"
+                lines.append(f"{pad}for {index.name} in range({span}):")
+                lines += _body(body, printer, depth + 1)
+            case When(condition=condition, body=body, otherwise=otherwise):
+                lines.append(f"{pad}if {printer.doprint(condition)}:")
+                lines += _body(body, printer, depth + 1)
+                if otherwise:
+                    lines.append(f"{pad}else:")
+                    lines += _body(otherwise, printer, depth + 1)
+            case Next():
+                lines.append(f"{pad}continue")
+            case Return(values=values):
+                lines.append(f"{pad}return {', '.join(_value(value, printer) for value in values)}")
+            case Call(targets=targets, function=function, arguments=arguments):
+                call = f"{function}({', '.join(_value(argument, printer) for argument in arguments)})"
+                left = ", ".join(target.name for target in targets)
+                lines.append(f"{pad}{left} = {call}" if targets else f"{pad}{call}")
+    return lines
+
+
+def _value(value: sp.Basic, printer: _Printer) -> str:
+    return str(printer.doprint(value))
+
+
+def _function(function: Function) -> list[str]:
+    names = ", ".join(p.name for p in function.parameters)
+    printer = _Printer()
+    return [f"def {function.name}({names}):", f'    """{function.doc}"""', *_body(function.body, printer, 1)]
+
+
+def emit(program: Program) -> str:
+    """The Python module of ``program``: one plain function per Function, in order; the runtime adds Numba."""
+    parts = ["import math\n"]
+    parts += ["\n".join(_function(function)) + "\n" for function in program.functions]
+    parts.append(f"INLINE = {tuple(function.name for function in program.functions if function.inline)!r}\n")
+    return "\n\n".join(parts)
+
+
+_: Target = emit
