@@ -28,7 +28,7 @@ def encode(layers: Mapping[str, Array], meta: Mapping[str, str]) -> bytes:
 
     channels: dict[str, npt.NDArray[np.float32]] = {}
     for name, layer in layers.items():
-        with np.errstate(over="ignore", under="ignore"):
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             single = layer.astype(np.float32)
         lost = int((np.isinf(single) & np.isfinite(layer)).sum())
         if lost:
@@ -82,7 +82,9 @@ def decode(data: bytes, max_pixels: int) -> tuple[dict[str, Array], dict[str, st
     for name, pixels in channels.items():
         if pixels.shape != (height, width):
             raise ImageError(f"channel {name!r} must have shape {(height, width)}, got {pixels.shape}")
-    return _layers(channels), meta
+    # a signalling NaN becomes a quiet one, which is all that "invalid" means here
+    with np.errstate(invalid="ignore"):
+        return _layers(channels), meta
 
 
 def _size(header: Mapping[str, Any]) -> tuple[int, int]:

@@ -146,7 +146,8 @@ class Image:
         radiance = self.radiance
         bad = int((~np.isfinite(radiance)).any(axis=-1).sum())
         what = f"{self.meta.get('method', 'rendered')} image of {self.meta.get('scene_name', 'a scene')}"
-        mean = ", ".join(f"{m:.3g}" for m in np.nanmean(np.where(np.isfinite(radiance), radiance, np.nan), axis=(0, 1)))
+        finite = radiance[np.isfinite(radiance).all(axis=-1)]
+        mean = ", ".join(f"{m:.3g}" for m in finite.mean(axis=0)) if len(finite) else "unknown"
         text = f"{what}, {self.width} by {self.height} pixels, mean radiance {mean}"
         clipped = clipped_pixels(radiance)
         text += f", {clipped} pixels clipped to the screen's range" if clipped else ""

@@ -25,7 +25,7 @@ def application() -> Any:
     """The command line as one command object."""
     app = typer.Typer(
         no_args_is_help=True,
-        rich_markup_mode="rich",
+        rich_markup_mode="markdown",
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
         epilog=EXIT_CODES,

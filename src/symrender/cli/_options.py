@@ -37,7 +37,6 @@ def _parameter_names(ctx: typer.Context, incomplete: str) -> list[str]:
 SceneArgument = Annotated[
     str,
     typer.Argument(
-        metavar="[SCENE]",
         help="Gallery name or path of a .yaml, .toml or .json file.",
         autocompletion=_scene_names,
     ),
