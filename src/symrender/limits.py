@@ -13,6 +13,8 @@ MAX_DEPTH: Final = 32
 """Deepest nesting of a scene file."""
 MAX_KEYS: Final = 50_000
 """Most keys and items in a scene file."""
+MAX_MAPPING: Final = 64
+"""Most keys of one mapping in a scene file."""
 MAX_NAME: Final = 100
 """Longest name of a scene, characters."""
 MAX_PART_NAME: Final = 32

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
+from symrender.scene.directions import coincide, parallel
 from symrender.scene.values import FieldOfView, Length, Part, Point2, Point3
 
 
@@ -21,6 +23,14 @@ class PlaneCamera(Part):
     window_half: Annotated[Length, Field(description="half the width of the floor window")]
     window_center: Annotated[Point2, Field(description="middle of the floor window")] = (0.0, 0.0)
 
+    @model_validator(mode="after")
+    def _stands_off_the_floor(self) -> Self:
+        if self.eye[2] == 0:
+            raise PydanticCustomError(
+                "scene", "eye must be off the plane z = 0, which window_half is measured on, got z = 0"
+            )
+        return self
+
 
 class LookAtCamera(Part):
     """Perspective camera; ``fov`` is the vertical field of view in degrees, pixels are square.
@@ -34,6 +44,16 @@ class LookAtCamera(Part):
     target: Annotated[Point3, Field(description="the point in the middle of the image")] = (0.0, 0.0, 0.0)
     up: Annotated[Point3, Field(description="any vector not along the view")] = (0.0, 0.0, 1.0)
     fov: Annotated[FieldOfView, Field(description="vertical field of view")] = 40.0
+
+    @model_validator(mode="after")
+    def _looks_somewhere(self) -> Self:
+        if coincide(self.eye, self.target):
+            raise PydanticCustomError("scene", "eye and target must differ, got the same point for both")
+        if coincide(self.up, (0.0, 0.0, 0.0)):
+            raise PydanticCustomError("scene", "up must be longer than zero")
+        if parallel(self.up, self.eye, self.target):
+            raise PydanticCustomError("scene", "up must not be parallel to the view from eye to target")
+        return self
 
 
 Camera = Annotated[PlaneCamera | LookAtCamera, Field(discriminator="type")]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
+from symrender.scene.directions import coincide
 from symrender.scene.values import Colour, Extent, Part, PartName, Point3
 
 
@@ -30,6 +32,12 @@ class DiskLight(Part):
     radius: Annotated[Extent, Field(description="radius of the disk")]
     target: Annotated[Point3, Field(description="the point the disk faces")] = (0.0, 0.0, 0.0)
     color: Annotated[Colour, Field(description="arriving radiance scale")] = (1.0, 1.0, 1.0)
+
+    @model_validator(mode="after")
+    def _faces_somewhere(self) -> Self:
+        if self.radius > 0 and coincide(self.position, self.target):
+            raise PydanticCustomError("scene", "position and target of a disk must differ, got the same point for both")
+        return self
 
 
 Light = Annotated[PointLight | DiskLight, Field(discriminator="type")]

@@ -1,39 +1,83 @@
-"""Scenes from names, files, standard input and dicts."""
+"""Scenes from gallery names, files, standard input and dicts."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable, Mapping
+from pathlib import PurePath
+from typing import Any, Final
 
 from symrender.errors import SceneError
 from symrender.scene import gallery
-from symrender.scene.document import Document, Malformed, failure
+from symrender.scene.document import Document, Malformed, Path, Problem, failure
+from symrender.scene.nearest import did_you_mean
+from symrender.scene.parse_json import parse_json
+from symrender.scene.parse_toml import parse_toml
 from symrender.scene.parse_yaml import parse_yaml
 from symrender.scene.plain import plain
+from symrender.scene.printable import printable, shown
+from symrender.scene.read import read_file, read_stdin
 from symrender.scene.scene import Scene
 from symrender.scene.validate import scene_of
 
+Parser = Callable[[str], tuple[Any, dict[Path, int]]]
 
-def parse(text: str, origin: str, suffix: str) -> Scene:
-    """The scene in ``text``, read by the parser of ``suffix``; ``origin`` is what messages call it."""
+_PARSERS: Final[Mapping[str, tuple[str, Parser]]] = {
+    ".yaml": ("YAML", parse_yaml),
+    ".yml": ("YAML", parse_yaml),
+    ".json": ("JSON", parse_json),
+    ".toml": ("TOML", parse_toml),
+}
+
+
+def parse(text: str, origin: str, suffix: str = ".yaml") -> Scene:
+    """The scene in ``text``, read as the file ending ``suffix`` says; ``origin`` is what messages call it.
+
+    Raises SceneError, one line per problem, the first of them complete in itself.
+    """
+    language, parser = _PARSERS[suffix]
     try:
-        data, lines = parse_yaml(text)
+        data, lines = parser(text)
     except Malformed as error:
         raise failure(Document(None, origin), [error.problem]) from None
-    return scene_of(Document(data, origin, lines))
+    document = Document(data, origin, lines)
+    if not isinstance(data, dict) or not data:
+        read = "nothing" if data in (None, {}) else shown(data)
+        wanted = f"must be a mapping with a camera, spheres and lights, got {read} (read as {language})"
+        raise failure(Document(None, origin), [Problem((), wanted, lines.get((), 1))])
+    return scene_of(document)
+
+
+def _load_file(path: str) -> Scene:
+    suffix = PurePath(path).suffix.lower()
+    if suffix not in _PARSERS:
+        known = gallery.names()
+        guess = did_you_mean(path, known) or f" ({', '.join(known)})"
+        endings = ", ".join(_PARSERS)
+        raise SceneError(f"{printable(path, 100)}: neither a gallery scene{guess} nor a file ending in {endings}")
+    return parse(read_file(path), path, suffix)
 
 
 def load(source: Scene | str | os.PathLike[str] | Mapping[str, Any]) -> Scene:
-    """The scene ``source`` names or holds."""
+    """The scene ``source`` names or holds.
+
+    A text that is the name of a gallery scene (``"gloss"``) is that scene, ``"-"`` is YAML from standard input, any
+    other text and every path object is a file, read as YAML, JSON or TOML by its ending. A mapping is a scene with
+    the keys of a file, and a Scene is returned as it is.
+
+    Raises SceneError: ``scene.yaml:12: spheres[1].radius: must be > 0 and finite, got -1``; more problems follow on
+    lines of their own. Files are refused beyond 1 MiB, 32 levels or 50000 keys and items, and YAML beyond plain data
+    (tags, anchors, aliases, merge keys, several documents); numbers are those of YAML 1.2, all of them finite.
+    """
     if isinstance(source, Scene):
         return source
     if isinstance(source, Mapping):
         return scene_of(Document(plain(source)))
-    if isinstance(source, str) and source in gallery.names():
-        return parse(gallery.text(source), source, ".yaml")
-    try:
-        return parse(Path(source).read_text(encoding="utf-8"), str(source), ".yaml")
-    except OSError as error:
-        raise SceneError(f"{source}: cannot be read: {error.strerror}") from None
+    if isinstance(source, str):
+        if source in gallery.names():
+            return parse(gallery.text(source), source)
+        return parse(read_stdin(), "stdin") if source == "-" else _load_file(source)
+    if isinstance(source, os.PathLike):
+        path = os.fspath(source)
+        return _load_file(path if isinstance(path, str) else os.fsdecode(path))
+    raise SceneError(f"scene: must be a name, a path, a mapping or a Scene, got {shown(source)}")

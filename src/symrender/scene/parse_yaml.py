@@ -10,8 +10,9 @@ import re
 from typing import Any, Final
 
 import yaml
+from yaml.reader import ReaderError
 
-from symrender.limits import MAX_DEPTH, MAX_KEYS
+from symrender.limits import MAX_DEPTH, MAX_KEYS, MAX_MAPPING
 from symrender.scene.document import Malformed, Path
 from symrender.scene.numerals import number
 from symrender.scene.printable import printable
@@ -19,8 +20,10 @@ from symrender.scene.printable import printable
 _LOADER: Final[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _DECIMAL: Final = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
-_BASED: Final = re.compile(r"0o[0-7]{1,20}|0x[0-9a-fA-F]{1,15}")
+_BASED: Final = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
+_LONGEST_BASED: Final = 18
 _NOT_FINITE: Final = re.compile(r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
+_CONTROL: Final = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _WORDS: Final[dict[str, bool | None]] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -35,6 +38,8 @@ def _plain(text: str) -> Any:
     if _DECIMAL.fullmatch(text):
         return number(text)
     if _BASED.fullmatch(text):
+        if len(text) > _LONGEST_BASED:
+            raise ValueError(f"a number in base 8 or 16 must have at most {_LONGEST_BASED} characters, got {len(text)}")
         return int(text, 0)
     if _NOT_FINITE.fullmatch(text):
         raise ValueError(f"must be finite, got {text}")
@@ -80,6 +85,8 @@ class _Builder:
         if name in holder:
             first = self.lines[(*path, name)]
             raise Malformed(f"duplicate key, first on line {first}", line, (*path, name))
+        if len(holder) >= MAX_MAPPING:
+            raise Malformed(f"a mapping may hold at most {MAX_MAPPING} keys", line, path)
         self.count(line)
         self.lines[(*path, name)] = line
         self.key[-1] = name
@@ -157,6 +164,8 @@ def parse_yaml(text: str) -> tuple[Any, dict[Path, int]]:
         builder = _build(text)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
+        control = _CONTROL.search(text) if isinstance(error, ReaderError) else None
         what = getattr(error, "problem", None) or getattr(error, "reason", None) or "cannot be read"
-        raise Malformed(f"not valid YAML: {printable(str(what), 100)}", mark.line + 1 if mark else None) from None
+        line = mark.line + 1 if mark else text.count("\n", 0, control.start()) + 1 if control else None
+        raise Malformed(f"not valid YAML: {printable(str(what), 100)}", line) from None
     return builder.root, builder.lines

@@ -15,10 +15,11 @@ SHOWN: Final = 48
 
 def printable(text: str, limit: int = SHOWN) -> str:
     """``text`` on one line, every character that is not printable spelled as an escape, cut after ``limit``."""
-    cut = text if len(text) <= limit else text[: limit - 3]
-    # format characters (category Cf, the direction overrides among them) are not printable to str.isprintable
-    safe = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut)
-    return safe if cut is text else f"{safe}..."
+    safe = ""
+    for c in text[: limit + 1]:
+        # format characters (category Cf, the direction overrides among them) are not printable to str.isprintable
+        safe += c if c.isprintable() else c.encode("unicode_escape").decode("ascii")
+    return safe if len(safe) <= limit else f"{safe[: limit - 3]}..."
 
 
 def shown(value: Any) -> str:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from symrender.limits import MAX_LIGHTS, MAX_NAME, MAX_SPHERES
 from symrender.scene.camera import Camera
 from symrender.scene.light import Light
 from symrender.scene.shading import Shading
 from symrender.scene.shape import Floor, Sphere
-from symrender.scene.values import Colour, Part, _tuple
+from symrender.scene.values import Colour, Part, at_most
 
 if TYPE_CHECKING:
     from symrender.scene.parameters import Parameter
@@ -24,12 +25,24 @@ class Scene(Part):
     name: Annotated[str, Field(max_length=MAX_NAME)] = "scene"
     description: Annotated[str, Field(max_length=4000)] = ""
     camera: Camera
-    spheres: Annotated[tuple[Sphere, ...], BeforeValidator(_tuple), Field(max_length=MAX_SPHERES)] = ()
+    spheres: Annotated[tuple[Sphere, ...], BeforeValidator(at_most(MAX_SPHERES)), Field(max_length=MAX_SPHERES)] = ()
     floor: Floor | None = None
-    lights: Annotated[tuple[Light, ...], BeforeValidator(_tuple), Field(max_length=MAX_LIGHTS)] = ()
+    lights: Annotated[tuple[Light, ...], BeforeValidator(at_most(MAX_LIGHTS)), Field(max_length=MAX_LIGHTS)] = ()
     ambient: Annotated[Colour, Field(description="ambient radiance, weighted by ka")] = (0.0, 0.0, 0.0)
     background: Annotated[Colour, Field(description="radiance where nothing is hit")] = (0.0, 0.0, 0.0)
     shading: Shading = Shading()
+
+    @model_validator(mode="after")
+    def _has_unique_names(self) -> Self:
+        for field, parts in (("spheres", self.spheres), ("lights", self.lights)):
+            first: dict[str, int] = {}
+            for index, part in enumerate(parts):
+                if part.name in first:
+                    context: dict[str, Any] = {"path": (field, index, "name")}
+                    other = f"{field}[{first[part.name]}]"
+                    raise PydanticCustomError("scene", f"must be unique, {other} is '{part.name}' too", context)
+                first[part.name] = index
+        return self
 
     @property
     def hash(self) -> str:
@@ -49,3 +62,8 @@ class Scene(Part):
         from symrender.scene.replace import replace
 
         return replace(self, changes)
+
+    def _repr_html_(self) -> str:
+        from symrender.scene.table import html
+
+        return html(self)

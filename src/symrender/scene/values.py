@@ -6,9 +6,11 @@ Each alias states unit and range once; the schema, the ``params`` table and the 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 from symrender.limits import (
     MAX_COORDINATE,
@@ -29,6 +31,17 @@ class Part(BaseModel):
 
 def _tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
+
+
+def at_most(limit: int) -> Callable[[Any], Any]:
+    """Validator of a list that looks at its length before its items, so that a long one has one problem, not many."""
+
+    def check(value: Any) -> Any:
+        if isinstance(value, list | tuple) and len(value) > limit:
+            raise PydanticCustomError("scene", f"must hold at most {limit} entries, got {len(value)}")
+        return _tuple(value)
+
+    return check
 
 
 Coordinate = Annotated[float, Field(ge=-MAX_COORDINATE, le=MAX_COORDINATE, json_schema_extra={"unit": "length"})]

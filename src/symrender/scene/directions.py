@@ -1,0 +1,32 @@
+"""Whether three points make directions: the questions a camera and a disk light have to pass."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from symrender.limits import MIN_LENGTH
+
+_PARALLEL: Final = 1e-12
+"""Sine of the angle below which two directions span no plane in double precision."""
+
+Triple = tuple[float, float, float]
+
+
+def coincide(a: Triple, b: Triple) -> bool:
+    """Whether two points are too close for a direction: the square of their distance is no normal number."""
+    return max(abs(a[0] - b[0]), abs(a[1] - b[1]), abs(a[2] - b[2])) < MIN_LENGTH
+
+
+def _unit(v: Triple) -> Triple:
+    largest = max(map(abs, v))
+    x, y, z = (c / largest for c in v)  # first to size 1, so that no square underflows
+    norm = math.hypot(x, y, z)
+    return x / norm, y / norm, z / norm
+
+
+def parallel(v: Triple, start: Triple, end: Triple) -> bool:
+    """Whether ``v`` is along the line from ``start`` to ``end``; none of the two directions is zero."""
+    ax, ay, az = _unit(v)
+    bx, by, bz = _unit((end[0] - start[0], end[1] - start[1], end[2] - start[2]))
+    return math.hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx) < _PARALLEL

@@ -1,0 +1,141 @@
+"""JSON to plain data with line numbers: RFC 8259 to the letter, and no key twice."""
+
+from __future__ import annotations
+
+import json
+import re
+from bisect import bisect_right
+from typing import Any, Final
+
+from symrender.limits import MAX_DEPTH, MAX_KEYS, MAX_MAPPING
+from symrender.scene.document import Malformed, Path
+from symrender.scene.numerals import number
+from symrender.scene.printable import printable
+
+_SPACE: Final = re.compile(r"[ \t\n\r]*")
+_NUMBER: Final = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?")
+_TEXT: Final = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*"')
+_WORD: Final = re.compile(r"[^\s\[\]{},:\"]{1,40}|.", re.DOTALL)
+_WORDS: Final[dict[str, bool | None]] = {"null": None, "true": True, "false": False}
+
+
+class _Reader:
+    """Recursive descent over the text; nesting is bounded by MAX_DEPTH."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.at = 0
+        self.breaks = [match.start() for match in re.finditer("\n", text)]
+        self.lines: dict[Path, int] = {}
+        self.entries = 0
+
+    def line(self) -> int:
+        return bisect_right(self.breaks, self.at - 1) + 1 if self.at else 1
+
+    def peek(self) -> str:
+        """The next character that is not white space, or nothing at the end."""
+        space = _SPACE.match(self.text, self.at)
+        self.at = space.end() if space else self.at
+        return self.text[self.at : self.at + 1]
+
+    def unexpected(self, wanted: str) -> Malformed:
+        word = _WORD.match(self.text, self.at)
+        found = f"'{printable(word[0])}'" if word else "the end of the text"
+        return Malformed(f"not valid JSON: expected {wanted}, got {found}", self.line())
+
+    def text_value(self) -> str:
+        found = _TEXT.match(self.text, self.at)
+        if found is None:
+            raise Malformed(
+                "not valid JSON: a text without its closing quote, or with a bare control character", self.line()
+            )
+        try:
+            value = json.loads(found[0])
+        except ValueError as error:
+            what = getattr(error, "msg", str(error))
+            raise Malformed(f"not valid JSON: {printable(what, 100)}", self.line()) from None
+        self.at = found.end()
+        return str(value)
+
+    def enter(self, path: Path) -> None:
+        self.entries += 1
+        if self.entries > MAX_KEYS:
+            raise Malformed(f"a scene file may hold at most {MAX_KEYS} keys and items", self.line())
+        self.lines[path] = self.line()
+
+    def value(self, path: Path, depth: int) -> Any:
+        first = self.peek()
+        if first in ("{", "["):
+            if depth >= MAX_DEPTH:
+                raise Malformed(f"nesting must be at most {MAX_DEPTH} deep", self.line())
+            return self.mapping(path, depth + 1) if first == "{" else self.list(path, depth + 1)
+        if first == '"':
+            return self.text_value()
+        if numeral := _NUMBER.match(self.text, self.at):
+            try:
+                value = number(numeral[0])
+            except ValueError as error:
+                raise Malformed(str(error), self.line(), path) from None
+            self.at = numeral.end()
+            return value
+        word = _WORD.match(self.text, self.at)
+        if word is None or word[0] not in _WORDS:
+            raise self.unexpected("a value")
+        self.at = word.end()
+        return _WORDS[word[0]]
+
+    def mapping(self, path: Path, depth: int) -> dict[str, Any]:
+        result: dict[str, Any] = {}
+        self.at += 1
+        if self.peek() == "}":
+            self.at += 1
+            return result
+        while True:
+            if self.peek() != '"':
+                raise self.unexpected("a key in double quotes")
+            start, line = self.at, self.line()
+            key = self.text_value()
+            if key in result:
+                raise Malformed(f"duplicate key, first on line {self.lines[(*path, key)]}", line, (*path, key))
+            if len(result) >= MAX_MAPPING:
+                raise Malformed(f"a mapping may hold at most {MAX_MAPPING} keys", line, path)
+            after, self.at = self.at, start
+            self.enter((*path, key))
+            self.at = after
+            if self.peek() != ":":
+                raise self.unexpected("':'")
+            self.at += 1
+            result[key] = self.value((*path, key), depth)
+            if self.closes("}"):
+                return result
+
+    def list(self, path: Path, depth: int) -> list[Any]:
+        result: list[Any] = []
+        self.at += 1
+        if self.peek() == "]":
+            self.at += 1
+            return result
+        while True:
+            self.peek()
+            self.enter((*path, len(result)))
+            result.append(self.value((*path, len(result)), depth))
+            if self.closes("]"):
+                return result
+
+    def closes(self, bracket: str) -> bool:
+        found = self.peek()
+        if found not in (",", bracket) or not found:
+            raise self.unexpected(f"',' or '{bracket}'")
+        self.at += 1
+        return found == bracket
+
+
+def parse_json(text: str) -> tuple[Any, dict[Path, int]]:
+    """Plain data and the line of each key and item; Malformed names the line of what is refused."""
+    reader = _Reader(text)
+    reader.peek()
+    reader.lines[()] = reader.line()
+    data = reader.value((), 0)
+    if reader.peek():
+        raise reader.unexpected("the end of the text")
+    return data, reader.lines

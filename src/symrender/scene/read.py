@@ -1,0 +1,58 @@
+"""The text of a scene file, or of standard input: regular, small and UTF-8, or an error in one line."""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+
+from symrender.errors import SceneError
+from symrender.limits import MAX_FILE_BYTES
+from symrender.scene.printable import printable
+
+_SHOWN = 100
+
+
+def _decode(data: bytes, origin: str) -> str:
+    if len(data) > MAX_FILE_BYTES:
+        raise SceneError(f"{origin}: a scene file may hold at most {MAX_FILE_BYTES} bytes")
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise SceneError(f"{origin}: must be UTF-8, got UTF-16 or UTF-32")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise SceneError(f"{origin}:{line}: must be UTF-8, got byte 0x{data[error.start]:02x}") from None
+    if (at := text.find("\0")) >= 0:
+        line = text.count("\n", 0, at) + 1
+        raise SceneError(f"{origin}:{line}: must be text, got a NUL byte")
+    return text
+
+
+def read_file(path: str) -> str:
+    """Text of the file at ``path``, a leading byte order mark removed; never blocks on what is not a regular file."""
+    origin = printable(path, _SHOWN)
+    try:
+        # O_NONBLOCK: opening a FIFO for reading waits for a writer otherwise
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    except ValueError:
+        raise SceneError(f"{origin}: not a file name") from None
+    except OSError as error:
+        raise SceneError(f"{origin}: cannot be read: {error.strerror}") from None
+    try:
+        mode = os.fstat(handle).st_mode
+        if not stat.S_ISREG(mode):
+            kind = "a directory" if stat.S_ISDIR(mode) else "a device, pipe or socket"
+            raise SceneError(f"{origin}: must be a regular file, got {kind}")
+        with os.fdopen(handle, "rb", closefd=False) as file:
+            data = file.read(MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise SceneError(f"{origin}: cannot be read: {error.strerror}") from None
+    finally:
+        os.close(handle)
+    return _decode(data, origin)
+
+
+def read_stdin() -> str:
+    """Text of standard input, under the same rules as a file."""
+    return _decode(sys.stdin.buffer.read(MAX_FILE_BYTES + 1), "stdin")
