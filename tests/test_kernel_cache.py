@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from symrender import kernel_cache
-from symrender.kernel_cache import cache_directory, compiled, jitable, load_module
+from symrender.kernel_cache import cache_directory, compiled, inlined, jitable, load_module
 
 SOURCE = """
 def total(values, shift):
@@ -177,7 +177,7 @@ def _quotient(x: float, y: float) -> float:
 
 
 def test_jitable_stays_a_python_function() -> None:
-    assert jitable(_identity)(2.5) == 2.5
+    assert jitable(_identity)(2.5) == inlined(_quotient)(2.5, 1.0) == 2.5
 
 
 def test_generated_module_is_named_by_its_text() -> None:

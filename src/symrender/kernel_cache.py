@@ -41,12 +41,18 @@ _DIGEST_BYTES = 32
 def jitable(function: F, *, inline: bool = False) -> F:
     """Mark a plain function as callable from kernels; it stays callable from Python, for tests.
 
-    ``inline`` copies its machine code into every caller. Imports Numba, so modules that use it are imported only when something is rendered.
+    ``inline`` copies its machine code into every caller. Imports Numba, so modules that use it are imported only when
+    something is rendered.
     """
     from numba.extending import register_jitable
 
     marked: F = register_jitable(forceinline=inline)(function)
     return marked
+
+
+def inlined(function: F) -> F:
+    """``jitable`` with ``inline``: for a function whose arguments (a scene's arrays) cost more to pass than to use."""
+    return jitable(function, inline=True)
 
 
 def compiled(function: Callable[..., Any], *, sources: Sequence[str], **options: Any) -> Any:

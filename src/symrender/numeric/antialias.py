@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 from symrender.numeric.rays import window_direction
 from symrender.numeric.textures import floor_sign
 from symrender.scene.arrays import PLANE, SOLID, Array
@@ -23,7 +23,7 @@ MAX_CROSSINGS: Final = 4096
 min(sum |dx|, sum |dy|) / (2 area) over the contour, lengths in cells."""
 
 
-@jitable
+@inlined
 def footprint(frame: Array, a: float, b: float, da: float, db: float, x: float, y: float) -> tuple[bool, Quad]:
     """Whether the four corners of the pixel (a, b) of half-size (da, db) meet the floor, and where from (x, y)."""
     if frame[0] == PLANE:
@@ -50,26 +50,26 @@ def footprint(frame: Array, a: float, b: float, da: float, db: float, x: float, 
     return True, (x0, y0, x1, y1, x2, y2, x3, y3)
 
 
-@jitable
+@inlined
 def wave(x: float) -> float:
     """Integral from 0 to x of sign(sin pi t): the triangle wave of period 2 between 0 and 1."""
     r = x - 2.0 * math.floor(x / 2.0)
     return r if r < 1.0 else 2.0 - r
 
 
-@jitable
+@inlined
 def crossings(a: float, b: float) -> float:
     """How many whole numbers lie between a and b, at most."""
     return abs(math.floor(b) - math.floor(a)) + 1.0
 
 
-@jitable
+@inlined
 def next_crossing(start: float, step: float, whole: float) -> float:
     """Parameter at which start + t step reaches ``whole``; inf for a step of 0."""
     return (whole - start) / step if step != 0.0 else math.inf
 
 
-@jitable
+@inlined
 def edge_integral(ax: float, ay: float, bx: float, by: float, level: float) -> float:
     """Integral of (S(x) - level) s(y) dy along the segment from (ax, ay) to (bx, by)."""
     dx, dy = bx - ax, by - ay
@@ -95,7 +95,7 @@ def edge_integral(ax: float, ay: float, bx: float, by: float, level: float) -> f
     return total
 
 
-@jitable
+@inlined
 def mean_sign(cx: float, cy: float, quad: Quad) -> float:
     """Mean of s(x) s(y) over the quadrilateral ``quad`` about (cx, cy), all in cells; nan for one without area."""
     cx -= 2.0 * math.floor(cx / 2.0)
@@ -115,7 +115,7 @@ def mean_sign(cx: float, cy: float, quad: Quad) -> float:
     return max(-1.0, min(1.0, total / area))
 
 
-@jitable
+@inlined
 def pixel_sign(floor: Array, frame: Array, a: float, b: float, da: float, db: float, x: float, y: float) -> float:
     """Mean sign of the chessboard over the pixel's patch of floor, area measure; 0 where it reaches the horizon.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 from symrender.numeric.lobe import (
     EXPONENT,
     HEIGHT,
@@ -35,7 +35,7 @@ _DEEP = -600.0
 _WHOLE_POWER = 256.0
 
 
-@jitable
+@inlined
 def two_sum(high: float, low: float, x: float) -> tuple[float, float]:
     """Running sum high + low with x added; what rounding drops is kept in ``low`` (Knuth's two-sum)."""
     s = high + x
@@ -43,7 +43,7 @@ def two_sum(high: float, low: float, x: float) -> tuple[float, float]:
     return s, low + ((high - (s - t)) + (x - t))
 
 
-@jitable
+@inlined
 def gloss(
     world: World,
     candidates: Array,
@@ -63,19 +63,15 @@ def gloss(
     mirror: one evaluation. Evaluations count the nodes of the rule, also those known to be 0 without a look.
     """
     lobe = world.lobes[own - FLOOR]
+    mirror = lobe[THETA_MAX] == 0.0
+    samples = 1 if mirror else order * order
     m = mirror_direction(d, n)
-    count = gather(world, candidates, own, p)
-    if lobe[THETA_MAX] == 0.0:
-        if dot(m, n) <= 0.0:
-            return (0.0, 0.0, 0.0), 1
-        return sees(world, candidates, count, own, p, m, eye, key, 0)[0], 1
-
-    count = keep_in_lobe(candidates, count, n, m, lobe)
+    count = keep_in_lobe(candidates, gather(world, candidates, own, p), n, m, lobe)
     s = world.shading
     floor_below = world.floor[0] != 0.0 and own != FLOOR and (p[2] <= 0.0 or m[2] < lobe[SIN_MAX] + 1e-12)
     black = s[BACKGROUND] == 0.0 and s[BACKGROUND + 1] == 0.0 and s[BACKGROUND + 2] == 0.0
     if count == 0 and black and not floor_below:
-        return (0.0, 0.0, 0.0), order * order
+        return (0.0, 0.0, 0.0), samples
 
     exponent = lobe[EXPONENT]
     equal = sampler in (IMPORTANCE, SOBOL)
@@ -84,12 +80,12 @@ def gloss(
     peak = 0.0
     u1, u2 = frame_about(m, n)
     w0 = w1 = r0 = r1 = g0 = g1 = b0 = b1 = 0.0
-    for index in range(order * order):
+    for index in range(samples):
         a, b = square_point(sampler, key, index, order)
-        weight = 1.0
-        if equal:
+        weight, depth = 1.0, 0.0
+        if equal and not mirror:
             depth = lobe_depth(a, exponent, lobe[MASS])
-        else:
+        elif not mirror:
             depth = cone_depth(a, lobe[HEIGHT])
             if whole:
                 weight = power(1.0 - depth, exponent)
@@ -113,5 +109,5 @@ def gloss(
             b0, b1 = two_sum(b0, b1, weight * f[2])
     total = w0 + w1
     if normalised and not equal:
-        total = order * order / lobe[RATIO]
-    return ((r0 + r1) / total, (g0 + g1) / total, (b0 + b1) / total), order * order
+        total = samples / lobe[RATIO]
+    return ((r0 + r1) / total, (g0 + g1) / total, (b0 + b1) / total), samples

@@ -8,14 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 from symrender.limits import MAX_LIGHT_POINTS
 from symrender.numeric.vectors import Vector, cross, unit
 from symrender.scene.arrays import DISK, Array
 from symrender.settings import EXACT_DISK
 
 
-@jitable
+@inlined
 def disk_axes(position: Vector, target: Vector) -> tuple[Vector, Vector]:
     """Orthonormal axes of the disk at ``position`` facing ``target``; a target at the position is taken below it."""
     w = unit((target[0] - position[0], target[1] - position[1], target[2] - position[2]))
@@ -26,7 +26,7 @@ def disk_axes(position: Vector, target: Vector) -> tuple[Vector, Vector]:
     return e1, cross(w, e1)
 
 
-@jitable
+@inlined
 def disk_point(light: Array, axes: Array, u: float, v: float) -> Vector:
     """Point of the disk that the unit square's (u, v) maps to with constant density: radius sqrt(u), turn v."""
     r = light[4] * math.sqrt(u)

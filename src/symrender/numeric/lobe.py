@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 from symrender.numeric.vectors import Vector, along, cross, dot, unit
 from symrender.scene.arrays import Array
 
@@ -41,13 +41,13 @@ def lobe_rows(lobes: Array) -> Array:
     return rows
 
 
-@jitable
+@inlined
 def mirror_direction(d: Vector, n: Vector) -> Vector:
     """The direction d - 2 (d.n) n into which a mirror of unit normal n turns the unit direction d."""
     return along(d, -2.0 * dot(d, n), n)
 
 
-@jitable
+@inlined
 def frame_about(m: Vector, n: Vector) -> tuple[Vector, Vector]:
     """Unit vectors u1, u2 with (u1, u2, m) right-handed; u1 is along n x m, so the frame turns with the scene.
 
@@ -64,7 +64,7 @@ def frame_about(m: Vector, n: Vector) -> tuple[Vector, Vector]:
     return (1.0 + sign * m[0] * m[0] * a, sign * b, -sign * m[0]), (b, sign + m[1] * m[1] * a, -m[1])
 
 
-@jitable
+@inlined
 def direction(u1: Vector, u2: Vector, m: Vector, depth: float, turn: float) -> Vector:
     """Unit vector with 1 - cos theta = ``depth`` and azimuth 2 pi ``turn`` in the frame (u1, u2, m)."""
     sine = math.sqrt(depth * (2.0 - depth))
@@ -77,25 +77,25 @@ def direction(u1: Vector, u2: Vector, m: Vector, depth: float, turn: float) -> V
     )
 
 
-@jitable
+@inlined
 def cone_depth(s: float, height: float) -> float:
     """1 - cos theta, uniform in solid angle over the cone, for s uniform in [0, 1)."""
     return s * height
 
 
-@jitable
+@inlined
 def cone_density(height: float) -> float:
     """Density of ``cone_depth`` with a uniform azimuth, per solid angle."""
     return 1.0 / (2.0 * math.pi * height)
 
 
-@jitable
+@inlined
 def lobe_depth(s: float, exponent: float, mass: float) -> float:
     """1 - cos theta with density proportional to cos^n theta over the cone, for s uniform in [0, 1)."""
     return -math.expm1(math.log1p(-s * mass) / (exponent + 1.0))
 
 
-@jitable
+@inlined
 def lobe_density(depth: float, exponent: float, mass: float) -> float:
     """Density of ``lobe_depth`` with a uniform azimuth, per solid angle: u cos^n theta / (2 pi (1 - c^u))."""
     return (exponent + 1.0) * math.exp(exponent * math.log1p(-depth)) / (2.0 * math.pi * mass)

@@ -35,6 +35,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
         raise OptionError("numeric: must name a sampler to render numerically, got 'none'")
     from symrender.numeric.rays import camera_frame
     from symrender.numeric.samplers import CODES
+    from symrender.numeric.sight import candidate_room
     from symrender.numeric.world import make_world
 
     world = make_world(arrays, settings.disk_order)
@@ -47,6 +48,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         evaluations = kernel(
             *(world, frame, width, height, x0, y0, x1, y1, sampler, order, normalised, analytic, seed),
+            *(candidate_room(world), candidate_room(world)),
             *(layers["radiance"], layers["direct"], layers["gloss"], layers["hit_class"]),
         )
         return int(evaluations)
@@ -68,6 +70,7 @@ def trace(
     met the radiance is the background's and the distance inf. ``disk_order`` is K of the K x K disk rule; the exact
     disk has no single ray and raises OptionError.
     """
+    from symrender.numeric.sight import candidate_room
     from symrender.numeric.world import make_world
 
     if disk_order == EXACT_DISK:
@@ -80,7 +83,8 @@ def trace(
     radiance, hit_class, distance = np.empty(starts.shape), np.empty(len(starts)), np.empty(len(starts))
     eye = np.ascontiguousarray(arrays.camera[1:4])
     world = make_world(arrays, disk_order)
-    _kernel("trace_rays")(world, eye, starts, rays, left, radiance, hit_class, distance)
+    room = candidate_room(world)
+    _kernel("trace_rays")(world, eye, starts, rays, left, room, radiance, hit_class, distance)
     return radiance, hit_class, distance
 
 
@@ -96,4 +100,5 @@ def _kernel(name: str) -> Any:
         if file.name.endswith(".py")
     ]
     texts.append((package / "scene" / "arrays.py").read_text("utf-8"))
-    return compiled(getattr(tile, name), sources=texts)
+    # the kernels only borrow arrays; counting references to them would cost more than the arithmetic
+    return compiled(getattr(tile, name), sources=texts, _nrt=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 
 Key = tuple[np.uint64, np.uint64, np.uint64, np.uint64]
 """Column, row, low and high half of the seed."""
@@ -20,7 +20,7 @@ _LOW, _HALF, _DROP = np.uint64(0xFFFFFFFF), np.uint64(32), np.uint64(11)
 _ULP = 2.0**-53
 
 
-@jitable
+@inlined
 def philox(
     c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.uint64, k1: np.uint64
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
@@ -32,14 +32,14 @@ def philox(
     return c0, c1, c2, c3
 
 
-@jitable
+@inlined
 def pixel_key(seed: int, column: int, row: int) -> Key:
     """Key of one pixel of the full image."""
     whole = np.uint64(seed)
     return np.uint64(column), np.uint64(row), whole & _LOW, whole >> _HALF
 
 
-@jitable
+@inlined
 def uniforms(key: Key, sample: int, dimension: int) -> tuple[float, float]:
     """Two independent numbers in [0, 1), multiples of 2^-53: dimensions ``dimension`` and its partner."""
     a, b, c, d = philox(np.uint64(sample), np.uint64(dimension), key[0], key[1], key[2], key[3])
@@ -48,7 +48,7 @@ def uniforms(key: Key, sample: int, dimension: int) -> tuple[float, float]:
     return first * _ULP, second * _ULP
 
 
-@jitable
+@inlined
 def words(key: Key, sample: int, dimension: int) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
     """Four random 32-bit words."""
     return philox(np.uint64(sample), np.uint64(dimension), key[0], key[1], key[2], key[3])

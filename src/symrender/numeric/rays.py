@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from symrender.errors import SceneError
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 from symrender.numeric.vectors import Vector, along, dot, unit
 from symrender.scene.arrays import PLANE, Array
 
@@ -41,7 +41,7 @@ def camera_frame(camera: Array, width: int, height: int) -> Array:
     return frame
 
 
-@jitable
+@inlined
 def window_direction(frame: Array, a: float, b: float) -> Vector:
     """Direction (not unit) of a ``look_at`` ray through window coordinates a, b in [-1, 1], a right, b up."""
     return (
@@ -51,7 +51,7 @@ def window_direction(frame: Array, a: float, b: float) -> Vector:
     )
 
 
-@jitable
+@inlined
 def primary_ray(frame: Array, a: float, b: float) -> tuple[Vector, float, Vector]:
     """Unit direction from the eye, distance to the floor (inf where it is not met) and the point met there.
 
@@ -69,7 +69,7 @@ def primary_ray(frame: Array, a: float, b: float) -> tuple[Vector, float, Vector
     return direction, distance, (point[0], point[1], 0.0)
 
 
-@jitable
+@inlined
 def floor_distance(height: float, slope: float) -> float:
     """Distance to z = 0 from ``height`` along a unit ray whose z component is ``slope``; inf where it is not met."""
     if slope == 0.0:
@@ -78,7 +78,7 @@ def floor_distance(height: float, slope: float) -> float:
     return distance if distance > 0.0 else math.inf
 
 
-@jitable
+@inlined
 def sphere_roots(f: Vector, d: Vector, radius: float, power: float) -> tuple[float, float]:
     """Both distances at which the unit ray d from C + f meets the sphere (C, radius), near first; inf, inf if none.
 
@@ -100,7 +100,7 @@ def sphere_roots(f: Vector, d: Vector, radius: float, power: float) -> tuple[flo
     return (other, q) if other < q else (q, other)
 
 
-@jitable
+@inlined
 def sphere_offset(f: Vector, d: Vector, radius: float, far: bool) -> Vector:
     """Unit outward normal at the near or far meeting point of the same ray and sphere."""
     l = along(f, -dot(f, d), d)

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 from symrender.numeric.random import Key, uniforms, words
 
 JITTERED: Final = 0
@@ -28,7 +28,7 @@ _ONE, _TOP, _LOW = np.uint64(1), np.uint64(1 << 31), np.uint64(0xFFFFFFFF)
 _HASH = tuple(np.uint64(c) for c in (0x6C50B47C, 0xB82F1E52, 0xC7AFE638, 0x8D22F6E6))
 
 
-@jitable
+@inlined
 def sobol_bits(index: int, dimension: int) -> np.uint64:
     """32 bits of coordinate 0 (radical inverse in base 2) or 1 (Pascal matrix) of the Sobol' sequence, index < 2^32.
 
@@ -46,7 +46,7 @@ def sobol_bits(index: int, dimension: int) -> np.uint64:
     return bits
 
 
-@jitable
+@inlined
 def reversed_bits(x: np.uint64) -> np.uint64:
     """The 32 low bits in reverse order."""
     for shift, mask in ((1, 0x55555555), (2, 0x33333333), (4, 0x0F0F0F0F), (8, 0x00FF00FF), (16, 0x0000FFFF)):
@@ -55,7 +55,7 @@ def reversed_bits(x: np.uint64) -> np.uint64:
     return x
 
 
-@jitable
+@inlined
 def owen_scrambled(bits: np.uint64, seed: np.uint64) -> np.uint64:
     """Nested uniform scrambling by a hash in which each bit depends only on the bits above it.
 
@@ -68,7 +68,7 @@ def owen_scrambled(bits: np.uint64, seed: np.uint64) -> np.uint64:
     return reversed_bits(x)
 
 
-@jitable
+@inlined
 def scrambled_sobol(key: Key, index: int) -> tuple[float, float]:
     """Point ``index`` of the pixel's own scrambling, in [0, 1); bits below 2^-32 are random, one draw a pixel."""
     seeds = words(key, 0, 1)
@@ -78,7 +78,7 @@ def scrambled_sobol(key: Key, index: int) -> tuple[float, float]:
     return (first + seeds[2] * scale) * scale, (second + seeds[3] * scale) * scale
 
 
-@jitable
+@inlined
 def square_point(sampler: int, key: Key, index: int, order: int) -> tuple[float, float]:
     """Point ``index`` of ``order`` x ``order`` in the unit square."""
     if sampler == SOBOL:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 from symrender.numeric.lights import disk_point
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.vectors import Vector, along, dot, minus
@@ -14,7 +14,7 @@ from symrender.scene.arrays import AMBIENT, BLINN, CUT, FIRST_SPHERE, FLOOR, Arr
 _WHOLE_POWER = 256.0
 
 
-@jitable
+@inlined
 def power(x: float, exponent: float) -> float:
     """x^exponent for x >= 0, with 0^0 = 1."""
     if exponent > _WHOLE_POWER or exponent != math.floor(exponent):
@@ -29,14 +29,14 @@ def power(x: float, exponent: float) -> float:
     return result
 
 
-@jitable
+@inlined
 def inside_sphere(sphere: Array, point: Vector) -> float:
     """Radius^2 - distance^2 from the centre: positive inside, negative outside."""
     f = (point[0] - sphere[0], point[1] - sphere[1], point[2] - sphere[2])
     return float(sphere[3] * sphere[3] - dot(f, f))
 
 
-@jitable
+@inlined
 def sphere_blocks(sphere: Array, q: Vector, light: Vector) -> bool:
     """Whether the open segment from q to the light point meets the sphere's surface."""
     f = (q[0] - sphere[0], q[1] - sphere[1], q[2] - sphere[2])
@@ -54,7 +54,7 @@ def sphere_blocks(sphere: Array, q: Vector, light: Vector) -> bool:
     return bool(dot(l, l) <= sphere[3] * sphere[3])
 
 
-@jitable
+@inlined
 def visible(world: World, own: int, inside: bool, q: Vector, light: Vector) -> bool:
     """Whether a light point lights q on the shape of hit class ``own``, which was met from ``inside`` or not.
 
@@ -78,7 +78,7 @@ def visible(world: World, own: int, inside: bool, q: Vector, light: Vector) -> b
     return True
 
 
-@jitable
+@inlined
 def light_terms(
     world: World, own: int, inside: bool, q: Vector, n: Vector, v: Vector, light: Vector
 ) -> tuple[float, float]:
@@ -108,7 +108,7 @@ def light_terms(
     return diffuse, power(base, shininess) if highlight else 0.0
 
 
-@jitable
+@inlined
 def direct_light(
     world: World,
     own: int,
@@ -131,24 +131,22 @@ def direct_light(
     green = ka * world.shading[AMBIENT + 1]
     blue = ka * world.shading[AMBIENT + 2]
     for index in range(world.lights.shape[0]):
-        start, end = world.first[index], world.first[index + 1]
-        diffuse, highlight = 0.0, 0.0
-        count = end - start
-        if count > 0:
-            for p in range(start, end):
-                light = (world.points[p, 0], world.points[p, 1], world.points[p, 2])
-                terms = light_terms(world, own, inside, q, n, v, light)
-                diffuse += terms[0]
-                highlight += terms[1]
-        else:
+        start = world.first[index]
+        count = world.first[index + 1] - start
+        drawn = count == 0
+        if drawn:
             count = strata * strata
-            for cell in range(count):
-                a, b = uniforms(key, sample * count + cell, 2 * index + strata)
-                a, b = (cell // strata + a) / strata, (cell % strata + b) / strata
+        diffuse, highlight = 0.0, 0.0
+        for k in range(count):
+            if drawn:
+                a, b = uniforms(key, sample * count + k, 2 * index + strata)
+                a, b = (k // strata + a) / strata, (k % strata + b) / strata
                 light = disk_point(world.lights[index], world.axes[index], a, b)
-                terms = light_terms(world, own, inside, q, n, v, light)
-                diffuse += terms[0]
-                highlight += terms[1]
+            else:
+                light = (world.points[start + k, 0], world.points[start + k, 1], world.points[start + k, 2])
+            terms = light_terms(world, own, inside, q, n, v, light)
+            diffuse += terms[0]
+            highlight += terms[1]
         if diffuse != 0.0 or highlight != 0.0:
             diffuse *= kd / count
             highlight *= ks / count

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.kernel_cache import jitable
+import numpy as np
+
+from symrender.kernel_cache import inlined
 from symrender.numeric.lobe import COS_MAX, SIN_MAX
 from symrender.numeric.random import Key
 from symrender.numeric.rays import floor_distance, sphere_offset, sphere_roots
@@ -21,7 +23,12 @@ CANDIDATE_COLUMNS: Final = 7
 _SLACK = 1e-12
 
 
-@jitable
+def candidate_room(world: World) -> Array:
+    """Room for as many candidates as there are spheres."""
+    return np.empty((len(world.spheres), CANDIDATE_COLUMNS))
+
+
+@inlined
 def gather(world: World, candidates: Array, leaves: int, origin: Vector) -> int:
     """List every sphere but the one being left, as seen from ``origin``; returns how many."""
     count = 0
@@ -39,7 +46,7 @@ def gather(world: World, candidates: Array, leaves: int, origin: Vector) -> int:
     return count
 
 
-@jitable
+@inlined
 def keep_in_lobe(candidates: Array, count: int, n: Vector, m: Vector, lobe: Array) -> int:
     """Drop spheres that no direction of the cone about m above the horizon of n can meet; returns how many stay.
 
@@ -60,12 +67,13 @@ def keep_in_lobe(candidates: Array, count: int, n: Vector, m: Vector, lobe: Arra
             if toward < lobe[COS_MAX] * cosine - lobe[SIN_MAX] * sine - _SLACK:
                 continue
         if kept != c:
-            candidates[kept] = row
+            for column in range(CANDIDATE_COLUMNS):
+                candidates[kept, column] = row[column]
         kept += 1
     return kept
 
 
-@jitable
+@inlined
 def nearest(candidates: Array, count: int, d: Vector, floor: float) -> tuple[int, float, bool]:
     """Row of the nearest sphere met before distance ``floor`` (-1 for none), its distance, and whether from inside.
 
@@ -86,7 +94,7 @@ def nearest(candidates: Array, count: int, d: Vector, floor: float) -> tuple[int
     return best, distance, inside
 
 
-@jitable
+@inlined
 def sphere_point(world: World, row: Array, d: Vector, inside: bool) -> tuple[Vector, Vector]:
     """Point and outward unit normal where the ray d meets the sphere of a candidate row."""
     n = sphere_offset((row[0], row[1], row[2]), d, row[3], inside)
@@ -94,7 +102,7 @@ def sphere_point(world: World, row: Array, d: Vector, inside: bool) -> tuple[Vec
     return along((sphere[0], sphere[1], sphere[2]), sphere[3], n), n
 
 
-@jitable
+@inlined
 def sees(
     world: World,
     candidates: Array,

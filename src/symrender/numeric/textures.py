@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 from symrender.numeric.vectors import Vector
 from symrender.scene.arrays import CHECKER, COLOR, DARK, KU, KV, MARBLE, SOLID, TEXTURE, Array
 
 
-@jitable
+@inlined
 def sin_pi(x: float) -> float:
     """sin(pi x), exactly 0 at whole x."""
     r = x - 2.0 * math.floor(x / 2.0)
     return 0.0 if r in (0.0, 1.0) else math.sin(math.pi * r)
 
 
-@jitable
+@inlined
 def sphere_factor(sphere: Array, n: Vector) -> float:
     """Factor on the albedo where the outward unit normal is ``n``; u = (atan2(ny, nx) + pi)/2pi, v = acos(nz)/pi."""
     kind = sphere[TEXTURE]
@@ -34,14 +34,14 @@ def sphere_factor(sphere: Array, n: Vector) -> float:
     return 1.0 if s >= 0.0 else sphere[DARK]
 
 
-@jitable
+@inlined
 def sphere_albedo(sphere: Array, n: Vector) -> Vector:
     """Albedo of a sphere where its outward unit normal is ``n``."""
     factor = sphere_factor(sphere, n)
     return (sphere[COLOR] * factor, sphere[COLOR + 1] * factor, sphere[COLOR + 2] * factor)
 
 
-@jitable
+@inlined
 def floor_sign(floor: Array, x: float, y: float) -> float:
     """1 on a bright cell of the floor and on its edges, -1 on a dark one; 1 everywhere on a plain floor."""
     if floor[1] == SOLID:
@@ -49,7 +49,7 @@ def floor_sign(floor: Array, x: float, y: float) -> float:
     return 1.0 if sin_pi((x - floor[9]) / floor[8]) * sin_pi((y - floor[10]) / floor[8]) >= 0.0 else -1.0
 
 
-@jitable
+@inlined
 def floor_albedo(floor: Array, sign: float) -> Vector:
     """Albedo of the floor where the (mean) sign of its chessboard is ``sign`` in [-1, 1]."""
     bright = 0.5 + 0.5 * sign

@@ -7,18 +7,75 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.kernel_cache import inlined
 from symrender.numeric.antialias import pixel_sign
 from symrender.numeric.estimators import gloss
 from symrender.numeric.lobe import WEIGHT
 from symrender.numeric.random import pixel_key
 from symrender.numeric.rays import primary_ray
 from symrender.numeric.shading import direct_light
-from symrender.numeric.sight import CANDIDATE_COLUMNS, gather, nearest, sees, sphere_point
+from symrender.numeric.sight import gather, nearest, sees, sphere_point
 from symrender.numeric.textures import floor_albedo, floor_sign, sphere_albedo
+from symrender.numeric.vectors import Vector
 from symrender.numeric.world import World
 from symrender.scene.arrays import BACKGROUND, FIRST_SPHERE, FLOOR, NOTHING, Array
 
 _PRIMARY_STRATA = 2
+
+
+@inlined
+def pixel(
+    world: World,
+    frame: Array,
+    width: int,
+    height: int,
+    i: int,
+    j: int,
+    sampler: int,
+    order: int,
+    normalised: bool,
+    analytic: bool,
+    seed: int,
+    from_eye: Array,
+    count: int,
+    from_point: Array,
+) -> tuple[int, Vector, Vector, float, int]:
+    """Hit class, direct light, gloss, lobe weight and lobe evaluations of the pixel in column i of row j.
+
+    ``from_eye`` holds the ``count`` spheres as seen from the eye, ``from_point`` is room for as many.
+    """
+    key = pixel_key(seed, i, j)
+    eye = (frame[1], frame[2], frame[3])
+    a = 2.0 * (i + 0.5) / width - 1.0
+    b = 1.0 - 2.0 * (j + 0.5) / height
+    d, distance, p = primary_ray(frame, a, b)
+    best, distance, inside = nearest(from_eye, count, d, distance if world.floor[0] != 0.0 else math.inf)
+    if best >= 0:
+        own = FIRST_SPHERE + int(from_eye[best, 5])
+        p, n = sphere_point(world, from_eye[best], d, inside)
+        albedo = sphere_albedo(world.spheres[own - FIRST_SPHERE], n)
+        if inside:
+            n = (-n[0], -n[1], -n[2])
+    elif distance < math.inf:
+        own = FLOOR
+        if eye[2] < 0.0:
+            return own, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0
+        n = (0.0, 0.0, 1.0)
+        if analytic:
+            sign = pixel_sign(world.floor, frame, a, b, 1.0 / width, 1.0 / height, p[0], p[1])
+        else:
+            sign = floor_sign(world.floor, p[0], p[1])
+        albedo = floor_albedo(world.floor, sign)
+    else:
+        s = world.shading
+        return NOTHING, (s[BACKGROUND], s[BACKGROUND + 1], s[BACKGROUND + 2]), (0.0, 0.0, 0.0), 0.0, 0
+    v = (-d[0], -d[1], -d[2])
+    direct = direct_light(world, own, inside, p, n, v, albedo, key, 0, _PRIMARY_STRATA)
+    weight = world.lobes[own - FLOOR, WEIGHT]
+    if weight == 0.0:
+        return own, direct, (0.0, 0.0, 0.0), 0.0, 0
+    reflected, evaluations = gloss(world, from_point, own, p, n, d, eye, sampler, order, normalised, key)
+    return own, direct, reflected, weight, evaluations
 
 
 def render_tile(
@@ -35,57 +92,26 @@ def render_tile(
     normalised: bool,
     analytic: bool,
     seed: int,
+    from_eye: Array,
+    from_point: Array,
     radiance: Array,
     direct: Array,
     glossy: Array,
     hit_class: Array,
 ) -> int:
-    """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; returns the lobe evaluations."""
-    from_eye = np.empty((world.spheres.shape[0], CANDIDATE_COLUMNS))
-    from_point = np.empty((world.spheres.shape[0], CANDIDATE_COLUMNS))
-    eye = (frame[1], frame[2], frame[3])
-    count = gather(world, from_eye, NOTHING, eye)
-    has_floor = world.floor[0] != 0.0
+    """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; returns the lobe evaluations.
+
+    ``from_eye`` and ``from_point`` are room for the candidates, (n, CANDIDATE_COLUMNS) each.
+    """
+    count = gather(world, from_eye, NOTHING, (frame[1], frame[2], frame[3]))
     evaluations = 0
     for j in range(y0, y1):
         for i in range(x0, x1):
-            key = pixel_key(seed, i, j)
-            a = 2.0 * (i + 0.5) / width - 1.0
-            b = 1.0 - 2.0 * (j + 0.5) / height
-            d, distance, p = primary_ray(frame, a, b)
-            best, distance, inside = nearest(from_eye, count, d, distance if has_floor else math.inf)
-            light = (world.shading[BACKGROUND], world.shading[BACKGROUND + 1], world.shading[BACKGROUND + 2])
-            reflected = (0.0, 0.0, 0.0)
-            own = NOTHING
-            lit = False
-            n = (0.0, 0.0, 1.0)
-            albedo = (0.0, 0.0, 0.0)
-            if best >= 0:
-                own = FIRST_SPHERE + int(from_eye[best, 5])
-                p, n = sphere_point(world, from_eye[best], d, inside)
-                albedo = sphere_albedo(world.spheres[own - FIRST_SPHERE], n)
-                if inside:
-                    n = (-n[0], -n[1], -n[2])
-                lit = True
-            elif distance < math.inf:
-                own = FLOOR
-                lit = eye[2] > 0.0
-                if lit:
-                    if analytic:
-                        sign = pixel_sign(world.floor, frame, a, b, 1.0 / width, 1.0 / height, p[0], p[1])
-                    else:
-                        sign = floor_sign(world.floor, p[0], p[1])
-                    albedo = floor_albedo(world.floor, sign)
-                else:
-                    light = (0.0, 0.0, 0.0)
-            weight = 0.0
-            if lit:
-                v = (-d[0], -d[1], -d[2])
-                light = direct_light(world, own, inside, p, n, v, albedo, key, 0, _PRIMARY_STRATA)
-                weight = world.lobes[own - FLOOR, WEIGHT]
-                if weight > 0.0:
-                    reflected, spent = gloss(world, from_point, own, p, n, d, eye, sampler, order, normalised, key)
-                    evaluations += spent
+            own, light, reflected, weight, spent = pixel(
+                *(world, frame, width, height, i, j, sampler, order, normalised, analytic, seed),
+                *(from_eye, count, from_point),
+            )
+            evaluations += spent
             hit_class[j, i] = own
             for c in range(3):
                 direct[j, i, c] = light[c]
@@ -100,12 +126,12 @@ def trace_rays(
     origins: Array,
     directions: Array,
     leaves: npt.NDArray[np.int64],
+    candidates: Array,
     radiance: Array,
     hit_class: Array,
     distance: Array,
 ) -> None:
-    """What each ray from a surface sees, one row of the arrays a ray."""
-    candidates = np.empty((world.spheres.shape[0], CANDIDATE_COLUMNS))
+    """What each ray from a surface sees, one row of the arrays a ray; ``candidates`` is room for the spheres."""
     key = pixel_key(0, 0, 0)
     at = (eye[0], eye[1], eye[2])
     for r in range(origins.shape[0]):

@@ -4,36 +4,36 @@ from __future__ import annotations
 
 import math
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 
 Vector = tuple[float, float, float]
 
 
-@jitable
+@inlined
 def dot(a: Vector, b: Vector) -> float:
     """Inner product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@jitable
+@inlined
 def cross(a: Vector, b: Vector) -> Vector:
     """Right-handed vector product."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-@jitable
+@inlined
 def along(a: Vector, scale: float, b: Vector) -> Vector:
     """The point a + scale b."""
     return (a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2])
 
 
-@jitable
+@inlined
 def minus(a: Vector, b: Vector) -> Vector:
     """Difference a - b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-@jitable
+@inlined
 def unit(a: Vector) -> Vector:
     """Direction of a; the zero vector stays zero."""
     length = math.sqrt(dot(a, a))
