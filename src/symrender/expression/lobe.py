@@ -72,9 +72,38 @@ def log_cos(angle: sp.Expr) -> sp.Expr:
     return log1p(-2 * sp.sin(angle / 2) ** 2)
 
 
-def stratum_weight(log_cos_a: sp.Expr, log_cos_b: sp.Expr, u: sp.Expr) -> sp.Expr:
-    """(cos^u a - cos^u b)/u without cancellation: exp(u lc(a)) (-expm1(u (lc(b) - lc(a))))/u."""
-    return sp.exp(u * log_cos_a) * (-expm1(u * (log_cos_b - log_cos_a))) / u
+def log_cos_drop(a: sp.Expr, b: sp.Expr) -> sp.Expr:
+    """log cos a - log cos b = log1p(2 sin((a+b)/2) sin((b-a)/2)/cos b), without subtracting two logarithms."""
+    return log1p(2 * sp.sin((a + b) / 2) * sp.sin((b - a) / 2) / sp.cos(b))
+
+
+def stratum_weight(log_cos_a: sp.Expr, drop: sp.Expr, u: sp.Expr) -> sp.Expr:
+    """(cos^u a - cos^u b)/u without cancellation: exp(u lc(a)) (-expm1(-u drop))/u, drop = lc(a) - lc(b)."""
+    return sp.exp(u * log_cos_a) * (-expm1(-u * drop)) / u
+
+
+def mean_drop(drop: sp.Expr, u: sp.Expr) -> sp.Expr:
+    """Mean of 1 - cos t/cos a over a stratum under the weight; it is what moves a barycentre off the inner edge.
+
+    (1 - e^(-u d)(1 + u (1 - e^(-d))))/((u + 1)(1 - e^(-u d))) with d = drop.
+    """
+    inner = log1p(-u * expm1(-drop)) - u * drop
+    return expm1(inner) / ((u + 1) * expm1(-u * drop))
+
+
+def mean_drop_thin(drop: sp.Expr, u: sp.Expr) -> sp.Expr:
+    """``mean_drop`` to third order in the drop, for a stratum so thin that the closed form would cancel."""
+    return drop / 2 - (u + 2) * drop**2 / 12
+
+
+def one_minus_cos(share: sp.Expr, log_cos_max: sp.Expr, u: sp.Expr) -> sp.Expr:
+    """1 - cos t of the cone that holds ``share`` of the lobe: cos^u t = 1 - share (1 - cos^u theta_max)."""
+    return -expm1(log1p(share * expm1(u * log_cos_max)) / u)
+
+
+def angle(vers: sp.Expr) -> sp.Expr:
+    """The angle whose 1 - cos is ``vers``, exact for small angles: 2 asin(sqrt(vers/2))."""
+    return 2 * sp.asin(sp.sqrt(vers / 2))
 
 
 def normaliser(theta_max: sp.Expr, exponent: sp.Expr) -> sp.Expr:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from symrender.kernel import footprint, gather, light, shade, tile, trace
+from symrender.kernel import footprint, gather, light, shade, strata, tile, trace
 from symrender.kernel.program import Program
 
 ENTRIES = ("tile", "trace")
-"""What a runtime compiles; ``light_point`` and ``camera_axes`` run once an image and need no compiler."""
+"""What a runtime compiles; the functions of lights, cameras and strata run once an image and need no compiler."""
+ONCE = ("light_point", "camera_axes", "ring_weight", "ring_barycentre", "share_angle", "cap_angle", "log_weight")
+"""Functions that run once an image, as plain Python."""
 
 
 def image_program() -> Program:
@@ -15,6 +17,11 @@ def image_program() -> Program:
         (
             light.light_point(),
             tile.camera_axes(),
+            strata.ring_weight(),
+            strata.ring_barycentre(),
+            strata.share_angle(),
+            strata.cap_angle(),
+            strata.log_weight(),
             shade.power(),
             shade.texture_factor(),
             shade.floor_side(),

@@ -15,6 +15,7 @@ _CALLS: Mapping[str, Callable[..., Any]] = {
     "cos": math.cos,
     "tan": math.tan,
     "acos": math.acos,
+    "asin": math.asin,
     "atan2": math.atan2,
     "exp": math.exp,
     "log": math.log,

@@ -6,9 +6,9 @@ importing SymPy at all.
 
 from __future__ import annotations
 
-import functools
 import hashlib
 from collections.abc import Callable, Sequence
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from types import ModuleType
@@ -20,7 +20,7 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 _SOURCES = ("expression/*.py", "kernel/*.py", "targets/*.py", "scene/arrays.py", "limits.py")
 
 
-@functools.cache
+@cache
 def emitted(recipe: Callable[[], str], name: str) -> str:
     """Text named ``name`` that ``recipe`` emits, from the cache directory where an entry of this very code exists."""
     directory, _ = kernel_cache.cache_directory()
@@ -39,29 +39,38 @@ def emitted(recipe: Callable[[], str], name: str) -> str:
     return text
 
 
-def load(text: str, compiled: Sequence[str], plain: Sequence[str] = ()) -> dict[str, Any]:
-    """Functions of an emitted module: ``compiled`` ones as Numba dispatchers, ``plain`` ones as they are."""
+@cache
+def kernel(text: str, name: str) -> Any:
+    """Function ``name`` of an emitted module, compiled; everything it calls is compiled with it."""
     module = kernel_cache.load_module(text)
+    _mark(module)
+    # the kernels only borrow arrays; counting references to them would cost more than the arithmetic
+    return kernel_cache.compiled(getattr(module, name), sources=[text], _nrt=False)
+
+
+@cache
+def _mark(module: ModuleType) -> None:
     for name in _functions(module):
-        function = getattr(module, name)
-        if name not in compiled and not hasattr(function, "_symrender_marked"):
-            kernel_cache.jitable(function, inline=name in module.INLINE)._symrender_marked = True
-    kernels = {name: kernel_cache.compiled(getattr(module, name), sources=[text]) for name in compiled}
-    return kernels | {name: getattr(module, name) for name in plain}
+        if name not in module.ENTRIES:
+            kernel_cache.jitable(getattr(module, name), inline=name in module.INLINE)
 
 
-def _functions(module: ModuleType) -> list[str]:
-    return [name for name, value in vars(module).items() if callable(value) and not name.startswith("_")]
+def _functions(module: ModuleType) -> Sequence[str]:
+    return [name for name, value in vars(module).items() if callable(value)]
 
 
-def _image_text() -> str:
+def plain(text: str) -> ModuleType:
+    """The emitted module as it is, for what runs once an image."""
+    return kernel_cache.load_module(text)
+
+
+def image_text() -> str:
+    """Text of the image program, from the cache or emitted now."""
+    return emitted(_emit_image, "image")
+
+
+def _emit_image() -> str:
     from symrender.kernel.assemble import image_program
     from symrender.targets.numba import emit
 
     return emit(image_program())
-
-
-@functools.cache
-def image_kernels() -> dict[str, Any]:
-    """``tile`` and ``trace`` compiled, ``camera_axes`` and ``light_point`` plain: see ``kernel/assemble.py``."""
-    return load(emitted(_image_text, "image"), ("tile", "trace"), ("camera_axes", "light_point"))

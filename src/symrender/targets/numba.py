@@ -31,6 +31,7 @@ _FUNCTIONS = {
     "cos": "math.cos",
     "tan": "math.tan",
     "acos": "math.acos",
+    "asin": "math.asin",
     "atan2": "math.atan2",
     "exp": "math.exp",
     "log": "math.log",
@@ -179,7 +180,8 @@ def emit(program: Program) -> str:
     """The Python module of ``program``: one plain function per Function, in order; the runtime adds Numba."""
     parts = ["import math\n"]
     parts += ["\n".join(_function(function)) + "\n" for function in program.functions]
-    parts.append(f"INLINE = {tuple(function.name for function in program.functions if function.inline)!r}\n")
+    inline = tuple(function.name for function in program.functions if function.inline)
+    parts.append(f"ENTRIES = {program.entries!r}\nINLINE = {inline!r}\n")
     return "\n\n".join(parts)
 
 

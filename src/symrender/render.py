@@ -1,0 +1,242 @@
+"""Render a scene both ways. This page is the map.
+
+scene
+    A gallery name, a file or a dict becomes a ``Scene`` of validated numbers (``scene/load.py``) and then plain
+    arrays (``scene/arrays.py``); nothing later sees text.
+numeric
+    The conventional ray tracer, written from geometry, samples the lobe (``numeric/``).
+expression
+    The radiance a direction sees and the weight of the lobe, as SymPy expressions (``expression/``).
+program
+    The expressions become assignments, loops and guards with shared subexpressions taken out (``kernel/``).
+source
+    A target prints the program in a language (``targets/``).
+kernel
+    A runtime compiles the text and keeps it (``runtimes/``).
+quadrature
+    Rules over the lobe: directions and weights (``quadrature/``).
+image
+    Tiles on threads fill the layers of an ``Image`` (``tiles.py``, ``image.py``).
+ledger
+    The two images, compared with their population, their signal and the black image beside every error
+    (``ledger/``).
+
+The numeric side imports nothing of the symbolic one, and they meet only in the ledger.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from base64 import b64encode
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symrender import version
+from symrender.errors import NonFiniteError, OptionError
+from symrender.image import Image
+from symrender.ledger.ledger import Ledger, Timing, ledger
+from symrender.scene import arrays as at
+from symrender.scene.arrays import scene_arrays
+from symrender.scene.load import load
+from symrender.scene.scene import Scene
+from symrender.settings import (
+    Antialias,
+    Nodes,
+    Partition,
+    Sampler,
+    Settings,
+    Symbolic,
+    Weights,
+    image_size,
+)
+from symrender.tiles import Progress, TileKernel, run_tiles
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Both images of one scene, either None when not asked for, and their ledger."""
+
+    numeric: Image | None
+    symbolic: Image | None
+    ledger: Ledger
+
+    def __repr__(self) -> str:
+        return self.ledger.text()
+
+    def _repr_html_(self) -> str:
+        """Both pictures and the ledger, for a notebook."""
+        figures = [
+            f'<figure style="display:inline-block;margin:4px"><img alt="{name} render" '
+            f'src="data:image/png;base64,{b64encode(image._repr_png_()).decode()}"/>'
+            f"<figcaption>{name}</figcaption></figure>"
+            for name, image in (("numeric", self.numeric), ("symbolic", self.symbolic))
+            if image is not None
+        ]
+        return f"{''.join(figures)}<pre>{escape(self.ledger.text())}</pre>"
+
+
+def render(
+    scene: Scene | str | Path | Mapping[str, Any] = "gloss",
+    *,
+    size: int | tuple[int, int] = 512,
+    lobe: int = 4,
+    numeric: Sampler = "jittered",
+    normalised: bool = False,
+    symbolic: Symbolic = "strata",
+    weights: Weights = "exact",
+    nodes: Nodes = "midpoint",
+    partition: Partition = "equal_angle",
+    disk: str = "2x2",
+    aa: Antialias = "analytic",
+    seed: int = 7,
+    threads: int = 0,
+    tile: int = 64,
+    max_pixels: int | None = None,
+    progress: Progress | None = None,
+) -> Pair:
+    """Render ``scene`` numerically and symbolically and compare.
+
+    ``scene``: a gallery name, a path, a dict or a Scene. ``size``: N or (width, height) in pixels. ``lobe``: K of
+    K x K directions a lobe. ``numeric``: sampler of the conventional side, or ``none``. ``symbolic``: ``strata`` or
+    ``none``. ``weights``, ``nodes``, ``partition``: the strata rule (``quadrature/strata.py``). ``normalised``:
+    divide by the closed-form integral of the weight, not by the sum of weights met. ``disk``: the K x K centroids
+    rule of disk lights, the same on both sides, or ``exact`` (numeric only: unbiased samples). ``aa``: filter the
+    floor texture over the pixel (``analytic``) or read it at the centre (``none``). ``seed``: of the samplers.
+    ``threads``: 0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile.
+
+    Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
+    (0 nothing, 1 floor, 2 + j sphere j). Raises SceneError, OptionError, and NonFiniteError naming the pixels.
+    """
+    loaded = load(scene)
+    width, height = image_size(size)
+    limits = {} if max_pixels is None else {"max_pixels": max_pixels}
+    settings = Settings(
+        width=width,
+        height=height,
+        lobe=lobe,
+        numeric=numeric,
+        normalised=normalised,
+        symbolic=symbolic,
+        weights=weights,
+        nodes=nodes,
+        partition=partition,
+        disk=disk,
+        aa=aa,
+        seed=seed,
+        threads=threads,
+        tile=tile,
+        **limits,
+    )
+    if numeric == "none" and symbolic == "none":
+        raise OptionError("numeric, symbolic: at least one must not be 'none'")
+    if symbolic == "chambers":
+        raise OptionError("symbolic: 'chambers' is not available, choose 'strata' or 'none'")
+    images: dict[str, Image] = {}
+    timings: dict[str, Timing] = {}
+    for method, chosen, estimator in (
+        ("numeric", numeric, _numeric_estimator(settings)),
+        ("symbolic", symbolic, _symbolic_estimator(settings)),
+    ):
+        if chosen != "none":
+            images[method], timings[method] = _one(loaded, settings, method, estimator, progress)
+    report = ledger(
+        images.get("numeric"),
+        images.get("symbolic"),
+        numeric_timing=timings.get("numeric"),
+        symbolic_timing=timings.get("symbolic"),
+        lobes=_lobes(loaded),
+    )
+    return Pair(images.get("numeric"), images.get("symbolic"), report)
+
+
+def _one(
+    scene: Scene, settings: Settings, method: str, estimator: str, progress: Progress | None
+) -> tuple[Image, Timing]:
+    arrays = scene_arrays(scene)
+    kernel: TileKernel
+    if method == "numeric":
+        from symrender.numeric.pipeline import prepare
+
+        kernel = prepare(arrays, settings)
+    else:
+        from symrender.runtimes.image import prepare as prepare_symbolic
+
+        kernel = prepare_symbolic(arrays, settings)
+    shape = (settings.height, settings.width)
+    layers = {name: np.zeros((*shape, 3)) for name in ("radiance", "direct", "gloss")}
+    layers["hit_class"] = np.zeros(shape)
+    # an empty tile makes the runtime compile or load the kernel, so that the clock times rendering alone
+    kernel(0, 0, 0, 0, layers)
+    begun = time.perf_counter()
+    evaluations = run_tiles(
+        kernel,
+        layers,
+        width=settings.width,
+        height=settings.height,
+        side=settings.tile,
+        threads=settings.threads,
+        label=method,
+        progress=progress,
+    )
+    seconds = time.perf_counter() - begun
+    _check_finite(layers, scene, method)
+    return Image(layers, _meta(scene, settings, method, estimator)), Timing(seconds, evaluations)
+
+
+def _check_finite(layers: Mapping[str, Any], scene: Scene, method: str) -> None:
+    bad = ~np.isfinite(layers["radiance"]).all(axis=2)
+    if not bad.any():
+        return
+    rows, columns = np.nonzero(bad)
+    names = {at.NOTHING: "nothing", at.FLOOR: "floor"}
+    names |= {at.FIRST_SPHERE + k: f"spheres.{sphere.name}" for k, sphere in enumerate(scene.spheres)}
+    where = ", ".join(
+        f"({i}, {j}) on {names[int(layers['hit_class'][j, i])]}" for i, j in zip(columns[:5], rows[:5], strict=True)
+    )
+    raise NonFiniteError(f"{method}: {bad.sum()} pixels are not finite: {where}")
+
+
+def _meta(scene: Scene, settings: Settings, method: str, estimator: str) -> dict[str, str]:
+    from symrender.scene.dump import to_yaml
+
+    return {
+        "scene": to_yaml(scene),
+        "scene_name": scene.name,
+        "scene_hash": scene.hash,
+        "method": method,
+        "settings": json.dumps(asdict(settings), sort_keys=True),
+        "seed": str(settings.seed),
+        "version": version.VERSION,
+        "estimator": estimator,
+        "units": "scene radiance, linear RGB",
+        "convention": "lobe_average",
+    }
+
+
+def _numeric_estimator(settings: Settings) -> str:
+    form = "normalised" if settings.normalised else "ratio"
+    return f"{settings.numeric} {settings.lobe}x{settings.lobe}, {form}"
+
+
+def _symbolic_estimator(settings: Settings) -> str:
+    form = "normalised" if settings.normalised else "ratio"
+    if settings.nodes == "gauss":
+        return f"Gauss in cos^(n+1), {settings.lobe}x{settings.lobe}"
+    words = f"{settings.weights} weights, {settings.nodes} nodes, {settings.partition}"
+    return f"strata {settings.lobe}x{settings.lobe}, {words}, {form}"
+
+
+def _lobes(scene: Scene) -> list[tuple[str, float, float]]:
+    surfaces = [] if scene.floor is None else [("floor", scene.floor.lobe)]
+    surfaces += [(f"spheres.{sphere.name}", sphere.lobe) for sphere in scene.spheres]
+    return [
+        (name, lobe.exponent, 0.0 if lobe.mirror else lobe.theta_max)
+        for name, lobe in surfaces
+        if lobe is not None and lobe.weight > 0
+    ]
