@@ -52,4 +52,4 @@ MAX_PRODUCT_EXPONENT: Final = 1024
 MAX_TEXTURE_DEGREE: Final = 64
 """Largest frequency whose texture sign a kernel computes as a polynomial."""
 MAX_FOOTPRINT_LINES: Final = 4096
-"""Most checker lines one edge of a pixel's footprint may cross; beyond, the checker is its mean."""
+"""Most checker lines the contour of a pixel's footprint may cross; beyond, the checker is its mean."""

@@ -27,8 +27,7 @@ def box_share() -> Function:
 def edge_share() -> Function:
     """Part of one straight edge, in cell coordinates, in the integral of the checker's sign over a polygon.
 
-    The edge is cut where it meets a checker line; an edge that meets more than ``MAX_FOOTPRINT_LINES`` is not
-    followed (the caller asks first).
+    The edge is cut where it meets a checker line; the caller has made sure that these are not too many.
     """
     a0, b0, a1, b1 = (real(name) for name in ("a_0", "b_0", "a_1", "b_1"))
     block = Block()
@@ -64,19 +63,27 @@ def edge_share() -> Function:
 def quad_share() -> Function:
     """Bright share of a convex quadrilateral of the floor, exact in floor area up to ``MAX_FOOTPRINT_LINES``.
 
-    Beyond that many lines the share is 1/2; the mean of the sign over a convex region is at most its perimeter
-    over twice its area, in cells, so what is dropped there is below 4 / MAX_FOOTPRINT_LINES.
+    Where its contour crosses more lines the share is 1/2. The integral of the sign is at most half the contour's
+    length, so the mean dropped is at most length/(2 area), in cells.
     """
     corners = [real(f"{axis}_{k}") for k in range(4) for axis in "xy"]
     cell = FLOOR[at.FLOOR_CELL]
     block = Block()
+    # in cells, from an even grid point near the first corner: the pattern is the same and no digits are lost
+    base = [
+        block.let(f"base_{axis}", 2 * sp.floor((corners[k] - FLOOR[at.FLOOR_OFFSET + k]) / (2 * cell)))
+        for k, axis in enumerate("ab")
+    ]
     scaled = [
-        block.let(f"{'ab'[k % 2]}_{k // 2}", (value - FLOOR[at.FLOOR_OFFSET + k % 2]) / cell)
+        block.let(f"{'ab'[k % 2]}_{k // 2}", (value - FLOOR[at.FLOOR_OFFSET + k % 2]) / cell - base[k % 2])
         for k, value in enumerate(corners)
     ]
+    apart = [block.let(f"{'uv'[k % 2]}_{k // 2}", value - scaled[k % 2]) for k, value in enumerate(scaled)]
     edges = [(*scaled[2 * k : 2 * k + 2], *scaled[2 * ((k + 1) % 4) : 2 * ((k + 1) % 4) + 2]) for k in range(4)]
-    lines = block.let("lines", sp.Max(*(sp.Abs(e[2] - e[0]) + sp.Abs(e[3] - e[1]) for e in edges)))
-    area = block.let("area", sum(e[0] * e[3] - e[2] * e[1] for e in edges) / 2)
+    crossed = [sp.Abs(sp.floor(e[k]) - sp.floor(e[k + 2])) + 1 for e in edges for k in (0, 1)]
+    lines = block.let("lines", sum(crossed))
+    turns = [apart[2 * k] * apart[2 * k + 3] - apart[2 * k + 2] * apart[2 * k + 1] for k in (1, 2)]
+    area = block.let("area", sum(turns) / 2)
     with block.when(sp.Or(lines > MAX_FOOTPRINT_LINES, sp.Eq(area, 0))):
         block.leave(sp.Rational(1, 2))
     parts = [block.call("edge_share", edge, f"part_{k}")[0] for k, edge in enumerate(edges)]
