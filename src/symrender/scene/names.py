@@ -15,6 +15,7 @@ from symrender.errors import SceneError
 from symrender.scene.document import Path
 from symrender.scene.fields import item, length, models, number_range, tag
 from symrender.scene.nearest import did_you_mean
+from symrender.scene.plain import plain
 from symrender.scene.printable import printable
 from symrender.scene.scene import Scene
 from symrender.scene.values import Part
@@ -39,7 +40,9 @@ def split(name: str) -> Path:
     for part in name.split(".") if len(name) <= _LONGEST else [""]:
         match = _STEPS.fullmatch(part)
         if match is None:
-            raise SceneError(f"{printable(name, 100)}: not a parameter name such as spheres.A.radius")
+            raise SceneError(
+                f"{printable(name, 100) or 'the empty name'}: not a parameter name such as spheres.A.radius"
+            )
         steps += [match[1], *(int(index) for index in re.findall("[0-9]+", match[2]))]
     return tuple(steps)
 
@@ -67,7 +70,7 @@ def _step(info: FieldInfo | None, value: Any, step: str | int) -> tuple[str | in
             index = axes.find(step) if isinstance(step, str) and len(step) == 1 else step
             known = list(axes)
         else:
-            known = [str(entry["name"]) for entry in value]
+            known = [str(entry.get("name", "")) if isinstance(entry, dict) else "" for entry in value]
             index = known.index(step) if step in known else step
         if not isinstance(index, int) or not 0 <= index < len(value):
             return None, None, known
@@ -90,6 +93,8 @@ def resolve(data: Any, name: str) -> tuple[Path, FieldInfo]:
         if key is None or info is None:
             raise _unknown(name, steps[:count], step, known)
         path = (*path, key)
+        if isinstance(value, dict) and key not in value:  # a part a caller wrote without its defaults
+            value[key] = None if info.is_required() else plain(info.get_default())
         value = value[key]
     assert info is not None
     return path, info

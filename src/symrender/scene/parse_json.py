@@ -57,11 +57,10 @@ class _Reader:
         self.at = found.end()
         return str(value)
 
-    def enter(self, path: Path) -> None:
+    def count(self) -> None:
         self.entries += 1
         if self.entries > MAX_KEYS:
             raise Malformed(f"a scene file may hold at most {MAX_KEYS} keys and items", self.line())
-        self.lines[path] = self.line()
 
     def value(self, path: Path, depth: int) -> Any:
         first = self.peek()
@@ -93,15 +92,14 @@ class _Reader:
         while True:
             if self.peek() != '"':
                 raise self.unexpected("a key in double quotes")
-            start, line = self.at, self.line()
+            line = self.line()
             key = self.text_value()
             if key in result:
                 raise Malformed(f"duplicate key, first on line {self.lines[(*path, key)]}", line, (*path, key))
             if len(result) >= MAX_MAPPING:
                 raise Malformed(f"a mapping may hold at most {MAX_MAPPING} keys", line, path)
-            after, self.at = self.at, start
-            self.enter((*path, key))
-            self.at = after
+            self.count()
+            self.lines[(*path, key)] = line
             if self.peek() != ":":
                 raise self.unexpected("':'")
             self.at += 1
@@ -117,7 +115,8 @@ class _Reader:
             return result
         while True:
             self.peek()
-            self.enter((*path, len(result)))
+            self.count()
+            self.lines[(*path, len(result))] = self.line()
             result.append(self.value((*path, len(result)), depth))
             if self.closes("]"):
                 return result

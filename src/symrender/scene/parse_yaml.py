@@ -54,6 +54,7 @@ class _Builder:
         self.lines: dict[Path, int] = {}
         self.entries = 0
         self.frames: list[tuple[Any, Path]] = []
+        self.known: list[int] = []
         self.key: list[str | None] = []
 
     def path(self) -> Path:
@@ -92,15 +93,15 @@ class _Builder:
         self.key[-1] = name
 
     def put(self, value: Any, line: int) -> None:
-        path = self.path()
         if not self.frames:
             self.root = value
             self.lines[()] = line
             return
-        holder = self.frames[-1][0]
+        holder, path = self.frames[-1]
         if isinstance(holder, list):
             self.count(line)
-            self.lines[path] = line
+            if line != self.known[-1]:  # else the line of the list itself serves
+                self.lines[(*path, len(holder))] = line
             holder.append(value)
         else:
             holder[self.key[-1]] = value
@@ -114,10 +115,12 @@ class _Builder:
         path = self.path()
         self.put(holder, line)
         self.frames.append((holder, path))
+        self.known.append(self.lines.get(path, self.known[-1] if self.known else line))
         self.key.append(None)
 
     def close(self) -> None:
         self.frames.pop()
+        self.known.pop()
         self.key.pop()
 
     def scalar(self, event: yaml.ScalarEvent, line: int) -> None:

@@ -25,9 +25,9 @@ class Scene(Part):
     name: Annotated[str, Field(max_length=MAX_NAME)] = "scene"
     description: Annotated[str, Field(max_length=4000)] = ""
     camera: Camera
-    spheres: Annotated[tuple[Sphere, ...], BeforeValidator(at_most(MAX_SPHERES)), Field(max_length=MAX_SPHERES)] = ()
+    spheres: Annotated[tuple[Sphere, ...], Field(max_length=MAX_SPHERES), BeforeValidator(at_most(MAX_SPHERES))] = ()
     floor: Floor | None = None
-    lights: Annotated[tuple[Light, ...], BeforeValidator(at_most(MAX_LIGHTS)), Field(max_length=MAX_LIGHTS)] = ()
+    lights: Annotated[tuple[Light, ...], Field(max_length=MAX_LIGHTS), BeforeValidator(at_most(MAX_LIGHTS))] = ()
     ambient: Annotated[Colour, Field(description="ambient radiance, weighted by ka")] = (0.0, 0.0, 0.0)
     background: Annotated[Colour, Field(description="radiance where nothing is hit")] = (0.0, 0.0, 0.0)
     shading: Shading = Shading()
