@@ -65,15 +65,14 @@ class Rule:
 
 def edges(formulas: LobeFormulas, exponent: float, theta_max: float, k: int, partition: Partition) -> Array:
     """K + 1 polar angles from 0 to theta_max: equal steps of angle, of solid angle, or of lobe weight."""
-    shares = np.arange(k + 1) / k
+    shares = np.arange(1, k) / k
     if partition == "equal_angle":
-        inner = shares * theta_max
+        inner = (shares * theta_max).tolist()
     elif partition == "equal_solid_angle":
-        inner = np.array([formulas.cap_angle(s, theta_max) for s in shares])
+        inner = [formulas.cap_angle(s, theta_max) for s in shares.tolist()]
     else:
-        inner = np.array([formulas.share_angle(s, theta_max, exponent + 1) for s in shares])
-    inner[0], inner[-1] = 0.0, theta_max
-    return inner
+        inner = [formulas.share_angle(s, theta_max, exponent + 1) for s in shares.tolist()]
+    return np.array([0.0, *inner, theta_max])
 
 
 def rings(
