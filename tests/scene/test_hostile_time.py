@@ -10,8 +10,9 @@ import pytest
 from symrender.errors import SceneError
 from symrender.scene.load import parse
 
-LIMIT = 0.2
-"""Seconds of processor time, the best of three tries."""
+LIMIT = 0.5
+"""Seconds of processor time, the best of three tries: 0.2 on the machine this was measured on (the worst took 0.19),
+and room for slower ones. Undefended, the merge chain takes 7 s and the dotted key of 40 kB takes 6 s."""
 
 MERGES = "a0: &a0 {k: 1}\n" + "".join(f"a{i}: &a{i} {{<<: [*a{i - 1}, *a{i - 1}]}}\n" for i in range(1, 19))
 BILLION = "a: &a [x]\n" + "".join(f"{c}: &{c} [{', '.join([f'*{p}'] * 9)}]\n" for p, c in pairwise("abcdefghi"))

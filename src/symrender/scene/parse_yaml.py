@@ -35,6 +35,8 @@ def _plain(text: str) -> Any:
     """A plain scalar under the YAML 1.2 core schema; ValueError for a number no scene can hold."""
     if text in _WORDS:
         return _WORDS[text]
+    if text[0].isalpha():
+        return text
     if _DECIMAL.fullmatch(text):
         return number(text)
     if _BASED.fullmatch(text):
@@ -142,11 +144,6 @@ def _build(text: str) -> _Builder:
         line = mark.line + 1 if mark else 1
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
             raise Malformed("anchors and aliases are not allowed", line)
-        if isinstance(event, yaml.DocumentStartEvent):
-            documents += 1
-            if documents > 1:
-                raise Malformed("a scene file must hold one document, a second one starts here", line)
-            continue
         if tag := getattr(event, "tag", None):
             raise Malformed(f"tags are not allowed, got {printable(tag)}", line)
         match event:
@@ -158,6 +155,10 @@ def _build(text: str) -> _Builder:
                 builder.open([], line)
             case yaml.MappingEndEvent() | yaml.SequenceEndEvent():
                 builder.close()
+            case yaml.DocumentStartEvent():
+                documents += 1
+                if documents > 1:
+                    raise Malformed("a scene file must hold one document, a second one starts here", line)
     return builder
 
 
