@@ -1,1 +1,76 @@
-"""symrender: the oracle for rendering."""
+"""symrender: the oracle for rendering, the image that other renderers are tested against.
+
+::
+
+    import symrender as sr
+
+    pair = sr.render("gloss", size=256)   # pair.numeric, pair.symbolic, pair.ledger
+    held = sr.expression("gloss")         # the integrand: print it, differentiate it, evaluate it to 50 digits
+    sr.compare(pair.numeric, pair.symbolic)
+
+Names are looked up on first use, so importing symrender loads neither SymPy nor Numba.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from symrender.version import VERSION as __version__
+
+if TYPE_CHECKING:
+    from symrender.errors import SymrenderError
+    from symrender.expression.integrand import expression
+    from symrender.image import Image, read_image
+    from symrender.ledger.compare import compare
+    from symrender.render import Pair, render
+    from symrender.scene.load import load
+    from symrender.scene.scene import Scene
+
+_HOMES = {
+    "Image": "symrender.image",
+    "Pair": "symrender.render",
+    "Scene": "symrender.scene.scene",
+    "SymrenderError": "symrender.errors",
+    "compare": "symrender.ledger.compare",
+    "expression": "symrender.expression.integrand",
+    "load": "symrender.scene.load",
+    "read_image": "symrender.image",
+    "render": "symrender.render",
+}
+
+__all__ = [
+    "Image",
+    "Pair",
+    "Scene",
+    "SymrenderError",
+    "__version__",
+    "compare",
+    "expression",
+    "load",
+    "read_image",
+    "render",
+]
+
+
+class _Package(ModuleType):
+    """Keeps ``symrender.render`` the function although a submodule has that name too."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name in _HOMES and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module 'symrender' has no attribute {name!r}")
+        value = getattr(import_module(_HOMES[name]), name)
+        super().__setattr__(name, value)
+        return value
+
+    def __dir__(self) -> list[str]:
+        return __all__
+
+
+sys.modules[__name__].__class__ = _Package
