@@ -45,6 +45,14 @@ _FUNCTIONS = {
 _LARGEST_PRODUCT = 4
 
 
+def _quotient(floor: sp.Expr) -> tuple[sp.Expr, int] | None:
+    """(whole, q) where the expression is floor(whole/q) of a whole number, which // computes; else None."""
+    share, whole = floor.args[0].as_coeff_Mul()
+    if whole.is_integer and share.is_Rational and share.p == 1:
+        return whole, int(share.q)
+    return None
+
+
 class _Printer(StrPrinter):
     def emptyPrinter(self, expr: sp.Basic) -> str:
         raise NotImplementedError(f"no Python text for {type(expr).__name__}")
@@ -64,29 +72,46 @@ class _Printer(StrPrinter):
     def _print_Pi(self, expr: sp.Expr) -> str:
         return "math.pi"
 
+    def _print_Exp1(self, expr: sp.Expr) -> str:
+        return "math.e"
+
     def _print_Infinity(self, expr: sp.Expr) -> str:
         return "math.inf"
+
+    def _print_NegativeInfinity(self, expr: sp.Expr) -> str:
+        return "-math.inf"
+
+    def _print_NaN(self, expr: sp.Expr) -> str:
+        return "math.nan"
 
     def _print_Indexed(self, expr: sp.Indexed) -> str:
         return f"{expr.base.label}[{', '.join(self._print(index) for index in expr.indices)}]"
 
     def _print_Function(self, expr: sp.Function) -> str:
         name = type(expr).__name__
+        if name not in _FUNCTIONS:
+            return self.emptyPrinter(expr)
         return f"{_FUNCTIONS[name]}({', '.join(self._print(argument) for argument in expr.args)})"
 
     _print_Max = _print_Min = _print_Abs = _print_Function
 
+    def parenthesize(self, item: sp.Basic, level: int, strict: bool = False) -> str:
+        # // and % stand beside * and /, and group from the left: as operands they need brackets
+        if isinstance(item, sp.Mod) or (isinstance(item, sp.floor) and _quotient(item) is not None):
+            return f"({self._print(item)})"
+        return str(super().parenthesize(item, level, strict))
+
     def _print_floor(self, expr: sp.Expr) -> str:
-        share, whole = expr.args[0].as_coeff_Mul()
-        if whole.is_integer and share.is_Rational and share.p == 1:
-            return f"{self.parenthesize(whole, PRECEDENCE['Mul'])}//{share.q}"
-        return str(self._print_Function(expr))
+        parts = _quotient(expr)
+        if parts is None:
+            return self._print_Function(expr)
+        return f"{self.parenthesize(parts[0], PRECEDENCE['Func'], strict=True)}//{parts[1]}"
 
     def _print_length(self, expr: sp.Expr) -> str:
         return f"{self._print(expr.args[0])}.shape[0]"
 
     def _print_Mod(self, expr: sp.Mod) -> str:
-        return " % ".join(self.parenthesize(argument, PRECEDENCE["Mul"], strict=True) for argument in expr.args)
+        return " % ".join(self.parenthesize(argument, PRECEDENCE["Func"], strict=True) for argument in expr.args)
 
     def _print_Pow(self, expr: sp.Pow) -> str:
         base, exponent = expr.args
