@@ -29,17 +29,21 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         code = application().main([a for a in arguments if a != "--debug"], "symrender", standalone_mode=False)
         sys.stdout.flush()
-        return code if isinstance(code, int) else 0
     except KeyboardInterrupt:
-        return _fail("interrupted", _INTERRUPTED)
+        code = _INTERRUPTED
+    except SystemExit as leave:
+        if not isinstance(leave.__context__, BrokenPipeError):
+            raise
+        return _reader_gone()
     except BrokenPipeError:
-        # the reader has gone; keep the interpreter from failing again when it flushes at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return _OUTPUT_FAILED
+        return _reader_gone()
     except Exception as error:
         if debug:
             raise
         return _report(error)
+    if code == _INTERRUPTED:
+        return _fail("interrupted", _INTERRUPTED)
+    return code if isinstance(code, int) else 0
 
 
 def _report(error: Exception) -> int:
@@ -51,8 +55,15 @@ def _report(error: Exception) -> int:
         return _fail(f"{error.filename or 'output'}: {error.strerror or error}", _OUTPUT_FAILED)
     usage = getattr(error, "format_message", None)
     if usage is not None:
-        return _fail(usage() or "a command is needed; symrender --help lists them", 2)
+        # without a command the help has been printed, and there is nothing to add
+        return _fail(usage(), 2) if usage() else 2
     return _fail(f"a fault in symrender: {type(error).__name__}: {error}; --debug shows where", _FAULT)
+
+
+def _reader_gone() -> int:
+    # keep the interpreter from failing once more when it flushes at exit
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    return _OUTPUT_FAILED
 
 
 def _fail(message: str, code: int) -> int:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import typer
 
@@ -23,15 +24,21 @@ def show_table(title: str, rows: Sequence[Sequence[str]]) -> None:
 
 
 @contextmanager
-def native_errors_hidden() -> Iterator[None]:
-    """Hide what native libraries write to stderr while a file is read: its error is raised, and told in one line."""
+def native_output_hidden() -> Iterator[None]:
+    """Hide what native libraries print while a file is read: its error is raised, and told in one line."""
+    sys.stdout.flush()
     sys.stderr.flush()
-    saved = os.dup(2)
+    saved = {handle: os.dup(handle) for handle in (1, 2)}
     null = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(null, 2)
+        for handle in saved:
+            os.dup2(null, handle)
         yield
     finally:
-        os.dup2(saved, 2)
-        os.close(saved)
+        # what the libraries still hold in their buffers would appear later
+        with suppress(OSError, TypeError, AttributeError):
+            ctypes.CDLL(None).fflush(None)
+        for handle, copy in saved.items():
+            os.dup2(copy, handle)
+            os.close(copy)
         os.close(null)

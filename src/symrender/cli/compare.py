@@ -23,7 +23,7 @@ def compare(
     max_flips: Annotated[int | None, typer.Option(help="Fail above this many pixels of different hit class.")] = None,
     flip: Annotated[bool, typer.Option("--flip", help="Also FLIP, the perceptual metric (extra 'flip').")] = False,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for side_by_side.png, difference.png and signed_difference.png.")
+        str | None, typer.Option(help="Folder for side_by_side.png, difference.png and signed_difference.png.")
     ] = None,
     force: Force = False,
     json: Json = False,
@@ -36,10 +36,10 @@ def compare(
 
     Example: symrender compare reference.exr test.exr --max-relative-rmse 1e-3 --out report
     """
-    from symrender.cli._console import native_errors_hidden
+    from symrender.cli._console import native_output_hidden
     from symrender.ledger.compare import compare as compare_images
 
-    with native_errors_hidden():
+    with native_output_hidden():
         result = compare_images(
             reference, test, layer=layer, max_relative_rmse=max_relative_rmse, max_abs=max_abs, max_flips=max_flips
         )
@@ -59,7 +59,7 @@ def compare(
 
 
 def _pictures(
-    reference: Path, test: Path, layer: str, out: Path | None, *, force: bool, with_flip: bool
+    reference: Path, test: Path, layer: str, out: str | None, *, force: bool, with_flip: bool
 ) -> float | None:
     from symrender.image import read_image
     from symrender.ledger.flip import flip

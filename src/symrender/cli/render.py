@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,7 +21,10 @@ from symrender.cli._options import (
     scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
-from symrender.settings import Antialias, Nodes, Partition, Sampler, Symbolic, Weights
+from symrender.errors import OptionError
+from symrender.limits import MAX_PIXELS
+from symrender.output import check_target, make_folder
+from symrender.settings import Antialias, Nodes, Partition, Sampler, Settings, Symbolic, Weights, image_size
 
 if TYPE_CHECKING:
     from symrender.image import Image
@@ -43,8 +47,10 @@ def render(
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
     threads: Annotated[int, typer.Option(help="Worker threads; 0 takes the processors this process may use.")] = 0,
+    tile: Annotated[int, typer.Option(help="Side of a tile, pixels; changes no byte of the image.")] = 64,
+    max_pixels: Annotated[int, typer.Option(help="Most pixels accepted.")] = MAX_PIXELS,
     define: Define = None,
-    out: Annotated[Path, typer.Option(help="Folder the files are written to; made if missing.")] = Path("out"),
+    out: Annotated[str, typer.Option(help="Folder the files are written to; made if missing.")] = "out",
     views: Annotated[
         bool, typer.Option("--views", help="Also write gloss and hit-class pictures of each render.")
     ] = False,
@@ -62,37 +68,42 @@ def render(
 
     Example: symrender render gloss --size 640x480 --lobe 8 -D floor.lobe.exponent=64 --out pictures
     """
-    from symrender.output import check_target, make_folder
-
-    pixels = parse_size(size)
-    chosen = scene_with(scene, define)
-    for warning in chosen.warnings():
-        if not quiet:
-            typer.echo(f"WARNING {warning}", err=True)
+    width, height = image_size(parse_size(size))
+    settings = Settings(
+        width=width,
+        height=height,
+        lobe=lobe,
+        numeric=numeric,
+        normalised=normalised,
+        symbolic=symbolic,
+        weights=weights,
+        nodes=nodes,
+        partition=partition,
+        disk=disk,
+        aa=aa,
+        seed=seed,
+        threads=threads,
+        tile=tile,
+        max_pixels=max_pixels,
+    )
     names = [side for side, choice in (("numeric", numeric), ("symbolic", symbolic)) if choice != "none"]
+    if not names:
+        raise OptionError("numeric, symbolic: at least one must not be 'none'")
+    chosen = scene_with(scene, define)
+    if not quiet:
+        from symrender.scene.warnings import warnings
+
+        for warning in warnings(chosen):
+            typer.echo(f"WARNING {warning}", err=True)
     folder = make_folder(out)
     for name in _file_names(names, views=views):
         check_target(folder / name, force=force, inputs=scene_files(scene))
 
     from symrender.render import render as render_pair
 
+    keywords = {key: value for key, value in asdict(settings).items() if key not in ("width", "height", "tol")}
     with progress(progress_mode, quiet=quiet) as advance:
-        pair = render_pair(
-            chosen,
-            size=pixels,
-            lobe=lobe,
-            numeric=numeric,
-            normalised=normalised,
-            symbolic=symbolic,
-            weights=weights,
-            nodes=nodes,
-            partition=partition,
-            disk=disk,
-            aa=aa,
-            seed=seed,
-            threads=threads,
-            progress=advance,
-        )
+        pair = render_pair(chosen, size=(width, height), progress=advance, **keywords)
     images = {name: image for name in names if (image := getattr(pair, name)) is not None}
     told = _write(images, folder, views=views, force=force)
     if json:

@@ -31,9 +31,9 @@ def scenes(
     elif schema:
         import json as json_module
 
-        from symrender.scene.scene import Scene
+        from symrender.scene.schema import json_schema
 
-        typer.echo(json_module.dumps(Scene.model_json_schema(), indent=2))
+        typer.echo(json_module.dumps(json_schema(), indent=2))
     elif json:
         import json as json_module
 
