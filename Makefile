@@ -1,0 +1,47 @@
+# make render | test | lint | types | bench | docs | clean
+PYTHON ?= python3
+VENV ?= .venv
+WORKERS ?= 2
+PY := $(VENV)/bin/python
+BASE := $(VENV)/.base
+TEST := $(VENV)/.test
+
+.PHONY: render test lint types bench docs clean
+.DELETE_ON_ERROR:
+
+render: $(BASE)
+	$(VENV)/bin/symrender render --out out --force
+
+test: lint types
+	$(PY) -m pytest -n $(WORKERS) --dist loadfile
+
+lint: $(TEST)
+	$(PY) -m ruff check .
+	$(PY) -m ruff format --check .
+
+types: $(TEST)
+	$(PY) -m mypy
+
+bench: $(BASE)
+	$(PY) benchmarks/run.py --quick
+
+docs: $(TEST)
+	$(PY) -m pytest tests/test_docs.py tests/test_readme.py
+
+clean:
+	rm -rf out .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(PY):
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+	  || { echo "symrender needs Python 3.11 or later; name one: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
+	@$(PYTHON) -m venv $(VENV) || { $(PYTHON) -m venv --without-pip $(VENV) \
+	  && $(PYTHON) -m pip --python $(PY) install --quiet --disable-pip-version-check pip; }
+
+$(BASE): pyproject.toml | $(PY)
+	$(PY) -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(TEST): pyproject.toml | $(PY)
+	$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@ $(BASE)
