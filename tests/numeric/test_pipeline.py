@@ -302,6 +302,18 @@ DEGENERATE: dict[str, dict[str, Any]] = {
         "floor": {"lobe": {"theta_max": RIGHT_ANGLE}},
         "lights": [LIGHT],
     },
+    "cells too small to count": {
+        **USUAL,
+        "floor": {"texture": {"type": "checker", "cell": 1e-150}, "lobe": {}},
+    },
+    "all rays along the horizon": {
+        **USUAL,
+        "camera": LOOK | {"eye": [0.0, -4.0, 1.0], "target": [0.0, 0.0, 1.0], "fov": 1e-300},
+    },
+    "floor 1e28 away": {
+        **USUAL,
+        "camera": LOOK | {"eye": [0.0, -1e12, 1e12], "target": [0.0, 0.0, 999999999999.9999], "fov": 1e-14},
+    },
     "shininess 0": {**USUAL, "shading": {"shininess": 0.0}},
     "shininess 1e9": {**USUAL, "shading": {"shininess": 1e9, "model": "phong"}},
     "lobe n 0": {**USUAL, "floor": {"lobe": {"exponent": 0.0, "theta_max": RIGHT_ANGLE}}},
@@ -401,3 +413,11 @@ def test_whole_image_of_single_sphere_head_on() -> None:
     expected = 0.8 * np.sqrt(1 - np.where(lit, sine, 0) ** 2)
     np.testing.assert_allclose(image["radiance"][lit][:, 0], expected[lit], rtol=1e-11)
     np.testing.assert_allclose(image["radiance"][lit][:, 2], expected[lit] / 4, rtol=1e-11)
+
+
+def test_lobe_ray_from_below_meets_a_black_floor(oblique: Scene) -> None:
+    """The same floor point seen from above is lit."""
+    points = np.array([[1.5, 0.4, -0.5], [1.5, 0.4, 0.5]])
+    radiance, hit, distance = trace(scene_arrays(oblique), points, [[0, 0, 1.0], [0, 0, -1.0]], NOTHING)
+    assert hit.tolist() == [FLOOR, FLOOR] and distance.tolist() == [0.5, 0.5]
+    assert not radiance[0].any() and (radiance[1] > 0.1).all()

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import numpy as np
+
 from symrender.kernel_cache import inlined
 from symrender.numeric.rays import window_direction
 from symrender.numeric.textures import floor_sign
@@ -53,14 +55,14 @@ def footprint(frame: Array, a: float, b: float, da: float, db: float, x: float, 
 @inlined
 def wave(x: float) -> float:
     """Integral from 0 to x of sign(sin pi t): the triangle wave of period 2 between 0 and 1."""
-    r = x - 2.0 * math.floor(x / 2.0)
-    return r if r < 1.0 else 2.0 - r
+    r = x - 2.0 * np.floor(x / 2.0)
+    return float(r if r < 1.0 else 2.0 - r)
 
 
 @inlined
 def crossings(a: float, b: float) -> float:
     """How many whole numbers lie between a and b, at most."""
-    return abs(math.floor(b) - math.floor(a)) + 1.0
+    return float(abs(np.floor(b) - np.floor(a)) + 1.0)
 
 
 @inlined
@@ -76,8 +78,8 @@ def edge_integral(ax: float, ay: float, bx: float, by: float, level: float) -> f
     if dy == 0.0:
         return 0.0
     forward, upward = (1.0 if dx > 0.0 else -1.0), (1.0 if dy > 0.0 else -1.0)
-    next_x = math.floor(ax) + 1.0 if dx > 0.0 else math.ceil(ax) - 1.0
-    next_y = math.floor(ay) + 1.0 if dy > 0.0 else math.ceil(ay) - 1.0
+    next_x = np.floor(ax) + 1.0 if dx > 0.0 else np.ceil(ax) - 1.0
+    next_y = np.floor(ay) + 1.0 if dy > 0.0 else np.ceil(ay) - 1.0
     total, t = 0.0, 0.0
     while t < 1.0:
         tx, ty = next_crossing(ax, dx, next_x), next_crossing(ay, dy, next_y)
@@ -89,7 +91,7 @@ def edge_integral(ax: float, ay: float, bx: float, by: float, level: float) -> f
         if end > t:
             middle = 0.5 * (t + end)
             y = ay + middle * dy
-            sign = 1.0 if y - 2.0 * math.floor(y / 2.0) < 1.0 else -1.0
+            sign = 1.0 if y - 2.0 * np.floor(y / 2.0) < 1.0 else -1.0
             total += (wave(ax + middle * dx) - level) * sign * (end - t) * dy
         t = max(t, end)
     return total
@@ -98,8 +100,8 @@ def edge_integral(ax: float, ay: float, bx: float, by: float, level: float) -> f
 @inlined
 def mean_sign(cx: float, cy: float, quad: Quad) -> float:
     """Mean of s(x) s(y) over the quadrilateral ``quad`` about (cx, cy), all in cells; nan for one without area."""
-    cx -= 2.0 * math.floor(cx / 2.0)
-    cy -= 2.0 * math.floor(cy / 2.0)
+    cx -= 2.0 * np.floor(cx / 2.0)
+    cy -= 2.0 * np.floor(cy / 2.0)
     x0, y0, x1, y1 = cx + quad[0], cy + quad[1], cx + quad[2], cy + quad[3]
     x2, y2, x3, y3 = cx + quad[4], cy + quad[5], cx + quad[6], cy + quad[7]
     area = 0.5 * ((quad[4] - quad[0]) * (quad[7] - quad[3]) - (quad[6] - quad[2]) * (quad[5] - quad[1]))

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from symrender.kernel_cache import inlined
 from symrender.numeric.lobe import (
     EXPONENT,
@@ -75,7 +77,7 @@ def gloss(
 
     exponent = lobe[EXPONENT]
     equal = sampler in (IMPORTANCE, SOBOL)
-    whole = exponent <= _WHOLE_POWER and exponent == math.floor(exponent)
+    whole = exponent <= _WHOLE_POWER and exponent == np.floor(exponent)
     deep = not whole and not normalised and exponent * math.log1p(-lobe[HEIGHT]) < _DEEP
     peak = 0.0
     u1, u2 = frame_about(m, n)
@@ -94,8 +96,8 @@ def gloss(
                 if deep:  # weights relative to a power of two near the largest yet, or all would underflow
                     bits /= math.log(2.0)
                     if index == 0 or bits > peak:
-                        scale = math.ldexp(1.0, int(max(-2000.0, peak - math.floor(bits)))) if index > 0 else 1.0
-                        peak = math.floor(bits)
+                        scale = math.ldexp(1.0, int(max(-2000.0, peak - np.floor(bits)))) if index > 0 else 1.0
+                        peak = np.floor(bits)
                         w0, w1, r0, r1 = w0 * scale, w1 * scale, r0 * scale, r1 * scale
                         g0, g1, b0, b1 = g0 * scale, g1 * scale, b0 * scale, b1 * scale
                     bits = (bits - peak) * math.log(2.0)

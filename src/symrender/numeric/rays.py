@@ -14,6 +14,7 @@ from symrender.scene.arrays import PLANE, Array
 # a camera ready for use: kind 0, eye 1:4, then forward 4:7, right 7:10, up 10:13 (LOOK_AT; right and up reach from
 # the middle to the edge of the window at distance 1), or window_half 4, window_center 5:7 (PLANE)
 _PARALLEL = 1e-12
+_FARTHEST = 1e150
 
 
 def camera_frame(camera: Array, width: int, height: int) -> Array:
@@ -71,11 +72,14 @@ def primary_ray(frame: Array, a: float, b: float) -> tuple[Vector, float, Vector
 
 @inlined
 def floor_distance(height: float, slope: float) -> float:
-    """Distance to z = 0 from ``height`` along a unit ray whose z component is ``slope``; inf where it is not met."""
+    """Distance to z = 0 from ``height`` along a unit ray whose z component is ``slope``; inf where it is not met.
+
+    Beyond 1e150, where squares overflow, it counts as not met.
+    """
     if slope == 0.0:
         return math.inf
     distance = -height / slope
-    return distance if distance > 0.0 else math.inf
+    return distance if 0.0 < distance < _FARTHEST else math.inf
 
 
 @inlined

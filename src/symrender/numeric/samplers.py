@@ -71,7 +71,7 @@ def owen_scrambled(bits: np.uint64, seed: np.uint64) -> np.uint64:
 @inlined
 def scrambled_sobol(key: Key, index: int) -> tuple[float, float]:
     """Point ``index`` of the pixel's own scrambling, in [0, 1); bits below 2^-32 are random, one draw a pixel."""
-    seeds = words(key, 0, 1)
+    seeds = words(key, 0, 0)
     scale = 2.0**-_BITS
     first = owen_scrambled(sobol_bits(index, 0), seeds[0])
     second = owen_scrambled(sobol_bits(index, 1), seeds[1])

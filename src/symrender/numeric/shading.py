@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from symrender.kernel_cache import inlined
 from symrender.numeric.lights import disk_point
 from symrender.numeric.random import Key, uniforms
@@ -17,7 +19,7 @@ _WHOLE_POWER = 256.0
 @inlined
 def power(x: float, exponent: float) -> float:
     """x^exponent for x >= 0, with 0^0 = 1."""
-    if exponent > _WHOLE_POWER or exponent != math.floor(exponent):
+    if exponent > _WHOLE_POWER or exponent != np.floor(exponent):
         return float(x**exponent)
     result = 1.0
     n = int(exponent)

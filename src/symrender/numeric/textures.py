@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from symrender.kernel_cache import inlined
 from symrender.numeric.vectors import Vector
 from symrender.scene.arrays import CHECKER, COLOR, DARK, KU, KV, MARBLE, SOLID, TEXTURE, Array
@@ -11,8 +13,8 @@ from symrender.scene.arrays import CHECKER, COLOR, DARK, KU, KV, MARBLE, SOLID, 
 
 @inlined
 def sin_pi(x: float) -> float:
-    """sin(pi x), exactly 0 at whole x."""
-    r = x - 2.0 * math.floor(x / 2.0)
+    """sin(pi x), exactly 0 at whole x; ``np.floor``, since in kernels ``math.floor`` overflows beyond 2^63."""
+    r = x - 2.0 * np.floor(x / 2.0)
     return 0.0 if r in (0.0, 1.0) else math.sin(math.pi * r)
 
 
