@@ -79,6 +79,8 @@ def decode(data: bytes, max_pixels: int) -> tuple[dict[str, Array], dict[str, st
                         meta[key] = value
     except (RuntimeError, ValueError, TypeError, KeyError, UnicodeDecodeError, MemoryError) as error:
         raise ImageError(f"not a readable EXR: {' '.join(str(error).split())}") from None
+    if not channels:
+        raise ImageError("not a readable EXR: its pixels are missing or damaged")
     for name, pixels in channels.items():
         if pixels.shape != (height, width):
             raise ImageError(f"channel {name!r} must have shape {(height, width)}, got {pixels.shape}")

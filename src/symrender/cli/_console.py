@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import ctypes
+import io
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 
 import typer
 
@@ -25,7 +25,7 @@ def show_table(title: str, rows: Sequence[Sequence[str]]) -> None:
 
 @contextmanager
 def native_output_hidden() -> Iterator[None]:
-    """Hide what native libraries print while a file is read: its error is raised, and told in one line."""
+    """Hide what libraries print while a file is read, natively and through Python: their errors are raised and told."""
     sys.stdout.flush()
     sys.stderr.flush()
     saved = {handle: os.dup(handle) for handle in (1, 2)}
@@ -33,11 +33,9 @@ def native_output_hidden() -> Iterator[None]:
     try:
         for handle in saved:
             os.dup2(null, handle)
-        yield
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            yield
     finally:
-        # what the libraries still hold in their buffers would appear later
-        with suppress(OSError, TypeError, AttributeError):
-            ctypes.CDLL(None).fflush(None)
         for handle, copy in saved.items():
             os.dup2(copy, handle)
             os.close(copy)

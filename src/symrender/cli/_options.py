@@ -27,8 +27,10 @@ def _parameter_names(ctx: typer.Context, incomplete: str) -> list[str]:
     from symrender.errors import SymrenderError
     from symrender.scene.load import load
 
+    # while a line is being completed, its positional words are still unparsed
+    words = [*ctx.args, ctx.params.get("scene") or DEFAULT_SCENE]
     try:
-        parameters = load(ctx.params.get("scene") or DEFAULT_SCENE).parameters()
+        parameters = load(words[0]).parameters()
     except SymrenderError:
         return []
     return [f"{p.name}=" for p in parameters if p.name.startswith(incomplete)]
