@@ -28,6 +28,7 @@ def image_program() -> Program:
             shade.blocked(),
             shade.light_factors(),
             shade.direct(),
+            shade.lit(),
             trace.nearest(),
             trace.sphere_radiance(),
             trace.floor_radiance(),

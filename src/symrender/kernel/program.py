@@ -137,6 +137,12 @@ class Program:
         if missing:
             raise ValueError(f"no function for the entries {sorted(missing)}")
 
+    @property
+    def called(self) -> tuple[str, ...]:
+        """Names of the functions other functions call, in the order of definition."""
+        found = {name for function in self.functions for name in _calls(function.body)}
+        return tuple(function.name for function in self.functions if function.name in found)
+
 
 def _calls(body: tuple[Statement, ...]) -> list[str]:
     names: list[str] = []

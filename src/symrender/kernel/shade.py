@@ -205,6 +205,15 @@ def direct() -> Function:
     )
 
 
+def lit() -> Function:
+    """``direct`` kept as a function of its own, for callers too rare to deserve a copy."""
+    shared = direct()
+    block = Block()
+    rgb = block.call("direct", shared.parameters, "r", "g", "blue")
+    block.leave(*rgb)
+    return Function("lit", shared.parameters, block.statements, shared.doc)
+
+
 def sphere_albedo(block: Block, j: sp.Expr, outward: Vec3) -> tuple[sp.Expr, ...]:
     """Write the albedo of sphere j at its unit outward normal."""
     (factor,) = block.call("texture_factor", (j, outward, SPHERES), "factor")

@@ -10,7 +10,8 @@ from symrender.expression import lobe
 from symrender.kernel.block import Block, real
 from symrender.kernel.program import Function
 
-_THIN = 1e-4
+_THIN = 0.03
+"""Largest u drop of a stratum whose barycentre is taken from a series."""
 
 
 def _log_cos(block: Block, name: str, angle: sp.Expr) -> sp.Symbol:
@@ -36,9 +37,10 @@ def ring_barycentre() -> Function:
     a, b, u = real("a"), real("b"), real("u")
     block = Block()
     drop = block.let("drop", lobe.log_cos_drop(a, b))
-    mean = block.let("mean", lobe.mean_drop_thin(drop, u))
-    with block.when(sp.Or(drop > _THIN, u * drop > _THIN)):
-        block.set(mean, lobe.mean_drop(drop, u))
+    with block.when(u * drop > _THIN):
+        mean = block.let("mean", lobe.mean_drop(drop, u))
+    with block.otherwise():
+        block.let("mean", lobe.mean_drop_thin(drop, u))
     vers = block.let("vers", 2 * sp.sin(a / 2) ** 2 + sp.cos(a) * mean)
     block.leave(block.let("angle", lobe.angle(vers)))
     return Function(

@@ -136,7 +136,7 @@ def _hit(
                     (share,) = block.call("floor_side", (q.x, q.y, FLOOR), "share")
                     block.set(bright, share)
             arguments = (q, normal, view, *floor_albedo(bright), sp.Integer(at.FLOOR), sp.Float(1))
-            block.call("direct", (*arguments, SPHERES, FLOOR, POINTS, SHADING), "r", "g", "blue")
+            block.call("lit", (*arguments, SPHERES, FLOOR, POINTS, SHADING), "r", "g", "blue")
         with block.otherwise():
             block.let("lobe_weight", sp.Integer(0))
     with block.otherwise():
@@ -152,5 +152,5 @@ def _hit(
         block.let("lit_side", sp.Integer(1))
         albedo = sphere_albedo(block, j, block.let_vector("o", normal * side))
         arguments = (q, normal, view, *albedo, shape, side, SPHERES, FLOOR, POINTS, SHADING)
-        block.call("direct", arguments, *(str(value) for value in rgb))
+        block.call("lit", arguments, *(str(value) for value in rgb))
     return q, normal

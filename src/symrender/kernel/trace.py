@@ -103,7 +103,7 @@ def floor_radiance() -> Function:
         block.set(bright, side)
     q = Vec3(x, y, block.let("ground", sp.Integer(0)))
     view = _view(block, q, w, eye_view)
-    rgb = block.call("direct", _floor_arguments(q, view, bright), "r", "g", "blue")
+    rgb = block.call("lit", _floor_arguments(q, view, bright), "r", "g", "blue")
     block.leave(*rgb)
     parameters = (*p.parts, *w.parts, eye_view, EYE, SPHERES, FLOOR, POINTS, SHADING)
     return Function("floor_radiance", parameters, block.statements, "radiance (r, g, b) of the floor along w from p")

@@ -7,7 +7,8 @@ importing SymPy at all.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+import inspect
+from collections.abc import Callable
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -42,21 +43,16 @@ def emitted(recipe: Callable[[], str], name: str) -> str:
 @cache
 def kernel(text: str, name: str) -> Any:
     """Function ``name`` of an emitted module, compiled; everything it calls is compiled with it."""
+    import numba
+
     module = kernel_cache.load_module(text)
-    _mark(module)
     # the kernels only borrow arrays; counting references to them would cost more than the arithmetic
+    options = {"nogil": True, "error_model": "numpy", "_nrt": False}
+    for called in module.CALLED:
+        function = getattr(module, called)
+        if inspect.isfunction(function):
+            setattr(module, called, numba.njit(forceinline=called in module.INLINE, **options)(function))
     return kernel_cache.compiled(getattr(module, name), sources=[text], _nrt=False)
-
-
-@cache
-def _mark(module: ModuleType) -> None:
-    for name in _functions(module):
-        if name not in module.ENTRIES:
-            kernel_cache.jitable(getattr(module, name), inline=name in module.INLINE)
-
-
-def _functions(module: ModuleType) -> Sequence[str]:
-    return [name for name, value in vars(module).items() if callable(value)]
 
 
 def plain(text: str) -> ModuleType:

@@ -6,13 +6,14 @@ imports nothing but ``math`` and ``numba``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import sympy as sp
 from sympy.printing.precedence import PRECEDENCE, precedence
 from sympy.printing.str import StrPrinter
 
 from symrender.kernel.program import (
+    Array,
     Call,
     Function,
     Let,
@@ -160,53 +161,65 @@ class _Printer(StrPrinter):
         return f"{self._print(expr.lhs)} {expr.rel_op} {self._print(expr.rhs)}"
 
 
-def _body(statements: Sequence[Statement], printer: _Printer, depth: int) -> list[str]:
+Kinds = Mapping[str, Function]
+
+
+def _body(statements: Sequence[Statement], printer: _Printer, functions: Kinds, depth: int) -> list[str]:
     pad = "    " * depth
     lines: list[str] = []
     for statement in statements:
         match statement:
             case Let(name=name, value=value):
-                number = float(value) if value.is_Integer and not name.is_integer else None
-                lines.append(f"{pad}{name.name} = {printer.doprint(value) if number is None else repr(number)}")
+                text = printer.doprint(value) if name.is_integer else _real(value, printer)
+                lines.append(f"{pad}{name.name} = {text}")
             case Store(element=element, value=value):
                 lines.append(f"{pad}{printer.doprint(element)} = {printer.doprint(value)}")
             case Loop(index=index, count=count, body=body, first=first):
                 span = printer.doprint(count) if first == 0 else f"{printer.doprint(first)}, {printer.doprint(count)}"
                 lines.append(f"{pad}for {index.name} in range({span}):")
-                lines += _body(body, printer, depth + 1)
+                lines += _body(body, printer, functions, depth + 1)
             case When(condition=condition, body=body, otherwise=otherwise):
                 lines.append(f"{pad}if {printer.doprint(condition)}:")
-                lines += _body(body, printer, depth + 1)
+                lines += _body(body, printer, functions, depth + 1)
                 if otherwise:
                     lines.append(f"{pad}else:")
-                    lines += _body(otherwise, printer, depth + 1)
+                    lines += _body(otherwise, printer, functions, depth + 1)
             case Next():
                 lines.append(f"{pad}continue")
             case Return(values=values):
-                lines.append(f"{pad}return {', '.join(_value(value, printer) for value in values)}")
+                lines.append(f"{pad}return {', '.join(_real(value, printer) for value in values)}")
             case Call(targets=targets, function=function, arguments=arguments):
-                call = f"{function}({', '.join(_value(argument, printer) for argument in arguments)})"
+                kinds = functions[function].parameters
+                passed = [
+                    printer.doprint(argument)
+                    if isinstance(kind, Array) or kind.is_integer
+                    else _real(argument, printer)
+                    for argument, kind in zip(arguments, kinds, strict=True)
+                ]
+                call = f"{function}({', '.join(passed)})"
                 left = ", ".join(target.name for target in targets)
                 lines.append(f"{pad}{left} = {call}" if targets else f"{pad}{call}")
     return lines
 
 
-def _value(value: sp.Basic, printer: _Printer) -> str:
-    return str(printer.doprint(value))
+def _real(value: sp.Basic, printer: _Printer) -> str:
+    """Text of a real value; a whole literal gets its point, so that each function is compiled for one signature."""
+    return repr(float(value)) if value.is_Integer else str(printer.doprint(value))
 
 
-def _function(function: Function) -> list[str]:
+def _function(function: Function, functions: Kinds) -> list[str]:
     names = ", ".join(p.name for p in function.parameters)
-    printer = _Printer()
-    return [f"def {function.name}({names}):", f'    """{function.doc}"""', *_body(function.body, printer, 1)]
+    head = [f"def {function.name}({names}):", f'    """{function.doc}"""']
+    return head + _body(function.body, _Printer(), functions, 1)
 
 
 def emit(program: Program) -> str:
     """The Python module of ``program``: one plain function per Function, in order; the runtime adds Numba."""
     parts = ["import math\n"]
-    parts += ["\n".join(_function(function)) + "\n" for function in program.functions]
+    functions = {function.name: function for function in program.functions}
+    parts += ["\n".join(_function(function, functions)) + "\n" for function in program.functions]
     inline = tuple(function.name for function in program.functions if function.inline)
-    parts.append(f"ENTRIES = {program.entries!r}\nINLINE = {inline!r}\n")
+    parts.append(f"ENTRIES = {program.entries!r}\nCALLED = {program.called!r}\nINLINE = {inline!r}\n")
     return "\n\n".join(parts)
 
 
