@@ -251,17 +251,35 @@ def test_a_shape_never_meets_itself() -> None:
     assert hits > 4000
 
 
-def test_highlight_view_of_a_lobe_ray(chapter8: Scene) -> None:
-    arrays = scene_arrays(chapter8)
-    by_ray = with_parts(chapter8, shading=chapter8.shading.model_dump() | {"highlight_view": "ray"})
+@pytest.mark.parametrize("view", ["eye", "ray"])
+def test_highlight_view_of_a_lobe_ray(view: str) -> None:
+    """Highlight alone, N.h with v towards the camera or back along the ray, at every point met."""
+    scene = Scene.model_validate(
+        {
+            "camera": LOOK,
+            "spheres": [{"name": "a", "center": [0.0, 0.0, 1.0], "radius": 1.0}],
+            "lights": [{"type": "point", "name": "l", "position": [3.0, 3.0, 6.0]}],
+            "shading": {"ka": 0.0, "kd": 0.0, "ks": 1.0, "shininess": 1.0, "highlight_view": view},
+        },
+        strict=False,
+    )
     rng = np.random.default_rng(1)
-    origins = np.array([1.6, 0.2, 0.0]) + rng.normal(size=(400, 3)) * (0.1, 0.1, 0)
-    directions = rng.normal(size=(400, 3)) * 0.3 + (-1, 0, 0.4)
+    origins = np.array([2.0, 1.0, 0.0]) + rng.normal(size=(400, 3)) * (0.1, 0.1, 0)
+    directions = (0, 0, 1) + 0.6 * rng.normal(size=(400, 3)) - origins
     directions /= np.linalg.norm(directions, axis=1)[:, None]
-    eye, hit, _ = trace(arrays, origins, directions, FLOOR)
-    ray, _, _ = trace(scene_arrays(by_ray), origins, directions, FLOOR)
-    assert (hit == 2).sum() > 100
-    assert (np.abs(eye - ray).max(axis=1) > 1e-3).sum() > 20
+    radiance, hit, distance = trace(scene_arrays(scene), origins, directions, FLOOR)
+    lit = 0
+    for o, d, t, value in zip(
+        origins[hit == 2], directions[hit == 2], distance[hit == 2], radiance[hit == 2], strict=True
+    ):
+        q = o + t * d
+        n, l = q - (0, 0, 1), np.array([3.0, 3.0, 6.0]) - q
+        v = np.array(LOOK["eye"]) - q if view == "eye" else -d
+        h = l / np.linalg.norm(l) + v / np.linalg.norm(v)
+        expected = max(0.0, n @ h / np.linalg.norm(h)) if n @ l > 0 else 0.0
+        np.testing.assert_allclose(value, expected, atol=1e-12)
+        lit += expected > 0.1
+    assert lit > 100
 
 
 SPHERE = {"name": "a", "center": [0.0, 0.0, 1.0], "radius": 1.0, "lobe": {}}
