@@ -173,12 +173,14 @@ def test_render_writes_files_that_render_again(capfd: pytest.CaptureFixture[str]
 def test_scene_file_is_never_replaced(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     from symrender.scene import gallery
 
-    scene = tmp_path / "numeric.png"
+    scene = tmp_path / "scene.yaml"
     scene.write_text(gallery.text("chapter8"))
+    os.link(scene, tmp_path / "numeric.png")
     before = scene.read_bytes()
-    code = main(["render", str(scene), "--size", "8", "--out", str(tmp_path), "--force"])
-    assert code in (2, 74) and scene.read_bytes() == before
-    assert {p.name for p in tmp_path.iterdir()} == {"numeric.png"}
+    assert main(["render", str(scene), "--size", "8", "--out", str(tmp_path), "--force"]) == 74
+    assert "is an input of this run" in capfd.readouterr().err
+    assert scene.read_bytes() == before and (tmp_path / "numeric.png").read_bytes() == before
+    assert {p.name for p in tmp_path.iterdir()} == {"scene.yaml", "numeric.png"}
 
 
 def test_numeric_and_symbolic_cannot_both_be_none(capfd: pytest.CaptureFixture[str]) -> None:
