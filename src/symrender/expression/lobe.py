@@ -92,8 +92,13 @@ def mean_drop(drop: sp.Expr, u: sp.Expr) -> sp.Expr:
 
 
 def mean_drop_thin(drop: sp.Expr, u: sp.Expr) -> sp.Expr:
-    """``mean_drop`` to third order in the drop, for a stratum so thin that the closed form would cancel."""
-    return drop / 2 - (u + 2) * drop**2 / 12
+    """``mean_drop`` for a thin stratum, where the closed form would cancel; to 1e-15 of itself for u drop <= .03.
+
+    1 - g((u + 1) d)/g(u d) with g(z) = (1 - e^(-z))/z, and log g(z) = -z/2 + y^2/6 - y^4/180 + y^6/2835 - ..., y = z/2.
+    """
+    a, b = ((u + 1) * drop / 2) ** 2, (u * drop / 2) ** 2
+    series = sp.Rational(1, 6) - (a + b) / 180 + (a**2 + a * b + b**2) / 2835
+    return -expm1((2 * u + 1) * drop**2 / 4 * series - drop / 2)
 
 
 def one_minus_cos(share: sp.Expr, log_cos_max: sp.Expr, u: sp.Expr) -> sp.Expr:

@@ -61,3 +61,9 @@ def norm2(a: Vec3) -> sp.Expr:
 def unit(a: Vec3) -> Vec3:
     """a / |a|"""
     return a / sp.sqrt(norm2(a))
+
+
+def renormalising(a: Vec3) -> sp.Expr:
+    """(15 - 10 s + 3 s^2)/8 with s = |a|^2, 1/sqrt(s) to second order about 1: it makes a nearly unit vector unit."""
+    s = norm2(a)
+    return (15 - s * (10 - 3 * s)) / 8

@@ -11,7 +11,7 @@ from symrender.kernel.block import Block, real, whole
 from symrender.kernel.gather import RULES, SIZES, WORK
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, floor_albedo, row_vector, sphere_albedo
-from symrender.kernel.trace import EYE, sphere_distance
+from symrender.kernel.trace import EYE, sphere_distance, unit_normal
 from symrender.scene import arrays as at
 
 CAMERA = Array("camera", 1)
@@ -146,7 +146,7 @@ def _hit(
         f = block.let_vector("f", center - eye)
         b, c = block.lets({"b": intersection.approach(f, d), "c": intersection.power(f, radius)})
         half_chord, side, _ = sphere_distance(block, b, c, intersection.discriminant(f, d, radius))
-        block.let_vector("n", intersection.normal(f, d, b, half_chord, side, radius))
+        unit_normal(block, intersection.normal(f, d, b, half_chord, side, radius))
         block.let_vector("q", center + normal * (side * radius))
         block.lets({"lobe_weight": SPHERES[j, at.LOBE], "theta_max": SPHERES[j, at.LOBE + 2]})
         block.let("lit_side", sp.Integer(1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from symrender.expression import intersection
-from symrender.expression.vectors import Vec3, norm2, vec3
+from symrender.expression.vectors import Vec3, norm2, renormalising, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import (
@@ -30,6 +30,12 @@ def sphere_distance(block: Block, b: sp.Expr, c: sp.Expr, chord2: sp.Expr) -> tu
     with block.when(c < 0):
         block.set(side, sp.Integer(-1))
     return half_chord, side, block.let("distance", intersection.root(b, half_chord, side))
+
+
+def unit_normal(block: Block, normal: Vec3) -> Vec3:
+    """Write the normal at a hit; of a far sphere the formula's is unit only to an ulp of the distance in radii."""
+    raw = block.let_vector("n", normal)
+    return block.let_vector("n", raw * block.let("renormalising", renormalising(raw)))
 
 
 def nearest() -> Function:
@@ -72,7 +78,7 @@ def sphere_radiance() -> Function:
     radius = block.let("radius", SPHERES[j, at.RADIUS])
     b, c = block.lets({"b": intersection.approach(f, w), "c": intersection.power(f, radius)})
     half_chord, side, _ = sphere_distance(block, b, c, intersection.discriminant(f, w, radius))
-    normal = block.let_vector("n", intersection.normal(f, w, b, half_chord, side, radius))
+    normal = unit_normal(block, intersection.normal(f, w, b, half_chord, side, radius))
     q = block.let_vector("q", center + normal * (side * radius))
     view = _view(block, q, w, eye_view)
     outward = block.let_vector("o", normal * side)
