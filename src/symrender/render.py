@@ -30,6 +30,7 @@ import json
 import time
 from base64 import b64encode
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from html import escape
 from pathlib import Path
@@ -42,7 +43,7 @@ from symrender.errors import NonFiniteError, OptionError
 from symrender.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
 from symrender.scene import arrays as at
-from symrender.scene.arrays import scene_arrays
+from symrender.scene.arrays import Array, SceneArrays, scene_arrays
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.settings import (
@@ -56,6 +57,7 @@ from symrender.settings import (
     image_size,
 )
 from symrender.tiles import Progress, TileKernel, run_tiles
+from symrender.warm import numeric_beside
 
 
 @dataclass(frozen=True)
@@ -137,14 +139,17 @@ def render(
         raise OptionError("numeric, symbolic: at least one must not be 'none'")
     if symbolic == "chambers":
         raise OptionError("symbolic: 'chambers' is not available, choose 'strata' or 'none'")
+    arrays = scene_arrays(loaded)
     images: dict[str, Image] = {}
     timings: dict[str, Timing] = {}
-    for method, chosen, estimator in (
-        ("numeric", numeric, _numeric_estimator(settings)),
-        ("symbolic", symbolic, _symbolic_estimator(settings)),
-    ):
-        if chosen != "none":
-            images[method], timings[method] = _one(loaded, settings, method, estimator, progress)
+    kernels: dict[str, TileKernel] = {}
+    with numeric_beside() if numeric != "none" and symbolic != "none" else nullcontext():
+        if symbolic != "none":
+            kernels["symbolic"] = _kernel("symbolic", arrays, settings)
+    if numeric != "none":
+        kernels["numeric"] = _kernel("numeric", arrays, settings)
+    for method, kernel in sorted(kernels.items()):
+        images[method], timings[method] = _one(loaded, settings, method, kernel, progress)
     report = ledger(
         images.get("numeric"),
         images.get("symbolic"),
@@ -155,10 +160,8 @@ def render(
     return Pair(images.get("numeric"), images.get("symbolic"), report)
 
 
-def _one(
-    scene: Scene, settings: Settings, method: str, estimator: str, progress: Progress | None
-) -> tuple[Image, Timing]:
-    arrays = scene_arrays(scene)
+def _kernel(method: str, arrays: SceneArrays, settings: Settings) -> TileKernel:
+    """Kernel of one pipeline, compiled or read from the cache before any clock runs."""
     kernel: TileKernel
     if method == "numeric":
         from symrender.numeric.pipeline import prepare
@@ -168,11 +171,20 @@ def _one(
         from symrender.runtimes.image import prepare as prepare_symbolic
 
         kernel = prepare_symbolic(arrays, settings)
-    shape = (settings.height, settings.width)
-    layers = {name: np.zeros((*shape, 3)) for name in ("radiance", "direct", "gloss")}
-    layers["hit_class"] = np.zeros(shape)
-    # an empty tile makes the runtime compile or load the kernel, so that the clock times rendering alone
-    kernel(0, 0, 0, 0, layers)
+    # an empty tile is what makes the runtime compile
+    kernel(0, 0, 0, 0, _layers(1, 1))
+    return kernel
+
+
+def _layers(width: int, height: int) -> dict[str, Array]:
+    layers = {name: np.zeros((height, width, 3)) for name in ("radiance", "direct", "gloss")}
+    return layers | {"hit_class": np.zeros((height, width))}
+
+
+def _one(
+    scene: Scene, settings: Settings, method: str, kernel: TileKernel, progress: Progress | None
+) -> tuple[Image, Timing]:
+    layers = _layers(settings.width, settings.height)
     begun = time.perf_counter()
     evaluations = run_tiles(
         kernel,
@@ -186,6 +198,7 @@ def _one(
     )
     seconds = time.perf_counter() - begun
     _check_finite(layers, scene, method)
+    estimator = _numeric_estimator(settings) if method == "numeric" else _symbolic_estimator(settings)
     return Image(layers, _meta(scene, settings, method, estimator)), Timing(seconds, evaluations)
 
 
