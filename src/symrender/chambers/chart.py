@@ -1,0 +1,243 @@
+"""The chart of one visible shape from one point: frame, walls, occluders, shadow casters."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.walls import (
+    BETA_MAX,
+    CENTER,
+    DIRECTION,
+    E1,
+    E2,
+    FLOOR_CUT,
+    GAMMA_MAX,
+    HORIZON,
+    LIMB_TANGENT,
+    LOBE_BETA,
+    NORMAL,
+    POINT,
+    POLE,
+    RADIUS,
+    RATIO,
+    SHAPE_INDEX,
+    SILHOUETTE,
+    SURFACE_NORMAL,
+    TERMINATOR,
+    TEXTURE_EDGE,
+    add_circle,
+    add_shadow,
+)
+from symrender.chambers.work import CASTERS, OCCLUDERS, WALLS, View, Work
+from symrender.kernel_cache import jitable
+from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, MARBLE, STRIPES
+
+Array = npt.NDArray[np.float64]
+
+
+@jitable
+def set_frame(geo: Array, mx: float, my: float, mz: float) -> None:
+    """Complete the frame about geo's pole so that the lobe's axis m lies at phi = 0, and note its polar angle."""
+    cx, cy, cz = geo[POLE], geo[POLE + 1], geo[POLE + 2]
+    dot = cx * mx + cy * my + cz * mz
+    # m - (m.c) c by two cross products keeps its direction for nearly parallel m and c
+    ax, ay, az = cy * mz - cz * my, cz * mx - cx * mz, cx * my - cy * mx
+    length = math.sqrt(ax * ax + ay * ay + az * az)
+    geo[LOBE_BETA] = math.atan2(length, dot)
+    geo[LOBE_BETA + 1] = math.cos(geo[LOBE_BETA])
+    geo[LOBE_BETA + 2] = math.sin(geo[LOBE_BETA])
+    if length > 1e-14:
+        fx, fy, fz = ax / length, ay / length, az / length
+    elif abs(cx) < 0.6:
+        h = math.sqrt(cy * cy + cz * cz)
+        fx, fy, fz = 0.0, cz / h, -cy / h
+    else:
+        h = math.sqrt(cx * cx + cz * cz)
+        fx, fy, fz = -cz / h, 0.0, cx / h
+    geo[E2], geo[E2 + 1], geo[E2 + 2] = fx, fy, fz
+    geo[E1], geo[E1 + 1], geo[E1 + 2] = fy * cz - fz * cy, fz * cx - fx * cz, fx * cy - fy * cx
+
+
+@jitable
+def add_normal(work: Work, ax: float, ay: float, az: float, level: float, tag: int, shape: int) -> None:
+    """Append the circle a.N = level on the charted sphere, if it crosses the visible cap."""
+    if not abs(level) < 1.0:
+        return
+    geo = work.geo
+    # component along the visible pole -c
+    a0 = -(ax * geo[POLE] + ay * geo[POLE + 1] + az * geo[POLE + 2])
+    if abs(math.acos(max(-1.0, min(1.0, a0))) - math.acos(level)) >= geo[GAMMA_MAX]:
+        return
+    a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
+    a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
+    work.count[WALLS] = add_circle(work.walls, work.count[WALLS], NORMAL, a0, a1, a2, level, tag, shape)
+
+
+@jitable
+def add_direction(work: Work, ax: float, ay: float, az: float, cosine: float, tag: int, shape: int) -> None:
+    """Append the circle w.a = cosine on the sphere of directions."""
+    geo = work.geo
+    a0 = ax * geo[POLE] + ay * geo[POLE + 1] + az * geo[POLE + 2]
+    a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
+    a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
+    work.count[WALLS] = add_circle(work.walls, work.count[WALLS], DIRECTION, a0, a1, a2, cosine, tag, shape)
+
+
+@jitable
+def texture_walls(sphere: Array, work: Work, shape: int) -> None:
+    """Meridians and parallels where a checker or stripes change sign, and the seam where the chart closes."""
+    kind = int(sphere[7])
+    if kind != CHECKER and kind != STRIPES and kind != MARBLE:
+        return
+    ku, kv = sphere[8], sphere[9]
+    if kind == MARBLE:
+        if ku != math.floor(ku):
+            add_normal(work, 0.0, 1.0, 0.0, 0.0, TEXTURE_EDGE, shape)
+        return
+    if ku > 0.0:
+        for i in range(math.floor(ku) + 1):
+            if work.count[WALLS] > work.walls.shape[0]:
+                return
+            a = 2.0 * math.pi * i / ku - math.pi
+            add_normal(work, -math.sin(a), math.cos(a), 0.0, 0.0, TEXTURE_EDGE, shape)
+    if kind == CHECKER:
+        i = 1
+        while i < kv:
+            if work.count[WALLS] > work.walls.shape[0]:
+                return
+            add_normal(work, 0.0, 0.0, 1.0, math.cos(math.pi * i / kv), TEXTURE_EDGE, shape)
+            i += 1
+
+
+@jitable
+def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
+    """Fill ``work`` for sphere ``j`` seen from geo's point; ``lobe`` the mirror direction; ``own`` P's sphere.
+
+    P must be outside every sphere but its own.
+    """
+    geo = work.geo
+    sphere = view.spheres[j]
+    r = sphere[3]
+    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
+    dx, dy, dz = sphere[0] - px, sphere[1] - py, sphere[2] - pz
+    dist = math.sqrt(dx * dx + dy * dy + dz * dz)
+    k = min(r / dist, 1.0 - 1e-15)
+    geo[POLE], geo[POLE + 1], geo[POLE + 2] = dx / dist, dy / dist, dz / dist
+    geo[CENTER], geo[CENTER + 1], geo[CENTER + 2] = sphere[0], sphere[1], sphere[2]
+    geo[RADIUS], geo[RATIO], geo[SHAPE_INDEX] = r, k, j
+    geo[BETA_MAX], geo[GAMMA_MAX] = math.asin(k), math.acos(k)
+    geo[LIMB_TANGENT] = math.sqrt((1.0 - k) / (1.0 + k))
+    set_frame(geo, lobe[0], lobe[1], lobe[2])
+    work.count[WALLS] = work.count[OCCLUDERS] = work.count[CASTERS] = 0
+
+    # the plane through P that bounds what its surface can see cuts the sphere in a circle
+    nx, ny, nz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
+    add_normal(work, nx, ny, nz, -(nx * dx + ny * dy + nz * dz) / r, HORIZON, -1)
+    floor = view.floor[FLOOR_PRESENT] != 0.0
+    if floor:
+        add_normal(work, 0.0, 0.0, 1.0, -sphere[2] / r, FLOOR_CUT, -1)
+
+    # spheres in front
+    power = (dist - r) * (dist + r)
+    for i in range(view.spheres.shape[0]):
+        if i in (j, own):
+            continue
+        s = view.spheres[i]
+        ox, oy, oz = s[0] - px, s[1] - py, s[2] - pz
+        d2 = math.sqrt(ox * ox + oy * oy + oz * oz)
+        ux, uy, uz = s[0] - sphere[0], s[1] - sphere[1], s[2] - sphere[2]
+        apart = math.sqrt(ux * ux + uy * uy + uz * uz)
+        crossing = apart < s[3] + r
+        if not crossing and (d2 - s[3]) * (d2 + s[3]) > power:
+            continue
+        k2 = min(1.0, s[3] / d2)
+        cosine = (ox * dx + oy * dy + oz * dz) / (d2 * dist)
+        if math.acos(max(-1.0, min(1.0, cosine))) >= geo[BETA_MAX] + math.asin(k2):
+            continue
+        work.occluders[work.count[OCCLUDERS]] = i
+        work.count[OCCLUDERS] += 1
+        add_direction(work, ox / d2, oy / d2, oz / d2, math.sqrt((1.0 - k2) * (1.0 + k2)), SILHOUETTE, i)
+        if crossing and apart > 0.0:
+            level = (apart * apart + r * r - s[3] * s[3]) / (2.0 * apart * r)
+            add_normal(work, ux / apart, uy / apart, uz / apart, level, SILHOUETTE, i)
+
+    texture_walls(sphere, work, j)
+
+    glint = view.shading[6] != CUT and view.shading[2] > 0.0
+    for i in range(view.points.shape[0]):
+        lx, ly, lz = view.points[i, 0] - sphere[0], view.points[i, 1] - sphere[1], view.points[i, 2] - sphere[2]
+        far = math.sqrt(lx * lx + ly * ly + lz * lz)
+        if far <= r:
+            continue
+        if work.count[WALLS] > work.walls.shape[0]:
+            break
+        add_normal(work, lx / far, ly / far, lz / far, r / far, TERMINATOR, i)
+        if not glint:
+            # the visible cap may lie wholly behind the terminator
+            facing = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / far
+            if math.acos(max(-1.0, min(1.0, facing))) - geo[GAMMA_MAX] > math.acos(r / far):
+                continue
+        for h in range(view.spheres.shape[0]):
+            if h == j:
+                continue
+            s = view.spheres[h]
+            if casts(view.points[i, 0], view.points[i, 1], view.points[i, 2], s, sphere) and shadow_in_view(
+                -lx, -ly, -lz, s, sphere, geo
+            ):
+                work.casters[work.count[CASTERS], 0] = i
+                work.casters[work.count[CASTERS], 1] = h
+                work.count[CASTERS] += 1
+                work.count[WALLS] = add_shadow(
+                    work.walls, work.count[WALLS], geo, -lx, -ly, -lz,
+                    sphere[0] - s[0], sphere[1] - s[1], sphere[2] - s[2], s[3], h, i,
+                )  # fmt: skip
+
+
+@jitable
+def casts(lx: float, ly: float, lz: float, caster: Array, receiver: Array) -> bool:
+    """Whether a sphere can shadow some point of another one from the light point l."""
+    ax, ay, az = caster[0] - lx, caster[1] - ly, caster[2] - lz
+    bx, by, bz = receiver[0] - lx, receiver[1] - ly, receiver[2] - lz
+    a, b = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
+    if a <= caster[3] or b <= receiver[3]:
+        return True
+    if a - caster[3] > b + receiver[3]:
+        return False
+    cosine = (ax * bx + ay * by + az * bz) / (a * b)
+    reach = math.asin(caster[3] / a) + math.asin(receiver[3] / b)
+    return math.acos(max(-1.0, min(1.0, cosine))) < reach
+
+
+@jitable
+def shadow_in_view(ux: float, uy: float, uz: float, caster: Array, receiver: Array, geo: Array) -> bool:
+    """Whether a shadow on the charted sphere can reach its visible cap N.p >= k; ``u`` is its centre minus the light.
+
+    With e the shadow's axis, the part of N across e lies within sin(a) (|u| + R)/R of where the axis passes; the part
+    along e faces the light.
+    """
+    gx, gy, gz = receiver[0] - caster[0], receiver[1] - caster[1], receiver[2] - caster[2]
+    ex, ey, ez = ux - gx, uy - gy, uz - gz
+    dist = math.sqrt(ex * ex + ey * ey + ez * ez)
+    if dist <= caster[3]:
+        return True
+    ex, ey, ez = ex / dist, ey / dist, ez / dist
+    r = receiver[3]
+    tangent = caster[3] / math.sqrt((dist - caster[3]) * (dist + caster[3]))
+    reach = tangent * (math.sqrt(ux * ux + uy * uy + uz * uz) + r) / r
+    along = gx * ex + gy * ey + gz * ez
+    # the axis relative to the receiver's centre, across e
+    hx, hy, hz = -(gx - along * ex) / r, -(gy - along * ey) / r, -(gz - along * ez) / r
+    px, py, pz = -geo[POLE], -geo[POLE + 1], -geo[POLE + 2]
+    facing = -(ex * px + ey * py + ez * pz)
+    h = math.sqrt(hx * hx + hy * hy + hz * hz)
+    if facing > 0.0:
+        low = max(0.0, h - reach)
+        depth = facing * math.sqrt(max(0.0, 1.0 - low * low))
+    else:
+        high = min(1.0, h + reach)
+        depth = facing * math.sqrt(1.0 - high * high)
+    across = reach * math.sqrt(max(0.0, 1.0 - facing * facing))
+    return hx * px + hy * py + hz * pz + across + depth > geo[RATIO]

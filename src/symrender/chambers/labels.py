@@ -1,0 +1,99 @@
+"""Labels: which chamber a point of a visible shape lies in, decided by the literal conditions.
+
+Roots along a line only say where a label may change; what it is between two roots is asked of the geometry itself, at
+one point. A wall found twice, or a spurious branch of one, therefore costs a comparison and never a wrong sign.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE, SURFACE_NORMAL
+from symrender.chambers.work import CASTERS, OCCLUDERS, View, Work
+from symrender.kernel_cache import jitable
+from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, STRIPES
+
+Array = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+
+HIDDEN = -1
+"""Side of a cell that is not seen from P."""
+DARK = 0
+"""No light of this point reaches the cell."""
+GLINT = 1
+"""The light point is behind the terminator; only its highlight counts (``specular_terminator: open``)."""
+LIT = 2
+
+
+@jitable
+def segment_meets(
+    px: float, py: float, pz: float, dx: float, dy: float, dz: float, cx: float, cy: float, cz: float, r: float
+) -> bool:
+    """Whether the segment from p to p + d comes closer than r to c."""
+    fx, fy, fz = px - cx, py - cy, pz - cz
+    t = min(1.0, max(0.0, -(fx * dx + fy * dy + fz * dz) / max(dx * dx + dy * dy + dz * dz, 1e-300)))
+    fx, fy, fz = fx + t * dx, fy + t * dy, fz + t * dz
+    return bool(fx * fx + fy * fy + fz * fz < r * r)
+
+
+@jitable
+def texture_side(spheres: Array, j: int, nx: float, ny: float, nz: float) -> int:
+    """1 on the bright side of a checker's or a stripe's sign (ties bright), 0 on the dark side; 1 elsewhere."""
+    kind = int(spheres[j, 7])
+    if kind != CHECKER and kind != STRIPES:
+        return 1
+    u = (math.atan2(ny, nx) + math.pi) / (2.0 * math.pi)
+    sign = math.sin(math.pi * u * spheres[j, 8])
+    if kind == CHECKER:
+        sign *= math.sin(math.acos(max(-1.0, min(1.0, nz))) * spheres[j, 9])
+    return 1 if sign >= 0.0 else 0
+
+
+@jitable
+def is_hidden(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
+    """Whether P does not see Q: below its horizon, behind the floor or behind another sphere."""
+    geo = work.geo
+    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
+    dx, dy, dz = qx - px, qy - py, qz - pz
+    if dx * geo[SURFACE_NORMAL] + dy * geo[SURFACE_NORMAL + 1] + dz * geo[SURFACE_NORMAL + 2] <= 0.0:
+        return True
+    if view.floor[FLOOR_PRESENT] != 0.0 and geo[SHAPE_INDEX] >= 0.0 and qz * geo[SIDE] < 0.0:
+        return True
+    spheres = view.spheres
+    for i in range(work.count[OCCLUDERS]):
+        k = work.occluders[i]
+        if segment_meets(px, py, pz, dx, dy, dz, spheres[k, 0], spheres[k, 1], spheres[k, 2], spheres[k, 3]):
+            return True
+    return False
+
+
+@jitable
+def light_state(
+    i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
+) -> int:
+    """What light point ``i`` does at Q: ``DARK``, ``GLINT`` or ``LIT``."""
+    j = int(work.geo[SHAPE_INDEX])
+    ax, ay, az = view.points[i, 0], view.points[i, 1], view.points[i, 2]
+    height = qz if j >= 0 else work.geo[SIDE]
+    if view.floor[FLOOR_PRESENT] != 0.0 and height * az < 0.0:
+        return DARK
+    lx, ly, lz = ax - qx, ay - qy, az - qz
+    state = LIT
+    if not lx * nx + ly * ny + lz * nz > 0.0:
+        if view.shading[6] == CUT or view.shading[2] == 0.0:
+            return DARK
+        state = GLINT
+    spheres = view.spheres
+    if j >= 0:
+        bx, by, bz = ax - spheres[j, 0], ay - spheres[j, 1], az - spheres[j, 2]
+        if bx * bx + by * by + bz * bz < spheres[j, 3] * spheres[j, 3]:
+            return DARK
+    for c in range(work.count[CASTERS]):
+        if work.casters[c, 0] == i:
+            k = work.casters[c, 1]
+            if segment_meets(qx, qy, qz, lx, ly, lz, spheres[k, 0], spheres[k, 1], spheres[k, 2], spheres[k, 3]):
+                return DARK
+    return state

@@ -1,0 +1,337 @@
+"""One scan line of a chart: its walls in order, and the cells between them with their labels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.labels import DARK, HIDDEN, is_hidden, light_state, texture_side
+from symrender.chambers.roots import circle_roots, quadratic_roots, quartic_roots
+from symrender.chambers.walls import (
+    BALL,
+    BETA_MAX,
+    CENTER,
+    COS,
+    DIRECTION,
+    E1,
+    E2,
+    FLOOR_CUT,
+    FLOOR_LINE,
+    HEIGHT,
+    KIND,
+    LIGHT,
+    LIMB_TANGENT,
+    LOBE_BETA,
+    NORMAL,
+    POINT,
+    POLE,
+    RADIUS,
+    RATIO,
+    RIM_COS,
+    RIM_SIN,
+    SEVERAL,
+    SHADOW,
+    SHADOW_EDGE,
+    SHAPE,
+    SHAPE_INDEX,
+    SILHOUETTE,
+    SIN,
+    TAG,
+    TERMINATOR,
+    TEXTURE_EDGE,
+)
+from symrender.chambers.work import CELLS, LINES, WALLS, View, Work
+from symrender.kernel_cache import jitable
+
+Array = npt.NDArray[np.float64]
+
+POLE_END = -1
+RIM_LOW = -2
+RIM_HIGH = -3
+LIMB = -4
+NOTHING = -1
+HALF_PI = 0.5 * math.pi
+
+
+@jitable
+def shadow_quartic(row: Array, radius: float, c: float, s: float, top: float, out: Array) -> None:
+    """Bernstein coefficients, in tan(gamma/2) over [0, top], of a shadow edge's level on a sphere's line.
+
+    Positive inside the shadow's double cone.
+    """
+    # each of X, Y and |u|^2 times (1 + t^2) is a quadratic in t
+    x0, x1, x2 = row[11] - radius * row[8], 2.0 * radius * (row[9] * c + row[10] * s), row[11] + radius * row[8]
+    y0, y1, y2 = row[15] - radius * row[12], 2.0 * radius * (row[13] * c + row[14] * s), row[15] + radius * row[12]
+    v = row[19] + radius * radius
+    w0, w1, w2 = v - 2.0 * radius * row[16], 4.0 * radius * (row[17] * c + row[18] * s), v + 2.0 * radius * row[16]
+    k = row[20]
+    a0 = k * w0 - x0 * x0 - y0 * y0
+    a1 = (k * w1 - 2.0 * (x0 * x1 + y0 * y1)) * top
+    a2 = (k * (w2 + w0) - 2.0 * (x0 * x2 + y0 * y2) - x1 * x1 - y1 * y1) * top**2
+    a3 = (k * w1 - 2.0 * (x1 * x2 + y1 * y2)) * top**3
+    a4 = (k * w2 - x2 * x2 - y2 * y2) * top**4
+    out[0] = a0
+    out[1] = a0 + a1 / 4.0
+    out[2] = a0 + a1 / 2.0 + a2 / 6.0
+    out[3] = a0 + 3.0 * a1 / 4.0 + a2 / 2.0 + a3 / 4.0
+    out[4] = a0 + a1 + a2 + a3 + a4
+
+
+@jitable
+def wall_level(i: int, x: float, c: float, s: float, work: Work) -> float:
+    """Signed level of wall ``i`` at inner coordinate ``x`` of the line (c, s): zero on the wall."""
+    geo = work.geo
+    row = work.walls[i]
+    kind = int(row[KIND])
+    if geo[SHAPE_INDEX] >= 0.0:
+        sb = geo[RATIO] * math.sin(x)
+        if kind == DIRECTION:
+            return float(row[1] * math.sqrt(1.0 - sb * sb) + (row[2] * c + row[3] * s) * sb - row[COS])
+        g = x - math.asin(sb)
+        if kind == NORMAL:
+            return float(row[1] * math.cos(g) + (row[2] * c + row[3] * s) * math.sin(g) - row[COS])
+        r = geo[RADIUS]
+        n0, n1 = -math.cos(g), math.sin(g)
+        fx = row[11] + r * (row[8] * n0 + (row[9] * c + row[10] * s) * n1)
+        fy = row[15] + r * (row[12] * n0 + (row[13] * c + row[14] * s) * n1)
+        u2 = row[19] + r * r + 2.0 * r * (row[16] * n0 + (row[17] * c + row[18] * s) * n1)
+        return float(row[20] * u2 - fx * fx - fy * fy)
+    if kind == DIRECTION:
+        return float(row[1] * math.cos(x) + (row[2] * c + row[3] * s) * math.sin(x) - row[COS])
+    r = geo[HEIGHT] * math.tan(x)
+    if kind == SHADOW:
+        fx = row[11] + r * (row[9] * c + row[10] * s)
+        fy = row[15] + r * (row[13] * c + row[14] * s)
+        u2 = row[19] + r * (r + 2.0 * (row[17] * c + row[18] * s))
+        return float(row[20] * u2 - fx * fx - fy * fy)
+    if kind == BALL:
+        return float(r * (r - 2.0 * (row[1] * c + row[2] * s)) + row[3])
+    return float(r * (row[1] * c + row[2] * s) - row[3])
+
+
+@jitable
+def rim_interval(c: float, s: float, geo: Array) -> tuple[float, float, int, int]:
+    """Part of the line inside the lobe as inner coordinates (low, high) and what bounds it; low > high if none."""
+    a, b, t = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2] * c, geo[LOBE_BETA + 2] * s
+    disc = (geo[RIM_SIN] - t) * (geo[RIM_SIN] + t)
+    if not disc > 0.0:
+        return 1.0, 0.0, RIM_LOW, RIM_HIGH
+    middle = math.atan2(b, a)
+    half = math.atan2(math.sqrt(disc), geo[RIM_COS])
+    low, high = middle - half, middle + half
+    k = geo[RATIO]
+    first, last = RIM_LOW, RIM_HIGH
+    if low <= 0.0:
+        low, first = 0.0, POLE_END
+    elif low < geo[BETA_MAX]:
+        low = math.asin(min(1.0, math.sin(low) / k))
+    else:
+        return 1.0, 0.0, RIM_LOW, RIM_HIGH
+    if high >= geo[BETA_MAX]:
+        high, last = HALF_PI, LIMB
+    elif high > 0.0:
+        high = math.asin(min(1.0, math.sin(high) / k))
+    return low, high, first, last
+
+
+@jitable
+def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, out: Array) -> int:
+    """Inner coordinates of wall ``i`` on the line, strictly between low and high, ascending per branch; ``out`` (4,).
+
+    A root of branch b is stored in out[b]; absent branches are NaN. Returns the number of branches.
+    """
+    geo = work.geo
+    row = work.walls[i]
+    kind = int(row[KIND])
+    out[0] = out[1] = out[2] = out[3] = math.nan
+    sphere = geo[SHAPE_INDEX] >= 0.0
+    k = geo[RATIO]
+    if kind in (NORMAL, DIRECTION):
+        found, c1, s1, c2, s2 = circle_roots(row[1], row[2], row[3], row[COS], row[SIN], c, s)
+        if not found:
+            return 0
+        for b in range(2):
+            cx = c1 if b == 0 else c2
+            sx = s1 if b == 0 else s2
+            if sx <= 0.0:
+                continue
+            if kind == NORMAL:
+                if cx <= k:
+                    continue
+                x = math.atan2(sx, cx - k)
+            elif sphere:
+                if cx <= 0.0 or sx >= k:
+                    continue
+                x = math.asin(sx / k)
+            else:
+                if cx <= 0.0:
+                    continue
+                x = math.atan2(sx, cx)
+            if low < x < high:
+                out[b] = x
+        return 2
+    if kind == SHADOW and sphere:
+        top = geo[LIMB_TANGENT]
+        shadow_quartic(row, geo[RADIUS], c, s, top, work.bernstein)
+        n = quartic_roots(work.bernstein, work.stack, work.quartic)
+        for b in range(min(n, 4)):
+            t = top * work.quartic[b]
+            # cos and sin of gamma over 1 + t^2
+            x = math.atan2(2.0 * t, (1.0 - t * t) - k * (1.0 + t * t))
+            if low < x < high:
+                out[b] = x
+        return min(n, 4)
+    if kind == FLOOR_LINE:
+        along = row[1] * c + row[2] * s
+        if along * row[3] > 0.0:
+            x = math.atan2(row[3] / along, geo[HEIGHT])
+            if low < x < high:
+                out[0] = x
+        return 1
+    if kind == SHADOW:
+        fx, fy, ul = row[9] * c + row[10] * s, row[13] * c + row[14] * s, row[17] * c + row[18] * s
+        n, r1, r2 = quadratic_roots(
+            row[20] - fx * fx - fy * fy,
+            row[20] * ul - row[11] * fx - row[15] * fy,
+            row[20] * row[19] - row[11] * row[11] - row[15] * row[15],
+        )
+    else:
+        n, r1, r2 = quadratic_roots(1.0, -(row[1] * c + row[2] * s), row[3])
+    for b in range(n):
+        r = r1 if b == 0 else r2
+        if r > 0.0:
+            x = math.atan2(r, geo[HEIGHT])
+            if low < x < high:
+                out[b] = x
+    return n
+
+
+@jitable
+def surface_point(x: float, c: float, s: float, geo: Array) -> tuple[float, float, float, float, float, float]:
+    """Hit point and unit normal at inner coordinate ``x`` of the line."""
+    ex, ey, ez = (
+        c * geo[E1] + s * geo[E2],
+        c * geo[E1 + 1] + s * geo[E2 + 1],
+        c * geo[E1 + 2] + s * geo[E2 + 2],
+    )
+    if geo[SHAPE_INDEX] >= 0.0:
+        sx, cx = math.sin(x), math.cos(x)
+        sb = geo[RATIO] * sx
+        cb = math.sqrt(1.0 - sb * sb)
+        cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
+        nx, ny, nz = sg * ex - cg * geo[POLE], sg * ey - cg * geo[POLE + 1], sg * ez - cg * geo[POLE + 2]
+        r = geo[RADIUS]
+        return geo[CENTER] + r * nx, geo[CENTER + 1] + r * ny, geo[CENTER + 2] + r * nz, nx, ny, nz
+    r = geo[HEIGHT] * math.tan(x)
+    return geo[POINT] + r * ex, geo[POINT + 1] + r * ey, 0.0, 0.0, 0.0, 1.0
+
+
+@jitable
+def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
+    """Cells of the line phi = const inside the lobe; returns the line's signature, equal for equal structure.
+
+    Fills ``cell_from``, ``cell_to``, ``cell_wall`` (the wall below each cell; one more entry closes the last),
+    ``cell_side`` and ``lit``; ``count[CELLS]`` is their number. Neighbours with the same label are one cell.
+    ``scratch`` is (4,).
+    """
+    work.count[LINES] += 1
+    c, s = math.cos(phi), math.sin(phi)
+    low, high, first, last = rim_interval(c, s, work.geo)
+    work.count[CELLS] = 0
+    if not low < high:
+        return 0
+    n = 0
+    for i in range(work.count[WALLS]):
+        branches = wall_roots(i, c, s, low, high, work, scratch)
+        for b in range(branches):
+            x = scratch[b]
+            if x == x and n < work.root_x.shape[0]:
+                k = n
+                while k > 0 and work.root_x[k - 1] > x:
+                    work.root_x[k] = work.root_x[k - 1]
+                    work.root_id[k] = work.root_id[k - 1]
+                    k -= 1
+                work.root_x[k] = x
+                work.root_id[k] = 4 * i + b
+                n += 1
+    cells = 0
+    start, wall = low, first
+    lights = view.points.shape[0]
+    lit = work.lit
+    changed = SEVERAL
+    which = 0
+    j = int(work.geo[SHAPE_INDEX])
+    side = HIDDEN
+    for i in range(n + 1):
+        end = high if i == n else work.root_x[i]
+        if end - start > 1e-14:
+            same = True
+            if side == HIDDEN and changed < SEVERAL and changed > SILHOUETTE and changed != FLOOR_CUT:
+                changed = NOTHING
+            if changed != NOTHING:
+                qx, qy, qz, nx, ny, nz = surface_point(0.5 * (start + end), c, s, work.geo)
+                before = side
+                if changed == TEXTURE_EDGE:
+                    side = texture_side(view.spheres, j, nx, ny, nz)
+                    same = side == before
+                elif changed in (TERMINATOR, SHADOW_EDGE):
+                    state = light_state(which, qx, qy, qz, nx, ny, nz, view, work)
+                    same = state == lit[cells - 1, which]
+                    if not same:
+                        for l in range(lights):
+                            lit[cells, l] = lit[cells - 1, l]
+                        lit[cells, which] = state
+                else:
+                    if is_hidden(qx, qy, qz, view, work):
+                        side = HIDDEN
+                        for l in range(lights):
+                            lit[cells, l] = DARK
+                    else:
+                        side = 1 if j < 0 else texture_side(view.spheres, j, nx, ny, nz)
+                        for l in range(lights):
+                            lit[cells, l] = light_state(l, qx, qy, qz, nx, ny, nz, view, work)
+                    same = cells > 0 and side == before
+                    if same:
+                        for l in range(lights):
+                            if lit[cells, l] != lit[cells - 1, l]:
+                                same = False
+                                break
+                if not same and changed == TEXTURE_EDGE:
+                    for l in range(lights):
+                        lit[cells, l] = lit[cells - 1, l]
+            if same and cells > 0:
+                work.cell_to[cells - 1] = end
+            else:
+                work.cell_from[cells] = start
+                work.cell_to[cells] = end
+                work.cell_wall[cells] = wall
+                work.cell_side[cells] = side
+                cells += 1
+            changed = NOTHING
+        start = end
+        if i == n:
+            break
+        wall = work.root_id[i]
+        tag = int(work.walls[wall // 4, TAG])
+        now = int(work.walls[wall // 4, LIGHT]) if tag == SHADOW_EDGE else int(work.walls[wall // 4, SHAPE])
+        if changed == NOTHING or (changed == tag and which == now):
+            changed, which = tag, now
+        else:
+            changed = SEVERAL
+    work.cell_wall[cells] = last
+    work.count[CELLS] = cells
+    seen = False
+    signature = 1469598103934665603
+    for i in range(cells):
+        signature = (signature ^ (work.cell_wall[i] + 8)) * 1099511628211
+        signature = (signature ^ (work.cell_side[i] + 2)) * 1099511628211
+        if work.cell_side[i] != HIDDEN:
+            seen = True
+            for l in range(lights):
+                signature = (signature ^ lit[i, l]) * 1099511628211
+    signature = (signature ^ (last + 8)) * 1099511628211
+    if not seen:
+        return 0
+    return signature

@@ -1,0 +1,61 @@
+"""Exact lobe shares of circles of directions: how much of a lobe a disc, or what a horizon leaves, fills."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.kernel_cache import jitable
+
+Array = npt.NDArray[np.float64]
+
+
+@jitable
+def ring_share(n: float, low: float, high: float, theta_max: float) -> float:
+    """Lobe share of the ring low <= theta <= high: (cos^u low - cos^u high)/(1 - cos^u theta_max), u = n + 1."""
+    u = n + 1.0
+    lc = math.log1p(-2.0 * math.sin(0.5 * low) ** 2) if low < 0.5 * math.pi else -1e300
+    hc = math.log1p(-2.0 * math.sin(0.5 * high) ** 2) if high < 1.5707963267948966 else -1e300
+    mc = math.log1p(-2.0 * math.sin(0.5 * theta_max) ** 2) if theta_max < 1.5707963267948966 else -1e300
+    return float(math.exp(u * lc) * -math.expm1(u * (hc - lc)) / -math.expm1(u * mc))
+
+
+@jitable
+def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Array) -> float:
+    """Share of the lobe cos^n theta (theta <= theta_max) inside the cap of angular radius ``alpha`` at angle ``beta``.
+
+    On the ring theta the cap covers the half-arc acos((cos alpha - cos theta cos beta)/(sin theta sin beta)); its
+    square-root ends are removed by a quadratic map, and the ring's weight is integrated exactly piece by piece where
+    the whole ring lies inside. A horizon is the cap alpha = pi/2 about the normal. ``gauss`` is ``gauss_table()``.
+    """
+    full = alpha - beta
+    share = 0.0
+    if full > 0.0:
+        share = ring_share(n, 0.0, min(full, theta_max), theta_max)
+    low, high = abs(full), min(theta_max, alpha + beta, 2.0 * math.pi - alpha - beta)
+    u = n + 1.0
+    # beyond this angle the lobe holds less than 1e-18 of itself
+    reach = 2.0 * math.asin(math.sqrt(min(1.0, -math.expm1(-42.0 / u)) * 0.5))
+    high = min(high, max(reach, low + 42.0 / (u * max(math.tan(min(low, 1.5)), 1e-9))))
+    high = min(high, theta_max)
+    if not low < high:
+        return share
+    ca, cb, sb = math.cos(alpha), math.cos(beta), math.sin(beta)
+    mc = math.log1p(-2.0 * math.sin(0.5 * theta_max) ** 2) if theta_max < 1.5707963267948966 else -1e300
+    scale = u / (2.0 * math.pi * -math.expm1(u * mc))
+    order = 24
+    base = order * (order - 1) // 2
+    pieces = 8
+    for piece in range(pieces):
+        for q in range(order):
+            x = (piece + gauss[0, base + q]) / pieces
+            # sin^2 map: quadratic at both ends
+            s, c = math.sin(0.5 * math.pi * x), math.cos(0.5 * math.pi * x)
+            theta = low + (high - low) * s * s
+            st, ct = math.sin(theta), math.cos(theta)
+            arc = math.acos(max(-1.0, min(1.0, (ca - ct * cb) / max(st * sb, 1e-300))))
+            density = math.exp(n * math.log1p(-2.0 * math.sin(0.5 * theta) ** 2)) if ct > 0.0 else 0.0
+            share += gauss[1, base + q] / pieces * math.pi * s * c * (high - low) * scale * density * st * 2.0 * arc
+    return share

@@ -1,0 +1,84 @@
+"""Scratch arrays of one thread: allocated once, reused for every point."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.walls import GEO_COLUMNS, WALL_COLUMNS
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Bytes = npt.NDArray[np.uint8]
+
+MAX_WALLS: Final = 512
+MAX_ROOTS: Final = 1024
+
+
+class View(NamedTuple):
+    """What kernels read of a scene: its arrays, with lights replaced by points.
+
+    ``points`` (m, 6): position, then the light's colour over the number of its points.
+    """
+
+    spheres: Array
+    floor: Array
+    points: Array
+    shading: Array
+    eye: Array
+
+
+class Work(NamedTuple):
+    """Scratch of one thread. ``count`` holds the lengths in use of the lists."""
+
+    geo: Array
+    walls: Array
+    root_x: Array
+    root_id: Ints
+    cell_from: Array
+    cell_to: Array
+    cell_wall: Ints
+    cell_side: Ints
+    lit: Bytes
+    occluders: Ints
+    casters: Ints
+    count: Ints
+    bernstein: Array
+    stack: Array
+    quartic: Array
+    labels: Ints
+
+
+# count
+WALLS: Final = 0
+OCCLUDERS: Final = 1
+CASTERS: Final = 2
+CELLS: Final = 3
+LINES: Final = 4
+EVALUATIONS: Final = 5
+CHAMBERS: Final = 6
+CROSSINGS: Final = 7
+
+
+def work_arrays(spheres: int, points: int) -> Work:
+    """Scratch for scenes of at most ``spheres`` spheres and ``points`` light points."""
+    return Work(
+        geo=np.zeros(GEO_COLUMNS),
+        walls=np.zeros((MAX_WALLS, WALL_COLUMNS)),
+        root_x=np.zeros(MAX_ROOTS),
+        root_id=np.zeros(MAX_ROOTS, np.int64),
+        cell_from=np.zeros(MAX_ROOTS + 2),
+        cell_to=np.zeros(MAX_ROOTS + 2),
+        cell_wall=np.zeros(MAX_ROOTS + 2, np.int64),
+        cell_side=np.zeros(MAX_ROOTS + 2, np.int64),
+        lit=np.zeros((MAX_ROOTS + 2, max(1, points)), np.uint8),
+        occluders=np.zeros(max(1, spheres), np.int64),
+        casters=np.zeros((max(1, spheres * points), 2), np.int64),
+        count=np.zeros(8, np.int64),
+        labels=np.zeros(1024, np.int64),
+        bernstein=np.zeros(5),
+        stack=np.zeros((64, 7)),
+        quartic=np.zeros(8),
+    )

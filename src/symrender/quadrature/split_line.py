@@ -1,0 +1,155 @@
+"""The inner integral of the split rule: one scan line, Gauss on every cell."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.labels import DARK, HIDDEN, LIT
+from symrender.chambers.walls import (
+    CENTER,
+    E1,
+    E2,
+    EXPONENT,
+    HEIGHT,
+    LOBE_BETA,
+    LOG_NORMALISER,
+    POINT,
+    POLE,
+    RADIUS,
+    RATIO,
+    SHAPE_INDEX,
+    STRIP,
+)
+from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.gauss import MAX_ORDER, order
+from symrender.quadrature.light_term import light_term, marble_factor
+from symrender.scene.arrays import EYE, MARBLE, PHONG
+
+Array = npt.NDArray[np.float64]
+
+
+@jitable
+def lobe_density(squared_chord: float, geo: Array) -> float:
+    """cos^n theta / W at a direction whose distance from m has this square: 1 - cos theta without cancellation."""
+    c = -0.5 * squared_chord
+    if c <= -1.0:
+        return 0.0
+    return math.exp(geo[EXPONENT] * math.log1p(c) - geo[LOG_NORMALISER])
+
+
+@jitable
+def cell_order(length: float, distance: float, step: int, geo: Array) -> int:
+    """Gauss nodes a cell needs: Bernstein ellipse through the strip's edge."""
+    near = geo[STRIP + 2]
+    h = min(geo[STRIP], math.sqrt(near * near + distance * distance))
+    x = 2.0 * h / length
+    return order(step, math.log(x + math.sqrt(1.0 + x * x)))
+
+
+@jitable
+def integrate_cells(
+    phi: float, step: int, view: View, work: Work, gauss: Array, out: Array
+) -> None:  # fmt: skip
+    """Integral over the scanned line of (radiance - background) times the lobe density; ``out`` (4,).
+
+    The last entry is the integral of its largest magnitude over the channels, a scale for errors.
+
+    ``step`` chooses the order of every cell.
+    """
+    geo = work.geo
+    c, s = math.cos(phi), math.sin(phi)
+    j = int(geo[SHAPE_INDEX])
+    k = geo[RATIO]
+    ex, ey, ez = (
+        c * geo[E1] + s * geo[E2],
+        c * geo[E1 + 1] + s * geo[E2 + 1],
+        c * geo[E1 + 2] + s * geo[E2 + 2],
+    )
+    cbm, sbm = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2]
+    shading = view.shading
+    phong = shading[4] == PHONG
+    from_eye = shading[5] == EYE
+    shininess = shading[3]
+    lights = view.points.shape[0]
+    marble = j >= 0 and view.spheres[j, 7] == MARBLE
+    r, g, b, size = 0.0, 0.0, 0.0, 0.0
+    for cell in range(work.count[CELLS]):
+        side = work.cell_side[cell]
+        if side == HIDDEN:
+            continue
+        if j >= 0:
+            factor = 1.0 if side == 1 else view.spheres[j, 10]
+            ar, ag, ab = view.spheres[j, 4] * factor, view.spheres[j, 5] * factor, view.spheres[j, 6] * factor
+        else:
+            ar, ag, ab = geo[STRIP + 3], geo[STRIP + 4], geo[STRIP + 5]
+        start, stop = work.cell_from[cell], work.cell_to[cell]
+        a = start
+        while a < stop:
+            end = stop
+            n = cell_order(end - a, 0.5 * math.pi - end, step, geo)
+            while n > MAX_ORDER:
+                end = a + 0.5 * (end - a)
+                n = cell_order(end - a, 0.5 * math.pi - end, step, geo)
+            base = n * (n - 1) // 2
+            length = end - a
+            work.count[EVALUATIONS] += n
+            for q in range(n):
+                x = a + length * gauss[0, base + q]
+                sx, cx = math.sin(x), math.cos(x)
+                if j >= 0:
+                    sb = k * sx
+                    cb = math.sqrt(1.0 - sb * sb)
+                    cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
+                    nx, ny, nz = sg * ex - cg * geo[POLE], sg * ey - cg * geo[POLE + 1], sg * ez - cg * geo[POLE + 2]
+                    qx, qy, qz = (
+                        geo[CENTER] + geo[RADIUS] * nx,
+                        geo[CENTER + 1] + geo[RADIUS] * ny,
+                        geo[CENTER + 2] + geo[RADIUS] * nz,
+                    )
+                    measure = k * k * sx * cx / cb
+                else:
+                    sb, cb = sx, cx
+                    rr = geo[HEIGHT] * sx / cx
+                    nx, ny, nz = 0.0, 0.0, 1.0
+                    qx, qy, qz = geo[POINT] + rr * ex, geo[POINT + 1] + rr * ey, 0.0
+                    measure = sx
+                d0, d1, d2 = cb - cbm, sb * c - sbm, sb * s
+                weight = gauss[1, base + q] * length * measure * lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo)
+                if from_eye:
+                    vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
+                    inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
+                    vx, vy, vz = vx * inv, vy * inv, vz * inv
+                else:
+                    vx = -cb * geo[POLE] - sb * ex
+                    vy = -cb * geo[POLE + 1] - sb * ey
+                    vz = -cb * geo[POLE + 2] - sb * ez
+                dr, dg, db, hr, hg, hb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                for i in range(lights):
+                    state = work.lit[cell, i]
+                    if state == DARK:
+                        continue
+                    p = view.points[i]
+                    cosine, gleam = light_term(
+                        p[0] - qx, p[1] - qy, p[2] - qz, nx, ny, nz, vx, vy, vz, phong, shininess
+                    )
+                    if state == LIT:
+                        dr += p[3] * cosine
+                        dg += p[4] * cosine
+                        db += p[5] * cosine
+                    hr += p[3] * gleam
+                    hg += p[4] * gleam
+                    hb += p[5] * gleam
+                vein = marble_factor(nx, ny, nz, view.spheres[j, 8], view.spheres[j, 9]) if marble else 1.0
+                fr = ar * vein * shading[1] * dr + shading[0] * shading[7] + shading[2] * hr - shading[10]
+                fg = ag * vein * shading[1] * dg + shading[0] * shading[8] + shading[2] * hg - shading[11]
+                fb = ab * vein * shading[1] * db + shading[0] * shading[9] + shading[2] * hb - shading[12]
+                r += weight * fr
+                g += weight * fg
+                b += weight * fb
+                size += weight * max(abs(fr), abs(fg), abs(fb))
+            a = end
+    out[0], out[1], out[2], out[3] = r, g, b, size

@@ -1,0 +1,258 @@
+"""The lobe integral of surface points by splitting at the walls: value, error, evaluations, status."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+import sys
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers import chart, events, labels, line, lobe_mass, roots, walls, work
+from symrender.chambers.chart import sphere_chart
+from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.walls import (
+    BETA_MAX,
+    EXPONENT,
+    LOBE_BETA,
+    LOG_NORMALISER,
+    POINT,
+    RATIO,
+    RIM_COS,
+    RIM_SIN,
+    SIDE,
+    STRIP,
+    SURFACE_NORMAL,
+)
+from symrender.chambers.work import CHAMBERS, CROSSINGS, EVALUATIONS, MAX_ROOTS, View, Work, work_arrays
+from symrender.kernel_cache import compiled, jitable
+from symrender.quadrature import gauss as gauss_module
+from symrender.quadrature import light_term, split_line, split_panel
+from symrender.quadrature.gauss import gauss_table
+from symrender.quadrature.light_points import light_points
+from symrender.quadrature.split_line import lobe_density
+from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
+from symrender.scene.arrays import AMBIENT, BACKGROUND, FIRST_SPHERE, FLOOR, FLOOR_LOBE, LOBE, SceneArrays
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+MET: Final = 0
+"""The error estimate is within the tolerance."""
+CAPPED: Final = 1
+"""The evaluations or the panels ran out first; the error estimate says how far it got."""
+NEAR_TANGENT: Final = 2
+"""A piece too thin to be cut further stayed unresolved; the error estimate bounds it."""
+UNSUPPORTED: Final = 3
+"""The point lies inside another sphere; no value is given and the error is infinite."""
+
+MAX_PANELS: Final = 4000
+
+
+@dataclass(frozen=True)
+class SplitResult:
+    """Gloss of N points.
+
+    ``gloss`` (N, 3) in scene units of radiance, without the mirror weight; ``error`` (N,) estimated largest absolute
+    error over the channels; ``evaluations`` (N,) shaded hits; ``status`` (N,) ``MET``, ``CAPPED``, ``NEAR_TANGENT`` or
+    ``UNSUPPORTED``; ``chambers`` (N,) different labels met inside the lobe; ``crossings`` (N,) walls met inside it.
+    """
+
+    gloss: Array
+    error: Array
+    evaluations: Ints
+    status: Ints
+    chambers: Ints
+    crossings: Ints
+
+
+@jitable
+def lobe_setup(n: float, theta_max: float, tol: float, bound: float, geo: Array) -> float:
+    """Exponent, normaliser and effective rim of a lobe; returns the lobe share that lies beyond the effective rim.
+
+    Beyond the effective rim lies less than a tenth of ``tol/bound`` of the lobe, so a needle is integrated where it is.
+    """
+    u = n + 1.0
+    half = math.sin(0.5 * theta_max)
+    log_c = math.log1p(-2.0 * half * half) if theta_max < 1.5707963267948966 else -math.inf
+    beyond = math.exp(u * log_c)
+    geo[EXPONENT] = n
+    geo[LOG_NORMALISER] = math.log(2.0 * math.pi * -math.expm1(u * log_c) / u)
+    cut = 0.1 * tol / bound
+    geo[RIM_COS] = math.cos(theta_max) if theta_max < 1.5707963267948966 else 0.0
+    geo[RIM_SIN] = math.sin(theta_max)
+    if cut < 1.0 and beyond < cut:
+        # 1 - cos of the effective rim
+        versine = -math.expm1(math.log(cut) / u)
+        if versine < 1.0 - geo[RIM_COS]:
+            geo[RIM_COS] = 1.0 - versine
+            geo[RIM_SIN] = math.sqrt(versine * (2.0 - versine))
+            return cut - beyond
+    return 0.0
+
+
+def gloss_kernel(
+    points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, work: Work, gauss: Array,
+    panels: Array, spans: Array, ids: Ints, events: Array, scratch: Array, tol: float, bound: float,
+    max_evaluations: int, gloss: Array, error: Array, evaluations: Ints, status: Ints, chambers: Ints,
+    crossings: Ints,
+) -> None:  # fmt: skip
+    """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
+    lobe = scratch[12:15]
+    geo = work.geo
+    for i in range(points.shape[0]):
+        for c in range(work.count.shape[0]):
+            work.count[c] = 0
+        d = incoming[i, 0] * normals[i, 0] + incoming[i, 1] * normals[i, 1] + incoming[i, 2] * normals[i, 2]
+        size = 0.0
+        for a in range(3):
+            geo[POINT + a] = points[i, a]
+            geo[SURFACE_NORMAL + a] = normals[i, a]
+            lobe[a] = incoming[i, a] - 2.0 * d * normals[i, a]
+            size += lobe[a] * lobe[a]
+        for a in range(3):
+            lobe[a] /= math.sqrt(size)
+        geo[SIDE] = 1.0 if points[i, 2] >= 0.0 else -1.0
+        own = surface[i] - 2
+        n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], 1e-5)
+        value = gloss[i]
+        inside = False
+        for j in range(view.spheres.shape[0]):
+            x, y, z = (
+                points[i, 0] - view.spheres[j, 0], points[i, 1] - view.spheres[j, 1], points[i, 2] - view.spheres[j, 2],
+            )  # fmt: skip
+            if j != own and x * x + y * y + z * z <= view.spheres[j, 3] ** 2:
+                inside = True
+        if inside:
+            value[0] = value[1] = value[2] = 0.0
+            error[i] = math.inf
+            status[i] = 3
+            evaluations[i] = chambers[i] = crossings[i] = 0
+            continue
+        total = lobe_setup(n, theta_max, tol, bound, geo) * bound
+
+        # the background fills what the surface can see of the lobe; every shape then adds its difference from it
+        sky = max(view.shading[10], view.shading[11], view.shading[12])
+        share = 1.0
+        if sky > 0.0:
+            facing = lobe[0] * normals[i, 0] + lobe[1] * normals[i, 1] + lobe[2] * normals[i, 2]
+            share = cap_share(n, theta_max, math.acos(max(-1.0, min(1.0, facing))), 0.5 * math.pi, gauss)
+        for a in range(3):
+            value[a] = view.shading[10 + a] * share
+        bad = 0
+        for j in range(view.spheres.shape[0]):
+            if j == own:
+                continue
+            sphere_chart(j, own, lobe, view, work)
+            k = geo[RATIO]
+            # all of the shape, at the lobe's largest density on it
+            gap = max(0.0, geo[LOBE_BETA] - geo[BETA_MAX])
+            most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * 2.0 * math.pi * k * k * bound
+            if gap < 1.5 and most < 0.1 * tol:
+                total += most
+                continue
+            geo[STRIP] = min(0.3, 1.4 / (math.sqrt(n + 1e-9) * k))
+            geo[STRIP + 1] = 0.5
+            geo[STRIP + 2] = 0.9 * math.acosh(1.0 / k)
+            e, b = split_chart(
+                max(0.5 * (tol - total), 0.05 * tol),
+                view,
+                work,
+                gauss,
+                panels,
+                spans,
+                ids,
+                events,
+                scratch,
+                max_evaluations,
+                value,
+            )
+            total += e
+            bad += b
+        error[i] = total + 1e-15
+        evaluations[i] = work.count[EVALUATIONS]
+        chambers[i] = work.count[CHAMBERS]
+        crossings[i] = work.count[CROSSINGS]
+        status[i] = 0 if total <= tol else (2 if bad > 0 else 1)
+
+
+@functools.lru_cache(maxsize=1)
+def _kernel() -> Any:
+    modules = (
+        chart, events, labels, line, lobe_mass, roots, walls, work, gauss_module, light_term, split_line, split_panel,
+        sys.modules[__name__],
+    )  # fmt: skip
+    return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules])
+
+
+@dataclass(frozen=True)
+class SplitWork:
+    """Scratch of one thread; allocate once per thread and pass it to every call."""
+
+    work: Work
+    gauss: Array
+    panels: Array
+    spans: Array
+    ids: Ints
+    events: Array
+    scratch: Array
+
+
+def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
+    """Scratch for ``gloss_points`` on a scene whose lights are ``points``."""
+    return SplitWork(
+        work=work_arrays(len(arrays.spheres), len(points)),
+        gauss=gauss_table(),
+        panels=np.zeros((MAX_PANELS, PANEL_COLUMNS)),
+        spans=np.zeros((256, 2)),
+        ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
+        events=np.zeros((2048, 2)),
+        scratch=np.zeros(24),
+    )
+
+
+def radiance_bound(arrays: SceneArrays, points: Array) -> float:
+    """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
+    lit = arrays.shading[0] * arrays.shading[AMBIENT : AMBIENT + 3]
+    lit = lit + points[:, 3:].sum(axis=0) * (arrays.shading[1] + arrays.shading[2])
+    return float(max(lit.max(), arrays.shading[BACKGROUND : BACKGROUND + 3].max(), 1e-300))
+
+
+def gloss_points(
+    arrays: SceneArrays,
+    points: Array,
+    normals: Array,
+    incoming: Array,
+    surface: Ints,
+    tol: float = 1e-6,
+    disk_order: int = 2,
+    max_evaluations: int = 1_000_000,
+    scratch: SplitWork | None = None,
+) -> SplitResult:
+    """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
+
+    ``points`` (N, 3) on surfaces, unit ``normals`` (N, 3), unit ``incoming`` (N, 3) directions of travel towards the
+    points, ``surface`` (N,) hit classes (1 the floor, 2 + j sphere j), whose lobe is used. ``tol`` is absolute,
+    in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids. Deterministic; choose it whenever
+    an error is wanted with the value, or more than two digits. Not for points inside a sphere (``UNSUPPORTED``).
+    """
+    lights = light_points(arrays, disk_order)
+    view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
+    lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
+    lobes[FLOOR] = arrays.floor[FLOOR_LOBE + 1 :]
+    lobes[FIRST_SPHERE:] = arrays.spheres[:, LOBE + 1 :]
+    s = scratch or split_work(arrays, lights)
+    n = len(points)
+    gloss, error = np.zeros((n, 3)), np.zeros(n)
+    counts = [np.zeros(n, np.int64) for _ in range(4)]
+    _kernel()(
+        np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
+        np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
+        s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol), radiance_bound(arrays, lights),
+        int(max_evaluations), gloss, error, *counts,
+    )  # fmt: skip
+    return SplitResult(gloss, error, *counts)
