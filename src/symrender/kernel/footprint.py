@@ -13,6 +13,16 @@ from symrender.scene import arrays as at
 FLOOR = Array("floor", 1)
 
 
+def _leave_share(block: Block, mean: sp.Expr) -> None:
+    """Leave with (1 + mean)/2, kept in [0, 1] where rounding would leave it: no albedo may be negative."""
+    share = block.let("share", (1 + mean) / 2)
+    with block.when(share < 0):
+        block.leave(sp.Integer(0))
+    with block.when(share > 1):
+        block.leave(sp.Integer(1))
+    block.leave(share)
+
+
 def box_share() -> Function:
     """Bright share of an axis-aligned rectangle of the floor: exact, and exact for every pixel of a plane camera."""
     x, y, width, height = real("x"), real("y"), real("width"), real("height")
@@ -20,7 +30,7 @@ def box_share() -> Function:
     block = Block()
     across = block.let("across", footprint.interval_mean((x - FLOOR[at.FLOOR_OFFSET]) / cell, width / cell))
     along = block.let("along", footprint.interval_mean((y - FLOOR[at.FLOOR_OFFSET + 1]) / cell, height / cell))
-    block.leave((1 + across * along) / 2)
+    _leave_share(block, across * along)
     return Function("box_share", (x, y, width, height, FLOOR), block.statements, "bright share of a floor rectangle")
 
 
@@ -87,5 +97,5 @@ def quad_share() -> Function:
     with block.when(sp.Or(lines > MAX_FOOTPRINT_LINES, sp.Eq(area, 0))):
         block.leave(sp.Rational(1, 2))
     parts = [block.call("edge_share", edge, f"part_{k}")[0] for k, edge in enumerate(edges)]
-    block.leave((1 + sum(parts) / area) / 2)
+    _leave_share(block, sum(parts) / area)
     return Function("quad_share", (*corners, FLOOR), block.statements, "bright share of a convex floor quadrilateral")
