@@ -81,3 +81,14 @@ def test_the_next_double_is_another_scene() -> None:
     assert scene.replace({"spheres.A.radius": 0.9000000000000001}).hash != scene.hash
     assert "\n" not in canonical(scene)
     assert canonical(scene).isascii()
+
+
+def test_keys_are_sorted_whatever_the_order_of_the_models() -> None:
+    seen: list[list[str]] = []
+
+    def keep(pairs: list[tuple[str, Any]]) -> None:
+        seen.append([key for key, _ in pairs])
+
+    json.loads(canonical(load("gloss")), object_pairs_hook=keep)
+    assert len(seen) >= 10
+    assert all(keys == sorted(keys) for keys in seen)

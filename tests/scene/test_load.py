@@ -6,6 +6,8 @@ import io
 import json
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -98,6 +100,8 @@ def test_wrong_numbers_are_named(radius: str, said: str) -> None:
         ("a: !!python/object/apply:os.system [ls]", "scene.yaml:1: tags are not allowed, got tag:yaml.org,2002:pytho"),
         ("a: !x 1", "scene.yaml:1: tags are not allowed, got !x"),
         ("a: 1\nb: &x [*x]", "scene.yaml:2: anchors and aliases are not allowed"),
+        ("name: &x a", "scene.yaml:1: anchors and aliases are not allowed"),
+        ("name: a\nlights: &x []", "scene.yaml:2: anchors and aliases are not allowed"),
         ("a: *x", "scene.yaml:1: anchors and aliases are not allowed"),
         ("a: 1\n<<: {b: 1}", "scene.yaml:2: merge keys (<<) are not allowed"),
         ("camera: {<<: {b: 1}}", "scene.yaml:1: camera: merge keys (<<) are not allowed"),
@@ -331,6 +335,9 @@ def test_bytes_that_are_no_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for data in (b"\xef\xbb\xbf" + good, good.replace(b"\n", b"\r\n"), good + b"#" * ((1 << 20) - len(good))):
         path.write_bytes(data)
         assert load(path).spheres[0].name == "A"
+    for suffix, text in ((".json", json.dumps(load("gloss").model_dump())), (".toml", TOML % (1, 1))):
+        Path(f"s{suffix}").write_bytes(b"\xef\xbb\xbf" + text.encode())
+        assert load(f"s{suffix}").spheres[0].name == "A"
 
 
 def test_what_is_not_a_regular_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -403,6 +410,15 @@ def test_dicts() -> None:
         with pytest.raises(SceneError) as error:
             load(data)  # type: ignore[arg-type]
         assert str(error.value).split("\n")[0] == said
+
+
+def test_loading_is_light() -> None:
+    code = "import sys, symrender.scene.load as l; l.load('gloss'); print(*sys.modules)"
+    modules = set(
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    )
+    assert "symrender.scene.load" in modules
+    assert not modules & {"numpy", "sympy", "numba", "rich", "OpenEXR", "PIL"}
 
 
 def test_as_many_spheres_as_the_limit_fit_a_file() -> None:
