@@ -22,7 +22,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("targets",),
     ("runtimes",),
     ("ledger",),
-    ("render", "tiles", "truth"),
+    ("probe", "render", "tiles", "truth", "warm"),
     ("studies", "simulator"),
     ("chapter",),
     ("cli", "__init__"),

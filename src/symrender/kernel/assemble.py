@@ -5,7 +5,7 @@ from __future__ import annotations
 from symrender.kernel import footprint, gather, light, shade, strata, tile, trace
 from symrender.kernel.program import Program
 
-ENTRIES = ("tile", "trace")
+ENTRIES = ("tile", "hits", "trace")
 """What a runtime compiles; the functions of lights, cameras and strata run once an image and need no compiler."""
 ONCE = ("light_point", "camera_axes", "ring_weight", "ring_barycentre", "share_angle", "cap_angle", "log_weight")
 """Functions that run once an image, as plain Python."""
@@ -41,6 +41,8 @@ def image_program() -> Program:
             footprint.edge_share(),
             footprint.quad_share(),
             tile.footprint_share(),
+            tile.look(),
+            tile.hits(),
             tile.tile(),
         ),
         ENTRIES,

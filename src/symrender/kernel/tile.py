@@ -1,12 +1,15 @@
-"""The entry of the program that fills a rectangle of pixels."""
+"""The entries of the program that fill a rectangle of pixels."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import sympy as sp
 
 from symrender.expression import camera as formulas
 from symrender.expression import intersection
-from symrender.expression.vectors import Vec3, unit
+from symrender.expression.vectors import Vec3, unit, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.gather import RULES, SIZES, WORK
 from symrender.kernel.program import Array, Function
@@ -66,21 +69,76 @@ def footprint_share() -> Function:
     )
 
 
+PLACE, NORMAL, INCOMING = Array("place", 3), Array("normal", 3), Array("incoming", 3)
+"""Where the ray of each pixel ends, the unit normal there facing the camera, and the ray's unit direction."""
+
+
+def look() -> Function:
+    """What the ray through a pixel's centre meets first, and where."""
+    row, column = whole("row"), whole("column")
+    block = Block()
+    eye = block.let_vector("e", row_vector(EYE, None, 0))
+    screen = formulas.screen(column, row, FRAME[4], FRAME[5])
+    sx, sy = block.lets(dict(zip(("sx", "sy"), screen, strict=True)))
+    spot = formulas.window_point(sx, sy, CAMERA[4], CAMERA[5], CAMERA[6])
+    with block.when(sp.Eq(CAMERA[0], at.PLANE)):
+        d = block.let_vector("d", unit(block.let_vector("away", spot - eye)))
+    with block.otherwise():
+        block.let_vector("d", unit(block.let_vector("away", _screen_direction(sx, sy))))
+    shape, distance = whole("shape"), real("distance")
+    block.call("nearest", (eye, d, sp.Integer(at.NOTHING), SPHERES, FLOOR), "shape", "distance")
+    q = block.let_vector("q", Vec3(eye.x + d.x * distance, eye.y + d.y * distance, sp.Integer(0)))
+    normal = block.let_vector("n", Vec3(sp.Integer(0), sp.Integer(0), sp.Integer(1)))
+    with block.when(sp.Eq(CAMERA[0], at.PLANE)):
+        block.let_vector("q", spot)
+    with block.when(shape >= at.FIRST_SPHERE):
+        j = block.count("j", shape - at.FIRST_SPHERE)
+        center, radius = row_vector(SPHERES, j, at.CENTER), block.let("radius", SPHERES[j, at.RADIUS])
+        f = block.let_vector("f", center - eye)
+        b, c = block.lets({"b": intersection.approach(f, d), "c": intersection.power(f, radius)})
+        half_chord, side, _ = sphere_distance(block, b, c, intersection.discriminant(f, d, radius))
+        unit_normal(block, intersection.normal(f, d, b, half_chord, side, radius))
+        block.let_vector("q", center + normal * (side * radius))
+    block.leave(shape, sx, sy, *d.parts, *q.parts, *normal.parts)
+    parameters = (row, column, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR)
+    return Function("look", parameters, block.statements, "(hit class, sx, sy, direction, point, normal) of a pixel")
+
+
+def _look(block: Block, row: sp.Symbol, column: sp.Symbol) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol, Vec3, Vec3, Vec3]:
+    names = [f"{vector}_{axis}" for vector in "dqn" for axis in "xyz"]
+    arguments = (row, column, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR)
+    block.call("look", arguments, "shape", "sx", "sy", *names)
+    return whole("shape"), real("sx"), real("sy"), vec3("d"), vec3("q"), vec3("n")
+
+
+@contextmanager
+def _pixels(block: Block) -> Iterator[tuple[sp.Symbol, sp.Symbol]]:
+    x0, y0, x1, y1 = (block.count(name, sp.floor(FRAME[k])) for k, name in enumerate(("x0", "y0", "x1", "y1")))
+    with block.loop("row", y1, y0) as row, block.loop("column", x1, x0) as column:
+        yield row, column
+
+
+def hits() -> Function:
+    """Where the rays of the pixels x0 <= i < x1, y0 <= j < y1 end."""
+    block = Block()
+    with _pixels(block) as (row, column):
+        shape, _, _, d, q, normal = _look(block, row, column)
+        block.store(HIT_CLASS[row, column], shape)
+        for array, vector in ((PLACE, q), (NORMAL, normal), (INCOMING, d)):
+            for c, value in enumerate(vector.parts):
+                block.store(array[row, column, c], value)
+    parameters = (FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, HIT_CLASS, PLACE, NORMAL, INCOMING)
+    return Function(
+        "hits", parameters, block.statements, "where the rays of a rectangle of pixels end, into the arrays"
+    )
+
+
 def tile() -> Function:
     """Fill the pixels x0 <= i < x1, y0 <= j < y1 of every layer; returns the number of lobe directions weighed."""
     block = Block()
     evaluations = block.count("evaluations", sp.Integer(0))
-    x0, y0, x1, y1 = (block.count(name, sp.floor(FRAME[k])) for k, name in enumerate(("x0", "y0", "x1", "y1")))
-    eye = block.let_vector("e", row_vector(EYE, None, 0))
-    with block.loop("row", y1, y0) as row, block.loop("column", x1, x0) as column:
-        sx, sy = block.lets(dict(zip(("sx", "sy"), formulas.screen(column, row, FRAME[4], FRAME[5]), strict=True)))
-        with block.when(sp.Eq(CAMERA[0], at.PLANE)):
-            spot = formulas.window_point(sx, sy, CAMERA[4], CAMERA[5], CAMERA[6])
-            d = block.let_vector("d", unit(block.let_vector("away", spot - eye)))
-        with block.otherwise():
-            block.let_vector("d", unit(block.let_vector("away", _screen_direction(sx, sy))))
-        shape, distance = whole("shape"), real("distance")
-        block.call("nearest", (eye, d, sp.Integer(at.NOTHING), SPHERES, FLOOR), "shape", "distance")
+    with _pixels(block) as (row, column):
+        shape, sx, sy, d, q, normal = _look(block, row, column)
         block.store(HIT_CLASS[row, column], shape)
         with block.when(sp.Eq(shape, at.NOTHING)):
             for c in range(3):
@@ -88,12 +146,12 @@ def tile() -> Function:
                 block.store(GLOSS[row, column, c], sp.Float(0))
                 block.store(RADIANCE[row, column, c], SHADING[at.BACKGROUND + c])
             block.next()
-        q, normal = _hit(block, eye, d, sx, sy, shape, distance)
+        _shade(block, shape, sx, sy, d, q, normal)
         for c, value in enumerate(real(name) for name in ("r", "g", "blue")):
             block.store(DIRECT[row, column, c], value)
             block.store(GLOSS[row, column, c], sp.Float(0))
         lobe_weight = real("lobe_weight")
-        with block.when(sp.And(lobe_weight > 0, real("lit_side") > 0)):
+        with block.when(lobe_weight > 0):
             rule = block.count("rule", sp.floor(RULE_OF[shape - at.FLOOR]))
             block.set(evaluations, evaluations + sp.floor(SIZES[rule]))
             arguments = (q, normal, d, shape, rule, real("theta_max"), RULES, SIZES, EYE, SPHERES, FLOOR, POINTS)
@@ -111,46 +169,32 @@ def tile() -> Function:
     return Function("tile", parameters, block.statements, "fills a rectangle of the layers; number of lobe directions")
 
 
-def _hit(
-    block: Block, eye: Vec3, d: Vec3, sx: sp.Expr, sy: sp.Expr, shape: sp.Symbol, distance: sp.Symbol
-) -> tuple[Vec3, Vec3]:
-    """Write point, normal, direct light (r, g, blue), lobe weight and half-angle of what the primary ray met."""
+def _shade(block: Block, shape: sp.Symbol, sx: sp.Symbol, sy: sp.Symbol, d: Vec3, q: Vec3, normal: Vec3) -> None:
+    """Write direct light (r, g, blue), lobe weight and half-angle of what a pixel sees; a floor from below is black."""
     view = -d
+    rgb = block.lets({"r": sp.Integer(0), "g": sp.Integer(0), "blue": sp.Integer(0)})
+    names = [str(value) for value in rgb]
     with block.when(sp.Eq(shape, at.FLOOR)):
-        with block.when(sp.Eq(CAMERA[0], at.PLANE)):
-            spot = formulas.window_point(sx, sy, CAMERA[4], CAMERA[5], CAMERA[6])
-            q = block.let_vector("q", spot)
-        with block.otherwise():
-            block.let_vector("q", Vec3(eye.x + d.x * distance, eye.y + d.y * distance, sp.Integer(0)))
-        normal = block.let_vector("n", Vec3(sp.Integer(0), sp.Integer(0), sp.Integer(1)))
-        block.lets({"lobe_weight": FLOOR[at.FLOOR_LOBE], "theta_max": FLOOR[at.FLOOR_LOBE + 2]})
-        lit_side = block.let("lit_side", eye.z)
-        rgb = block.lets({"r": sp.Integer(0), "g": sp.Integer(0), "blue": sp.Integer(0)})
-        with block.when(lit_side > 0):
+        weight, _ = block.lets({"lobe_weight": FLOOR[at.FLOOR_LOBE], "theta_max": FLOOR[at.FLOOR_LOBE + 2]})
+        with block.when(EYE[2] > 0):
             bright = block.let("bright", sp.Integer(1))
             with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
                 with block.when(sp.Eq(FRAME[6], 1)):
                     (share,) = block.call("footprint_share", (sx, sy, CAMERA, AXES, FRAME, FLOOR), "share")
-                    block.set(bright, share)
                 with block.otherwise():
-                    (share,) = block.call("floor_side", (q.x, q.y, FLOOR), "share")
-                    block.set(bright, share)
+                    block.call("floor_side", (q.x, q.y, FLOOR), "share")
+                block.set(bright, share)
             arguments = (q, normal, view, *floor_albedo(bright), sp.Integer(at.FLOOR), sp.Float(1))
-            block.call("lit", (*arguments, SPHERES, FLOOR, POINTS, SHADING), "r", "g", "blue")
+            block.call("lit", (*arguments, SPHERES, FLOOR, POINTS, SHADING), *names)
         with block.otherwise():
-            block.let("lobe_weight", sp.Integer(0))
+            block.set(weight, sp.Integer(0))
     with block.otherwise():
         j = block.count("j", shape - at.FIRST_SPHERE)
-        center = row_vector(SPHERES, j, at.CENTER)
-        radius = block.let("radius", SPHERES[j, at.RADIUS])
-        f = block.let_vector("f", center - eye)
-        b, c = block.lets({"b": intersection.approach(f, d), "c": intersection.power(f, radius)})
-        half_chord, side, _ = sphere_distance(block, b, c, intersection.discriminant(f, d, radius))
-        unit_normal(block, intersection.normal(f, d, b, half_chord, side, radius))
-        block.let_vector("q", center + normal * (side * radius))
         block.lets({"lobe_weight": SPHERES[j, at.LOBE], "theta_max": SPHERES[j, at.LOBE + 2]})
-        block.let("lit_side", sp.Integer(1))
+        side = block.let("side", sp.Integer(1))
+        to_eye = row_vector(EYE, None, 0) - row_vector(SPHERES, j, at.CENTER)
+        with block.when(intersection.power(to_eye, SPHERES[j, at.RADIUS]) < 0):
+            block.set(side, sp.Integer(-1))
         albedo = sphere_albedo(block, j, block.let_vector("o", normal * side))
         arguments = (q, normal, view, *albedo, shape, side, SPHERES, FLOOR, POINTS, SHADING)
-        block.call("lit", arguments, *(str(value) for value in rgb))
-    return q, normal
+        block.call("lit", arguments, *names)
