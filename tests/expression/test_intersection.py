@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from emitted import FORMULAS
 from symrender.expression import intersection
 from symrender.expression.vectors import dot, norm2, renormalising, vec3
-from symrender.runtimes import numba
 from symrender.scene import arrays as at
 
-FORMULAS = numba.plain(numba.image_text())
 Vector = tuple[float, float, float]
 F, W = vec3("f"), vec3("w")
 RADIUS = sp.Symbol("r", positive=True)

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from emitted import FORMULAS
 from symrender.expression import texture
 from symrender.expression.vectors import vec3
-from symrender.runtimes import numba
 from symrender.scene import arrays as at
 
 NORMAL = vec3("n")
-FORMULAS = numba.plain(numba.image_text())
 
 
 def normals(count: int, seed: int) -> np.ndarray:

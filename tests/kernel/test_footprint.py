@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from emitted import FORMULAS
 from symrender.limits import MAX_FOOTPRINT_LINES
-from symrender.runtimes import numba
 from symrender.scene import arrays as at
 
-FORMULAS = numba.plain(numba.image_text())
 Corners = np.ndarray
 
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from types import ModuleType
 
 import mpmath
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from emitted import FORMULAS
 from symrender.quadrature.strata import edges
-from symrender.runtimes import numba
 from symrender.settings import Partition
 
 EXPONENTS = (0.0, 1e-300, 0.5, 1.0, 16.0, 256.0, 4096.0, 1e6, 1e9, 1e12)
@@ -22,7 +21,6 @@ PARTITIONS: tuple[Partition, ...] = ("equal_angle", "equal_solid_angle", "equal_
 COUNTS = (1, 2, 7, 64, 1024)
 SMALLEST = 2.2250738585072014e-308
 Weight = Callable[[float, float, float], float]
-FORMULAS: ModuleType = numba.plain(numba.image_text())
 
 
 def exact_powers(angles: list[float], exponent: float) -> list[mpmath.mpf]:

@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
+from emitted import FORMULAS
 from symrender.errors import OptionError
 from symrender.limits import MAX_LIGHT_POINTS
 from symrender.quadrature.disk import centroids, light_points
-from symrender.runtimes import numba
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 
-PLACE = numba.plain(numba.image_text()).light_point
+PLACE = FORMULAS.light_point
 
 
 def disk(position: tuple[float, float, float], target: tuple[float, float, float], radius: float) -> np.ndarray:

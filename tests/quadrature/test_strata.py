@@ -9,11 +9,10 @@ import mpmath
 import numpy as np
 import pytest
 
+from emitted import FORMULAS
 from symrender.quadrature.strata import Rings, mirror_rule, rings, rule
-from symrender.runtimes import numba
 from symrender.settings import Nodes, Partition, Weights
 
-FORMULAS = numba.plain(numba.image_text())
 CONE = math.pi / 3
 
 

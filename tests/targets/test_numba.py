@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from emitted import plain as plain_module
 from symrender.expression.lobe import expm1, log1p
 from symrender.kernel.assemble import ENTRIES, ONCE, image_program
 from symrender.kernel.block import Block, real, whole
@@ -161,7 +162,7 @@ def test_table_holds_every_function_of_every_target() -> None:
 
 @pytest.mark.parametrize("label", EXPRESSIONS)
 def test_expression_survives_the_printer(label: str) -> None:
-    plain = runtime.plain(target.emit(PROGRAM))
+    plain = plain_module(target.emit(PROGRAM))
     for point in POINTS:
         if label in ("acos", "asin") and abs(point["x"]) > 1:
             continue
@@ -176,7 +177,7 @@ def test_expression_survives_the_printer(label: str) -> None:
 
 
 def test_compiled_table_equals_plain(compiled_table: Callable[..., None]) -> None:
-    plain = runtime.plain(target.emit(PROGRAM))
+    plain = plain_module(target.emit(PROGRAM))
     results = np.empty(len(NAMES))
     for point in POINTS:
         arguments = [*(point[k] for k in "xyzij"), ELEMENTS["a"], ELEMENTS["b"]]
@@ -254,7 +255,7 @@ def test_text_does_not_depend_on_a_scene(text: str) -> None:
 
 
 def test_functions_of_the_assembly_are_in_the_text(text: str) -> None:
-    module = runtime.plain(text)
+    module = plain_module(text)
     assert module.ENTRIES == ENTRIES
     assert all(callable(getattr(module, name)) for name in (*ENTRIES, *ONCE, *module.INLINE))
 
