@@ -243,18 +243,36 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     if not low < high:
         return 0
     n = 0
-    for i in range(work.count[WALLS]):
-        branches = wall_roots(i, c, s, low, high, work, scratch)
+    walls, root_x, root_id = work.walls, work.root_x, work.root_id
+    ratio = work.geo[RATIO]
+    low_s, low_c, high_s, high_c = math.sin(low), math.cos(low), math.sin(high), math.cos(high)
+    for i in range(min(work.count[WALLS], walls.shape[0])):
+        if walls[i, KIND] == NORMAL:
+            found, c1, s1, c2, s2 = circle_roots(
+                walls[i, 1], walls[i, 2], walls[i, 3], walls[i, COS], walls[i, SIN], c, s
+            )
+            if not found:
+                continue
+            branches = 2
+            for b in range(2):
+                cx = (c1 if b == 0 else c2) - ratio
+                sx = s1 if b == 0 else s2
+                # (cx, sx) points along psi: inside (low, high) by two cross products, no inverse function
+                scratch[b] = math.nan
+                if cx > 0.0 and sx > 0.0 and sx * low_c - cx * low_s > 0.0 and cx * high_s - sx * high_c > 0.0:
+                    scratch[b] = math.atan2(sx, cx)
+        else:
+            branches = wall_roots(i, c, s, low, high, work, scratch)
         for b in range(branches):
             x = scratch[b]
-            if x == x and n < work.root_x.shape[0]:
+            if x == x and n < root_x.shape[0]:
                 k = n
-                while k > 0 and work.root_x[k - 1] > x:
-                    work.root_x[k] = work.root_x[k - 1]
-                    work.root_id[k] = work.root_id[k - 1]
+                while k > 0 and root_x[k - 1] > x:
+                    root_x[k] = root_x[k - 1]
+                    root_id[k] = root_id[k - 1]
                     k -= 1
-                work.root_x[k] = x
-                work.root_id[k] = 4 * i + b
+                root_x[k] = x
+                root_id[k] = 4 * i + b
                 n += 1
     cells = 0
     start, wall = low, first

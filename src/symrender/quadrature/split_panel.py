@@ -302,6 +302,19 @@ def evaluate_panel(p: Array, step: int, view: View, work: Work, gauss: Array, ou
 
 
 @jitable
+def rough_panel(p: Array, view: View, work: Work, gauss: Array, scratch: Array) -> None:
+    """Settle a panel too thin to be cut by one line; all of its size is its error."""
+    width = p[TO] - p[FROM]
+    phi = 0.5 * (p[FROM] + p[TO])
+    scan_line(phi, view, work, scratch)
+    integrate_cells(phi, 2, view, work, gauss, scratch[4:8])
+    for i in range(3):
+        p[5 + i] = width * scratch[4 + i]
+    p[ERROR] = width * scratch[7]
+    p[STEP] = 1.0
+
+
+@jitable
 def split_chart(
     tol: float, view: View, work: Work, gauss: Array, panels: Array, spans: Array, ids: Ints, events: Array,
     scratch: Array, max_evaluations: int, value: Array,
@@ -337,7 +350,8 @@ def split_chart(
             step = int(p[STEP])
             if step + 1 >= len(LEVELS) or order(max(1, step + 1), p[LOG_RHO]) >= MAX_ORDER:
                 if n >= panels.shape[0] or p[TO] - p[FROM] < 1e-9:
-                    p[ERROR] = p[ERROR] if p[ERROR] < math.inf else 1.0
+                    if step < 0:
+                        rough_panel(p, view, work, gauss, scratch)
                     continue
                 middle = 0.5 * (p[FROM] + p[TO])
                 right, kind = p[TO], p[KIND_TO]
@@ -355,7 +369,8 @@ def split_chart(
                     n = split_span(a, foreign, ka, SMOOTH, 1, view, work, panels, n, spans, ids, scratch)
                     n = split_span(foreign, b, SMOOTH, kb, 1, view, work, panels, n, spans, ids, scratch)
                     continue
-                p[ERROR] = 1.0
+                rough_panel(p, view, work, gauss, scratch)
+                bad += 1
                 continue
             change = max(abs(out[0] - p[5]), abs(out[1] - p[6]), abs(out[2] - p[7]))
             p[5], p[6], p[7] = out[0], out[1], out[2]

@@ -186,7 +186,8 @@ def _kernel() -> Any:
         chart, events, labels, line, lobe_mass, roots, walls, work, gauss_module, light_term, split_line, split_panel,
         sys.modules[__name__],
     )  # fmt: skip
-    return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules])
+    # nothing is allocated inside, so reference counting would only cost: it triples the time
+    return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
 
 
 @dataclass(frozen=True)
