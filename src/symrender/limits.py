@@ -53,3 +53,11 @@ MAX_TEXTURE_DEGREE: Final = 64
 """Largest frequency whose texture sign a kernel computes as a polynomial."""
 MAX_FOOTPRINT_LINES: Final = 4096
 """Most checker lines the contour of a pixel's footprint may cross; beyond, the checker is its mean."""
+MAX_SIMULATOR_SPHERES: Final = 60
+"""Most spheres of a scene in the simulator: a uniform block of a GPU holds no more."""
+MAX_SIMULATOR_LIGHT_POINTS: Final = 128
+"""Most points all lights together are replaced by in the simulator."""
+MAX_SIMULATOR_LOBE: Final = 16
+"""Largest K of the K x K strata in the simulator."""
+MAX_STATE_BYTES: Final = 1 << 16
+"""Longest state of a simulator read from a URL, bytes."""

@@ -143,6 +143,15 @@ class Program:
         found = {name for function in self.functions for name in _calls(function.body)}
         return tuple(function.name for function in self.functions if function.name in found)
 
+    def part(self, entry: str) -> Program:
+        """``entry`` and what it needs, in the order of definition."""
+        needed, kept = {entry}, []
+        for function in reversed(self.functions):
+            if function.name in needed:
+                kept.append(function)
+                needed.update(_calls(function.body))
+        return Program(tuple(reversed(kept)), (entry,))
+
 
 def _calls(body: tuple[Statement, ...]) -> list[str]:
     names: list[str] = []

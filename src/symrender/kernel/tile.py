@@ -104,7 +104,10 @@ def look() -> Function:
     return Function("look", parameters, block.statements, "(hit class, sx, sy, direction, point, normal) of a pixel")
 
 
-def _look(block: Block, row: sp.Symbol, column: sp.Symbol) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol, Vec3, Vec3, Vec3]:
+def look_at_pixel(
+    block: Block, row: sp.Symbol, column: sp.Symbol
+) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol, Vec3, Vec3, Vec3]:
+    """Write what ``look`` returns: hit class, sx, sy, direction, point, normal."""
     names = [f"{vector}_{axis}" for vector in "dqn" for axis in "xyz"]
     arguments = (row, column, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR)
     block.call("look", arguments, "shape", "sx", "sy", *names)
@@ -122,7 +125,7 @@ def hits() -> Function:
     """Where the rays of the pixels x0 <= i < x1, y0 <= j < y1 end."""
     block = Block()
     with _pixels(block) as (row, column):
-        shape, _, _, d, q, normal = _look(block, row, column)
+        shape, _, _, d, q, normal = look_at_pixel(block, row, column)
         block.store(HIT_CLASS[row, column], shape)
         for array, vector in ((PLACE, q), (NORMAL, normal), (INCOMING, d)):
             for c, value in enumerate(vector.parts):
@@ -138,7 +141,7 @@ def tile() -> Function:
     block = Block()
     evaluations = block.count("evaluations", sp.Integer(0))
     with _pixels(block) as (row, column):
-        shape, sx, sy, d, q, normal = _look(block, row, column)
+        shape, sx, sy, d, q, normal = look_at_pixel(block, row, column)
         block.store(HIT_CLASS[row, column], shape)
         with block.when(sp.Eq(shape, at.NOTHING)):
             for c in range(3):
@@ -146,7 +149,7 @@ def tile() -> Function:
                 block.store(GLOSS[row, column, c], sp.Float(0))
                 block.store(RADIANCE[row, column, c], SHADING[at.BACKGROUND + c])
             block.next()
-        _shade(block, shape, sx, sy, d, q, normal)
+        shade_pixel(block, shape, sx, sy, d, q, normal)
         for c, value in enumerate(real(name) for name in ("r", "g", "blue")):
             block.store(DIRECT[row, column, c], value)
             block.store(GLOSS[row, column, c], sp.Float(0))
@@ -169,7 +172,7 @@ def tile() -> Function:
     return Function("tile", parameters, block.statements, "fills a rectangle of the layers; number of lobe directions")
 
 
-def _shade(block: Block, shape: sp.Symbol, sx: sp.Symbol, sy: sp.Symbol, d: Vec3, q: Vec3, normal: Vec3) -> None:
+def shade_pixel(block: Block, shape: sp.Symbol, sx: sp.Symbol, sy: sp.Symbol, d: Vec3, q: Vec3, normal: Vec3) -> None:
     """Write direct light (r, g, blue), lobe weight and half-angle of what a pixel sees; a floor from below is black."""
     view = -d
     rgb = block.lets({"r": sp.Integer(0), "g": sp.Integer(0), "blue": sp.Integer(0)})

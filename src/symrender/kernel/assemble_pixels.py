@@ -1,0 +1,121 @@
+"""The program of the simulator: one pixel a call, for a shader and for double precision beside it.
+
+One text for every scene: a scene is only tables, and how many rows a table holds is fixed here once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from symrender.kernel import (
+    footprint,
+    gather,
+    light,
+    lobe_disc,
+    lobe_sums,
+    lobe_table,
+    pixel,
+    shade,
+    strata,
+    tile,
+    trace,
+    words,
+)
+from symrender.kernel.program import Program
+from symrender.limits import MAX_SIMULATOR_LIGHT_POINTS, MAX_SIMULATOR_LOBE, MAX_SIMULATOR_SPHERES
+from symrender.scene import arrays as at
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns of an array, and the most rows of one with two axes (1 for one axis)."""
+
+    columns: int
+    rows: int = 1
+    scratch: bool = False
+
+
+TABLES: Final[dict[str, Table]] = {
+    "image_frame": Table(7),
+    "camera": Table(at.CAMERA_COLUMNS),
+    "axes": Table(10),
+    "eye": Table(3),
+    "floor": Table(at.FLOOR_COLUMNS),
+    "shading": Table(at.SHADING_COLUMNS),
+    "estimate": Table(4),
+    "disc": Table(12),
+    "spheres": Table(at.SPHERE_COLUMNS, MAX_SIMULATOR_SPHERES),
+    "points": Table(6, MAX_SIMULATOR_LIGHT_POINTS),
+    "lobes": Table(4, MAX_SIMULATOR_SPHERES + 1),
+    "rings": Table(4, (MAX_SIMULATOR_SPHERES + 1) * MAX_SIMULATOR_LOBE),
+    "sectors": Table(2, MAX_SIMULATOR_LOBE),
+    "labels": Table(lobe_disc.MAX_CHAMBERS, scratch=True),
+}
+"""Every array of the program by name. A GPU holds none longer than 1024 rows of four."""
+
+PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers", "pixel_disc")
+"""Functions of a column and a row with four results: what a fragment shader runs."""
+_PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "lobe_widths", "disc_radius", "disc_place")
+_CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
+_PROBE = ("look", "see", "strata_gloss", "sample_depth", "sample_direction", "frame", "reflected")
+ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_PROBE, "nearest", "pixel_word")
+"""What a page calls."""
+
+
+def pixel_program() -> Program:
+    """Program of the simulator."""
+    return Program(
+        (
+            light.light_point(),
+            tile.camera_axes(),
+            strata.ring_weight(),
+            strata.ring_barycentre(),
+            strata.share_angle(),
+            strata.cap_angle(),
+            strata.log_weight(),
+            lobe_table.ring_edge(),
+            lobe_table.fill_lobe(),
+            lobe_table.fill_sectors(),
+            lobe_table.lobe_widths(),
+            words.scramble(),
+            words.pixel_word(),
+            words.uniform_pair(),
+            shade.power(),
+            shade.texture_factor(),
+            shade.floor_side(),
+            shade.blocked(),
+            shade.light_factors(),
+            shade.direct(),
+            shade.lit(),
+            trace.nearest(),
+            trace.sphere_radiance(),
+            trace.floor_radiance(),
+            trace.see(),
+            gather.frame(),
+            lobe_sums.sample_depth(),
+            lobe_sums.sample_direction(),
+            lobe_sums.jittered_gloss(),
+            lobe_sums.strata_gloss(),
+            footprint.box_share(),
+            footprint.edge_share(),
+            footprint.quad_share(),
+            tile.footprint_share(),
+            tile.look(),
+            pixel.pixel_direct(),
+            pixel.pixel_numeric(),
+            pixel.pixel_symbolic(),
+            pixel.reflected(),
+            lobe_disc.chamber(),
+            lobe_disc.chambers_met(),
+            pixel.pixel_chambers(),
+            lobe_disc.disc_radius(),
+            lobe_disc.disc_angle(),
+            lobe_disc.disc_place(),
+            lobe_disc.pixel_disc(),
+            lobe_disc.silhouette_direction(),
+            lobe_disc.terminator_direction(),
+            lobe_disc.horizon_direction(),
+        ),
+        ENTRIES,
+    )

@@ -1,0 +1,288 @@
+"""Program to GLSL ES 3.00 for WebGL 2: float32 throughout, tables in uniform blocks, helpers of known accuracy.
+
+Elementary functions are our own where a driver's are not accurate to float32: software drivers were seen to err by
+2e-4 in sin and cos and 1e-4 in acos, which a difference of two images would show. Coefficients after S. L. Moshier,
+*Cephes Mathematical Library*, single precision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import sympy as sp
+
+from symrender.kernel.assemble_pixels import TABLES, Table
+from symrender.kernel.program import Function, Program
+from symrender.targets.braces import Writer
+from symrender.targets.interface import Target
+
+_FAR: Final = "3.402823e38"
+_ROWS: Final = 4
+_RESERVED: Final = frozenset(
+    "attribute uniform varying layout centroid flat smooth break continue do for while switch case default if else in "
+    "out inout true false invariant discard return lowp mediump highp precision sampler struct common partition active "
+    "asm class union enum typedef template this resource goto inline noinline volatile public static extern external "
+    "interface long short double half fixed unsigned superp input output filter sizeof cast namespace using shared "
+    "patch sample subroutine coherent restrict readonly writeonly noise radians degrees sin cos tan asin acos atan "
+    "sinh cosh tanh pow exp log exp2 log2 sqrt abs sign floor trunc round ceil fract mod modf min max clamp mix step "
+    "smoothstep isnan isinf length distance dot cross normalize reflect refract main result".split()
+)
+_HELPERS: Final[dict[str, tuple[tuple[str, ...], str]]] = {
+    "own_sqrt": ((), "float own_sqrt(float x) { return sqrt(max(x, 0.0)); }"),
+    "own_sine": (
+        (),
+        """float own_sine(float x, float quarters) {
+  // a whole number of quarter turns taken off in three parts; what is left lies in [-pi/4, pi/4]
+  float k = floor(x*0.636619772 + 0.5);
+  float r = ((x - k*1.5703125) - k*4.83751297e-4) - k*7.54978997e-8;
+  float z = r*r;
+  int turn = int(k + quarters) & 3;
+  float s = ((-1.9515295891e-4*z + 8.3321608736e-3)*z - 1.6666654611e-1)*z*r + r;
+  float c = ((2.443315711809948e-5*z - 1.388731625493765e-3)*z + 4.166664568298827e-2)*z*z - 0.5*z + 1.0;
+  float value = (turn & 1) == 1 ? c : s;
+  return turn > 1 ? -value : value;
+}""",
+    ),
+    "own_sin": (("own_sine",), "float own_sin(float x) { return own_sine(x, 0.0); }"),
+    "own_cos": (("own_sine",), "float own_cos(float x) { return own_sine(x, 1.0); }"),
+    "own_asin": (
+        (),
+        """float own_asin(float x) {
+  float a = min(abs(x), 1.0);
+  bool wide = a > 0.5;
+  float z = wide ? 0.5*(1.0 - a) : a*a;
+  float s = wide ? sqrt(z) : a;
+  float p = (((4.2163199048e-2*z + 2.4181311049e-2)*z + 4.5470025998e-2)*z + 7.4953002686e-2)*z + 1.6666752422e-1;
+  float y = p*z*s + s;
+  y = wide ? 1.57079632679 - 2.0*y : y;
+  return x < 0.0 ? -y : y;
+}""",
+    ),
+    "own_acos": (
+        ("own_asin",),
+        """float own_acos(float x) {
+  if (x > 0.5) { return 2.0*own_asin(sqrt(max(0.5*(1.0 - x), 0.0))); }
+  if (x < -0.5) { return 3.14159265359 - 2.0*own_asin(sqrt(max(0.5*(1.0 + x), 0.0))); }
+  return 1.57079632679 - own_asin(x);
+}""",
+    ),
+    "own_atan2": (
+        (),
+        """float own_atan2(float y, float x) {
+  float a = abs(y), b = abs(x);
+  float high = max(a, b), low = min(a, b);
+  if (high == 0.0) { return 0.0; }
+  float t = low/high;
+  float base = 0.0;
+  if (t > 0.414213562) { base = 0.785398163397; t = (low - high)/(low + high); }
+  float z = t*t;
+  float v = base + ((((8.05374449538e-2*z - 1.38776856032e-1)*z + 1.99777106478e-1)*z - 3.33329491539e-1)*z*t + t);
+  v = a > b ? 1.57079632679 - v : v;
+  v = x < 0.0 ? 3.14159265359 - v : v;
+  return y < 0.0 ? -v : v;
+}""",
+    ),
+    "own_exp": (
+        (),
+        """float own_exp(float x) {
+  if (x < -87.0) { return 0.0; }
+  float k = floor(min(x, 88.0)*1.44269504 + 0.5);
+  float r = (min(x, 88.0) - k*0.693359375) + k*2.12194440e-4;
+  float p = ((((1.9875691500e-4*r + 1.3981999507e-3)*r + 8.3334519073e-3)*r + 4.1665795894e-2)*r
+    + 1.6666665459e-1)*r + 5.0000001201e-1;
+  return (p*r*r + r + 1.0)*intBitsToFloat((int(k) + 127) << 23);
+}""",
+    ),
+    "own_series": (
+        (),
+        """float own_series(float s) {
+  // log((1 + s)/(1 - s))
+  float z = s*s;
+  return 2.0*s + 2.0*s*z*(0.33333333 + z*(0.2 + z*(0.14285714 + z*0.11111111)));
+}""",
+    ),
+    "own_log": (
+        ("own_series",),
+        """float own_log(float x) {
+  if (x <= 0.0) { return -3.402823e38; }
+  int bits = floatBitsToInt(x);
+  int e = (bits >> 23) - 127;
+  float m = intBitsToFloat((bits & 8388607) | 1065353216);
+  if (m > 1.41421356) { m *= 0.5; e += 1; }
+  return float(e)*0.693359375 + (own_series((m - 1.0)/(m + 1.0)) - float(e)*2.12194440e-4);
+}""",
+    ),
+    "own_log1p": (
+        ("own_log", "own_series"),
+        "float own_log1p(float x) { return abs(x) < 0.25 ? own_series(x/(2.0 + x)) : own_log(1.0 + x); }",
+    ),
+    "own_expm1": (
+        ("own_exp",),
+        """float own_expm1(float x) {
+  if (abs(x) > 0.5) { return own_exp(x) - 1.0; }
+  return x*(1.0 + x*(0.5 + x*(0.16666667 + x*(4.1666667e-2 + x*(8.3333333e-3 + x*(1.3888889e-3
+    + x*(1.9841270e-4 + x*2.4801587e-5)))))));
+}""",
+    ),
+    "own_pow": (
+        ("own_exp", "own_log"),
+        "float own_pow(float x, float y) { return y == 0.0 ? 1.0 : x <= 0.0 ? 0.0 : own_exp(y*own_log(x)); }",
+    ),
+    "own_modulo": ((), "int own_modulo(int a, int b) { int r = a - (a/b)*b; return r < 0 ? r + b : r; }"),
+}
+_FUNCTIONS: Final = {
+    **{name: f"own_{name}" for name in ("sin", "cos", "asin", "acos", "atan2", "exp", "log", "log1p", "expm1")},
+    **{name: f"own_{name}" for name in ("sqrt", "pow", "modulo")},
+    **{name: name for name in ("floor", "abs", "max", "min", "mod")},
+}
+
+
+class _Glsl(Writer):
+    def literal(self, value: float) -> str:
+        if value in (float("inf"), float("-inf")):
+            return _FAR if value > 0 else f"-{_FAR}"
+        text = repr(value)
+        return text if "." in text or "e" in text else f"{text}.0"
+
+    def to_real(self, text: str) -> str:
+        return f"float({text})"
+
+    def to_whole(self, text: str) -> str:
+        return f"int({text})"
+
+    def name(self, name: str) -> str:
+        return f"{name}_x" if name in _RESERVED else name
+
+    def function_call(self, name: str, arguments: Sequence[str]) -> str:
+        match name:
+            case "halves":
+                return f"(({arguments[0]})/{arguments[1]})"
+            case "xor":
+                return f"(({arguments[0]}) ^ ({arguments[1]}))"
+            case "shift_right":
+                return f"int(uint({arguments[0]}) >> {arguments[1]}u)"
+            case "product32":
+                return f"int(uint({arguments[0]})*uint({arguments[1]}))"
+        called = _FUNCTIONS[name]
+        if called in _HELPERS:
+            self.helpers.add(called)
+        return f"{called}({', '.join(arguments)})"
+
+    def element(self, name: str, indices: Sequence[sp.Expr]) -> str:
+        table = self.tables[name]
+        if table.scratch:
+            return f"t_{name}[{self.count(indices[0])}]"
+        column = int(indices[-1])
+        place = str(column // _ROWS)
+        if len(indices) == 2:
+            width = _width(table)
+            place = self.count(indices[0] * width + column // _ROWS)
+        return f"t_{name}[{place}].{'xyzw'[column % _ROWS]}"
+
+    def rows(self, name: str) -> str:
+        return f"{name}_rows"
+
+    def equality(self, negated: bool) -> str:
+        return "!=" if negated else "=="
+
+    def header(self, function: Function, results: Sequence[bool]) -> str:
+        parameters = [
+            f"{'int' if p.is_integer else 'float'} {self.name(p.name)}" for p in function.parameters if self.passes(p)
+        ]
+        kind = "void"
+        if len(results) == 1:
+            kind = _kind(results[0])
+        else:
+            parameters += [f"out {_kind(whole)} out_{k}" for k, whole in enumerate(results)]
+        return f"// {function.doc}\n{kind} {self.name(function.name)}({', '.join(parameters)}) {{"
+
+    def declarations(self, reals: Sequence[str], wholes: Sequence[str]) -> list[str]:
+        lines = []
+        if reals:
+            lines.append(f"  float {', '.join(f'{name} = 0.0' for name in reals)};")
+        if wholes:
+            lines.append(f"  int {', '.join(f'{name} = 0' for name in wholes)};")
+        return lines
+
+    def loop_line(self, index: str, first: str, count: str) -> str:
+        return f"for (int {index} = {first}; {index} < {count}; {index}++) {{"
+
+    def leave(self, values: Sequence[str]) -> list[str]:
+        return [*(f"out_{k} = {value};" for k, value in enumerate(values)), "return;"]
+
+    def call_lines(
+        self, name: str, targets: Sequence[str], arguments: Sequence[str], results: Sequence[bool]
+    ) -> list[str]:
+        lines, passed = [], []
+        spare = [t for t in targets]
+        for k, whole in enumerate(results):
+            target = spare[k] if k < len(spare) else f"rest_{k}"
+            if k >= len(spare) or (target in self.whole) != whole:
+                lines.append(f"{_kind(whole)} got_{target} = {'0' if whole else '0.0'};")
+                passed.append(f"got_{target}")
+            else:
+                passed.append(self.name(target))
+        lines.append(f"{self.name(name)}({', '.join([*arguments, *passed])});")
+        for k, target in enumerate(spare):
+            if passed[k].startswith("got_"):
+                lines.append(f"{self.name(target)} = {self._convert(passed[k], results[k], target in self.whole)};")
+        # names made for one call stay in a block of their own
+        return ["{", *(f"  {line}" for line in lines), "}"] if len(lines) > 1 else lines
+
+    def passes(self, parameter: object) -> bool:
+        return isinstance(parameter, sp.Symbol)
+
+
+def _kind(whole: bool) -> str:
+    return "int" if whole else "float"
+
+
+def _width(table: Table) -> int:
+    return -(-table.columns // _ROWS)
+
+
+def blocks(tables: Mapping[str, Table] = TABLES) -> dict[str, list[str]]:
+    """Uniform blocks by name and the arrays in each, in order: those of one axis share ``Small``."""
+    found: dict[str, list[str]] = {"Small": []}
+    for name, table in tables.items():
+        if table.scratch:
+            continue
+        if table.rows == 1:
+            found["Small"].append(name)
+        else:
+            found[f"Block_{name}"] = [name]
+    return found
+
+
+def emit(program: Program, tables: Mapping[str, Table] = TABLES) -> str:
+    """Fragment shader of the one entry of ``program``, a function (column, row) with four results."""
+    (entry,) = program.entries
+    writer = _Glsl(program, tables)
+    texts = [writer.function(function) for function in program.functions]
+    head = ["#version 300 es", "precision highp float;", "precision highp int;", "out vec4 result;"]
+    for block, names in blocks(tables).items():
+        members = " ".join(f"vec4 t_{name}[{_width(tables[name]) * tables[name].rows}];" for name in names)
+        head.append(f"layout(std140) uniform {block} {{ {members} }};")
+    head += [f"uniform int {name}_rows;" for name in ("spheres", "points")]
+    head += [f"float t_{name}[{table.columns}];" for name, table in tables.items() if table.scratch]
+    helpers: list[str] = []
+    for helper in sorted(writer.helpers):
+        _with_needs(helper, helpers)
+    results = writer.results(writer.functions[entry])
+    names = [f"r{k}" for k in range(4)]
+    declared = " ".join(f"{_kind(whole)} {n};" for n, whole in zip(names, results, strict=True))
+    values = ", ".join(f"float({n})" if whole else n for n, whole in zip(names, results, strict=True))
+    call = f"{entry}(int(gl_FragCoord.x), int(gl_FragCoord.y), {', '.join(names)});"
+    main = f"void main() {{\n  {declared}\n  {call}\n  result = vec4({values});\n}}\n"
+    return "\n".join([*head, *(_HELPERS[name][1] for name in helpers), *texts, main])
+
+
+def _with_needs(name: str, found: list[str]) -> None:
+    for other in _HELPERS[name][0]:
+        _with_needs(other, found)
+    if name not in found:
+        found.append(name)
+
+
+_: Target = emit
