@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,9 +37,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     formulas = numba.plain(text)
     kernel = numba.kernel(text, "tile")
     points = light_points(arrays.lights, settings.disk_order, formulas.light_point)
-    axes = np.zeros(10)
-    if arrays.camera[0] == at.LOOK_AT:
-        formulas.camera_axes(arrays.camera, axes)
+    axes = _axes(arrays, text)
     rules, sizes, rule_of = _rules(arrays, settings, formulas)
     eye = np.ascontiguousarray(arrays.camera[1:4])
     filtered = float(settings.aa == "analytic")
@@ -54,6 +53,38 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
         return int(evaluations)
 
     return render
+
+
+def prepare_sight(arrays: SceneArrays, settings: Settings) -> TileKernel:
+    """Kernel that finds what every pixel sees, without its lobes; it makes no lobe evaluations.
+
+    It fills ``layers["place"]``, ``["normal"]`` (facing the camera) and ``["incoming"]`` (unit, along the ray), all
+    (h, w, 3), ``["hit_class"]`` (h, w), and ``["radiance"]`` and ``["direct"]`` as of surfaces without lobes.
+    """
+    dull = replace(arrays, floor=arrays.floor.copy(), spheres=arrays.spheres.copy())
+    dull.floor[at.FLOOR_LOBE :] = 0.0
+    dull.spheres[:, at.LOBE :] = 0.0
+    shade = prepare(dull, replace(settings, lobe=1))
+    text = numba.image_text()
+    kernel = numba.kernel(text, "hits")
+    axes = _axes(arrays, text)
+    eye = np.ascontiguousarray(arrays.camera[1:4])
+
+    def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+        shade(x0, y0, x1, y1, layers)
+        frame = np.array([x0, y0, x1, y1, settings.width, settings.height, 0.0])
+        places = (layers["hit_class"], layers["place"], layers["normal"], layers["incoming"])
+        kernel(frame, arrays.camera, axes, eye, arrays.spheres, arrays.floor, *places)
+        return 0
+
+    return render
+
+
+def _axes(arrays: SceneArrays, text: str) -> Array:
+    axes = np.zeros(10)
+    if arrays.camera[0] == at.LOOK_AT:
+        numba.plain(text).camera_axes(arrays.camera, axes)
+    return axes
 
 
 def _rules(arrays: SceneArrays, settings: Settings, formulas: Any) -> tuple[Array, npt.NDArray[np.int64], Any]:
