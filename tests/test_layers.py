@@ -22,8 +22,8 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("targets",),
     ("runtimes",),
     ("ledger",),
-    ("probe", "render", "tiles", "truth", "warm"),
-    ("studies", "simulator"),
+    ("probe", "render", "tiles", "truth", "units", "fill", "journal", "cluster", "warm"),
+    ("studies", "simulator", "sequences"),
     ("chapter",),
     ("cli", "__init__"),
 )

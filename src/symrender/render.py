@@ -16,7 +16,8 @@ kernel
 quadrature
     Rules over the lobe: directions and weights (``quadrature/``).
 image
-    Tiles on threads fill the layers of an ``Image`` (``tiles.py``, ``image.py``).
+    Tiles, on threads or on the machines of a cluster, fill the layers of an ``Image`` (``units.py``, ``tiles.py``,
+    ``cluster.py``); a journal keeps what is finished, so that an interrupted run goes on (``journal.py``, ``fill.py``).
 ledger
     The two images, compared with their population, their signal and the black image beside every error
     (``ledger/``).
@@ -27,9 +28,8 @@ The numeric side imports nothing of the symbolic one, and they meet only in the 
 from __future__ import annotations
 
 import json
-import time
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from html import escape
@@ -40,10 +40,10 @@ import numpy as np
 
 from symrender import version
 from symrender.errors import NonFiniteError, OptionError
+from symrender.fill import Crew, Means
 from symrender.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
 from symrender.scene import arrays as at
-from symrender.scene.arrays import Array, SceneArrays, scene_arrays
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.settings import (
@@ -56,7 +56,8 @@ from symrender.settings import (
     Weights,
     image_size,
 )
-from symrender.tiles import Progress, TileKernel, run_tiles
+from symrender.tiles import Progress
+from symrender.units import CHANGES_NO_BYTE, Job, prepared
 from symrender.warm import numeric_beside
 
 
@@ -98,9 +99,11 @@ def render(
     aa: Antialias = "analytic",
     seed: int = 7,
     threads: int = 0,
-    tile: int = 64,
+    tile: int = 0,
     max_pixels: int | None = None,
     progress: Progress | None = None,
+    cluster: str = "",
+    insecure_cluster: bool = False,
 ) -> Pair:
     """Render ``scene`` numerically and symbolically and compare.
 
@@ -110,7 +113,9 @@ def render(
     divide by the closed-form integral of the weight, not by the sum of weights met. ``disk``: the K x K centroids
     rule of disk lights, the same on both sides, or ``exact`` (numeric only: unbiased samples). ``aa``: filter the
     floor texture over the pixel (``analytic``) or read it at the centre (``none``). ``seed``: of the samplers.
-    ``threads``: 0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile.
+    ``threads``: 0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile,
+    0 to measure one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes
+    (``cluster.py``).
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j). Raises SceneError, OptionError, and NonFiniteError naming the pixels.
@@ -135,71 +140,45 @@ def render(
         tile=tile,
         **limits,
     )
-    if numeric == "none" and symbolic == "none":
+    jobs = plan(loaded, settings)
+    with Crew(Means(threads, tile, cluster, insecure_cluster), jobs, progress) as crew:
+        return carry_out(crew, jobs, loaded)
+
+
+def plan(scene: Scene, settings: Settings) -> tuple[Job, ...]:
+    """The jobs that make the images ``settings`` ask for; OptionError when they ask for none, or for one unknown."""
+    chosen = {"numeric": settings.numeric, "symbolic": settings.symbolic}
+    kinds = [kind for kind, choice in chosen.items() if choice != "none"]
+    if not kinds:
         raise OptionError("numeric, symbolic: at least one must not be 'none'")
-    if symbolic == "chambers":
+    if settings.symbolic == "chambers":
         raise OptionError("symbolic: 'chambers' is not available, choose 'strata' or 'none'")
-    arrays = scene_arrays(loaded)
+    return tuple(Job.of(kind, scene, settings) for kind in kinds)
+
+
+def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene) -> Pair:
+    """Make the images of ``jobs``, all of ``scene``, with an open ``crew``, and compare them."""
     images: dict[str, Image] = {}
     timings: dict[str, Timing] = {}
-    kernels: dict[str, TileKernel] = {}
-    with numeric_beside() if numeric != "none" and symbolic != "none" else nullcontext():
-        if symbolic != "none":
-            kernels["symbolic"] = _kernel("symbolic", arrays, settings)
-    if numeric != "none":
-        kernels["numeric"] = _kernel("numeric", arrays, settings)
-    for method, kernel in sorted(kernels.items()):
-        images[method], timings[method] = _one(loaded, settings, method, kernel, progress)
+    with numeric_beside() if len(jobs) == 2 else nullcontext():
+        prepared(jobs[-1])
+    for job in jobs:
+        images[job.kind], timings[job.kind] = _one(crew, job, scene)
     report = ledger(
         images.get("numeric"),
         images.get("symbolic"),
         numeric_timing=timings.get("numeric"),
         symbolic_timing=timings.get("symbolic"),
-        lobes=_lobes(loaded),
+        lobes=_lobes(scene),
     )
     return Pair(images.get("numeric"), images.get("symbolic"), report)
 
 
-def _kernel(method: str, arrays: SceneArrays, settings: Settings) -> TileKernel:
-    """Kernel of one pipeline, compiled or read from the cache before any clock runs."""
-    kernel: TileKernel
-    if method == "numeric":
-        from symrender.numeric.pipeline import prepare
-
-        kernel = prepare(arrays, settings)
-    else:
-        from symrender.runtimes.image import prepare as prepare_symbolic
-
-        kernel = prepare_symbolic(arrays, settings)
-    # an empty tile is what makes the runtime compile
-    kernel(0, 0, 0, 0, _layers(1, 1))
-    return kernel
-
-
-def _layers(width: int, height: int) -> dict[str, Array]:
-    layers = {name: np.zeros((height, width, 3)) for name in ("radiance", "direct", "gloss")}
-    return layers | {"hit_class": np.zeros((height, width))}
-
-
-def _one(
-    scene: Scene, settings: Settings, method: str, kernel: TileKernel, progress: Progress | None
-) -> tuple[Image, Timing]:
-    layers = _layers(settings.width, settings.height)
-    begun = time.perf_counter()
-    evaluations = run_tiles(
-        kernel,
-        layers,
-        width=settings.width,
-        height=settings.height,
-        side=settings.tile,
-        threads=settings.threads,
-        label=method,
-        progress=progress,
-    )
-    seconds = time.perf_counter() - begun
-    _check_finite(layers, scene, method)
-    estimator = _numeric_estimator(settings) if method == "numeric" else _symbolic_estimator(settings)
-    return Image(layers, _meta(scene, settings, method, estimator)), Timing(seconds, evaluations)
+def _one(crew: Crew, job: Job, scene: Scene) -> tuple[Image, Timing]:
+    layers, timing = crew.fill(job)
+    _check_finite(layers, scene, job.kind)
+    describe = _numeric_estimator if job.kind == "numeric" else _symbolic_estimator
+    return Image(layers, _meta(scene, job.settings, job.kind, describe(job.settings))), timing
 
 
 def _check_finite(layers: Mapping[str, Any], scene: Scene, method: str) -> None:
@@ -223,7 +202,7 @@ def _meta(scene: Scene, settings: Settings, method: str, estimator: str) -> dict
         "scene_name": scene.name,
         "scene_hash": scene.hash,
         "method": method,
-        "settings": json.dumps(asdict(settings), sort_keys=True),
+        "settings": json.dumps({k: v for k, v in asdict(settings).items() if k not in CHANGES_NO_BYTE}, sort_keys=True),
         "seed": str(settings.seed),
         "version": version.VERSION,
         "estimator": estimator,

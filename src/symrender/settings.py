@@ -26,7 +26,8 @@ class Settings:
 
     ``lobe`` is K of K rings x K sectors (K x K samples for a sampler). ``disk`` is ``"KxK"``, the centroids of the
     disk light's K x K strata, or ``"exact"``. ``normalised`` divides by the closed-form integral of the weight
-    instead of the sum of the weights met. ``threads`` 0 takes the processors this process may use.
+    instead of the sum of the weights met. ``tol`` and ``budget`` are what the split rule aims at and the most evaluations
+    it may make, a pixel. ``threads`` 0 takes the processors this process may use, ``tile`` 0 measures a tile's side.
     """
 
     width: int = 256
@@ -42,8 +43,9 @@ class Settings:
     aa: Antialias = "analytic"
     seed: int = 7
     threads: int = 0
-    tile: int = 64
+    tile: int = 0
     tol: float = 1e-6
+    budget: int = 1_000_000
     max_pixels: int = MAX_PIXELS
 
     def __post_init__(self) -> None:
@@ -53,7 +55,8 @@ class Settings:
             ("lobe", 1, MAX_LOBE),
             ("seed", 0, (1 << 63) - 1),
             ("threads", 0, MAX_THREADS),
-            ("tile", 1, 1 << 31),
+            ("tile", 0, 1 << 31),
+            ("budget", 1, 1 << 62),
             ("max_pixels", 1, 1 << 62),
         ):
             value = getattr(self, name)

@@ -6,17 +6,42 @@ Kernels release the GIL and write disjoint pixels, so threads need no locks and 
 
 from __future__ import annotations
 
+import math
 import os
 import threading
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from queue import Empty, SimpleQueue
+from typing import Final, Protocol, TypeVar
 
 from symrender.scene.arrays import Array
+from symrender.units import Job, Tile, prepared
 
-Tile = tuple[int, int, int, int]
-TileKernel = Callable[[int, int, int, int, Mapping[str, Array]], int]
 Progress = Callable[[int, int, str], None]
 """``progress(done, total, label)``, called from the thread that renders."""
+Finished = Callable[[Tile, int, float], None]
+"""``finished(tile, evaluations, seconds)``, called from the thread that renders once a tile stands in the layers."""
+
+LONGEST: Final = 0.2
+"""Seconds a tile should take at most."""
+LARGEST: Final = 128
+"""Largest side of a tile whose side was measured, pixels."""
+_PROBE = 4
+_ROUNDS = 3
+_SHARE = 16
+_T = TypeVar("_T")
+
+
+class Workers(Protocol):
+    """Whoever runs units: threads here, or processes of a cluster."""
+
+    @property
+    def count(self) -> int:
+        """Units run at a time."""
+
+    def run(self, job: Job, layers: Mapping[str, Array], work: Sequence[Tile], finished: Finished) -> None:
+        """Fill ``layers`` tile by tile; ``finished`` is called once for every tile of ``work``, in any order."""
 
 
 def tiles(width: int, height: int, side: int) -> Iterator[Tile]:
@@ -33,44 +58,81 @@ def thread_count(threads: int) -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def run_tiles(
-    kernel: TileKernel,
-    layers: Mapping[str, Array],
-    *,
-    width: int,
-    height: int,
-    side: int,
-    threads: int,
-    label: str,
-    progress: Progress | None = None,
-) -> int:
-    """Fill ``layers`` tile by tile and return the evaluations made.
+def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> int:
+    """Side whose dearest tile should take half of ``LONGEST``, from nine small tiles spread over the image.
 
-    Ctrl-C or an error in a kernel drops the tiles not yet begun and is raised once those under way have ended.
+    Never so large that a worker would have fewer than sixteen tiles, for the last ones to end together.
     """
-    work = list(tiles(width, height, side))
-    stop = threading.Event()
+    width, height = job.settings.width, job.settings.height
+    probes = [
+        (x, y, min(x + _PROBE, width), min(y + _PROBE, height))
+        for y in sorted({height * k // 6 for k in (1, 3, 5)})
+        for x in sorted({width * k // 6 for k in (1, 3, 5)})
+    ]
+    best: dict[Tile, float] = {}
 
-    def one(tile: Tile) -> int:
-        return 0 if stop.is_set() else kernel(*tile, layers)
+    def finished(tile: Tile, _: int, seconds: float) -> None:
+        best[tile] = min(seconds / area(tile), best.get(tile, math.inf))
 
-    workers = min(thread_count(threads), len(work))
-    evaluations = done = 0
-    with ThreadPoolExecutor(workers) as pool:
-        waiting: set[Future[int]] = set()
+    # the best of a few, for a busy machine slows a tile down but never speeds it up
+    for _ in range(_ROUNDS):
+        workers.run(job, layers, probes, finished)
+    affordable = math.isqrt(int(LONGEST / 2 / max(*best.values(), 1e-9)))
+    shared = math.isqrt(width * height // (_SHARE * workers.count))
+    return max(1, min(affordable, max(shared, 8), LARGEST))
+
+
+def area(tile: Tile) -> int:
+    """Pixels of a tile."""
+    return (tile[2] - tile[0]) * (tile[3] - tile[1])
+
+
+class Threads:
+    """Threads of this process."""
+
+    def __init__(self, threads: int = 0) -> None:
+        self.count = thread_count(threads)
+
+    def run(self, job: Job, layers: Mapping[str, Array], work: Sequence[Tile], finished: Finished) -> None:
+        """Fill ``layers`` in place.
+
+        Ctrl-C or an error in a kernel drops the tiles not yet begun and is raised once those under way have ended.
+        """
+        kernel = prepared(job)
+        coming, lock, stop = iter(work), threading.Lock(), threading.Event()
+        results: SimpleQueue[tuple[Tile, int, float] | BaseException] = SimpleQueue()
+
+        def labour() -> None:
+            while not stop.is_set():
+                with lock:
+                    tile = next(coming, None)
+                if tile is None:
+                    return
+                begun = time.perf_counter()
+                try:
+                    evaluations = kernel(*tile, layers)
+                except BaseException as error:
+                    results.put(error)
+                    return
+                results.put((tile, evaluations, time.perf_counter() - begun))
+
+        with ThreadPoolExecutor(self.count) as pool:
+            try:
+                for _ in range(min(self.count, len(work))):
+                    pool.submit(labour)
+                for _ in work:
+                    # a bounded wait, so that Ctrl-C is seen even while every worker is inside a kernel
+                    result = _next(results)
+                    if isinstance(result, BaseException):
+                        raise result
+                    finished(*result)
+            finally:
+                stop.set()
+
+
+def _next(results: SimpleQueue[_T]) -> _T:
+    while True:
         try:
-            waiting = {pool.submit(one, tile) for tile in work}
-            while waiting:
-                # a bounded wait, so that Ctrl-C is seen even while every worker is inside a kernel
-                ended, waiting = wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED)
-                for future in ended:
-                    evaluations += future.result()
-                done += len(ended)
-                if progress is not None and ended:
-                    progress(done, len(work), label)
-        except BaseException:
-            stop.set()
-            for future in waiting:
-                future.cancel()
-            raise
-    return evaluations
+            return results.get(timeout=0.1)
+        except Empty:
+            continue

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from symrender.cli._means import (
+    Cluster,
+    InsecureCluster,
+    Restart,
+    Resume,
+    Threads,
+    Tile,
+    ended_by_signals,
+    means_of,
+)
 from symrender.cli._options import (
     DEFAULT_SCENE,
     Define,
@@ -21,7 +30,6 @@ from symrender.cli._options import (
     scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
-from symrender.errors import OptionError
 from symrender.limits import MAX_PIXELS
 from symrender.output import check_target, make_folder
 from symrender.settings import Antialias, Nodes, Partition, Sampler, Settings, Symbolic, Weights, image_size
@@ -46,8 +54,12 @@ def render(
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
-    threads: Annotated[int, typer.Option(help="Worker threads; 0 takes the processors this process may use.")] = 0,
-    tile: Annotated[int, typer.Option(help="Side of a tile, pixels; changes no byte of the image.")] = 64,
+    threads: Threads = 0,
+    tile: Tile = 0,
+    cluster: Cluster = "",
+    insecure_cluster: InsecureCluster = False,
+    resume: Resume = False,
+    restart: Restart = False,
     max_pixels: Annotated[int, typer.Option(help="Most pixels accepted.")] = MAX_PIXELS,
     define: Define = None,
     out: Annotated[str, typer.Option(help="Folder the files are written to; made if missing.")] = "out",
@@ -65,6 +77,9 @@ def render(
 
     Writes numeric.png, numeric.exr, symbolic.png, symbolic.exr and difference.png. The .exr holds every layer as
     linear radiance with the scene and the settings; the .png is clipped to [0, 1] and sRGB encoded.
+
+    A run longer than two seconds keeps what it has finished in render.journal beside them, until they are written;
+    --resume continues it after any interruption.
 
     Example: symrender render gloss --size 640x480 --lobe 8 -D floor.lobe.exponent=64 --out pictures
     """
@@ -86,26 +101,38 @@ def render(
         tile=tile,
         max_pixels=max_pixels,
     )
-    names = [side for side, choice in (("numeric", numeric), ("symbolic", symbolic)) if choice != "none"]
-    if not names:
-        raise OptionError("numeric, symbolic: at least one must not be 'none'")
     chosen = scene_with(scene, define)
     if not quiet:
         from symrender.scene.warnings import warnings
 
         for warning in warnings(chosen):
             typer.echo(f"WARNING {warning}", err=True)
+
+    from symrender.fill import Crew
+    from symrender.render import carry_out, plan
+
+    jobs = plan(chosen, settings)
+    names = [job.kind for job in jobs]
     folder = make_folder(out)
+    journal = folder / "render.journal"
+    # a journal is left only by a run that was allowed to replace these files
+    force = force or (resume and journal.exists())
     for name in _file_names(names, views=views):
         check_target(folder / name, force=force, inputs=scene_files(scene))
-
-    from symrender.render import render as render_pair
-
-    keywords = {key: value for key, value in asdict(settings).items() if key not in ("width", "height", "tol")}
-    with progress(progress_mode, quiet=quiet) as advance:
-        pair = render_pair(chosen, size=(width, height), progress=advance, **keywords)
-    images = {name: image for name in names if (image := getattr(pair, name)) is not None}
-    told = _write(images, folder, views=views, force=force)
+    means = means_of(
+        threads=threads,
+        tile=tile,
+        resume=resume,
+        restart=restart,
+        cluster=cluster,
+        insecure_cluster=insecure_cluster,
+        journal=journal,
+    )
+    with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance, Crew(means, jobs, advance) as crew:
+        pair = carry_out(crew, jobs, chosen)
+        images = {name: image for name in names if (image := getattr(pair, name)) is not None}
+        told = _write(images, folder, views=views, force=force)
+        crew.succeeded()
     if json:
         import json as json_module
 

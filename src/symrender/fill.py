@@ -1,0 +1,128 @@
+"""Fill the layers of one image: what the journal holds is taken over, the workers render the rest."""
+
+from __future__ import annotations
+
+import time
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from symrender.journal import Entry, Journal, Start
+from symrender.ledger.ledger import Timing
+from symrender.scene.arrays import Array
+from symrender.tiles import Progress, Threads, Workers, measured_side, tiles
+from symrender.units import Job, Tile, blocks, prepared
+
+
+@dataclass(frozen=True)
+class Means:
+    """How the work is carried out; changes no byte of an image.
+
+    ``threads`` 0 takes the processors at hand; ``tile`` is the side of a tile, 0 measures one that takes a fraction of
+    a second. ``cluster`` is ``tcp://host:port``, ``tls://host:port`` or ``local:N`` (extra ``dist``), "" for threads;
+    ``insecure_cluster`` lets a scheduler be used that is neither on this machine nor encrypted. ``journal`` is the
+    file that keeps finished tiles until ``Crew.succeeded``, None for no journal; ``start`` says what becomes of one
+    an interrupted run left; ``patience`` is how many seconds a run lasts before its journal is written.
+    """
+
+    threads: int = 0
+    tile: int = 0
+    cluster: str = ""
+    insecure_cluster: bool = False
+    journal: Path | None = None
+    start: Start = "new"
+    patience: float = 2.0
+
+
+class Crew:
+    """Workers and a journal, open for the jobs of one run; use it in a ``with`` statement."""
+
+    def __init__(self, means: Means, jobs: tuple[Job, ...], progress: Progress | None = None) -> None:
+        self._means, self._jobs, self._progress = means, jobs, progress
+        self._stack = ExitStack()
+        self._journal: Journal | None = None
+
+    def __enter__(self) -> Self:
+        with ExitStack() as stack:
+            if self._means.journal is not None:
+                self._journal = stack.enter_context(
+                    Journal(self._means.journal, _fields(self._jobs), self._means.start, self._means.patience)
+                )
+            self._workers = stack.enter_context(_workers(self._means))
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._stack.__exit__(kind, error, at)
+
+    def fill(self, job: Job) -> tuple[dict[str, Array], Timing]:
+        """The layers of the image ``job`` describes, and what they cost, earlier sessions included."""
+        layers = job.empty_layers()
+        left = self._take_over(job, layers)
+        prepared(job)
+        side = left.side or self._means.tile or measured_side(self._workers, job, layers)
+        all_tiles = list(tiles(job.settings.width, job.settings.height, side))
+        work = [tile for tile in all_tiles if tile not in left.tiles]
+        evaluations, done = left.evaluations, len(all_tiles) - len(work)
+        begun = time.perf_counter()
+
+        def finished(tile: Tile, spent: int, _: float) -> None:
+            nonlocal evaluations, done
+            evaluations += spent
+            done += 1
+            if self._journal is not None:
+                age = left.seconds + time.perf_counter() - begun
+                self._journal.append(Entry(job.kind, tile, side, spent, age, blocks(layers, tile)))
+            if self._progress is not None:
+                self._progress(done, len(all_tiles), job.kind)
+
+        if done and self._progress is not None:
+            self._progress(done, len(all_tiles), job.kind)
+        self._workers.run(job, layers, work, finished)
+        return layers, Timing(left.seconds + time.perf_counter() - begun, evaluations)
+
+    def succeeded(self) -> None:
+        """The output stands: delete the journal."""
+        if self._journal is not None:
+            self._journal.remove()
+
+    def _take_over(self, job: Job, layers: dict[str, Array]) -> _Left:
+        """Copy into ``layers`` what the journal holds of them."""
+        left = _Left()
+        for entry in self._journal.entries() if self._journal is not None else ():
+            here = blocks(layers, entry.tile)
+            fits = {name: block.shape for name, block in entry.blocks.items()} == {n: b.shape for n, b in here.items()}
+            if entry.image != job.kind or not fits or entry.tile in left.tiles:
+                continue
+            for name, block in here.items():
+                block[...] = entry.blocks[name]
+            left.tiles.add(entry.tile)
+            left.side = entry.side
+            left.evaluations += entry.evaluations
+            left.seconds = max(left.seconds, entry.seconds)
+        return left
+
+
+@dataclass
+class _Left:
+    """What an earlier process left of an image."""
+
+    tiles: set[Tile] = field(default_factory=set)
+    side: int = 0
+    evaluations: int = 0
+    seconds: float = 0.0
+
+
+def _fields(jobs: tuple[Job, ...]) -> dict[str, str]:
+    """What decides the bytes of all the images of a run."""
+    return {"images": " ".join(sorted(job.kind for job in jobs))} | jobs[0].fields()
+
+
+def _workers(means: Means) -> AbstractContextManager[Workers]:
+    if not means.cluster:
+        return nullcontext(Threads(means.threads))
+    from symrender.cluster import connect
+
+    return connect(means.cluster, insecure=means.insecure_cluster)
