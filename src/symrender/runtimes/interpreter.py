@@ -109,7 +109,10 @@ def evaluate(expression: sp.Basic, names: Mapping[str, Any]) -> Any:
         case sp.Mul():
             return math.prod(values)
         case sp.Pow():
-            return math.sqrt(values[0]) if expression.exp == sp.S.Half else values[0] ** values[1]
+            if expression.exp == sp.S.Half:
+                return math.sqrt(values[0])
+            # math.pow refuses a negative base, where ** would go on with a complex number
+            return values[0] ** values[1] if expression.is_integer else math.pow(values[0], values[1])
         case sp.Mod():
             return values[0] % values[1]
         case sp.Eq():
