@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.walls import (
+    BALL,
     BETA_MAX,
     CENTER,
     DIRECTION,
@@ -15,15 +16,18 @@ from symrender.chambers.walls import (
     E2,
     FLOOR_CUT,
     GAMMA_MAX,
+    HEIGHT,
     HORIZON,
     LIMB_TANGENT,
     LOBE_BETA,
+    MET_COLUMN,
     NORMAL,
     POINT,
     POLE,
     RADIUS,
     RATIO,
     SHAPE_INDEX,
+    SIDE,
     SILHOUETTE,
     SURFACE_NORMAL,
     TERMINATOR,
@@ -194,6 +198,53 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
                     work.walls, work.count[WALLS], geo, -lx, -ly, -lz,
                     sphere[0] - s[0], sphere[1] - s[1], sphere[2] - s[2], s[3], h, i,
                 )  # fmt: skip
+
+
+@jitable
+def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
+    """Fill ``work`` for the floor seen from geo's point, which is off the floor: polar about the nadir."""
+    geo = work.geo
+    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
+    geo[POLE], geo[POLE + 1], geo[POLE + 2] = 0.0, 0.0, -geo[SIDE]
+    geo[RADIUS], geo[RATIO], geo[SHAPE_INDEX] = 0.0, 1.0, -1.0
+    geo[BETA_MAX] = geo[GAMMA_MAX] = 0.5 * math.pi
+    geo[HEIGHT] = abs(pz)
+    set_frame(geo, lobe[0], lobe[1], lobe[2])
+    work.count[WALLS] = work.count[OCCLUDERS] = work.count[CASTERS] = 0
+    add_direction(work, geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2], 0.0, HORIZON, -1)
+    for i in range(view.spheres.shape[0]):
+        s = view.spheres[i]
+        if i == own or geo[SIDE] * s[2] <= -s[3]:
+            continue
+        ox, oy, oz = s[0] - px, s[1] - py, s[2] - pz
+        far = math.sqrt(ox * ox + oy * oy + oz * oz)
+        k = min(1.0, s[3] / far)
+        work.occluders[work.count[OCCLUDERS]] = i
+        work.count[OCCLUDERS] += 1
+        add_direction(work, ox / far, oy / far, oz / far, math.sqrt((1.0 - k) * (1.0 + k)), SILHOUETTE, i)
+        if abs(s[2]) < s[3] and work.count[WALLS] < work.walls.shape[0]:
+            row = work.walls[work.count[WALLS]]
+            row[0], row[6], row[7], row[MET_COLUMN] = BALL, SILHOUETTE, i, 0.0
+            row[1] = ox * geo[E1] + oy * geo[E1 + 1]
+            row[2] = ox * geo[E2] + oy * geo[E2 + 1]
+            row[3] = ox * ox + oy * oy - (s[3] - s[2]) * (s[3] + s[2])
+            work.count[WALLS] += 1
+    if geo[SIDE] < 0.0:
+        return
+    for i in range(view.points.shape[0]):
+        if view.points[i, 2] <= 0.0:
+            continue
+        ux, uy, uz = px - view.points[i, 0], py - view.points[i, 1], -view.points[i, 2]
+        for h in range(view.spheres.shape[0]):
+            s = view.spheres[h]
+            if s[2] <= -s[3] or s[2] - s[3] >= view.points[i, 2]:
+                continue
+            work.casters[work.count[CASTERS], 0] = i
+            work.casters[work.count[CASTERS], 1] = h
+            work.count[CASTERS] += 1
+            work.count[WALLS] = add_shadow(
+                work.walls, work.count[WALLS], geo, ux, uy, uz, px - s[0], py - s[1], -s[2], s[3], h, i
+            )
 
 
 @jitable

@@ -95,7 +95,7 @@ def circle_events(
                     beta = math.atan2(k * math.sin(x), 1.0 - k * math.cos(x))
                 if within_lobe(phi, beta, geo):
                     n = add_event(events, n, phi, low, high, ROOT)
-    if limb < HALF_PI or normal:
+    if math.sin(limb) > 0.0:
         ratio = (cosine - a0 * math.cos(limb)) / (rho * math.sin(limb)) if math.sin(limb) > 0.0 else 2.0
         if abs(ratio) < 1.0:
             offset = math.acos(ratio)

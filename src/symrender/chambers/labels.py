@@ -77,6 +77,8 @@ def light_state(
     """What light point ``i`` does at Q: ``DARK``, ``GLINT`` or ``LIT``."""
     j = int(work.geo[SHAPE_INDEX])
     ax, ay, az = view.points[i, 0], view.points[i, 1], view.points[i, 2]
+    if j < 0 and work.geo[SIDE] < 0.0:
+        return DARK
     height = qz if j >= 0 else work.geo[SIDE]
     if view.floor[FLOOR_PRESENT] != 0.0 and height * az < 0.0:
         return DARK

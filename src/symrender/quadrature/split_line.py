@@ -21,6 +21,7 @@ from symrender.chambers.walls import (
     RADIUS,
     RATIO,
     SHAPE_INDEX,
+    SIDE,
     STRIP,
 )
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
@@ -42,8 +43,28 @@ def lobe_density(squared_chord: float, geo: Array) -> float:
 
 
 @jitable
-def cell_order(length: float, distance: float, step: int, geo: Array) -> int:
+def cell_order(
+    length: float, distance: float, step: int, ex: float, ey: float, points: Array, geo: Array
+) -> int:  # fmt: skip
     """Gauss nodes a cell needs: Bernstein ellipse through the strip's edge."""
+    if geo[SHAPE_INDEX] < 0.0:
+        # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
+        best = math.inf
+        height = geo[HEIGHT]
+        for i in range(points.shape[0]):
+            ox, oy, oz = points[i, 0] - geo[POINT], points[i, 1] - geo[POINT + 1], points[i, 2]
+            along = ox * ex + oy * ey
+            across2 = max(0.0, ox * ox + oy * oy - along * along) + oz * oz
+            r2 = along * along + across2
+            x = math.atan2(along, height)
+            y = math.sqrt(across2) * height / (height * height + r2)
+            low, high = 0.5 * math.pi - distance - length - x, 0.5 * math.pi - distance - x
+            best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
+        x = 2.0 * geo[STRIP] / length
+        log_rho = math.log(x + math.sqrt(1.0 + x * x))
+        if best < math.inf:
+            log_rho = min(log_rho, math.log(best + math.sqrt(max(1e-12, best * best - 1.0))))
+        return order(step, log_rho)
     near = geo[STRIP + 2]
     h = min(geo[STRIP], math.sqrt(near * near + distance * distance))
     x = 2.0 * h / length
@@ -75,6 +96,7 @@ def integrate_cells(
     from_eye = shading[5] == EYE
     shininess = shading[3]
     lights = view.points.shape[0]
+    ambient = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
     marble = j >= 0 and view.spheres[j, 7] == MARBLE
     r, g, b, size = 0.0, 0.0, 0.0, 0.0
     for cell in range(work.count[CELLS]):
@@ -90,10 +112,10 @@ def integrate_cells(
         a = start
         while a < stop:
             end = stop
-            n = cell_order(end - a, 0.5 * math.pi - end, step, geo)
+            n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
             while n > MAX_ORDER:
                 end = a + 0.5 * (end - a)
-                n = cell_order(end - a, 0.5 * math.pi - end, step, geo)
+                n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
             base = n * (n - 1) // 2
             length = end - a
             work.count[EVALUATIONS] += n
@@ -144,9 +166,9 @@ def integrate_cells(
                     hg += p[4] * gleam
                     hb += p[5] * gleam
                 vein = marble_factor(nx, ny, nz, view.spheres[j, 8], view.spheres[j, 9]) if marble else 1.0
-                fr = ar * vein * shading[1] * dr + shading[0] * shading[7] + shading[2] * hr - shading[10]
-                fg = ag * vein * shading[1] * dg + shading[0] * shading[8] + shading[2] * hg - shading[11]
-                fb = ab * vein * shading[1] * db + shading[0] * shading[9] + shading[2] * hb - shading[12]
+                fr = ar * vein * shading[1] * dr + ambient * shading[7] + shading[2] * hr - shading[10]
+                fg = ag * vein * shading[1] * dg + ambient * shading[8] + shading[2] * hg - shading[11]
+                fb = ab * vein * shading[1] * db + ambient * shading[9] + shading[2] * hb - shading[12]
                 r += weight * fr
                 g += weight * fg
                 b += weight * fb

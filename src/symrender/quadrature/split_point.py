@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers import chart, events, labels, line, lobe_mass, roots, walls, work
-from symrender.chambers.chart import sphere_chart
+from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.walls import (
     BETA_MAX,
@@ -32,11 +32,26 @@ from symrender.chambers.work import CHAMBERS, CROSSINGS, EVALUATIONS, MAX_ROOTS,
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature import gauss as gauss_module
 from symrender.quadrature import light_term, split_line, split_panel
+from symrender.quadrature import split_grid as split_grid_module
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.light_points import light_points
+from symrender.quadrature.split_grid import CONIC_COLUMNS, RINGS, split_grid
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
-from symrender.scene.arrays import AMBIENT, BACKGROUND, FIRST_SPHERE, FLOOR, FLOOR_LOBE, LOBE, SceneArrays
+from symrender.scene.arrays import (
+    AMBIENT,
+    BACKGROUND,
+    CHECKER,
+    FIRST_SPHERE,
+    FLOOR,
+    FLOOR_BRIGHT,
+    FLOOR_DARK,
+    FLOOR_KIND,
+    FLOOR_LOBE,
+    FLOOR_PRESENT,
+    LOBE,
+    SceneArrays,
+)
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -99,7 +114,7 @@ def gloss_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, work: Work, gauss: Array,
     panels: Array, spans: Array, ids: Ints, events: Array, scratch: Array, tol: float, bound: float,
     max_evaluations: int, gloss: Array, error: Array, evaluations: Ints, status: Ints, chambers: Ints,
-    crossings: Ints,
+    crossings: Ints, conics: Array, rings: Array, grid_roots: Array, states: Array, grid_stack: Array,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
     lobe = scratch[12:15]
@@ -173,6 +188,34 @@ def gloss_kernel(
             )
             total += e
             bad += b
+        if view.floor[FLOOR_PRESENT] != 0.0 and surface[i] != FLOOR and points[i, 2] != 0.0:
+            floor_chart(own, lobe, view, work)
+            if geo[SIDE] > 0.0 or sky > 0.0:
+                for a in range(3):
+                    geo[STRIP + 3 + a] = 0.5 * (view.floor[FLOOR_BRIGHT + a] + view.floor[FLOOR_DARK + a])
+                geo[STRIP] = min(0.3, 1.4 / math.sqrt(n + 1e-9))
+                geo[STRIP + 1] = 0.5
+                e, b = split_chart(
+                    max(0.5 * (tol - total), 0.05 * tol), view, work, gauss, panels, spans, ids, events, scratch,
+                    max_evaluations, value,
+                )  # fmt: skip
+                total += e
+                bad += b
+                if geo[SIDE] > 0.0 and view.floor[FLOOR_KIND] == CHECKER:
+                    contrast = 0.0
+                    for a in range(3):
+                        half = 0.5 * view.shading[1] * (view.floor[FLOOR_BRIGHT + a] - view.floor[FLOOR_DARK + a])
+                        scratch[16 + a] = half
+                        scratch[20 + a] = 0.0
+                        contrast = max(contrast, abs(half))
+                    if contrast > 0.0:
+                        total += contrast * split_grid(
+                            max(0.5 * (tol - total), 0.05 * tol) / contrast, own, lobe, view, work, conics, gauss,
+                            rings,
+                            grid_roots, states, grid_stack, max_evaluations, scratch[20:23],
+                        )  # fmt: skip
+                        for a in range(3):
+                            value[a] += scratch[16 + a] * scratch[20 + a]
         error[i] = total + 1e-15
         evaluations[i] = work.count[EVALUATIONS]
         chambers[i] = work.count[CHAMBERS]
@@ -183,8 +226,8 @@ def gloss_kernel(
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
     modules = (
-        chart, events, labels, line, lobe_mass, roots, walls, work, gauss_module, light_term, split_line, split_panel,
-        sys.modules[__name__],
+        chart, events, labels, line, lobe_mass, roots, walls, work, gauss_module, light_term, split_grid_module,
+        split_line, split_panel,        sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
@@ -201,6 +244,11 @@ class SplitWork:
     ids: Ints
     events: Array
     scratch: Array
+    conics: Array
+    rings: Array
+    grid_roots: Array
+    states: Array
+    grid_stack: Array
 
 
 def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
@@ -213,6 +261,11 @@ def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=np.zeros((2048, 2)),
         scratch=np.zeros(24),
+        conics=np.zeros((2 + 2 * len(arrays.spheres) + len(points) * len(arrays.spheres), CONIC_COLUMNS)),
+        rings=np.zeros((RINGS, 4)),
+        grid_roots=np.zeros(256),
+        states=np.zeros(max(1, len(points))),
+        grid_stack=np.zeros((128, 256)),
     )
 
 
@@ -238,8 +291,8 @@ def gloss_points(
 
     ``points`` (N, 3) on surfaces, unit ``normals`` (N, 3), unit ``incoming`` (N, 3) directions of travel towards the
     points, ``surface`` (N,) hit classes (1 the floor, 2 + j sphere j), whose lobe is used. ``tol`` is absolute,
-    in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids. Deterministic; choose it whenever
-    an error is wanted with the value, or more than two digits. Not for points inside a sphere (``UNSUPPORTED``).
+    in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids. Deterministic; choose
+    it whenever an error is wanted with the value, or more than two digits. Not for points inside a sphere (``UNSUPPORTED``).
     """
     lights = light_points(arrays, disk_order)
     view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
@@ -254,6 +307,6 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol), radiance_bound(arrays, lights),
-        int(max_evaluations), gloss, error, *counts,
+        int(max_evaluations), gloss, error, *counts, s.conics, s.rings, s.grid_roots, s.states, s.grid_stack,
     )  # fmt: skip
     return SplitResult(gloss, error, *counts)
