@@ -110,9 +110,8 @@ class Cluster:
                     block[...] = done.blocks[name]
                 finished(tile, done.evaluations, done.seconds)
         finally:
-            if running:
-                with contextlib.suppress(Exception):
-                    self._client.cancel(list(running), asynchronous=True)
+            # what nobody waits for any more, the scheduler drops
+            running.clear()
 
     def _next(self, ended: SimpleQueue[Any]) -> Any:
         while True:
@@ -230,7 +229,12 @@ def _local(distributed: Any, count: int) -> Iterator[Any]:
         "silence_logs": logging.CRITICAL,
         "security": distributed.Security.temporary(),
     }
-    cluster = distributed.LocalCluster(**options)
+    try:
+        cluster = distributed.LocalCluster(**options)
+    except BaseException:
+        # half begun it cannot be closed, and would complain at exit; its processes end with this one
+        distributed.SpecCluster._instances.clear()
+        raise
     client = None
     try:
         client = distributed.Client(cluster, set_as_default=False)

@@ -16,7 +16,7 @@ from queue import Empty, SimpleQueue
 from typing import Final, Protocol, TypeVar
 
 from symrender.scene.arrays import Array
-from symrender.units import Job, Tile, prepared
+from symrender.units import Job, Tile, TileKernel, prepared
 
 Progress = Callable[[int, int, str], None]
 """``progress(done, total, label)``, called from the thread that renders."""
@@ -98,36 +98,42 @@ class Threads:
 
         Ctrl-C or an error in a kernel drops the tiles not yet begun and is raised once those under way have ended.
         """
-        kernel = prepared(job)
-        coming, lock, stop = iter(work), threading.Lock(), threading.Event()
-        results: SimpleQueue[tuple[Tile, int, float] | BaseException] = SimpleQueue()
+        run_threads(prepared(job), layers, work, self.count, finished)
 
-        def labour() -> None:
-            while not stop.is_set():
-                with lock:
-                    tile = next(coming, None)
-                if tile is None:
-                    return
-                begun = time.perf_counter()
-                try:
-                    evaluations = kernel(*tile, layers)
-                except BaseException as error:
-                    results.put(error)
-                    return
-                results.put((tile, evaluations, time.perf_counter() - begun))
 
-        with ThreadPoolExecutor(self.count) as pool:
+def run_threads(
+    kernel: TileKernel, layers: Mapping[str, Array], work: Sequence[Tile], threads: int, finished: Finished
+) -> None:
+    """Run ``kernel`` over ``work`` on threads that each take the next tile."""
+    coming, lock, stop = iter(work), threading.Lock(), threading.Event()
+    results: SimpleQueue[tuple[Tile, int, float] | BaseException] = SimpleQueue()
+
+    def labour() -> None:
+        while not stop.is_set():
+            with lock:
+                tile = next(coming, None)
+            if tile is None:
+                return
+            begun = time.perf_counter()
             try:
-                for _ in range(min(self.count, len(work))):
-                    pool.submit(labour)
-                for _ in work:
-                    # a bounded wait, so that Ctrl-C is seen even while every worker is inside a kernel
-                    result = _next(results)
-                    if isinstance(result, BaseException):
-                        raise result
-                    finished(*result)
-            finally:
-                stop.set()
+                evaluations = kernel(*tile, layers)
+            except BaseException as error:
+                results.put(error)
+                return
+            results.put((tile, evaluations, time.perf_counter() - begun))
+
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            for _ in range(min(threads, len(work))):
+                pool.submit(labour)
+            for _ in work:
+                # a bounded wait, so that Ctrl-C is seen even while every worker is inside a kernel
+                result = _next(results)
+                if isinstance(result, BaseException):
+                    raise result
+                finished(*result)
+        finally:
+            stop.set()
 
 
 def _next(results: SimpleQueue[_T]) -> _T:
