@@ -6,7 +6,8 @@
 
     pair = sr.render("gloss", size=256)   # pair.numeric, pair.symbolic, pair.ledger
     held = sr.expression("gloss")         # the integrand: print it, differentiate it, evaluate it to 50 digits
-    sr.compare(pair.numeric, pair.symbolic)
+    true = sr.truth("gloss", size=64)     # every pixel with its error
+    sr.compare(true, pair.symbolic)
 
 Names are looked up on first use, so importing symrender loads neither SymPy nor Numba.
 """
@@ -25,9 +26,11 @@ if TYPE_CHECKING:
     from symrender.expression.integrand import expression
     from symrender.image import Image, read_image
     from symrender.ledger.compare import compare
+    from symrender.probe import probe
     from symrender.render import Pair, render
     from symrender.scene.load import load
     from symrender.scene.scene import Scene
+    from symrender.truth import truth
 
 _HOMES = {
     "Image": "symrender.image",
@@ -38,7 +41,9 @@ _HOMES = {
     "expression": "symrender.expression.integrand",
     "load": "symrender.scene.load",
     "read_image": "symrender.image",
+    "probe": "symrender.probe",
     "render": "symrender.render",
+    "truth": "symrender.truth",
 }
 
 __all__ = [
@@ -50,8 +55,10 @@ __all__ = [
     "compare",
     "expression",
     "load",
+    "probe",
     "read_image",
     "render",
+    "truth",
 ]
 
 

@@ -27,22 +27,21 @@ The numeric side imports nothing of the symbolic one, and they meet only in the 
 
 from __future__ import annotations
 
-import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from symrender import version
 from symrender.errors import NonFiniteError, OptionError
 from symrender.fill import Crew, Means
 from symrender.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
+from symrender.provenance import provenance
 from symrender.scene import arrays as at
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
@@ -57,7 +56,7 @@ from symrender.settings import (
     image_size,
 )
 from symrender.tiles import Progress
-from symrender.units import CHANGES_NO_BYTE, Job, prepared
+from symrender.units import Job, prepared
 from symrender.warm import numeric_beside
 
 
@@ -178,7 +177,7 @@ def _one(crew: Crew, job: Job, scene: Scene) -> tuple[Image, Timing]:
     layers, timing = crew.fill(job)
     _check_finite(layers, scene, job.kind)
     describe = _numeric_estimator if job.kind == "numeric" else _symbolic_estimator
-    return Image(layers, _meta(scene, job.settings, job.kind, describe(job.settings))), timing
+    return Image(layers, provenance(scene, job.settings, job.kind, describe(job.settings))), timing
 
 
 def _check_finite(layers: Mapping[str, Any], scene: Scene, method: str) -> None:
@@ -192,23 +191,6 @@ def _check_finite(layers: Mapping[str, Any], scene: Scene, method: str) -> None:
         f"({i}, {j}) on {names[int(layers['hit_class'][j, i])]}" for i, j in zip(columns[:5], rows[:5], strict=True)
     )
     raise NonFiniteError(f"{method}: {bad.sum()} pixels are not finite: {where}")
-
-
-def _meta(scene: Scene, settings: Settings, method: str, estimator: str) -> dict[str, str]:
-    from symrender.scene.dump import to_yaml
-
-    return {
-        "scene": to_yaml(scene),
-        "scene_name": scene.name,
-        "scene_hash": scene.hash,
-        "method": method,
-        "settings": json.dumps({k: v for k, v in asdict(settings).items() if k not in CHANGES_NO_BYTE}, sort_keys=True),
-        "seed": str(settings.seed),
-        "version": version.VERSION,
-        "estimator": estimator,
-        "units": "scene radiance, linear RGB",
-        "convention": "lobe_average",
-    }
 
 
 def _numeric_estimator(settings: Settings) -> str:

@@ -47,6 +47,10 @@ _RENDER: Final = (("radiance", 3), ("direct", 3), ("gloss", 3), ("hit_class", 1)
 KINDS: Final[Mapping[str, Kind]] = {
     "numeric": Kind("symrender.numeric.pipeline", _RENDER),
     "symbolic": Kind("symrender.runtimes.image", _RENDER),
+    "truth": Kind(
+        "symrender.runtimes.truth",
+        (*_RENDER, *((name, 1) for name in ("error", "status", "evaluations", "chambers", "crossings"))),
+    ),
 }
 
 

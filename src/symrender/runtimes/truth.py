@@ -44,7 +44,9 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
             own.scratch = split_work(arrays, light_points(arrays, settings.disk_order))
         found = gloss_points(
             arrays,
-            *(places[name][at_pixel] for name in ("place", "normal", "incoming")),
+            places["place"][at_pixel],
+            places["normal"][at_pixel],
+            places["incoming"][at_pixel],
             surface,
             settings.tol,
             settings.disk_order,

@@ -1,0 +1,72 @@
+"""``symrender probe``: single values of the lobe integral."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from symrender.cli._options import Define, Json, SceneArgument, scene_with
+
+
+def probe(
+    scene: SceneArgument,
+    point: Annotated[
+        list[str],
+        typer.Option("--point", "-p", metavar="X,Y[,Z]", help="X,Y on the floor; the unit normal X,Y,Z on a sphere."),
+    ],
+    surface: Annotated[str, typer.Option(help="Surface the points are on: floor or spheres.NAME.")] = "floor",
+    tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance.")] = 1e-9,
+    budget: Annotated[int, typer.Option(help="Most evaluations a point may take.")] = 1_000_000,
+    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
+    define: Define = None,
+    json: Json = False,
+) -> None:
+    """Print the lobe integral at points of a surface, each with its error; exit 4 if one missed the tolerance.
+
+    Example: symrender probe chapter8 -p 1.2,-0.4 -p 0.5,-1.1 --tol 1e-10
+    """
+    from symrender.errors import OptionError
+
+    points = []
+    for text in point:
+        try:
+            points.append([float(x) for x in text.split(",")])
+        except ValueError:
+            raise OptionError(f"point: must be numbers X,Y or X,Y,Z, got {text!r}") from None
+    if len({len(p) for p in points}) != 1:
+        raise OptionError("point: all points need the same number of coordinates")
+    chosen = scene_with(scene, define)
+
+    from symrender.probe import probe as probe_points
+    from symrender.truth import STATUS
+
+    found = probe_points(chosen, points, surface=surface, tol=tol, disk=disk, budget=budget)
+    rows = [
+        {
+            "point": p,
+            "gloss": gloss.tolist(),
+            "error": float(error),
+            "evaluations": int(evaluations),
+            "status": STATUS[int(status)],
+            "chambers": int(chambers),
+            "crossings": int(crossings),
+        }
+        for p, gloss, error, evaluations, status, chambers, crossings in zip(
+            points, found.gloss, found.error, found.evaluations, found.status, found.chambers, found.crossings,
+            strict=True,
+        )
+    ]  # fmt: skip
+    if json:
+        import json as json_module
+
+        typer.echo(json_module.dumps(rows, indent=2))
+    else:
+        for row in rows:
+            gloss = " ".join(f"{x:.15g}" for x in row["gloss"])
+            typer.echo(
+                f"{point[rows.index(row)]}: {gloss} +- {row['error']:.2g}  {row['status']}, {row['evaluations']} "
+                f"evaluations, {row['chambers']} chambers, {row['crossings']} crossings"
+            )
+    if (found.status != 0).any():
+        raise typer.Exit(4)

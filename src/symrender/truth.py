@@ -1,0 +1,111 @@
+"""The image every renderer can be tested against: each pixel with its error and a status.
+
+The value of a pixel is the radiance along the ray through its centre: direct light plus the lobe integral, split at
+the walls where the integrand breaks (``quadrature/split_point.py``). The floor texture is filtered as ``aa`` says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from symrender.fill import Crew, Means
+from symrender.image import Image
+from symrender.provenance import provenance
+from symrender.quadrature.split_point import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
+from symrender.scene.load import load
+from symrender.scene.scene import Scene
+from symrender.settings import Antialias, Settings, image_size
+from symrender.tiles import Progress
+from symrender.units import Job
+
+STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}
+"""What the numbers of a status layer mean."""
+
+
+def truth(
+    scene: Scene | str | Path | Mapping[str, Any] = "gloss",
+    *,
+    size: int | tuple[int, int] = 256,
+    tol: float = 1e-6,
+    disk: str = "2x2",
+    aa: Antialias = "analytic",
+    budget: int = 1_000_000,
+    threads: int = 0,
+    tile: int = 0,
+    cluster: str = "",
+    insecure_cluster: bool = False,
+    progress: Progress | None = None,
+) -> Image:
+    """Image of ``scene`` with an ``error`` and a ``status`` layer.
+
+    ``tol`` is absolute, in scene units of radiance, and asked of the gloss term of every pixel. Layers: ``radiance``
+    = ``direct`` + (lobe weight) ``gloss``; ``hit_class``; ``error`` (h, w), the estimated largest absolute error of
+    gloss over the channels, hence at least that of radiance; ``status`` (h, w) as in ``STATUS``; ``evaluations``,
+    ``chambers`` and ``crossings`` (h, w): shaded hits, different chambers and walls met. A pixel that missed its
+    tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its centroids.
+    ``budget``: most evaluations a pixel. Choose it whenever an image is to be trusted, ``render`` when it is to be
+    quick. ``threads``, ``tile`` and ``cluster`` change no byte.
+    """
+    loaded = load(scene)
+    width, height = image_size(size)
+    settings = Settings(
+        width=width,
+        height=height,
+        numeric="none",
+        symbolic="chambers",
+        tol=float(tol),
+        budget=budget,
+        disk=disk,
+        aa=aa,
+        threads=threads,
+        tile=tile,
+    )
+    job = truth_job(loaded, settings)
+    with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
+        return true_image(crew, job, loaded)
+
+
+def truth_job(scene: Scene, settings: Settings) -> Job:
+    """The job that makes the image."""
+    return Job.of("truth", scene, settings)
+
+
+def true_image(crew: Crew, job: Job, scene: Scene) -> Image:
+    """Carry out ``job``, of ``scene``, with an open ``crew``."""
+    layers, timing = crew.fill(job)
+    estimator = f"split at the walls, tol {job.settings.tol:g}, {timing.evaluations} evaluations"
+    return Image(layers, provenance(scene, job.settings, "truth", estimator))
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How an image fared: its pixels, how many ``missed`` their tolerance by status, and the pixel of largest error."""
+
+    pixels: int
+    missed: Mapping[str, int]
+    worst: tuple[int, int]
+    largest: float
+
+    @property
+    def met(self) -> bool:
+        """Whether every pixel met its tolerance."""
+        return not any(self.missed.values())
+
+    def text(self) -> str:
+        """One line."""
+        i, j = self.worst
+        missed = ", ".join(f"{count} {name}" for name, count in self.missed.items() if count) or "none"
+        return f"{self.pixels} pixels; missed their tolerance: {missed}; largest error {self.largest:.3g} at ({i}, {j})"
+
+
+def verdict(image: Image) -> Verdict:
+    """Judge an image with ``error`` and ``status`` layers."""
+    error, status = image.layer("error"), image.layer("status")
+    j, i = np.unravel_index(int(np.argmax(error)), error.shape)
+    missed = {name: int((status == code).sum()) for code, name in STATUS.items() if code != MET}
+    return Verdict(error.size, missed, (int(i), int(j)), float(error[j, i]))
