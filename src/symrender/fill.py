@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from symrender.journal import Entry, Journal, Start
+from symrender.journal import PATIENCE, Entry, Journal, Start
 from symrender.ledger.ledger import Timing
 from symrender.scene.arrays import Array
 from symrender.tiles import Progress, Threads, Workers, measured_side, tiles
@@ -33,7 +33,7 @@ class Means:
     insecure_cluster: bool = False
     journal: Path | None = None
     start: Start = "new"
-    patience: float = 2.0
+    patience: float = PATIENCE
 
 
 class Crew:

@@ -37,6 +37,8 @@ from symrender.units import Tile
 Start = Literal["new", "resume", "restart"]
 """``new`` refuses to lose an interrupted run, ``resume`` continues one, ``restart`` discards one."""
 
+PATIENCE: Final = 2.0
+"""Seconds a run lasts before it writes a journal: a shorter one leaves nothing worth keeping."""
 _MARK: Final = b"\x93symrender\x00tile\n"
 _HEAD: Final = struct.Struct("<QI")
 _FLUSH_EVERY: Final = 1.0
@@ -67,7 +69,7 @@ class Journal:
     path: Path
     fields: Mapping[str, str]
     start: Start = "new"
-    patience: float = 2.0
+    patience: float = PATIENCE
     _file: int = field(default=-1, init=False)
     _begun: float = field(default=0.0, init=False)
     _flushed: float = field(default=0.0, init=False)

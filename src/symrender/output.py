@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
 import secrets
 from collections.abc import Iterable
 from pathlib import Path
@@ -63,6 +64,16 @@ def check_target(path: str | Path, *, force: bool = True, inputs: Iterable[str |
             raise OutputError(f"{target}: the folder {target.parent} does not exist")
     except OSError as error:
         raise _output_error(target, error, 0) from None
+
+
+def remove_leftovers(path: str | Path) -> None:
+    """Delete the temporary files a killed process left of ``path``; only for who holds the lock of that output."""
+    target = Path(path)
+    left = re.compile(rf"\.{re.escape(target.name[:60])}\.[0-9a-f]{{16}}\.tmp")
+    with contextlib.suppress(OSError):
+        for file in target.parent.iterdir():
+            if left.fullmatch(file.name):
+                file.unlink(missing_ok=True)
 
 
 def make_folder(path: str | Path) -> Path:

@@ -31,7 +31,7 @@ from symrender.cli._options import (
 )
 from symrender.cli._progress import ProgressMode, progress
 from symrender.limits import MAX_PIXELS
-from symrender.output import check_target, make_folder
+from symrender.output import check_target, make_folder, remove_leftovers
 from symrender.settings import Antialias, Nodes, Partition, Sampler, Settings, Symbolic, Weights, image_size
 
 if TYPE_CHECKING:
@@ -129,6 +129,8 @@ def render(
         journal=journal,
     )
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance, Crew(means, jobs, advance) as crew:
+        for name in _file_names(names, views=views):
+            remove_leftovers(folder / name)
         pair = carry_out(crew, jobs, chosen)
         images = {name: image for name in names if (image := getattr(pair, name)) is not None}
         told = _write(images, folder, views=views, force=force)
