@@ -15,12 +15,14 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-PLAIN = (
-    *("pipelines_agree", "weights_sum_to_the_normaliser", "mirror_anchor"),
-    *("exact_weights_cost_nothing", "threads_scale", "starts_quickly"),
-)
-WITH_CHAPTER = ("strata_equal_the_chapter", "chapter_errata")
-WITH_PEERS = ("kernel_keeps_up_with_c",)
+NEEDS = {"strata_equal_the_chapter": "chapter", "chapter_errata": "chapter", "kernel_keeps_up_with_c": "peers"}
+"""Benchmarks that take a path, and which."""
+
+
+def programs() -> list[str]:
+    """Names of the benchmarks: the programs of this folder but this one."""
+    files = sorted(path for path in HERE.glob("*.py") if path != Path(__file__).resolve())
+    return [path.stem for path in files if "__main__" in path.read_text("utf-8")]
 
 
 def main() -> None:
@@ -36,9 +38,9 @@ def main() -> None:
         f"Made by `benchmarks/run.py` on {datetime.date.today()}: {os.cpu_count()} shared {platform.machine()} cores, "
         f"Python {platform.python_version()}, {packages}. Figures of time belong to that machine; it ran other work.\n",
     ]
-    jobs = [(name, ()) for name in PLAIN]
-    jobs += [(name, (str(options.chapter),)) for name in WITH_CHAPTER if options.chapter]
-    jobs += [(name, (str(options.peers),)) for name in WITH_PEERS if options.peers]
+    given = {need: getattr(options, need) for need in NEEDS.values()}
+    jobs = [(name, ()) for name in programs() if name not in NEEDS]
+    jobs += [(name, (str(given[need]),)) for name, need in NEEDS.items() if given[need]]
     failed = []
     for name, words in jobs:
         print(f"{name} ...", file=sys.stderr, flush=True)

@@ -22,7 +22,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("targets",),
     ("runtimes",),
     ("ledger",),
-    ("probe", "render", "tiles", "truth", "units", "fill", "journal", "cluster", "warm"),
+    ("probe", "render", "tiles", "truth", "units", "fill", "journal", "cluster", "warm", "provenance"),
     ("studies", "simulator", "sequences"),
     ("chapter",),
     ("cli", "__init__"),
