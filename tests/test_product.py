@@ -20,7 +20,7 @@ FOREIGN = {
     "a conflict": re.compile(r"^(?:<{7}|>{7}) ", re.MULTILINE),
 }
 PUBLIC = {
-    *("load", "render", "expression", "compare", "read_image"),
+    *("load", "render", "truth", "probe", "expression", "compare", "read_image"),
     *("Image", "Pair", "Scene", "SymrenderError", "__version__"),
 }
 
