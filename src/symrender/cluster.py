@@ -167,8 +167,12 @@ def _probe(job: Job, tile: Tile) -> str:
 
 
 @lru_cache(maxsize=1)
+def _own_identity() -> dict[str, str]:
+    return identity()
+
+
 def _fingerprint() -> str:
-    return repr(sorted(identity().items()))
+    return repr(sorted(_own_identity().items()))
 
 
 def _refuse_other_code(client: Any, address: str) -> None:
@@ -176,7 +180,7 @@ def _refuse_other_code(client: Any, address: str) -> None:
         answers = client.run(identity)
     except Exception as error:  # whatever a worker without this package makes of the question
         raise OptionError(f"cluster: the workers at {address} cannot run symrender: {error}") from None
-    here = identity()
+    here = _own_identity()
     for worker, there in answers.items():
         for name, value in here.items():
             if there.get(name) != value:
