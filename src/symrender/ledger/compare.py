@@ -151,6 +151,7 @@ def compare(
     assert whole is not None and black is not None
     same = _same_class(first, second, chosen, names, notes)
     flips = None if same is None else int((chosen & ~same).sum())
+    interior = whole if flips == 0 else None if same is None else difference(x, y, chosen & same)
     return Comparison(
         reference=names[0],
         test=names[1],
@@ -158,7 +159,7 @@ def compare(
         width=first.width,
         height=first.height,
         whole=whole,
-        interior=None if same is None else difference(x, y, chosen & same),
+        interior=interior,
         black=black,
         flips=flips,
         inside_error=_inside_error(first, layer, np.abs(y - x).max(axis=-1), chosen),
