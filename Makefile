@@ -36,12 +36,12 @@ $(PY):
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 	  || { echo "symrender needs Python 3.11 or later; name one: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
 	@$(PYTHON) -m venv $(VENV) || { $(PYTHON) -m venv --without-pip $(VENV) \
-	  && $(PYTHON) -m pip --python $(PY) install --quiet --disable-pip-version-check pip; }
+	  && $(PYTHON) -m pip --python $(PY) install --quiet --quiet --disable-pip-version-check pip; }
 
 $(BASE): pyproject.toml | $(PY)
-	$(PY) -m pip install --quiet --disable-pip-version-check --editable .
+	$(PY) -m pip install --quiet --quiet --disable-pip-version-check --editable .
 	@touch $@
 
 $(TEST): pyproject.toml | $(PY)
-	$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	$(PY) -m pip install --quiet --quiet --disable-pip-version-check --editable '.[test]'
 	@touch $@ $(BASE)
