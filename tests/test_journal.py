@@ -119,7 +119,7 @@ def test_a_new_run_does_not_lose_an_old_one(tmp_path: Path) -> None:
     path = tmp_path / "j"
     whole = left(path)
     with (
-        pytest.raises(OptionError, match=r"left 6 tiles; --resume continues it, --restart discards it"),
+        pytest.raises(OptionError, match=r"left 6 pieces; --resume continues it, --restart discards it"),
         Journal(path, FIELDS),
     ):
         pass

@@ -37,10 +37,15 @@ class Means:
 
 
 class Crew:
-    """Workers and a journal, open for the jobs of one run; use it in a ``with`` statement."""
+    """Workers and a journal, open for the jobs of one run; use it in a ``with`` statement.
 
-    def __init__(self, means: Means, jobs: tuple[Job, ...], progress: Progress | None = None) -> None:
-        self._means, self._jobs, self._progress = means, jobs, progress
+    ``workers`` are used if given, and outlive it; else those ``means`` describes are hired for the run.
+    """
+
+    def __init__(
+        self, means: Means, jobs: tuple[Job, ...], progress: Progress | None = None, workers: Workers | None = None
+    ) -> None:
+        self._means, self._jobs, self._progress, self._given = means, jobs, progress, workers
         self._stack = ExitStack()
         self._journal: Journal | None = None
 
@@ -50,7 +55,7 @@ class Crew:
                 self._journal = stack.enter_context(
                     Journal(self._means.journal, _fields(self._jobs), self._means.start, self._means.patience)
                 )
-            self._workers = stack.enter_context(_workers(self._means))
+            self._workers = self._given or stack.enter_context(workers_of(self._means))
             self._stack = stack.pop_all()
         return self
 
@@ -120,7 +125,8 @@ def _fields(jobs: tuple[Job, ...]) -> dict[str, str]:
     return {"images": " ".join(sorted(job.kind for job in jobs))} | jobs[0].fields()
 
 
-def _workers(means: Means) -> AbstractContextManager[Workers]:
+def workers_of(means: Means) -> AbstractContextManager[Workers]:
+    """The workers ``means`` describes, for as long as the context lasts."""
     if not means.cluster:
         return nullcontext(Threads(means.threads))
     from symrender.cluster import connect

@@ -124,10 +124,16 @@ class Journal:
             "layers": [(name, block.shape) for name, block in entry.blocks.items()],
         }
         data = b"".join(block.astype("<f8").tobytes() for block in entry.blocks.values())
-        body = json.dumps(note).encode() + b"\n" + data
-        self._held.append(_record(body))
-        if time.monotonic() - self._begun >= self.patience:
-            self._write()
+        self._add(json.dumps(note).encode() + b"\n" + data)
+
+    def notes(self) -> list[dict[str, Any]]:
+        """What ``note`` added in an earlier process, intact ones only."""
+        found = (note for note, _ in _records(self._file) if note.get("run") == self.digest)
+        return [note["note"] for note in found if isinstance(note.get("note"), dict)]
+
+    def note(self, facts: Mapping[str, Any]) -> None:
+        """Add plain data that says something else than a tile is finished."""
+        self._add(json.dumps({"run": self.digest, "note": dict(facts)}).encode() + b"\n")
 
     def remove(self) -> None:
         """Delete the journal: the output stands."""
@@ -151,19 +157,19 @@ class Journal:
     def _claim(self) -> None:
         """Decide what becomes of what the file holds, and write the header if it holds none."""
         notes = [note for note, _ in _records(self._file)]
-        tiles = sum("tile" in note for note in notes)
+        pieces = sum("header" not in note for note in notes)
         if os.fstat(self._file).st_size and not notes and not _is_ours(self._file):
             raise OptionError(f"{self.path}: is not a journal of symrender; move it away")
-        if tiles and self.start == "new":
+        if pieces and self.start == "new":
             raise OptionError(
-                f"{self.path}: an interrupted run left {tiles} tiles; --resume continues it, --restart discards it"
+                f"{self.path}: an interrupted run left {pieces} pieces; --resume continues it, --restart discards it"
             )
-        if tiles and self.start == "resume":
+        if pieces and self.start == "resume":
             self._compare(notes)
             self._written = True
         else:
             os.ftruncate(self._file, 0)
-        if not tiles or self.start == "restart":
+        if not pieces or self.start == "restart":
             self._held.append(_record(json.dumps({"header": dict(self.fields)}).encode() + b"\n"))
 
     def _compare(self, notes: list[dict[str, Any]]) -> None:
@@ -177,6 +183,11 @@ class Journal:
             old, new = str(there.get(name))[:60], str(self.fields.get(name))[:60]
             if there.get(name) != self.fields.get(name):
                 raise OptionError(f"{self.path}: {name} was {old} in the interrupted run and is {new} now; {remedy}")
+
+    def _add(self, body: bytes) -> None:
+        self._held.append(_record(body))
+        if time.monotonic() - self._begun >= self.patience:
+            self._write()
 
     def _write(self) -> None:
         data = memoryview(b"".join(self._held))

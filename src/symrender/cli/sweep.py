@@ -1,0 +1,98 @@
+"""``symrender sweep``: an image for every combination of scene values."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from symrender.cli._means import Cluster, InsecureCluster, Restart, Resume, Threads, Tile, ended_by_signals, means_of
+from symrender.cli._options import (
+    DEFAULT_SCENE,
+    Define,
+    Force,
+    Json,
+    Quiet,
+    SceneArgument,
+    parse_size,
+    scene_files,
+    scene_with,
+)
+from symrender.cli._progress import ProgressMode, progress
+from symrender.settings import Antialias, Sampler, Settings, image_size
+
+What = Literal["render", "truth"]
+
+
+def sweep(
+    scene: SceneArgument = DEFAULT_SCENE,
+    over: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME=A:B:N[:log],...",
+            help="Ranges of scene values, N numbers from A to B each; every combination is a frame.",
+        ),
+    ] = "",
+    what: Annotated[What, typer.Option(help="What a frame is: both renders with their ledger, or a truth.")] = "render",
+    size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "128",
+    lobe: Annotated[int, typer.Option(help="K of the K rings x K sectors (K x K samples) of a lobe.")] = 4,
+    numeric: Annotated[Sampler, typer.Option(help="Sampler of the numeric pipeline.")] = "jittered",
+    symbolic: Annotated[Literal["strata", "none"], typer.Option(help="Rule of the symbolic pipeline.")] = "strata",
+    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
+    aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
+    seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
+    tol: Annotated[float, typer.Option(help="Absolute error asked of every pixel of a truth, scene radiance.")] = 1e-6,
+    threads: Threads = 0,
+    tile: Tile = 0,
+    cluster: Cluster = "",
+    insecure_cluster: InsecureCluster = False,
+    resume: Resume = False,
+    restart: Restart = False,
+    define: Define = None,
+    out: Annotated[str, typer.Option(help="Folder the files are written to; made if missing.")] = "sweep",
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    progress_mode: Annotated[
+        ProgressMode, typer.Option("--progress", help="auto: a bar on a terminal; json: lines on stderr.")
+    ] = "auto",
+) -> None:
+    """Make an image of SCENE for every combination of --over; write frames (.exr), ledgers.csv and contact_sheet.png.
+
+    Resumable: --resume continues after any interruption, frame by frame and tile by tile.
+
+    Example: symrender sweep gloss --over floor.lobe.exponent=4:1024:5:log,lights.key.radius=0:1:3 --size 128 --out s
+    """
+    from symrender.sequences.makers import Certain, Maker, Rendered
+    from symrender.sequences.over import parse_over
+    from symrender.sequences.sweep import JOURNAL
+    from symrender.sequences.sweep import sweep as make
+
+    width, height = image_size(parse_size(size))
+    maker: Maker
+    settings = Settings(width=width, height=height, lobe=lobe, disk=disk, aa=aa, seed=seed, tol=tol)
+    if what == "render":
+        maker = Rendered(replace(settings, numeric=numeric, symbolic=symbolic))
+    else:
+        maker = Certain(replace(settings, numeric="none", symbolic="chambers"))
+    axes = parse_over(over)
+    means = means_of(
+        threads=threads,
+        tile=tile,
+        resume=resume,
+        restart=restart,
+        cluster=cluster,
+        insecure_cluster=insecure_cluster,
+        journal=Path(out) / JOURNAL,
+    )
+    chosen = scene_with(scene, define)
+    with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance:
+        rows = make(chosen, axes, maker, out, means=means, force=force, inputs=scene_files(scene), progress=advance)
+    if json:
+        import json as json_module
+
+        typer.echo(json_module.dumps(rows, indent=2))
+    elif not quiet:
+        typer.echo(f"wrote {len(rows)} frames, ledgers.csv and contact_sheet.png in {out}")

@@ -1,0 +1,72 @@
+"""Contact sheet: every frame of a sequence on one page, each under the values that made it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.image import Image, read_image
+from symrender.srgb import encode_srgb
+from symrender.views import Picture
+
+MAX_SHEET: Final = 400
+"""Most frames on a sheet; of more, evenly spaced ones are shown."""
+THUMB: Final = 160
+"""Longest side of a frame on a sheet, pixels."""
+_GAP, _LINE = 6, 13
+
+
+def contact_sheet(files: Sequence[Path], captions: Sequence[Sequence[str]], columns: int = 0) -> Picture:
+    """``files`` row by row, ``columns`` to a row (0: nearly square), with the lines of its caption under each.
+
+    Frames are shrunk by averaging linear radiance over whole boxes, then clipped to [0, 1] and sRGB encoded.
+    """
+    from PIL import Image as Pillow
+    from PIL import ImageDraw
+
+    count = len(files)
+    shown = range(count) if count <= MAX_SHEET else [k * count // MAX_SHEET for k in range(MAX_SHEET)]
+    thumbs = [_thumb(read_image(files[k])) for k in shown]
+    across = columns if columns and count <= MAX_SHEET else math.ceil(math.sqrt(len(thumbs)))
+    height, width = (max(thumb.shape[axis] for thumb in thumbs) for axis in (0, 1))
+    text = _LINE * max(len(captions[k]) for k in shown)
+    down = math.ceil(len(thumbs) / across)
+    pitch = (width + _GAP, height + text + _GAP)
+    page = np.full((down * pitch[1] + _GAP, across * pitch[0] + _GAP, 3), 255, dtype=np.uint8)
+    places = [(_GAP + n % across * pitch[0], _GAP + n // across * pitch[1]) for n in range(len(thumbs))]
+    for (x, y), thumb in zip(places, thumbs, strict=True):
+        page[y : y + thumb.shape[0], x : x + thumb.shape[1]] = thumb
+    sheet = Pillow.fromarray(page)
+    pen = ImageDraw.Draw(sheet)
+    for (x, y), k in zip(places, shown, strict=True):
+        for n, line in enumerate(captions[k]):
+            pen.text((x, y + height + n * _LINE), _fitted(line, width), fill=(0, 0, 0))
+    what = f"{len(thumbs)} of {count} frames" if len(thumbs) < count else f"{count} frames"
+    return Picture(np.asarray(sheet, dtype=np.uint8), f"{what}; sRGB, clipped to [0, 1]")
+
+
+def caption(changes: Sequence[tuple[str, float]]) -> list[str]:
+    """One line for each value of a frame."""
+    return [f"{name} {value:.4g}" for name, value in changes]
+
+
+def _fitted(line: str, width: int) -> str:
+    # the built-in font is about 6 pixels a character
+    room = max(8, width // 6)
+    return line if len(line) <= room else f"…{line[-room + 1 :]}"
+
+
+def _thumb(image: Image) -> npt.NDArray[np.uint8]:
+    box = max(1, math.ceil(max(image.width, image.height) / THUMB))
+    rows, columns = math.ceil(image.height / box), math.ceil(image.width / box)
+    # the last row and column repeat, so that every box is whole
+    radiance = np.pad(
+        image.radiance, ((0, rows * box - image.height), (0, columns * box - image.width), (0, 0)), mode="edge"
+    )
+    mean = radiance.reshape(rows, box, columns, box, 3).mean(axis=(1, 3))
+    return encode_srgb(np.nan_to_num(mean, posinf=1.0, neginf=0.0))

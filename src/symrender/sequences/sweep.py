@@ -1,0 +1,57 @@
+"""Sweep: one image for every combination of scene values, a table of their figures, and all of them on a page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from symrender.fill import Means
+from symrender.output import check_target, make_folder
+from symrender.scene.scene import Scene
+from symrender.sequences.makers import Maker, Row
+from symrender.sequences.over import Axis, frames
+from symrender.sequences.sequence import frame_name, make_frames, write_table
+from symrender.sequences.sheet import caption, contact_sheet
+from symrender.tiles import Progress
+
+TABLE: Final = "ledgers.csv"
+SHEET: Final = "contact_sheet.png"
+JOURNAL: Final = "sweep.journal"
+_WIDEST: Final = 32
+
+
+def sweep(
+    scene: Scene,
+    over: Sequence[Axis],
+    maker: Maker,
+    folder: str | Path,
+    *,
+    means: Means | None = None,
+    force: bool = False,
+    inputs: Sequence[Path] = (),
+    progress: Progress | None = None,
+) -> list[Row]:
+    """Make every frame of the product of ``over``; return and write the rows of figures.
+
+    ``folder`` receives ``frame_NNNNN_IMAGE.exr``, ``ledgers.csv`` and ``contact_sheet.png``. ``maker`` says what a
+    frame becomes (``makers.py``). The bytes of the frames and of the sheet depend on the scene, the ranges and the
+    settings alone; the table also states seconds. Raises SceneError, before any work, for a value the scene refuses.
+    """
+    chosen = means or Means()
+    made = frames(scene, over)
+    place = make_folder(folder)
+    journal = chosen.journal or place / JOURNAL
+    replace_files = force or (chosen.start == "resume" and journal.exists())
+    names = [frame_name(f.index, job.kind, ".exr") for f in made for job in maker.jobs(made[0].scene)]
+    for name in (TABLE, SHEET, *names):
+        check_target(place / name, force=replace_files, inputs=inputs)
+    columns = len(over[-1].values) if len(over) > 1 and len(over[-1].values) <= _WIDEST else 0
+
+    def finish(rows: list[Row]) -> None:
+        write_table(rows, place / TABLE)
+        pictures = [place / list(row["files"])[-1] for row in rows]
+        contact_sheet(pictures, [caption(frame.changes) for frame in made], columns).save(place / SHEET)
+
+    return make_frames(made, maker, place, replace(chosen, journal=journal), progress=progress, finish=finish)
