@@ -14,15 +14,16 @@ from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
 from symrender.settings import Settings
 
-FACTS = ("error", "status", "evaluations", "chambers", "crossings")
+FACTS = ("status", "evaluations", "chambers", "crossings")
 """Layers (h, w) of the split rule's own report, named as in ``SplitResult``."""
 
 
 def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
-    """Kernel that renders tiles to ``settings.tol``, absolute, in scene units of radiance, of the gloss term.
+    """Kernel that renders tiles to ``settings.tol``, absolute, in scene units of radiance.
 
-    It fills ``layers["radiance"]``, ``["direct"]``, ``["gloss"]`` (h, w, 3), ``["hit_class"]`` and the ``FACTS``
-    (h, w) of the full image, and returns the shaded hits it needed. Deterministic: every pixel is a pure function of
+    It fills ``layers["radiance"]``, ``["direct"]``, ``["gloss"]`` (h, w, 3), ``["hit_class"]``, ``["error"]`` (of
+    radiance: the lobe's weight times that of gloss) and the ``FACTS`` (h, w) of the full image, and returns the
+    shaded hits it needed. Deterministic: every pixel is a pure function of
     the scene, the settings and its place.
     """
     sight = prepare_sight(arrays, settings)
@@ -36,27 +37,30 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         sight(x0, y0, x1, y1, {**layers, **places})
-        surface = layers["hit_class"][y0:y1, x0:x1].astype(np.int64)
-        rows, columns = np.nonzero(weights[surface] > 0)
-        surface = surface[rows, columns]
-        at_pixel = (rows + y0, columns + x0)
+        seen = layers["hit_class"][y0:y1, x0:x1].astype(np.int64)
         if not hasattr(own, "scratch"):
             own.scratch = split_work(arrays, light_points(arrays, settings.disk_order))
-        found = gloss_points(
-            arrays,
-            places["place"][at_pixel],
-            places["normal"][at_pixel],
-            places["incoming"][at_pixel],
-            surface,
-            settings.tol,
-            settings.disk_order,
-            settings.budget,
-            own.scratch,
-        )
-        layers["gloss"][at_pixel] = found.gloss
-        layers["radiance"][at_pixel] += weights[surface][:, None] * found.gloss
-        for name in FACTS:
-            layers[name][at_pixel] = getattr(found, name)
-        return int(found.evaluations.sum())
+        evaluations = 0
+        for surface in np.unique(seen[weights[seen] > 0]).tolist():
+            rows, columns = np.nonzero(seen == surface)
+            pixels = (rows + y0, columns + x0)
+            found = gloss_points(
+                arrays,
+                places["place"][pixels],
+                places["normal"][pixels],
+                places["incoming"][pixels],
+                np.full(len(rows), surface),
+                settings.tol / weights[surface],
+                settings.disk_order,
+                settings.budget,
+                own.scratch,
+            )
+            layers["gloss"][pixels] = found.gloss
+            layers["radiance"][pixels] += weights[surface] * found.gloss
+            layers["error"][pixels] = weights[surface] * found.error
+            for name in FACTS:
+                layers[name][pixels] = getattr(found, name)
+            evaluations += int(found.evaluations.sum())
+        return evaluations
 
     return render
