@@ -20,7 +20,7 @@ MAX_ROOTS: Final = 1024
 class View(NamedTuple):
     """What kernels read of a scene: its arrays, with lights replaced by points.
 
-    ``points`` (m, 6): position, then the light's colour over the number of its points.
+    ``points`` (m, 7): position, the light's colour times the point's share, its sign in the disk's embedded rule.
     """
 
     spheres: Array

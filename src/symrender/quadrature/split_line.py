@@ -75,9 +75,10 @@ def cell_order(
 def integrate_cells(
     phi: float, step: int, view: View, work: Work, gauss: Array, out: Array
 ) -> None:  # fmt: skip
-    """Integral over the scanned line of (radiance - background) times the lobe density; ``out`` (4,).
+    """Integral over the scanned line of (radiance - background) times the lobe density; ``out`` (5,).
 
-    The last entry is the integral of its largest magnitude over the channels, a scale for errors.
+    Then the integral of its largest magnitude over the channels, a scale for errors, and what the disk lights'
+    embedded rule adds.
 
     ``step`` chooses the order of every cell.
     """
@@ -98,7 +99,7 @@ def integrate_cells(
     lights = view.points.shape[0]
     ambient = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
     marble = j >= 0 and view.spheres[j, 7] == MARBLE
-    r, g, b, size = 0.0, 0.0, 0.0, 0.0
+    r, g, b, size, embedded = 0.0, 0.0, 0.0, 0.0, 0.0
     for cell in range(work.count[CELLS]):
         side = work.cell_side[cell]
         if side == HIDDEN:
@@ -165,6 +166,9 @@ def integrate_cells(
                     hr += p[3] * gleam
                     hg += p[4] * gleam
                     hb += p[5] * gleam
+                    if p[6] != 0.0:
+                        diffuse = cosine * shading[1] * max(ar, ag, ab) if state == LIT else 0.0
+                        embedded += weight * p[6] * max(p[3], p[4], p[5]) * (diffuse + shading[2] * gleam)
                 vein = marble_factor(nx, ny, nz, view.spheres[j, 8], view.spheres[j, 9]) if marble else 1.0
                 fr = ar * vein * shading[1] * dr + ambient * shading[7] + shading[2] * hr - shading[10]
                 fg = ag * vein * shading[1] * dg + ambient * shading[8] + shading[2] * hg - shading[11]
@@ -174,4 +178,4 @@ def integrate_cells(
                 b += weight * fb
                 size += weight * max(abs(fr), abs(fg), abs(fb))
             a = end
-    out[0], out[1], out[2], out[3] = r, g, b, size
+    out[0], out[1], out[2], out[3], out[4] = r, g, b, size, embedded

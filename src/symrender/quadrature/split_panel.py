@@ -34,7 +34,10 @@ STEP = 4
 VALUE = 5
 ERROR = 8
 LOG_RHO = 9
+EMBEDDED = 10
 PANEL_COLUMNS = 12
+
+EMBEDDED_SUM = 23
 
 
 @jitable
@@ -129,6 +132,7 @@ def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: 
         p[FROM], p[TO], p[KIND_FROM], p[KIND_TO], p[STEP] = a, b, kind_a, kind_b, -1.0
         p[5] = p[6] = p[7] = 0.0
         p[ERROR] = math.inf
+        p[EMBEDDED] = 0.0
         p[LOG_RHO] = panel_log(work, a, b, kind_a, kind_b)
     return n + 1
 
@@ -281,7 +285,7 @@ def evaluate_panel(p: Array, step: int, view: View, work: Work, gauss: Array, ou
     a, b, ka, kb = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
     n = min(MAX_ORDER, order(step, p[LOG_RHO]) + (1 if step > 0 else 0))
     base = n * (n - 1) // 2
-    out[0] = out[1] = out[2] = out[3] = 0.0
+    out[0] = out[1] = out[2] = out[3] = out[4] = 0.0
     signature = 0
     foreign = math.nan
     for q in range(n):
@@ -294,9 +298,9 @@ def evaluate_panel(p: Array, step: int, view: View, work: Work, gauss: Array, ou
         elif found != signature and foreign != foreign:
             foreign = phi
             break
-        integrate_cells(phi, step, view, work, gauss, scratch[4:8])
+        integrate_cells(phi, step, view, work, gauss, scratch[4:9])
         w = gauss[1, base + q] * slope
-        for i in range(4):
+        for i in range(5):
             out[i] += w * scratch[4 + i]
     return foreign
 
@@ -307,7 +311,7 @@ def rough_panel(p: Array, view: View, work: Work, gauss: Array, scratch: Array) 
     width = p[TO] - p[FROM]
     phi = 0.5 * (p[FROM] + p[TO])
     scan_line(phi, view, work, scratch)
-    integrate_cells(phi, 2, view, work, gauss, scratch[4:8])
+    integrate_cells(phi, 2, view, work, gauss, scratch[4:9])
     for i in range(3):
         p[5 + i] = width * scratch[4 + i]
     p[ERROR] = width * scratch[7]
@@ -333,7 +337,7 @@ def split_chart(
         if n >= panels.shape[0] - 2:
             break
     n = min(n, panels.shape[0])
-    out = scratch[8:12]
+    out = scratch[9:14]
     bad = 0
     for _ in range(64):
         total = 0.0
@@ -375,8 +379,11 @@ def split_chart(
             change = max(abs(out[0] - p[5]), abs(out[1] - p[6]), abs(out[2] - p[7]))
             p[5], p[6], p[7] = out[0], out[1], out[2]
             p[STEP] = step + 1.0
+            p[EMBEDDED] = out[4]
             # one line says no more than how large the panel is
-            p[ERROR] = out[3] if step < 0 else max(0.5 * change, 0.1 * p[ERROR])
+            # and no step is believed to gain more than its order promises
+            promise = math.exp(LEVELS[step] - LEVELS[step + 1]) if step >= 0 else 0.0
+            p[ERROR] = 3.0 * out[3] if step < 0 else max(change, promise * p[ERROR])
     error = 0.0
     for i in range(work.count[WALLS]):
         if work.walls[i, MET_COLUMN] != 0.0:
@@ -386,6 +393,7 @@ def split_chart(
         value[0] += p[5]
         value[1] += p[6]
         value[2] += p[7]
+        scratch[EMBEDDED_SUM] += p[EMBEDDED]
         error += p[ERROR]
         if not p[ERROR] < math.inf:
             bad += 1

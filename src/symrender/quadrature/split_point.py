@@ -37,7 +37,7 @@ from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.light_points import light_points
 from symrender.quadrature.split_grid import CONIC_COLUMNS, RINGS, split_grid
 from symrender.quadrature.split_line import lobe_density
-from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
+from symrender.quadrature.split_panel import EMBEDDED_SUM, PANEL_COLUMNS, split_chart
 from symrender.scene.arrays import (
     AMBIENT,
     BACKGROUND,
@@ -66,6 +66,8 @@ UNSUPPORTED: Final = 3
 """The point lies inside another sphere; no value is given and the error is infinite."""
 
 MAX_PANELS: Final = 4000
+DISK_SHARE: Final = 0.1
+"""Error of the exact disk's rule over its difference from the rule with every other azimuth."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ def gloss_kernel(
     crossings: Ints, conics: Array, rings: Array, grid_roots: Array, states: Array, grid_stack: Array,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
-    lobe = scratch[12:15]
+    lobe = scratch[24:27]
     geo = work.geo
     for i in range(points.shape[0]):
         for c in range(work.count.shape[0]):
@@ -159,6 +161,7 @@ def gloss_kernel(
         for a in range(3):
             value[a] = view.shading[10 + a] * share
         bad = 0
+        scratch[EMBEDDED_SUM] = 0.0
         for j in range(view.spheres.shape[0]):
             if j == own:
                 continue
@@ -216,6 +219,7 @@ def gloss_kernel(
                         )  # fmt: skip
                         for a in range(3):
                             value[a] += scratch[16 + a] * scratch[20 + a]
+        total += DISK_SHARE * abs(scratch[EMBEDDED_SUM])
         error[i] = total + 1e-15
         evaluations[i] = work.count[EVALUATIONS]
         chambers[i] = work.count[CHAMBERS]
@@ -252,7 +256,7 @@ class SplitWork:
 
 
 def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
-    """Scratch for ``gloss_points`` on a scene whose lights are ``points``."""
+    """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_points``)."""
     return SplitWork(
         work=work_arrays(len(arrays.spheres), len(points)),
         gauss=gauss_table(),
@@ -260,7 +264,7 @@ def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
         spans=np.zeros((256, 2)),
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=np.zeros((2048, 2)),
-        scratch=np.zeros(24),
+        scratch=np.zeros(32),
         conics=np.zeros((2 + 2 * len(arrays.spheres) + len(points) * len(arrays.spheres), CONIC_COLUMNS)),
         rings=np.zeros((RINGS, 4)),
         grid_roots=np.zeros(256),
@@ -272,7 +276,7 @@ def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
 def radiance_bound(arrays: SceneArrays, points: Array) -> float:
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
     lit = arrays.shading[0] * arrays.shading[AMBIENT : AMBIENT + 3]
-    lit = lit + points[:, 3:].sum(axis=0) * (arrays.shading[1] + arrays.shading[2])
+    lit = lit + points[:, 3:6].sum(axis=0) * (arrays.shading[1] + arrays.shading[2])
     return float(max(lit.max(), arrays.shading[BACKGROUND : BACKGROUND + 3].max(), 1e-300))
 
 
@@ -294,7 +298,7 @@ def gloss_points(
     in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids. Deterministic; choose
     it whenever an error is wanted with the value, or more than two digits. Not for points inside a sphere (``UNSUPPORTED``).
     """
-    lights = light_points(arrays, disk_order)
+    lights = light_points(arrays, disk_order, tol)
     view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
     lobes[FLOOR] = arrays.floor[FLOOR_LOBE + 1 :]
