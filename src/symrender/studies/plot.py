@@ -27,7 +27,8 @@ def figure(found: Convergence) -> Figure:
     """Matplotlib figure of two panels, relative error against evaluations and against processor seconds.
 
     Bars span each error with the truth's own taken off and put on; the line at 1 is the black image; the number
-    after a name is the fitted order in that panel's cost with its 95 % interval. Raises OptionError where Matplotlib is not installed.
+    after a name is the fitted order in that panel's cost with its 95 % interval. Raises OptionError where Matplotlib
+    is not installed.
     """
     try:
         from matplotlib.figure import Figure
@@ -44,8 +45,9 @@ def figure(found: Convergence) -> Figure:
         axes.set_xlabel(label, color=_INK)
     left.set_ylabel("RMSE / RMS of the truth", color=_INK)
     facts = found.study.facts
+    lobes = "the floor" if facts["lobes of"] == "floor" else "all shapes"
     page.suptitle(
-        f"{facts['scene']}, {facts['size']}: error of the gloss term, lobes of {'the floor' if facts['lobes of'] == 'floor' else 'all shapes'}, "
+        f"{facts['scene']}, {facts['size']}: error of the gloss term, lobes of {lobes}, "
         f"{facts['pixels judged']} pixels",
         x=0.01, ha="left", color=_INK, fontsize=14,
     )  # fmt: skip
@@ -87,7 +89,7 @@ def _looks(points: Sequence[Point]) -> dict[str, dict[str, Any]]:
 
 def _panel(axes: Any, found: Convergence, cost: str, looks: dict[str, dict[str, Any]]) -> None:
     laws = {fit.estimator: fit.law for fit in found.fits if fit.cost == cost}
-    orders = {name: f"{name}  {law.order:.2f} ± {law.high - law.order:.2g}" for name, law in laws.items()}
+    orders = {name: f"{name}  {law.order:.2f} ± {law.high - law.order:.2f}" for name, law in laws.items()}
     ends: list[tuple[float, float, str, str]] = []
     for name, look in looks.items():
         points = [p for p in found.points if p.estimator == name and p.relative > 0]
