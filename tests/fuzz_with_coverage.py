@@ -15,9 +15,6 @@ try:
 except ImportError:
     sys.exit("fuzz_with_coverage: needs atheris; install it with: pip install atheris")
 
-TESTS = Path(__file__).resolve().parent.parent / "tests"
-sys.path.insert(0, str(TESTS))
-
 with atheris.instrument_imports(include=["symrender"]):
     from fuzz_scenes import CORPUS, SUFFIXES, check
 
