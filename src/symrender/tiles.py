@@ -118,6 +118,7 @@ def run_threads(
             try:
                 evaluations = kernel(*tile, layers)
             except BaseException as error:
+                stop.set()
                 results.put(error)
                 return
             results.put((tile, evaluations, time.perf_counter() - begun))
