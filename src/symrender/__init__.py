@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from symrender.render import Pair, render
     from symrender.scene.load import load
     from symrender.scene.scene import Scene
+    from symrender.simulator.build import simulator
     from symrender.truth import truth
 
 _HOMES = {
@@ -43,6 +44,7 @@ _HOMES = {
     "read_image": "symrender.image",
     "probe": "symrender.probe",
     "render": "symrender.render",
+    "simulator": "symrender.simulator.build",
     "truth": "symrender.truth",
 }
 
@@ -58,6 +60,7 @@ __all__ = [
     "probe",
     "read_image",
     "render",
+    "simulator",
     "truth",
 ]
 

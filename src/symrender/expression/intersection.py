@@ -57,3 +57,8 @@ def segment_meets(a: sp.Expr, b: sp.Expr, c: sp.Expr) -> sp.Basic:
         sp.And(c > 0, end < 0),
         sp.And(c > 0, end > 0, b < 0, a + b > 0, b**2 >= a * c),
     )
+
+
+def segment_crosses(a: sp.Expr, b: sp.Expr, c: sp.Expr, end: sp.Expr) -> sp.Basic:
+    """``segment_meets`` in fewer comparisons, with ``end`` = a + 2 b + c, the power of the segment's end."""
+    return sp.Or(c * end < 0, sp.And(c > 0, end > 0, b < 0, a + b > 0, b**2 >= a * c))

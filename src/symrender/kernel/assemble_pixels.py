@@ -17,6 +17,7 @@ from symrender.kernel import (
     lobe_table,
     pixel,
     shade,
+    sight,
     strata,
     tile,
     trace,
@@ -58,7 +59,7 @@ PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chamb
 """Functions of a column and a row with four results: what a fragment shader runs."""
 _PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "lobe_widths", "disc_radius", "disc_place")
 _CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
-_PROBE = ("look", "see", "strata_gloss", "sample_depth", "sample_direction", "frame", "reflected")
+_PROBE = ("look", "sight", "strata_gloss", "sample_depth", "sample_direction", "frame", "reflected")
 ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_PROBE, "nearest", "pixel_word")
 """What a page calls."""
 
@@ -81,17 +82,15 @@ def pixel_program() -> Program:
             words.scramble(),
             words.pixel_word(),
             words.uniform_pair(),
-            shade.power(),
+            sight.power(),
             shade.texture_factor(),
             shade.floor_side(),
-            shade.blocked(),
+            sight.blocked(),
             shade.light_factors(),
-            shade.direct(),
+            sight.direct(),
             shade.lit(),
             trace.nearest(),
-            trace.sphere_radiance(),
-            trace.floor_radiance(),
-            trace.see(),
+            sight.sight(),
             gather.frame(),
             lobe_sums.sample_depth(),
             lobe_sums.sample_direction(),

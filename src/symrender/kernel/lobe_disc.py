@@ -7,15 +7,16 @@ import sympy as sp
 from symrender.expression.lobe import mirror_direction
 from symrender.expression.vectors import Vec3, dot, norm2, unit, vec3
 from symrender.kernel.block import Block, real, whole
-from symrender.kernel.lobe_sums import ESTIMATE, WORLD
+from symrender.kernel.lobe_sums import ESTIMATE
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
 from symrender.kernel.program import Array, Function
-from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, row_vector
+from symrender.kernel.shade import FLOOR, POINTS, SPHERES, row_vector
+from symrender.kernel.sight import WORLD
 from symrender.kernel.words import xor
 from symrender.scene import arrays as at
 
 DISC = Array("disc", 1)
-"""Point 0:3, normal 3:6, incoming direction 6:9, hit class 9, radius by lobe weight (1) or by angle (0) 10, pixels 11."""
+"""Point 0:3, normal 3:6, incoming direction 6:9, hit class 9, radius by lobe weight 1 or angle 0 10, pixels 11."""
 LABELS = Array("labels", 1)
 """Scratch: the chambers met so far, at most ``MAX_CHAMBERS``."""
 MAX_CHAMBERS = 64
@@ -88,8 +89,8 @@ def chambers_met() -> Function:
             block.store(LABELS[found], label)
             block.set(found, found + 1)
     block.leave(found)
-    parameters = (*p.parts, *normal.parts, *incoming.parts, leaves, ESTIMATE, LOBES, RINGS, SECTORS)
-    parameters = (*parameters, SPHERES, FLOOR, POINTS, LABELS)
+    tables = (ESTIMATE, LOBES, RINGS, SECTORS, SPHERES, FLOOR, POINTS, LABELS)
+    parameters = (*p.parts, *normal.parts, *incoming.parts, leaves, *tables)
     return Function("chambers_met", parameters, block.statements, "number of chambers among the strata's directions")
 
 
@@ -159,7 +160,7 @@ def pixel_disc() -> Function:
     w = block.let_vector("w", u1 * (sine * x / rho) + u2 * (sine * y / rho) + m * sp.cos(theta))
     with block.when(dot(w, normal) <= 0):
         block.leave(sp.Integer(0), sp.Integer(0), sp.Integer(0), sp.Integer(-1))
-    rgb = block.call("see", (p, w, leaves, SHADING[5], *WORLD), "r", "g", "blue", "shape", "distance")[:3]
+    rgb = block.call("sight", (p, w, leaves, *WORLD), "r", "g", "blue", "shape")[:3]
     block.call("chamber", (p, w, leaves, SPHERES, FLOOR, POINTS), "mixed")
     block.leave(*rgb, sp.floor(sp.Mod(whole("mixed"), 1 << 22)))
     parameters = (column, row, DISC, LOBES, *WORLD)

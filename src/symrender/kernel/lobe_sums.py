@@ -13,13 +13,11 @@ from symrender.expression.vectors import Vec3, dot, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS, log_power
 from symrender.kernel.program import Array, Function
-from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
-from symrender.kernel.trace import EYE
+from symrender.kernel.sight import WORLD
 from symrender.scene import arrays as at
 
 ESTIMATE = Array("estimate", 1)
 """K 0, seed 1, normalised 2, rows of ``rings`` a lobe 3."""
-WORLD = (EYE, SPHERES, FLOOR, POINTS, SHADING)
 
 
 def _lobe_of(block: Block, leaves: sp.Symbol) -> tuple[sp.Symbol, sp.Symbol]:
@@ -66,7 +64,7 @@ def _add_seen(block: Block, p: Vec3, normal: Vec3, frame: tuple[Vec3, Vec3, Vec3
     w = block.let_vector("w", u1 * x + u2 * y + m * z)
     with block.when(dot(w, normal) <= 0):
         block.next()
-    seen = block.call("see", (p, w, whole("leaves"), SHADING[5], *WORLD), "r", "g", "blue", "shape", "distance")
+    seen = block.call("sight", (p, w, whole("leaves"), *WORLD), "r", "g", "blue", "shape")
     for name, value in zip("rgb", seen, strict=False):
         block.set(real(f"sum_{name}"), real(f"sum_{name}") + weight * value)
 

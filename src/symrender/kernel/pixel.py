@@ -7,10 +7,11 @@ import sympy as sp
 from symrender.expression.vectors import Vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_disc import LABELS
-from symrender.kernel.lobe_sums import ESTIMATE, WORLD
+from symrender.kernel.lobe_sums import ESTIMATE
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
+from symrender.kernel.sight import WORLD
 from symrender.kernel.tile import AXES, CAMERA, FRAME, look_at_pixel, shade_pixel
 from symrender.kernel.trace import EYE
 from symrender.scene import arrays as at

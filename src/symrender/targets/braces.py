@@ -76,7 +76,9 @@ class Writer(ABC):
         """Lines that return more than one value, or none."""
 
     @abstractmethod
-    def call_lines(self, name: str, targets: Sequence[str], arguments: Sequence[str], results: Sequence[bool]) -> list[str]:
+    def call_lines(
+        self, name: str, targets: Sequence[str], arguments: Sequence[str], results: Sequence[bool]
+    ) -> list[str]:
         """Lines of a call with more than one result, or none."""
 
     # expressions
@@ -172,7 +174,7 @@ class Writer(ABC):
         return text
 
     def _product(self, e: sp.Mul, whole: bool) -> tuple[str, int]:
-        coefficient, rest = e.as_coeff_Mul()
+        coefficient = e.as_coeff_Mul()[0]
         if coefficient.is_negative:
             return f"-{self._typed(-e, whole, _UNARY if coefficient == -1 else _PRODUCT)}", _UNARY
         over = [1 / f for f in e.args if f.is_Pow and f.exp.is_number and f.exp.is_negative]
@@ -225,7 +227,10 @@ class Writer(ABC):
         self.whole = held
         if not rows:
             return ()
-        return tuple(all(v.is_integer for v in column) and any(not v.is_number for v in column) for column in zip(*rows, strict=True))
+        return tuple(
+            all(v.is_integer for v in column) and any(not v.is_number for v in column)
+            for column in zip(*rows, strict=True)
+        )
 
     def function(self, function: Function) -> str:
         """Text of one function."""
@@ -236,8 +241,7 @@ class Writer(ABC):
         lines = [self.header(function, self.results(function))]
         reals = [self.name(n) for n in own if n not in self.whole]
         lines += self.declarations(reals, [self.name(n) for n in own if n in self.whole])
-        lines += self._body(function, function.body, 1)
-        return "\n".join([*lines, "}"])
+        return "\n".join([*lines, *self._body(function, function.body, 1), "}"])
 
     def _body(self, function: Function, body: Sequence[Statement], depth: int) -> list[str]:
         pad = "  " * depth
@@ -275,7 +279,9 @@ class Writer(ABC):
         ]
         for p, a in zip(callee.parameters, call.arguments, strict=True):
             if isinstance(p, Array) and p.name != a.name:
-                raise ValueError(f"{callee.name} is called with {a.name} for {p.name}: arrays are global in this language")
+                raise ValueError(
+                    f"{callee.name} is called with {a.name} for {p.name}: arrays are global in this language"
+                )
         arguments = [a for p, a in zip(callee.parameters, arguments, strict=True) if self.passes(p)]
         results = self.results(callee)
         if len(results) == 1:

@@ -20,13 +20,125 @@ from symrender.targets.interface import Target
 _FAR: Final = "3.402823e38"
 _ROWS: Final = 4
 _RESERVED: Final = frozenset(
-    "attribute uniform varying layout centroid flat smooth break continue do for while switch case default if else in "
-    "out inout true false invariant discard return lowp mediump highp precision sampler struct common partition active "
-    "asm class union enum typedef template this resource goto inline noinline volatile public static extern external "
-    "interface long short double half fixed unsigned superp input output filter sizeof cast namespace using shared "
-    "patch sample subroutine coherent restrict readonly writeonly noise radians degrees sin cos tan asin acos atan "
-    "sinh cosh tanh pow exp log exp2 log2 sqrt abs sign floor trunc round ceil fract mod modf min max clamp mix step "
-    "smoothstep isnan isinf length distance dot cross normalize reflect refract main result".split()
+    [
+        "attribute",
+        "uniform",
+        "varying",
+        "layout",
+        "centroid",
+        "flat",
+        "smooth",
+        "break",
+        "continue",
+        "do",
+        "for",
+        "while",
+        "switch",
+        "case",
+        "default",
+        "if",
+        "else",
+        "in",
+        "out",
+        "inout",
+        "true",
+        "false",
+        "invariant",
+        "discard",
+        "return",
+        "lowp",
+        "mediump",
+        "highp",
+        "precision",
+        "sampler",
+        "struct",
+        "common",
+        "partition",
+        "active",
+        "asm",
+        "class",
+        "union",
+        "enum",
+        "typedef",
+        "template",
+        "this",
+        "resource",
+        "goto",
+        "inline",
+        "noinline",
+        "volatile",
+        "public",
+        "static",
+        "extern",
+        "external",
+        "interface",
+        "long",
+        "short",
+        "double",
+        "half",
+        "fixed",
+        "unsigned",
+        "superp",
+        "input",
+        "output",
+        "filter",
+        "sizeof",
+        "cast",
+        "namespace",
+        "using",
+        "shared",
+        "patch",
+        "sample",
+        "subroutine",
+        "coherent",
+        "restrict",
+        "readonly",
+        "writeonly",
+        "noise",
+        "radians",
+        "degrees",
+        "sin",
+        "cos",
+        "tan",
+        "asin",
+        "acos",
+        "atan",
+        "sinh",
+        "cosh",
+        "tanh",
+        "pow",
+        "exp",
+        "log",
+        "exp2",
+        "log2",
+        "sqrt",
+        "abs",
+        "sign",
+        "floor",
+        "trunc",
+        "round",
+        "ceil",
+        "fract",
+        "mod",
+        "modf",
+        "min",
+        "max",
+        "clamp",
+        "mix",
+        "step",
+        "smoothstep",
+        "isnan",
+        "isinf",
+        "length",
+        "distance",
+        "dot",
+        "cross",
+        "normalize",
+        "reflect",
+        "refract",
+        "main",
+        "result",
+    ]
 )
 _HELPERS: Final[dict[str, tuple[tuple[str, ...], str]]] = {
     "own_sqrt": ((), "float own_sqrt(float x) { return sqrt(max(x, 0.0)); }"),
@@ -188,7 +300,7 @@ class _Glsl(Writer):
 
     def header(self, function: Function, results: Sequence[bool]) -> str:
         parameters = [
-            f"{'int' if p.is_integer else 'float'} {self.name(p.name)}" for p in function.parameters if self.passes(p)
+            f"{_kind(bool(p.is_integer))} {self.name(p.name)}" for p in function.parameters if isinstance(p, sp.Symbol)
         ]
         kind = "void"
         if len(results) == 1:
@@ -215,7 +327,7 @@ class _Glsl(Writer):
         self, name: str, targets: Sequence[str], arguments: Sequence[str], results: Sequence[bool]
     ) -> list[str]:
         lines, passed = [], []
-        spare = [t for t in targets]
+        spare = list(targets)
         for k, whole in enumerate(results):
             target = spare[k] if k < len(spare) else f"rest_{k}"
             if k >= len(spare) or (target in self.whole) != whole:

@@ -1,0 +1,43 @@
+"""``symrender simulator``: a scene as one offline HTML page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symrender.cli._options import DEFAULT_SCENE, Define, Force, Quiet, SceneArgument, scene_files, scene_with
+
+
+def simulator(
+    scene: SceneArgument = DEFAULT_SCENE,
+    out: Annotated[Path, typer.Option("--out", "-o", help="The HTML file to write.")] = Path("simulator.html"),
+    serve: Annotated[
+        bool, typer.Option("--serve", help="Serve the page on this machine instead of writing it.")
+    ] = False,
+    port: Annotated[int, typer.Option(help="Port to serve on; 0 takes a free one.", min=0, max=65535)] = 0,
+    define: Define = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compile a scene to one self-contained HTML page: sliders, both estimators, the lobe drawn; no network.
+
+    Example: symrender simulator gloss -o gloss.html
+    """
+    from symrender.output import check_target
+
+    chosen = scene_with(scene, define)
+    if not serve:
+        check_target(out, force=force, inputs=scene_files(scene))
+    from symrender.simulator.build import simulator as build
+
+    made = build(chosen)
+    if serve:
+        from symrender.simulator.serve import serve as serve_page
+
+        serve_page(made, port=port, told=None if quiet else typer.echo)
+        return
+    made.save(out, force=force)
+    if not quiet:
+        typer.echo(f"wrote {out} ({len(made.html.encode()) / 1000:.0f} kB)")

@@ -1,0 +1,1 @@
+"""The live simulator: a scene compiled to one offline HTML file."""

@@ -1,0 +1,186 @@
+"""Simulator: one self-contained HTML file in which a scene is rendered live, by both estimators.
+
+The page holds the program twice: as GLSL for its panels and as JavaScript, in double precision, for the probe. Both
+are emitted from the formulas; nothing of the mathematics is written in the page. Nothing is loaded from anywhere.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html as html_text
+import json
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from symrender.errors import Unsupported
+from symrender.limits import MAX_SIMULATOR_LIGHT_POINTS, MAX_SIMULATOR_LOBE, MAX_SIMULATOR_SPHERES
+from symrender.output import write_bytes
+from symrender.scene import arrays as at
+from symrender.scene.light import DiskLight
+from symrender.scene.load import load
+from symrender.scene.texture import Checker
+from symrender.simulator.columns import entries
+from symrender.simulator.presets import glossy, presets
+from symrender.simulator.state import State
+from symrender.version import VERSION
+from symrender.views import CLASSES, SEQUENTIAL
+
+if TYPE_CHECKING:
+    from symrender.kernel.program import Program
+    from symrender.scene.scene import Scene
+
+_SCRIPTS: Final = ("tables.js", "gpu.js", "present.js", "disc.js", "controls.js", "video.js", "page.js")
+_DISK_STRATA: Final = 2
+_VERTEX: Final = """#version 300 es
+void main() {
+  // one triangle that covers the target
+  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
+}
+"""
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """A scene's page: ``html`` is the whole file, ``name`` the scene's; shown inline in a notebook."""
+
+    html: str
+    name: str
+
+    def save(self, path: str | Path, *, force: bool = True) -> None:
+        """Write the page; ``OutputError`` when it cannot be written."""
+        write_bytes(path, self.html.encode(), force=force)
+
+    def _repr_html_(self) -> str:
+        return (
+            f'<iframe srcdoc="{html_text.escape(self.html)}" width="100%" height="900" '
+            'style="border: 0" title="symrender simulator"></iframe>'
+        )
+
+
+def simulator(scene: Scene | str | Path | dict[str, Any], path: str | Path | None = None) -> Simulator:
+    """Compile ``scene`` to one offline HTML page, and write it to ``path`` if one is given.
+
+    The page needs a browser with WebGL 2 and float targets; it opens from the file system and inside a frame. Raises
+    ``Unsupported`` beyond ``MAX_SIMULATOR_SPHERES`` spheres or ``MAX_SIMULATOR_LIGHT_POINTS`` light points (a disk
+    counts four), and ``OutputError`` when the file cannot be written.
+    """
+    chosen = load(scene)
+    _check(chosen)
+    made = Simulator(_page(chosen), chosen.name)
+    if path is not None:
+        made.save(path)
+    return made
+
+
+def _check(scene: Scene) -> None:
+    points = light_point_count(scene)
+    for what, count, most in (
+        ("spheres", len(scene.spheres), MAX_SIMULATOR_SPHERES),
+        ("light points", points, MAX_SIMULATOR_LIGHT_POINTS),
+    ):
+        if count > most:
+            raise Unsupported(f"simulator: {count} {what} exceed {most}, the most a page's uniform blocks hold")
+
+
+@cache
+def _program() -> Program:
+    from symrender.kernel.assemble_pixels import pixel_program
+
+    return pixel_program()
+
+
+@cache
+def script() -> str:
+    """The program in JavaScript, the same for every scene."""
+    from symrender.targets import javascript
+
+    return javascript.emit(_program())
+
+
+@cache
+def shaders() -> dict[str, str]:
+    """The fragment shaders by pass, the same for every scene."""
+    from symrender.kernel.assemble_pixels import PASSES
+    from symrender.targets import glsl
+
+    return {name: glsl.emit(_program().part(name)) for name in PASSES}
+
+
+def light_point_count(scene: Scene) -> int:
+    """Points the lights of a scene are replaced by in a page: a disk is four, whatever its radius."""
+    return sum(_DISK_STRATA**2 if isinstance(light, DiskLight) else 1 for light in scene.lights)
+
+
+def page_data(scene: Scene) -> dict[str, Any]:
+    """What the page is told of the scene: plain data only."""
+    from symrender.kernel.assemble_pixels import TABLES
+    from symrender.targets.glsl import blocks
+
+    arrays = at.scene_arrays(scene)
+    spheres = arrays.spheres.copy()
+    # a texture that may be chosen later takes its defaults where the present one has no such number
+    for row, sphere in zip(spheres, scene.spheres, strict=True):
+        for column, key in ((at.KU, "ku"), (at.KV, "kv"), (at.DARK, "dark")):
+            if not hasattr(sphere.texture, key):
+                row[column] = getattr(Checker(), key)
+    return {
+        "name": scene.name,
+        "description": scene.description,
+        "hash": scene.hash,
+        "version": VERSION,
+        "arrays": {
+            "spheres": spheres.tolist(),
+            **{name: getattr(arrays, name).tolist() for name in ("floor", "lights", "shading", "camera")},
+        },
+        "lightColumns": at.LIGHT_COLUMNS,
+        "spheres": [sphere.name for sphere in scene.spheres],
+        "lights": [{"name": light.name, "disk": isinstance(light, DiskLight)} for light in scene.lights],
+        "glossy": glossy(scene),
+        "parameters": list(entries(scene)),
+        "defaults": asdict(State()),
+        "presets": [asdict(p) for p in presets(scene)],
+        "limits": {"lobe": MAX_SIMULATOR_LOBE},
+        "tables": {name: {"columns": t.columns, "rows": t.rows} for name, t in TABLES.items()},
+        "blocks": blocks(),
+        "shaders": shaders(),
+        "vertex": _VERTEX,
+        "classes": CLASSES,
+        "scale": SEQUENTIAL,
+    }
+
+
+def escaped(data: Any) -> str:
+    """JSON that cannot end, open or comment out an element it stands in."""
+    text = json.dumps(data, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _page(scene: Scene) -> str:
+    files = resources.files("symrender.simulator") / "page"
+    style = (files / "style.css").read_text(encoding="utf-8")
+    code = "\n".join([script(), *((files / name).read_text(encoding="utf-8") for name in _SCRIPTS)])
+    code = f'(() => {{\n"use strict";\n{code}\n}})();'
+    policy = (
+        f"default-src 'none'; script-src {_digest(code)}; style-src {_digest(style)}; img-src data: blob:; "
+        "media-src blob:; base-uri 'none'; form-action 'none'"
+    )
+    holes = {
+        "policy": html_text.escape(policy),
+        "title": html_text.escape(f"{scene.name}: symrender simulator"),
+        "style": style,
+        "script": code,
+        "data": escaped(page_data(scene)),
+    }
+    text = (files / "page.html").read_text(encoding="utf-8")
+    parts = text.split("@@")
+    if sorted(parts[1::2]) != sorted(holes):
+        raise ValueError("page.html: holes and values differ")
+    return "".join(holes[part] if k % 2 else part for k, part in enumerate(parts))
+
+
+def _digest(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"

@@ -1,0 +1,134 @@
+// WebGL 2: one fragment shader a pass, float targets, tables in uniform blocks. Nothing here waits on the GPU.
+
+class Gpu {
+  constructor(canvas) {
+    this.gl = canvas.getContext("webgl2", { antialias: false, depth: false, preserveDrawingBuffer: false });
+    if (!this.gl) throw new Error("this browser offers no WebGL 2");
+    if (!this.gl.getExtension("EXT_color_buffer_float")) throw new Error("this GPU cannot draw into float textures");
+    this.restore();
+  }
+
+  restore() {
+    const gl = this.gl;
+    this.programs = new Map();
+    this.targets = new Map();
+    this.buffers = new Map();
+    Object.keys(data.blocks).forEach((block, index) => {
+      const buffer = gl.createBuffer();
+      gl.bindBufferBase(gl.UNIFORM_BUFFER, index, buffer);
+      this.buffers.set(block, buffer);
+    });
+    gl.bindVertexArray(gl.createVertexArray());
+  }
+
+  program(pass) {
+    if (this.programs.has(pass)) return this.programs.get(pass);
+    const gl = this.gl, made = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, data.vertex], [gl.FRAGMENT_SHADER, data.shaders[pass]]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) {
+        throw new Error(`${pass}: ${gl.getShaderInfoLog(shader)}`);
+      }
+      gl.attachShader(made, shader);
+    }
+    gl.linkProgram(made);
+    if (!gl.getProgramParameter(made, gl.LINK_STATUS) && !gl.isContextLost()) {
+      throw new Error(`${pass}: ${gl.getProgramInfoLog(made)}`);
+    }
+    Object.keys(data.blocks).forEach((block, index) => {
+      const place = gl.getUniformBlockIndex(made, block);
+      if (place !== gl.INVALID_INDEX) gl.uniformBlockBinding(made, place, index);
+    });
+    this.programs.set(pass, made);
+    return made;
+  }
+
+  upload(t) {
+    const gl = this.gl;
+    this.rows = { spheres: t.spheres.length / data.tables.spheres.columns, points: t.points.length / data.tables.points.columns };
+    Object.entries(data.blocks).forEach(([block, names], index) => {
+      const parts = names.map((name) => padded(t[name], data.tables[name]));
+      const whole = new Float32Array(parts.reduce((sum, part) => sum + part.length, 0));
+      parts.reduce((start, part) => (whole.set(part, start), start + part.length), 0);
+      gl.bindBufferBase(gl.UNIFORM_BUFFER, index, this.buffers.get(block));
+      gl.bufferData(gl.UNIFORM_BUFFER, whole, gl.DYNAMIC_DRAW);
+    });
+  }
+
+  target(pass, size) {
+    const gl = this.gl, key = `${pass} ${size}`;
+    if (!this.targets.has(key)) {
+      const texture = gl.createTexture(), frame = gl.createFramebuffer(), pack = gl.createBuffer();
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, size, size);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+      gl.bindBuffer(gl.PIXEL_PACK_BUFFER, pack);
+      gl.bufferData(gl.PIXEL_PACK_BUFFER, size * size * 16, gl.STREAM_READ);
+      gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+      this.targets.set(key, { frame, pack });
+    }
+    return this.targets.get(key);
+  }
+
+  // Rows y0 to y1 of a pass; resolves to the milliseconds it took.
+  async draw(pass, size, y0, y1) {
+    const gl = this.gl, start = performance.now(), made = this.program(pass), target = this.target(pass, size);
+    gl.useProgram(made);
+    gl.uniform1i(gl.getUniformLocation(made, "spheres_rows"), this.rows.spheres);
+    gl.uniform1i(gl.getUniformLocation(made, "points_rows"), this.rows.points);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
+    gl.viewport(0, 0, size, size);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, y0, size, y1 - y0);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    await this.finished();
+    return performance.now() - start;
+  }
+
+  // Pixels of a finished pass, four numbers each, row 0 on top.
+  async read(pass, size) {
+    const gl = this.gl, target = this.target(pass, size), values = new Float32Array(size * size * 4);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, target.pack);
+    gl.readPixels(0, 0, size, size, gl.RGBA, gl.FLOAT, 0);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    await this.finished();
+    if (gl.isContextLost()) return values;
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, target.pack);
+    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, values);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    return values;
+  }
+
+  async finished() {
+    const gl = this.gl, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    while (!gl.isContextLost()) {
+      const found = gl.clientWaitSync(fence, 0, 0);
+      if (found === gl.ALREADY_SIGNALED || found === gl.CONDITION_SATISFIED) break;
+      await nextTask();
+    }
+    gl.deleteSync(fence);
+  }
+}
+
+// A table as rows of vec4, padded to its most rows.
+function padded(values, table) {
+  const width = 4 * Math.ceil(table.columns / 4), whole = new Float32Array(width * table.rows);
+  for (let k = 0; k < values.length; k++) {
+    whole[Math.floor(k / table.columns) * width + (k % table.columns)] = values[k];
+  }
+  return whole;
+}
+
+const channel = new MessageChannel(), waiting = [];
+channel.port1.onmessage = () => waiting.shift()();
+function nextTask() {
+  return new Promise((resolve) => {
+    waiting.push(resolve);
+    channel.port2.postMessage(0);
+  });
+}

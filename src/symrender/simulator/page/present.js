@@ -1,0 +1,102 @@
+// Float pixels to pictures, and the ledger of what is shown.
+
+const SRGB = new Uint8ClampedArray(4097).map((_, k) => {
+  const c = k / 4096;
+  return Math.round(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055));
+});
+const encoded = (c) => SRGB[c <= 0 ? 0 : c >= 1 ? 4096 : Math.round(c * 4096)];
+const classColors = data.classes.map(rgbOf), scaleColors = data.scale.map(rgbOf);
+
+function rgbOf(hex) {
+  return [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
+}
+
+function onScale(t) {
+  const place = Math.min(1, Math.max(0, t)) * (scaleColors.length - 1), k = Math.min(Math.floor(place), scaleColors.length - 2);
+  return scaleColors[k].map((c, i) => Math.round(c + (place - k) * (scaleColors[k + 1][i] - c)));
+}
+
+const classColor = (shape) => classColors[shape < 2 ? shape : 2 + ((shape - 2) % (classColors.length - 2))];
+
+// What a panel shows at pixel k, channel c: radiance, the gloss as it is reflected, or direct light.
+function shown(frame, side, view, k, c) {
+  const direct = frame.pixel_direct[4 * k + c];
+  if (view === "direct") return direct;
+  const gloss = frame[side][4 * k + c], weight = frame[side][4 * k + 3];
+  return program.reflected(view === "gloss" ? 0 : direct, weight, gloss);
+}
+
+function present(canvases, frame, state) {
+  const size = frame.size, gain = 2 ** state.exposure, scale = 10 ** state.difference * gain;
+  const categorical = state.view === "class" || state.view === "chambers";
+  const most = state.view === "chambers" ? frame.pixel_chambers.reduce((m, v, k) => (k % 4 ? m : Math.max(m, v)), 1) : 1;
+  for (const [name, canvas] of Object.entries(canvases)) {
+    if (canvas.width !== size) canvas.width = canvas.height = size;
+    const image = new ImageData(size, size), out = image.data;
+    for (let k = 0; k < size * size; k++) {
+      out[4 * k + 3] = 255;
+      if (categorical && name !== "difference") {
+        const color = state.view === "class" ? classColor(frame.pixel_direct[4 * k + 3]) : chambersColor(frame.pixel_chambers[4 * k], most);
+        out.set(color, 4 * k);
+        continue;
+      }
+      for (let c = 0; c < 3; c++) {
+        const numeric = () => shown(frame, "pixel_numeric", state.view, k, c), symbolic = () => shown(frame, "pixel_symbolic", state.view, k, c);
+        const value = name === "numeric" ? gain * numeric() : name === "symbolic" ? gain * symbolic() : scale * Math.abs(numeric() - symbolic());
+        out[4 * k + c] = encoded(value);
+      }
+    }
+    canvas.getContext("2d").putImageData(image, 0, 0);
+  }
+  return most;
+}
+
+function chambersColor(count, most) {
+  return count === 0 ? classColors[0] : onScale(most > 1 ? (count - 1) / (most - 1) : 0);
+}
+
+// Differences over the interior: pixels whose four neighbours meet the same shape.
+function differences(frame, view) {
+  const size = frame.size, same = (a, b) => frame.pixel_direct[4 * a + 3] === frame.pixel_direct[4 * b + 3];
+  const kind = view === "gloss" || view === "direct" ? view : "full";
+  let squares = 0, signal = 0, most = 0, pixels = 0;
+  for (let y = 1; y < size - 1; y++) {
+    for (let x = 1; x < size - 1; x++) {
+      const k = y * size + x;
+      if (!(same(k, k - 1) && same(k, k + 1) && same(k, k - size) && same(k, k + size))) continue;
+      pixels++;
+      for (let c = 0; c < 3; c++) {
+        const s = shown(frame, "pixel_symbolic", kind, k, c), d = shown(frame, "pixel_numeric", kind, k, c) - s;
+        squares += d * d;
+        signal += s * s;
+        most = Math.max(most, Math.abs(d));
+      }
+    }
+  }
+  const count = Math.max(1, 3 * pixels);
+  return { rms: Math.sqrt(squares / count), most, signal: Math.sqrt(signal / count), pixels };
+}
+
+// float32 against float64 in a fixed sample of pixels; a pixel beyond ``FLIP`` sees something else across an edge.
+const FLIP = 1e-3;
+function ownError(frame, t) {
+  const size = frame.size, count = Math.min(220, size * size);
+  let most = 0, flips = 0;
+  for (let i = 0; i < count; i++) {
+    const k = Math.floor(((i * 0.6180339887498949) % 1) * size * size), column = k % size, row = Math.floor(k / size);
+    const exact = { pixel_direct: directExact(t, column, row), pixel_numeric: glossExact("pixel_numeric", t, column, row), pixel_symbolic: glossExact("pixel_symbolic", t, column, row) };
+    let worst = 0;
+    for (const [pass, values] of Object.entries(exact)) {
+      for (let c = 0; c < 3; c++) worst = Math.max(worst, Math.abs(values[c] - frame[pass][4 * k + c]));
+    }
+    if (worst > FLIP) flips++;
+    else most = Math.max(most, worst);
+  }
+  return { most, flips, count };
+}
+
+function short(value) {
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  return size >= 1e-3 && size < 1e4 ? String(Number(value.toPrecision(3))) : value.toExponential(1).replace("e", "e").replace("+", "");
+}

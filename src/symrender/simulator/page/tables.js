@@ -1,0 +1,105 @@
+// The scene as the tables the program reads, and the state that changes them.
+
+const data = JSON.parse(document.getElementById("data").textContent);
+const LOOK_AT = 1, DISK_STRATA = 2;
+const PARTITIONS = ["equal_angle", "equal_solid_angle", "equal_weight"];
+const WEIGHTS = ["exact", "midpoint"], NODES = ["midpoint", "barycentre"];
+const parameters = new Map(data.parameters.map((p) => [p.name, p]));
+
+function defaults() {
+  return structuredClone(data.defaults);
+}
+
+// Every number of the scene with the state's changes applied, and all that follows from them.
+function makeTables(state) {
+  const t = {};
+  for (const [name, values] of Object.entries(data.arrays)) t[name] = Float64Array.from(values.flat());
+  for (const [name, value] of Object.entries(state.scene)) {
+    const p = parameters.get(name);
+    t[p.at[0]][p.at[1]] = typeof value === "string" ? p.choices.indexOf(value) : value;
+  }
+  const size = state.size;
+  t.image_frame = Float64Array.of(0, 0, size, size, size, size, 1);
+  t.eye = t.camera.slice(1, 4);
+  t.axes = new Float64Array(10);
+  if (t.camera[0] === LOOK_AT) program.camera_axes(t.camera, t.axes);
+  t.points = lightPoints(t.lights, state.off);
+  const rows = 1 + t.spheres.length / data.tables.spheres.columns;
+  t.disc = new Float64Array(12);
+  Object.assign(t, ruleTables(t, rows, state, state.lobe, data.limits.lobe));
+  return t;
+}
+
+function lightPoints(lights, off) {
+  const rows = [], columns = data.lightColumns;
+  for (let l = 0; l < lights.length / columns; l++) {
+    const light = lights.subarray(l * columns, (l + 1) * columns);
+    if (off.includes(data.lights[l].name)) continue;
+    const k = data.lights[l].disk && light[4] > 0 ? DISK_STRATA : 1;
+    for (let a = 0; a < k; a++) {
+      for (let b = 0; b < k; b++) {
+        let place = light.subarray(1, 4);
+        if (k > 1) {
+          program.light_point(...light.subarray(1, 4), ...light.subarray(8, 11), light[4], (a + 0.5) / k, (b + 0.5) / k);
+          place = program.R.slice(0, 3);
+        }
+        rows.push(...place, ...light.subarray(5, 8).map((c) => c / (k * k)));
+      }
+    }
+  }
+  return Float64Array.from(rows);
+}
+
+function surfaceLobe(t, row) {
+  const columns = data.tables.spheres.columns;
+  const first = row === 0 ? t.floor.subarray(11, 14) : t.spheres.subarray((row - 1) * columns + 11, row * columns);
+  return { weight: first[0], exponent: first[1], thetaMax: first[2] };
+}
+
+// Rules of every surface (or of one) with ``count`` rings, ``stride`` rows of the table for each.
+function ruleTables(t, rows, rule, count, stride, only = -1) {
+  const lobes = new Float64Array(rows * 4), rings = new Float64Array(rows * stride * 4);
+  const sectors = new Float64Array(stride * 2);
+  for (let row = 0; row < rows; row++) {
+    const lobe = surfaceLobe(t, row);
+    if (lobe.weight <= 0 || (only >= 0 && row !== only)) continue;
+    program.fill_lobe(row, lobe.exponent, lobe.thetaMax, count, stride, PARTITIONS.indexOf(rule.partition),
+      WEIGHTS.indexOf(rule.weights), NODES.indexOf(rule.nodes), rule.normalised ? 1 : 0, lobes, rings);
+  }
+  program.fill_sectors(count, sectors);
+  const estimate = Float64Array.of(count, rule.seed, rule.normalised ? 1 : 0, stride);
+  return { lobes, rings, sectors, estimate };
+}
+
+const world = (t) => [t.eye, t.spheres, t.floor, t.points, t.shading];
+const lens = (t) => [t.image_frame, t.camera, t.axes];
+
+// What the ray through a pixel meets, in double precision.
+function lookAt(t, column, row) {
+  program.look(row, column, ...lens(t), t.eye, t.spheres, t.floor);
+  const r = Array.from(program.R.subarray(0, 12));
+  return { shape: r[0], d: r.slice(3, 6), q: r.slice(6, 9), n: r.slice(9, 12) };
+}
+
+function glossExact(name, t, column, row) {
+  const tables = name === "pixel_numeric" ? [t.estimate, t.lobes] : [t.estimate, t.lobes, t.rings, t.sectors];
+  program[name](column, row, ...lens(t), ...tables, ...world(t));
+  return Array.from(program.R.subarray(0, 4));
+}
+
+function directExact(t, column, row) {
+  program.pixel_direct(column, row, ...lens(t), ...world(t));
+  return Array.from(program.R.subarray(0, 4));
+}
+
+// The gloss by a fine rule of equal weight; what its value changes by when the rule is halved is its stated error.
+function reference(t, seen, finest) {
+  const rows = 1 + t.spheres.length / data.tables.spheres.columns;
+  const rule = { partition: "equal_weight", weights: "exact", nodes: "barycentre", normalised: false, seed: 0 };
+  const [half, whole] = [finest / 2, finest].map((k) => {
+    const r = ruleTables(t, rows, rule, k, k, seen.shape - 1);
+    program.strata_gloss(...seen.q, ...seen.n, ...seen.d, seen.shape, r.estimate, r.lobes, r.rings, r.sectors, ...world(t));
+    return Array.from(program.R.subarray(0, 3));
+  });
+  return { value: whole, error: Math.max(...whole.map((v, c) => Math.abs(v - half[c]))) };
+}
