@@ -36,11 +36,13 @@ def anchor(
     Far from every wall the distance falls as 1/n (slope -1 in log n): the radiance's Laplacian times the lobe's
     variance. Pixels whose mirror ray passes within a few lobe widths of a wall close more slowly; they are the
     upper percentiles and the RMS. A sampler of N = K^2 points leaves the line where its noise 1/(N sqrt n) passes 1/n,
-    near n = N^2. Raises OptionError where nothing is lit, SceneError for a scene whose floor has no lobe.
+    near n = N^2. Raises OptionError where nothing is lit, and for a scene whose floor has no lobe.
     """
     if len(exponents) < 2 or any(not 1 <= n <= 1e12 for n in exponents):
         raise OptionError(f"exponents: must be at least two numbers from 1 to 1e12, got {list(exponents)!r}")
     of = subject(scene, size=size, surface="floor", disk=disk, seed=seed)
+    if of.scene.floor is None or of.scene.floor.lobe is None:
+        raise OptionError(f"scene: {of.scene.name} has no floor with a lobe; there is nothing to anchor")
     lit_pixels = 0
     rows: list[tuple[Cell, ...]] = []
     for name, kind, settings in _RULES:
