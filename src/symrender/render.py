@@ -96,6 +96,8 @@ def render(
     partition: Partition = "equal_angle",
     disk: str = "2x2",
     aa: Antialias = "analytic",
+    tol: float = 1e-3,
+    budget: int = 1_000_000,
     seed: int = 7,
     threads: int = 0,
     tile: int = 0,
@@ -107,14 +109,15 @@ def render(
     """Render ``scene`` numerically and symbolically and compare.
 
     ``scene``: a gallery name, a path, a dict or a Scene. ``size``: N or (width, height) in pixels. ``lobe``: K of
-    K x K directions a lobe. ``numeric``: sampler of the conventional side, or ``none``. ``symbolic``: ``strata`` or
-    ``none``. ``weights``, ``nodes``, ``partition``: the strata rule (``quadrature/strata.py``). ``normalised``:
-    divide by the closed-form integral of the weight, not by the sum of weights met. ``disk``: the K x K centroids
-    rule of disk lights, the same on both sides, or ``exact`` (numeric only: unbiased samples). ``aa``: filter the
-    floor texture over the pixel (``analytic``) or read it at the centre (``none``). ``seed``: of the samplers.
-    ``threads``: 0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile,
-    0 to measure one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes
-    (``cluster.py``).
+    K x K directions a lobe. ``numeric``: sampler of the conventional side, or ``none``. ``symbolic``: ``strata``,
+    ``chambers`` (split at the walls, to ``tol`` in radiance or ``budget`` evaluations a pixel; the image has the
+    layers of ``truth``) or ``none``. ``weights``, ``nodes``, ``partition``: the strata rule
+    (``quadrature/strata.py``). ``normalised``: divide by the closed-form integral of the weight, not by the sum of
+    weights met. ``disk``: the K x K centroids rule of disk lights, the same on both sides, or ``exact`` (sampled
+    without bias by the numeric side, integrated by ``chambers``, refused by ``strata``). ``aa``: filter the floor
+    texture over the pixel (``analytic``) or read it at the centre (``none``). ``seed``: of the samplers. ``threads``:
+    0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile, 0 to measure
+    one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes (``cluster.py``).
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j). Raises SceneError, OptionError, and NonFiniteError naming the pixels.
@@ -134,6 +137,8 @@ def render(
         partition=partition,
         disk=disk,
         aa=aa,
+        tol=float(tol),
+        budget=budget,
         seed=seed,
         threads=threads,
         tile=tile,
@@ -146,12 +151,11 @@ def render(
 
 def plan(scene: Scene, settings: Settings) -> tuple[Job, ...]:
     """The jobs that make the images ``settings`` ask for; OptionError when they ask for none, or for one unknown."""
-    chosen = {"numeric": settings.numeric, "symbolic": settings.symbolic}
-    kinds = [kind for kind, choice in chosen.items() if choice != "none"]
+    symbolic = {"strata": "symbolic", "chambers": "truth"}
+    kinds = ["numeric"] if settings.numeric != "none" else []
+    kinds += [symbolic[settings.symbolic]] if settings.symbolic != "none" else []
     if not kinds:
         raise OptionError("numeric, symbolic: at least one must not be 'none'")
-    if settings.symbolic == "chambers":
-        raise OptionError("symbolic: 'chambers' is not available, choose 'strata' or 'none'")
     return tuple(Job.of(kind, scene, settings) for kind in kinds)
 
 
@@ -162,7 +166,7 @@ def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene) -> Pair:
     with numeric_beside() if len(jobs) == 2 else nullcontext():
         prepared(jobs[-1])
     for job in jobs:
-        images[job.kind], timings[job.kind] = _one(crew, job, scene)
+        images[job.side], timings[job.side] = _one(crew, job, scene)
     report = ledger(
         images.get("numeric"),
         images.get("symbolic"),
@@ -175,9 +179,9 @@ def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene) -> Pair:
 
 def _one(crew: Crew, job: Job, scene: Scene) -> tuple[Image, Timing]:
     layers, timing = crew.fill(job)
-    _check_finite(layers, scene, job.kind)
-    describe = _numeric_estimator if job.kind == "numeric" else _symbolic_estimator
-    return Image(layers, provenance(scene, job.settings, job.kind, describe(job.settings))), timing
+    _check_finite(layers, scene, job.side)
+    describe = _numeric_estimator if job.side == "numeric" else _symbolic_estimator
+    return Image(layers, provenance(scene, job.settings, job.side, describe(job.settings))), timing
 
 
 def _check_finite(layers: Mapping[str, Any], scene: Scene, method: str) -> None:
@@ -199,6 +203,8 @@ def _numeric_estimator(settings: Settings) -> str:
 
 
 def _symbolic_estimator(settings: Settings) -> str:
+    if settings.symbolic == "chambers":
+        return f"split at the walls, tol {settings.tol:g}, budget {settings.budget}"
     form = "normalised" if settings.normalised else "ratio"
     if settings.nodes == "gauss":
         return f"Gauss in cos^(n+1), {settings.lobe}x{settings.lobe}"

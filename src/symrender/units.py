@@ -37,15 +37,19 @@ CHANGES_NO_BYTE: Final = ("threads", "tile", "max_pixels")
 
 @dataclass(frozen=True)
 class Kind:
-    """Where the kernel of a kind of image comes from, and the layers it fills with their channels (1 or 3)."""
+    """Where the kernel of a kind of image comes from, the layers it fills with their channels (1 or 3), and its side.
+
+    ``side`` is the pipeline whose image it is where two are compared, ``numeric`` or ``symbolic``.
+    """
 
     module: str
     layers: tuple[tuple[str, int], ...]
+    side: str = "symbolic"
 
 
 _RENDER: Final = (("radiance", 3), ("direct", 3), ("gloss", 3), ("hit_class", 1))
 KINDS: Final[Mapping[str, Kind]] = {
-    "numeric": Kind("symrender.numeric.pipeline", _RENDER),
+    "numeric": Kind("symrender.numeric.pipeline", _RENDER, "numeric"),
     "symbolic": Kind("symrender.runtimes.image", _RENDER),
     "truth": Kind(
         "symrender.runtimes.truth",
@@ -62,6 +66,11 @@ class Job:
     scene: str
     scene_hash: str
     settings: Settings
+
+    @property
+    def side(self) -> str:
+        """The pipeline whose image this is: ``numeric`` or ``symbolic``."""
+        return KINDS[self.kind].side
 
     @classmethod
     def of(cls, kind: str, scene: Scene, settings: Settings) -> Job:

@@ -53,6 +53,8 @@ def render(
     partition: Annotated[Partition, typer.Option(help="How the lobe is cut into rings.")] = "equal_angle",
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
+    tol: Annotated[float, typer.Option(help="Error asked of chambers, scene radiance.")] = 1e-3,
+    budget: Annotated[int, typer.Option(help="Most evaluations a pixel of chambers.")] = 1_000_000,
     seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
     threads: Threads = 0,
     tile: Tile = 0,
@@ -96,6 +98,8 @@ def render(
         partition=partition,
         disk=disk,
         aa=aa,
+        tol=tol,
+        budget=budget,
         seed=seed,
         threads=threads,
         tile=tile,
@@ -112,7 +116,7 @@ def render(
     from symrender.render import carry_out, plan
 
     jobs = plan(chosen, settings)
-    names = [job.kind for job in jobs]
+    names = [job.side for job in jobs]
     folder = make_folder(out)
     journal = folder / "render.journal"
     # a journal is left only by a run that was allowed to replace these files
