@@ -77,7 +77,7 @@ def add_normal(work: Work, ax: float, ay: float, az: float, level: float, tag: i
         return
     a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
     a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
-    work.count[WALLS] = add_circle(work.walls, work.count[WALLS], NORMAL, a0, a1, a2, level, tag, shape)
+    work.counts[WALLS] = add_circle(work.walls, work.counts[WALLS], NORMAL, a0, a1, a2, level, tag, shape)
 
 
 @jitable
@@ -87,7 +87,7 @@ def add_direction(work: Work, ax: float, ay: float, az: float, cosine: float, ta
     a0 = ax * geo[POLE] + ay * geo[POLE + 1] + az * geo[POLE + 2]
     a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
     a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
-    work.count[WALLS] = add_circle(work.walls, work.count[WALLS], DIRECTION, a0, a1, a2, cosine, tag, shape)
+    work.counts[WALLS] = add_circle(work.walls, work.counts[WALLS], DIRECTION, a0, a1, a2, cosine, tag, shape)
 
 
 @jitable
@@ -103,14 +103,14 @@ def texture_walls(sphere: Array, work: Work, shape: int) -> None:
         return
     if ku > 0.0:
         for i in range(math.floor(ku) + 1):
-            if work.count[WALLS] > work.walls.shape[0]:
+            if work.counts[WALLS] > work.walls.shape[0]:
                 return
             a = 2.0 * math.pi * i / ku - math.pi
             add_normal(work, -math.sin(a), math.cos(a), 0.0, 0.0, TEXTURE_EDGE, shape)
     if kind == CHECKER:
         i = 1
         while i < kv:
-            if work.count[WALLS] > work.walls.shape[0]:
+            if work.counts[WALLS] > work.walls.shape[0]:
                 return
             add_normal(work, 0.0, 0.0, 1.0, math.cos(math.pi * i / kv), TEXTURE_EDGE, shape)
             i += 1
@@ -135,7 +135,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
     geo[BETA_MAX], geo[GAMMA_MAX] = math.asin(k), math.acos(k)
     geo[LIMB_TANGENT] = math.sqrt((1.0 - k) / (1.0 + k))
     set_frame(geo, lobe[0], lobe[1], lobe[2])
-    work.count[WALLS] = work.count[OCCLUDERS] = work.count[CASTERS] = 0
+    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
 
     # the plane through P that bounds what its surface can see cuts the sphere in a circle
     nx, ny, nz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
@@ -161,8 +161,8 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
         cosine = (ox * dx + oy * dy + oz * dz) / (d2 * dist)
         if math.acos(max(-1.0, min(1.0, cosine))) >= geo[BETA_MAX] + math.asin(k2):
             continue
-        work.occluders[work.count[OCCLUDERS]] = i
-        work.count[OCCLUDERS] += 1
+        work.occluders[work.counts[OCCLUDERS]] = i
+        work.counts[OCCLUDERS] += 1
         add_direction(work, ox / d2, oy / d2, oz / d2, math.sqrt((1.0 - k2) * (1.0 + k2)), SILHOUETTE, i)
         if crossing and apart > 0.0:
             level = (apart * apart + r * r - s[3] * s[3]) / (2.0 * apart * r)
@@ -176,7 +176,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
         far = math.sqrt(lx * lx + ly * ly + lz * lz)
         if far <= r:
             continue
-        if work.count[WALLS] > work.walls.shape[0]:
+        if work.counts[WALLS] > work.walls.shape[0]:
             break
         add_normal(work, lx / far, ly / far, lz / far, r / far, TERMINATOR, i)
         if not glint:
@@ -191,11 +191,11 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
             if casts(view.points[i, 0], view.points[i, 1], view.points[i, 2], s, sphere) and shadow_in_view(
                 -lx, -ly, -lz, s, sphere, geo
             ):
-                work.casters[work.count[CASTERS], 0] = i
-                work.casters[work.count[CASTERS], 1] = h
-                work.count[CASTERS] += 1
-                work.count[WALLS] = add_shadow(
-                    work.walls, work.count[WALLS], geo, -lx, -ly, -lz,
+                work.casters[work.counts[CASTERS], 0] = i
+                work.casters[work.counts[CASTERS], 1] = h
+                work.counts[CASTERS] += 1
+                work.counts[WALLS] = add_shadow(
+                    work.walls, work.counts[WALLS], geo, -lx, -ly, -lz,
                     sphere[0] - s[0], sphere[1] - s[1], sphere[2] - s[2], s[3], h, i,
                 )  # fmt: skip
 
@@ -210,7 +210,7 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     geo[BETA_MAX] = geo[GAMMA_MAX] = 0.5 * math.pi
     geo[HEIGHT] = abs(pz)
     set_frame(geo, lobe[0], lobe[1], lobe[2])
-    work.count[WALLS] = work.count[OCCLUDERS] = work.count[CASTERS] = 0
+    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
     add_direction(work, geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2], 0.0, HORIZON, -1)
     for i in range(view.spheres.shape[0]):
         s = view.spheres[i]
@@ -219,16 +219,16 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
         ox, oy, oz = s[0] - px, s[1] - py, s[2] - pz
         far = math.sqrt(ox * ox + oy * oy + oz * oz)
         k = min(1.0, s[3] / far)
-        work.occluders[work.count[OCCLUDERS]] = i
-        work.count[OCCLUDERS] += 1
+        work.occluders[work.counts[OCCLUDERS]] = i
+        work.counts[OCCLUDERS] += 1
         add_direction(work, ox / far, oy / far, oz / far, math.sqrt((1.0 - k) * (1.0 + k)), SILHOUETTE, i)
-        if abs(s[2]) < s[3] and work.count[WALLS] < work.walls.shape[0]:
-            row = work.walls[work.count[WALLS]]
+        if abs(s[2]) < s[3] and work.counts[WALLS] < work.walls.shape[0]:
+            row = work.walls[work.counts[WALLS]]
             row[0], row[6], row[7], row[MET_COLUMN] = BALL, SILHOUETTE, i, 0.0
             row[1] = ox * geo[E1] + oy * geo[E1 + 1]
             row[2] = ox * geo[E2] + oy * geo[E2 + 1]
             row[3] = ox * ox + oy * oy - (s[3] - s[2]) * (s[3] + s[2])
-            work.count[WALLS] += 1
+            work.counts[WALLS] += 1
     if geo[SIDE] < 0.0:
         return
     for i in range(view.points.shape[0]):
@@ -239,11 +239,11 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
             s = view.spheres[h]
             if s[2] <= -s[3] or s[2] - s[3] >= view.points[i, 2]:
                 continue
-            work.casters[work.count[CASTERS], 0] = i
-            work.casters[work.count[CASTERS], 1] = h
-            work.count[CASTERS] += 1
-            work.count[WALLS] = add_shadow(
-                work.walls, work.count[WALLS], geo, ux, uy, uz, px - s[0], py - s[1], -s[2], s[3], h, i
+            work.casters[work.counts[CASTERS], 0] = i
+            work.casters[work.counts[CASTERS], 1] = h
+            work.counts[CASTERS] += 1
+            work.counts[WALLS] = add_shadow(
+                work.walls, work.counts[WALLS], geo, ux, uy, uz, px - s[0], py - s[1], -s[2], s[3], h, i
             )
 
 
@@ -291,4 +291,4 @@ def shadow_in_view(ux: float, uy: float, uz: float, caster: Array, receiver: Arr
         high = min(1.0, h + reach)
         depth = facing * math.sqrt(1.0 - high * high)
     across = reach * math.sqrt(max(0.0, 1.0 - facing * facing))
-    return hx * px + hy * py + hz * pz + across + depth > geo[RATIO]
+    return bool(hx * px + hy * py + hz * pz + across + depth > geo[RATIO])

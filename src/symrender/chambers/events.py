@@ -65,7 +65,7 @@ def add_event(events: Array, n: int, phi: float, low: float, high: float, kind: 
 def within_lobe(phi: float, beta: float, geo: Array) -> bool:
     """Whether the direction (phi, beta) of the chart lies in the lobe, generously."""
     cosine = math.cos(beta) * geo[LOBE_BETA + 1] + math.sin(beta) * geo[LOBE_BETA + 2] * math.cos(phi)
-    return cosine > geo[RIM_COS] - 1e-9
+    return bool(cosine > geo[RIM_COS] - 1e-9)
 
 
 @jitable
@@ -141,7 +141,7 @@ def chart_events(work: Work, events: Array, low: float, high: float) -> int:
     n = circle_events(
         geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_COS], geo[RIM_SIN], False, geo, events, n, low, high, True
     )
-    for i in range(min(work.count[WALLS], work.walls.shape[0])):
+    for i in range(min(work.counts[WALLS], work.walls.shape[0])):
         row = work.walls[i]
         kind = int(row[KIND])
         if kind in (NORMAL, DIRECTION):

@@ -63,7 +63,7 @@ def is_hidden(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
     if view.floor[FLOOR_PRESENT] != 0.0 and geo[SHAPE_INDEX] >= 0.0 and qz * geo[SIDE] < 0.0:
         return True
     spheres = view.spheres
-    for i in range(work.count[OCCLUDERS]):
+    for i in range(work.counts[OCCLUDERS]):
         k = work.occluders[i]
         if segment_meets(px, py, pz, dx, dy, dz, spheres[k, 0], spheres[k, 1], spheres[k, 2], spheres[k, 3]):
             return True
@@ -93,7 +93,7 @@ def light_state(
         bx, by, bz = ax - spheres[j, 0], ay - spheres[j, 1], az - spheres[j, 2]
         if bx * bx + by * by + bz * bz < spheres[j, 3] * spheres[j, 3]:
             return DARK
-    for c in range(work.count[CASTERS]):
+    for c in range(work.counts[CASTERS]):
         if work.casters[c, 0] == i:
             k = work.casters[c, 1]
             if segment_meets(qx, qy, qz, lx, ly, lz, spheres[k, 0], spheres[k, 1], spheres[k, 2], spheres[k, 3]):

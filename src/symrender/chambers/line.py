@@ -233,20 +233,20 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     """Cells of the line phi = const inside the lobe; returns the line's signature, equal for equal structure.
 
     Fills ``cell_from``, ``cell_to``, ``cell_wall`` (the wall below each cell; one more entry closes the last),
-    ``cell_side`` and ``lit``; ``count[CELLS]`` is their number. Neighbours with the same label are one cell.
+    ``cell_side`` and ``lit``; ``counts[CELLS]`` is their number. Neighbours with the same label are one cell.
     ``scratch`` is (4,).
     """
-    work.count[LINES] += 1
+    work.counts[LINES] += 1
     c, s = math.cos(phi), math.sin(phi)
     low, high, first, last = rim_interval(c, s, work.geo)
-    work.count[CELLS] = 0
+    work.counts[CELLS] = 0
     if not low < high:
         return 0
     n = 0
     walls, root_x, root_id = work.walls, work.root_x, work.root_id
     ratio = work.geo[RATIO]
     low_s, low_c, high_s, high_c = math.sin(low), math.cos(low), math.sin(high), math.cos(high)
-    for i in range(min(work.count[WALLS], walls.shape[0])):
+    for i in range(min(work.counts[WALLS], walls.shape[0])):
         if walls[i, KIND] == NORMAL:
             found, c1, s1, c2, s2 = circle_roots(
                 walls[i, 1], walls[i, 2], walls[i, 3], walls[i, COS], walls[i, SIN], c, s
@@ -339,7 +339,7 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
         else:
             changed = SEVERAL
     work.cell_wall[cells] = last
-    work.count[CELLS] = cells
+    work.counts[CELLS] = cells
     seen = False
     signature = 1469598103934665603
     for i in range(cells):

@@ -112,10 +112,17 @@ def quartic_roots(p: Array, stack: Array, out: Array) -> int:
             continue
         if changes == 1:
             fa, fb = stack[top, 0], stack[top, 4]
-            if fa == 0.0 or fb == 0.0:
-                x = 0.0 if fa == 0.0 else 1.0
+            xa, xb, x = 0.0, 1.0, 0.5
+            # a zero at an end is not the root that the coefficients announce
+            if fa == 0.0:
+                xa = 1e-4
+                fa = bernstein_value(stack[top], xa)
+            if fb == 0.0:
+                xb = 1.0 - 1e-4
+                fb = bernstein_value(stack[top], xb)
+            if fa * fb >= 0.0:
+                x = 0.0 if abs(fa) < abs(fb) else 1.0
             else:
-                xa, xb, x = 0.0, 1.0, 0.5
                 for _ in range(60):
                     x = (xa * fb - xb * fa) / (fb - fa)
                     f = bernstein_value(stack[top], x)

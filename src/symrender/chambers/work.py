@@ -31,7 +31,7 @@ class View(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Scratch of one thread. ``count`` holds the lengths in use of the lists."""
+    """Scratch of one thread. ``counts`` holds the lengths in use of the lists."""
 
     geo: Array
     walls: Array
@@ -44,14 +44,14 @@ class Work(NamedTuple):
     lit: Bytes
     occluders: Ints
     casters: Ints
-    count: Ints
+    counts: Ints
     bernstein: Array
     stack: Array
     quartic: Array
     labels: Ints
 
 
-# count
+# counts
 WALLS: Final = 0
 OCCLUDERS: Final = 1
 CASTERS: Final = 2
@@ -76,7 +76,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         lit=np.zeros((MAX_ROOTS + 2, max(1, points)), np.uint8),
         occluders=np.zeros(max(1, spheres), np.int64),
         casters=np.zeros((max(1, spheres * points), 2), np.int64),
-        count=np.zeros(8, np.int64),
+        counts=np.zeros(8, np.int64),
         labels=np.zeros(1024, np.int64),
         bernstein=np.zeros(5),
         stack=np.zeros((64, 7)),

@@ -76,7 +76,7 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Array) -
     row[3], row[4] = 0.5 * geo[SURFACE_NORMAL], 0.5 * geo[SURFACE_NORMAL + 1]
     row[5] = -h * geo[SURFACE_NORMAL + 2]
     n += 1
-    for i in range(work.count[OCCLUDERS]):
+    for i in range(work.counts[OCCLUDERS]):
         k = work.occluders[i]
         sx, sy, sz, r = view.spheres[k, 0] - px, view.spheres[k, 1] - py, view.spheres[k, 2], view.spheres[k, 3]
         far2 = sx * sx + sy * sy + (sz - pz) ** 2
@@ -87,7 +87,7 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Array) -
             row[0], row[1], row[2], row[3], row[4] = 1.0, 0.0, 1.0, -sx, -sy
             row[5] = sx * sx + sy * sy - (r - sz) * (r + sz)
             n += 1
-    for i in range(work.count[CASTERS]):
+    for i in range(work.counts[CASTERS]):
         light, k = work.casters[i, 0], work.casters[i, 1]
         lx, ly, lz = view.points[light, 0] - px, view.points[light, 1] - py, view.points[light, 2]
         ex, ey, ez = view.spheres[k, 0] - px - lx, view.spheres[k, 1] - py - ly, view.spheres[k, 2] - lz
@@ -104,7 +104,7 @@ def may_cross(row: Array, x: float, y: float, half: float) -> bool:
     gx = 2.0 * (row[0] * x + row[1] * y + row[3])
     gy = 2.0 * (row[1] * x + row[2] * y + row[4])
     reach = (abs(gx) + abs(gy)) * half + (abs(row[0]) + 2.0 * abs(row[1]) + abs(row[2])) * half * half
-    return abs(value) <= reach
+    return bool(abs(value) <= reach)
 
 
 @jitable
@@ -174,7 +174,7 @@ def strip_integral(
             left, width = roots[piece], roots[piece + 1] - roots[piece]
             if width < 1e-14 or not seen(left + 0.5 * width, y, lobe, view, work, states):
                 continue
-            work.count[EVALUATIONS] += nx
+            work.counts[EVALUATIONS] += nx
             for e in range(nx):
                 integrand(left + width * gauss[0, inner + e], y, lobe, view, work, states, point)
                 w = slope * width * gauss[1, inner + e]
@@ -297,7 +297,7 @@ def split_grid(
         for i in range(-ring, ring + 1):
             jump = 1 if abs(i) == ring else max(1, 2 * ring)
             for j in range(-ring, ring + 1, jump):
-                if work.count[EVALUATIONS] > max_evaluations:
+                if work.counts[EVALUATIONS] > max_evaluations:
                     return math.inf
                 x0, y0 = (ci + i) * size - px, (cj + j) * size - py
                 half = 0.5 * size
@@ -324,7 +324,7 @@ def split_grid(
                         continue
                     n = min(MAX_ORDER, order(step, log_rho))
                     base = n * (n - 1) // 2
-                    work.count[EVALUATIONS] += n * n
+                    work.counts[EVALUATIONS] += n * n
                     for q in range(n):
                         y = y0 + size * gauss[0, base + q]
                         for e in range(n):

@@ -100,7 +100,7 @@ def integrate_cells(
     ambient = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
     marble = j >= 0 and view.spheres[j, 7] == MARBLE
     r, g, b, size, embedded = 0.0, 0.0, 0.0, 0.0, 0.0
-    for cell in range(work.count[CELLS]):
+    for cell in range(work.counts[CELLS]):
         side = work.cell_side[cell]
         if side == HIDDEN:
             continue
@@ -119,7 +119,7 @@ def integrate_cells(
                 n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
             base = n * (n - 1) // 2
             length = end - a
-            work.count[EVALUATIONS] += n
+            work.counts[EVALUATIONS] += n
             for q in range(n):
                 x = a + length * gauss[0, base + q]
                 sx, cx = math.sin(x), math.cos(x)

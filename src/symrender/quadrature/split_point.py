@@ -122,8 +122,8 @@ def gloss_kernel(
     lobe = scratch[24:27]
     geo = work.geo
     for i in range(points.shape[0]):
-        for c in range(work.count.shape[0]):
-            work.count[c] = 0
+        for c in range(work.counts.shape[0]):
+            work.counts[c] = 0
         d = incoming[i, 0] * normals[i, 0] + incoming[i, 1] * normals[i, 1] + incoming[i, 2] * normals[i, 2]
         size = 0.0
         for a in range(3):
@@ -220,11 +220,16 @@ def gloss_kernel(
                         for a in range(3):
                             value[a] += scratch[16 + a] * scratch[20 + a]
         total += DISK_SHARE * abs(scratch[EMBEDDED_SUM])
-        error[i] = total + 1e-15
-        evaluations[i] = work.count[EVALUATIONS]
-        chambers[i] = work.count[CHAMBERS]
-        crossings[i] = work.count[CROSSINGS]
-        status[i] = 0 if total <= tol else (2 if bad > 0 else 1)
+        # nothing in the scene is brighter than the bound, so no error is larger
+        largest = max(abs(value[0]), abs(value[1]), abs(value[2]))
+        total = min(total + 1e-15 * (1.0 + largest), bound + largest)
+        error[i] = total
+        evaluations[i] = work.counts[EVALUATIONS]
+        chambers[i] = work.counts[CHAMBERS]
+        crossings[i] = work.counts[CROSSINGS]
+        status[i] = 0
+        if total > tol:
+            status[i] = 1 if bad == 0 or evaluations[i] > max_evaluations else 2
 
 
 @functools.lru_cache(maxsize=1)
@@ -295,8 +300,9 @@ def gloss_points(
 
     ``points`` (N, 3) on surfaces, unit ``normals`` (N, 3), unit ``incoming`` (N, 3) directions of travel towards the
     points, ``surface`` (N,) hit classes (1 the floor, 2 + j sphere j), whose lobe is used. ``tol`` is absolute,
-    in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids. Deterministic; choose
-    it whenever an error is wanted with the value, or more than two digits. Not for points inside a sphere (``UNSUPPORTED``).
+    in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids, 0
+    integrates it. Deterministic; choose it whenever an error is wanted with the value, or more than two digits. Points
+    inside a sphere are ``UNSUPPORTED``.
     """
     lights = light_points(arrays, disk_order, tol)
     view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
