@@ -32,12 +32,12 @@ FILES = ("numeric.exr", "symbolic.exr", "numeric.png", "symbolic.png", "differen
 COMMAND = ["render", "gloss", "--size", "64", "--tile", "8", "--threads", "2", "--quiet", "--progress", "none"]
 
 
-def slowed(prepare: Callable[..., Any]) -> Callable[..., Any]:
+def slowed(prepare: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     def slow_prepare(*values: Any) -> Any:
         kernel = prepare(*values)
 
         def slow_kernel(*tile: Any) -> Any:
-            time.sleep(SLOW)
+            time.sleep(seconds)
             return kernel(*tile)
 
         return slow_kernel
@@ -45,10 +45,10 @@ def slowed(prepare: Callable[..., Any]) -> Callable[..., Any]:
     return slow_prepare
 
 
-def install_slow_tiles() -> None:
+def install_slow_tiles(seconds: float = SLOW) -> None:
     """Every tile takes a little longer, and the journal is written from the first on."""
     for module in (symrender.numeric.pipeline, symrender.runtimes.image):
-        module.prepare = slowed(module.prepare)  # type: ignore[attr-defined]
+        module.prepare = slowed(module.prepare, seconds)  # type: ignore[attr-defined]
     prepared.cache_clear()
     symrender.fill.Means = functools.partial(symrender.fill.Means, patience=0.0)  # type: ignore[misc,assignment]
 

@@ -1,0 +1,79 @@
+"""Ctrl-C at any moment of a run ends it within a second, with exit code 130 and no process left.
+
+The command line is started anew for each trial and interrupted at a random time: while it imports, prepares, measures
+its tiles, renders, on threads and, one trial in ten, on a local cluster. The whole process group gets the signal, as
+from a terminal.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+
+from measure import Report, arguments
+
+PROGRAM = "import sys; from symrender.cli import main; sys.exit(main())"
+COMMAND = ["render", "gloss", "--size", "3000", "--lobe", "12", "--restart", "--progress", "none"]
+
+
+def trial(folder: str, wait: float, *extra: str) -> tuple[int, float, str, bool]:
+    """Exit code, seconds from the signal to the end, what was said, whether a process was left."""
+    words = [sys.executable, "-c", PROGRAM, *COMMAND, "--out", folder, *extra]
+    with subprocess.Popen(
+        words, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
+    ) as run:
+        time.sleep(wait)
+        sent = time.perf_counter()
+        os.killpg(run.pid, signal.SIGINT)
+        try:
+            code = run.wait(30)
+        except subprocess.TimeoutExpired:
+            code = 999
+        seconds = time.perf_counter() - sent
+        time.sleep(0.1)
+        shown = subprocess.run(["ps", "-o", "stat=", "-g", str(run.pid)], capture_output=True, text=True).stdout
+        left = any(not state.startswith("Z") for state in shown.split())
+        if left:
+            os.killpg(run.pid, signal.SIGKILL)
+        said = run.stderr.read() if run.stderr else ""
+    return code, seconds, said, left
+
+
+def main() -> None:
+    options = arguments(__doc__)
+    count, choice = (20 if options.quick else 200), random.Random(20250609)
+    report = Report("interrupts_within_a_second", f"{count} interrupts, 9 in 10 on threads, 1 in 10 on local:2.")
+    with tempfile.TemporaryDirectory() as folder:
+        trial(folder, 6.0)
+        results = []
+        for k in range(count):
+            extra = ("--cluster", "local:2") if k % 10 == 9 else ()
+            # the first instants belong to the interpreter, which has its own way to end
+            results.append(trial(folder, choice.uniform(0.3, 6.0 if extra else 3.0), *extra))
+    seconds = sorted(result[1] for result in results)
+    p99 = seconds[min(count - 1, int(0.99 * count))]
+    codes = Counter(result[0] for result in results)
+    early = [result for result in results if "KeyboardInterrupt" in result[2]]
+    report.say(f"Seconds to the end: median {seconds[count // 2]:.3f}, p99 {p99:.3f}, longest {seconds[-1]:.3f}.")
+    report.say(f"Exit codes: {dict(codes)}; {len(early)} interrupts fell into the start of Python itself.")
+    report.claim_number("p99 of the seconds to the end", p99, 1.0)
+    report.claim_number(
+        "runs with another exit code than 130 (or the interpreter's own)",
+        count - codes[130] - len([r for r in early if r[0] in (1, -signal.SIGINT)]),
+        0,
+    )
+    report.claim_number("runs that left a process", sum(result[3] for result in results), 0)
+    report.claim_number(
+        "runs that said more than one line", sum(r[2].count("\n") > 1 for r in results if r not in early), 0
+    )
+    report.leave()
+
+
+if __name__ == "__main__":
+    main()
