@@ -47,9 +47,9 @@ def truth(
     ``direct`` + (lobe weight) ``gloss``; ``hit_class``; ``error`` (h, w), the estimated largest absolute error of
     radiance over the channels, which is the lobe's weight times that of gloss; ``status`` (h, w) as in ``STATUS``;
     ``evaluations``, ``chambers`` and ``crossings`` (h, w): shaded hits, different chambers and walls met. A pixel
-    that missed its tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its centroids.
-    ``budget``: most evaluations a pixel. Choose it whenever an image is to be trusted, ``render`` when it is to be
-    quick. ``threads``, ``tile`` and ``cluster`` change no byte.
+    that missed its tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its
+    centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. ``threads``, ``tile`` and ``cluster``
+    change no byte. Choose it whenever an image is to be trusted, ``render`` when it is to be quick.
     """
     loaded = load(scene)
     width, height = image_size(size)
