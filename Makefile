@@ -1,4 +1,4 @@
-# make render | test | lint | types | bench | docs | clean
+# make render | test | lint | types | bench | faults | fuzz | docs | clean
 PYTHON ?= python3
 VENV ?= .venv
 WORKERS ?= 2
@@ -6,7 +6,7 @@ PY := $(VENV)/bin/python
 BASE := $(VENV)/.base
 TEST := $(VENV)/.test
 
-.PHONY: render test lint types bench docs clean
+.PHONY: render test lint types bench faults fuzz docs clean
 .DELETE_ON_ERROR:
 
 render: $(BASE)
@@ -24,6 +24,12 @@ types: $(TEST)
 
 bench: $(BASE)
 	$(PY) benchmarks/run.py --quick
+
+faults: $(TEST)
+	$(PY) tests/faults/run.py
+
+fuzz: $(TEST)
+	$(PY) benchmarks/fuzz_scene_files.py
 
 docs: $(TEST)
 	$(PY) -m pytest tests/test_docs.py tests/test_readme.py

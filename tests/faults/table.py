@@ -1,0 +1,113 @@
+"""Planted bugs: for each, the words replaced in a file of the package, and the tests that must notice.
+
+A fault is one a hand could make: a sign, an index, a bound, a forgotten case. ``old`` occurs exactly once in its file.
+The tests named are the ones that know a right answer from elsewhere; the golden texts, which notice any change at all,
+are not among them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One planted bug."""
+
+    kind: str
+    file: str
+    old: str
+    new: str
+    tests: tuple[str, ...]
+    what: str
+
+
+RAYS = ("numeric/test_rays.py",)
+BOTH = ("runtimes/test_image.py", "runtimes/test_anchor.py")
+FAULTS = (
+    Fault("intersection", "numeric/rays.py", "discriminant = radius * radius - dot(l, l)",
+          "discriminant = toward * toward - power", RAYS, "the discriminant that cancels for far spheres"),
+    Fault("intersection", "numeric/rays.py", "return (other, q) if other < q else (q, other)", "return other, q", RAYS,
+          "roots in the order they were computed"),
+    Fault("intersection", "numeric/rays.py", "return distance if 0.0 < distance", "return distance if -1e9 < distance",
+          (*RAYS, "numeric/test_pipeline.py"), "the floor met behind the eye"),
+    Fault("intersection", "expression/intersection.py", "return radius**2 - norm2(cross(f, w))",
+          "return radius**2 - norm2(f)", ("expression/test_intersection.py", *BOTH),
+          "the source chapter's slip: the centre's distance for the ray's"),
+    Fault("intersection", "numeric/sight.py", "if leaves == FIRST_SPHERE + j:", "if leaves == j:",
+          ("numeric/test_pipeline.py", *BOTH), "a sphere met by the ray that leaves it"),
+    Fault("weights", "expression/lobe.py", "return sp.exp(u * log_cos_a) * (-expm1(-u * drop)) / u",
+          "return (sp.exp(u * log_cos_a) - sp.exp(u * (log_cos_a - drop))) / u",
+          ("quadrature/test_strata.py", "kernel/test_strata.py"), "weights as a difference of powers"),
+    Fault("weights", "numeric/lobe.py", "return -math.expm1(math.log1p(-s * mass) / (exponent + 1.0))",
+          "return -math.expm1(math.log1p(-s * mass) / (exponent + 2.0))",
+          ("numeric/test_samplers.py", "numeric/test_lobe.py"), "importance samples of a lobe one power narrower"),
+    Fault("weights", "quadrature/strata.py", "azimuths = (np.arange(sectors) + 0.5)",
+          "azimuths = (np.arange(sectors) % 2 + 0.5)", ("quadrature/test_strata.py", *BOTH), "sectors that coincide"),
+    Fault("weights", "quadrature/strata.py", "+ np.log(np.diff(bounds))", "+ 0.0 * np.diff(bounds)",
+          ("quadrature/test_strata.py",), "midpoint weights without the ring's width"),
+    Fault("normaliser", "numeric/lobe.py", "ratio = u * height / mass", "ratio = exponent * height / mass",
+          ("numeric/test_lobe.py", "numeric/test_estimators.py"), "n where n + 1 belongs"),
+    Fault("normaliser", "expression/lobe.py", "(exponent + 1)) / (exponent + 1)", "(exponent + 1)) / (exponent + 2)",
+          ("expression/test_lobe.py", "runtimes/test_anchor.py"), "the n + 2 of another convention"),
+    Fault("normaliser", "quadrature/strata.py", "if not normalised:", "if normalised:",
+          ("quadrature/test_strata.py",), "the two estimators exchanged"),
+    Fault("horizon", "numeric/estimators.py", "if weight > 0.0 and dot(w, n) > 0.0:", "if weight > 0.0:",
+          ("numeric/test_estimators.py", "numeric/test_pipeline.py", *BOTH), "lobe rays below the horizon let in"),
+    Fault("horizon", "kernel/gather.py", "with block.when(n1 * x + n2 * y + n3 * z <= 0):",
+          "with block.when(n1 * x + n2 * y + n3 * z <= -1):", BOTH, "the same, symbolically"),
+    Fault("shadows", "numeric/shading.py", "if light[2] <= 0.0:", "if light[2] <= -1e9:",
+          ("numeric/test_shading.py", "numeric/test_lights.py", *BOTH), "light through the floor"),
+    Fault("shadows", "numeric/shading.py", "    if toward <= 0.0:\n        return False\n", "",
+          ("numeric/test_shading.py", *BOTH), "shadows thrown by what lies behind"),
+    Fault("shadows", "expression/intersection.py",
+          "return sp.Or(c * end < 0, sp.And(c > 0, end > 0, b < 0, a + b > 0, b**2 >= a * c))",
+          "return sp.Or(c * end < 0, sp.And(c > 0, end > 0, b < 0, b**2 >= a * c))",
+          ("expression/test_intersection.py", *BOTH), "shadows thrown by what lies beyond the light"),
+    Fault("frames", "numeric/lobe.py", "return u1, cross(m, u1)", "return u1, cross(u1, m)",
+          ("numeric/test_lobe.py",), "a left-handed frame"),
+    Fault("frames", "numeric/lobe.py", "sign = math.copysign(1.0, m[2])", "sign = 1.0", ("numeric/test_lobe.py",),
+          "a frame that fails looking down"),
+    Fault("frames", "numeric/rays.py", "np.cross(right, forward) * half", "np.cross(forward, right) * half",
+          (*RAYS, "numeric/test_pipeline.py", *BOTH), "images upside down"),
+    Fault("frames", "expression/camera.py", "return (2 * i + 1) / width - 1", "return 2 * i / width - 1", BOTH,
+          "pixel corners for pixel centres"),
+    Fault("frames", "expression/lobe.py", "return incoming - normal * (2 * dot(incoming, normal))",
+          "return incoming - normal * dot(incoming, normal)", ("expression/test_lobe.py", *BOTH),
+          "the mirror direction in the surface"),
+    Fault("colour", "srgb.py", "encoded = np.where(x <= 0.0031308", "encoded = np.where(x <= 0.04045",
+          ("test_srgb.py",), "the decoder's threshold in the encoder"),
+    Fault("colour", "srgb.py", "np.floor(255.0 * encoded + 0.5)", "np.floor(255.0 * encoded)", ("test_srgb.py",),
+          "truncation for rounding"),
+    Fault("colour", "numeric/shading.py", "red += world.lights[index, 5]", "red += world.lights[index, 6]",
+          ("numeric/test_shading.py", *BOTH), "green light into red"),
+    Fault("colour", "quadrature/disk.py", "c / (k * k)", "c / k", ("quadrature/test_disk.py", *BOTH),
+          "a disk brighter than its colour"),
+    Fault("colour", "expression/shading.py", "return 2 * cosine * dot(normal, view_dir)",
+          "return cosine * dot(normal, view_dir)", BOTH, "a Phong lobe about the wrong axis"),
+    Fault("texture", "expression/texture.py", "sp.floor((y - offset_y) / cell)", "sp.floor((y + offset_y) / cell)",
+          ("expression/test_texture.py", *BOTH), "a chessboard moved the other way"),
+    Fault("texture", "expression/texture.py", "return current, 2 * z * current - previous",
+          "return current, 2 * z * current + previous", ("expression/test_texture.py",), "a recurrence with a plus"),
+    Fault("tiling", "tiles.py", "yield x, y, min(x + side, width), min(y + side, height)",
+          "yield x, y, min(x + side, width - 1), min(y + side, height)", ("test_tiles.py", "test_fill.py"),
+          "the last column forgotten"),
+    Fault("tiling", "units.py", "layer[y0:y1, x0:x1]", "layer[x0:x1, y0:y1]", ("test_fill.py",), "rows for columns"),
+    Fault("tiling", "fill.py", "work = [tile for tile in all_tiles if tile not in left.tiles]", "work = all_tiles",
+          ("test_fill.py",), "everything rendered again after an interruption"),
+    Fault("tiling", "cluster.py", "block[...] = done.blocks[name]", "block[...] = block", ("test_cluster.py",),
+          "what workers return thrown away"),
+    Fault("tiling", "cluster.py", "return ipaddress.ip_address(host).is_loopback", "return True",
+          ("test_cluster.py",), "strangers taken for this machine"),
+    Fault("journal", "journal.py", "if zlib.crc32(body) == check:", "if body:", ("test_journal.py",),
+          "damaged records trusted"),
+    Fault("journal", "journal.py", 'if note.get("run") == self.digest and (entry', "if (entry", ("test_journal.py",),
+          "tiles of another run taken"),
+    Fault("journal", "units.py", 'CHANGES_NO_BYTE: Final = ("threads", "tile", "max_pixels")',
+          'CHANGES_NO_BYTE: Final = ("threads", "tile", "max_pixels", "lobe")', ("test_fill.py",),
+          "a setting that decides the image left out of the key"),
+    Fault("output", "output.py", "if temporary.read_bytes() != data:", "if False:", ("test_output.py",),
+          "a failing disk believed"),
+    Fault("cache", "kernel_cache.py", "if hashlib.sha256(content).digest() == data[:_DIGEST_BYTES] else None",
+          "if data else None", ("test_kernel_cache.py",), "a damaged kernel run"),
+)  # fmt: skip
