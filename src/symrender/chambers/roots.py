@@ -99,8 +99,9 @@ def quartic_roots(p: Array, stack: Array, out: Array) -> int:
     found = 0
     if bernstein_variations(p) == 0:
         return 0
+    scale = max(abs(p[0]), abs(p[1]), abs(p[2]), abs(p[3]), abs(p[4]))
     for i in range(5):
-        stack[0, i] = p[i]
+        stack[0, i] = p[i] if abs(p[i]) > 1e-15 * scale else 0.0
     stack[0, 5] = 0.0
     stack[0, 6] = 1.0
     top = 1
