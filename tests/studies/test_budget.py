@@ -7,7 +7,7 @@ import pytest
 
 from symrender.errors import OptionError
 from symrender.scene import arrays as at
-from symrender.studies.budget import CAUSES, WALLS, _Cells, budget
+from symrender.studies.budget import CAUSES, WALLS, _Cells, _jumps, budget
 from symrender.studies.lobe_rays import BEHIND, BELOW, LIGHTS, LIT, SHADED, SHAPE, TEXTURE, LobeRays
 from symrender.studies.report import Study
 from symrender.studies.subject import subject
@@ -126,3 +126,12 @@ def lone_sphere() -> dict[str, Any]:
         "ambient": [1, 1, 1],
         "shading": {"ka": 1, "kd": 0, "ks": 0},
     }
+
+
+def test_a_change_of_several_labels_has_one_cause() -> None:
+    """Leaving a sphere for what lies below the horizon changes shape, texture and light: it is the horizon alone."""
+    label = np.array([[0, 1, LIT], [2, 1, LIT], [2, 0, LIT], [2, 0, SHADED], [2, 0, BEHIND], [BELOW, 1, LIT]])
+    f = np.arange(6.0)[None, None, :, None] ** 2 * np.ones(3)
+    jumps = _jumps(f, label[None, None], np.array([0.5]), axis=2)[:, 0]
+    by_wall = dict(zip(WALLS, (jumps / 1.5).tolist(), strict=True))
+    assert by_wall == {"silhouette": 1, "texture edge": 3, "shadow edge": 5, "terminator": 7, "horizon": 9}

@@ -61,11 +61,8 @@ def anchor(
             )
             gap = np.abs(changed.layers(kind, **settings)["gloss"] - mirror["gloss"]).max(axis=2)[lit]
             now = [*np.percentile(gap, _PERCENTILES).tolist(), math.sqrt(float(np.mean(gap**2)))]
-            step = math.log(n / last) if before else 0.0
-            slopes = [
-                math.log(b / a) / step if a > 0 and b > 0 else None for a, b in zip(before, now, strict=bool(before))
-            ]
-            rows.append((name, float(n), lit_pixels, *now, *(slopes or (None,) * len(now))))
+            slopes = [_slope(a, b, n / last) for a, b in zip(before or [0.0] * len(now), now, strict=True)]
+            rows.append((name, float(n), lit_pixels, *now, *slopes))
             before, last = now, n
     columns = ("estimator", "n", "pixels", "median", "90 %", "99 %", "RMS")
     slopes_of = ("slope", "slope 90 %", "slope 99 %", "slope RMS")
