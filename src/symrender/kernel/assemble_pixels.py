@@ -59,7 +59,7 @@ PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chamb
 """Functions of a column and a row with four results: what a fragment shader runs."""
 _PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "lobe_widths", "disc_radius", "disc_place")
 _CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
-_PROBE = ("look", "sight", "strata_gloss", "sample_depth", "sample_direction", "frame", "reflected")
+_PROBE = ("look", "sight", "strata_gloss", "jittered_gloss", "sample_depth", "sample_direction", "frame", "reflected")
 ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_PROBE, "nearest", "pixel_word")
 """What a page calls."""
 

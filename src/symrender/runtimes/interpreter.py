@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from symrender.kernel.program import Call, Function, Let, Loop, Next, Program, Return, Statement, Store, When, length
+from symrender.kernel.words import MEANINGS
 
 _CALLS: Mapping[str, Callable[..., Any]] = {
     "sin": math.sin,
@@ -25,6 +26,7 @@ _CALLS: Mapping[str, Callable[..., Any]] = {
     "Abs": abs,
     "Max": max,
     "Min": min,
+    **MEANINGS,
 }
 
 

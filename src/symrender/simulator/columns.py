@@ -58,7 +58,7 @@ _CAMERA = {
     "window_center.x": 5,
     "window_center.y": 6,
 }
-_TEXTURES = {at.SOLID: Solid(), at.CHECKER: Checker(), at.STRIPES: Stripes(), at.MARBLE: Marble()}
+_TEXTURES = (Solid(), Checker(), Stripes(), Marble())
 
 
 def place(scene: Scene, name: str) -> tuple[str, int]:
@@ -93,7 +93,7 @@ def entries(scene: Scene) -> Iterator[dict[str, Any]]:
         ("shading.specular_terminator", 6, ("cut", "open"), s.specular_terminator),
     ):
         yield {"name": name, "value": value, "choices": choices, "at": ("shading", column)}
-    kinds = [_TEXTURES[k].type for k in sorted(_TEXTURES)]
+    kinds = [texture.type for texture in _TEXTURES]
     for j, sphere in enumerate(scene.spheres):
         index = j * at.SPHERE_COLUMNS + at.TEXTURE
         name = f"spheres.{sphere.name}.texture.type"

@@ -9,7 +9,7 @@ from typing import Any
 from symrender.scene.light import DiskLight
 from symrender.scene.scene import Scene
 
-_NARROW = math.radians(2)
+_NARROW = math.radians(0.5)
 _LARGE_DISK = 2.2
 
 
@@ -31,7 +31,7 @@ def presets(scene: Scene) -> tuple[Preset, ...]:
     found = [
         Preset(
             "Collapse to the mirror",
-            "n = 4096 inside a cone of 2 degrees: the lobe is all but one direction. Both panels show the mirror image "
+            "n = 4096 inside a cone of half a degree: the lobe is all but one direction. Both panels show the mirror image "
             "and the difference goes dark.",
             {"scene": lobes(exponent=4096.0, theta_max=_NARROW)},
         ),

@@ -1,6 +1,6 @@
 // The lobe as a disc: what each direction sees, the walls, the strata and the samples.
 
-const CURVE_STEPS = 360, INSIDE = 0.004;
+const CURVE_STEPS = 360, INSIDE = 0.004, LABEL_WIDTH = 38;
 
 class Disc {
   constructor(canvas) {
@@ -70,7 +70,7 @@ class Disc {
     g.fillStyle = style.getPropertyValue("--quiet");
     g.font = `11px ${style.getPropertyValue("--figures")}`;
     g.textAlign = "right";
-    g.fillText(`${short((surfaceLobe(t, lobe).thetaMax * 180) / Math.PI)}°`, box - 1, middle - 4);
+    g.fillText(`rim ${short((surfaceLobe(t, lobe).thetaMax * 180) / Math.PI)}°`, box - 2, box - 4);
   }
 
   place(t, lobe, w) {
@@ -167,7 +167,7 @@ class Disc {
       }
       if (k <= 6) {
         const inner = edge(t.rings[row + 3]), outer = ring + 1 < k ? edge(t.rings[row + 7]) : 1;
-        if ((outer - inner) * radius > 15) outlined(g, `${percent(weight)}`, mx + radius * 0.5 * (inner + outer), my - 5);
+        if ((outer - inner) * radius > LABEL_WIDTH) outlined(g, `${percent(weight)}`, mx + radius * 0.5 * (inner + outer), my - 5);
       }
     }
   }
@@ -200,7 +200,7 @@ class Disc {
 }
 
 // Radius of a dot whose area stands for a weight; never too small to see.
-const dot = (weight, radius, k) => Math.max(1.6, 0.34 * radius * Math.sqrt(Math.max(0, weight)) * Math.min(1, 3 / Math.sqrt(k)));
+const dot = (weight, radius, k) => Math.max(1.6, 0.27 * radius * Math.sqrt(Math.max(0, weight)) * Math.min(1, 3 / Math.sqrt(k)));
 const percent = (share) => (share < 5e-5 ? "0 %" : `${Number((100 * share).toPrecision(2))} %`);
 
 function circle(g, x, y, radius) {

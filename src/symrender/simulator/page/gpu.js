@@ -4,12 +4,12 @@ class Gpu {
   constructor(canvas) {
     this.gl = canvas.getContext("webgl2", { antialias: false, depth: false, preserveDrawingBuffer: false });
     if (!this.gl) throw new Error("this browser offers no WebGL 2");
-    if (!this.gl.getExtension("EXT_color_buffer_float")) throw new Error("this GPU cannot draw into float textures");
     this.restore();
   }
 
   restore() {
     const gl = this.gl;
+    if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("this GPU cannot draw into float textures");
     this.programs = new Map();
     this.targets = new Map();
     this.buffers = new Map();

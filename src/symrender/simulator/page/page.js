@@ -139,7 +139,7 @@ const app = {
     const pixel = state.cursor.map((v) => Math.min(frame.size - 1, Math.floor((v + 0.5) * scale)));
     drawCursor();
     const seen = lookAt(t, ...pixel), lobe = seen.shape > 0 ? surfaceLobe(t, seen.shape - 1) : { weight: 0 };
-    const numeric = glossExact("pixel_numeric", t, ...pixel), symbolic = glossExact("pixel_symbolic", t, ...pixel), direct = directExact(t, ...pixel);
+    const numeric = glossExact("pixel_numeric", t, ...pixel), symbolic = glossExact("pixel_symbolic", t, ...pixel), direct = directExact(t, ...pixel).slice(0, 3);
     const glossy = lobe.weight > 0 && numeric[3] > 0;
     const full = (gloss) => [0, 1, 2].map((c) => program.reflected(direct[c], gloss[3], gloss[c]));
     const numericRgb = full(numeric), symbolicRgb = full(symbolic), lightness = (rgb) => rgb.reduce((a, b) => a + b, 0);
@@ -206,14 +206,19 @@ function probedLobe(frame) {
   return { ...surfaceLobe(frame.tables, row), name: path };
 }
 
-// The pixel whose gloss differs most from its neighbours' in the symbolic image's lower half: something to look at.
+// The floor pixel, else any, whose gloss differs most from what lies an eighth of the image around it.
 function defaultCursor(frame) {
-  const size = frame.size, state = app.state.size;
+  const size = frame.size, state = app.state.size, far = Math.max(1, size >> 3);
+  const at = (x, y, c) => frame.pixel_symbolic[4 * (y * size + x) + 3] * frame.pixel_symbolic[4 * (y * size + x) + c];
   let best = 0, found = [size >> 1, size >> 1];
-  for (let y = Math.floor(size * 0.2); y < size * 0.95; y++) {
-    for (let x = Math.floor(size * 0.1); x < size * 0.9; x++) {
-      const k = 4 * (y * size + x), value = frame.pixel_symbolic[k + 3] * (frame.pixel_symbolic[k] + frame.pixel_symbolic[k + 1] + frame.pixel_symbolic[k + 2]);
-      if (frame.pixel_direct[k + 3] === 1 && value > best) [best, found] = [value, [x, y]];
+  for (let y = far; y < size - far; y++) {
+    for (let x = far; x < size - far; x++) {
+      let value = 0;
+      for (const [dx, dy] of [[far, 0], [-far, 0], [0, far], [0, -far]]) {
+        for (let c = 0; c < 3; c++) value += Math.abs(at(x + dx, y + dy, c) - at(x, y, c));
+      }
+      if (frame.pixel_direct[4 * (y * size + x) + 3] !== 1) value *= 0.01;
+      if (value > best) [best, found] = [value, [x, y]];
     }
   }
   return found.map((v) => Math.min(state - 1, Math.floor(((v + 0.5) * state) / size)));
@@ -250,10 +255,8 @@ function trouble(text) {
 
 async function through(bytes, stream) {
   const writer = stream.writable.getWriter();
-  const written = writer.write(bytes).then(() => writer.close());
-  const whole = new Uint8Array(await new Response(stream.readable).arrayBuffer());
-  await written;
-  return whole;
+  const [whole] = await Promise.all([new Response(stream.readable).arrayBuffer(), writer.write(bytes), writer.close()]);
+  return new Uint8Array(whole);
 }
 
 // The state a link holds; null where it holds none that fits this scene.

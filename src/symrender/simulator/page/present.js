@@ -30,6 +30,7 @@ function present(canvases, frame, state) {
   const size = frame.size, gain = 2 ** state.exposure, scale = 10 ** state.difference * gain;
   const categorical = state.view === "class" || state.view === "chambers";
   const most = state.view === "chambers" ? frame.pixel_chambers.reduce((m, v, k) => (k % 4 ? m : Math.max(m, v)), 1) : 1;
+  const sides = { numeric: "pixel_numeric", symbolic: "pixel_symbolic" };
   for (const [name, canvas] of Object.entries(canvases)) {
     if (canvas.width !== size) canvas.width = canvas.height = size;
     const image = new ImageData(size, size), out = image.data;
@@ -41,8 +42,8 @@ function present(canvases, frame, state) {
         continue;
       }
       for (let c = 0; c < 3; c++) {
-        const numeric = () => shown(frame, "pixel_numeric", state.view, k, c), symbolic = () => shown(frame, "pixel_symbolic", state.view, k, c);
-        const value = name === "numeric" ? gain * numeric() : name === "symbolic" ? gain * symbolic() : scale * Math.abs(numeric() - symbolic());
+        const value = name in sides ? gain * shown(frame, sides[name], state.view, k, c)
+          : scale * Math.abs(shown(frame, sides.numeric, state.view, k, c) - shown(frame, sides.symbolic, state.view, k, c));
         out[4 * k + c] = encoded(value);
       }
     }
@@ -78,7 +79,7 @@ function differences(frame, view) {
 }
 
 // float32 against float64 in a fixed sample of pixels; a pixel beyond ``FLIP`` sees something else across an edge.
-const FLIP = 1e-3;
+const FLIP = 5e-5;
 function ownError(frame, t) {
   const size = frame.size, count = Math.min(220, size * size);
   let most = 0, flips = 0;
@@ -98,5 +99,5 @@ function ownError(frame, t) {
 function short(value) {
   if (value === 0) return "0";
   const size = Math.abs(value);
-  return size >= 1e-3 && size < 1e4 ? String(Number(value.toPrecision(3))) : value.toExponential(1).replace("e", "e").replace("+", "");
+  return size >= 1e-3 && size < 1e4 ? String(Number(value.toPrecision(3))) : value.toExponential(1).replace("+", "");
 }

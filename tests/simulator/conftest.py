@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from symrender.simulator.build import Simulator, simulator
+
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"]
+SETTLED = """() => {
+  const app = window.simulator?.app;
+  const trouble = document.getElementById('trouble');
+  if (trouble && !trouble.hidden) return trouble.textContent;
+  return !!(app && app.frame && app.frame.whole && app.frame.generation === app.generation && !app.running
+    && app.facts && app.frame.size === app.state.size);
+}"""
+
+
+class Page:
+    """A simulator's page: waits by asking, since its own policy forbids what Playwright would evaluate inside."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+
+    def settle(self, limit: float = 120.0) -> None:
+        end = time.monotonic() + limit
+        while time.monotonic() < end:
+            found = self.page.evaluate(SETTLED)
+            assert not isinstance(found, str), found
+            if found:
+                return
+            time.sleep(0.03)
+        raise AssertionError("the page did not settle")
+
+    def change(self, edit: str) -> None:
+        """Run ``edit`` on the state ``s`` and wait for the picture."""
+        self.page.evaluate(f"() => simulator.app.change((s) => {{ {edit} }})")
+        self.settle()
+
+    def run(self, code: str, argument: Any = None) -> Any:
+        return self.page.evaluate(code, argument)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("no chromium on this machine: apt-get install chromium, or name one in CHROMIUM")
+    with sync_api.sync_playwright() as playwright:
+        launched = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield launched
+        launched.close()
+
+
+@pytest.fixture
+def open_page(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Page]]:
+    """Open the page of a scene in a fresh context; any error of the page fails the test."""
+    contexts: list[Any] = []
+    errors: list[str] = []
+
+    def open_one(scene: Any = "gloss", fragment: str = "", size: int | None = 96, **options: Any) -> Page:
+        made = scene if isinstance(scene, Simulator) else simulator(scene)
+        path = tmp_path / f"page{len(contexts)}.html"
+        made.save(path)
+        context = browser.new_context(**options)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        if size is not None and not fragment:
+            from symrender.simulator.state import State, to_fragment
+
+            fragment = to_fragment(State(size=size))
+        page.goto(f"{path.as_uri()}{fragment}")
+        opened = Page(page)
+        opened.settle()
+        return opened
+
+    yield open_one
+    for context in contexts:
+        context.close()
+    assert errors == []
