@@ -152,35 +152,49 @@ class FakeFuture:
 class FakeClient:
     """A client whose every submission has the outcome given."""
 
-    def __init__(self, outcome: Callable[[Job, Tile], Any]) -> None:
-        self.outcome, self.status, self.given = outcome, "running", 0
+    def __init__(self, outcome: Callable[[Job, tuple[Tile, ...]], Any]) -> None:
+        self.outcome, self.status = outcome, "running"
+        self.given: list[tuple[Tile, ...]] = []
 
     def run(self, function: Callable[..., Any], *values: Any) -> dict[str, Any]:
         return {"worker": function(*values)}
 
-    def submit(self, function: Any, job: Job, tile: Tile, pure: bool) -> FakeFuture:
-        self.given += 1
-        return FakeFuture(self.outcome(job, tile))
+    def submit(self, function: Any, job: Job, batch: tuple[Tile, ...], pure: bool) -> FakeFuture:
+        self.given.append(batch)
+        return FakeFuture(self.outcome(job, batch))
 
 
 def test_a_tile_that_kills_every_worker_is_named() -> None:
     pytest.importorskip("distributed")
-    lost: list[Tile] = []
+    lost: list[tuple[Tile, ...]] = []
 
-    def outcome(job: Job, tile: Tile) -> Any:
-        if tile == (5, 5, 10, 10):
-            lost.append(tile)
+    def outcome(job: Job, batch: tuple[Tile, ...]) -> Any:
+        if (5, 5, 6, 6) in batch:
+            lost.append(batch)
             return CancelledError("gone")
-        return module._unit(job, tile)
+        return module._units(job, batch)
 
-    with pytest.raises(OptionError, match=r"tile \(5, 5, 10, 10\) was lost 4 times"):
-        rendered(Cluster(FakeClient(outcome), "tcp://127.0.0.1:1", 2), slow_job(), 5)
-    assert len(lost) == 1 + module.RETRIES
+    for count, size in ((2, 1), (25, 2)):
+        lost.clear()
+        with pytest.raises(OptionError, match=r"tile \(5, 5, 6, 6\) was lost 4 times"):
+            rendered(Cluster(FakeClient(outcome), "tcp://127.0.0.1:1", count), slow_job(), 1)
+        assert [len(batch) for batch in lost] == [size, 1, 1, 1] and len(lost) == 1 + module.RETRIES
+
+
+def test_batches_hold_every_tile_once_and_end_together() -> None:
+    pytest.importorskip("distributed")
+    client = FakeClient(module._units)
+    expected = rendered(Threads(1), slow_job(), 1)
+    assert rendered(Cluster(client, "tcp://127.0.0.1:1", 25), slow_job(), 1) == expected
+    given = [tile for batch in client.given for tile in batch]
+    assert sorted(given) == sorted(tiles(24, 18, 1)) and {len(batch) for batch in client.given} == {2}
+    for count, total, size in ((1, 10, 1), (2, 10_000, 1), (40, 10_000, 2), (1000, 1_000_000, 50), (1000, 3000, 1)):
+        assert module.batch_size(count, total) == size
 
 
 def test_a_late_worker_with_other_code_and_a_lost_scheduler() -> None:
     pytest.importorskip("distributed")
-    late = FakeClient(lambda job, tile: ("other", module.compute(job, tile)))
+    late = FakeClient(lambda job, batch: ("other", []))
     with pytest.raises(OptionError, match="joined later runs other code"):
         rendered(Cluster(late, "tcp://127.0.0.1:1", 2), slow_job(), 5)
 
@@ -188,7 +202,7 @@ def test_a_late_worker_with_other_code_and_a_lost_scheduler() -> None:
         def add_done_callback(self, call: Callable[[Any], None]) -> None:
             pass
 
-    gone = FakeClient(lambda job, tile: None)
+    gone = FakeClient(lambda job, batch: None)
     gone.submit = lambda *_, **__: Silent(None)  # type: ignore[method-assign]
     gone.status = "closed"
     with pytest.raises(OptionError, match=r"the scheduler at tcp://127\.0\.0\.1:1 is gone; --resume"):
@@ -198,7 +212,7 @@ def test_a_late_worker_with_other_code_and_a_lost_scheduler() -> None:
 def test_an_error_of_a_kernel_is_raised_here() -> None:
     pytest.importorskip("distributed")
     with pytest.raises(ZeroDivisionError):
-        rendered(Cluster(FakeClient(lambda job, tile: ZeroDivisionError()), "x", 2), slow_job(), 5)
+        rendered(Cluster(FakeClient(lambda job, batch: ZeroDivisionError()), "x", 2), slow_job(), 5)
 
 
 @pytest.mark.parametrize(
@@ -260,7 +274,7 @@ def test_without_the_library_the_message_says_what_to_install(monkeypatch: pytes
 
 
 def test_the_unit_says_what_made_it() -> None:
-    fingerprint, done = module._unit(slow_job(), (0, 0, 3, 2))
+    fingerprint, (done,) = module._units(slow_job(), ((0, 0, 3, 2),))
     assert fingerprint == module._fingerprint() and "numba" in fingerprint
     layers = slow_job().empty_layers()
     prepared(slow_job())(0, 0, 24, 18, layers)

@@ -13,6 +13,7 @@ import contextlib
 import hashlib
 import ipaddress
 import logging
+import math
 import platform
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,6 +21,7 @@ from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from functools import lru_cache
 from importlib import metadata
+from itertools import islice
 from queue import Empty, SimpleQueue
 from typing import Any, Final
 from urllib.parse import urlsplit
@@ -37,6 +39,7 @@ RETRIES: Final = 3
 """How often a tile whose workers keep dying is given out again; each time, dask itself tries four workers."""
 _PATIENCE: Final = 20.0
 _AHEAD: Final = 4
+_WORKERS_A_TILE: Final = 20
 _PROBE_SIDE: Final = 8
 
 
@@ -86,29 +89,33 @@ class Cluster:
         """
         self._require_equal_bytes(job)
         coming, tries = iter(work), dict.fromkeys(work, 0)
-        running: dict[Any, Tile] = {}
+        running: dict[Any, tuple[Tile, ...]] = {}
         ended: SimpleQueue[Any] = SimpleQueue()
+        size = batch_size(self.count, len(work))
 
-        def submit(tile: Tile | None) -> None:
-            if tile is not None:
-                future = self._client.submit(_unit, job, tile, pure=False)
-                running[future] = tile
+        def submit(batch: tuple[Tile, ...]) -> None:
+            if batch:
+                future = self._client.submit(_units, job, batch, pure=False)
+                running[future] = batch
                 future.add_done_callback(ended.put)
 
         try:
             for _ in range(_AHEAD * self.count):
-                submit(next(coming, None))
+                submit(tuple(islice(coming, size)))
             while running:
                 future = self._next(ended)
-                tile = running.pop(future)
-                done = self._result(future, tile, tries)
-                if done is None:
-                    submit(tile)
+                batch = running.pop(future)
+                units = self._result(future, batch, tries)
+                if units is None:
+                    # one by one, so that a tile no worker survives is found
+                    for tile in batch:
+                        submit((tile,))
                     continue
-                submit(next(coming, None))
-                for name, block in blocks(layers, tile).items():
-                    block[...] = done.blocks[name]
-                finished(tile, done.evaluations, done.seconds)
+                submit(tuple(islice(coming, size)))
+                for done in units:
+                    for name, block in blocks(layers, done.tile).items():
+                        block[...] = done.blocks[name]
+                    finished(done.tile, done.evaluations, done.seconds)
         finally:
             # what nobody waits for any more, the scheduler drops
             running.clear()
@@ -124,20 +131,21 @@ class Cluster:
                         f"cluster: the scheduler at {self._address} is gone; --resume continues"
                     ) from None
 
-    def _result(self, future: Any, tile: Tile, tries: dict[Tile, int]) -> Done | None:
-        """What came back, or None when the tile must be given out again."""
+    def _result(self, future: Any, batch: tuple[Tile, ...], tries: dict[Tile, int]) -> list[Done] | None:
+        """What came back, or None when the tiles must be given out again."""
         from distributed import KilledWorker
 
         try:
-            fingerprint, done = future.result()
+            fingerprint, units = future.result()
         except (KilledWorker, CancelledError) as error:
-            tries[tile] += 1
-            if tries[tile] > RETRIES:
-                raise OptionError(f"cluster: tile {tile} was lost {tries[tile]} times, its workers died") from error
+            for tile in batch:
+                tries[tile] += 1
+                if tries[tile] > RETRIES:
+                    raise OptionError(f"cluster: tile {tile} was lost {tries[tile]} times, its workers died") from error
             return None
         if fingerprint != _fingerprint():
             raise OptionError(f"cluster: a worker at {self._address} that joined later runs other code or versions")
-        result: Done = done
+        result: list[Done] = units
         return result
 
     def _require_equal_bytes(self, job: Job) -> None:
@@ -153,9 +161,17 @@ class Cluster:
         self._equal.add(job)
 
 
-def _unit(job: Job, tile: Tile) -> tuple[str, Done]:
+def batch_size(count: int, tiles: int) -> int:
+    """Tiles given out at a time to ``count`` workers, so that the scheduler keeps up and every worker has a few turns.
+
+    A scheduler spends milliseconds on a task, whatever its length (``docs/scaling.md``).
+    """
+    return max(1, min(math.ceil(count / _WORKERS_A_TILE), tiles // (_AHEAD * count)))
+
+
+def _units(job: Job, batch: tuple[Tile, ...]) -> tuple[str, list[Done]]:
     """What a worker runs; with the result comes what made it."""
-    return _fingerprint(), compute(job, tile)
+    return _fingerprint(), [compute(job, tile) for tile in batch]
 
 
 def _probe(job: Job, tile: Tile) -> str:
