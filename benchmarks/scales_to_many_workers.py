@@ -1,0 +1,175 @@
+"""Two workers take half the time of one, threads or processes; what a thousand would do follows from measured costs.
+
+Measured: the wall time of twenty seconds of tiles on 1 and 2 threads and 1 and 2 processes of a local cluster; the
+processor time a task costs the scheduler and client, and a worker; and, with the product's own code, clusters of
+artificial workers that sleep in place of computing, whose efficiency is compared with what the costs predict.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+import time
+import warnings
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from measure import Report, arguments, median
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+from slow_kind import slow_job
+from symrender.cluster import _AHEAD, Cluster, batch_size, connect
+from symrender.scene.load import load
+from symrender.settings import Settings
+from symrender.tiles import Threads, Workers, tiles
+from symrender.units import Job
+
+TILE = 2.0
+"""Seconds an artificial worker sleeps over a tile."""
+TURNS = 4
+
+
+def wall(workers: Workers, job: Job, side: int) -> tuple[float, float]:
+    """Wall seconds of an image, and the sum of the seconds of its tiles."""
+    layers, spent = job.empty_layers(), []
+    work = list(tiles(job.settings.width, job.settings.height, side))
+    begun = time.perf_counter()
+    workers.run(job, layers, work, lambda tile, evaluations, seconds: spent.append(seconds))
+    assert len(spent) == len(work)
+    return time.perf_counter() - begun, sum(spent)
+
+
+def real(report: Report, *, quick: bool) -> None:
+    """Threads and processes that compute."""
+    job = Job.of("numeric", load("gloss"), Settings(width=256, height=256, lobe=12 if quick else 40))
+    side, rounds = 16, (1 if quick else 3)
+    rows = []
+    one, two = Threads(1), Threads(2)
+    wall(one, Job.of("numeric", load("gloss"), Settings(width=16, height=16, lobe=2)), 16)
+    pairs = [(wall(one, job, side), wall(two, job, side)) for _ in range(rounds)]
+    rows.append(("threads", pairs))
+    with connect("local:1") as single, connect("local:2") as double:
+        wall(single, job, 128)
+        wall(double, job, 128)
+        pairs = [(wall(single, job, side), wall(double, job, side)) for _ in range(rounds)]
+        rows.append(("processes", pairs))
+    table = []
+    for name, pairs in rows:
+        gain = median([a[0] / b[0] for a, b in pairs])
+        busy = median([b[1] / b[0] / 2 for _, b in pairs])
+        table.append((name, median([a[0] for a, _ in pairs]), median([b[0] for _, b in pairs]), gain / 2, busy))
+    report.table(("workers", "one, s", "two, s", "efficiency", "share of two workers' time inside tiles"), table)
+    load_average = os.getloadavg()[0]
+    report.say(f"Load average {load_average:.1f} on {os.cpu_count()} processors; other work makes all of these worse.")
+    for row in table:
+        report.claim_time(f"efficiency of two {row[0]}", float(row[3]), 0.9, float("inf"))
+        report.claim_time(f"share of the time inside tiles, two {row[0]}", float(row[4]), 0.9, float("inf"))
+
+
+def local(workers: int, threads: int, *, processes: bool) -> Any:
+    """A plain local cluster of dask, without the product's checks."""
+    import distributed
+
+    return distributed.LocalCluster(
+        n_workers=workers,
+        threads_per_worker=threads,
+        processes=processes,
+        protocol="tcp",
+        host="127.0.0.1",
+        silence_logs=logging.CRITICAL,
+        memory_limit=0,
+        scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
+    )
+
+
+def noop(job: Job, batch: object, size: int) -> bytes:
+    """A task that computes nothing and returns ``size`` bytes."""
+    return b"x" * size
+
+
+def costs(report: Report, *, quick: bool) -> float:
+    """Processor milliseconds of a task, by the bytes it returns; the slope a byte and the constant are reported."""
+    import distributed
+
+    count, rows = (100 if quick else 500), []
+    with (
+        closing(local(1, 1, processes=True)) as cluster,
+        closing(distributed.Client(cluster, set_as_default=False)) as c,
+    ):
+        c.submit(noop, slow_job(), (), 0).result()
+        for size in (0, 80_000, 320_000):
+            there = sum(c.run(time.process_time).values())
+            here = time.process_time()
+            c.gather([c.submit(noop, slow_job(), (k,), size, pure=False) for k in range(count)])
+            central = 1e3 * (time.process_time() - here) / count
+            worker = 1e3 * (sum(c.run(time.process_time).values()) - there) / count
+            rows.append((size, central, worker))
+    report.table(("bytes returned", "scheduler and client, CPU ms a task", "worker, CPU ms a task"), rows)
+    a_tile = (rows[2][1] - rows[0][1]) / 320_000 * 80
+    report.say(f"That is {rows[0][1]:.2f} ms a task and {1e3 * a_tile:.2f} us a pixel of 80 bytes.")
+    return rows[0][1]
+
+
+def artificial(report: Report, counts: tuple[int, ...]) -> None:
+    """Workers that sleep; one process plays them, the scheduler and the client."""
+    import distributed
+
+    rows = []
+    for count in counts:
+        threads = min(100, count)
+        cluster = local(count // threads, threads, processes=False)
+        with closing(cluster), closing(distributed.Client(cluster, set_as_default=False)) as client:
+            side, wanted = 4, _AHEAD * TURNS // 4 * count * batch_size(count, 10**9)
+            columns = min(wanted, 2000)
+            job = slow_job(side * columns, side * (wanted // columns), milliseconds=0)
+            work = list(tiles(job.settings.width, job.settings.height, side))
+            workers = Cluster(client, "artificial", count)
+            workers._equal.add(job)
+            begun = time.process_time()
+            workers.run(job, job.empty_layers(), work[: 4 * count], lambda *_: None)
+            each = (time.process_time() - begun) / (4 * count)
+            size = batch_size(count, len(work))
+            slept = slow_job(job.settings.width, job.settings.height, milliseconds=int(1e3 * TILE / size))
+            workers._equal.add(slept)
+            seconds, _ = wall_of(workers, slept, work)
+            ideal = TILE / size * len(work) / count
+            # a task keeps its worker for TILE, and this one process for its cost
+            predicted = 1 / max(1.0, count * each / TILE)
+            rows.append((count, len(work), size, 1e3 * each, ideal, seconds, ideal / seconds, predicted))
+    head = (
+        "workers",
+        "tiles",
+        "tiles a task",
+        "CPU ms a task, all in one process",
+        "ideal, s",
+        "wall, s",
+        "efficiency",
+    )
+    report.table((*head, "predicted at most"), rows)
+    for row in rows:
+        report.claim_time(f"efficiency over prediction, {row[0]} workers", row[6] / row[7], 0.7, 1.05)
+
+
+def wall_of(workers: Workers, job: Job, work: list[Any]) -> tuple[float, int]:
+    """Wall seconds of ``work``."""
+    layers, done = job.empty_layers(), []
+    begun = time.perf_counter()
+    workers.run(job, layers, work, lambda tile, *_: done.append(tile))
+    assert len(done) == len(work)
+    return time.perf_counter() - begun, len(done)
+
+
+def main() -> None:
+    options = arguments(__doc__)
+    report = Report("scales_to_many_workers", "Threads, processes, and artificial workers up to a thousand.")
+    warnings.simplefilter("ignore")
+    costs(report, quick=options.quick)
+    artificial(report, (10, 100) if options.quick else (10, 100, 300, 1000))
+    real(report, quick=options.quick)
+    report.leave()
+
+
+if __name__ == "__main__":
+    main()
