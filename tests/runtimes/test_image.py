@@ -60,6 +60,7 @@ def test_pipelines_agree_ray_by_ray(name: str) -> None:
         {"spheres.A.texture": {"type": "checker", "ku": 7.0, "kv": 2.5, "dark": 0.1}},
         {"spheres.A.texture": {"type": "stripes", "ku": 66.0, "dark": 0.1}},
         {"lights.fill.position": (0.1, -1.2, 0.25)},
+        {"floor.texture.offset": (0.3, 0.45), "floor.texture.cell": 0.8},
     ],
     ids=lambda changes: ",".join(changes),
 )
