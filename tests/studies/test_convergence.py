@@ -82,6 +82,14 @@ def test_csv_holds_every_point_bit_for_bit(found: Convergence) -> None:
             assert float(row[name]) == getattr(point, name)
 
 
+def test_the_report_names_every_estimator(found: Convergence) -> None:
+    lines = found.study.text().splitlines()
+    for name in (*ESTIMATORS, "black image"):
+        assert any(line.split()[: len(name.split())] == name.split() for line in lines), name
+    split = [row for row in found.study.tables[0].rows if row[0] == "split"]
+    assert split and all(row[-2] == 0 and isinstance(row[-1], int) for row in split)
+
+
 def test_orders_come_with_a_range(found: Convergence) -> None:
     fitted = {fit.estimator: fit.law for fit in found.fits if fit.cost == "evaluations"}
     assert len(fitted) >= 5

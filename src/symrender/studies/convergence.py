@@ -216,21 +216,12 @@ def _fits(points: Sequence[Point], truth: Reference) -> list[Fit]:
 
 
 def _points_table(points: Sequence[Point], truth: Reference) -> Table:
-    columns = (
-        "estimator",
-        "knob",
-        "evaluations",
-        "seconds",
-        "runs",
-        "relative",
-        "low",
-        "high",
-        "max",
-        "bias",
-        "missed",
-    )
+    columns = ("estimator", "knob", "evaluations", "seconds", "runs", "relative", "low", "high", "max", "bias")
     rows = [
-        (p.estimator, p.knob, p.evaluations, p.seconds, p.runs, p.relative, p.low, p.high, p.max_abs, p.bias, p.missed)
+        (
+            *(p.estimator, p.knob, p.evaluations, p.seconds, p.runs),
+            *(p.relative, p.low, p.high, p.max_abs, p.bias, p.missed, p.outside),
+        )
         for p in points
     ]
     return Table(

@@ -26,6 +26,9 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
     notes: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        assert all(len(row) == len(self.columns) for row in self.rows), f"{self.title}: a row misses a column"
+
     def text(self) -> str:
         """The title, the table and its notes as plain lines."""
         cells = [self.columns, *(tuple(_shown(cell) for cell in row) for row in self.rows)]
