@@ -15,7 +15,8 @@ from .test_build import HOSTILE
 
 GLOSSY = """(side) => {
   const f = simulator.app.frame, n = f.size, values = [];
-  for (let k = 0; k < n * n; k++) values.push(f[side][4 * k + 3] * (f[side][4 * k] + f[side][4 * k + 1] + f[side][4 * k + 2]) / 3);
+  const v = f[side];
+  for (let k = 0; k < 4 * n * n; k += 4) values.push(v[k + 3] * (v[k] + v[k + 1] + v[k + 2]) / 3);
   return values;
 }"""
 
@@ -111,7 +112,10 @@ def test_presets_are_true_on_the_default_scene(open_page):
 
     # 6: the larger light makes lobes meet more chambers
     preset(page, 6)
-    name = "() => { const f = simulator.app.frame.pixel_chambers; let s = 0, n = 0; for (let k = 0; k < f.length; k += 4) if (f[k]) { s += f[k]; n++; } return s / n; }"
+    name = """() => {
+      const met = simulator.app.frame.pixel_chambers.filter((v, k) => k % 4 === 0 && v > 0);
+      return met.reduce((a, b) => a + b, 0) / met.length;
+    }"""
     large = page.run(name)
     page.change("s.scene['lights.key.radius'] = 0")
     assert page.run(name) < large - 0.3
@@ -162,7 +166,8 @@ def test_a_journey_by_keyboard_alone(open_page):
     page.settle()
     assert state()["lobe"] == 2
     # every control can be reached and has a name
-    names = page.run("""() => [...document.querySelectorAll('input, select, button')].filter((e) => !e.closest('details') && !e.closest('dialog'))
+    names = page.run("""() => [...document.querySelectorAll('input, select, button')]
+      .filter((e) => !e.closest('details, dialog'))
       .map((e) => (e.labels?.[0]?.textContent || e.getAttribute('aria-label') || e.textContent || '').trim())""")
     assert len(names) > 40
     assert all(names)
@@ -270,7 +275,10 @@ def test_a_sweep_becomes_a_film_with_every_frame(open_page):
       const blob = await simulator.filmed(simulator.app, sweep, () => {});
       const video = document.createElement('video');
       video.src = URL.createObjectURL(blob);
-      const lasts = await new Promise((done) => { video.onloadedmetadata = () => done(video.duration); video.onerror = () => done(-1); });
+      const lasts = await new Promise((done) => {
+        video.onloadedmetadata = () => done(video.duration);
+        video.onerror = () => done(-1);
+      });
       return [blob.size, lasts, video.videoWidth, video.videoHeight];
     }""")
     if found is None:
@@ -287,7 +295,12 @@ def test_a_drag_leaves_input_free(open_page, capsys):
     took = page.run("() => simulator.app.frame.took")
     longest = page.run("""async () => {
       let worst = 0, last = performance.now(), on = true;
-      const watch = () => { const now = performance.now(); worst = Math.max(worst, now - last); last = now; if (on) setTimeout(watch, 0); };
+      const watch = () => {
+        const now = performance.now();
+        worst = Math.max(worst, now - last);
+        last = now;
+        if (on) setTimeout(watch, 0);
+      };
       watch();
       for (let k = 0; k < 10; k++) {
         simulator.app.change((s) => s.scene['floor.lobe.exponent'] = 16 + k, true);
@@ -302,4 +315,4 @@ def test_a_drag_leaves_input_free(open_page, capsys):
         print(f"\n256 x 256, K = 4: numeric {took['pixel_numeric']:.0f} ms, symbolic {took['pixel_symbolic']:.0f} ms "
               f"under a software driver; input held for at most {longest:.0f} ms while sliding")  # fmt: skip
     assert frame > 0
-    assert longest < 1000
+    assert longest <= 100

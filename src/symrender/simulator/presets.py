@@ -31,8 +31,8 @@ def presets(scene: Scene) -> tuple[Preset, ...]:
     found = [
         Preset(
             "Collapse to the mirror",
-            "n = 4096 inside a cone of half a degree: the lobe is all but one direction. Both panels show the mirror image "
-            "and the difference goes dark.",
+            "n = 4096 inside a cone of half a degree: the lobe is all but one direction. Both panels show the mirror "
+            "image and the difference goes dark.",
             {"scene": lobes(exponent=4096.0, theta_max=_NARROW)},
         ),
         Preset(
@@ -50,7 +50,7 @@ def presets(scene: Scene) -> tuple[Preset, ...]:
         Preset(
             "Watch it widen and fade",
             "The gloss alone at n = 8. Slide n: every halving of the blur costs four times the exponent, for the width "
-            "goes as 1/sqrt n.",
+            "goes as 1/√n.",
             {"scene": lobes(exponent=8.0), "view": "gloss", "lobe": 8},
         ),
         Preset(
