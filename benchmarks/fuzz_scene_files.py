@@ -37,7 +37,7 @@ def child(first: int, count: int, folder: Path, out: int) -> None:
         path = folder / f"case{suffix}"
         path.write_bytes(data)
         os.write(out, f"{index}\n".encode())
-        signal.setitimer(signal.ITIMER_REAL, 10.0)
+        signal.setitimer(signal.ITIMER_REAL, 60.0)
         try:
             loaded += check(path)
         except BaseException as error:

@@ -22,6 +22,7 @@ from symrender.scene.warnings import warnings
 
 CORPUS = Path(__file__).parent / "fuzz_corpus"
 LIMIT = 2.0
+"""Most processor seconds a file may take; waiting for others is not the file's."""
 SUFFIXES = (".yaml", ".json", ".toml")
 NUMBERS = (
     *(0, 1, -1, 2, 64, 1e-300, 1e300, 1e308, -1e308, 5e-324, 1e-12, 1e12, 1e13, 1e15, 0.5, -0.5, -2.0, 3.999, 1e-154),
@@ -222,7 +223,7 @@ def scene_file(draw: random.Random) -> tuple[str, bytes]:
 
 def check(path: Path) -> bool:
     """Whether the file at ``path`` is a scene; AssertionError if what loading it did is against the rules."""
-    begun = time.perf_counter()
+    begun = time.process_time()
     try:
         scene = load(path)
     except SceneError as error:
@@ -235,6 +236,6 @@ def check(path: Path) -> bool:
         assert parse(to_yaml(scene), "again").hash == scene.hash
         assert all(isinstance(warning, str) for warning in warnings(scene))
         scene_arrays(scene)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     assert seconds < LIMIT, f"{seconds:.2f} s"
     return scene is not None
