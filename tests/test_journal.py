@@ -208,3 +208,10 @@ def test_every_failing_call_ends_the_run_and_keeps_what_was_written(
         if path.exists() and path.stat().st_size:
             assert len(read(path)) >= k - 1
     assert reached == 4
+
+
+def test_records_of_another_run_among_ours_are_not_taken(tmp_path: Path) -> None:
+    """Two journals in one file, as a copy that went wrong leaves them."""
+    ours, theirs = left(tmp_path / "a", 3), left(tmp_path / "b", 6, fields=FIELDS | {"lobe": "5"})
+    (tmp_path / "j").write_bytes(ours + theirs)
+    assert len(read(tmp_path / "j")) == 3
