@@ -26,8 +26,9 @@ class Settings:
 
     ``lobe`` is K of K rings x K sectors (K x K samples for a sampler). ``disk`` is ``"KxK"``, the centroids of the
     disk light's K x K strata, or ``"exact"``. ``normalised`` divides by the closed-form integral of the weight
-    instead of the sum of the weights met. ``tol`` and ``budget`` are what the split rule aims at and the most evaluations
-    it may make, a pixel. ``threads`` 0 takes the processors this process may use, ``tile`` 0 measures a tile's side.
+    instead of the sum of the weights met. ``tol`` and ``budget`` are what the split rule aims at and the most
+    evaluations it may make, a pixel. ``threads`` 0 takes the processors this process may use, ``tile`` 0 measures a
+    tile's side.
     """
 
     width: int = 256
