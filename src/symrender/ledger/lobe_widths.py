@@ -65,8 +65,9 @@ def _mean_cosine(u: float, theta_max: float) -> float:
 def _rms_angle(exponent: float, theta_max: float) -> float:
     # cos^n theta < exp(-n theta^2 / 2): beyond 10 sigma nothing is left in double precision
     rim = min(theta_max, 10 / math.sqrt(exponent)) if exponent else theta_max
-    if rim == 0:
-        return 0.0
+    if rim < 1e-150:
+        # flat to the last bit, and its square is not a normal number: the mean over a disk
+        return rim / math.sqrt(2)
     x, w = np.polynomial.legendre.leggauss(_NODES)
     s, w = (1 - x) / 2, w / 2
     # theta = rim (1 - s^4) clusters nodes at the rim, where cos^n may end in a fractional power

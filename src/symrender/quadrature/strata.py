@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,9 @@ import numpy.typing as npt
 from symrender.settings import Nodes, Partition, Weights
 
 Array = npt.NDArray[np.float64]
+
+NARROWEST: Final = 1e-150
+"""Half-angle below which a lobe is its mirror direction: the square of anything narrower is not a normal number."""
 
 
 class LobeFormulas(Protocol):

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
+from symrender.limits import MIN_LENGTH
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.strata import Rule, mirror_rule, rings, rule
 from symrender.runtimes import numba
@@ -102,7 +103,8 @@ def _rules(arrays: SceneArrays, settings: Settings, formulas: Any) -> tuple[Arra
 
 
 def _rule(exponent: float, theta_max: float, settings: Settings, formulas: Any) -> Rule:
-    if theta_max == 0:
+    # the square of a narrower cone is no normal number; the mirror is its limit to far below rounding
+    if theta_max < MIN_LENGTH:
         return mirror_rule()
     ring = rings(
         formulas,
