@@ -104,3 +104,15 @@ def test_samples_approach_the_mirror() -> None:
     slope towards -1/2 for larger n, and walls within reach of the lobe what bends it downwards for smaller n."""
     (slope,) = slopes(numeric, "gloss", 72, (2e6, 1e7), lobe=32, numeric="sobol")
     assert abs(slope + 1) <= 0.1
+
+
+@pytest.mark.parametrize("theta_max", [1e-9, 1e-149, 1e-151, 1e-300])
+def test_a_vanishing_cone_is_the_mirror(theta_max: float) -> None:
+    """Below 1e-150 the cone's solid angle is no normal number; above it the strata still weigh it."""
+    scene = load("gloss")
+    narrow = layers_of(symbolic, scene.replace({"floor.lobe.theta_max": theta_max}), 24)
+    mirror = layers_of(symbolic, scene.replace({"floor.lobe.mirror": True}), 24)
+    floor = narrow["hit_class"] == at.FLOOR
+    assert floor.sum() > 200 and mirror["gloss"][floor].max() > 0.1
+    far = np.abs(narrow["gloss"] - mirror["gloss"]).max(axis=2)[floor]
+    assert np.isfinite(far).all() and np.median(far) <= 1e-8 and (far <= 1e-6).mean() > 0.99
