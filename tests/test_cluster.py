@@ -112,6 +112,26 @@ def test_a_worker_that_dies_costs_its_tiles_only(local: Cluster, reference: dict
     assert {name: layer.tobytes() for name, layer in layers.items()} == expected
 
 
+def test_workers_all_gone_come_back(
+    local: Cluster, reference: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Dask forgets a worker that stays away too long; here both are told to go for good."""
+    monkeypatch.setattr(module, "_LOOK_EVERY", 0.5)
+    workers = list(local._client.scheduler_info(n_workers=-1)["workers"])
+    local._client.retire_workers(workers=workers, close_workers=True, remove=True)
+    assert rendered(local) == reference
+
+
+def test_no_worker_left_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(module, "_LOOK_EVERY", 0.1)
+    monkeypatch.setattr(module, "_LONELY", 0.5)
+    silent = FakeClient(lambda job, batch: None)
+    silent.submit = lambda *_, **__: Silent(None)  # type: ignore[method-assign]
+    with pytest.raises(OptionError, match="no worker is left at x; --resume"):
+        rendered(Cluster(silent, "x", 2), slow_job(), 5)
+
+
 @pytest.mark.parametrize("name", ["symrender", "code", "numpy", "python"])
 def test_workers_of_another_version_are_refused_by_name(
     local: Cluster, monkeypatch: pytest.MonkeyPatch, name: str
@@ -149,12 +169,22 @@ class FakeFuture:
         return self.outcome
 
 
+class Silent(FakeFuture):
+    """Never done."""
+
+    def add_done_callback(self, call: Callable[[Any], None]) -> None:
+        pass
+
+
 class FakeClient:
     """A client whose every submission has the outcome given."""
 
     def __init__(self, outcome: Callable[[Job, tuple[Tile, ...]], Any]) -> None:
         self.outcome, self.status = outcome, "running"
         self.given: list[tuple[Tile, ...]] = []
+
+    def scheduler_info(self, n_workers: int) -> dict[str, Any]:
+        return {"workers": {}}
 
     def run(self, function: Callable[..., Any], *values: Any) -> dict[str, Any]:
         return {"worker": function(*values)}
@@ -197,10 +227,6 @@ def test_a_late_worker_with_other_code_and_a_lost_scheduler() -> None:
     late = FakeClient(lambda job, batch: ("other", []))
     with pytest.raises(OptionError, match="joined later runs other code"):
         rendered(Cluster(late, "tcp://127.0.0.1:1", 2), slow_job(), 5)
-
-    class Silent(FakeFuture):
-        def add_done_callback(self, call: Callable[[Any], None]) -> None:
-            pass
 
     gone = FakeClient(lambda job, batch: None)
     gone.submit = lambda *_, **__: Silent(None)  # type: ignore[method-assign]

@@ -16,7 +16,8 @@ import logging
 import math
 import platform
 import re
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from functools import lru_cache
@@ -38,6 +39,8 @@ MAX_LOCAL: Final = 1024
 RETRIES: Final = 3
 """How often a tile whose workers keep dying is given out again; each time, dask itself tries four workers."""
 _PATIENCE: Final = 20.0
+_LOOK_EVERY: Final = 5.0
+_LONELY: Final = 60.0
 _AHEAD: Final = 4
 _WORKERS_A_TILE: Final = 20
 _PROBE_SIDE: Final = 8
@@ -65,20 +68,20 @@ def connect(address: str, *, insecure: bool = False) -> Iterator[Cluster]:
     """
     count = checked(address, insecure=insecure)
     distributed = _library()
-    with _local(distributed, count) if count else _remote(distributed, address) as client:
+    with _local(distributed, count) if count else _remote(distributed, address) as (client, revive):
         workers = client.scheduler_info(n_workers=-1)["workers"]
         if not workers:
             raise OptionError(f"cluster: {address} has no workers")
         _refuse_other_code(client, address)
-        yield Cluster(client, address, sum(worker["nthreads"] for worker in workers.values()))
+        yield Cluster(client, address, sum(worker["nthreads"] for worker in workers.values()), revive)
 
 
 class Cluster:
     """Workers of a dask cluster."""
 
-    def __init__(self, client: Any, address: str, count: int) -> None:
+    def __init__(self, client: Any, address: str, count: int, revive: Callable[[], object] = lambda: None) -> None:
         self.count = count
-        self._client, self._address = client, address
+        self._client, self._address, self._revive = client, address, revive
         self._equal: set[Job] = set()
 
     def run(self, job: Job, layers: Mapping[str, Array], work: Sequence[Tile], finished: Finished) -> None:
@@ -121,15 +124,24 @@ class Cluster:
             running.clear()
 
     def _next(self, ended: SimpleQueue[Any]) -> Any:
+        last_look = workers_seen = time.monotonic()
         while True:
             try:
                 # a bounded wait, so that Ctrl-C and a lost scheduler are seen
                 return ended.get(timeout=0.1)
             except Empty:
-                if self._client.status not in ("running", "connecting"):
-                    raise OptionError(
-                        f"cluster: the scheduler at {self._address} is gone; --resume continues"
-                    ) from None
+                pass
+            now = time.monotonic()
+            if self._client.status not in ("running", "connecting"):
+                gone = f"cluster: the scheduler at {self._address} is gone; --resume continues the run"
+                raise OptionError(gone)
+            if now - last_look > _LOOK_EVERY:
+                last_look = now
+                self._revive()
+                if self._client.scheduler_info(n_workers=-1)["workers"]:
+                    workers_seen = now
+                if now - workers_seen > _LONELY:
+                    raise OptionError(f"cluster: no worker is left at {self._address}; --resume continues the run")
 
     def _result(self, future: Any, batch: tuple[Tile, ...], tries: dict[Tile, int]) -> list[Done] | None:
         """What came back, or None when the tiles must be given out again."""
@@ -237,7 +249,7 @@ def _is_loopback(host: str) -> bool:
 
 
 @contextmanager
-def _local(distributed: Any, count: int) -> Iterator[Any]:
+def _local(distributed: Any, count: int) -> Iterator[tuple[Any, Callable[[], object]]]:
     options = {
         "n_workers": count,
         "threads_per_worker": 1,
@@ -257,7 +269,8 @@ def _local(distributed: Any, count: int) -> Iterator[Any]:
     client = None
     try:
         client = distributed.Client(cluster, set_as_default=False)
-        yield client
+        # on a busy machine dask gives up a worker that is slow to come back
+        yield client, lambda: cluster.scale(count)
     except BaseException:
         # workers that still compute are not waited for
         for nanny in list(cluster.workers.values()):
@@ -273,7 +286,7 @@ def _local(distributed: Any, count: int) -> Iterator[Any]:
 
 
 @contextmanager
-def _remote(distributed: Any, address: str) -> Iterator[Any]:
+def _remote(distributed: Any, address: str) -> Iterator[tuple[Any, Callable[[], object]]]:
     security = distributed.Security() if address.startswith("tls:") else None
     try:
         client = distributed.Client(address, timeout=_PATIENCE, security=security, set_as_default=False)
@@ -281,7 +294,7 @@ def _remote(distributed: Any, address: str) -> Iterator[Any]:
         reason = " ".join(str(error).split())[:120]
         raise OptionError(f"cluster: no scheduler answers at {printable(address, 60)}: {reason}") from None
     try:
-        yield client
+        yield client, lambda: None
     finally:
         with contextlib.suppress(Exception):
             client.close(timeout=1)
