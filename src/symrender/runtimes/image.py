@@ -10,9 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
-from symrender.limits import MIN_LENGTH
 from symrender.quadrature.disk import light_points
-from symrender.quadrature.strata import Rule, mirror_rule, rings, rule
+from symrender.quadrature.strata import NARROWEST, Rule, mirror_rule, rings, rule
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
@@ -103,8 +102,7 @@ def _rules(arrays: SceneArrays, settings: Settings, formulas: Any) -> tuple[Arra
 
 
 def _rule(exponent: float, theta_max: float, settings: Settings, formulas: Any) -> Rule:
-    # the square of a narrower cone is no normal number; the mirror is its limit to far below rounding
-    if theta_max < MIN_LENGTH:
+    if theta_max < NARROWEST:
         return mirror_rule()
     ring = rings(
         formulas,
