@@ -35,6 +35,8 @@ def modules() -> dict[str, Path]:
     """Dotted name, without the package's own, of every file; the package itself is ``__init__``."""
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
+        if path.parent == PACKAGE / "chapter" / "cells":
+            continue  # what a reader of the laboratory runs: data of the package, none of its modules
         parts = path.relative_to(PACKAGE).with_suffix("").parts
         if len(parts) > 1 and parts[-1] == "__init__":
             parts = parts[:-1]

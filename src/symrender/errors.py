@@ -8,11 +8,12 @@
     +-- ImageError            an image file cannot be read, written or compared
     +-- OutputError           an output cannot be written (exit 74)
     +-- NonFiniteError        a kernel produced a NaN or an infinity
+    +-- CellError             a cell of the laboratory fails or does not find what it expects (exit 70)
     +-- Unsupported           the mathematics does not cover this case; refused, never dropped
 
 Exit codes of the command line: 0 success, 1 two images differ, 2 wrong input
 (``SceneError``, ``OptionError``, ``ImageError``, ``Unsupported``), 3 non-finite pixels, 4 image written but
-some pixel missed its tolerance, 74 the output could not be written, 130 interrupted.
+some pixel missed its tolerance, 70 a fault in symrender, 74 the output could not be written, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -49,6 +50,15 @@ class NonFiniteError(SymrenderError):
     """A kernel produced a NaN or an infinity; the message lists pixels and shapes."""
 
     exit_code = 3
+
+
+class CellError(SymrenderError):
+    """A cell of the laboratory failed; the message names its file and line and what was expected.
+
+    What a cell expects of symrender is measured when it runs, so a failure is a fault in symrender.
+    """
+
+    exit_code = 70
 
 
 class Unsupported(SymrenderError):

@@ -1,0 +1,13 @@
+# %% [markdown]
+# # Cell 3
+#
+# The cell's introduction.
+
+# %%
+import symrender as sr
+
+scene = sr.load("gloss")
+
+# %%
+assert scene.floor is not None, "the scene has a floor"
+print("Expect: the scene has a floor.")

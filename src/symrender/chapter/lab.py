@@ -1,0 +1,137 @@
+"""The laboratory: ten cells, each a title, an introduction, code on public names, and an expectation it checks.
+
+A cell is a plain Python file in ``cells/`` in the percent format: ``# %% [markdown]`` opens a comment that is prose,
+``# %%`` opens code. It is data: nothing imports it. ``notebook`` makes a Jupyter notebook of it, ``execute`` runs it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from symrender.errors import OptionError
+
+_OPENING: Final = re.compile(r"^# %%( \[markdown\])?[ \t]*$")
+_INSTALL: Final = """\
+try:
+    import symrender  # noqa: F401
+except ImportError:
+    %pip install -q "symrender[notebook]"
+"""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A stretch of prose or of code: its ``text``, and the ``line`` of the cell's file on which the text begins."""
+
+    kind: Literal["markdown", "code"]
+    text: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell of the laboratory: ``name`` (``cell1``), ``title``, and its parts, prose and code, in order."""
+
+    name: str
+    title: str
+    parts: tuple[Part, ...]
+
+    @property
+    def introduction(self) -> str:
+        """The prose below the title, Markdown."""
+        return self.parts[0].text.partition("\n")[2].strip()
+
+
+@dataclass(frozen=True)
+class Output:
+    """What the part of index ``part`` left: ``data`` is text, bytes for ``png``; ``alt`` says what a picture shows."""
+
+    part: int
+    kind: Literal["text", "html", "png", "svg"]
+    data: str | bytes
+    alt: str = ""
+
+
+def names() -> tuple[str, ...]:
+    """Names of the cells in their order, ``cell1`` first."""
+    found = [f.name.removesuffix(".py") for f in _folder().iterdir() if re.fullmatch(r"cell\d+\.py", f.name)]
+    return tuple(sorted(found, key=lambda name: int(name.removeprefix("cell"))))
+
+
+def load(name: str) -> Cell:
+    """The cell called ``name``. Raises OptionError naming those there are."""
+    if name not in names():
+        raise OptionError(f"cell: must be one of {', '.join(names())}, got {name[:40]!r}")
+    return parsed(name, (_folder() / f"{name}.py").read_text(encoding="utf-8"))
+
+
+def parsed(name: str, source: str) -> Cell:
+    """A cell from its source; the first part must be prose whose first line is the title, ``# ...``."""
+    kinds: list[tuple[Literal["markdown", "code"], int]] = []
+    lines: list[list[str]] = []
+    for number, line in enumerate(source.splitlines(), 1):
+        if opening := _OPENING.match(line):
+            kinds.append(("markdown" if opening[1] else "code", number + 1))
+            lines.append([])
+        elif lines:
+            lines[-1].append(line)
+        elif line.strip():
+            raise ValueError(f"{name}.py:{number}: stands before the first # %%")
+    parts = tuple(_part(kind, first, text) for (kind, first), text in zip(kinds, lines, strict=True))
+    if not parts or parts[0].kind != "markdown" or not parts[0].text.startswith("# "):
+        raise ValueError(f"{name}.py: must begin with prose that begins with a title")
+    return Cell(name, parts[0].text.splitlines()[0].removeprefix("# "), parts)
+
+
+def notebook(cell: Cell) -> Any:
+    """The cell as an nbformat notebook, the same bytes every time; its first code installs symrender where it is not.
+
+    Runs from top to bottom in Jupyter and in Colab. Raises OptionError where nbformat is not installed.
+    """
+    try:
+        from nbformat import v4
+    except ImportError:
+        raise OptionError("lab: nbformat is not installed: pip install 'symrender[notebook]'") from None
+    title, *rest = cell.parts
+    parts = (title, Part("code", _INSTALL.rstrip("\n"), 0), *rest)
+    cells = []
+    for number, part in enumerate(parts):
+        make = v4.new_markdown_cell if part.kind == "markdown" else v4.new_code_cell
+        cells.append(make(part.text, id=f"{cell.name}-{number}"))
+    return v4.new_notebook(
+        cells=cells,
+        metadata={
+            "colab": {"provenance": []},
+            "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+            "language_info": {"name": "python"},
+        },
+    )
+
+
+def execute(cell: Cell, directory: str | Path | None = None) -> tuple[Output, ...]:
+    """Run the code of ``cell`` in this process and return its outputs in order.
+
+    What is printed comes as one text a part, then the value of a part's last line if that is an expression, then the
+    figures Matplotlib holds: SVG, or PNG where a figure shows an image. ``directory``: where the cell runs, by default
+    a folder that is removed. Raises CellError naming file and line where an assertion or anything else fails, and
+    OptionError where Matplotlib is not installed.
+    """
+    from symrender.chapter.execution import run
+
+    return run(cell, directory)
+
+
+def _folder() -> Traversable:
+    return resources.files("symrender.chapter") / "cells"
+
+
+def _part(kind: Literal["markdown", "code"], first: int, lines: list[str]) -> Part:
+    while lines and not lines[0].strip():
+        first, lines = first + 1, lines[1:]
+    text = [re.sub(r"^# ?", "", line) for line in lines] if kind == "markdown" else lines
+    return Part(kind, "\n".join(text).rstrip(), first)
