@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers import chart, events, labels, line, lobe_mass, roots, walls, work
+from symrender.chambers import chart, events, labels, line, lobe_mass, place, roots, walls, work
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.walls import (
@@ -235,7 +235,7 @@ def gloss_kernel(
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
     modules = (
-        chart, events, labels, line, lobe_mass, roots, walls, work, gauss_module, light_term, split_grid_module,
+        chart, events, labels, line, lobe_mass, place, roots, walls, work, gauss_module, light_term, split_grid_module,
         split_line, split_panel,        sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
