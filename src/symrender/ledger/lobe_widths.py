@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.errors import OptionError
 
@@ -68,7 +70,7 @@ def _rms_angle(exponent: float, theta_max: float) -> float:
     if rim < 1e-150:
         # flat to the last bit, and its square is not a normal number: the mean over a disk
         return rim / math.sqrt(2)
-    x, w = np.polynomial.legendre.leggauss(_NODES)
+    x, w = _gauss()
     s, w = (1 - x) / 2, w / 2
     # theta = rim (1 - s^4) clusters nodes at the rim, where cos^n may end in a fractional power
     ratio = 1 - s**_GRADING
@@ -76,3 +78,9 @@ def _rms_angle(exponent: float, theta_max: float) -> float:
     log_cos = np.log1p(-2 * np.sin(theta / 2) ** 2)
     mass = w * s ** (_GRADING - 1) * np.exp(exponent * log_cos) * np.sin(theta)
     return rim * math.sqrt(float(np.sum(mass * ratio**2) / np.sum(mass)))
+
+
+@cache
+def _gauss() -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    # the eigenvalues behind the nodes take longer than a small picture
+    return np.polynomial.legendre.leggauss(_NODES)
