@@ -36,7 +36,6 @@ from symrender.settings import Antialias, Nodes, Partition, Sampler, Settings, S
 
 if TYPE_CHECKING:
     from symrender.image import Image
-    from symrender.views import Picture
 
 
 def render(
@@ -112,9 +111,11 @@ def render(
         for warning in warnings(chosen):
             typer.echo(f"WARNING {warning}", err=True)
 
+    from symrender.cli._compiler import load_compiler
     from symrender.fill import Crew
     from symrender.render import carry_out, plan
 
+    load_compiler()
     jobs = plan(chosen, settings)
     names = [job.side for job in jobs]
     folder = make_folder(out)
@@ -163,21 +164,28 @@ def _file_names(sides: list[str], *, views: bool) -> list[str]:
 
 def _write(images: dict[str, Image], folder: Path, *, views: bool, force: bool) -> dict[str, str]:
     """Write the files; their names, each with what its picture leaves out or means."""
+    from concurrent.futures import ThreadPoolExecutor
+
     from symrender.ledger.pictures import absolute_difference
     from symrender.views import gloss_view, hit_class_view
 
-    told: dict[str, str] = {}
-    pictures: dict[str, Picture] = {}
-    for name, image in images.items():
+    def write(name: str) -> dict[str, str]:
+        if name not in images:
+            picture = absolute_difference(*images.values())
+            picture.save(folder / name, force=force)
+            return {name: picture.caption}
+        image = images[name]
         saved = image.save(folder / f"{name}.png", force=force)
-        told[f"{name}.png"] = f"{saved.clipped} of {image.width * image.height} pixels clipped"
+        told = {f"{name}.png": f"{saved.clipped} of {image.width * image.height} pixels clipped"}
         image.save(folder / f"{name}.exr", force=force)
         told[f"{name}.exr"] = ""
         if views:
-            pictures |= {f"{name}_gloss.png": gloss_view(image), f"{name}_hit_class.png": hit_class_view(image)}
-    if len(images) == 2:
-        pictures["difference.png"] = absolute_difference(*images.values())
-    for file, picture in pictures.items():
-        picture.save(folder / file, force=force)
-        told[file] = picture.caption
-    return told
+            for file, view in (("gloss", gloss_view(image)), ("hit_class", hit_class_view(image))):
+                view.save(folder / f"{name}_{file}.png", force=force)
+                told[f"{name}_{file}.png"] = view.caption
+        return told
+
+    names = [*images, "difference.png"] if len(images) == 2 else [*images]
+    # encoders leave Python to work
+    with ThreadPoolExecutor(len(names)) as pool:
+        return {file: remark for told in pool.map(write, names) for file, remark in told.items()}

@@ -65,14 +65,15 @@ def difference(reference: Array, test: Array, mask: Mask) -> Difference | None:
     pixels = int(mask.sum())
     if pixels == 0:
         return None
-    a, b = reference[mask], test[mask]
+    everywhere = pixels == mask.size
+    a, b = (v.reshape(-1, v.shape[2]) if everywhere else v[mask] for v in (reference, test))
     with np.errstate(over="ignore"):
         d = b - a
     if not np.isfinite(d).all():
         raise ImageError("difference of the two images exceeds double precision")
-    rows, columns = np.nonzero(mask)
     size = np.abs(d)
-    worst, channel = np.unravel_index(int(size.argmax()), d.shape)
+    worst, channel = divmod(int(size.argmax()), d.shape[1])
+    row, column = divmod(worst if everywhere else int(np.flatnonzero(mask)[worst]), mask.shape[1])
     signal, rmse = _rms(a), _rms(d)
     return Difference(
         pixels=pixels,
@@ -81,8 +82,8 @@ def difference(reference: Array, test: Array, mask: Mask) -> Difference | None:
         relative_rmse=rmse / signal if signal > 0 else (float("inf") if rmse > 0 else 0.0),
         mean_abs=_mean(size),
         bias=tuple(_mean(d[:, c]) for c in range(d.shape[1])),
-        max_abs=float(size.max()),
-        pixel=(int(columns[worst]), int(rows[worst])),
+        max_abs=float(size[worst, channel]),
+        pixel=(column, row),
         channel=RGB[channel] if d.shape[1] == 3 else "",
         reference=float(a[worst, channel]),
         test=float(b[worst, channel]),

@@ -19,6 +19,7 @@ from symrender.kernel.program import (
     Let,
     Loop,
     Next,
+    Parameter,
     Program,
     Return,
     Statement,
@@ -190,16 +191,18 @@ def _body(statements: Sequence[Statement], printer: _Printer, functions: Kinds, 
                 lines.append(f"{pad}return {', '.join(_real(value, printer) for value in values)}")
             case Call(targets=targets, function=function, arguments=arguments):
                 kinds = functions[function].parameters
-                passed = [
-                    printer.doprint(argument)
-                    if isinstance(kind, Array) or kind.is_integer
-                    else _real(argument, printer)
-                    for argument, kind in zip(arguments, kinds, strict=True)
-                ]
+                passed = [_passed(argument, kind, printer) for argument, kind in zip(arguments, kinds, strict=True)]
                 call = f"{function}({', '.join(passed)})"
                 left = ", ".join(target.name for target in targets)
                 lines.append(f"{pad}{left} = {call}" if targets else f"{pad}{call}")
     return lines
+
+
+def _passed(argument: sp.Basic, kind: Parameter, printer: _Printer) -> str:
+    """Text of an argument; a whole literal is wrapped, for Numba compiles a function again for every bare one."""
+    if isinstance(kind, Array) or kind.is_integer:
+        return f"int({argument})" if argument.is_Integer else str(printer.doprint(argument))
+    return _real(argument, printer)
 
 
 def _real(value: sp.Basic, printer: _Printer) -> str:
