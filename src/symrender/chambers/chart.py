@@ -7,6 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.penumbra_walls import disk_on_floor, disk_on_sphere
 from symrender.chambers.walls import (
     BALL,
     BETA_MAX,
@@ -172,6 +174,9 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
 
     glint = view.shading[6] != CUT and view.shading[2] > 0.0
     for i in range(view.points.shape[0]):
+        if view.points[i, DISK_RADIUS] > 0.0:
+            disk_on_sphere(i, j, view, work)
+            continue
         lx, ly, lz = view.points[i, 0] - sphere[0], view.points[i, 1] - sphere[1], view.points[i, 2] - sphere[2]
         far = math.sqrt(lx * lx + ly * ly + lz * lz)
         if far <= r:
@@ -232,6 +237,9 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     if geo[SIDE] < 0.0:
         return
     for i in range(view.points.shape[0]):
+        if view.points[i, DISK_RADIUS] > 0.0:
+            disk_on_floor(i, view, work)
+            continue
         if view.points[i, 2] <= 0.0:
             continue
         ux, uy, uz = px - view.points[i, 0], py - view.points[i, 1], -view.points[i, 2]

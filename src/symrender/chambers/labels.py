@@ -11,6 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.penumbra import CLEAR, COVERS, DISK_E1, DISK_E2, DISK_RADIUS, cover
 from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE, SURFACE_NORMAL
 from symrender.chambers.work import CASTERS, OCCLUDERS, View, Work
 from symrender.kernel_cache import jitable
@@ -26,6 +27,8 @@ DARK = 0
 GLINT = 1
 """The light point is behind the terminator; only its highlight counts (``specular_terminator: open``)."""
 LIT = 2
+PARTLY = 3
+"""From here on: some of a disk light reaches the cell; the number tells which of its chambers the cell is in."""
 
 
 @jitable
@@ -71,10 +74,60 @@ def is_hidden(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
 
 
 @jitable
+def disk_state(
+    i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
+) -> int:  # fmt: skip
+    """What disk light ``i`` does at Q; its light is one smooth function where the state stays the same."""
+    j = int(work.geo[SHAPE_INDEX])
+    p = view.points[i]
+    rho = p[DISK_RADIUS]
+    if j < 0 and work.geo[SIDE] < 0.0:
+        return DARK
+    partly = False
+    if view.floor[FLOOR_PRESENT] != 0.0:
+        rise = rho * math.hypot(p[DISK_E1 + 2], p[DISK_E2 + 2])
+        if abs(p[2]) < rise:
+            partly = True
+        elif (qz if j >= 0 else work.geo[SIDE]) * p[2] < 0.0:
+            return DARK
+    lift = (p[0] - qx) * nx + (p[1] - qy) * ny + (p[2] - qz) * nz
+    tilt = rho * math.hypot(
+        nx * p[DISK_E1] + ny * p[DISK_E1 + 1] + nz * p[DISK_E1 + 2],
+        nx * p[DISK_E2] + ny * p[DISK_E2 + 1] + nz * p[DISK_E2 + 2],
+    )
+    side = 0 if not lift + tilt > 0.0 else (2 if lift - tilt > 0.0 else 1)
+    if side == 0 and (view.shading[6] == CUT or view.shading[2] == 0.0):
+        return DARK
+    spheres = view.spheres
+    if j >= 0:
+        bx, by, bz = p[0] - spheres[j, 0], p[1] - spheres[j, 1], p[2] - spheres[j, 2]
+        far = math.sqrt(bx * bx + by * by + bz * bz)
+        if far + rho <= spheres[j, 3]:
+            return DARK
+        if far < spheres[j, 3] + rho:
+            partly = True
+    code = side
+    for c in range(work.counts[CASTERS]):
+        if work.casters[c, 0] == i:
+            k = work.casters[c, 1]
+            how = cover(qx, qy, qz, p, spheres[k, 0], spheres[k, 1], spheres[k, 2], spheres[k, 3])
+            if how == COVERS:
+                return DARK
+            if how != CLEAR:
+                partly = True
+                code = (code * 131 + 5 * c + how) % 65521
+    if not partly and side != 1:
+        return GLINT if side == 0 else LIT
+    return PARTLY + code % (256 - PARTLY)
+
+
+@jitable
 def light_state(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
 ) -> int:
-    """What light point ``i`` does at Q: ``DARK``, ``GLINT`` or ``LIT``."""
+    """What light point ``i`` does at Q: ``DARK``, ``GLINT`` or ``LIT``, or for a disk ``PARTLY`` or more."""
+    if view.points[i, DISK_RADIUS] > 0.0:
+        return disk_state(i, qx, qy, qz, nx, ny, nz, view, work)
     j = int(work.geo[SHAPE_INDEX])
     ax, ay, az = view.points[i, 0], view.points[i, 1], view.points[i, 2]
     if j < 0 and work.geo[SIDE] < 0.0:

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, HIDDEN, is_hidden, light_state, texture_side
-from symrender.chambers.place import shadow_quartic, surface_point
+from symrender.chambers.penumbra_walls import penumbra_level, penumbra_roots
+from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_quartic, surface_point
 from symrender.chambers.roots import circle_roots, quadratic_roots, quartic_roots
 from symrender.chambers.walls import (
     BALL,
@@ -23,6 +24,7 @@ from symrender.chambers.walls import (
     LIMB_TANGENT,
     LOBE_BETA,
     NORMAL,
+    PENUMBRA,
     RADIUS,
     RATIO,
     RIM_COS,
@@ -57,6 +59,8 @@ def wall_level(i: int, x: float, c: float, s: float, work: Work) -> float:
     geo = work.geo
     row = work.walls[i]
     kind = int(row[KIND])
+    if kind == PENUMBRA:
+        return penumbra_level(row, x, c, s, geo)
     if geo[SHAPE_INDEX] >= 0.0:
         sb = geo[RATIO] * math.sin(x)
         if kind == DIRECTION:
@@ -64,20 +68,12 @@ def wall_level(i: int, x: float, c: float, s: float, work: Work) -> float:
         g = x - math.asin(sb)
         if kind == NORMAL:
             return float(row[1] * math.cos(g) + (row[2] * c + row[3] * s) * math.sin(g) - row[COS])
-        r = geo[RADIUS]
-        n0, n1 = -math.cos(g), math.sin(g)
-        fx = row[11] + r * (row[8] * n0 + (row[9] * c + row[10] * s) * n1)
-        fy = row[15] + r * (row[12] * n0 + (row[13] * c + row[14] * s) * n1)
-        u2 = row[19] + r * r + 2.0 * r * (row[16] * n0 + (row[17] * c + row[18] * s) * n1)
-        return float(row[20] * u2 - fx * fx - fy * fy)
+        return shadow_level(row, x, c, s, geo)
     if kind == DIRECTION:
         return float(row[1] * math.cos(x) + (row[2] * c + row[3] * s) * math.sin(x) - row[COS])
-    r = geo[HEIGHT] * math.tan(x)
     if kind == SHADOW:
-        fx = row[11] + r * (row[9] * c + row[10] * s)
-        fy = row[15] + r * (row[13] * c + row[14] * s)
-        u2 = row[19] + r * (r + 2.0 * (row[17] * c + row[18] * s))
-        return float(row[20] * u2 - fx * fx - fy * fy)
+        return shadow_level(row, x, c, s, geo)
+    r = geo[HEIGHT] * math.tan(x)
     if kind == BALL:
         return float(r * (r - 2.0 * (row[1] * c + row[2] * s)) + row[3])
     return float(r * (row[1] * c + row[2] * s) - row[3])
@@ -144,6 +140,8 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
             if low < x < high:
                 out[b] = x
         return 2
+    if kind == PENUMBRA:
+        return penumbra_roots(i, c, s, low, high, work, out)
     if kind == SHADOW and sphere:
         top = geo[LIMB_TANGENT]
         shadow_quartic(row, geo[RADIUS], c, s, top, work.bernstein)
@@ -163,12 +161,7 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
                 out[0] = x
         return 1
     if kind == SHADOW:
-        fx, fy, ul = row[9] * c + row[10] * s, row[13] * c + row[14] * s, row[17] * c + row[18] * s
-        n, r1, r2 = quadratic_roots(
-            row[20] - fx * fx - fy * fy,
-            row[20] * ul - row[11] * fx - row[15] * fy,
-            row[20] * row[19] - row[11] * row[11] - row[15] * row[15],
-        )
+        n, r1, r2 = floor_shadow_roots(row, c, s)
     else:
         n, r1, r2 = quadratic_roots(1.0, -(row[1] * c + row[2] * s), row[3])
     for b in range(n):

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import CENTER, E1, E2, HEIGHT, POINT, POLE, RADIUS, RATIO, SHAPE_INDEX
 from symrender.kernel_cache import jitable
 
@@ -55,3 +56,32 @@ def surface_point(x: float, c: float, s: float, geo: Array) -> tuple[float, floa
         return geo[CENTER] + r * nx, geo[CENTER + 1] + r * ny, geo[CENTER + 2] + r * nz, nx, ny, nz
     r = geo[HEIGHT] * math.tan(x)
     return geo[POINT] + r * ex, geo[POINT + 1] + r * ey, 0.0, 0.0, 0.0, 1.0
+
+
+@jitable
+def shadow_level(row: Array, x: float, c: float, s: float, geo: Array) -> float:
+    """Level of a shadow edge (``add_shadow``) at inner coordinate ``x``: positive inside the double cone."""
+    if geo[SHAPE_INDEX] >= 0.0:
+        r = geo[RADIUS]
+        g = x - math.asin(geo[RATIO] * math.sin(x))
+        n0, n1 = -math.cos(g), math.sin(g)
+        fx = row[11] + r * (row[8] * n0 + (row[9] * c + row[10] * s) * n1)
+        fy = row[15] + r * (row[12] * n0 + (row[13] * c + row[14] * s) * n1)
+        u2 = row[19] + r * r + 2.0 * r * (row[16] * n0 + (row[17] * c + row[18] * s) * n1)
+        return float(row[20] * u2 - fx * fx - fy * fy)
+    r = geo[HEIGHT] * math.tan(x)
+    fx = row[11] + r * (row[9] * c + row[10] * s)
+    fy = row[15] + r * (row[13] * c + row[14] * s)
+    u2 = row[19] + r * (r + 2.0 * (row[17] * c + row[18] * s))
+    return float(row[20] * u2 - fx * fx - fy * fy)
+
+
+@jitable
+def floor_shadow_roots(row: Array, c: float, s: float) -> tuple[int, float, float]:
+    """Distances r from the foot at which a shadow edge crosses a line of the floor: (count, r1, r2), any sign."""
+    fx, fy, ul = row[9] * c + row[10] * s, row[13] * c + row[14] * s, row[17] * c + row[18] * s
+    return quadratic_roots(
+        row[20] - fx * fx - fy * fy,
+        row[20] * ul - row[11] * fx - row[15] * fy,
+        row[20] * row[19] - row[11] * row[11] - row[15] * row[15],
+    )

@@ -36,7 +36,9 @@ BALL: Final = 3
 """Where the floor enters a ball: a circle on the floor."""
 FLOOR_LINE: Final = 4
 """Straight line on the floor."""
-WALL_COLUMNS: Final = 24
+PENUMBRA: Final = 5
+"""An edge of what a sphere hides of a disk light; columns as in ``chambers/penumbra_walls.py``."""
+WALL_COLUMNS: Final = 45
 
 KIND: Final = 0
 AXIS: Final = 1

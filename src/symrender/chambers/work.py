@@ -20,7 +20,7 @@ MAX_ROOTS: Final = 1024
 class View(NamedTuple):
     """What kernels read of a scene: its arrays, with lights replaced by points.
 
-    ``points`` (m, 7): position, the light's colour times the point's share, its sign in the disk's embedded rule.
+    ``points`` (m, LIGHT_POINT_COLUMNS) as in ``quadrature/light_points.py``.
     """
 
     spheres: Array
@@ -49,6 +49,7 @@ class Work(NamedTuple):
     stack: Array
     quartic: Array
     labels: Ints
+    disk: Array
 
 
 # counts
@@ -81,4 +82,5 @@ def work_arrays(spheres: int, points: int) -> Work:
         bernstein=np.zeros(5),
         stack=np.zeros((64, 7)),
         quartic=np.zeros(8),
+        disk=np.zeros((2 * spheres + 8, max(64, points))),
     )

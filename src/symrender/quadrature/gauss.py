@@ -1,4 +1,4 @@
-"""Gauss-Legendre rules of 1 to ``MAX_ORDER`` nodes on [0, 1], in one flat table kernels can index."""
+"""Gauss-Legendre rules on [0, 1] and rules of the unit disk, in one flat table kernels can index."""
 
 from __future__ import annotations
 
@@ -18,18 +18,57 @@ LEVELS: Final = (1.0, 2.7, 4.7, 7.0, 10.0, 13.5, 17.5, 22.0, 27.0, 33.0)
 """Aimed-at error exponents of the successive orders of a piece."""
 
 
-def gauss_table() -> Array:
-    """Nodes and weights (2, MAX_ORDER (MAX_ORDER + 1)/2) on [0, 1]; the rule of n nodes starts at n (n - 1)/2.
+DISK_DEGREES: Final = (1, 3, 5, 7, 11, 15, 19, 27)
+"""Degrees of the disk rules: 1, 4, 7, 16, 36, 64, 100 and 196 points."""
+DISK_STARTS: Final = (300, 301, 305, 312, 328, 364, 428, 528, 724)
+"""Where each disk rule starts in the table, and where the last one ends."""
 
-    Exact to degree 2n - 1 up to rounding.
+
+def disk_rule(degree: int) -> Array:
+    """Rule (3, m) for the mean over the unit disk, exact for polynomials to ``degree``: x, y, weights of sum 1.
+
+    From degree 7 on Gauss in u = r^2 times equispaced azimuths; below, the rules of fewest points with all of these
+    symmetries (J. Radon, Monatshefte fuer Mathematik 52, 1948, doi:10.1007/BF01525334).
     """
-    table = np.empty((2, MAX_ORDER * (MAX_ORDER + 1) // 2))
+    if degree == 1:
+        return np.array([[0.0], [0.0], [1.0]])
+    if degree < 7:
+        turns = degree + 1
+        angle = 2.0 * np.pi * (np.arange(turns) + 0.5) / turns
+        if degree == 3:
+            return np.stack([np.sqrt(0.5) * np.cos(angle), np.sqrt(0.5) * np.sin(angle), np.full(turns, 0.25)])
+        x, y = (np.append(np.sqrt(2.0 / 3.0) * part, 0.0) for part in (np.cos(angle), np.sin(angle)))
+        return np.stack([x, y, np.append(np.full(turns, 0.125), 0.25)])
+    radii, weights = np.polynomial.legendre.leggauss((degree // 2 + 2) // 2)
+    angle = 2.0 * np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1)
+    r = np.sqrt(0.5 * (1.0 + radii))[:, None]
+    share = np.repeat(0.5 * weights / len(angle), len(angle))
+    return np.stack([(r * np.cos(angle)).ravel(), (r * np.sin(angle)).ravel(), share])
+
+
+def gauss_table() -> Array:
+    """(3, DISK_STARTS[-1]): nodes and weights of the Gauss rules on [0, 1], then x, y and weights of the disk rules.
+
+    The Gauss rule of n nodes starts at n (n - 1)/2 and is exact to degree 2n - 1 up to rounding.
+    """
+    table = np.zeros((3, DISK_STARTS[-1]))
     for n in range(1, MAX_ORDER + 1):
         x, w = np.polynomial.legendre.leggauss(n)
         start = n * (n - 1) // 2
         table[0, start : start + n] = 0.5 * (1.0 + x)
         table[1, start : start + n] = 0.5 * w
+    for degree, start, stop in zip(DISK_DEGREES, DISK_STARTS, DISK_STARTS[1:], strict=False):
+        table[:, start:stop] = disk_rule(degree)
     return table
+
+
+@jitable
+def disk_level(step: int, log_rho: float) -> int:
+    """Index of the disk rule for an error factor exp(-LEVELS[step]) where a chord's nearest singularity lies on rho."""
+    for k in range(len(DISK_DEGREES) - 1):
+        if (DISK_DEGREES[k] + 1) * log_rho >= LEVELS[step]:
+            return k
+    return len(DISK_DEGREES) - 1
 
 
 @jitable

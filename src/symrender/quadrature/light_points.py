@@ -1,9 +1,8 @@
-"""Lights replaced by points.
+"""Lights as rows a kernel can read.
 
-A point light stands for itself. A disk light is its K x K centroids of equal-area strata, or, for the exact disk
-(order 0), a product rule: Gauss in the area coordinate u = (r/rho)^2, in which the azimuthal mean is analytic, times
-equispaced azimuths. The split rule resolves the walls of every such point by itself, penumbrae included, so the disk
-rule only ever sees the smooth dependence of a finished integral on the light's position.
+A point light stands for itself. A disk light is its K x K centroids of equal-area strata or, exact (order 0), either
+one row that carries the disk, which ``quadrature/disk_term.py`` integrates, or a product rule of points: Gauss in the
+area coordinate u = (r/rho)^2, in which the azimuthal mean is analytic, times equispaced azimuths.
 """
 
 from __future__ import annotations
@@ -14,13 +13,14 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.penumbra import DISK_AXIS, DISK_E1, DISK_E2, DISK_RADIUS, LIGHT_POINT_COLUMNS
 from symrender.scene.arrays import DISK, SceneArrays
 from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
 
 EXACT_RULES: Final = ((1e-5, 2, 4), (1e-7, 3, 6), (0.0, 4, 8))
-"""Smallest tolerance, radii and azimuths of the exact disk's product rules."""
+"""Smallest tolerance, radii and azimuths of the product rules that replace an exact disk by points."""
 
 
 def disk_frame(position: Array, target: Array) -> tuple[Array, Array]:
@@ -33,34 +33,51 @@ def disk_frame(position: Array, target: Array) -> tuple[Array, Array]:
     return e1, np.cross(w, e1)
 
 
-def light_points(arrays: SceneArrays, order: int, tol: float = 0.0) -> Array:
-    """(m, 7): position, the light's colour times the point's share, and the point's sign in the embedded rule.
-
-    The embedded rule of an exact disk keeps every other azimuth: its difference from the full rule is the sum of
-    contributions times this sign. Zero for every other light. ``tol`` chooses the rule of an exact disk.
-    """
-    radii, azimuths = next((r, a) for least, r, a in EXACT_RULES if tol >= least)
-    rows: list[tuple[float, ...]] = []
+def light_rows(arrays: SceneArrays, order: int) -> Array:
+    """(m, LIGHT_POINT_COLUMNS): as ``light_points``, but an exact disk is one row: centre, colour, radius and frame."""
+    rows = [light_points_of(light, order) for light in arrays.lights if light[0] != DISK or order != EXACT_DISK]
     for light in arrays.lights:
-        position, color = light[1:4], light[5:8]
-        if light[0] != DISK:
-            rows.append((*position, *color, 0.0))
-            continue
-        e1, e2 = disk_frame(position, light[8:11])
-        if order == EXACT_DISK:
-            nodes, weights = np.polynomial.legendre.leggauss(radii)
-            for x, w in zip(nodes, weights, strict=True):
-                r = light[4] * math.sqrt(0.5 * (1.0 + x))
-                share = color * (0.5 * w / azimuths)
-                for j in range(azimuths):
-                    angle = 2.0 * math.pi * (j + 0.5) / azimuths
-                    point = position + r * (math.cos(angle) * e1 + math.sin(angle) * e2)
-                    rows.append((*point, *share, 1.0 - 2.0 * (j % 2)))
-            continue
-        share = color / (order * order)
-        for i in range(order):
-            r = light[4] * math.sqrt((i + 0.5) / order)
-            for j in range(order):
-                angle = 2.0 * math.pi * (j + 0.5) / order
-                rows.append((*(position + r * (math.cos(angle) * e1 + math.sin(angle) * e2)), *share, 0.0))
-    return np.array(rows).reshape(-1, 7)
+        if light[0] == DISK and order == EXACT_DISK:
+            row = np.zeros((1, LIGHT_POINT_COLUMNS))
+            row[0, :3], row[0, 3:6], row[0, DISK_RADIUS] = light[1:4], light[5:8], light[4]
+            e1, e2 = disk_frame(light[1:4], light[8:11])
+            row[0, DISK_E1 : DISK_E1 + 3], row[0, DISK_E2 : DISK_E2 + 3] = e1, e2
+            row[0, DISK_AXIS : DISK_AXIS + 3] = np.cross(e1, e2)
+            rows.append(row)
+    return np.concatenate(rows) if rows else np.zeros((0, LIGHT_POINT_COLUMNS))
+
+
+def light_points(arrays: SceneArrays, order: int, tol: float = 0.0) -> Array:
+    """(m, LIGHT_POINT_COLUMNS): position, the light's colour times the point's share, its sign in the embedded rule.
+
+    The columns of a disk are zero. The embedded rule of an exact disk keeps every other azimuth: its difference from
+    the full rule is the sum of contributions times the sign; zero for every other light. ``tol`` chooses the rule of
+    an exact disk.
+    """
+    rows = [light_points_of(light, order, tol) for light in arrays.lights]
+    return np.concatenate(rows) if rows else np.zeros((0, LIGHT_POINT_COLUMNS))
+
+
+def light_points_of(light: Array, order: int, tol: float = 0.0) -> Array:
+    """``light_points`` of one light."""
+    position, color = light[1:4], light[5:8]
+    if light[0] != DISK:
+        row = np.zeros((1, LIGHT_POINT_COLUMNS))
+        row[0, :3], row[0, 3:6] = position, color
+        return row
+    e1, e2 = disk_frame(position, light[8:11])
+    if order == EXACT_DISK:
+        radii, azimuths = next((r, a) for least, r, a in EXACT_RULES if tol >= least)
+        nodes, weights = np.polynomial.legendre.leggauss(radii)
+        squares, shares = 0.5 * (1.0 + nodes), 0.5 * weights / azimuths
+    else:
+        radii = azimuths = order
+        squares, shares = (np.arange(order) + 0.5) / order, np.full(order, 1.0 / (order * order))
+    angle = 2.0 * math.pi * (np.arange(azimuths) + 0.5) / azimuths
+    rows = np.zeros((radii * azimuths, LIGHT_POINT_COLUMNS))
+    around = np.cos(angle)[:, None] * e1 + np.sin(angle)[:, None] * e2
+    rows[:, :3] = position + np.kron((light[4] * np.sqrt(squares))[:, None], around)
+    rows[:, 3:6] = np.repeat(shares, azimuths)[:, None] * color
+    if order == EXACT_DISK:
+        rows[:, 6] = np.tile(1.0 - 2.0 * (np.arange(azimuths) % 2), radii)
+    return rows

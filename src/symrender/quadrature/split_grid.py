@@ -16,27 +16,36 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import LIT, is_hidden, light_state
+from symrender.chambers.labels import LIT, PARTLY, is_hidden, light_state
+from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.penumbra_walls import INNER, edge_search
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import (
     EXPONENT,
     HEIGHT,
+    KIND,
+    LIGHT,
     LOBE_BETA,
+    PENUMBRA,
     POINT,
     RIM_COS,
     RIM_SIN,
+    SHAPE,
     SURFACE_NORMAL,
 )
-from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, View, Work
+from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, WALLS, View, Work
 from symrender.kernel_cache import jitable
+from symrender.quadrature.disk_term import LOGS, disk_term
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.light_term import light_term
-from symrender.quadrature.split_line import lobe_density
+from symrender.quadrature.split_line import SOFT_LOG, lobe_density
 from symrender.scene.arrays import FLOOR_CELL, FLOOR_OFFSET
 
 Array = npt.NDArray[np.float64]
 
-CONIC_COLUMNS = 6
+CONIC_COLUMNS = 7
+SOFT = 6
+"""Column of the cone about a disk's penumbra: 1 + the index of its outer edge in the wall table; 0 of other conics."""
 RINGS = 64
 
 
@@ -52,6 +61,7 @@ def add_cone(
         return count + 1
     k = sine2 - 1.0
     row = conics[count]
+    row[SOFT] = 0.0
     row[0] = k + ax * ax
     row[1] = ax * ay
     row[2] = k + ay * ay
@@ -72,7 +82,7 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Array) -
     px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
     n = add_cone(conics, 0, lobe[0], lobe[1], lobe[2], geo[RIM_SIN] ** 2, 0.0, 0.0, h)
     row = conics[n]
-    row[0] = row[1] = row[2] = 0.0
+    row[0] = row[1] = row[2] = row[SOFT] = 0.0
     row[3], row[4] = 0.5 * geo[SURFACE_NORMAL], 0.5 * geo[SURFACE_NORMAL + 1]
     row[5] = -h * geo[SURFACE_NORMAL + 2]
     n += 1
@@ -84,7 +94,7 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Array) -
         n = add_cone(conics, n, sx / far, sy / far, (sz - pz) / far, r * r / far2, 0.0, 0.0, h)
         if abs(sz) < r and n < conics.shape[0]:
             row = conics[n]
-            row[0], row[1], row[2], row[3], row[4] = 1.0, 0.0, 1.0, -sx, -sy
+            row[0], row[1], row[2], row[3], row[4], row[SOFT] = 1.0, 0.0, 1.0, -sx, -sy, 0.0
             row[5] = sx * sx + sy * sy - (r - sz) * (r + sz)
             n += 1
     for i in range(work.counts[CASTERS]):
@@ -93,23 +103,33 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Array) -
         ex, ey, ez = view.spheres[k, 0] - px - lx, view.spheres[k, 1] - py - ly, view.spheres[k, 2] - lz
         far2 = ex * ex + ey * ey + ez * ez
         far = math.sqrt(far2)
-        n = add_cone(conics, n, ex / far, ey / far, ez / far, view.spheres[k, 3] ** 2 / far2, lx, ly, lz)
+        rho = view.points[light, DISK_RADIUS]
+        reach = view.spheres[k, 3] + rho
+        t = rho / reach
+        n = add_cone(
+            conics, n, ex / far, ey / far, ez / far, reach * reach / far2, lx + t * ex, ly + t * ey, lz + t * ez
+        )
+        if rho > 0.0 and n <= conics.shape[0]:
+            for wall in range(work.counts[WALLS]):
+                row = work.walls[wall]
+                if row[KIND] == PENUMBRA and row[LIGHT] == light and row[SHAPE] == k and row[INNER] == 0.0:
+                    conics[n - 1, SOFT] = 1.0 + wall
     return n
 
 
 @jitable
 def may_cross(row: Array, x: float, y: float, half: float) -> bool:
-    """Whether the conic can vanish in the square of half-width ``half`` about (x, y)."""
+    """Whether the conic can vanish, or a disk be partly hidden, in the square of half-width ``half`` about (x, y)."""
     value = row[0] * x * x + 2.0 * row[1] * x * y + row[2] * y * y + 2.0 * (row[3] * x + row[4] * y) + row[5]
     gx = 2.0 * (row[0] * x + row[1] * y + row[3])
     gy = 2.0 * (row[1] * x + row[2] * y + row[4])
     reach = (abs(gx) + abs(gy)) * half + (abs(row[0]) + 2.0 * abs(row[1]) + abs(row[2])) * half * half
-    return bool(abs(value) <= reach)
+    return bool(abs(value) <= reach or (row[SOFT] > 0.0 and value > 0.0))
 
 
 @jitable
 def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array) -> bool:
-    """Whether the floor point (x, y) from the foot is in the lobe and seen; its lit light points in ``states``."""
+    """Whether the floor point (x, y) from the foot is in the lobe and seen; ``states`` of its lights, 0 unlit."""
     geo = work.geo
     h = geo[HEIGHT]
     dot = x * lobe[0] + y * lobe[1] - h * lobe[2]
@@ -119,12 +139,15 @@ def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array)
     if is_hidden(qx, qy, 0.0, view, work):
         return False
     for i in range(view.points.shape[0]):
-        states[i] = 1.0 if light_state(i, qx, qy, 0.0, 0.0, 0.0, 1.0, view, work) == LIT else 0.0
+        state = light_state(i, qx, qy, 0.0, 0.0, 0.0, 1.0, view, work)
+        states[i] = state if state >= LIT else 0.0
     return True
 
 
 @jitable
-def integrand(x: float, y: float, lobe: Array, view: View, work: Work, states: Array, out: Array) -> None:
+def integrand(
+    x: float, y: float, step: int, lobe: Array, view: View, work: Work, gauss: Array, states: Array, out: Array
+) -> None:  # fmt: skip
     """Lobe density times solid angle per area times sum of colour N.l over lit points, at a floor point; out (3,)."""
     geo = work.geo
     h = geo[HEIGHT]
@@ -134,18 +157,24 @@ def integrand(x: float, y: float, lobe: Array, view: View, work: Work, states: A
     out[0] = out[1] = out[2] = 0.0
     for i in range(view.points.shape[0]):
         if states[i] != 0.0:
-            cosine, _ = light_term(
-                view.points[i, 0] - geo[POINT] - x, view.points[i, 1] - geo[POINT + 1] - y, view.points[i, 2],
-                0.0, 0.0, 1.0, 0.0, 0.0, 1.0, False, 0.0,
-            )  # fmt: skip
+            if view.points[i, DISK_RADIUS] > 0.0:
+                cosine, _ = disk_term(
+                    i, int(states[i]), geo[POINT] + x, geo[POINT + 1] + y, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step,
+                    work.disk[LOGS, i], view, work, gauss,
+                )  # fmt: skip
+            else:
+                cosine, _ = light_term(
+                    view.points[i, 0] - geo[POINT] - x, view.points[i, 1] - geo[POINT + 1] - y, view.points[i, 2],
+                    0.0, 0.0, 1.0, 0.0, 0.0, 1.0, False, 0.0,
+                )  # fmt: skip
             for a in range(3):
                 out[a] += weight * cosine * view.points[i, 3 + a]
 
 
 @jitable
 def strip_integral(
-    x0: float, x1: float, a: float, b: float, n: int, crossing: Array, crossings: int, nx: int, lobe: Array, view: View,
-    work: Work, conics: Array, gauss: Array, roots: Array, states: Array, point: Array, out: Array,
+    x0: float, x1: float, a: float, b: float, n: int, crossing: Array, crossings: int, nx: int, step: int, lobe: Array,
+    view: View, work: Work, conics: Array, gauss: Array, roots: Array, states: Array, point: Array, out: Array,
 ) -> None:  # fmt: skip
     """Integral over x0..x1 times a..b with ``n`` lines (square-root map at both ends), each cut at the conics."""
     base = n * (n - 1) // 2
@@ -159,9 +188,18 @@ def strip_integral(
         roots[0] = x0
         for i in range(crossings):
             row = conics[int(crossing[i])]
-            found, r1, r2 = quadratic_roots(row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5])
+            edges = work.quartic
+            if row[SOFT] > 0.0:
+                # both edges of the penumbra lie inside the cone
+                outer = int(row[SOFT]) - 1
+                found = edge_search(work.walls[outer], x0, x1, math.nan, y, work.geo, edges)
+                found += edge_search(work.walls[outer + 1], x0, x1, math.nan, y, work.geo, edges[found:])
+            else:
+                found, edges[0], edges[1] = quadratic_roots(
+                    row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5]
+                )
             for j in range(found):
-                x = r1 if j == 0 else r2
+                x = edges[j]
                 if x0 < x < x1 and k < roots.shape[0] - 1:
                     p = k
                     while p > 0 and roots[p - 1] > x:
@@ -175,9 +213,16 @@ def strip_integral(
             if width < 1e-14 or not seen(left + 0.5 * width, y, lobe, view, work, states):
                 continue
             work.counts[EVALUATIONS] += nx
+            soft = False
+            for i in range(states.shape[0]):
+                soft = soft or states[i] >= PARTLY
             for e in range(nx):
-                integrand(left + width * gauss[0, inner + e], y, lobe, view, work, states, point)
-                w = slope * width * gauss[1, inner + e]
+                u, along = gauss[0, inner + e], width
+                if soft:
+                    s, c = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
+                    u, along = s * s, width * math.pi * s * c
+                integrand(left + width * u, y, step, lobe, view, work, gauss, states, point)
+                w = slope * along * gauss[1, inner + e]
                 for t in range(3):
                     out[t] += w * point[t]
 
@@ -224,16 +269,53 @@ def cut_square(
     error = 0.0
     coarse, fine = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]
     nx = min(MAX_ORDER, order(step, log_rho))
+    for i in range(crossings):
+        if conics[int(crossing[i]), SOFT] > 0.0:
+            nx = max(nx, min(MAX_ORDER, order(step, SOFT_LOG)))
     while top > 0:
         top -= 1
         a, b, depth = stack[top, 0], stack[top, 1], stack[top, 2]
         n = min(MAX_ORDER - 3, max(3, order(max(0, step - 1), log_rho * 0.7)))
         coarse[0] = coarse[1] = coarse[2] = fine[0] = fine[1] = fine[2] = 0.0
         strip_integral(
-            x0, x1, a, b, n, crossing, crossings, nx, lobe, view, work, conics, gauss, roots, states, point, coarse
+            x0,
+            x1,
+            a,
+            b,
+            n,
+            crossing,
+            crossings,
+            nx,
+            step,
+            lobe,
+            view,
+            work,
+            conics,
+            gauss,
+            roots,
+            states,
+            point,
+            coarse,
         )
         strip_integral(
-            x0, x1, a, b, n + 2, crossing, crossings, nx, lobe, view, work, conics, gauss, roots, states, point, fine
+            x0,
+            x1,
+            a,
+            b,
+            n + 2,
+            crossing,
+            crossings,
+            nx,
+            step,
+            lobe,
+            view,
+            work,
+            conics,
+            gauss,
+            roots,
+            states,
+            point,
+            fine,
         )
         change = max(abs(fine[0] - coarse[0]), abs(fine[1] - coarse[1]), abs(fine[2] - coarse[2]))
         if change > share and depth < 8.0 and top + 4 < stack.shape[0]:
@@ -328,7 +410,7 @@ def split_grid(
                     for q in range(n):
                         y = y0 + size * gauss[0, base + q]
                         for e in range(n):
-                            integrand(x0 + size * gauss[0, base + e], y, lobe, view, work, states, point)
+                            integrand(x0 + size * gauss[0, base + e], y, step, lobe, view, work, gauss, states, point)
                             w = gauss[1, base + q] * gauss[1, base + e] * size * size
                             for t in range(3):
                                 out[t] += w * point[t]

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import DARK, HIDDEN, LIT
+from symrender.chambers.labels import DARK, GLINT, HIDDEN, PARTLY
+from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import (
     CENTER,
     E1,
@@ -26,11 +27,15 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
+from symrender.quadrature.disk_term import LOGS, disk_term
 from symrender.quadrature.gauss import MAX_ORDER, order
 from symrender.quadrature.light_term import light_term, marble_factor
 from symrender.scene.arrays import EYE, MARBLE, PHONG
 
 Array = npt.NDArray[np.float64]
+
+SOFT_LOG = 1.5
+"""log rho, in the mapped coordinate, of a cell in which a disk light is partly hidden."""
 
 
 @jitable
@@ -68,17 +73,17 @@ def cell_order(
     near = geo[STRIP + 2]
     h = min(geo[STRIP], math.sqrt(near * near + distance * distance))
     x = 2.0 * h / length
-    return order(step, math.log(x + math.sqrt(1.0 + x * x)))
+    log_rho = math.log(x + math.sqrt(1.0 + x * x))
+    return order(step, log_rho)
 
 
 @jitable
 def integrate_cells(
     phi: float, step: int, view: View, work: Work, gauss: Array, out: Array
 ) -> None:  # fmt: skip
-    """Integral over the scanned line of (radiance - background) times the lobe density; ``out`` (5,).
+    """Integral over the scanned line of (radiance - background) times the lobe density; ``out`` (4,).
 
-    Then the integral of its largest magnitude over the channels, a scale for errors, and what the disk lights'
-    embedded rule adds.
+    Then the integral of its largest magnitude over the channels, a scale for errors.
 
     ``step`` chooses the order of every cell.
     """
@@ -99,7 +104,8 @@ def integrate_cells(
     lights = view.points.shape[0]
     ambient = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
     marble = j >= 0 and view.spheres[j, 7] == MARBLE
-    r, g, b, size, embedded = 0.0, 0.0, 0.0, 0.0, 0.0
+    least = order(step, SOFT_LOG)
+    r, g, b, size = 0.0, 0.0, 0.0, 0.0
     for cell in range(work.counts[CELLS]):
         side = work.cell_side[cell]
         if side == HIDDEN:
@@ -110,18 +116,30 @@ def integrate_cells(
         else:
             ar, ag, ab = geo[STRIP + 3], geo[STRIP + 4], geo[STRIP + 5]
         start, stop = work.cell_from[cell], work.cell_to[cell]
+        soft = False
+        for i in range(lights):
+            soft = soft or work.lit[cell, i] >= PARTLY
         a = start
         while a < stop:
             end = stop
             n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+            if soft:
+                n = max(n + (n + 1) // 2, least)
             while n > MAX_ORDER:
                 end = a + 0.5 * (end - a)
                 n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+                if soft:
+                    n = max(n + (n + 1) // 2, least)
             base = n * (n - 1) // 2
             length = end - a
             work.counts[EVALUATIONS] += n
             for q in range(n):
-                x = a + length * gauss[0, base + q]
+                u, along = gauss[0, base + q], length
+                if soft:
+                    # a disk's light ends with the power 3/2 of the distance from a wall
+                    su, cu = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
+                    u, along = su * su, length * math.pi * su * cu
+                x = a + length * u
                 sx, cx = math.sin(x), math.cos(x)
                 if j >= 0:
                     sb = k * sx
@@ -141,7 +159,7 @@ def integrate_cells(
                     qx, qy, qz = geo[POINT] + rr * ex, geo[POINT + 1] + rr * ey, 0.0
                     measure = sx
                 d0, d1, d2 = cb - cbm, sb * c - sbm, sb * s
-                weight = gauss[1, base + q] * length * measure * lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo)
+                weight = gauss[1, base + q] * along * measure * lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo)
                 if from_eye:
                     vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
                     inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
@@ -156,19 +174,21 @@ def integrate_cells(
                     if state == DARK:
                         continue
                     p = view.points[i]
-                    cosine, gleam = light_term(
-                        p[0] - qx, p[1] - qy, p[2] - qz, nx, ny, nz, vx, vy, vz, phong, shininess
-                    )
-                    if state == LIT:
+                    if p[DISK_RADIUS] > 0.0:
+                        cosine, gleam = disk_term(
+                            i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, work.disk[LOGS, i], view, work, gauss
+                        )
+                    else:
+                        cosine, gleam = light_term(
+                            p[0] - qx, p[1] - qy, p[2] - qz, nx, ny, nz, vx, vy, vz, phong, shininess
+                        )
+                    if state != GLINT:
                         dr += p[3] * cosine
                         dg += p[4] * cosine
                         db += p[5] * cosine
                     hr += p[3] * gleam
                     hg += p[4] * gleam
                     hb += p[5] * gleam
-                    if p[6] != 0.0:
-                        diffuse = cosine * shading[1] * max(ar, ag, ab) if state == LIT else 0.0
-                        embedded += weight * p[6] * max(p[3], p[4], p[5]) * (diffuse + shading[2] * gleam)
                 vein = marble_factor(nx, ny, nz, view.spheres[j, 8], view.spheres[j, 9]) if marble else 1.0
                 fr = ar * vein * shading[1] * dr + ambient * shading[7] + shading[2] * hr - shading[10]
                 fg = ag * vein * shading[1] * dg + ambient * shading[8] + shading[2] * hg - shading[11]
@@ -178,4 +198,4 @@ def integrate_cells(
                 b += weight * fb
                 size += weight * max(abs(fr), abs(fg), abs(fb))
             a = end
-    out[0], out[1], out[2], out[3], out[4] = r, g, b, size, embedded
+    out[0], out[1], out[2], out[3] = r, g, b, size

@@ -19,6 +19,7 @@ from symrender.chambers.line import scan_line
 from symrender.chambers.walls import KIND, LOBE_BETA, MET_COLUMN, NORMAL, RIM_SIN, SHAPE_INDEX, SIN, STRIP
 from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, EVALUATIONS, WALLS, View, Work
 from symrender.kernel_cache import jitable
+from symrender.quadrature.disk_term import note_logs
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.split_line import integrate_cells
 
@@ -34,10 +35,8 @@ STEP = 4
 VALUE = 5
 ERROR = 8
 LOG_RHO = 9
-EMBEDDED = 10
 PANEL_COLUMNS = 12
 
-EMBEDDED_SUM = 23
 SAFETY = 1.5
 """Error reported over the sum of the panels' estimates: of 2238 random points four missed the bare sum, by 1.3."""
 
@@ -134,7 +133,6 @@ def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: 
         p[FROM], p[TO], p[KIND_FROM], p[KIND_TO], p[STEP] = a, b, kind_a, kind_b, -1.0
         p[5] = p[6] = p[7] = 0.0
         p[ERROR] = math.inf
-        p[EMBEDDED] = 0.0
         p[LOG_RHO] = panel_log(work, a, b, kind_a, kind_b)
     return n + 1
 
@@ -287,7 +285,7 @@ def evaluate_panel(p: Array, step: int, view: View, work: Work, gauss: Array, ou
     a, b, ka, kb = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
     n = min(MAX_ORDER, order(step, p[LOG_RHO]) + (1 if step > 0 else 0))
     base = n * (n - 1) // 2
-    out[0] = out[1] = out[2] = out[3] = out[4] = 0.0
+    out[0] = out[1] = out[2] = out[3] = 0.0
     signature = 0
     foreign = math.nan
     for q in range(n):
@@ -300,9 +298,9 @@ def evaluate_panel(p: Array, step: int, view: View, work: Work, gauss: Array, ou
         elif found != signature and foreign != foreign:
             foreign = phi
             break
-        integrate_cells(phi, step, view, work, gauss, scratch[4:9])
+        integrate_cells(phi, step, view, work, gauss, scratch[4:8])
         w = gauss[1, base + q] * slope
-        for i in range(5):
+        for i in range(4):
             out[i] += w * scratch[4 + i]
     return foreign
 
@@ -313,7 +311,7 @@ def rough_panel(p: Array, view: View, work: Work, gauss: Array, scratch: Array) 
     width = p[TO] - p[FROM]
     phi = 0.5 * (p[FROM] + p[TO])
     scan_line(phi, view, work, scratch)
-    integrate_cells(phi, 2, view, work, gauss, scratch[4:9])
+    integrate_cells(phi, 2, view, work, gauss, scratch[4:8])
     for i in range(3):
         p[5 + i] = width * scratch[4 + i]
     p[ERROR] = width * scratch[7]
@@ -330,6 +328,7 @@ def split_chart(
     if not low < high:
         return 0.0, 0
     m = chart_events(work, events, low, high)
+    note_logs(view, work)
     n = 0
     for i in range(m - 1):
         n = split_span(
@@ -381,7 +380,6 @@ def split_chart(
             change = max(abs(out[0] - p[5]), abs(out[1] - p[6]), abs(out[2] - p[7]))
             p[5], p[6], p[7] = out[0], out[1], out[2]
             p[STEP] = step + 1.0
-            p[EMBEDDED] = out[4]
             if step < 0:
                 # one line says little more than the order of magnitude
                 p[ERROR] = 10.0 * out[3]
@@ -398,6 +396,5 @@ def split_chart(
         value[0] += p[5]
         value[1] += p[6]
         value[2] += p[7]
-        scratch[EMBEDDED_SUM] += p[EMBEDDED]
         error += SAFETY * p[ERROR]
     return error, bad

@@ -12,7 +12,19 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers import chart, events, labels, line, lobe_mass, place, roots, walls, work
+from symrender.chambers import (
+    chart,
+    events,
+    labels,
+    line,
+    lobe_mass,
+    penumbra,
+    penumbra_walls,
+    place,
+    roots,
+    walls,
+    work,
+)
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.walls import (
@@ -30,14 +42,14 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import CHAMBERS, CROSSINGS, EVALUATIONS, MAX_ROOTS, View, Work, work_arrays
 from symrender.kernel_cache import compiled, jitable
+from symrender.quadrature import disk_term, light_term, split_line, split_panel
 from symrender.quadrature import gauss as gauss_module
-from symrender.quadrature import light_term, split_line, split_panel
 from symrender.quadrature import split_grid as split_grid_module
 from symrender.quadrature.gauss import gauss_table
-from symrender.quadrature.light_points import light_points
+from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_grid import CONIC_COLUMNS, RINGS, split_grid
 from symrender.quadrature.split_line import lobe_density
-from symrender.quadrature.split_panel import EMBEDDED_SUM, PANEL_COLUMNS, split_chart
+from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
 from symrender.scene.arrays import (
     AMBIENT,
     BACKGROUND,
@@ -66,8 +78,6 @@ UNSUPPORTED: Final = 3
 """The point lies inside another sphere; no value is given and the error is infinite."""
 
 MAX_PANELS: Final = 4000
-DISK_SHARE: Final = 0.1
-"""Error of the exact disk's rule over its difference from the rule with every other azimuth."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +171,6 @@ def gloss_kernel(
         for a in range(3):
             value[a] = view.shading[10 + a] * share
         bad = 0
-        scratch[EMBEDDED_SUM] = 0.0
         for j in range(view.spheres.shape[0]):
             if j == own:
                 continue
@@ -219,7 +228,6 @@ def gloss_kernel(
                         )  # fmt: skip
                         for a in range(3):
                             value[a] += scratch[16 + a] * scratch[20 + a]
-        total += DISK_SHARE * abs(scratch[EMBEDDED_SUM])
         # nothing in the scene is brighter than the bound, so no error is larger
         largest = max(abs(value[0]), abs(value[1]), abs(value[2]))
         total = min(total + 1e-15 * (1.0 + largest), bound + largest)
@@ -235,8 +243,8 @@ def gloss_kernel(
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
     modules = (
-        chart, events, labels, line, lobe_mass, place, roots, walls, work, gauss_module, light_term, split_grid_module,
-        split_line, split_panel,        sys.modules[__name__],
+        chart, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, walls, work, disk_term,
+        gauss_module, light_term, split_grid_module, split_line, split_panel, sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
@@ -261,7 +269,7 @@ class SplitWork:
 
 
 def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
-    """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_points``)."""
+    """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_rows``)."""
     return SplitWork(
         work=work_arrays(len(arrays.spheres), len(points)),
         gauss=gauss_table(),
@@ -304,7 +312,7 @@ def gloss_points(
     integrates it. Deterministic; choose it whenever an error is wanted with the value, or more than two digits. Points
     inside a sphere are ``UNSUPPORTED``.
     """
-    lights = light_points(arrays, disk_order, tol)
+    lights = light_rows(arrays, disk_order)
     view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
     lobes[FLOOR] = arrays.floor[FLOOR_LOBE + 1 :]

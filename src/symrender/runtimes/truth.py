@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from symrender.quadrature.light_points import light_points
+from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.runtimes.image import TileKernel, prepare_sight
 from symrender.scene import arrays as at
@@ -39,7 +39,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
         sight(x0, y0, x1, y1, {**layers, **places})
         seen = layers["hit_class"][y0:y1, x0:x1].astype(np.int64)
         if not hasattr(own, "scratch"):
-            own.scratch = split_work(arrays, light_points(arrays, settings.disk_order))
+            own.scratch = split_work(arrays, light_rows(arrays, settings.disk_order))
         evaluations = 0
         for surface in np.unique(seen[weights[seen] > 0]).tolist():
             rows, columns = np.nonzero(seen == surface)
