@@ -20,6 +20,7 @@ _LOOK: Final = {
     "figure.facecolor": "none",
     "axes.facecolor": "none",
     "savefig.facecolor": "none",
+    "image.interpolation": "nearest",
     "figure.dpi": 100,
     "savefig.dpi": 110,
     "font.family": "DejaVu Sans",
