@@ -124,7 +124,7 @@ figure, axes = plt.subplots(1, 3, figsize=(10, 3.5), layout="constrained")
 linear = np.clip(full.radiance, 0, 1)
 axes[0].imshow(np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055))
 axes[1].imshow(full.layer("chambers"), cmap="viridis")
-axes[2].imshow(np.log10(np.maximum(full.layer("error"), 1e-16)), cmap="magma")
+axes[2].imshow(np.log10(np.maximum(full.layer("error"), 1e-6)), cmap="magma")
 for axis, title in zip(axes, ("radiance", "chambers in each lobe", "reported error, log 10")):
     axis.set_title(title)
     axis.axis("off")
