@@ -1,0 +1,1 @@
+"""What the chapter measures when it is built, a subject a file."""

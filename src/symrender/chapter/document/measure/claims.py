@@ -1,0 +1,165 @@
+"""The claims of the chapter this one grew from, each worked out anew on the scene it describes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from symrender.chapter.document.effort import Effort
+from symrender.chapter.document.figures import Figure, Measured, figures_of
+from symrender.ledger.lobe_widths import lobe_widths
+from symrender.quadrature.strata import rings, rule
+from symrender.render import render
+from symrender.runtimes import numba
+from symrender.runtimes.image import trace
+from symrender.scene import arrays as at
+from symrender.scene.arrays import Array, SceneArrays, scene_arrays
+from symrender.scene.load import load
+from symrender.scene.scene import Scene
+from symrender.studies.lobe_rays import LobeRays
+
+_LOBES_OFF: Final = {"spheres.A.lobe.weight": 0.0, "spheres.B.lobe.weight": 0.0}
+_COUNTED: Final = 64
+_SWEEP: Final = (0.35, -0.62)
+"""The point of a sweep, y in half-widths of the window."""
+_GRAZING: Final = (0.9, -0.35)
+_HEIGHTS: Final = (30, 20, 10)
+_LOW: Final = 1.3
+"""Distance from the axis of the floor points looked at from low."""
+
+
+def measure(effort: Effort) -> Measured:
+    """Figures ``claims.*``."""
+    scene = load("chapter8").replace(_LOBES_OFF)
+    half, eye = float(scene.camera.window_half), float(scene.camera.eye[2])  # type: ignore[union-attr]
+    exponent, theta_max = 16.0, math.pi / 3
+    corner = math.atan(math.hypot(half, (1 + 0.15) * half) / eye)
+    figures: dict[str, Figure] = figures_of(
+        "claims",
+        "arithmetic on the scene's constants",
+        sweep=math.hypot(_SWEEP[0], _SWEEP[1] * half),
+        grazing=math.hypot(*_GRAZING),
+        visible=eye / math.sqrt(eye * eye - 1.0),
+        corner=corner,
+        reach=corner + theta_max,
+    )
+    figures |= _classes(scene, half)
+    figures |= _smudge(scene, effort)
+    figures |= _buried(scene_arrays(scene))
+    figures |= _weights(scene, effort.errata)
+    widths = lobe_widths("floor", exponent, theta_max)
+    figures |= figures_of(
+        "claims", "exact moments of cos^n within the cone, n = 16", ruler=widths.chapter_ruler, sigma=widths.sigma,
+        rms=widths.rms_angle,
+    )  # fmt: skip
+    return Measured(figures)
+
+
+def _classes(scene: Scene, half: float) -> dict[str, Figure]:
+    """Pixels by what their ray meets, with the constant term of the second sphere's test as printed and as it is.
+
+    A ray from the eye E along d meets the sphere (C, r) where |E + t d - C| = r, whose constant term is
+    |E - C|^2 - r^2; printed was |C|^2 - r^2.
+    """
+    eye = np.array(scene.camera.eye)
+    n = _COUNTED
+    steps = half * ((2.0 * np.arange(n) + 1.0) / n - 1.0)
+    x, y = np.meshgrid(steps, -steps - 0.15 * half)
+    rays = np.stack([x - eye[0], y - eye[1], np.full_like(x, -eye[2])], axis=-1)
+    found: dict[str, int] = {}
+    for name, wrong in (("printed", True), ("true", False)):
+        near = [np.ones_like(x)]
+        for k, sphere in enumerate(scene.spheres):
+            center = np.array(sphere.center)
+            constant = center if wrong and k == 1 else eye - center
+            a, b = (rays**2).sum(axis=-1), rays @ (eye - center)
+            square = b * b - a * (constant @ constant - sphere.radius**2)
+            root = (-b - np.sqrt(np.maximum(square, 0.0))) / a
+            near.append(np.where(square >= 0.0, root, np.inf))
+        which = np.argmin(near, axis=0)
+        found |= {f"{what}_{name}": int((which == k).sum()) for k, what in enumerate(("floor", "a", "b"))}
+    source = f"scene chapter8, {n} x {n} primary rays"
+    return figures_of("claims", source, counted=n * n, **found)
+
+
+def _smudge(scene: Scene, effort: Effort) -> dict[str, Figure]:
+    """The brightest gloss, and how far the two renderers are apart with the lobe and without it."""
+    image = render(scene, size=2 * effort.errata, numeric="none", lobe=48, aa="none").symbolic
+    assert image is not None
+    brightest = float(image.layer("gloss").max())
+    apart = []
+    for weight in (0.3, 0.0):
+        held = scene.replace({"floor.lobe.weight": weight})
+        sampled = render(held, size=effort.errata, symbolic="none", lobe=4, disk="exact", aa="none").numeric
+        strata = render(held, size=effort.errata, numeric="none", lobe=4, aa="none").symbolic
+        assert sampled is not None and strata is not None
+        apart.append(float(np.sqrt(np.mean((sampled.radiance - strata.radiance) ** 2))))
+    source = f"scene chapter8 without the spheres' lobes, {effort.errata} x {effort.errata}"
+    return figures_of("claims", source, brightest=brightest, with_lobe=apart[0], without_lobe=apart[1])
+
+
+def _buried(arrays: SceneArrays) -> dict[str, Figure]:
+    """Share of a lobe's light that comes from below the floor when nothing stops it there, by height of the view.
+
+    Below, the printed program has no floor at all: neither rays nor light are stopped by it.
+    """
+    floorless = replace(arrays, floor=arrays.floor.copy())
+    floorless.floor[at.FLOOR_PRESENT] = 0.0
+    formulas: Any = numba.plain(numba.image_text())
+    lobe = rule(rings(formulas, 16.0, math.pi / 3, 64), sectors=64, normalised=False)
+    rays = LobeRays(arrays, 2)
+    normal = np.array([0.0, 0.0, 1.0])
+    values = {}
+    for height in _HEIGHTS:
+        kept, buried = np.zeros(3), np.zeros(3)
+        for turn in (0.0, 45.0, 90.0):
+            out = np.array([math.cos(math.radians(turn)), math.sin(math.radians(turn)), 0.0])
+            rise = math.radians(height)
+            incoming = -math.cos(rise) * out - math.sin(rise) * normal
+            world = lobe.directions @ rays.frame(incoming, normal)
+            kept += lobe.weights @ rays.see(_LOW * out, normal, at.FLOOR, world).radiance
+            below = world @ normal <= 0.0
+            start = np.broadcast_to(_LOW * out, (int(below.sum()), 3))
+            buried += lobe.weights[below] @ trace(floorless, start, world[below], at.NOTHING)[0]
+        values[f"buried_{height}"] = float(buried.sum() / (kept + buried).sum())
+    return figures_of(
+        "claims", f"scene chapter8, floor points {_LOW} from the axis, three azimuths, eye overhead", **values
+    )
+
+
+def _weights(scene: Scene, width: int) -> dict[str, Figure]:
+    source = f"scene chapter8, {width} x {width}, RMS against 96 x 96 strata of equal weight"
+    values = {
+        f"{kind}_{word}": error
+        for word, (_, *errors) in zip(("two", "four", "eight"), strata_errors(scene, width), strict=True)
+        for kind, error in zip(("exact", "midpoint"), errors, strict=True)
+    }
+    return figures_of("claims", source, **values)
+
+
+def strata_errors(scene: Scene, width: int) -> list[tuple[int, float, float]]:
+    """K and the RMS errors of exact and midpoint weights over the picture, against 96 x 96 strata of equal weight."""
+
+    def picture(**how: Any) -> Array:
+        made = render(scene, size=width, numeric="none", aa="none", **how).symbolic
+        assert made is not None
+        return made.radiance
+
+    truth = picture(lobe=96, partition="equal_weight", nodes="barycentre")
+
+    def error(k: int, weights: str) -> float:
+        return float(np.sqrt(((picture(lobe=k, weights=weights) - truth) ** 2).mean()))
+
+    return [(k, error(k, "exact"), error(k, "midpoint")) for k in (2, 4, 8)]
+
+
+def brdf_albedo(n: float, degrees: float) -> float:
+    """int (n+2)/(2 pi) cos^n theta max(0, w.N) dw about a mirror direction ``degrees`` off the normal."""
+    cosine = (np.arange(2000) + 0.5) / 2000
+    phi = 2 * np.pi * (np.arange(360) + 0.5) / 360
+    tilt = math.radians(degrees)
+    height = cosine[:, None] * math.cos(tilt) + np.sqrt(1 - cosine**2)[:, None] * math.sin(tilt) * np.cos(phi)
+    return float((n + 2) * (cosine**n * np.maximum(height, 0).mean(axis=1)).mean())

@@ -1,0 +1,168 @@
+"""One lobe looked at closely: its disc, its walls, and how strata and the split rule integrate it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from symrender.chapter.document.effort import Effort
+from symrender.chapter.document.figures import Figure, Measured, figures_of
+from symrender.chapter.document.lobe_disc import Disc, Lobe
+from symrender.chapter.document.pictures import element
+from symrender.chapter.document.plots import Curve, log_log
+from symrender.chapter.document.tables import table
+from symrender.image import Image
+from symrender.probe import Probe, probe
+from symrender.quadrature.strata import rings, rule
+from symrender.runtimes import numba
+from symrender.scene import arrays as at
+from symrender.scene.arrays import Array, scene_arrays
+from symrender.scene.load import load
+from symrender.studies.lobe_rays import LobeRays
+from symrender.studies.power_law import fit_power_law
+from symrender.studies.subject import Subject, relative_reference, subject
+from symrender.views import false_color
+
+_SCENE: Final = "gloss"
+_SIDE: Final = 8
+_GAIN: Final = 1.6
+_TRUTH: Final = 1e-11
+_LOOK: Final = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Spot:
+    """A floor point whose lobe has much to tell: where it is, from where it is seen, and the pixel it was found in."""
+
+    place: Array
+    incoming: Array
+    pixel: tuple[int, int]
+    crossings: int
+    chambers: int
+
+
+def measure(effort: Effort) -> Measured:
+    """Blocks ``lobe.*`` and ``walls.map``; figures ``lobe.*``, ``walls.*``."""
+    of = subject(_SCENE, size=effort.map_size)
+    truth = relative_reference(of, _LOOK)
+    spot = _spot(of, truth.layers, truth.signal)
+    lobe = _lobe(of, spot)
+    disc = lobe.disc(effort.disc, gain=_GAIN)
+    true = _probe(spot, _TRUTH)
+    counts = truth.layers["crossings"][truth.mask]
+    where = f"scene {_SCENE}, floor point ({spot.place[0]:.4f}, {spot.place[1]:.4f})"
+    figures = figures_of(
+        "lobe", where, x=float(spot.place[0]), y=float(spot.place[1]), chambers=int(true.chambers[0]),
+        crossings=int(true.crossings[0]), gloss=float(true.gloss[0, 0]), error=float(true.error[0]),
+        disc=float(disc.mean[0]), apart=float(np.abs(disc.mean / true.gloss[0] - 1.0).max()),
+        directions=int(math.pi / 4 * (3 * effort.disc) ** 2), exponent=lobe.exponent, theta_max=lobe.theta_max,
+        sides=_SIDE,
+    )  # fmt: skip
+    figures |= figures_of(
+        "walls", f"scene {_SCENE}, {of.settings.width} x {of.settings.height}, {len(counts)} floor pixels",
+        pixels=len(counts), share=float((counts > 0).mean()), median=float(np.median(counts)), most=int(counts.max()),
+    )  # fmt: skip
+    blocks = {
+        "lobe.starved": _drawn(lobe, disc, "equal_angle", "midpoint"),
+        "lobe.fed": _drawn(lobe, disc, "equal_weight", "barycentre"),
+        "walls.map": _map(truth.layers),
+    }
+    integrated = _integrated(effort, of, spot, true)
+    return Measured({**figures, **integrated.figures}, {**blocks, **integrated.blocks})
+
+
+def _spot(of: Subject, layers: Any, signal: float) -> Spot:
+    """The floor pixel whose lobe meets most walls, of those at least as bright as the average signal."""
+    places = of.places()
+    bright = (layers["gloss"].mean(axis=2) > signal) & (layers["hit_class"] == at.FLOOR)
+    score = np.where(bright, layers["crossings"], -1.0)
+    j, i = np.unravel_index(int(score.argmax()), score.shape)
+    return Spot(
+        places["place"][j, i], places["incoming"][j, i], (int(i), int(j)), int(layers["crossings"][j, i]),
+        int(layers["chambers"][j, i]),
+    )  # fmt: skip
+
+
+def _lobe(of: Subject, spot: Spot) -> Lobe:
+    floor = of.scene.floor
+    assert floor is not None and floor.lobe is not None
+    shape = (floor.lobe.exponent, floor.lobe.theta_max)
+    return Lobe(of.arrays, spot.place, np.array([0.0, 0.0, 1.0]), spot.incoming, at.FLOOR, shape)
+
+
+def _drawn(lobe: Lobe, disc: Disc, partition: Any, nodes: Any) -> str:
+    formulas: Any = numba.plain(numba.image_text())
+    ring = rings(formulas, lobe.exponent, lobe.theta_max, _SIDE, partition=partition, nodes=nodes)
+    words = partition.replace("_", " ")
+    return lobe.picture(
+        disc, ring, _SIDE, f"The lobe of one floor point as a disc, cut into cells of {words}", partition
+    )
+
+
+def _probe(spot: Spot, tol: float) -> Probe:
+    return probe(_SCENE, [spot.place[:2].tolist()], tol=tol, budget=10_000_000)
+
+
+def _map(layers: Any) -> str:
+    shape = layers["crossings"].shape
+    image = Image({"radiance": np.zeros((*shape, 3)), "crossings": layers["crossings"].astype(np.float64)}, {})
+    view = false_color(image, "crossings")
+    return element(view.pixels, view.caption, smooth=False)
+
+
+def _integrated(effort: Effort, of: Subject, spot: Spot, true: Probe) -> Measured:
+    """Error against evaluations at one point: the split rule, and strata by angle and by weight."""
+    signal = float(np.abs(true.gloss[0]).max())
+
+    def gap(gloss: Array) -> float:
+        return float(np.abs(gloss - true.gloss[0]).max()) / signal
+
+    rows: list[list[Any]] = []
+    split: list[tuple[int, float]] = []
+    for tol in effort.probe_tolerances:
+        found = _probe(spot, tol)
+        split.append((int(found.evaluations[0]), gap(found.gloss[0])))
+        rows.append([tol, int(found.evaluations[0]), float(found.error[0]), gap(found.gloss[0]) * signal])
+    curves = [_curve("split at the walls", split, 5)]
+    figures: dict[str, Figure] = {}
+    source = f"scene {_SCENE}, one floor point, against the split rule at {_TRUTH:g}"
+    for color, (name, partition, nodes) in enumerate(
+        (("strata, equal angles", "equal_angle", "midpoint"), ("strata of equal weight", "equal_weight", "barycentre"))
+    ):
+        points = [(k * k, gap(_strata(of, spot, k, partition, nodes))) for k in effort.strata]
+        curves.append(_curve(name, points, 2 * color))
+        law = fit_power_law([n for n, _ in points], [max(e, 1e-16) for _, e in points])
+        assert law is not None
+        figures |= figures_of(f"split.{partition}", source, order=law.order, best=points[-1][1], cost=points[-1][0])
+    figures |= figures_of(
+        "split", source, cost=split[-1][0], best=split[-1][1], tol=effort.probe_tolerances[-1], truth=_TRUTH,
+        honest=sum(row[3] <= row[2] + float(true.error[0]) for row in rows), asked=len(rows), signal=signal,
+    )  # fmt: skip
+    plot = log_log(
+        "split", curves, x="evaluations, one lobe", y="error / value",
+        alt="Error against evaluations at one point: strata fall slowly and irregularly, the split rule drops",
+    )  # fmt: skip
+    columns = ("tolerance asked", "evaluations", "error it states", "error it has")
+    return Measured(figures, {"split.plot": plot, "split.table": table(columns, rows, label="The split rule")})
+
+
+def _curve(name: str, points: list[tuple[int, float]], color: int) -> Curve:
+    kept = [(n, e) for n, e in points if e > 0]
+    return Curve(name, [n for n, _ in kept], [e for _, e in kept], color)
+
+
+def _strata(of: Subject, spot: Spot, k: int, partition: Any, nodes: Any) -> Array:
+    formulas: Any = numba.plain(numba.image_text())
+    arrays = scene_arrays(load(_SCENE))
+    floor = of.scene.floor
+    assert floor is not None and floor.lobe is not None
+    ring = rings(formulas, floor.lobe.exponent, floor.lobe.theta_max, k, partition=partition, nodes=nodes)
+    lobe = rule(ring, sectors=k, normalised=False)
+    rays = LobeRays(arrays, 2)
+    normal = np.array([0.0, 0.0, 1.0])
+    seen = rays.see(spot.place, normal, at.FLOOR, lobe.directions @ rays.frame(spot.incoming, normal))
+    found: Array = lobe.weights @ seen.radiance
+    return found
