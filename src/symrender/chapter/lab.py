@@ -102,7 +102,8 @@ def notebook(cell: Cell) -> Any:
     cells = []
     for number, part in enumerate(parts):
         make = v4.new_markdown_cell if part.kind == "markdown" else v4.new_code_cell
-        cells.append(make(part.text, id=f"{cell.name}-{number}"))
+        metadata = {"tags": ["remove-cell"]} if number == 1 else {}  # a page that shows the notebook need not install
+        cells.append(make(part.text, id=f"{cell.name}-{number}", metadata=metadata))
     return v4.new_notebook(
         cells=cells,
         metadata={

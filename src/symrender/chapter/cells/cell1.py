@@ -17,8 +17,9 @@ import symrender as sr
 scene = sr.load("gloss")
 image = sr.render(scene, size=128, lobe=4, numeric="jittered", symbolic="none").numeric
 floor = image.layer("hit_class") == 1
-visible = (image.radiance - image.layer("direct")).max(axis=2) >= 0.05
-print(f"{floor.sum()} of {floor.size} pixels see the floor; reflections reach 0.05 in {visible.sum()}")
+bright = 0.05
+visible = (image.radiance - image.layer("direct")).max(axis=2) >= bright
+print(f"{floor.sum()} of {floor.size} pixels see the floor; reflections reach {bright} in {visible.sum()}")
 image
 
 

@@ -67,11 +67,8 @@ best = min((name for name in census), key=lambda name: census[name][0])
 assert direct.pixels == 128 * 128 and direct.signal > 0.1, f"direct light is judged where there is some, {direct}"
 assert direct.relative_rmse < 1e-12, f"direct light agrees to rounding, {direct.relative_rmse}"
 assert own < 0.01, f"the truth is sharper than what it judges, {own}"
-assert (
-    census["strata, equal weight, barycentres"][0]
-    < census["strata, equal weight"][0]
-    < census["strata, equal angle"][0]
-)
+ladder = [census[f"strata, equal {rest}"][0] for rest in ("weight, barycentres", "weight", "angle")]
+assert ladder == sorted(ladder), f"strata of equal weight are closer, at barycentres closest, {ladder}"
 assert census["strata, equal angle"][0] < 1, "strata beat the black image"
 print(
     f"Expect: direct light agrees to {direct.relative_rmse:.0e} over {direct.pixels} pixels, the lobe terms differ by "

@@ -19,7 +19,7 @@ import symrender as sr
 
 scene = sr.load("gloss")
 size = 12
-truth = sr.truth(scene, size=size, tol=1e-5, aa="none")
+truth = sr.truth(scene, size=size, tol=3e-5, aa="none")
 floor = truth.layer("hit_class") == 1
 gloss, own = truth.layer("gloss"), truth.layer("error") / scene.floor.lobe.weight
 signal = np.sqrt((gloss[floor] ** 2).mean())
@@ -82,7 +82,7 @@ def seen(start, ray):
     return result
 
 
-def brute_force(place, shifts=8, count=2**15):
+def brute_force(place, shifts=8, count=2**14):
     """Mean of the lobe at a floor point from shifted lattices, and its standard error over the shifts."""
     lobe, eye = scene.floor.lobe, np.array(scene.camera.eye)
     mirror = unit(place - eye) * (1, 1, -1)
@@ -157,7 +157,7 @@ for name, options in families.items():
         picture = pair.numeric or pair.symbolic
         curves[name].append((floor.sum() * k * k, np.median(times), judged(picture)))
 curves["split"] = []
-for tolerance in (0.1, 0.003):
+for tolerance in (0.1, 0.01):
     begun = time.process_time()
     picture = sr.truth(scene, size=size, tol=tolerance * signal, aa="none", threads=1)
     spent = time.process_time() - begun

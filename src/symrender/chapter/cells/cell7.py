@@ -1,8 +1,9 @@
 # %% [markdown]
 # # Pitfalls, live: the horizon, walls inside the lobe, starvation
 #
-# Three ways to get a glossy reflection wrong without noticing. Each is shown in a scene that really has it, as a number
-# and as a picture, with what to do about it.
+# Three ways to get a glossy reflection wrong without noticing: to skip what lies below the horizon, to trust a rule
+# made for smooth functions where the integrand jumps, and to spend directions where the lobe has no weight. Each is
+# shown in a scene that really has it, as a number and as a picture, with what to do about it.
 
 # %%
 import matplotlib.pyplot as plt
