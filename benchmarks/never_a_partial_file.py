@@ -63,7 +63,7 @@ def main() -> None:
                 symrender_main([*COMMAND, "--force", "--out", str(root / "count")])
                 calls = counted()
             # a journal writes a record a tile: of those many alike calls every few are tried
-            step = max(1, calls // (8 if options.quick else 24))
+            step = max(1, calls // (8 if options.quick else 48))
             for n, k in enumerate(range(1, calls + 1, step)):
                 folder = root / f"{call}{k}"
                 folder.mkdir()
