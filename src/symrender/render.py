@@ -35,14 +35,12 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from symrender.errors import NonFiniteError, OptionError
+from symrender.errors import OptionError
 from symrender.fill import Crew, Means
+from symrender.finite import check_finite
 from symrender.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
 from symrender.provenance import provenance
-from symrender.scene import arrays as at
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.settings import (
@@ -179,22 +177,9 @@ def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene) -> Pair:
 
 def _one(crew: Crew, job: Job, scene: Scene) -> tuple[Image, Timing]:
     layers, timing = crew.fill(job)
-    _check_finite(layers, scene, job.side)
+    check_finite(layers, scene, job.side)
     describe = _numeric_estimator if job.side == "numeric" else _symbolic_estimator
     return Image(layers, provenance(scene, job.settings, job.side, describe(job.settings))), timing
-
-
-def _check_finite(layers: Mapping[str, Any], scene: Scene, method: str) -> None:
-    bad = ~np.isfinite(layers["radiance"]).all(axis=2)
-    if not bad.any():
-        return
-    rows, columns = np.nonzero(bad)
-    names = {at.NOTHING: "nothing", at.FLOOR: "floor"}
-    names |= {at.FIRST_SPHERE + k: f"spheres.{sphere.name}" for k, sphere in enumerate(scene.spheres)}
-    where = ", ".join(
-        f"({i}, {j}) on {names[int(layers['hit_class'][j, i])]}" for i, j in zip(columns[:5], rows[:5], strict=True)
-    )
-    raise NonFiniteError(f"{method}: {bad.sum()} pixels are not finite: {where}")
 
 
 def _numeric_estimator(settings: Settings) -> str:

@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from symrender.fill import Crew, Means
+from symrender.finite import check_finite
 from symrender.image import Image
 from symrender.provenance import provenance
 from symrender.quadrature.split_point import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
@@ -78,6 +79,7 @@ def truth_job(scene: Scene, settings: Settings) -> Job:
 def true_image(crew: Crew, job: Job, scene: Scene) -> Image:
     """Carry out ``job``, of ``scene``, with an open ``crew``."""
     layers, timing = crew.fill(job)
+    check_finite(layers, scene, "truth")
     estimator = f"split at the walls, tol {job.settings.tol:g}, {timing.evaluations} evaluations"
     return Image(layers, provenance(scene, job.settings, "truth", estimator))
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 
 import typer
@@ -21,6 +22,23 @@ def show_table(title: str, rows: Sequence[Sequence[str]]) -> None:
         Console().print(rich_table(rows, title))
     else:
         typer.echo("\n".join(plain_table(rows)))
+
+
+def show_json(value: object) -> None:
+    """Print ``value`` as JSON, which has no infinity: the error of a pixel without a value is null."""
+    import json
+
+    def plain(part: object) -> object:
+        match part:
+            case float():
+                return part if math.isfinite(part) else None
+            case Mapping():
+                return {key: plain(item) for key, item in part.items()}
+            case list() | tuple():
+                return [plain(item) for item in part]
+        return part
+
+    typer.echo(json.dumps(plain(value), indent=2, allow_nan=False))
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from symrender.cli._console import show_json
 from symrender.cli._means import Cluster, InsecureCluster, Restart, Resume, Threads, Tile, ended_by_signals, means_of
 from symrender.cli._options import (
     DEFAULT_SCENE,
@@ -104,8 +105,6 @@ def animate(
             progress=advance,
         )
     if json:
-        import json as json_module
-
-        typer.echo(json_module.dumps(rows, indent=2))
+        show_json(rows)
     elif not quiet:
         typer.echo(f"wrote {len(rows)} frames{'' if video == 'none' else f' and a video ({video})'} in {out}")

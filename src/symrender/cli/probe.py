@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from symrender.cli._console import show_json
 from symrender.cli._options import Define, Json, SceneArgument, scene_with
 
 
@@ -58,14 +59,12 @@ def probe(
         )
     ]  # fmt: skip
     if json:
-        import json as json_module
-
-        typer.echo(json_module.dumps(rows, indent=2))
+        show_json(rows)
     else:
-        for row in rows:
+        for text, row in zip(point, rows, strict=True):
             gloss = " ".join(f"{x:.15g}" for x in row["gloss"])
             typer.echo(
-                f"{point[rows.index(row)]}: {gloss} +- {row['error']:.2g}  {row['status']}, {row['evaluations']} "
+                f"{text}: {gloss} +- {row['error']:.2g}  {row['status']}, {row['evaluations']} "
                 f"evaluations, {row['chambers']} chambers, {row['crossings']} crossings"
             )
     if (found.status != 0).any():

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from symrender.cli._console import show_json
 from symrender.cli._means import Cluster, InsecureCluster, Restart, Resume, Threads, Tile, ended_by_signals, means_of
 from symrender.cli._options import (
     DEFAULT_SCENE,
@@ -91,8 +92,6 @@ def sweep(
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance:
         rows = make(chosen, axes, maker, out, means=means, force=force, inputs=scene_files(scene), progress=advance)
     if json:
-        import json as json_module
-
-        typer.echo(json_module.dumps(rows, indent=2))
+        show_json(rows)
     elif not quiet:
         typer.echo(f"wrote {len(rows)} frames, ledgers.csv and contact_sheet.png in {out}")

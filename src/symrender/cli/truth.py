@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
     InsecureCluster,
@@ -123,8 +124,6 @@ def truth(
         crew.succeeded()
     judged = verdict(image)
     if json:
-        import json as json_module
-
         report = {
             "files": names,
             "pixels": judged.pixels,
@@ -132,7 +131,7 @@ def truth(
             "largest_error": judged.largest,
             "at": judged.worst,
         }
-        typer.echo(json_module.dumps(report, indent=2, allow_nan=False))
+        show_json(report)
     elif not quiet:
         typer.echo(judged.text())
         for name in names:

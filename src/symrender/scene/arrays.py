@@ -1,6 +1,8 @@
 """A scene as plain arrays: the only thing kernels ever see.
 
 Which number stands in which column is fixed here, once; nothing is computed. Kernel text depends on none of it.
+A sphere equal to an earlier one, which cannot be seen, is a speck at its centre: kernels leave out the shape a ray
+starts from by its identity, and would meet the other one there, by the last bit, as a shadow or a reflection.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.limits import MIN_LENGTH
 from symrender.scene.camera import PlaneCamera
 from symrender.scene.light import DiskLight
 from symrender.scene.lobe import Lobe
@@ -101,8 +104,11 @@ def _lobe(lobe: Lobe | None) -> tuple[float, float, float]:
 def scene_arrays(scene: Scene) -> SceneArrays:
     """Lay ``scene`` out as arrays, in the order of its lists."""
     spheres = np.zeros((len(scene.spheres), SPHERE_COLUMNS))
+    earlier: set[tuple[tuple[float, ...], float]] = set()
     for row, sphere in zip(spheres, scene.spheres, strict=True):
-        row[:7] = (*sphere.center, sphere.radius, *sphere.color)
+        place = (sphere.center, sphere.radius)
+        row[:7] = (*sphere.center, MIN_LENGTH if place in earlier else sphere.radius, *sphere.color)
+        earlier.add(place)
         match sphere.texture:
             case Checker(ku=ku, kv=kv, dark=dark):
                 row[7:11] = CHECKER, ku, kv, dark
