@@ -49,6 +49,13 @@ def fails(capfd: pytest.CaptureFixture[str], arguments: list[str], code: int = 2
         (["render", "--threads", "-1"], "threads: must be a whole number from 0 to 1024"),
         (["render", "--threads", "1000000"], "threads: must be a whole number from 0 to 1024"),
         (["render", "--seed", "-1"], "seed: must be a whole number"),
+        (["render", "--tile", "-1"], "tile: must be a whole number from 0"),
+        (["truth", "--tol", "0"], "tol: must be a number in (0, 1], got 0"),
+        (["truth", "--tol", "-1"], "tol: must be a number in (0, 1]"),
+        (["truth", "--tol", "10"], "tol: must be a number in (0, 1], got 10"),
+        (["truth", "--tol", "1e-300"], "tol: 1e-300 is below double precision"),
+        (["probe", "gloss", "-p", "1,x"], "point: must be numbers X,Y or X,Y,Z, got '1,x'"),
+        (["probe", "gloss", "-p", "nan,0"], "points: must be finite numbers"),
         (["render", "--seed", "9" * 30], "seed: must be a whole number"),
         (["render", "--disk", "0x0"], "disk: must be 'exact' or 'KxK'"),
         (["render", "--numeric", "magic"], "--numeric"),
@@ -101,6 +108,22 @@ def test_output_folders_that_cannot_be(
     (tmp_path / "file").write_text("x")
     fails(capfd, ["render", "chapter8", "--size", "8", "--out", out], code)
     assert (tmp_path / "file").read_text() == "x"
+
+
+def test_an_odd_scene_is_rendered_with_a_warning(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "s.yaml").write_text("camera: {type: plane, eye: [0, 0, 4], window_half: 1}\nfloor: {}\n")
+    arguments = [
+        "render",
+        str(tmp_path / "s.yaml"),
+        "--size",
+        "8",
+        "--out",
+        str(tmp_path / "out"),
+        "--progress",
+        "none",
+    ]
+    assert main(arguments) == 0
+    assert capfd.readouterr().err == "WARNING there are no lights: only ambient and background are seen\n"
 
 
 @pytest.mark.parametrize(
