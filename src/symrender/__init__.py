@@ -24,6 +24,9 @@ from symrender.version import VERSION as __version__
 if TYPE_CHECKING:
     from symrender.errors import SymrenderError
     from symrender.expression.integrand import expression
+    from symrender.fit import Fit, fit
+    from symrender.gradient import gradient
+    from symrender.hessian import Hessian, hessian
     from symrender.image import Image, read_image
     from symrender.ledger.compare import compare
     from symrender.probe import probe
@@ -34,12 +37,17 @@ if TYPE_CHECKING:
     from symrender.truth import truth
 
 _HOMES = {
+    "Fit": "symrender.fit",
+    "Hessian": "symrender.hessian",
     "Image": "symrender.image",
     "Pair": "symrender.render",
     "Scene": "symrender.scene.scene",
     "SymrenderError": "symrender.errors",
     "compare": "symrender.ledger.compare",
     "expression": "symrender.expression.integrand",
+    "fit": "symrender.fit",
+    "gradient": "symrender.gradient",
+    "hessian": "symrender.hessian",
     "load": "symrender.scene.load",
     "read_image": "symrender.image",
     "probe": "symrender.probe",
@@ -49,6 +57,8 @@ _HOMES = {
 }
 
 __all__ = [
+    "Fit",
+    "Hessian",
     "Image",
     "Pair",
     "Scene",
@@ -56,6 +66,9 @@ __all__ = [
     "__version__",
     "compare",
     "expression",
+    "fit",
+    "gradient",
+    "hessian",
     "load",
     "probe",
     "read_image",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
+from symrender.scene.moves import moves, tangent_arrays
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
 
@@ -29,6 +30,9 @@ class Probe:
     ``gloss`` (N, 3): mean radiance under the lobe, without the lobe's weight, scene units. ``error`` (N,): estimated
     largest absolute error over the channels. ``evaluations`` (N,): shaded hits. ``status`` (N,): 0 met, 1 capped,
     2 near-tangent, 3 unsupported (no value). ``chambers``, ``crossings`` (N,): different chambers and walls met.
+    ``gradient``: parameter's name -> (N, 3), derivative of ``gloss`` in it; ``gradient_error``: name -> (N,), the
+    estimated largest absolute error over the channels; ``gradient_status``: name -> (N,), as ``status``, or 4 where
+    walls coincide at this very value and the derivative is that of one side.
     """
 
     gloss: Array
@@ -37,6 +41,9 @@ class Probe:
     status: Ints
     chambers: Ints
     crossings: Ints
+    gradient: Mapping[str, Array] = field(default_factory=dict)
+    gradient_error: Mapping[str, Array] = field(default_factory=dict)
+    gradient_status: Mapping[str, Ints] = field(default_factory=dict)
 
 
 def probe(
@@ -47,12 +54,15 @@ def probe(
     tol: float = 1e-9,
     disk: str = "2x2",
     budget: int = 1_000_000,
+    wrt: Sequence[str] = (),
 ) -> Probe:
     """The lobe integral gloss(P) at points of ``surface``, ``floor`` or ``spheres.NAME``, seen from the camera's eye.
 
     ``points``: (N, 2) or (N, 3) positions on the floor z = 0, or (N, 3) unit outward normals of the sphere, where
     they face the eye. ``tol``: absolute, in scene units of radiance. ``disk``: ``KxK`` replaces a disk light by its
-    centroids. ``budget``: most evaluations a point. Whether the eye really sees a point is not asked.
+    centroids. ``budget``: most evaluations a point. ``wrt``: dotted names of real numbers of the scene, or of vectors
+    (all their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
+    normal, and ``tol`` holds for derivatives too. Whether the eye really sees a point is not asked.
     Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
     """
     loaded = load(scene)
@@ -69,7 +79,36 @@ def probe(
     found: SplitResult = gloss_points(
         arrays, place, normal, away / length, surfaces, settings.tol, settings.disk_order, settings.budget
     )
-    return Probe(found.gloss, found.error, found.evaluations, found.status, found.chambers, found.crossings)
+    values = (found.gloss, found.error, found.evaluations, found.status, found.chambers, found.crossings)
+    if not wrt:
+        return Probe(*values)
+    from symrender.quadrature.tangent_point import gloss_gradients, refuse_unknown, tangents_of
+
+    moved = moves(loaded, wrt)
+    names = tuple(name for name, _ in moved)
+    tangents = tangent_arrays(arrays, moved)
+    refuse_unknown(arrays, tangents, names, settings.disk_order)
+    moving = _place_tangents(tangents, normal, away / length, length, hit_class)
+    slopes = gloss_gradients(
+        arrays, place, normal, away / length, surfaces, tangents_of(arrays, tangents, moving, settings.disk_order),
+        settings.tol, settings.disk_order, 4 * settings.budget,
+    )  # fmt: skip
+    tables = (slopes.gradient, slopes.error, slopes.status)
+    return Probe(*values, *(dict(zip(names, table, strict=True)) for table in tables))
+
+
+def _place_tangents(
+    moved: Mapping[str, Array], normal: Array, incoming: Array, length: Array, hit_class: int
+) -> tuple[Array, Array, Array]:
+    """Derivatives (Q, N, 3) of the points, their normals and the directions they are seen along."""
+    parameters = len(moved["camera"])
+    place = np.zeros((parameters, *normal.shape))
+    if hit_class >= at.FIRST_SPHERE:
+        sphere = moved["spheres"][:, hit_class - at.FIRST_SPHERE]
+        place += sphere[:, None, :3] + sphere[:, None, 3:4] * normal
+    away = place - moved["camera"][:, None, 1:4]
+    along = (away * incoming).sum(axis=-1, keepdims=True)
+    return place, np.zeros_like(place), (away - along * incoming) / length
 
 
 def _places(scene: Scene, points: Array, surface: str) -> tuple[Array, Array, int]:

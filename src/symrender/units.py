@@ -23,6 +23,7 @@ from symrender import version
 from symrender.scene.arrays import Array, scene_arrays
 from symrender.scene.dump import to_yaml
 from symrender.scene.load import parse
+from symrender.scene.moves import Move
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
 
@@ -39,12 +40,14 @@ CHANGES_NO_BYTE: Final = ("threads", "tile", "max_pixels")
 class Kind:
     """Where the kernel of a kind of image comes from, the layers it fills with their channels (1 or 3), and its side.
 
-    ``side`` is the pipeline whose image it is where two are compared, ``numeric`` or ``symbolic``.
+    ``side`` is the pipeline whose image it is where two are compared, ``numeric`` or ``symbolic``. ``each`` are layers
+    filled once for every parameter of a job, under the name ``layer:parameter``.
     """
 
     module: str
     layers: tuple[tuple[str, int], ...]
     side: str = "symbolic"
+    each: tuple[tuple[str, int], ...] = ()
 
 
 _RENDER: Final = (("radiance", 3), ("direct", 3), ("gloss", 3), ("hit_class", 1))
@@ -55,17 +58,26 @@ KINDS: Final[Mapping[str, Kind]] = {
         "symrender.runtimes.truth",
         (*_RENDER, *((name, 1) for name in ("error", "status", "evaluations", "chambers", "crossings"))),
     ),
+    "gradient": Kind(
+        "symrender.runtimes.gradient",
+        (("hit_class", 1), ("evaluations", 1)),
+        each=(("radiance", 3), ("direct", 3), ("gloss", 3), ("error", 1), ("status", 1)),
+    ),
 }
 
 
 @dataclass(frozen=True)
 class Job:
-    """One image to be made: its ``kind`` (of ``KINDS``), its scene as text that loads bit for bit, its settings."""
+    """One image to be made: its ``kind`` (of ``KINDS``), its scene as text that loads bit for bit, its settings.
+
+    ``wrt`` is what the parameters move that a ``gradient`` differentiates by.
+    """
 
     kind: str
     scene: str
     scene_hash: str
     settings: Settings
+    wrt: tuple[Move, ...] = ()
 
     @property
     def side(self) -> str:
@@ -73,18 +85,20 @@ class Job:
         return KINDS[self.kind].side
 
     @classmethod
-    def of(cls, kind: str, scene: Scene, settings: Settings) -> Job:
+    def of(cls, kind: str, scene: Scene, settings: Settings, wrt: tuple[Move, ...] = ()) -> Job:
         """The job that makes this image."""
-        return cls(kind, to_yaml(scene), scene.hash, settings)
+        return cls(kind, to_yaml(scene), scene.hash, settings, wrt)
 
     def fields(self) -> dict[str, str]:
         """What decides the bytes of the image, by name: two jobs with equal fields make equal images."""
         chosen = {k: str(v) for k, v in asdict(self.settings).items() if k not in CHANGES_NO_BYTE}
+        if self.wrt:
+            chosen["wrt"] = ", ".join(name for name, _ in self.wrt)
         return {"version": version.VERSION, "code": code_digest()[:16], "scene": self.scene_hash} | chosen
 
     def empty_layers(self) -> dict[str, Array]:
         """Layers of the full image, zero: (h, w, 3) or (h, w). Memory is taken only where they are written."""
-        return _zeros(self.kind, self.settings.width, self.settings.height)
+        return _zeros(self, self.settings.width, self.settings.height)
 
 
 @dataclass(frozen=True)
@@ -116,11 +130,10 @@ def blocks(layers: Mapping[str, Array], tile: Tile) -> dict[str, Array]:
 def prepared(job: Job) -> TileKernel:
     """Kernel of ``job``, compiled or read from the cache before any clock runs."""
     kind = KINDS[job.kind]
-    kernel: TileKernel = importlib.import_module(kind.module).prepare(
-        scene_arrays(parse(job.scene, "scene")), job.settings
-    )
+    what = (scene_arrays(parse(job.scene, "scene")), job.settings, *((job.wrt,) if kind.each else ()))
+    kernel: TileKernel = importlib.import_module(kind.module).prepare(*what)
     # an empty tile is what makes the runtime compile
-    kernel(0, 0, 0, 0, _zeros(job.kind, 1, 1))
+    kernel(0, 0, 0, 0, _zeros(job, 1, 1))
     return kernel
 
 
@@ -135,8 +148,10 @@ def code_digest() -> str:
     return digest.hexdigest()
 
 
-def _zeros(kind: str, width: int, height: int) -> dict[str, Array]:
+def _zeros(job: Job, width: int, height: int) -> dict[str, Array]:
+    kind = KINDS[job.kind]
+    each = ((f"{layer}:{name}", channels) for name, _ in job.wrt for layer, channels in kind.each)
     return {
         name: np.zeros((height, width, channels) if channels > 1 else (height, width))
-        for name, channels in KINDS[kind].layers
+        for name, channels in (*kind.layers, *each)
     }

@@ -115,7 +115,8 @@ def look_at_pixel(
 
 
 @contextmanager
-def _pixels(block: Block) -> Iterator[tuple[sp.Symbol, sp.Symbol]]:
+def pixels(block: Block) -> Iterator[tuple[sp.Symbol, sp.Symbol]]:
+    """Loops over the rectangle x0, y0, x1, y1 of the frame; yields row and column."""
     x0, y0, x1, y1 = (block.count(name, sp.floor(FRAME[k])) for k, name in enumerate(("x0", "y0", "x1", "y1")))
     with block.loop("row", y1, y0) as row, block.loop("column", x1, x0) as column:
         yield row, column
@@ -124,7 +125,7 @@ def _pixels(block: Block) -> Iterator[tuple[sp.Symbol, sp.Symbol]]:
 def hits() -> Function:
     """Where the rays of the pixels x0 <= i < x1, y0 <= j < y1 end."""
     block = Block()
-    with _pixels(block) as (row, column):
+    with pixels(block) as (row, column):
         shape, _, _, d, q, normal = look_at_pixel(block, row, column)
         block.store(HIT_CLASS[row, column], shape)
         for array, vector in ((PLACE, q), (NORMAL, normal), (INCOMING, d)):
@@ -140,7 +141,7 @@ def tile() -> Function:
     """Fill the pixels x0 <= i < x1, y0 <= j < y1 of every layer; returns the number of lobe directions weighed."""
     block = Block()
     evaluations = block.count("evaluations", sp.Integer(0))
-    with _pixels(block) as (row, column):
+    with pixels(block) as (row, column):
         shape, sx, sy, d, q, normal = look_at_pixel(block, row, column)
         block.store(HIT_CLASS[row, column], shape)
         with block.when(sp.Eq(shape, at.NOTHING)):

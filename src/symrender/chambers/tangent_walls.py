@@ -1,0 +1,329 @@
+"""How walls move: the gradient of a wall's level in everything that can move it.
+
+A chart maps (x, phi) to a hit Q, its normal N and a direction w. Three things move that map: the point P it starts
+from, the turn omega of its frame, and its own two numbers (k and R of a sphere's chart, the height of the floor's).
+Any function G of Q, N, w and of the scene then has
+
+    dG = Q' . (dP + omega x (Q - P) + Q_k dk + Q_R dR) + N' . (omega x N + N_k dk) + w' . (omega x w + w_k dk) + ...
+
+with Q', N', w' its partial gradients. ``chart_place`` gives the places and their slopes, ``pull_back`` adds these
+products to the adjoint, and ``wall_gradient`` gives Q', N', w' of the level of one wall, so that on a scan line
+dx = -dG / (G_x). No formula here needs the frame's own formula: the frame may turn as it likes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.walls import (
+    BALL,
+    CENTER,
+    E1,
+    E2,
+    FLOOR_CUT,
+    HEIGHT,
+    HORIZON,
+    KIND,
+    LIGHT,
+    NORMAL,
+    POINT,
+    POLE,
+    RADIUS,
+    RATIO,
+    SHADOW,
+    SHAPE,
+    SHAPE_INDEX,
+    SILHOUETTE,
+    SURFACE_NORMAL,
+    TAG,
+    TERMINATOR,
+    TEXTURE_EDGE,
+)
+from symrender.chambers.work import View, Work
+from symrender.kernel_cache import jitable
+from symrender.scene.arrays import CHECKER, KU, KV, TEXTURE
+
+Array = npt.NDArray[np.float64]
+
+# columns of an adjoint: what the derivative of a value in each of these is
+AT_POINT: Final = 0
+TURN: Final = 3
+CHART: Final = 6
+"""k = R/|C - P| of a sphere's chart, |P_z| of the floor's."""
+CHART_RADIUS: Final = 7
+AXIS: Final = 8
+"""The lobe's axis m."""
+EXPONENT: Final = 11
+LOG_NORMALISER: Final = 12
+RIM: Final = 13
+"""Cosine of the lobe's half-angle."""
+HORIZON_NORMAL: Final = 14
+SHADING: Final = 17
+"""ka, kd, ks, shininess."""
+AMBIENT: Final = 21
+BACKGROUND: Final = 24
+BRIGHT: Final = 27
+"""Albedo of the shape, or of the floor's bright fields."""
+DARK: Final = 30
+"""Albedo of the floor's dark fields; in its first column the dark factor of a sphere's texture."""
+FREQUENCY: Final = 33
+EYE: Final = 35
+GRID: Final = 38
+"""Cell and offset of the floor's checker."""
+LIGHTS: Final = 41
+"""From here six columns a light point (place, colour), then four a sphere (centre, radius)."""
+
+# rows of a place
+HIT: Final = 0
+"""Q - P."""
+FACING: Final = 1
+"""N."""
+TOWARD: Final = 2
+"""w."""
+BY_CHART: Final = 3
+"""Slopes of the three in k (or the height), rows 3 to 5."""
+BY_X: Final = 6
+"""Slopes of the three along the line, rows 6 to 8."""
+BY_RADIUS: Final = 9
+"""Slope of Q in R."""
+PLACE_ROWS: Final = 10
+
+ONE_SIDED: Final = 3
+"""Row of the adjoint that holds by how much derivatives from the two sides differ."""
+
+
+@jitable
+def adjoint_columns(lights: int, spheres: int) -> int:
+    """Columns of an adjoint."""
+    return LIGHTS + 6 * lights + 4 * spheres
+
+
+@jitable
+def chart_place(x: float, c: float, s: float, geo: Array, here: Array) -> tuple[float, float]:
+    """Fill ``here`` (PLACE_ROWS, 3) at inner coordinate ``x`` of the line (c, s).
+
+    Returns the solid angle per dx dphi and its logarithm's slope in k. The pole itself is no place of a chart: x > 0.
+    """
+    sx, cx = math.sin(x), math.cos(x)
+    if geo[SHAPE_INDEX] < 0.0:
+        h = geo[HEIGHT]
+        t = sx / cx
+        for a in range(3):
+            e = c * geo[E1 + a] + s * geo[E2 + a]
+            pole = geo[POLE + a]
+            here[HIT, a] = h * (t * e + pole)
+            here[FACING, a] = 0.0
+            here[TOWARD, a] = cx * pole + sx * e
+            here[BY_CHART, a] = t * e
+            here[BY_CHART + 1, a] = here[BY_CHART + 2, a] = 0.0
+            here[BY_X, a] = h / (cx * cx) * e
+            here[BY_X + 1, a] = 0.0
+            here[BY_X + 2, a] = cx * e - sx * pole
+            here[BY_RADIUS, a] = 0.0
+        here[FACING, 2] = 1.0
+        return sx, 0.0
+    k, r = geo[RATIO], geo[RADIUS]
+    sb = k * sx
+    cb = math.sqrt(1.0 - sb * sb)
+    cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
+    beta_k, beta_x = sx / cb, k * cx / cb
+    for a in range(3):
+        e = c * geo[E1 + a] + s * geo[E2 + a]
+        pole = geo[POLE + a]
+        across = cg * e + sg * pole
+        swing = cb * e - sb * pole
+        normal = sg * e - cg * pole
+        here[FACING, a] = normal
+        here[TOWARD, a] = cb * pole + sb * e
+        here[BY_RADIUS, a] = pole / k + normal
+        here[HIT, a] = r * here[BY_RADIUS, a]
+        here[BY_CHART + 1, a] = -beta_k * across
+        here[BY_CHART, a] = -r * (pole / (k * k) + beta_k * across)
+        here[BY_CHART + 2, a] = beta_k * swing
+        here[BY_X + 1, a] = (1.0 - beta_x) * across
+        here[BY_X, a] = r * here[BY_X + 1, a]
+        here[BY_X + 2, a] = beta_x * swing
+    return k * k * sx * cx / cb, 2.0 / k + sb * sx / (cb * cb)
+
+
+@jitable
+def pull_back(weight: float, bar: Array, here: Array, floor: bool, out: Array) -> None:
+    """Add to the adjoint ``out`` what moves P, the frame and the chart do to a function of gradients ``bar`` (3, 3)."""
+    chart = 0.0
+    for row in range(3):
+        for a in range(3):
+            chart += bar[row, a] * here[BY_CHART + row, a]
+    out[CHART] += weight * chart
+    if floor:
+        out[AT_POINT] += weight * bar[HIT, 0]
+        out[AT_POINT + 1] += weight * bar[HIT, 1]
+        return
+    radius = 0.0
+    for a in range(3):
+        out[AT_POINT + a] += weight * bar[HIT, a]
+        radius += bar[HIT, a] * here[BY_RADIUS, a]
+    out[CHART_RADIUS] += weight * radius
+    tx, ty, tz = 0.0, 0.0, 0.0
+    for row in range(3):
+        tx += here[row, 1] * bar[row, 2] - here[row, 2] * bar[row, 1]
+        ty += here[row, 2] * bar[row, 0] - here[row, 0] * bar[row, 2]
+        tz += here[row, 0] * bar[row, 1] - here[row, 1] * bar[row, 0]
+    out[TURN] += weight * tx
+    out[TURN + 1] += weight * ty
+    out[TURN + 2] += weight * tz
+
+
+@jitable
+def along_line(bar: Array, here: Array) -> float:
+    """Slope along the scan line of a function of gradients ``bar``."""
+    slope = 0.0
+    for row in range(3):
+        for a in range(3):
+            slope += bar[row, a] * here[BY_X + row, a]
+    return slope
+
+
+@jitable
+def rim_gradient(here: Array, work: Work, lobe: Array, bar: Array, own: Array) -> None:
+    """Gradients of w.m - cos(theta_max): ``bar`` in Q, N, w, the rest added to the zeroed columns ``own``."""
+    for a in range(3):
+        bar[HIT, a] = bar[FACING, a] = 0.0
+        bar[TOWARD, a] = lobe[a]
+        own[AXIS + a] += here[TOWARD, a]
+    own[RIM] -= 1.0
+
+
+@jitable
+def wall_gradient(
+    i: int, tag: int, here: Array, view: View, work: Work, bar: Array, own: Array
+) -> None:  # fmt: skip
+    """Gradients of the level of wall ``i`` as of condition ``tag``: ``bar`` in Q, N, w, the rest added to ``own``.
+
+    Levels are those of the conditions themselves, not the table's rows, and their scale is their own.
+    """
+    geo, row = work.geo, work.walls[i]
+    kind, shape = int(row[KIND]), int(row[SHAPE])
+    balls = LIGHTS + 6 * view.points.shape[0]
+    for line in range(3):
+        for a in range(3):
+            bar[line, a] = 0.0
+    if tag == HORIZON:
+        sphere = kind == NORMAL
+        for a in range(3):
+            n = geo[SURFACE_NORMAL + a]
+            bar[HIT if sphere else TOWARD, a] = n
+            own[HORIZON_NORMAL + a] += here[HIT if sphere else TOWARD, a]
+            if sphere:
+                own[AT_POINT + a] -= n
+    elif tag == SILHOUETTE and kind not in (NORMAL, BALL):
+        far2 = 0.0
+        for a in range(3):
+            o = view.spheres[shape, a] - geo[POINT + a]
+            bar[TOWARD, a] = o
+            far2 += o * o
+        r = view.spheres[shape, 3]
+        tangent = math.sqrt(far2 - r * r)
+        for a in range(3):
+            o = here[TOWARD, a] - bar[TOWARD, a] / tangent
+            own[balls + 4 * shape + a] += o
+            own[AT_POINT + a] -= o
+        own[balls + 4 * shape + 3] += r / tangent
+    elif tag == SILHOUETTE:
+        for a in range(3):
+            o = here[HIT, a] + geo[POINT + a] - view.spheres[shape, a]
+            bar[HIT, a] = 2.0 * o
+            own[balls + 4 * shape + a] -= 2.0 * o
+        own[balls + 4 * shape + 3] -= 2.0 * view.spheres[shape, 3]
+    elif tag == TERMINATOR:
+        j = int(geo[SHAPE_INDEX])
+        for a in range(3):
+            bar[FACING, a] = view.points[shape, a] - geo[CENTER + a]
+            own[LIGHTS + 6 * shape + a] += here[FACING, a]
+            own[balls + 4 * j + a] -= here[FACING, a]
+        own[balls + 4 * j + 3] -= 1.0
+    elif tag == TEXTURE_EDGE:
+        _texture_gradient(row, here, view.spheres[int(geo[SHAPE_INDEX])], geo, bar, own)
+    elif kind == SHADOW:
+        light = int(row[LIGHT])
+        q, r = view.points[light], view.spheres[shape, 3]
+        p = here[HIT]
+        ux, uy, uz = p[0] + geo[POINT] - q[0], p[1] + geo[POINT + 1] - q[1], p[2] + geo[POINT + 2] - q[2]
+        gx, gy, gz = view.spheres[shape, 0] - q[0], view.spheres[shape, 1] - q[1], view.spheres[shape, 2] - q[2]
+        zx, zy, zz = uy * gz - uz * gy, uz * gx - ux * gz, ux * gy - uy * gx
+        bar[HIT, 0] = 2.0 * (r * r * ux - (gy * zz - gz * zy))
+        bar[HIT, 1] = 2.0 * (r * r * uy - (gz * zx - gx * zz))
+        bar[HIT, 2] = 2.0 * (r * r * uz - (gx * zy - gy * zx))
+        by_g = (-2.0 * (zy * uz - zz * uy), -2.0 * (zz * ux - zx * uz), -2.0 * (zx * uy - zy * ux))
+        for a in range(3):
+            own[balls + 4 * shape + a] += by_g[a]
+            own[LIGHTS + 6 * light + a] -= bar[HIT, a] + by_g[a]
+        own[balls + 4 * shape + 3] += 2.0 * r * (ux * ux + uy * uy + uz * uz)
+    else:
+        # the floor's cut: where Q is on z = 0
+        bar[HIT, 2] = 1.0
+
+
+@jitable
+def edge_number(row: Array, here: Array, sphere: Array, geo: Array) -> tuple[bool, float, float]:
+    """Whether a texture edge is a parallel, its number (whole on an edge) and, of a meridian, its azimuth."""
+    up = -row[1] * geo[POLE + 2] + row[2] * geo[E1 + 2] + row[3] * geo[E2 + 2]
+    if abs(up) > 0.5:
+        v = math.acos(max(-1.0, min(1.0, here[FACING, 2]))) / math.pi
+        return True, v * sphere[KV], 0.0
+    a = math.atan2(here[FACING, 1], here[FACING, 0])
+    return False, (a + math.pi) / (2.0 * math.pi) * sphere[KU], a
+
+
+@jitable
+def _texture_gradient(row: Array, here: Array, sphere: Array, geo: Array, bar: Array, own: Array) -> None:
+    parallel, number, a = edge_number(row, here, sphere, geo)
+    whole = math.floor(number + 0.5)
+    if parallel:
+        bar[FACING, 2] = 1.0
+        angle = math.pi * whole / sphere[KV]
+        own[FREQUENCY + 1] -= math.sin(angle) * angle / sphere[KV]
+        return
+    c, s = math.cos(a), math.sin(a)
+    bar[FACING, 0], bar[FACING, 1] = -s, c
+    # the seam of a frequency that is not whole does not move
+    if abs(number - whole) < 1e-6 * (1.0 + whole):
+        own[FREQUENCY] += (here[FACING, 0] * c + here[FACING, 1] * s) * 2.0 * math.pi * whole / sphere[KU] ** 2
+
+
+@jitable
+def on_a_parallel(here: Array, sphere: Array) -> bool:
+    """Whether a parallel of a checker passes through this place."""
+    if sphere[TEXTURE] != CHECKER:
+        return False
+    number = math.acos(max(-1.0, min(1.0, here[FACING, 2]))) / math.pi * sphere[KV]
+    return bool(abs(number - math.floor(number + 0.5)) < 1e-9 * (1.0 + number))
+
+
+@jitable
+def condition_of(i: int, here: Array, hidden: bool, work: Work) -> int:
+    """The condition a wall stands for; of coinciding ones, the one that changes what is seen, -1 if none is known.
+
+    ``hidden`` says that one side of the wall is not seen.
+    """
+    geo, row = work.geo, work.walls[i]
+    tag = int(row[TAG])
+    if tag <= FLOOR_CUT:
+        return tag
+    if hidden:
+        level, size = 0.0, 0.0
+        for a in range(3):
+            level += geo[SURFACE_NORMAL + a] * here[HIT, a]
+            size += here[HIT, a] ** 2
+        if abs(level) < 1e-9 * math.sqrt(size):
+            return HORIZON
+        if abs(here[HIT, 2] + geo[POINT + 2]) < 1e-9 * math.sqrt(size):
+            return FLOOR_CUT
+        return -1
+    shape = int(row[SHAPE])
+    if shape >= 0 and row[KIND] == NORMAL:
+        return TERMINATOR
+    return -1

@@ -1,0 +1,68 @@
+"""``symrender fit``: find scene parameters from an image."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, scene_files, scene_with
+from symrender.output import check_target, write_bytes
+
+
+def fit(
+    scene: SceneArgument,
+    target: Annotated[str, typer.Argument(help="Image to be met: an .exr or .npz with a radiance layer.")],
+    free: Annotated[str, typer.Option("--free", metavar="NAME,...", help="Real numbers of the scene to be found.")],
+    tol: Annotated[float, typer.Option(help="Absolute error asked of every pixel, scene radiance.")] = 1e-6,
+    iterations: Annotated[int, typer.Option(help="Most iterations.")] = 20,
+    precision: Annotated[float, typer.Option(help="Relative change of the parameters that ends the fit.")] = 1e-9,
+    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids.")] = "2x2",
+    define: Define = None,
+    out: Annotated[str, typer.Option("--out", "-o", help="File the scene found is written to, .yaml.")] = "",
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Change the numbers --free of SCENE until its image is TARGET; exit 4 if that did not converge.
+
+    Example: symrender fit gloss out/truth.npz --free spheres.B.center,floor.lobe.exponent -D spheres.B.center.x=1.05
+    """
+    from symrender.image import read_image
+
+    chosen = scene_with(scene, define)
+    if out:
+        check_target(out, force=force, inputs=[*scene_files(scene), target])
+    image = read_image(target)
+
+    from symrender.fit import Step
+    from symrender.fit import fit as find
+
+    def told(step: Step) -> None:
+        if not quiet and not json:
+            typer.echo(f"{step.iteration:3d}  rms {step.cost:.3e}  change {step.change:.1e}", err=True)
+
+    names = [name.strip() for name in free.split(",") if name.strip()]
+    found = find(
+        chosen, image, names, tol=tol, iterations=iterations, precision=precision, disk=disk, progress=told
+    )  # fmt: skip
+    if out:
+        from symrender.scene.dump import to_yaml
+
+        write_bytes(out, to_yaml(found.scene).encode(), force=force)
+    if json:
+        import json as json_module
+
+        report = {
+            "converged": found.converged,
+            "reason": found.reason,
+            "values": dict(found.values),
+            "deviations": dict(found.deviations),
+            "iterations": len(found.steps),
+            "residual": found.residual,
+        }
+        typer.echo(json_module.dumps(report, indent=2))
+    elif not quiet:
+        typer.echo(found.text())
+    if not found.converged:
+        raise typer.Exit(4)

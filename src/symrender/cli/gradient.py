@@ -1,0 +1,143 @@
+"""``symrender gradient``: the derivative of an image in scene parameters, as signed pictures."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from symrender.cli._means import (
+    Cluster,
+    InsecureCluster,
+    Restart,
+    Resume,
+    Threads,
+    Tile,
+    ended_by_signals,
+    means_of,
+)
+from symrender.cli._options import (
+    DEFAULT_SCENE,
+    Define,
+    Force,
+    Json,
+    Quiet,
+    SceneArgument,
+    parse_size,
+    scene_files,
+    scene_with,
+)
+from symrender.cli._progress import ProgressMode, progress
+from symrender.limits import MAX_PIXELS
+from symrender.output import check_target, make_folder
+from symrender.settings import Antialias, Settings, image_size
+
+
+def gradient(
+    scene: SceneArgument = DEFAULT_SCENE,
+    wrt: Annotated[
+        str, typer.Option("--wrt", metavar="NAME,...", help="Real numbers of the scene, or vectors: spheres.B.center.")
+    ] = "",
+    size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "64",
+    tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance over the unit.")] = 1e-4,
+    budget: Annotated[int, typer.Option(help="Most evaluations a pixel may take.")] = 1_000_000,
+    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids.")] = "2x2",
+    aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
+    threads: Threads = 0,
+    tile: Tile = 0,
+    cluster: Cluster = "",
+    insecure_cluster: InsecureCluster = False,
+    resume: Resume = False,
+    restart: Restart = False,
+    max_pixels: Annotated[int, typer.Option(help="Most pixels accepted.")] = MAX_PIXELS,
+    define: Define = None,
+    out: Annotated[str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")] = "out",
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    progress_mode: Annotated[
+        ProgressMode, typer.Option("--progress", help="auto: a bar on a terminal; json: lines on stderr.")
+    ] = "auto",
+) -> None:
+    """Differentiate the image of SCENE, edges included; exit 4 if some derivative missed the tolerance.
+
+    Writes for every parameter NAME gradient_NAME.png (blue falls, red rises, with a legend), .exr and .npz, with the
+    layers radiance, direct, gloss, error and status.
+
+    Example: symrender gradient gloss --wrt spheres.B.center,floor.lobe.exponent --size 64 --out pictures
+    """
+    from symrender.errors import OptionError
+    from symrender.scene.moves import components
+
+    names = [name.strip() for name in wrt.split(",") if name.strip()]
+    if not names:
+        raise OptionError(
+            "wrt: name at least one real number, such as --wrt spheres.B.center.x; symrender params lists"
+        )
+    width, height = image_size(parse_size(size))
+    settings = Settings(
+        width=width,
+        height=height,
+        numeric="none",
+        symbolic="chambers",
+        tol=tol,
+        budget=budget,
+        disk=disk,
+        aa=aa,
+        threads=threads,
+        tile=tile,
+        max_pixels=max_pixels,
+    )
+    chosen = scene_with(scene, define)
+    every = components(chosen, names)
+    folder = make_folder(out)
+    journal = folder / "gradient.journal"
+    force = force or (resume and journal.exists())
+    stems = {name: "gradient_" + name.replace("[", "_").replace("]", "") for name in every}
+    for stem in stems.values():
+        for ending in ("png", "exr", "npz"):
+            check_target(folder / f"{stem}.{ending}", force=force, inputs=scene_files(scene))
+    means = means_of(
+        threads=threads,
+        tile=tile,
+        resume=resume,
+        restart=restart,
+        cluster=cluster,
+        insecure_cluster=insecure_cluster,
+        journal=journal,
+    )
+
+    from symrender.fill import Crew
+    from symrender.gradient import STATUS, gradient_images, gradient_job
+    from symrender.signed_view import signed_view
+
+    job = gradient_job(chosen, every, settings)
+    with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance, Crew(means, (job,), advance) as crew:
+        images = gradient_images(crew, job, chosen)
+        for name, image in images.items():
+            signed_view(image, name).save(folder / f"{stems[name]}.png", force=force)
+            image.save(folder / f"{stems[name]}.exr", force=force)
+            image.save(folder / f"{stems[name]}.npz", force=force)
+        crew.succeeded()
+    missed = 0
+    report: list[dict[str, object]] = []
+    for name, image in images.items():
+        status, error = image.layer("status"), image.layer("error")
+        counts = {
+            label: int((status == code).sum()) for code, label in STATUS.items() if (status == code).any() and code
+        }
+        missed += sum(counts.values())
+        report.append({"parameter": name, "pixels": error.size, "missed": counts, "largest_error": float(error.max())})
+    if json:
+        import json as json_module
+
+        typer.echo(json_module.dumps(report, indent=2))
+    elif not quiet:
+        for row in report:
+            typer.echo(
+                f"{row['parameter']}: missed: {row['missed'] or 'none'}; largest error {row['largest_error']:.3g}"
+            )
+        for stem in stems.values():
+            typer.echo(f"wrote {folder / stem}.png, .exr, .npz")
+    if missed:
+        raise typer.Exit(4)

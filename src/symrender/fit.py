@@ -1,0 +1,166 @@
+"""Find scene parameters from an image: Gauss-Newton on exact derivatives."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.errors import OptionError
+from symrender.gradient import gradient
+from symrender.image import Image
+from symrender.scene.load import load
+from symrender.scene.moves import components
+from symrender.scene.parameters import get, parameters
+from symrender.scene.scene import Scene
+from symrender.truth import truth
+
+Array = npt.NDArray[np.float64]
+
+OUTLIER: Final = 4.0
+"""Residuals beyond this many robust standard deviations count less (Geman-McClure's weight)."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One iteration: ``iteration``, ``cost`` (weighted RMS residual), ``values`` by name, relative ``change``."""
+
+    iteration: int
+    cost: float
+    values: Mapping[str, float]
+    change: float
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What a fit found.
+
+    ``scene`` with the values found; ``values`` and ``deviations`` by name: the latter are standard deviations from
+    the residuals left and the Jacobian (J^T J)^-1; ``steps``; ``converged`` and the ``reason``; ``residual``, the RMS
+    over pixels and channels of model - target; ``correlation`` (Q, Q) of the parameters.
+    """
+
+    scene: Scene
+    values: Mapping[str, float]
+    deviations: Mapping[str, float]
+    steps: tuple[Step, ...]
+    converged: bool
+    reason: str
+    residual: float
+    correlation: Array
+
+    def text(self) -> str:
+        """The report."""
+        lines = [f"{'converged' if self.converged else 'not converged'}: {self.reason}"]
+        lines += [f"  {s.iteration:3d}  rms {s.cost:.3e}  change {s.change:.1e}" for s in self.steps]
+        width = max(map(len, self.values))
+        lines += [f"{name:{width}}  {value:.10g} +- {self.deviations[name]:.1g}" for name, value in self.values.items()]
+        return "\n".join(lines)
+
+
+def fit(
+    scene: Scene | str | Path | Mapping[str, Any],
+    target: Image,
+    free: Sequence[str],
+    *,
+    tol: float = 1e-6,
+    iterations: int = 20,
+    precision: float = 1e-9,
+    disk: str = "2x2",
+    threads: int = 0,
+    progress: Callable[[Step], None] | None = None,
+) -> Fit:
+    """Change the real numbers ``free`` of ``scene`` until its image is ``target``, in least squares of radiance.
+
+    Gauss-Newton with backtracking: every iteration solves the problem linearised with exact Jacobians (``gradient``)
+    within the parameters' ranges (SciPy's ``lsq_linear``) and halves the step while the cost rises. Pixels whose ray
+    meets another shape, shadow or field than in the target jump as the parameters move, and no derivative at the
+    pixel tells: residuals that the linear model leaves far beyond the others count less. ``tol`` is that of image and
+    gradient, ``precision`` the relative change of the parameters at which the fit is done. Raises OptionError without
+    the extra ``fit``, ImageError for a target without a radiance layer.
+    """
+    if importlib.util.find_spec("scipy") is None:
+        raise OptionError("fit: needs SciPy; install symrender[fit]")
+    here = load(scene)
+    names = components(here, free)
+    ranges = {p.name: (p.low, p.high) for p in parameters(here)}
+    low, high = np.array([ranges.get(name, (-np.inf, np.inf)) for name in names]).T
+    wanted = target.radiance
+    size = (target.width, target.height)
+    settings: dict[str, Any] = {"size": size, "disk": disk, "threads": threads}
+
+    def image(x: Array) -> tuple[Scene, Array]:
+        changed = here.replace(dict(zip(names, map(float, x), strict=True)))
+        return changed, truth(changed, tol=tol, **settings).radiance
+
+    x = np.array([float(get(here, name)) for name in names])
+    scale = np.maximum(np.abs(x), 0.1)
+    now, radiance = image(x)
+    steps: list[Step] = []
+    reason, converged = f"{iterations} iterations", False
+    jacobian = np.zeros((wanted.size, len(names)))
+    for iteration in range(1, iterations + 1):
+        slopes = gradient(now, names, tol=10.0 * tol, **settings)
+        jacobian = np.stack([slopes[name].radiance.ravel() for name in names], axis=1) * scale
+        residual = (radiance - wanted).ravel()
+        room = ((low - x) / scale - 1e-15, (high - x) / scale + 1e-15)
+        step, weight = _robust_step(jacobian, residual, room)
+        cost = _cost(residual, weight)
+        for _ in range(8):
+            inside = np.clip(x + step * scale, low, high)
+            trial, seen = image(inside)
+            if _cost((seen - wanted).ravel(), weight) <= cost:
+                break
+            step = 0.5 * step
+        x, now, radiance = inside, trial, seen
+        change = float(np.abs(step).max())
+        steps.append(Step(iteration, cost, dict(zip(names, x.tolist(), strict=True)), change))
+        if progress is not None:
+            progress(steps[-1])
+        if change < precision:
+            reason, converged = f"the parameters change by less than {precision:g} of themselves", True
+            break
+    residual = (radiance - wanted).ravel()
+    normal = np.linalg.pinv(jacobian.T @ jacobian)
+    spread = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    noise = float(np.sqrt((residual @ residual) / max(1, residual.size - len(names))))
+    return Fit(
+        scene=now,
+        values=dict(zip(names, x.tolist(), strict=True)),
+        deviations=dict(zip(names, (noise * spread * scale).tolist(), strict=True)),
+        steps=tuple(steps),
+        converged=converged,
+        reason=reason,
+        residual=float(np.sqrt((residual**2).mean())),
+        correlation=normal / np.outer(np.maximum(spread, 1e-300), np.maximum(spread, 1e-300)),
+    )
+
+
+def _cost(residual: Array, weight: Array) -> float:
+    return float(np.sqrt((weight * residual**2).sum() / max(float(weight.sum()), 1e-300)))
+
+
+def _robust_step(jacobian: Array, residual: Array, room: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Step of least |J step + residual| within ``room``, and the weights of the residuals it was found with.
+
+    What the linear model leaves of a residual says whether that pixel changed its shape, shadow or field: weights are
+    Geman and McClure's for leftovers beyond ``OUTLIER`` robust standard deviations, found by reweighting.
+    """
+    from scipy.optimize import lsq_linear
+
+    weight = np.ones(len(residual))
+    felt = np.abs(jacobian).max(axis=1) > 1e-6 * np.abs(jacobian).max()
+    for _ in range(12):
+        root = np.sqrt(weight)
+        step = lsq_linear(root[:, None] * jacobian, -root * residual, bounds=room).x
+        left = jacobian @ step + residual
+        spread = 1.4826 * float(np.median(np.abs(left[felt]))) if felt.any() else 0.0
+        if not spread > 0.0:
+            break
+        weight = (1.0 + (left / (OUTLIER * spread)) ** 2) ** -2
+    return step, weight

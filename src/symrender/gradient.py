@@ -1,0 +1,95 @@
+"""Exact derivatives of the image that ``truth`` makes, one image a parameter, moving edges included.
+
+The rule that integrates a pixel is split at every wall, so its nodes and weights are smooth functions of the scene,
+and its derivative is the derivative of the integral: silhouettes, shadows, terminators, texture lines, horizon and rim
+contribute what they sweep, to the rule's own order, without sampling edges and without noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from symrender.errors import OptionError
+from symrender.fill import Crew, Means
+from symrender.image import Image
+from symrender.provenance import provenance
+from symrender.quadrature.tangent_point import CAPPED, EVENT, MET, UNSUPPORTED
+from symrender.scene.load import load
+from symrender.scene.moves import moves
+from symrender.scene.scene import Scene
+from symrender.settings import Antialias, Settings, image_size
+from symrender.tiles import Progress
+from symrender.units import Job
+
+STATUS: Final = {MET: "met", CAPPED: "capped", UNSUPPORTED: "unsupported", EVENT: "one-sided"}
+"""What the numbers of a gradient's status layer mean."""
+LAYERS: Final = ("radiance", "direct", "gloss", "error", "status")
+"""Layers of each image, beside ``hit_class``."""
+
+
+def gradient(
+    scene: Scene | str | Path | Mapping[str, Any] = "gloss",
+    wrt: Sequence[str] = (),
+    *,
+    size: int | tuple[int, int] = 64,
+    tol: float = 1e-4,
+    disk: str = "2x2",
+    aa: Antialias = "analytic",
+    budget: int = 1_000_000,
+    threads: int = 0,
+    tile: int = 0,
+    cluster: str = "",
+    insecure_cluster: bool = False,
+    progress: Progress | None = None,
+) -> dict[str, Image]:
+    """Derivative of every pixel in every real number of ``wrt``, by dotted name; a vector gives its components.
+
+    Each image has the layers ``direct`` and ``gloss`` (h, w, 3), the derivatives of those layers of ``truth``,
+    ``radiance``, that of the whole; ``error`` (h, w), the estimated largest absolute error of ``radiance`` over the
+    channels; ``status`` as in ``STATUS``; ``hit_class``. Units are scene radiance over the parameter's unit, and
+    ``tol`` is absolute in them. The value of a pixel is that of the ray through its centre: where that ray itself
+    passes from one shape, one shadow or one field of a texture to the next, the image jumps, and the derivative is
+    that of the side it is on. All edges inside a lobe contribute.
+    ``disk`` is ``KxK``; other arguments as for ``truth``. One more parameter costs little: the adjoint of a pixel is
+    computed once. Raises SceneError for a name that is no real number or where the scene changes its structure,
+    Unsupported for a discontinuity the method does not cover.
+    """
+    loaded = load(scene)
+    width, height = image_size(size)
+    settings = Settings(
+        width=width,
+        height=height,
+        numeric="none",
+        symbolic="chambers",
+        tol=float(tol),
+        budget=budget,
+        disk=disk,
+        aa=aa,
+        threads=threads,
+        tile=tile,
+    )
+    job = gradient_job(loaded, wrt, settings)
+    with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
+        return gradient_images(crew, job, loaded)
+
+
+def gradient_job(scene: Scene, wrt: Sequence[str], settings: Settings) -> Job:
+    """The job that makes the images."""
+    if isinstance(wrt, str) or not wrt:
+        raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
+    return Job.of("gradient", scene, settings, moves(scene, wrt))
+
+
+def gradient_images(crew: Crew, job: Job, scene: Scene) -> dict[str, Image]:
+    """Carry out ``job``, of ``scene``, with an open ``crew``."""
+    layers, timing = crew.fill(job)
+    images = {}
+    for name, _ in job.wrt:
+        spent = f"tol {job.settings.tol:g}, {timing.evaluations} evaluations"
+        estimator = f"derivative in {name}, split at the walls, {spent}"
+        parts = {layer: layers[f"{layer}:{name}"] for layer in LAYERS} | {"hit_class": layers["hit_class"]}
+        meta = provenance(scene, job.settings, "gradient", estimator)
+        images[name] = Image(parts, meta | {"parameter": name, "units": "scene radiance over the parameter's unit"})
+    return images

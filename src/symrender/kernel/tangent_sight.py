@@ -1,0 +1,86 @@
+"""What a pixel sees and the light it gets directly, with tangents: a gradient image but for its lobes."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from symrender.kernel import footprint, light, shade, trace
+from symrender.kernel import tile as tiles
+from symrender.kernel.block import Block, real
+from symrender.kernel.program import Function, Program
+from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
+from symrender.kernel.tangent import SUFFIX, forward
+from symrender.kernel.tile import AXES, CAMERA, DIRECT, FRAME, HIT_CLASS, INCOMING, NORMAL, PLACE
+from symrender.kernel.trace import EYE
+from symrender.scene import arrays as at
+
+SIGHT = "sight" + SUFFIX
+CAMERA_AXES = "camera_axes" + SUFFIX
+
+
+def sight() -> Function:
+    """Where the rays of the pixels x0 <= i < x1, y0 <= j < y1 end, and the light those places get directly."""
+    block = Block()
+    with tiles.pixels(block) as (row, column):
+        shape, sx, sy, d, q, normal = tiles.look_at_pixel(block, row, column)
+        block.store(HIT_CLASS[row, column], shape)
+        for array, vector in ((PLACE, q), (NORMAL, normal), (INCOMING, d)):
+            for c, value in enumerate(vector.parts):
+                block.store(array[row, column, c], value)
+        with block.when(sp.Eq(shape, at.NOTHING)):
+            for c in range(3):
+                block.store(DIRECT[row, column, c], SHADING[at.BACKGROUND + c])
+            block.next()
+        tiles.shade_pixel(block, shape, sx, sy, d, q, normal)
+        for c, value in enumerate(real(name) for name in ("r", "g", "blue")):
+            block.store(DIRECT[row, column, c], value)
+    parameters = (
+        *(FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, POINTS, SHADING),
+        *(HIT_CLASS, PLACE, NORMAL, INCOMING, DIRECT),
+    )
+    return Function("sight", parameters, block.statements, "what a rectangle of pixels sees, into the arrays")
+
+
+def power_tangent() -> Function:
+    """x^n with its tangent in both; whole exponents are made by products, which do not show the slope in n."""
+    x, n, dx, dn = real("x"), real("n"), real("x" + SUFFIX), real("n" + SUFFIX)
+    block = Block()
+    with block.when(x <= 0):
+        value = block.let("value", sp.Integer(0))
+        with block.when(sp.Eq(n, 0)):
+            block.set(value, sp.Integer(1))
+        slope = block.let("slope", sp.Integer(0))
+        with block.when(sp.Eq(n, 1)):
+            block.set(slope, dx)
+        block.leave(value, slope)
+    value = block.let("value", x**n)
+    block.leave(value, value * (n * dx / x + sp.log(x) * dn))
+    return Function("power" + SUFFIX, (x, dx, n, dn), block.statements, "x^n, with its tangent")
+
+
+def tangent_program() -> Program:
+    """``sight`` and ``camera_axes`` with tangents, one text for every scene."""
+    whole = Program(
+        (
+            light.light_point(),
+            tiles.camera_axes(),
+            shade.power(),
+            shade.texture_factor(),
+            shade.floor_side(),
+            shade.blocked(),
+            shade.light_factors(),
+            shade.direct(),
+            shade.lit(),
+            trace.nearest(),
+            footprint.box_share(),
+            footprint.edge_share(),
+            footprint.quad_share(),
+            tiles.footprint_share(),
+            tiles.look(),
+            sight(),
+        ),
+        ("sight", "camera_axes"),
+    )
+    rules = {"power": power_tangent()}
+    parts = [forward(whole, entry, rules) for entry in ("camera_axes", "sight")]
+    return Program(parts[0].functions + parts[1].functions, (CAMERA_AXES, SIGHT))

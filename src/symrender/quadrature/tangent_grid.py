@@ -1,0 +1,572 @@
+"""The derivative of the checkered floor in a lobe: squares carried along, conics moving across them.
+
+The squares are fixed to the checker, not to the point, so nothing of the chessboard moves unless its cell or offset
+does; then the nodes ride with it, Q = offset + cell (i, j), and areas grow by (cell)^2. All other walls are conics,
+and their roots on a line y = const move by the implicit function theorem as on a scan line. Lines are integrated
+between the y at which the walls met along them change, found by bisection where no closed form gives them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.roots import quadratic_roots
+from symrender.chambers.tangent_walls import (
+    AT_POINT,
+    AXIS,
+    BRIGHT,
+    DARK,
+    EXPONENT,
+    GRID,
+    HORIZON_NORMAL,
+    LIGHTS,
+    LOG_NORMALISER,
+    RIM,
+    SHADING,
+)
+from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
+from symrender.chambers.walls import HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
+from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
+from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
+from symrender.quadrature.split_grid import RINGS, floor_conics, may_cross, seen, taper
+from symrender.quadrature.tangent_panel import contract
+from symrender.scene.arrays import FLOOR_BRIGHT, FLOOR_CELL, FLOOR_DARK, FLOOR_OFFSET
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+# what a conic is
+_RIM = 0
+_HORIZON = 1
+_SILHOUETTE = 2
+_BALL = 3
+_SHADOW = 4
+
+# rows of the scratch table (GRID_ROWS, 256): roots and their conics, states below and above a root, signatures
+_ROOTS = 0
+_WHICH = 1
+_BELOW = 2
+_ABOVE = 3
+_CROSSING = 4
+_CUTS = 5
+_STACK = 6
+GRID_ROWS = 40
+
+
+@jitable
+def name_conics(view: View, work: Work, what: Ints) -> None:
+    """What each row of ``floor_conics`` is: (kind, sphere, light)."""
+    what[0, 0], what[1, 0] = _RIM, _HORIZON
+    n = 2
+    for i in range(work.counts[OCCLUDERS]):
+        k = work.occluders[i]
+        what[n, 0], what[n, 1] = _SILHOUETTE, k
+        n += 1
+        if abs(view.spheres[k, 2]) < view.spheres[k, 3]:
+            what[n, 0], what[n, 1] = _BALL, k
+            n += 1
+    for i in range(work.counts[CASTERS]):
+        what[n, 0], what[n, 1], what[n, 2] = _SHADOW, work.casters[i, 1], work.casters[i, 0]
+        n += 1
+
+
+@jitable
+def conic_gradient(
+    kind: int, shape: int, light: int, x: float, y: float, lobe: Array, view: View, work: Work, bar: Array, own: Array
+) -> None:
+    """Gradient of a conic's level: ``bar`` (3,) in Q at a fixed point P, the rest added to ``own``."""
+    geo = work.geo
+    h = geo[HEIGHT]
+    balls = LIGHTS + 6 * view.points.shape[0]
+    r = math.sqrt(x * x + y * y + h * h)
+    d = (x, y, -h)
+    seen_from = True
+    if kind == _RIM:
+        cosine = (x * lobe[0] + y * lobe[1] - h * lobe[2]) / r
+        for a in range(3):
+            bar[a] = (lobe[a] - d[a] / r * cosine) / r
+            own[AXIS + a] += d[a] / r
+        own[RIM] -= 1.0
+    elif kind == _HORIZON:
+        for a in range(3):
+            bar[a] = geo[SURFACE_NORMAL + a]
+            own[HORIZON_NORMAL + a] += d[a]
+    elif kind == _SILHOUETTE:
+        far2, along = 0.0, 0.0
+        for a in range(3):
+            o = view.spheres[shape, a] - geo[POINT + a]
+            far2 += o * o
+            along += o * d[a] / r
+        radius = view.spheres[shape, 3]
+        tangent = math.sqrt(far2 - radius * radius)
+        for a in range(3):
+            o = view.spheres[shape, a] - geo[POINT + a]
+            bar[a] = (o - d[a] / r * along) / r
+            step = d[a] / r - o / tangent
+            own[balls + 4 * shape + a] += step
+            own[AT_POINT + a] -= step
+        own[balls + 4 * shape + 3] += radius / tangent
+    elif kind == _BALL:
+        seen_from = False
+        for a in range(3):
+            o = (d[a] + geo[POINT + a] if a < 2 else 0.0) - view.spheres[shape, a]
+            bar[a] = 2.0 * o
+            own[balls + 4 * shape + a] -= 2.0 * o
+        own[balls + 4 * shape + 3] -= 2.0 * view.spheres[shape, 3]
+    else:
+        seen_from = False
+        q, radius = view.points[light], view.spheres[shape, 3]
+        ux, uy, uz = x + geo[POINT] - q[0], y + geo[POINT + 1] - q[1], -q[2]
+        gx, gy, gz = view.spheres[shape, 0] - q[0], view.spheres[shape, 1] - q[1], view.spheres[shape, 2] - q[2]
+        zx, zy, zz = uy * gz - uz * gy, uz * gx - ux * gz, ux * gy - uy * gx
+        bar[0] = 2.0 * (radius * radius * ux - (gy * zz - gz * zy))
+        bar[1] = 2.0 * (radius * radius * uy - (gz * zx - gx * zz))
+        bar[2] = 2.0 * (radius * radius * uz - (gx * zy - gy * zx))
+        by_g = (-2.0 * (zy * uz - zz * uy), -2.0 * (zz * ux - zx * uz), -2.0 * (zx * uy - zy * ux))
+        for a in range(3):
+            own[balls + 4 * shape + a] += by_g[a]
+            own[LIGHTS + 6 * light + a] -= bar[a] + by_g[a]
+        own[balls + 4 * shape + 3] += 2.0 * radius * (ux * ux + uy * uy + uz * uz)
+    if seen_from:
+        for a in range(3):
+            own[AT_POINT + a] -= bar[a]
+
+
+@jitable
+def ride(weight: float, qx: float, qy: float, bar: Array, floor: Array, out: Array) -> None:
+    """Add what the chessboard's own motion does to a function of Q with gradient ``bar``."""
+    cell = floor[FLOOR_CELL]
+    along = bar[0] * (qx - floor[FLOOR_OFFSET]) + bar[1] * (qy - floor[FLOOR_OFFSET + 1])
+    out[GRID] += weight * along / cell
+    out[GRID + 1] += weight * bar[0]
+    out[GRID + 2] += weight * bar[1]
+
+
+@jitable
+def grid_density(x: float, y: float, lobe: Array, geo: Array) -> tuple[float, float, float]:
+    """Lobe density times solid angle per floor area, cos(theta) and its logarithm, at (x, y) from the foot."""
+    h = geo[HEIGHT]
+    inv = 1.0 / math.sqrt(x * x + y * y + h * h)
+    dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
+    versine = 0.5 * (dx * dx + dy * dy + dz * dz)
+    if versine >= 1.0:
+        return 0.0, 0.0, 0.0
+    log = math.log1p(-versine)
+    density = math.exp(geo[GEO_EXPONENT] * log - geo[GEO_LOG_NORMALISER])
+    return density * h * inv * inv * inv, 1.0 - versine, log
+
+
+@jitable
+def lit_sum(x: float, y: float, states: Array, view: View, geo: Array, out: Array) -> None:
+    """Sum over the lit light points of colour times cosine; ``out`` (3,)."""
+    out[0] = out[1] = out[2] = 0.0
+    for i in range(view.points.shape[0]):
+        if states[i] == 0.0:
+            continue
+        p = view.points[i]
+        lx, ly, lz = p[0] - geo[POINT] - x, p[1] - geo[POINT + 1] - y, p[2]
+        cosine = lz / math.sqrt(lx * lx + ly * ly + lz * lz)
+        for a in range(3):
+            out[a] += p[3 + a] * cosine
+
+
+@jitable
+def grid_node(
+    x: float, y: float, weight: float, states: Array, lobe: Array, view: View, work: Work, half: Array, here: Array,
+    adjoint: Array,
+) -> None:  # fmt: skip
+    """Add one floor node to the adjoint; ``half`` (3,) is half the contrast times kd, ``weight`` has the sign."""
+    geo, floor, shading = work.geo, view.floor, view.shading
+    h = geo[HEIGHT]
+    density, cosine, log = grid_density(x, y, lobe, geo)
+    if density == 0.0:
+        return
+    w = weight * density
+    total, bar = here[0], here[1]
+    total[0] = total[1] = total[2] = 0.0
+    for a in range(3):
+        for b in range(3):
+            here[2 + a, b] = 0.0
+    qx, qy = geo[POINT] + x, geo[POINT + 1] + y
+    for i in range(view.points.shape[0]):
+        if states[i] == 0.0:
+            continue
+        p = view.points[i]
+        lx, ly, lz = p[0] - qx, p[1] - qy, p[2]
+        inv = 1.0 / math.sqrt(lx * lx + ly * ly + lz * lz)
+        cos_l = lz * inv
+        gx, gy, gz = -cos_l * lx * inv * inv, -cos_l * ly * inv * inv, (1.0 - cos_l * cos_l) * inv
+        column = LIGHTS + 6 * i
+        for a in range(3):
+            total[a] += p[3 + a] * cos_l
+            share = w * half[a] * p[3 + a]
+            adjoint[a, column] += share * gx
+            adjoint[a, column + 1] += share * gy
+            adjoint[a, column + 2] += share * gz
+            adjoint[a, column + 3 + a] += w * half[a] * cos_l
+            here[2 + a, 0] -= share * gx
+            here[2 + a, 1] -= share * gy
+    r = math.sqrt(x * x + y * y + h * h)
+    ux, uy, uz = x / r, y / r, -h / r
+    n = geo[GEO_EXPONENT]
+    for a in range(3):
+        out = adjoint[a]
+        value = w * total[a]
+        g = value * half[a]
+        out[SHADING + 1] += 0.5 * value * (floor[FLOOR_BRIGHT + a] - floor[FLOOR_DARK + a])
+        out[BRIGHT + a] += 0.5 * value * shading[1]
+        out[DARK + a] -= 0.5 * value * shading[1]
+        pull = g * n / max(cosine, 1e-300)
+        # by d = Q - P: through the density, and through |d_z| / r^3
+        bx = pull * (lobe[0] - ux * cosine) / r - 3.0 * g * ux / r
+        by = pull * (lobe[1] - uy * cosine) / r - 3.0 * g * uy / r
+        bz = pull * (lobe[2] - uz * cosine) / r - 3.0 * g * uz / r - g / h
+        out[AT_POINT] -= bx
+        out[AT_POINT + 1] -= by
+        out[AT_POINT + 2] -= bz
+        out[AXIS] += pull * ux
+        out[AXIS + 1] += pull * uy
+        out[AXIS + 2] += pull * uz
+        out[EXPONENT] += g * log
+        out[LOG_NORMALISER] -= g
+        bar[0], bar[1], bar[2] = bx + here[2 + a, 0], by + here[2 + a, 1], 0.0
+        ride(1.0, qx, qy, bar, floor, out)
+        out[GRID] += 2.0 * g / floor[FLOOR_CELL]
+
+
+@jitable
+def scan_row(
+    y: float, x0: float, x1: float, crossings: int, lobe: Array, view: View, work: Work, conics: Array, table: Array
+) -> tuple[int, int]:
+    """Roots of the crossing conics on a line of a square, in order, into ``table``; their number and a signature."""
+    roots, which, crossing = table[_ROOTS], table[_WHICH], table[_CROSSING]
+    k = 0
+    for i in range(crossings):
+        c = int(crossing[i])
+        row = conics[c]
+        found, r1, r2 = quadratic_roots(row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5])
+        for j in range(found):
+            x = r1 if j == 0 else r2
+            if x0 < x < x1 and k < roots.shape[0] - 1:
+                p = k
+                while p > 0 and roots[p - 1] > x:
+                    roots[p], which[p] = roots[p - 1], which[p - 1]
+                    p -= 1
+                roots[p], which[p] = x, c
+                k += 1
+    below, above = table[_BELOW], table[_ABOVE]
+    signature = 1469598103934665603
+    left = x0
+    for i in range(k + 1):
+        right = x1 if i == k else roots[i]
+        if right - left > 1e-14:
+            lit = seen(left + 0.5 * (right - left), y, lobe, view, work, above)
+            changed = i == 0
+            for l in range(view.points.shape[0]):
+                state = 1.0 + above[l] if lit else 0.0
+                if state != below[l]:
+                    changed = True
+                below[l] = state
+            if view.points.shape[0] == 0:
+                changed = True
+            if changed:
+                signature = (signature ^ (17 + (int(which[i - 1]) if i > 0 else -1))) * 1099511628211
+                for l in range(view.points.shape[0]):
+                    signature = (signature ^ (3 + int(below[l]))) * 1099511628211
+        left = right
+    return k, signature
+
+
+@jitable
+def row_adjoint(
+    y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, lobe: Array, view: View, work: Work,
+    what: Ints, gauss: Array, table: Array, half: Array, here: Array, own: Array, adjoint: Array,
+) -> None:  # fmt: skip
+    """Add weight times the scanned line's integral, differentiated, to the adjoint."""
+    geo = work.geo
+    roots, which, below, above = table[_ROOTS], table[_WHICH], table[_BELOW], table[_ABOVE]
+    inner = nx * (nx - 1) // 2
+    left = x0
+    was_lit = False
+    for i in range(roots_found + 1):
+        right = x1 if i == roots_found else roots[i]
+        if right - left < 1e-14:
+            continue
+        lit = seen(left + 0.5 * (right - left), y, lobe, view, work, above)
+        if i > 0 and (lit or was_lit):
+            # the root between this piece and the last one moves
+            density, _, _ = grid_density(left, y, lobe, geo)
+            lit_sum(left, y, above, view, geo, here[0])
+            lit_sum(left, y, below, view, geo, here[1])
+            jump = here[2]
+            some = False
+            for a in range(3):
+                jump[a] = half[a] * ((here[1, a] if was_lit else 0.0) - (here[0, a] if lit else 0.0))
+                some = some or jump[a] != 0.0
+            if some:
+                c = int(which[i - 1])
+                for k in range(own.shape[0]):
+                    own[k] = 0.0
+                bar = here[3]
+                conic_gradient(what[c, 0], what[c, 1], what[c, 2], left, y, lobe, view, work, bar, own)
+                if bar[0] != 0.0:
+                    scale = -weight * density / bar[0]
+                    ride(1.0, geo[POINT] + left, geo[POINT + 1] + y, bar, view.floor, own)
+                    for a in range(3):
+                        for k in range(own.shape[0]):
+                            adjoint[a, k] += scale * jump[a] * own[k]
+        if lit:
+            work.counts[EVALUATIONS] += nx
+            width = right - left
+            for e in range(nx):
+                w = weight * width * gauss[1, inner + e]
+                grid_node(left + width * gauss[0, inner + e], y, w, above, lobe, view, work, half, here, adjoint)
+        for l in range(view.points.shape[0]):
+            below[l] = above[l]
+        was_lit = lit
+        left = right
+
+
+@jitable
+def cut_strips(
+    a: float, b: float, x0: float, x1: float, crossings: int, lobe: Array, view: View, work: Work, conics: Array,
+    table: Array, top: int,
+) -> int:  # fmt: skip
+    """Cut a..b where the structure of its lines changes and stack the strips (from, to, depth); new height."""
+    stack = table[_STACK]
+    inset = 1e-9 * (b - a)
+    start = a
+    left = a + inset
+    _, before = scan_row(left, x0, x1, crossings, lobe, view, work, conics, table)
+    for i in range(1, 5):
+        right = b - inset if i == 4 else a + (b - a) * i / 4.0
+        _, after = scan_row(right, x0, x1, crossings, lobe, view, work, conics, table)
+        tries = 0
+        while after != before and tries < 6:
+            tries += 1
+            low, high = left, right
+            while high - low > 1e-15 * (1.0 + abs(low)):
+                middle = 0.5 * (low + high)
+                if middle in (low, high):
+                    break
+                _, found = scan_row(middle, x0, x1, crossings, lobe, view, work, conics, table)
+                if found == before:
+                    low = middle
+                else:
+                    high = middle
+            if 3 * top + 5 < stack.shape[0]:
+                stack[3 * top], stack[3 * top + 1], stack[3 * top + 2] = start, high, 0.0
+                top += 1
+            start = high
+            left = high + inset
+            if not left < right:
+                before = after
+                break
+            _, before = scan_row(left, x0, x1, crossings, lobe, view, work, conics, table)
+        left, before = right, after
+    if 3 * top + 5 < stack.shape[0] and start < b:
+        stack[3 * top], stack[3 * top + 1], stack[3 * top + 2] = start, b, 0.0
+        top += 1
+    return top
+
+
+@jitable
+def strip_adjoint(
+    a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, lobe: Array, view: View,
+    work: Work, conics: Array, what: Ints, gauss: Array, table: Array, half: Array, here: Array, own: Array,
+    adjoint: Array,
+) -> None:  # fmt: skip
+    """The adjoint of a strip by ``n`` lines, with a square-root map at both ends."""
+    for row in range(adjoint.shape[0]):
+        for k in range(adjoint.shape[1]):
+            adjoint[row, k] = 0.0
+    base = n * (n - 1) // 2
+    for q in range(n):
+        u = gauss[0, base + q]
+        s, c = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
+        y = a + (b - a) * s * s
+        slope = sign * gauss[1, base + q] * (b - a) * math.pi * s * c
+        k, _ = scan_row(y, x0, x1, crossings, lobe, view, work, conics, table)
+        row_adjoint(
+            y, slope, x0, x1, k, nx, lobe, view, work, what, gauss, table, half, here, own, adjoint
+        )  # fmt: skip
+
+
+@jitable
+def square_adjoint(
+    x0: float, y0: float, size: float, sign: float, step: int, log_rho: float, share: float, crossings: int,
+    lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, table: Array, half: Array,
+    here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array, out: Array,
+) -> float:  # fmt: skip
+    """Add the derivatives of a square that some conics cross to ``out`` (parameters, 4); their error estimate."""
+    x1, y1 = x0 + size, y0 + size
+    cuts, crossing, stack = table[_CUTS], table[_CROSSING], table[_STACK]
+    k = 2
+    cuts[0], cuts[1] = y0, y1
+    for i in range(crossings):
+        row = conics[int(crossing[i])]
+        for which in range(3):
+            if which < 2:
+                x = x0 if which == 0 else x1
+                found, r1, r2 = quadratic_roots(row[2], row[1] * x + row[4], row[0] * x * x + 2.0 * row[3] * x + row[5])
+            else:
+                found, r1, r2 = quadratic_roots(
+                    row[1] * row[1] - row[0] * row[2], row[1] * row[3] - row[0] * row[4],
+                    row[3] * row[3] - row[0] * row[5],
+                )  # fmt: skip
+            for j in range(found):
+                y = r1 if j == 0 else r2
+                if y0 < y < y1 and k < cuts.shape[0]:
+                    p = k
+                    while p > 0 and cuts[p - 1] > y:
+                        cuts[p] = cuts[p - 1]
+                        p -= 1
+                    cuts[p] = y
+                    k += 1
+    top = 0
+    for i in range(k - 1):
+        if cuts[i + 1] - cuts[i] > 1e-13 * size:
+            top = cut_strips(cuts[i], cuts[i + 1], x0, x1, crossings, lobe, view, work, conics, table, top)
+    error = 0.0
+    nx = min(MAX_ORDER, order(step, log_rho))
+    while top > 0:
+        top -= 1
+        a, b, depth = stack[3 * top], stack[3 * top + 1], stack[3 * top + 2]
+        n = min(MAX_ORDER - 3, max(3, order(step, log_rho * 0.7)))
+        for p in range(moves.shape[0]):
+            for c in range(4):
+                low[p, c] = high[p, c] = 0.0
+        strip_adjoint(
+            a, b, n, sign, x0, x1, crossings, nx, lobe, view, work, conics, what, gauss, table, half, here, own, adjoint
+        )
+        contract(adjoint, moves, low, 1.0)
+        strip_adjoint(
+            a, b, n + 3, sign, x0, x1, crossings, nx, lobe, view, work, conics, what, gauss, table, half, here, own,
+            adjoint,
+        )  # fmt: skip
+        contract(adjoint, moves, high, 1.0)
+        change = 0.0
+        for p in range(moves.shape[0]):
+            for c in range(3):
+                change = max(change, abs(high[p, c] - low[p, c]))
+        if change > share and depth < 10.0 and 3 * top + 8 < stack.shape[0]:
+            m = 0.5 * (a + b)
+            stack[3 * top], stack[3 * top + 1], stack[3 * top + 2] = a, m, depth + 1.0
+            stack[3 * top + 3], stack[3 * top + 4], stack[3 * top + 5] = m, b, depth + 1.0
+            top += 2
+            continue
+        for p in range(moves.shape[0]):
+            for c in range(3):
+                out[p, c] += high[p, c]
+        error += change
+    return error
+
+
+@jitable
+def replay_grid(
+    tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array,
+    table: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array, square: Array,
+    shorter: Array, value: Array, max_evaluations: int,
+) -> float:  # fmt: skip
+    """Add the derivatives of what the checker adds to a floor of mean albedo to ``value``; their error estimate.
+
+    ``work`` holds the floor chart of the point. The squares visited are those of ``split_grid``.
+    """
+    geo, floor = work.geo, view.floor
+    h = geo[HEIGHT]
+    size = floor[FLOOR_CELL]
+    half = table[_STACK + 1]
+    contrast = 0.0
+    for a in range(3):
+        half[a] = 0.5 * view.shading[1] * (floor[FLOOR_BRIGHT + a] - floor[FLOOR_DARK + a])
+        contrast = max(contrast, abs(half[a]))
+    count = floor_conics(own_shape, lobe, view, work, conics)
+    if count > conics.shape[0]:
+        return math.inf
+    name_conics(view, work, what)
+    steepest = geo[LOBE_BETA] + math.atan2(geo[RIM_SIN], geo[RIM_COS])
+    reach = h * math.tan(steepest) if steepest < 1.5707 else math.inf
+    px, py = geo[POINT] - floor[FLOOR_OFFSET], geo[POINT + 1] - floor[FLOOR_OFFSET + 1]
+    ci, cj = math.floor(px / size), math.floor(py / size)
+    whole = reach / size + 1.0 < RINGS
+    step = 0
+    while step + 1 < len(LEVELS) and math.exp(-LEVELS[step]) > 0.003 * tol / max(contrast, 1e-300):
+        step += 1
+    last = int(reach / size) + 1 if whole else RINGS - 1
+    scale_n = min(0.6, 1.4 / math.sqrt(geo[GEO_EXPONENT] + 1e-9))
+    states = table[_ABOVE]
+    share = 0.02 * tol / (1.0 + last)
+    error = 0.0
+    for p in range(moves.shape[0]):
+        for c in range(4):
+            shorter[p, c] = 0.0
+    for ring in range(last + 1):
+        weight = 1.0 if whole else taper(ring, RINGS)
+        short_weight = 1.0 if whole else taper(ring, 0.7 * RINGS)
+        for i in range(-ring, ring + 1):
+            jump = 1 if abs(i) == ring else max(1, 2 * ring)
+            for j in range(-ring, ring + 1, jump):
+                if work.counts[EVALUATIONS] > max_evaluations:
+                    return math.inf
+                x0, y0 = (ci + i) * size - px, (cj + j) * size - py
+                side = 0.5 * size
+                xc, yc = x0 + side, y0 + side
+                d = math.sqrt(xc * xc + yc * yc + h * h)
+                near = math.sqrt(max(0.0, math.sqrt(xc * xc + yc * yc) - 1.5 * side) ** 2 + h * h)
+                dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
+                if near > 0.0 and math.acos(max(-1.0, min(1.0, dot))) > math.atan2(geo[RIM_SIN], geo[RIM_COS]) + min(
+                    3.2, 1.6 * side / near
+                ):
+                    continue
+                crossings = 0
+                for k in range(count):
+                    if may_cross(conics[k], xc, yc, side) and crossings < table.shape[1]:
+                        table[_CROSSING, crossings] = k
+                        crossings += 1
+                x = 2.0 * max(near, 0.3 * size) * scale_n / size
+                log_rho = math.log(x + math.sqrt(1.0 + x * x))
+                sign = 1.0 if (ci + cj + i + j) % 2 == 0 else -1.0
+                for p in range(moves.shape[0]):
+                    for c in range(4):
+                        square[p, c] = 0.0
+                if crossings == 0:
+                    if not seen(xc, yc, lobe, view, work, states):
+                        continue
+                    n = min(MAX_ORDER, order(step, log_rho))
+                    base = n * (n - 1) // 2
+                    work.counts[EVALUATIONS] += n * n
+                    for row in range(4):
+                        for k in range(adjoint.shape[1]):
+                            adjoint[row, k] = 0.0
+                    for q in range(n):
+                        y = y0 + size * gauss[0, base + q]
+                        for e in range(n):
+                            w = sign * gauss[1, base + q] * gauss[1, base + e] * size * size
+                            grid_node(
+                                x0 + size * gauss[0, base + e], y, w, states, lobe, view, work, half, here, adjoint
+                            )
+                    contract(adjoint, moves, square, 1.0)
+                    most = 0.0
+                    for p in range(moves.shape[0]):
+                        for c in range(3):
+                            most = max(most, abs(square[p, c]))
+                    error += weight * math.exp(-LEVELS[step]) * most
+                else:
+                    error += weight * square_adjoint(
+                        x0, y0, size, sign, step, log_rho, share, crossings, lobe, view, work, conics, what, gauss,
+                        table, half, here, own, adjoint, moves, low, high, square,
+                    )  # fmt: skip
+                for p in range(moves.shape[0]):
+                    for c in range(3):
+                        value[p, c] += weight * square[p, c]
+                        shorter[p, c] += (weight - short_weight) * square[p, c]
+    change = 0.0
+    for p in range(moves.shape[0]):
+        for c in range(3):
+            change = max(change, abs(shorter[p, c]))
+    return error + change

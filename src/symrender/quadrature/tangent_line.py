@@ -1,0 +1,408 @@
+"""The adjoint of one scan line: what everything in the scene does to the line's integral.
+
+On a line the cells' ends are roots x_w of walls, so
+
+    d/dp of the sum over cells of int F dx  =  sum of int F_p dx  +  sum over walls of (F below - F above) dx_w/dp,
+
+with F = radiance x solid angle x lobe density analytic on every closed cell: no delta, and the same Gauss rule. Nodes
+and walls both only know their gradients in Q, N, w and in the scene's numbers; ``pull_back`` turns them into columns
+of the adjoint, three rows (one a channel) for any number of parameters.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.labels import DARK as UNLIT
+from symrender.chambers.labels import HIDDEN, LIT
+from symrender.chambers.line import LIMB, POLE_END
+from symrender.chambers.tangent_walls import (
+    AMBIENT,
+    AXIS,
+    BACKGROUND,
+    BRIGHT,
+    CHART,
+    EXPONENT,
+    EYE,
+    FACING,
+    FREQUENCY,
+    HIT,
+    LIGHTS,
+    LOG_NORMALISER,
+    ONE_SIDED,
+    PLACE_ROWS,
+    SHADING,
+    TOWARD,
+    along_line,
+    chart_place,
+    condition_of,
+    on_a_parallel,
+    pull_back,
+    rim_gradient,
+    wall_gradient,
+)
+from symrender.chambers.tangent_walls import DARK as DARK_COLUMN
+from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
+from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, SHAPE_INDEX, SIDE, STRIP, TAG, TEXTURE_EDGE
+from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
+from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.gauss import MAX_ORDER
+from symrender.quadrature.split_line import cell_order
+from symrender.scene.arrays import EYE as FROM_EYE
+from symrender.scene.arrays import MARBLE, PHONG
+
+Array = npt.NDArray[np.float64]
+
+# scratch: a place, then for each channel gradients in Q, N and the view direction, then those of one light or wall,
+# then the view direction and two rows of radiances
+NODE = PLACE_ROWS
+BAR = NODE + 9
+VIEW_ROW = BAR + 5
+RADIANCE = VIEW_ROW + 1
+HERE_ROWS = RADIANCE + 2
+
+
+@jitable
+def log_density(here: Array, lobe: Array, geo: Array) -> tuple[float, float, float]:
+    """cos(theta), its logarithm and the lobe's density cos^n(theta)/W in the direction of a place."""
+    chord = 0.0
+    for a in range(3):
+        chord += (here[TOWARD, a] - lobe[a]) ** 2
+    versine = 0.5 * chord
+    if versine >= 1.0:
+        return 0.0, 0.0, 0.0
+    log = math.log1p(-versine)
+    return 1.0 - versine, log, math.exp(geo[GEO_EXPONENT] * log - geo[GEO_LOG_NORMALISER])
+
+
+@jitable
+def set_view(here: Array, view: View, geo: Array) -> float:
+    """Direction a highlight at this place is seen along, into its row; the distance to the eye, 0 if the ray's own."""
+    if view.shading[5] != FROM_EYE:
+        for a in range(3):
+            here[VIEW_ROW, a] = -here[TOWARD, a]
+        return 0.0
+    far2 = 0.0
+    for a in range(3):
+        here[VIEW_ROW, a] = view.eye[a] - geo[POINT + a] - here[HIT, a]
+        far2 += here[VIEW_ROW, a] ** 2
+    far = math.sqrt(max(far2, 1e-300))
+    for a in range(3):
+        here[VIEW_ROW, a] /= far
+    return far
+
+
+@jitable
+def vein(n: Array, ku: float, kv: float) -> tuple[float, float, float, float, float, float]:
+    """Factor of a marble's veins at unit normal ``n``; its gradient in n, ku and kv."""
+    u = (math.atan2(n[1], n[0]) + math.pi) / (2.0 * math.pi)
+    z = max(-1.0, min(1.0, n[2]))
+    v = math.acos(z) / math.pi
+    inner = 3.0 * math.pi * kv * v
+    wave = 2.0 * math.pi * (ku * u + 0.35 * math.sin(inner))
+    slope = 0.225 * math.cos(wave) * 2.0 * math.pi
+    flat = max(n[0] * n[0] + n[1] * n[1], 1e-300)
+    by_u, by_v = slope * ku, slope * 0.35 * math.cos(inner) * 3.0 * math.pi * kv
+    turn = by_u / (2.0 * math.pi * flat)
+    fall = -by_v / (math.pi * math.sqrt(max(1.0 - z * z, 1e-300)))
+    by_kv = slope * 0.35 * math.cos(inner) * 3.0 * math.pi * v
+    return 0.55 + 0.225 * (1.0 + math.sin(wave)), -n[1] * turn, n[0] * turn, fall, slope * u, by_kv
+
+
+@jitable
+def radiance(side: int, lit: npt.NDArray[np.uint8], here: Array, view: View, geo: Array, out: Array) -> None:
+    """Radiance minus background of a place as of the cell (side, lit); ``out`` (3,). Zero where it is hidden."""
+    out[0] = out[1] = out[2] = 0.0
+    if side == HIDDEN:
+        return
+    j = int(geo[SHAPE_INDEX])
+    shading = view.shading
+    factor = 1.0
+    if j >= 0:
+        factor = 1.0 if side == 1 else view.spheres[j, 10]
+        if view.spheres[j, 7] == MARBLE:
+            factor = vein(here[FACING], view.spheres[j, 8], view.spheres[j, 9])[0]
+    ambient = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
+    for i in range(view.points.shape[0]):
+        if lit[i] == UNLIT:
+            continue
+        cosine, gleam, _ = light_gradient(i, here, view, geo, False)
+        for a in range(3):
+            albedo = factor * (view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a])
+            diffuse = albedo * shading[1] * cosine if lit[i] == LIT else 0.0
+            out[a] += view.points[i, 3 + a] * (diffuse + shading[2] * gleam)
+    for a in range(3):
+        out[a] += ambient * shading[7 + a] - shading[10 + a]
+
+
+@jitable
+def light_gradient(i: int, here: Array, view: View, geo: Array, wanted: bool) -> tuple[float, float, float]:
+    """Cosine and highlight of light point ``i`` and the highlight's slope in shininess.
+
+    If ``wanted``, rows BAR.. become the gradients of the cosine in the light's place and in N, then those of the
+    highlight in the light's place, in N and in the view direction.
+    """
+    ox, oy, oz = (
+        view.points[i, 0] - geo[POINT] - here[HIT, 0],
+        view.points[i, 1] - geo[POINT + 1] - here[HIT, 1],
+        view.points[i, 2] - geo[POINT + 2] - here[HIT, 2],
+    )
+    inv = 1.0 / math.sqrt(max(ox * ox + oy * oy + oz * oz, 1e-300))
+    lx, ly, lz = ox * inv, oy * inv, oz * inv
+    nx, ny, nz = here[FACING, 0], here[FACING, 1], here[FACING, 2]
+    vx, vy, vz = here[VIEW_ROW, 0], here[VIEW_ROW, 1], here[VIEW_ROW, 2]
+    cosine = lx * nx + ly * ny + lz * nz
+    shininess = view.shading[3]
+    phong = view.shading[4] == PHONG
+    facing = nx * vx + ny * vy + nz * vz
+    hx, hy, hz, size = 0.0, 0.0, 0.0, 1.0
+    if phong:
+        base = 2.0 * cosine * facing - (lx * vx + ly * vy + lz * vz)
+    else:
+        hx, hy, hz = lx + vx, ly + vy, lz + vz
+        size = math.sqrt(max(hx * hx + hy * hy + hz * hz, 1e-300))
+        hx, hy, hz = hx / size, hy / size, hz / size
+        base = hx * nx + hy * ny + hz * nz
+    gleam, by_shininess, rate = 0.0 if shininess > 0.0 else 1.0, 0.0, 0.0
+    if base > 0.0:
+        log = math.log(base)
+        gleam = math.exp(shininess * log)
+        by_shininess = gleam * log
+        rate = shininess * gleam / base
+    if not wanted:
+        return cosine, gleam, by_shininess
+    bar = here[BAR : BAR + 5]
+    bar[0, 0], bar[0, 1], bar[0, 2] = (nx - cosine * lx) * inv, (ny - cosine * ly) * inv, (nz - cosine * lz) * inv
+    bar[1, 0], bar[1, 1], bar[1, 2] = lx, ly, lz
+    if rate == 0.0:
+        for row in range(2, 5):
+            bar[row, 0] = bar[row, 1] = bar[row, 2] = 0.0
+        return cosine, gleam, by_shininess
+    if phong:
+        dx, dy, dz = (
+            rate * (2.0 * facing * nx - vx),
+            rate * (2.0 * facing * ny - vy),
+            rate * (2.0 * facing * nz - vz),
+        )
+        bar[3, 0] = rate * 2.0 * (facing * lx + cosine * vx)
+        bar[3, 1] = rate * 2.0 * (facing * ly + cosine * vy)
+        bar[3, 2] = rate * 2.0 * (facing * lz + cosine * vz)
+        bar[4, 0] = rate * (2.0 * cosine * nx - lx)
+        bar[4, 1] = rate * (2.0 * cosine * ny - ly)
+        bar[4, 2] = rate * (2.0 * cosine * nz - lz)
+    else:
+        over = rate / size
+        dx, dy, dz = over * (nx - base * hx), over * (ny - base * hy), over * (nz - base * hz)
+        bar[3, 0], bar[3, 1], bar[3, 2] = rate * hx, rate * hy, rate * hz
+        bar[4, 0], bar[4, 1], bar[4, 2] = dx, dy, dz
+    along = dx * lx + dy * ly + dz * lz
+    bar[2, 0], bar[2, 1], bar[2, 2] = (dx - along * lx) * inv, (dy - along * ly) * inv, (dz - along * lz) * inv
+    return cosine, gleam, by_shininess
+
+
+@jitable
+def node_adjoint(
+    weight: float, slope_k: float, cosine: float, log: float, cell: int, lobe: Array, view: View, work: Work,
+    here: Array, adjoint: Array,
+) -> None:  # fmt: skip
+    """Add one node of a line, of ``weight`` (its density and solid angle included), to the adjoint (4, columns)."""
+    geo, shading = work.geo, view.shading
+    j = int(geo[SHAPE_INDEX])
+    side = work.cell_side[cell]
+    marble = j >= 0 and view.spheres[j, 7] == MARBLE
+    factor, by_nx, by_ny, by_nz, by_ku, by_kv = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if marble:
+        factor, by_nx, by_ny, by_nz, by_ku, by_kv = vein(here[FACING], view.spheres[j, 8], view.spheres[j, 9])
+    elif j >= 0 and side != 1:
+        factor = view.spheres[j, 10]
+    ka = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
+    far = set_view(here, view, geo)
+    for row in range(9):
+        for a in range(3):
+            here[NODE + row, a] = 0.0
+    for a in range(3):
+        here[RADIANCE, a] = here[RADIANCE + 1, a] = 0.0
+    for i in range(view.points.shape[0]):
+        state = work.lit[cell, i]
+        if state == UNLIT:
+            continue
+        column = LIGHTS + 6 * i
+        shown = 1.0 if state == LIT else 0.0
+        bare, gleam, by_shininess = light_gradient(i, here, view, geo, True)
+        lit = shown * bare
+        bar = here[BAR : BAR + 5]
+        for a in range(3):
+            color = view.points[i, 3 + a]
+            albedo = factor * (view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a])
+            out = adjoint[a]
+            here[RADIANCE, a] += color * lit
+            here[RADIANCE + 1, a] += color * gleam
+            out[column + 3 + a] += weight * (albedo * shading[1] * lit + shading[2] * gleam)
+            out[SHADING + 3] += weight * shading[2] * color * by_shininess
+            diffuse = weight * color * shading[1] * albedo * shown
+            highlight = weight * color * shading[2]
+            node = here[NODE + 3 * a : NODE + 3 * a + 3]
+            for b in range(3):
+                step = diffuse * bar[0, b] + highlight * bar[2, b]
+                out[column + b] += step
+                node[0, b] -= step
+                node[1, b] += diffuse * bar[1, b] + highlight * bar[3, b]
+                node[2, b] += highlight * bar[4, b]
+    for a in range(3):
+        out = adjoint[a]
+        color = view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a]
+        diffuse, gleams = here[RADIANCE, a], here[RADIANCE + 1, a]
+        reflected = shading[1] * diffuse
+        total = weight * (factor * color * reflected + ka * shading[7 + a] + shading[2] * gleams - shading[10 + a])
+        if ka != 0.0 or j >= 0 or geo[SIDE] > 0.0:
+            out[SHADING] += weight * shading[7 + a]
+        out[SHADING + 1] += weight * factor * color * diffuse
+        out[SHADING + 2] += weight * gleams
+        out[AMBIENT + a] += weight * ka
+        out[BACKGROUND + a] -= weight
+        if j >= 0:
+            out[BRIGHT + a] += weight * factor * reflected
+            if marble:
+                share = weight * color * reflected
+                here[NODE + 3 * a + 1, 0] += share * by_nx
+                here[NODE + 3 * a + 1, 1] += share * by_ny
+                here[NODE + 3 * a + 1, 2] += share * by_nz
+                out[FREQUENCY] += share * by_ku
+                out[FREQUENCY + 1] += share * by_kv
+            elif side != 1:
+                out[DARK_COLUMN] += weight * color * reflected
+        else:
+            out[BRIGHT + a] += 0.5 * weight * reflected
+            out[DARK_COLUMN + a] += 0.5 * weight * reflected
+        pull = total * geo[GEO_EXPONENT] / max(cosine, 1e-300)
+        node = here[NODE + 3 * a : NODE + 3 * a + 3]
+        if far > 0.0:
+            along = 0.0
+            for b in range(3):
+                along += node[2, b] * here[VIEW_ROW, b]
+            for b in range(3):
+                step = (node[2, b] - along * here[VIEW_ROW, b]) / far
+                out[EYE + b] += step
+                node[0, b] -= step
+                node[2, b] = 0.0
+        for b in range(3):
+            node[2, b] = pull * lobe[b] - node[2, b]
+            out[AXIS + b] += pull * here[TOWARD, b]
+        out[EXPONENT] += total * log
+        out[LOG_NORMALISER] -= total
+        out[CHART] += total * slope_k
+        pull_back(1.0, node, here, j < 0, out)
+
+
+@jitable
+def wall_adjoint(
+    i: int, tag: int, scale: float, jump: Array, lobe: Array, view: View, work: Work, here: Array, own: Array,
+    adjoint: Array, first: int, last: int,
+) -> None:  # fmt: skip
+    """Add scale x jump_c x (how wall ``i``, as of condition ``tag``, moves along the line) to rows first..last - 1."""
+    bar = here[BAR : BAR + 3]
+    for k in range(own.shape[0]):
+        own[k] = 0.0
+    if i < 0:
+        rim_gradient(here, work, lobe, bar, own)
+    else:
+        wall_gradient(i, tag, here, view, work, bar, own)
+    slope = along_line(bar, here)
+    if slope == 0.0:
+        return
+    pull_back(1.0, bar, here, work.geo[SHAPE_INDEX] < 0.0, own)
+    for c in range(first, last):
+        weight = -scale * jump[c % 3] / slope
+        if weight != 0.0:
+            for k in range(own.shape[0]):
+                adjoint[c, k] += weight * own[k]
+
+
+@jitable
+def walls_adjoint(
+    c: float, s: float, weight: float, lobe: Array, view: View, work: Work, here: Array, own: Array, adjoint: Array
+) -> None:
+    """Add the moving ends of all cells of the scanned line (c, s)."""
+    geo = work.geo
+    cells = work.counts[CELLS]
+    above, below = here[RADIANCE], here[RADIANCE + 1]
+    for cell in range(cells + 1):
+        wall = work.cell_wall[cell]
+        if wall in (POLE_END, LIMB):
+            # at the pole and at the limb the solid angle vanishes, and neither moves
+            continue
+        side_above = work.cell_side[cell] if cell < cells else HIDDEN
+        side_below = work.cell_side[cell - 1] if cell > 0 else HIDDEN
+        if side_above == HIDDEN and side_below == HIDDEN:
+            continue
+        x = work.cell_from[cell] if cell < cells else work.cell_to[cells - 1]
+        if not x > 0.0:
+            continue
+        measure, _ = chart_place(x, c, s, geo, here)
+        density = log_density(here, lobe, geo)[2]
+        set_view(here, view, geo)
+        radiance(side_above, work.lit[min(cell, cells - 1)], here, view, geo, above)
+        radiance(side_below, work.lit[max(cell - 1, 0)], here, view, geo, below)
+        for a in range(3):
+            above[a] = below[a] - above[a]
+        if above[0] == 0.0 and above[1] == 0.0 and above[2] == 0.0:
+            continue
+        scale = weight * measure * density
+        if wall < 0:
+            wall_adjoint(-1, 0, scale, above, lobe, view, work, here, own, adjoint, 0, 3)
+            continue
+        hidden = side_above == HIDDEN or side_below == HIDDEN
+        tag = condition_of(wall // 4, here, hidden, work)
+        if tag < 0:
+            # several conditions meet here and none is known to be the one that moves
+            for column in range(adjoint.shape[1]):
+                adjoint[ONE_SIDED, column] = 1.0
+            continue
+        wall_adjoint(wall // 4, tag, scale, above, lobe, view, work, here, own, adjoint, 0, 3)
+        j = int(geo[SHAPE_INDEX])
+        merged = work.walls[wall // 4, TAG] > FLOOR_CUT
+        if j >= 0 and merged and tag in (HORIZON, FLOOR_CUT) and on_a_parallel(here, view.spheres[j]):
+            # a field of another colour lies just beyond: from the other side the derivative is another one
+            wall_adjoint(wall // 4, tag, scale, above, lobe, view, work, here, own, adjoint, 3, 4)
+            # the row's axis is that of the parallel too
+            wall_adjoint(wall // 4, TEXTURE_EDGE, -scale, above, lobe, view, work, here, own, adjoint, 3, 4)
+
+
+@jitable
+def line_adjoint(
+    phi: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array, here: Array, own: Array,
+    adjoint: Array,
+) -> None:  # fmt: skip
+    """Add ``weight`` times the scanned line's integral, differentiated, to ``adjoint``; ``step`` chooses the orders.
+
+    The nodes are those of ``integrate_cells``. ``adjoint`` is (4, columns): a row a channel and ``ONE_SIDED``.
+    """
+    geo = work.geo
+    c, s = math.cos(phi), math.sin(phi)
+    walls_adjoint(c, s, weight, lobe, view, work, here, own, adjoint)
+    ex, ey = c * geo[6] + s * geo[9], c * geo[7] + s * geo[10]
+    for cell in range(work.counts[CELLS]):
+        if work.cell_side[cell] == HIDDEN:
+            continue
+        a, stop = work.cell_from[cell], work.cell_to[cell]
+        while a < stop:
+            end = stop
+            n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+            while n > MAX_ORDER:
+                end = a + 0.5 * (end - a)
+                n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+            base = n * (n - 1) // 2
+            work.counts[EVALUATIONS] += n
+            for q in range(n):
+                x = a + (end - a) * gauss[0, base + q]
+                measure, slope_k = chart_place(x, c, s, geo, here)
+                cosine, log, density = log_density(here, lobe, geo)
+                if density == 0.0:
+                    continue
+                w = weight * gauss[1, base + q] * (end - a) * measure * density
+                node_adjoint(w, slope_k, cosine, log, cell, lobe, view, work, here, adjoint)
+            a = end

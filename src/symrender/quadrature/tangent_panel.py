@@ -1,0 +1,291 @@
+"""The derivative of the outer integral: accepted panels of azimuth, replayed with their adjoint.
+
+The line integral is continuous at every event, so the ends of panels may stay where they are; its slope has an inverse
+square root where a wall is tangent to a scan line, which the panel's quadratic map removes, so orders converge as for
+values. Two differences from values remain. An event only known to 1e-8 costs a value 1e-12 but a slope 1e-4: ends with
+a root that no closed form gave are bisected to the last bit. And a wall that *is* a scan line (a great circle through
+the pole of the chart, seen by symmetry) makes the line integral jump: it moves sideways, which is one integral along
+that line.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.events import ROOT, SMOOTH, chart_events, line_range
+from symrender.chambers.labels import HIDDEN
+from symrender.chambers.line import scan_line
+from symrender.chambers.tangent_walls import chart_place, condition_of, pull_back, wall_gradient
+from symrender.chambers.walls import COS, DIRECTION, KIND, NORMAL, SHAPE_INDEX
+from symrender.chambers.work import CELLS, EVALUATIONS, WALLS, View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
+from symrender.quadrature.split_panel import (
+    FROM,
+    KIND_FROM,
+    KIND_TO,
+    LOG_RHO,
+    STEP,
+    TO,
+    add_panel,
+    azimuth,
+    split_span,
+)
+from symrender.quadrature.tangent_line import BAR, RADIANCE, line_adjoint, log_density, radiance, set_view
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+UNUSED = -2.0
+"""Step of a row of the panel table that no panel has taken."""
+NARROW = 1e-9
+"""Panels thinner than this stay as they are."""
+RADIAL = 1e-12
+"""A circle whose axis and level lie closer to the pole's great circles than this is one of them."""
+
+
+@jitable
+def clear_panels(panels: Array) -> None:
+    """Mark the rows in use as free, so that the next chart's panels can be told from them."""
+    for i in range(panels.shape[0]):
+        if panels[i, STEP] == UNUSED:
+            return
+        panels[i, STEP] = UNUSED
+
+
+@jitable
+def panels_in_use(panels: Array) -> int:
+    """How many rows hold panels."""
+    n = 0
+    while n < panels.shape[0] and panels[n, STEP] != UNUSED:
+        n += 1
+    return n
+
+
+@jitable
+def contract(adjoint: Array, tangents: Array, out: Array, sign: float) -> None:
+    """out[p, c] += sign x sum over columns of adjoint[c] tangents[p]; ``out`` (parameters, 4)."""
+    for p in range(tangents.shape[0]):
+        for c in range(4):
+            total = 0.0
+            for k in range(tangents.shape[1]):
+                total += adjoint[c, k] * tangents[p, k]
+            out[p, c] += sign * total
+
+
+@jitable
+def panel_adjoint(
+    p: Array, step: int, lobe: Array, view: View, work: Work, gauss: Array, scratch: Array, here: Array, own: Array,
+    adjoint: Array,
+) -> float:  # fmt: skip
+    """The adjoint (4, columns) of one panel at one order; azimuth of a line of another structure, or NaN."""
+    for row in range(adjoint.shape[0]):
+        for k in range(adjoint.shape[1]):
+            adjoint[row, k] = 0.0
+    n = min(MAX_ORDER, order(step, p[LOG_RHO]) + (1 if step > 0 else 0))
+    base = n * (n - 1) // 2
+    signature = 0
+    for q in range(n):
+        phi, slope = azimuth(gauss[0, base + q], p[FROM], p[TO], p[KIND_FROM], p[KIND_TO])
+        found = scan_line(phi, view, work, scratch)
+        if q == 0:
+            signature = found
+        elif found != signature:
+            return phi
+        line_adjoint(phi, gauss[1, base + q] * slope, step, lobe, view, work, gauss, here, own, adjoint)
+    return math.nan
+
+
+@jitable
+def polish(end: float, inside: float, view: View, work: Work, scratch: Array) -> float:
+    """The event at ``end`` of a panel, of which ``inside`` is an azimuth, to the last bit; ``end`` if none is near."""
+    reach = 2e-8 * abs(end - inside) + 1e-13
+    toward = 1.0 if end > inside else -1.0
+    low, high = end - toward * reach, end + toward * reach
+    signature = scan_line(inside, view, work, scratch)
+    if scan_line(low, view, work, scratch) != signature or scan_line(high, view, work, scratch) == signature:
+        return end
+    while True:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            return middle
+        if scan_line(middle, view, work, scratch) == signature:
+            low = middle
+        else:
+            high = middle
+
+
+@jitable
+def polish_ends(panels: Array, first: int, n: int, view: View, work: Work, events: Array, scratch: Array) -> None:
+    """Move ends with a root to their events where the search only bracketed them."""
+    low, high = line_range(work.geo)
+    m = chart_events(work, events, low, high)
+    for i in range(first, n):
+        p = panels[i]
+        if not p[FROM] < p[TO]:
+            continue
+        middle = 0.5 * (p[FROM] + p[TO])
+        for side in range(2):
+            if p[KIND_TO if side else KIND_FROM] != ROOT:
+                continue
+            end = p[TO if side else FROM]
+            known = False
+            for k in range(m):
+                if abs(events[k, 0] - end) < 1e-14 * (1.0 + abs(end)):
+                    known = True
+            if not known:
+                p[TO if side else FROM] = polish(end, middle, view, work, scratch)
+
+
+@jitable
+def replay_chart(
+    tol: float, lobe: Array, view: View, work: Work, gauss: Array, panels: Array, spans: Array, ids: Ints,
+    events: Array, scratch: Array, here: Array, own: Array, adjoint: Array, tangents: Array, exact: bool,
+    max_evaluations: int, value: Array, error: Array, low_order: Array, high_order: Array,
+) -> int:  # fmt: skip
+    """Add the charted shape's derivatives to ``value`` (parameters, 4), their estimated errors to ``error``.
+
+    ``panels`` are those of ``split_chart`` on the same ``work``; ``tangents`` (parameters, columns) is how every
+    column moves; ``low_order`` and ``high_order`` (parameters, 4) are scratch. ``tol`` is absolute, of every
+    derivative. Returns the number of pieces that stayed unresolved.
+    """
+    n = panels_in_use(panels)
+    if exact:
+        polish_ends(panels, 0, n, view, work, events, scratch)
+    share = tol / max(1, n)
+    bad = 0
+    i = 0
+    while i < n:
+        p = panels[i]
+        i += 1
+        if not p[FROM] < p[TO]:
+            continue
+        step = max(0, int(p[STEP]) - 1)
+        for a in range(tangents.shape[0]):
+            for c in range(4):
+                low_order[a, c] = 0.0
+        foreign = panel_adjoint(p, step, lobe, view, work, gauss, scratch, here, own, adjoint)
+        contract(adjoint, tangents, low_order, 1.0)
+        most = 0.0
+        while foreign != foreign:
+            step += 1
+            for a in range(tangents.shape[0]):
+                for c in range(4):
+                    high_order[a, c] = 0.0
+            foreign = panel_adjoint(p, step, lobe, view, work, gauss, scratch, here, own, adjoint)
+            contract(adjoint, tangents, high_order, 1.0)
+            most = 0.0
+            for a in range(tangents.shape[0]):
+                for c in range(3):
+                    most = max(most, abs(high_order[a, c] - low_order[a, c]))
+            last = step + 1 >= len(LEVELS) or order(step + 1, p[LOG_RHO]) >= MAX_ORDER
+            if most <= share or last or work.counts[EVALUATIONS] > max_evaluations:
+                break
+            for a in range(tangents.shape[0]):
+                for c in range(4):
+                    low_order[a, c] = high_order[a, c]
+        room = n + 8 < panels.shape[0] and work.counts[EVALUATIONS] <= max_evaluations
+        if (foreign == foreign or most > share) and room and p[TO] - p[FROM] > NARROW:
+            first, end, kind, end_kind = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
+            p[FROM] = p[TO] = first
+            before = n
+            if foreign == foreign:
+                # no search between scan lines is sure to find an event; the line that told is where it is looked for
+                n = split_span(first, foreign, kind, SMOOTH, 1, view, work, panels, n, spans, ids, scratch)
+                n = split_span(foreign, end, SMOOTH, end_kind, 1, view, work, panels, n, spans, ids, scratch)
+            else:
+                middle = 0.5 * (first + end)
+                n = add_panel(panels, n, first, middle, kind, SMOOTH, work)
+                n = add_panel(panels, n, middle, end, SMOOTH, end_kind, work)
+                panels[n - 1, STEP] = panels[n - 2, STEP] = max(1, step - 1)
+            n = min(n, panels.shape[0])
+            if exact:
+                polish_ends(panels, before, n, view, work, events, scratch)
+            continue
+        if foreign == foreign or most > share:
+            bad += 1
+        for a in range(tangents.shape[0]):
+            for c in range(4):
+                value[a, c] += high_order[a, c]
+            for c in range(3):
+                change = abs(high_order[a, c] - low_order[a, c])
+                error[a, c] += max(change, abs(high_order[a, c])) if foreign == foreign else change
+    return bad
+
+
+@jitable
+def radial_walls(
+    lobe: Array, view: View, work: Work, gauss: Array, scratch: Array, here: Array, own: Array, adjoint: Array
+) -> bool:
+    """The adjoint (4, columns) of walls that are scan lines; whether there are any."""
+    geo = work.geo
+    for row in range(adjoint.shape[0]):
+        for k in range(adjoint.shape[1]):
+            adjoint[row, k] = 0.0
+    found = False
+    for i in range(min(work.counts[WALLS], work.walls.shape[0])):
+        row = work.walls[i]
+        kind = int(row[KIND])
+        if kind not in (NORMAL, DIRECTION) or abs(row[1]) > RADIAL or abs(row[COS]) > RADIAL:
+            continue
+        middle = math.atan2(row[3], row[2])
+        for half in range(2):
+            phi = middle + (0.5 if half else -0.5) * math.pi
+            for side in range(2):
+                # the wall's own line is approached from both sides
+                near = phi + (1e-10 if side else -1e-10)
+                if scan_line(near, view, work, scratch) != 0:
+                    found = True
+                    _sideways(i, near, -1.0 if side else 1.0, lobe, view, work, gauss, here, own, adjoint)
+    return found and geo[SHAPE_INDEX] >= -1.0
+
+
+@jitable
+def _sideways(
+    i: int, phi: float, sign: float, lobe: Array, view: View, work: Work, gauss: Array, here: Array, own: Array,
+    adjoint: Array,
+) -> None:  # fmt: skip
+    """Add sign x the scanned line's integral of F times how wall ``i`` moves across the line."""
+    geo = work.geo
+    c, s = math.cos(phi), math.sin(phi)
+    bar = here[BAR : BAR + 3]
+    n = MAX_ORDER
+    base = n * (n - 1) // 2
+    for cell in range(work.counts[CELLS]):
+        if work.cell_side[cell] == HIDDEN:
+            continue
+        a, length = work.cell_from[cell], work.cell_to[cell] - work.cell_from[cell]
+        for q in range(n):
+            x = a + length * gauss[0, base + q]
+            measure, _ = chart_place(x, c, s, geo, here)
+            density = log_density(here, lobe, geo)[2]
+            set_view(here, view, geo)
+            radiance(work.cell_side[cell], work.lit[cell], here, view, geo, here[RADIANCE])
+            for k in range(own.shape[0]):
+                own[k] = 0.0
+            tag = condition_of(i, here, True, work)
+            if tag < 0:
+                for column in range(adjoint.shape[1]):
+                    adjoint[3, column] = 1.0
+                continue
+            wall_gradient(i, tag, here, view, work, bar, own)
+            across = _across(bar, here, c, s, geo)
+            pull_back(1.0, bar, here, geo[SHAPE_INDEX] < 0.0, own)
+            w = -sign * gauss[1, base + q] * length * measure * density / across
+            for channel in range(3):
+                for k in range(own.shape[0]):
+                    adjoint[channel, k] += w * here[RADIANCE, channel] * own[k]
+
+
+@jitable
+def _across(bar: Array, here: Array, c: float, s: float, geo: Array) -> float:
+    """Slope in phi of a function of gradients ``bar``: phi turns Q - P, N and w about the pole."""
+    slope = 0.0
+    for row in range(3):
+        x, y, z = here[row, 0], here[row, 1], here[row, 2]
+        px, py, pz = geo[3], geo[4], geo[5]
+        slope += bar[row, 0] * (py * z - pz * y) + bar[row, 1] * (pz * x - px * z) + bar[row, 2] * (px * y - py * x)
+    return slope

@@ -1,0 +1,418 @@
+"""The lobe integral of surface points, differentiated: values of the split rule with exact gradients.
+
+The rule runs as it always does, its accepted panels are replayed with their adjoint (``tangent_panel``), and the
+adjoint is contracted with how every number of the chart moves. The adjoint costs the same for one parameter and for a
+hundred; only the last contraction knows how many there are.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.chart import floor_chart, sphere_chart
+from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
+from symrender.chambers.tangent_walls import (
+    AMBIENT,
+    AT_POINT,
+    AXIS,
+    BACKGROUND,
+    BRIGHT,
+    CHART,
+    CHART_RADIUS,
+    DARK,
+    EXPONENT,
+    EYE,
+    FREQUENCY,
+    GRID,
+    HORIZON_NORMAL,
+    LIGHTS,
+    LOG_NORMALISER,
+    ONE_SIDED,
+    RIM,
+    SHADING,
+    TURN,
+    adjoint_columns,
+)
+from symrender.chambers.walls import BETA_MAX, LOBE_BETA, POINT, POLE, RADIUS, RATIO, SIDE, STRIP, SURFACE_NORMAL
+from symrender.chambers.work import EVALUATIONS, View, Work
+from symrender.errors import Unsupported
+from symrender.kernel_cache import compiled, jitable
+from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.split_line import lobe_density
+from symrender.quadrature.split_panel import STEP, split_chart
+from symrender.quadrature.split_point import SplitWork, lobe_setup, radiance_bound, split_work
+from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
+from symrender.quadrature.tangent_lights import light_point_tangents
+from symrender.quadrature.tangent_line import HERE_ROWS
+from symrender.quadrature.tangent_panel import UNUSED, clear_panels, contract, radial_walls, replay_chart
+from symrender.scene.arrays import (
+    CHECKER,
+    DISK,
+    FIRST_SPHERE,
+    FLOOR,
+    FLOOR_BRIGHT,
+    FLOOR_DARK,
+    FLOOR_KIND,
+    FLOOR_LOBE,
+    FLOOR_PRESENT,
+    KU,
+    LOBE,
+    MARBLE,
+    TEXTURE,
+    SceneArrays,
+)
+from symrender.settings import EXACT_DISK
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+MET: Final = 0
+"""The derivative's error estimate is within the tolerance."""
+CAPPED: Final = 1
+"""The orders ran out first; the error estimate says how far it got."""
+UNSUPPORTED: Final = 3
+"""The point lies inside another sphere; no value is given and the error is infinite."""
+EVENT: Final = 4
+"""The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
+
+SAFETY: Final = 2.0
+"""Error reported over the change between the last two orders, summed over panels."""
+
+
+class Tangents(NamedTuple):
+    """Derivatives of a scene's numbers and of N points in Q parameters.
+
+    ``place``, ``normal``, ``incoming`` (Q, N, 3); ``spheres`` (Q, n, columns), ``floor`` (Q, columns), ``points``
+    (Q, m, 6), ``shading`` (Q, columns), ``eye`` (Q, 3), as in ``SceneArrays`` and ``View``.
+    """
+
+    place: Array
+    normal: Array
+    incoming: Array
+    spheres: Array
+    floor: Array
+    points: Array
+    shading: Array
+    eye: Array
+
+
+class TangentWork(NamedTuple):
+    """Scratch of one thread: a place, one wall's and one panel's adjoint, how a chart's columns move, two orders."""
+
+    here: Array
+    own: Array
+    adjoint: Array
+    moves: Array
+    low: Array
+    high: Array
+    value: Array
+    error: Array
+    square: Array
+    shorter: Array
+
+
+@dataclass(frozen=True)
+class GradientResult:
+    """Gloss of N points and its derivative in Q parameters.
+
+    ``gradient`` (Q, N, 3); ``error`` (Q, N), estimated largest absolute error over the channels; ``status`` (Q, N),
+    ``MET``, ``CAPPED``, ``UNSUPPORTED`` or ``EVENT``; ``evaluations`` (N,), shaded hits, those of the value included.
+    """
+
+    gradient: Array
+    error: Array
+    status: Ints
+    evaluations: Ints
+
+
+@jitable
+def common_moves(
+    i: int, lobe: Array, n: float, theta_max: float, cut: bool, surface: int, normal: Array, incoming: Array,
+    tangents: Tangents, moves: Array,
+) -> None:  # fmt: skip
+    """Fill the columns of ``moves`` that do not depend on the chart, for point ``i``."""
+    by_n, by_theta = normaliser_slopes(n, theta_max)
+    for p in range(moves.shape[0]):
+        row = moves[p]
+        for k in range(row.shape[0]):
+            row[k] = 0.0
+        lean, turn = 0.0, 0.0
+        for a in range(3):
+            lean += incoming[a] * normal[a]
+            turn += tangents.incoming[p, i, a] * normal[a] + incoming[a] * tangents.normal[p, i, a]
+        for a in range(3):
+            row[AT_POINT + a] = tangents.place[p, i, a]
+            row[HORIZON_NORMAL + a] = tangents.normal[p, i, a]
+            row[AXIS + a] = tangents.incoming[p, i, a] - 2.0 * turn * normal[a] - 2.0 * lean * tangents.normal[p, i, a]
+            row[AMBIENT + a] = tangents.shading[p, 7 + a]
+            row[BACKGROUND + a] = tangents.shading[p, 10 + a]
+            row[EYE + a] = tangents.eye[p, a]
+            row[GRID + a] = tangents.floor[p, 8 + a]
+        if surface == FLOOR:
+            dn, dt = tangents.floor[p, FLOOR_LOBE + 1], tangents.floor[p, FLOOR_LOBE + 2]
+        else:
+            dn, dt = (
+                tangents.spheres[p, surface - FIRST_SPHERE, LOBE + 1],
+                tangents.spheres[p, surface - FIRST_SPHERE, LOBE + 2],
+            )
+        row[EXPONENT] = dn
+        row[LOG_NORMALISER] = by_n * dn + by_theta * dt
+        row[RIM] = 0.0 if cut else -math.sin(theta_max) * dt
+        for a in range(4):
+            row[SHADING + a] = tangents.shading[p, a]
+        lights, spheres = tangents.points.shape[1], tangents.spheres.shape[1]
+        for l in range(lights):
+            for a in range(6):
+                row[LIGHTS + 6 * l + a] = tangents.points[p, l, a]
+        for j in range(spheres):
+            for a in range(4):
+                row[LIGHTS + 6 * lights + 4 * j + a] = tangents.spheres[p, j, a]
+
+
+@jitable
+def chart_moves(j: int, geo: Array, tangents: Tangents, moves: Array) -> None:
+    """Fill the columns of ``moves`` that belong to the chart of sphere ``j``, -1 for the floor.
+
+    The frame of a sphere's chart turns with its pole and no more: omega = c x dc.
+    """
+    for p in range(moves.shape[0]):
+        row = moves[p]
+        if j < 0:
+            for a in range(3):
+                row[TURN + a] = 0.0
+                row[BRIGHT + a] = tangents.floor[p, FLOOR_BRIGHT + a]
+                row[DARK + a] = tangents.floor[p, FLOOR_DARK + a]
+            row[CHART] = geo[SIDE] * row[AT_POINT + 2]
+            row[CHART_RADIUS] = row[FREQUENCY] = row[FREQUENCY + 1] = 0.0
+            continue
+        sphere = tangents.spheres[p, j]
+        k, r = geo[RATIO], geo[RADIUS]
+        far = r / k
+        x, y, z = sphere[0] - row[AT_POINT], sphere[1] - row[AT_POINT + 1], sphere[2] - row[AT_POINT + 2]
+        cx, cy, cz = geo[POLE], geo[POLE + 1], geo[POLE + 2]
+        recede = x * cx + y * cy + z * cz
+        row[TURN] = (cy * z - cz * y) / far
+        row[TURN + 1] = (cz * x - cx * z) / far
+        row[TURN + 2] = (cx * y - cy * x) / far
+        row[CHART] = (sphere[3] - k * recede) / far
+        row[CHART_RADIUS] = sphere[3]
+        for a in range(3):
+            row[BRIGHT + a] = sphere[4 + a]
+            row[DARK + a] = 0.0
+        row[DARK] = sphere[10]
+        row[FREQUENCY], row[FREQUENCY + 1] = sphere[8], sphere[9]
+
+
+def gradient_kernel(
+    points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents,
+    work: Work, tangent_work: TangentWork, gauss: Array, panels: Array, spans: Array, ids: Ints, events: Array,
+    scratch: Array, conics: Array, what: Ints, grid: Array, tol: float, value_tol: float, bound: float,
+    max_evaluations: int, exact: bool, gradient: Array, error: Array, evaluations: Ints, status: Ints,
+) -> None:  # fmt: skip
+    """Fill the arrays of a ``GradientResult`` for every point; see ``gloss_gradients``."""
+    lobe = scratch[24:27]
+    geo = work.geo
+    t = tangent_work
+    count = t.moves.shape[0]
+    for i in range(points.shape[0]):
+        for c in range(work.counts.shape[0]):
+            work.counts[c] = 0
+        d = incoming[i, 0] * normals[i, 0] + incoming[i, 1] * normals[i, 1] + incoming[i, 2] * normals[i, 2]
+        for a in range(3):
+            geo[POINT + a] = points[i, a]
+            geo[SURFACE_NORMAL + a] = normals[i, a]
+            lobe[a] = incoming[i, a] - 2.0 * d * normals[i, a]
+        size = math.sqrt(lobe[0] * lobe[0] + lobe[1] * lobe[1] + lobe[2] * lobe[2])
+        for a in range(3):
+            lobe[a] /= size
+        geo[SIDE] = 1.0 if points[i, 2] >= 0.0 else -1.0
+        own = surface[i] - FIRST_SPHERE
+        n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], 1e-5)
+        inside = False
+        for j in range(view.spheres.shape[0]):
+            far2 = 0.0
+            for a in range(3):
+                far2 += (points[i, a] - view.spheres[j, a]) ** 2
+            if j != own and far2 <= view.spheres[j, 3] ** 2:
+                inside = True
+        if inside:
+            for p in range(count):
+                error[p, i], status[p, i] = math.inf, UNSUPPORTED
+            continue
+        tail = lobe_setup(n, theta_max, value_tol, bound, geo) * bound
+        common_moves(i, lobe, n, theta_max, tail > 0.0, surface[i], normals[i], incoming[i], tangents, t.moves)
+        for p in range(count):
+            for c in range(4):
+                t.value[p, c] = t.error[p, c] = 0.0
+
+        sky = max(view.shading[10], view.shading[11], view.shading[12])
+        facing = max(-1.0, min(1.0, lobe[0] * normals[i, 0] + lobe[1] * normals[i, 1] + lobe[2] * normals[i, 2]))
+        alpha = math.acos(facing)
+        share, by_n, by_theta, by_alpha = 1.0, 0.0, 0.0, 0.0
+        if alpha + theta_max > 0.5 * math.pi:
+            share = cap_share(n, theta_max, alpha, 0.5 * math.pi, gauss)
+            if sky > 0.0:
+                by_n, by_theta, by_alpha = horizon_slopes(n, theta_max, alpha, share, gauss)
+        for p in range(count):
+            row = t.moves[p]
+            tilt = 0.0
+            for a in range(3):
+                tilt += row[AXIS + a] * normals[i, a] + lobe[a] * row[HORIZON_NORMAL + a]
+            tilt = -tilt / max(math.sin(alpha), 1e-300) if by_alpha != 0.0 else 0.0
+            wider = 0.0
+            if surface[i] == FLOOR:
+                wider = tangents.floor[p, FLOOR_LOBE + 2]
+            else:
+                wider = tangents.spheres[p, own, LOBE + 2]
+            change = by_n * row[EXPONENT] + by_theta * wider + by_alpha * tilt
+            for a in range(3):
+                t.value[p, a] += row[BACKGROUND + a] * share + view.shading[10 + a] * change
+
+        bad = 0
+        spent = 0.0
+        for j in range(view.spheres.shape[0] + 1):
+            if j == view.spheres.shape[0]:
+                if view.floor[FLOOR_PRESENT] == 0.0 or surface[i] == FLOOR or points[i, 2] == 0.0:
+                    continue
+                floor_chart(own, lobe, view, work)
+                for a in range(3):
+                    geo[STRIP + 3 + a] = 0.5 * (view.floor[FLOOR_BRIGHT + a] + view.floor[FLOOR_DARK + a])
+                geo[STRIP] = min(0.3, 1.4 / math.sqrt(n + 1e-9))
+                geo[STRIP + 1] = 0.5
+                chart_moves(-1, geo, tangents, t.moves)
+            elif j == own:
+                continue
+            else:
+                sphere_chart(j, own, lobe, view, work)
+                k = geo[RATIO]
+                # all of the shape, at the lobe's largest density on it, and how fast that can change
+                gap = max(0.0, geo[LOBE_BETA] - geo[BETA_MAX])
+                most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * 2.0 * math.pi * k * k * bound
+                if gap < 1.5 and most * (1.0 + n * math.tan(gap)) < 1e-3 * value_tol:
+                    spent += most
+                    continue
+                geo[STRIP] = min(0.3, 1.4 / (math.sqrt(n + 1e-9) * k))
+                geo[STRIP + 1] = 0.5
+                geo[STRIP + 2] = 0.9 * math.acosh(1.0 / k)
+                chart_moves(j, geo, tangents, t.moves)
+            clear_panels(panels)
+            found, _ = split_chart(
+                max(0.5 * (value_tol - spent), 0.05 * value_tol), view, work, gauss, panels, spans, ids, events,
+                scratch, max_evaluations, t.adjoint[0],
+            )  # fmt: skip
+            spent += found
+            bad += replay_chart(
+                0.5 * tol, lobe, view, work, gauss, panels, spans, ids, events, scratch, t.here, t.own, t.adjoint,
+                t.moves, exact, max_evaluations, t.value, t.error, t.low, t.high,
+            )  # fmt: skip
+            if j == view.spheres.shape[0] and view.floor[FLOOR_KIND] == CHECKER and geo[SIDE] > 0.0:
+                off = replay_grid(
+                    0.5 * tol, own, lobe, view, work, conics, what, gauss, grid, t.here, t.own, t.adjoint, t.moves,
+                    t.low, t.high, t.square, t.shorter, t.value, max_evaluations,
+                )  # fmt: skip
+                for p in range(count):
+                    for a in range(3):
+                        t.error[p, a] += off
+            if radial_walls(lobe, view, work, gauss, scratch, t.here, t.own, t.adjoint):
+                contract(t.adjoint, t.moves, t.value, 1.0)
+        evaluations[i] = work.counts[EVALUATIONS]
+        for p in range(count):
+            largest, total = 0.0, 0.0
+            for a in range(3):
+                gradient[p, i, a] = t.value[p, a]
+                largest = max(largest, abs(t.value[p, a]))
+                total = max(total, t.error[p, a])
+            total = SAFETY * total + tail + 1e-14 * largest
+            error[p, i] = total
+            status[p, i] = MET if total <= tol else CAPPED
+            if abs(t.value[p, ONE_SIDED]) > 1e-9 * (largest + 1e-12):
+                status[p, i] = EVENT
+
+
+@functools.lru_cache(maxsize=1)
+def _kernel() -> Any:
+    package = Path(__file__).resolve().parent.parent
+    files = [path for folder in ("chambers", "quadrature") for path in sorted((package / folder).glob("*.py"))]
+    return compiled(gradient_kernel, sources=[path.read_text() for path in files], _nrt=False)
+
+
+def tangent_work(parameters: int, lights: int, spheres: int) -> TangentWork:
+    """Scratch for ``parameters`` derivatives."""
+    columns = adjoint_columns(lights, spheres)
+    return TangentWork(
+        np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((4, columns)), np.zeros((parameters, columns)),
+        *(np.zeros((parameters, 4)) for _ in range(6)),
+    )  # fmt: skip
+
+
+def refuse_unknown(arrays: SceneArrays, moved: dict[str, Array], names: tuple[str, ...], disk_order: int) -> None:
+    """Raise ``Unsupported`` for what this rule cannot differentiate, by name."""
+    if disk_order == EXACT_DISK and (arrays.lights[:, 0] == DISK).any():
+        raise Unsupported("disk: 'exact' is not differentiated; choose KxK")
+    for q, name in enumerate(names):
+        for j in np.nonzero(moved["spheres"][q, :, KU])[0]:
+            if arrays.spheres[j, TEXTURE] == MARBLE:
+                raise Unsupported(
+                    f"{name}: the seam of a marble, where its veins jump as ku grows, is not differentiated"
+                )
+
+
+def tangents_of(
+    arrays: SceneArrays, moved: dict[str, Array], places: tuple[Array, Array, Array], disk_order: int
+) -> Tangents:
+    """``Tangents`` from those of the scene's arrays (``scene/moves.py``) and of N points, normals and directions.
+
+    Each of ``places`` is (Q, N, 3).
+    """
+    rows = (*places, moved["spheres"], moved["floor"])
+    lights = light_point_tangents(arrays, moved["lights"], disk_order)
+    shading, eye = moved["shading"], moved["camera"][:, 1:4]
+    return Tangents(*(np.ascontiguousarray(a) for a in (*rows, lights, shading, eye)))
+
+
+def gloss_gradients(
+    arrays: SceneArrays,
+    points: Array,
+    normals: Array,
+    incoming: Array,
+    surface: Ints,
+    tangents: Tangents,
+    tol: float = 1e-6,
+    disk_order: int = 2,
+    max_evaluations: int = 4_000_000,
+    scratch: SplitWork | None = None,
+) -> GradientResult:
+    """d gloss(P)/dp of every point in every parameter of ``tangents``; the other arguments as in ``gloss_points``.
+
+    ``tol`` is absolute, in scene units of radiance over a parameter's unit. Silhouettes, shadows, terminators, texture
+    lines, horizon and rim move with the parameters; between events the result is the derivative of the integral, not
+    of a sum. Where walls coincide and part, the status is ``EVENT`` and the value belongs to one side.
+    """
+    lights = light_rows(arrays, disk_order)
+    view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
+    lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
+    lobes[FLOOR] = arrays.floor[FLOOR_LOBE + 1 :]
+    lobes[FIRST_SPHERE:] = arrays.spheres[:, LOBE + 1 :]
+    s = scratch or split_work(arrays, lights)
+    s.panels[:, STEP] = UNUSED
+    count, n = tangents.place.shape[:2]
+    result = GradientResult(
+        np.zeros((count, n, 3)), np.zeros((count, n)), np.zeros((count, n), np.int64), np.zeros(n, np.int64)
+    )
+    _kernel()(
+        np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
+        np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
+        tangents, s.work, tangent_work(count, len(lights), len(arrays.spheres)), s.gauss, s.panels, s.spans, s.ids,
+        s.events, s.scratch, s.conics, np.zeros((len(s.conics), 3), np.int64), np.zeros((GRID_ROWS, 256)),
+        float(tol), 0.1 * float(tol), radiance_bound(arrays, lights), int(max_evaluations),
+        tol < 1e-5, result.gradient, result.error, result.evaluations, result.status,
+    )  # fmt: skip
+    return result

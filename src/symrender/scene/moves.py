@@ -1,0 +1,82 @@
+"""Which numbers of a scene's arrays a parameter moves: what a derivative starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import fields
+from typing import TypeAlias
+
+import numpy as np
+
+from symrender.errors import SceneError
+from symrender.scene.arrays import Array, SceneArrays, scene_arrays
+from symrender.scene.fields import number_range
+from symrender.scene.names import letters, resolve
+from symrender.scene.parameters import get
+from symrender.scene.plain import plain
+from symrender.scene.scene import Scene
+
+Move: TypeAlias = tuple[str, tuple[tuple[str, tuple[int, ...]], ...]]
+"""A parameter's dotted name and the elements (array of ``SceneArrays``, index) that move with it, one for one."""
+
+
+def components(scene: Scene, names: Iterable[str]) -> tuple[str, ...]:
+    """``names`` with vectors and colours written out: ``camera.eye`` becomes ``camera.eye.x``, ``.y`` and ``.z``.
+
+    SceneError for what is not a real number of the scene.
+    """
+    found: list[str] = []
+    data = plain(scene.model_dump(mode="python"))
+    for name in names:
+        _, info = resolve(data, name)
+        if axes := letters(info):
+            found += [f"{name}.{axis}" for axis in axes]
+        elif number_range(info) is not None and isinstance(get(scene, name), float):
+            found.append(name)
+        else:
+            raise SceneError(f"{name}: is not a real number; derivatives exist with respect to real numbers only")
+    if twice := sorted({name for name in found if found.count(name) > 1}):
+        raise SceneError(f"{twice[0]}: is asked for twice")
+    return tuple(found)
+
+
+def moves(scene: Scene, names: Iterable[str]) -> tuple[Move, ...]:
+    """What each of ``names`` moves, vectors written out.
+
+    SceneError for a parameter at which the scene's structure switches, such as the radius of a disk light that is 0.
+    """
+    return tuple((name, _moved(scene, name)) for name in components(scene, names))
+
+
+def _moved(scene: Scene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
+    value = float(get(scene, name))
+    here = scene_arrays(scene)
+    step = max(abs(value), 1.0) * 2.0**-10
+    there = None
+    for other in (value + step, value - step):
+        try:
+            there = scene_arrays(scene.replace({name: other}))
+            break
+        except SceneError:
+            continue
+    if there is None:
+        raise SceneError(f"{name}: has no room to move about {value:g}")
+    found: list[tuple[str, tuple[int, ...]]] = []
+    for field in fields(SceneArrays):
+        a, b = getattr(here, field.name), getattr(there, field.name)
+        if a.shape != b.shape:
+            raise SceneError(f"{name}: the scene changes its structure about {value:g}; there is no derivative")
+        for index in zip(*np.nonzero(a != b), strict=True):
+            if abs(a[index] - value) > 0.0 or abs(b[index] - other) > 0.0:
+                raise SceneError(f"{name}: the scene changes its structure at {value:g}; there is no derivative")
+            found.append((field.name, tuple(int(k) for k in index)))
+    return tuple(found)
+
+
+def tangent_arrays(arrays: SceneArrays, moved: tuple[Move, ...]) -> dict[str, Array]:
+    """Derivatives of the arrays in every parameter, (Q, *shape) by the names of ``SceneArrays``."""
+    tangents = {f.name: np.zeros((len(moved), *getattr(arrays, f.name).shape)) for f in fields(SceneArrays)}
+    for q, (_, elements) in enumerate(moved):
+        for array, index in elements:
+            tangents[array][(q, *index)] = 1.0
+    return tangents
