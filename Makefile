@@ -5,6 +5,7 @@ WORKERS ?= 2
 PY := $(VENV)/bin/python
 BASE := $(VENV)/.base
 TEST := $(VENV)/.test
+DOCS := $(VENV)/.docs
 
 .PHONY: render test lint types bench faults fuzz docs clean
 .DELETE_ON_ERROR:
@@ -34,8 +35,8 @@ faults: $(TEST)
 fuzz: $(TEST)
 	$(PY) benchmarks/fuzz_scene_files.py
 
-docs: $(TEST)
-	$(PY) -m pytest tests/test_docs.py tests/test_readme.py
+docs: $(DOCS)
+	$(PY) docs/build.py
 
 clean:
 	rm -rf out .mypy_cache .ruff_cache .pytest_cache .hypothesis
@@ -54,3 +55,7 @@ $(BASE): pyproject.toml | $(PY)
 $(TEST): pyproject.toml | $(PY)
 	$(PY) -m pip install --quiet --quiet --disable-pip-version-check --editable '.[test]'
 	@touch $@ $(BASE)
+
+$(DOCS): pyproject.toml | $(PY)
+	$(PY) -m pip install --quiet --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@

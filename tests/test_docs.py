@@ -1,4 +1,4 @@
-"""Documents keep their promises: links lead somewhere, named files exist, scenes in them load."""
+"""Documents keep their promises: links lead somewhere, named files exist, scenes in them load, code in them runs."""
 
 from __future__ import annotations
 
@@ -8,11 +8,17 @@ from pathlib import Path
 import pytest
 import yaml
 
+from symrender.chapter import lab
+from symrender.scene import gallery
 from symrender.scene.load import load
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+RUN = re.compile(r"^```\{code-cell\} python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+FRONT = re.compile(r"\A---\n.*?^---\n+", re.DOTALL | re.MULTILINE)
+TREES = re.compile(r"^```\{toctree\}\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+RUNNING = [page for page in PAGES if RUN.search(page.read_text("utf-8"))]
 
 
 def test_there_are_pages() -> None:
@@ -45,5 +51,52 @@ def test_scenes_in_documents_load() -> None:
 def test_markdown_is_plain() -> None:
     for page in PAGES:
         text = page.read_text("utf-8")
-        assert text.startswith("# ") and text.endswith("\n") and "\t" not in text, page
+        assert FRONT.sub("", text).startswith("# ") and text.endswith("\n") and "\t" not in text, page
         assert text.count("```") % 2 == 0, page
+
+
+def listed(page: str) -> list[str]:
+    """Documents in the tables of contents of a page of the site."""
+    trees = TREES.findall((ROOT / "docs" / page).read_text("utf-8"))
+    return [line for tree in trees for line in tree.splitlines() if line and not line.startswith(":")]
+
+
+def test_every_page_is_in_the_site() -> None:
+    pages = {page.stem for page in (ROOT / "docs").glob("*.md")} - {"index"}
+    assert sorted(listed("index.md")) == sorted(pages)
+    assert listed("laboratory.md") == [f"laboratory/{name}" for name in lab.names()]
+
+
+def test_pages_with_code_are_those_that_should_have_some() -> None:
+    names = {page.stem for page in RUNNING}
+    assert names >= {"quickstart", "choosing-an-estimator", "reading-the-ledger", "derivatives", "errors-and-limits"}
+    for page in RUNNING:
+        text = page.read_text("utf-8")
+        assert "file_format: mystnb" in text and text.count("{code-cell}") == len(RUN.findall(text)), page
+
+
+@pytest.mark.parametrize("page", RUNNING, ids=lambda page: page.stem)
+def test_the_code_of_a_page_runs(page: Path) -> None:
+    pytest.importorskip("matplotlib")
+    text = page.read_text("utf-8")
+    parts = tuple(lab.Part("code", found[1], text[: found.start(1)].count("\n") + 1) for found in RUN.finditer(text))
+    outputs = lab.execute(lab.Cell(page.stem, page.stem, parts))
+    assert outputs and "assert " in text
+    printed = "".join(output.data for output in outputs if isinstance(output.data, str))
+    assert len(printed) > 200
+
+
+def test_the_gallery_shows_every_scene() -> None:
+    text = (ROOT / "docs" / "gallery.md").read_text("utf-8")
+    assert len(gallery.names()) > 4
+    for name in gallery.names():
+        assert f"\n## {name}\n" in text and f"](images/gallery-{name}.png)" in text
+        assert f"\n{gallery.describe(name)}\n" in text
+        assert (ROOT / "docs" / "images" / f"gallery-{name}.png").stat().st_size < 100_000
+
+
+def test_what_is_measured_is_not_typed() -> None:
+    figure = re.compile(r"\d\.\d|\d ?%|\d(?:\.\d+)?e[-+]?\d|\d+ (?:ms|ns|seconds)\b")
+    for page in RUNNING:
+        prose = re.sub(r"`[^`]*`", "", FENCED.sub("", RUN.sub("", FRONT.sub("", page.read_text("utf-8")))))
+        assert not [line for line in prose.splitlines() if figure.search(line.replace("Python 3.11", ""))], page

@@ -1,0 +1,59 @@
+"""Sphinx configuration of the documentation; ``make docs`` builds it, with no network."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from symrender.version import VERSION
+
+project = "symrender"
+author = "the symrender authors"
+copyright = author
+release = version = VERSION
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_copybutton", "sphinx_design"]
+exclude_patterns = ["_build", "_extra", "laboratory/README.md"]
+root_doc = "index"
+nitpicky = False
+
+html_theme = "furo"
+html_title = f"symrender {VERSION}"
+html_static_path = ["_static"]
+html_css_files = ["style.css"]
+html_extra_path = ["_extra"]
+html_show_sphinx = False
+html_copy_source = False
+html_show_sourcelink = False
+html_theme_options = {"sidebar_hide_name": False}
+
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 3
+suppress_warnings = ["myst.strikethrough"]
+
+# pages with code run when the site is built, so that every figure on them is of that day; the laboratory's
+# notebooks come with the outputs their own run left
+nb_execution_mode = "force"
+nb_execution_excludepatterns = ["laboratory/*"]
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_merge_streams = True
+nb_render_image_options = {"align": "center"}
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 100
+
+
+def _plain(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Docstrings are prose with literals: what stands outside of them is no markup."""
+    for k, line in enumerate(lines):
+        pieces = re.split(r"(``.*?``)", line)
+        lines[k] = "".join(p if p.startswith("``") else re.sub(r"([*|_`])", r"\\\1", p) for p in pieces)
+
+
+def setup(app: Any) -> None:
+    """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", _plain)
