@@ -5,12 +5,11 @@ from __future__ import annotations
 import base64
 import html
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from symrender.chapter import lab
 from symrender.chapter.document.prose import plain_markdown
 from symrender.chapter.lab import Cell, Output, Part
-from symrender.errors import OptionError
+from symrender.chapter.write_lab import text
 from symrender.simulator.build import escaped
 
 
@@ -73,9 +72,5 @@ def _output(output: Output) -> str:
     return f'<p class="out picture"><img alt="{alt}" src="data:{kind};base64,{base64.b64encode(raw).decode()}"></p>'
 
 
-def _notebook(cell: Cell) -> Any:
-    try:
-        import nbformat
-    except ImportError:
-        raise OptionError("chapter: nbformat is not installed: pip install 'symrender[chapter]'") from None
-    return nbformat.writes(lab.notebook(cell))
+def _notebook(cell: Cell) -> str:
+    return text(lab.notebook(cell))

@@ -51,7 +51,7 @@ class Lobe:
         self._frame = self._rays.frame(incoming, normal)
         self.exponent, self.theta_max = lobe
 
-    def disc(self, side: int, *, gain: float, fine: int = 3) -> Disc:
+    def disc(self, side: int, *, gain: float, fine: int) -> Disc:
         """Rendered ``side`` pixels wide from ``fine`` x ``fine`` directions a pixel."""
         n = side * fine
         step = (2.0 * np.arange(n) + 1.0) / n - 1.0

@@ -93,7 +93,7 @@ def _slug(title: str) -> str:
 
 def _section_html(section: Section) -> str:
     return (
-        f'<section id="{section.name}"><h2><a class="number" href="#{section.name}">{section.number}</a> '
+        f'<section id="{section.name}"><h2><span class="number">{section.number}</span> '
         f"{section.title}</h2>\n{section.body}</section>"
     )
 

@@ -155,7 +155,7 @@ def _mathml(found: re.Match[str], filled: Callable[[re.Match[str]], str] | None 
     text = found[1] if found[1] is not None else found[2]
     block = found[1] is not None
     made = mathml(HOLE.sub(filled, text) if filled else text, block=block)
-    return f'<div class="display">{made}</div>' if block else made
+    return f'<div class="display" tabindex="0">{made}</div>' if block else made
 
 
 def mathml(latex: str, *, block: bool = False) -> str:

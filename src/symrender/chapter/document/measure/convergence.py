@@ -95,7 +95,7 @@ def _weights(effort: Effort) -> Measured:
 
 
 def _budget(effort: Effort) -> Measured:
-    found = budget("gloss", size=effort.study, lobe=8, pixels=48, fine=96)
+    found = budget("gloss", size=effort.study, lobe=8, pixels=32, fine=96)
     rows = {str(row[0]): row for row in found.tables[0].rows}
     source = f"study budget, gloss, {found.facts['size']}, {found.facts['pixels drawn']} pixels, strata 8 x 8"
     names = {"silhouette": "silhouette", "texture edge": "texture", "shadow edge": "shadow", "no wall": "smooth"}

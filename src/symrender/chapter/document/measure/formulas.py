@@ -36,7 +36,7 @@ def _derived() -> str:
     found = sp.integrate(sp.cos(theta) ** n * sp.sin(theta), (theta, a, b), conds="none")
     given = sp.latex(sp.Integral(sp.cos(theta) ** n * sp.sin(theta), (theta, a, b)))
     neat = sp.simplify(found.rewrite(sp.cos))
-    return f'<div class="display">{mathml(f"{given} = {sp.latex(neat)}", block=True)}</div>'
+    return f'<div class="display" tabindex="0">{mathml(f"{given} = {sp.latex(neat)}", block=True)}</div>'
 
 
 def _subtraction() -> dict[str, Any]:

@@ -23,7 +23,7 @@ from symrender.scene.arrays import Array, scene_arrays
 from symrender.scene.load import load
 from symrender.studies.lobe_rays import LobeRays
 from symrender.studies.power_law import fit_power_law
-from symrender.studies.subject import Subject, relative_reference, subject
+from symrender.studies.subject import Subject, reference, subject
 from symrender.views import false_color
 
 _SCENE: Final = "gloss"
@@ -31,6 +31,7 @@ _SIDE: Final = 8
 _GAIN: Final = 1.6
 _TRUTH: Final = 1e-11
 _LOOK: Final = 1e-2
+_FINE: Final = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +48,10 @@ class Spot:
 def measure(effort: Effort) -> Measured:
     """Blocks ``lobe.*`` and ``walls.map``; figures ``lobe.*``, ``walls.*``."""
     of = subject(_SCENE, size=effort.map_size)
-    truth = relative_reference(of, _LOOK)
+    truth = reference(of, _LOOK)
     spot = _spot(of, truth.layers, truth.signal)
     lobe = _lobe(of, spot)
-    disc = lobe.disc(effort.disc, gain=_GAIN)
+    disc = lobe.disc(effort.disc, gain=_GAIN, fine=_FINE)
     true = _probe(spot, _TRUTH)
     counts = truth.layers["crossings"][truth.mask]
     where = f"scene {_SCENE}, floor point ({spot.place[0]:.4f}, {spot.place[1]:.4f})"
@@ -58,12 +59,13 @@ def measure(effort: Effort) -> Measured:
         "lobe", where, x=float(spot.place[0]), y=float(spot.place[1]), chambers=int(true.chambers[0]),
         crossings=int(true.crossings[0]), gloss=float(true.gloss[0, 0]), error=float(true.error[0]),
         disc=float(disc.mean[0]), apart=float(np.abs(disc.mean / true.gloss[0] - 1.0).max()),
-        directions=int(math.pi / 4 * (3 * effort.disc) ** 2), exponent=lobe.exponent, theta_max=lobe.theta_max,
+        directions=int(math.pi / 4 * (_FINE * effort.disc) ** 2), exponent=lobe.exponent, theta_max=lobe.theta_max,
         sides=_SIDE,
     )  # fmt: skip
     figures |= figures_of(
         "walls", f"scene {_SCENE}, {of.settings.width} x {of.settings.height}, {len(counts)} floor pixels",
         pixels=len(counts), share=float((counts > 0).mean()), median=float(np.median(counts)), most=int(counts.max()),
+        tolerance=_LOOK,
     )  # fmt: skip
     blocks = {
         "lobe.starved": _drawn(lobe, disc, "equal_angle", "midpoint"),

@@ -1,0 +1,252 @@
+"""The page: whole in one file, moved by its figures and nothing typed, sound in a browser, on a phone and on paper."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from simulator.conftest import CHROMIUM, FLAGS
+from symrender.chapter import lab
+from symrender.chapter.document import build
+from symrender.chapter.document.effort import QUICK
+from symrender.chapter.document.figures import Figure, Measured
+from symrender.chapter.document.laboratory import cell_html
+from symrender.chapter.document.page import SECTIONS, compose, prose_text
+from symrender.chapter.document.prose import DIRECTIVE, HOLE
+from symrender.chapter.lab import Output
+from symrender.chapter.write_lab import text
+from symrender.cli import main
+from symrender.errors import OptionError
+from symrender.simulator.build import simulator
+
+MOST_BYTES = 5_000_000
+IDS = (*SECTIONS, "sim", "lab", *lab.names(), "errata", "references", "contents")
+STATE = "() => document.getElementById('simulator-frame').contentWindow?.simulator?.app"
+AXE = """async () => {
+  const page = { exclude: [['math'], ['.lab-cell:not(#cell1) pre']] };
+  const { violations } = await axe.run(page, { resultTypes: ['violations'] });
+  return violations.map((v) => [v.impact, v.id, v.nodes.slice(0, 3).map((n) => n.html)]);
+}"""
+"""Formulas are for MathML to make accessible, and the code of one cell stands for that of all."""
+DRAWN = f"""() => {{
+  const app = ({STATE})();
+  return !!(app && app.frame && app.frame.whole && app.frame.generation === app.generation && !app.running);
+}}"""
+
+
+@dataclass(frozen=True)
+class Built:
+    """What the quick build measured, the page made of it, and the processor seconds both took."""
+
+    measured: Measured
+    simulator: str
+    page: str
+    seconds: float
+
+
+@pytest.fixture(scope="module")
+def built() -> Built:
+    begun = time.process_time()
+    measured = build.measure(QUICK)
+    inside = simulator("gloss").html
+    return Built(measured, inside, compose(measured, inside), time.process_time() - begun)
+
+
+def words(page: str) -> str:
+    """What a reader sees, without the data at the end."""
+    return re.sub(r"<[^>]*>", "", page[: page.index('<script type="application/json" id="figures">')])
+
+
+def test_every_section_and_cell_has_its_id(built: Built) -> None:
+    found = re.findall(r'\bid="([\w-]+)"', built.page)
+    assert not {name for name in IDS if found.count(name) != 1}
+    targets = set(re.findall(r'href="#([\w-]+)"', built.page))
+    assert len(targets) > 25
+    assert not targets - set(found)
+
+
+def test_the_page_is_whole_and_light(built: Built) -> None:
+    assert 300_000 < len(built.page.encode()) < MOST_BYTES
+    loaded = re.findall(r'(?:src|href)="([^"#]{1,40})', built.page)
+    assert len(loaded) > 20
+    assert {text.split(":")[0] for text in loaded if not text.startswith("https://doi.org/10.")} == {"data"}
+    assert "url(" not in re.sub(r'url\((?:"data:|#|&quot;)', "", built.page.split("</style>")[0])
+    assert "@{" not in words(built.page) and "\ue000" not in built.page
+
+
+def test_every_hole_is_a_figure_of_this_build(built: Built) -> None:
+    names = {h[1] for name in ("opening", *SECTIONS) for h in HOLE.finditer(prose_text(name))}
+    assert names <= set(built.measured.figures)
+    receipts = json.loads(re.search(r'id="figures">(.*?)</script>', built.page)[1])
+    assert {name: entry[0] for name, entry in receipts.items()} == {
+        name: figure.value for name, figure in built.measured.figures.items()
+    }
+    assert all(figure.source for figure in built.measured.figures.values())
+
+
+def test_what_is_measured_is_shown(built: Built) -> None:
+    """A block no prose asks for is work for nothing."""
+    texts = [prose_text(name) for name in ("opening", *SECTIONS)]
+    directives = [DIRECTIVE.fullmatch(line) for text in texts for line in text.splitlines()]
+    assert {found[2] for found in directives if found} == set(built.measured.blocks)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("claims.a_true", 1871, "1 871"),
+        ("pitfalls.ratio_two", 0.4321, "+43.2 %"),
+        ("anchor.symbolic.slope", -0.95, "−0.950"),
+        ("rays.worst", 3e-12, "3.0 × 10"),
+    ],
+)
+def test_another_figure_is_another_text(built: Built, name: str, value: float, text: str) -> None:
+    figure = built.measured.figures[name]
+    figures = {**built.measured.figures, name: Figure(value, figure.source)}
+    changed = words(compose(replace(built.measured, figures=figures), built.simulator))
+    before = words(built.page).split("\n")
+    differ = [line for line, old in zip(changed.split("\n"), before, strict=True) if line != old]
+    assert differ
+    assert any(text in line.replace("\N{NARROW NO-BREAK SPACE}", " ") for line in differ)
+    assert len(differ) <= 3
+
+
+def test_a_figure_that_breaks_a_claim_breaks_the_build(built: Built) -> None:
+    broken = {**built.measured.figures, "claims.midpoint_two": Figure(1.0, "")}
+    with pytest.raises(OptionError, match=r"s10\.md: @holds claims\.midpoint_two < claims\.exact_two: measured 1 <"):
+        compose(replace(built.measured, figures=broken), built.simulator)
+    missing = {k: v for k, v in built.measured.figures.items() if k != "claims.a_true"}
+    with pytest.raises(OptionError, match=r"s10\.md: no figure is called 'claims\.a_true'"):
+        compose(replace(built.measured, figures=missing), built.simulator)
+
+
+def test_outputs_of_a_cell_are_shown_as_they_are() -> None:
+    cell = lab.load("cell1")
+    code = next(k for k, part in enumerate(cell.parts) if part.kind == "code")
+    outputs = (
+        Output(code, "text", "a < b & c\n"),
+        Output(code, "html", "<b>rich</b>"),
+        Output(code, "png", b"\x89PNG", "a picture"),
+        Output(code, "svg", '<svg onload="alert(1)"></svg>', 'a "plot"'),
+    )
+    made = cell_html(cell, outputs)
+    assert '<pre class="out" tabindex="0">a &lt; b &amp; c</pre>' in made
+    assert "<b>rich</b>" in made and 'alt="a picture" src="data:image/png;base64,' in made
+    assert 'alt="a &quot;plot&quot;" src="data:image/svg+xml;base64,' in made and "onload" not in made
+    assert made.count("Not run") == 0 and "Not run in this build" in cell_html(cell, None)
+    code_text = [html.unescape(re.sub(r"<[^>]*>", "", t)) for t in re.findall(r"<code>(.*?)</code></pre>", made, re.S)]
+    assert code_text == [part.text.strip("\n") for part in cell.parts if part.kind == "code"]
+    held = re.search(r'id="notebook-cell1">(.*?)</script>', made, re.S)[1]
+    assert "<" not in held
+    assert json.loads(held) == text(lab.notebook(cell))
+
+
+def test_the_command_refuses_before_it_works(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "chapter8.html"
+    path.write_text("mine")
+    assert main(["chapter", "-o", str(path)]) == 74
+    assert path.read_text() == "mine"
+    assert main(["chapter", "--help"]) == 0
+    assert "chapter8.html" in capsys.readouterr().out
+
+
+@pytest.fixture(scope="module")
+def opened(built: Built, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, str]]:
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("no chromium on this machine: apt-get install chromium, or name one in CHROMIUM")
+    path = tmp_path_factory.mktemp("chapter") / "chapter8.html"
+    path.write_text(built.page, encoding="utf-8")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser, path.as_uri()
+        browser.close()
+
+
+class Reader:
+    """A page that remembers what it asked for and what it complained of."""
+
+    def __init__(self, opened: tuple[Any, str], **options: Any) -> None:
+        browser, self.address = opened
+        self.context = browser.new_context(**options)
+        self.requests: list[str] = []
+        self.complaints: list[str] = []
+        self.context.on("request", lambda request: self.requests.append(request.url))
+        self.page = self.context.new_page()
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("console", lambda m: self.complaints.append(m.text) if m.type == "error" else None)
+        self.page.goto(self.address)
+
+    def close(self) -> None:
+        foreign = [u for u in self.requests if not u.startswith((self.address, "data:", "blob:", "about:"))]
+        self.context.close()
+        assert foreign == []
+        assert self.complaints == []
+
+
+def test_it_opens_at_once_and_works(opened: tuple[Any, str]) -> None:
+    reader = Reader(opened, viewport={"width": 1280, "height": 900}, offline=True, accept_downloads=True)
+    page = reader.page
+    loaded = page.evaluate("() => performance.getEntriesByType('navigation')[0].loadEventEnd")
+    assert 0 < loaded < 5000
+    assert page.evaluate("(ids) => ids.filter((id) => !document.getElementById(id))", list(IDS)) == []
+    assert page.evaluate("() => document.fonts.check('16px \"Chapter Math\"', 'θ')")
+    assert page.evaluate("() => document.querySelectorAll('math').length") > 60
+    broken = "() => [...document.images].filter((i) => i.complete && !i.naturalWidth).length"
+    assert page.evaluate(broken) == 0
+    page.locator("data.figure").first.click()
+    assert "build.date" in page.locator("#receipt").inner_text()
+    with page.expect_download() as download:
+        page.locator('[data-notebook="cell2"]').click()
+    saved = json.loads(Path(download.value.path()).read_text(encoding="utf-8"))
+    assert download.value.suggested_filename == "cell2.ipynb"
+    assert saved["nbformat"] == 4
+    line = page.locator(".compare input")
+    line.focus()
+    page.keyboard.press("Home")
+    assert page.evaluate("() => document.querySelector('.compare').style.getPropertyValue('--at')") == "0%"
+    reader.close()
+
+
+def test_the_simulator_inside_draws_and_takes_its_presets(opened: tuple[Any, str]) -> None:
+    reader = Reader(opened, viewport={"width": 1100, "height": 800}, offline=True)
+    page = reader.page
+    assert page.evaluate(f"() => !({STATE})()")
+    page.locator("#sim").scroll_into_view_if_needed()
+    page.wait_for_function(f"() => !!({STATE})()?.change", timeout=60_000)
+    page.evaluate(f"() => ({STATE})().change((s) => {{ s.size = 48; }})")
+    page.wait_for_function(DRAWN, timeout=120_000)
+    page.evaluate("() => document.querySelector('[data-preset=\"4\"]').click()")
+    page.wait_for_function(f"() => ({STATE})().state.partition === 'equal_weight'", timeout=60_000)
+    reader.close()
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1280), ("dark", 390)])
+def test_it_can_be_read_by_everyone(opened: tuple[Any, str], scheme: str, width: int) -> None:
+    axe_module = pytest.importorskip("axe_playwright_python", reason="axe-playwright-python is not installed")
+    source = (Path(axe_module.__file__).parent / "axe.min.js").read_text(encoding="utf-8")
+    reader = Reader(opened, color_scheme=scheme, viewport={"width": width, "height": 900})
+    page = reader.page
+    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+    page.evaluate("() => { for (const d of document.querySelectorAll('details')) d.open = true; }")
+    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+    page.evaluate(source)
+    found = page.evaluate(AXE)
+    assert [entry for entry in found if entry[0] in ("serious", "critical")] == []
+    reader.close()
+
+
+def test_it_prints(opened: tuple[Any, str]) -> None:
+    reader = Reader(opened, color_scheme="dark")
+    paper = reader.page.pdf(format="A4", prefer_css_page_size=True)
+    assert paper.startswith(b"%PDF")
+    assert 12 < paper.count(b"/Type /Page\n") + paper.count(b"/Type /Page ") < 90
+    reader.close()
