@@ -34,12 +34,16 @@ def cell_html(cell: Cell, outputs: Sequence[Output] | None) -> str:
     if outputs is None:
         body.append('<p class="note">Not run in this build.</p>')
     return (
-        f'<article class="lab-cell" id="{cell.name}"><header><h3>{html.escape(cell.title)}</h3><div class="actions">'
+        f'<article class="lab-cell" id="{cell.name}"><header><h3>{_numbered(cell)}</h3><div class="actions">'
         f'<button type="button" data-copy="{cell.name}">Copy code</button>'
         f'<button type="button" data-notebook="{cell.name}">Download notebook</button></div></header>'
         f"{''.join(body)}"
         f'<script type="application/json" id="notebook-{cell.name}">{escaped(_notebook(cell))}</script></article>'
     )
+
+
+def _numbered(cell: Cell) -> str:
+    return f'<span class="which">Cell {cell.name.removeprefix("cell")}</span> {html.escape(cell.title)}'
 
 
 def _prose(part: Part, *, first: bool) -> str:

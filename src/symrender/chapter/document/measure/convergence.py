@@ -15,6 +15,8 @@ from symrender.studies.weights import weights
 _ESTIMATORS: Final = (
     "strata-angle", "strata-angle-midpoint-weights", "strata-weight-barycentre", "jittered", "sobol", "split"
 )  # fmt: skip
+_COMPARED: Final = 8
+"""K at which two kinds of weights are compared."""
 _WORDS: Final = {
     "strata-angle": "strata, equal angles",
     "strata-angle-midpoint-weights": "the same, midpoint weights",
@@ -76,17 +78,18 @@ def _weights(effort: Effort) -> Measured:
     found = weights("gloss", size=effort.study, lobes=effort.lobes)
     source = f"study weights, {found.facts['size']}"
     crossed, smooth = (found.table(title) for title in ("walls cross", "no wall"))
+    at = crossed.column("K").index(_COMPARED)
     figures = figures_of(
         "weight_choice",
         source,
         walls=float(found.facts["walls met a lobe"] or 0),
         smooth_walls=float(found.facts["smooth scene, walls met a lobe"] or 0),
-        k=int(smooth.column("K")[1]),
-        smooth_exact=float(smooth.column("exact")[1]),
-        smooth_midpoint=float(smooth.column("midpoint, normalised")[1]),
-        smooth_barycentre=float(smooth.column("exact, barycentre")[1]),
-        crossed_exact=float(crossed.column("exact")[1]),
-        crossed_midpoint=float(crossed.column("midpoint")[1]),
+        k=int(smooth.column("K")[at]),
+        smooth_exact=float(smooth.column("exact")[at]),
+        smooth_midpoint=float(smooth.column("midpoint, normalised")[at]),
+        smooth_barycentre=float(smooth.column("exact, barycentre")[at]),
+        crossed_exact=float(crossed.column("exact")[at]),
+        crossed_midpoint=float(crossed.column("midpoint")[at]),
     )
     return Measured(
         figures,

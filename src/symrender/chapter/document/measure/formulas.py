@@ -79,8 +79,8 @@ def _widths() -> str:
     for n in _EXPONENTS:
         w = lobe_widths("", n, _RIM)
         rows.append([int(n), *(math.degrees(v) for v in (w.chapter_ruler, w.sigma, w.rms_angle, w.rms_angle_limit)),
-                     w.mean_cosine])  # fmt: skip
-    columns = ("n", "chapter's ruler, °", "per axis, °", "RMS angle, °", "its limit, °", "mean cosine")
+                     1.0 - w.mean_cosine])  # fmt: skip
+    columns = ("n", "chapter's ruler, °", "per axis, °", "RMS angle, °", "its limit, °", "1 - mean cosine")
     return table(columns, rows, label="Widths of the lobe")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from symrender.chapter.document.effort import Effort
@@ -10,11 +11,15 @@ from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import study_table
 from symrender.studies.anchor import anchor
 from symrender.studies.power_law import fit_power_law
+from symrender.studies.report import Cell
 
 _EXPONENTS: Final = (1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9)
-_MEASURES: Final = {"median": "median", "90 %": "upper", "RMS": "rms"}
-_SIDES: Final = {"numeric": "numeric", "symbolic": "symbolic"}
+_MEASURES: Final = ("median", "90 %", "RMS")
+_SIDES: Final = ("numeric", "symbolic")
+_FAR: Final = (1e6, 1e9)
+"""Exponents at which most pixels have left the walls behind."""
 _WALL: Final = (1e4, 1e7)
+"""Exponents at which the lobe is narrow and still wider than the pixels are apart."""
 
 
 def measure(effort: Effort) -> Measured:
@@ -23,21 +28,16 @@ def measure(effort: Effort) -> Measured:
     rows = found.tables[0]
     pixels = int(rows.column("pixels")[0])
     source = f"study anchor, gloss, {effort.anchor} x {effort.anchor}, {pixels} pixels whose mirror ray sees light"
-    figures: dict[str, Figure] = figures_of("anchor", source, pixels=pixels, side=effort.anchor)
+    figures: dict[str, Figure] = figures_of("anchor", source, pixels=pixels, side=effort.anchor, **{"from": _FAR[0]})
     curves = []
     for color, side in enumerate(_SIDES):
         mine = [dict(zip(rows.columns, row, strict=True)) for row in rows.rows if str(row[0]).startswith(side)]
         n = [real(row["n"]) for row in mine]
-        for name, key in _MEASURES.items():
+        for k, name in enumerate(_MEASURES):
             y = [real(row[name]) for row in mine]
-            curves.append(Curve(f"{side}, {name}", n, y, color * 3 + list(_MEASURES).index(name), dashed=color == 0))
-            figures[f"anchor.{side}.{key}_last"] = Figure(y[-1], source)
-        figures[f"anchor.{side}.slope"] = Figure(real(mine[-1]["slope"]), source)
-        near = [row for row in mine if _WALL[0] <= real(row["n"]) <= _WALL[1]]
-        law = fit_power_law([real(row["n"]) for row in near], [real(row["RMS"]) for row in near])
-        assert law is not None, "every gap to the mirror is above zero"
-        fitted = f"{source}; fitted from n = {law.start:g} to {law.end:g}"
-        figures[f"anchor.{side}.wall_slope"] = Figure(-law.order, fitted)
+            curves.append(Curve(f"{side}, {name}", n, y, 3 * color + k, dashed=color == 0))
+        figures[f"anchor.{side}.slope"] = _slope(mine, "median", _FAR, source)
+        figures[f"anchor.{side}.wall_slope"] = _slope(mine, "RMS", _WALL, source)
     plot = log_log(
         "anchor", curves, x="exponent n", y="distance to the mirror image",
         alt="Distance to the mirror image against the exponent: the median falls in proportion to 1/n, the RMS slowly",
@@ -45,3 +45,11 @@ def measure(effort: Effort) -> Measured:
     keep = {"estimator": "estimator", "n": "n", "median": "median", "slope": "slope", "90 %": "90 %", "RMS": "RMS",
             "slope RMS": "slope of RMS"}  # fmt: skip
     return Measured(figures, {"anchor.plot": plot, "anchor.table": study_table(rows, keep)})
+
+
+def _slope(rows: Sequence[Mapping[str, Cell]], name: str, span: tuple[float, float], source: str) -> Figure:
+    """Slope of a column in log n over a range of exponents."""
+    kept = [row for row in rows if span[0] <= real(row["n"]) <= span[1]]
+    law = fit_power_law([real(row["n"]) for row in kept], [real(row[name]) for row in kept])
+    assert law is not None, "every gap to the mirror is above zero"
+    return Figure(-law.order, f"{source}; {name}, fitted from n = {law.start:g} to {law.end:g}")

@@ -14,42 +14,42 @@ from symrender.chapter.document.lobe_disc import Disc, Lobe
 from symrender.chapter.document.pictures import element
 from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import table
-from symrender.image import Image
 from symrender.probe import Probe, probe
 from symrender.quadrature.strata import rings, rule
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, scene_arrays
 from symrender.scene.load import load
+from symrender.srgb import encode_srgb
 from symrender.studies.lobe_rays import LobeRays
 from symrender.studies.power_law import fit_power_law
 from symrender.studies.subject import Subject, reference, subject
-from symrender.views import false_color
+from symrender.views import SEQUENTIAL, color_map
 
 _SCENE: Final = "gloss"
+_POINT: Final = (0.18, -2.66)
+"""Its lobe sees all three spheres, texture lines and terminators."""
 _SIDE: Final = 8
 _GAIN: Final = 1.6
 _TRUTH: Final = 1e-11
 _LOOK: Final = 1e-2
 _FINE: Final = 2
+_DIM: Final = 0.45
 
 
 @dataclass(frozen=True, eq=False)
 class Spot:
-    """A floor point whose lobe has much to tell: where it is, from where it is seen, and the pixel it was found in."""
+    """A floor point, and the unit direction along which the eye sees it."""
 
     place: Array
     incoming: Array
-    pixel: tuple[int, int]
-    crossings: int
-    chambers: int
 
 
 def measure(effort: Effort) -> Measured:
     """Blocks ``lobe.*`` and ``walls.map``; figures ``lobe.*``, ``walls.*``."""
     of = subject(_SCENE, size=effort.map_size)
     truth = reference(of, _LOOK)
-    spot = _spot(of, truth.layers, truth.signal)
+    spot = _spot(of)
     lobe = _lobe(of, spot)
     disc = lobe.disc(effort.disc, gain=_GAIN, fine=_FINE)
     true = _probe(spot, _TRUTH)
@@ -76,16 +76,10 @@ def measure(effort: Effort) -> Measured:
     return Measured({**figures, **integrated.figures}, {**blocks, **integrated.blocks})
 
 
-def _spot(of: Subject, layers: Any, signal: float) -> Spot:
-    """The floor pixel whose lobe meets most walls, of those at least as bright as the average signal."""
-    places = of.places()
-    bright = (layers["gloss"].mean(axis=2) > signal) & (layers["hit_class"] == at.FLOOR)
-    score = np.where(bright, layers["crossings"], -1.0)
-    j, i = np.unravel_index(int(score.argmax()), score.shape)
-    return Spot(
-        places["place"][j, i], places["incoming"][j, i], (int(i), int(j)), int(layers["crossings"][j, i]),
-        int(layers["chambers"][j, i]),
-    )  # fmt: skip
+def _spot(of: Subject) -> Spot:
+    place = np.array([*_POINT, 0.0])
+    away: Array = place - of.arrays.camera[1:4]
+    return Spot(place, away / np.linalg.norm(away))
 
 
 def _lobe(of: Subject, spot: Spot) -> Lobe:
@@ -109,10 +103,12 @@ def _probe(spot: Spot, tol: float) -> Probe:
 
 
 def _map(layers: Any) -> str:
-    shape = layers["crossings"].shape
-    image = Image({"radiance": np.zeros((*shape, 3)), "crossings": layers["crossings"].astype(np.float64)}, {})
-    view = false_color(image, "crossings")
-    return element(view.pixels, view.caption, smooth=False)
+    """Floor pixels by the walls their lobes meet, over the picture in dark grey."""
+    met = layers["crossings"].astype(np.float64)
+    grey = encode_srgb(layers["radiance"]).mean(axis=2, keepdims=True) * _DIM
+    colors = color_map(met, 0.0, float(met.max()), SEQUENTIAL)
+    pixels = np.where(met[:, :, None] > 0, colors, grey).astype(np.uint8)
+    return element(pixels, "The floor of the scene, brightest where a lobe meets most walls", smooth=False)
 
 
 def _integrated(effort: Effort, of: Subject, spot: Spot, true: Probe) -> Measured:
