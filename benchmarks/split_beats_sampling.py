@@ -34,12 +34,15 @@ def floor_pixels(eye: np.ndarray, spheres: np.ndarray) -> tuple[np.ndarray, np.n
     y = half * (1 - 2 * (i + 0.5) / SIZE) - 0.15 * half
     points = np.stack([*np.meshgrid(x, y), np.zeros((SIZE, SIZE))], axis=-1).reshape(-1, 3)
     d = points - eye
-    d /= np.linalg.norm(d, axis=1)[:, None]
+    far = np.linalg.norm(d, axis=1)
+    d /= far[:, None]
     seen = np.ones(len(points), bool)
     for s in spheres:
         f = eye - s[:3]
         b = d @ f
-        seen &= ~((b * b - (f @ f - s[3] ** 2) > 0) & (b < 0))
+        inside = b * b - (f @ f - s[3] ** 2)
+        # a sphere met behind the floor is its buried part
+        seen &= ~((inside > 0) & (b < 0) & (-b - np.sqrt(np.maximum(inside, 0.0)) < far))
     return seen, points
 
 

@@ -7,11 +7,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.events import line_range
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.penumbra_walls import disk_on_floor, disk_on_sphere
 from symrender.chambers.walls import (
     BALL,
     BETA_MAX,
+    BRIGHT,
     CENTER,
     DIRECTION,
     E1,
@@ -20,6 +22,7 @@ from symrender.chambers.walls import (
     GAMMA_MAX,
     HEIGHT,
     HORIZON,
+    LENS_COS,
     LIMB_TANGENT,
     LOBE_BETA,
     MET_COLUMN,
@@ -28,12 +31,15 @@ from symrender.chambers.walls import (
     POLE,
     RADIUS,
     RATIO,
+    RIM_COS,
+    RIM_SIN,
     SHAPE_INDEX,
     SIDE,
     SILHOUETTE,
     SURFACE_NORMAL,
     TERMINATOR,
     TEXTURE_EDGE,
+    UNBOUNDED,
     add_circle,
     add_shadow,
 )
@@ -68,16 +74,38 @@ def set_frame(geo: Array, mx: float, my: float, mz: float) -> None:
 
 
 @jitable
+def set_lens(geo: Array) -> None:
+    """Note a circle of normals that holds all of the charted sphere's visible part inside the lobe."""
+    k = geo[RATIO]
+    geo[LENS_COS], geo[LENS_COS + 1], geo[LENS_COS + 2] = 1.0, 0.0, k
+    low, high = line_range(geo)
+    nearest = geo[LOBE_BETA] - math.atan2(geo[RIM_SIN], geo[RIM_COS])
+    if nearest <= 0.0 or not low < high or high > 1.5:
+        return
+    first = math.asin(min(1.0, math.sin(nearest) / k)) - nearest
+    last = geo[GAMMA_MAX]
+    middle = 0.5 * (first + last)
+    c, s, turn = math.cos(middle), math.sin(middle), math.cos(high)
+    widest = min(math.cos(last - middle), c * k + s * math.sin(last) * turn)
+    widest = min(widest, c * math.cos(first) + s * math.sin(first) * turn)
+    if widest > k:
+        geo[LENS_COS], geo[LENS_COS + 1], geo[LENS_COS + 2] = c, s, widest - 1e-9
+
+
+@jitable
 def add_normal(work: Work, ax: float, ay: float, az: float, level: float, tag: int, shape: int) -> None:
-    """Append the circle a.N = level on the charted sphere, if it crosses the visible cap."""
+    """Append the circle a.N = level on the charted sphere, if it can cross its visible part inside the lobe."""
     if not abs(level) < 1.0:
         return
     geo = work.geo
     # component along the visible pole -c
     a0 = -(ax * geo[POLE] + ay * geo[POLE + 1] + az * geo[POLE + 2])
-    if abs(math.acos(max(-1.0, min(1.0, a0))) - math.acos(level)) >= geo[GAMMA_MAX]:
-        return
     a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
+    # the circle passes the lens where their axes are as far apart as the level asks, give or take the lens's radius
+    apart = a0 * geo[LENS_COS] + a1 * geo[LENS_COS + 1]
+    across = math.sqrt(max(0.0, (1.0 - apart) * (1.0 + apart)) * (1.0 - level) * (1.0 + level))
+    if apart * level + across < geo[LENS_COS + 2]:
+        return
     a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
     work.counts[WALLS] = add_circle(work.walls, work.counts[WALLS], NORMAL, a0, a1, a2, level, tag, shape)
 
@@ -135,8 +163,10 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
     geo[CENTER], geo[CENTER + 1], geo[CENTER + 2] = sphere[0], sphere[1], sphere[2]
     geo[RADIUS], geo[RATIO], geo[SHAPE_INDEX] = r, k, j
     geo[BETA_MAX], geo[GAMMA_MAX] = math.asin(k), math.acos(k)
+    geo[BRIGHT] = UNBOUNDED
     geo[LIMB_TANGENT] = math.sqrt((1.0 - k) / (1.0 + k))
     set_frame(geo, lobe[0], lobe[1], lobe[2])
+    set_lens(geo)
     work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
 
     # the plane through P that bounds what its surface can see cuts the sphere in a circle
@@ -214,6 +244,7 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     geo[RADIUS], geo[RATIO], geo[SHAPE_INDEX] = 0.0, 1.0, -1.0
     geo[BETA_MAX] = geo[GAMMA_MAX] = 0.5 * math.pi
     geo[HEIGHT] = abs(pz)
+    geo[BRIGHT] = UNBOUNDED
     set_frame(geo, lobe[0], lobe[1], lobe[2])
     work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
     add_direction(work, geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2], 0.0, HORIZON, -1)

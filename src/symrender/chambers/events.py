@@ -32,6 +32,8 @@ from symrender.kernel_cache import jitable
 
 Array = npt.NDArray[np.float64]
 
+CROSSING = -1.0
+"""Two walls cross: the line integral has a kink, and no panel need end there before its error asks for it."""
 SMOOTH = 0.0
 """An event of this kind leaves the line integral analytic on either side."""
 ROOT = 1.0
@@ -74,7 +76,7 @@ def circle_events(
     low: float, high: float, rim: bool,
 ) -> int:  # fmt: skip
     """Tangencies and limb passages of one circle; ``normal`` says on which sphere it lies."""
-    rho = math.hypot(a1, a2)
+    rho = math.sqrt(a1 * a1 + a2 * a2)
     if rho == 0.0:
         return n
     middle = math.atan2(a2, a1)
@@ -102,7 +104,7 @@ def circle_events(
             for branch in range(2):
                 phi = middle + (offset if branch == 0 else -offset)
                 if rim or within_lobe(phi, geo[BETA_MAX], geo):
-                    n = add_event(events, n, phi, low, high, SMOOTH if normal else ROOT)
+                    n = add_event(events, n, phi, low, high, CROSSING if normal else ROOT)
     return n
 
 
@@ -131,7 +133,7 @@ def line_range(geo: Array) -> tuple[float, float]:
 
 @jitable
 def chart_events(work: Work, events: Array, low: float, high: float) -> int:
-    """Closed-form events between low and high, with both ends, ascending; columns azimuth, kind. Their number."""
+    """Tangencies and limb passages between low and high, with both ends, ascending; columns azimuth, kind."""
     geo = work.geo
     events[0, 0], events[0, 1] = low, ROOT
     n = 1
@@ -148,10 +150,15 @@ def chart_events(work: Work, events: Array, low: float, high: float) -> int:
             n = circle_events(
                 row[1], row[2], row[3], row[COS], row[SIN], kind == NORMAL, geo, events, n, low, high, False
             )
-    if n < events.shape[0]:
-        events[n, 0], events[n, 1] = high, events[0, 1]
-        n += 1
-    return n
+    return close_events(events, n, high)
+
+
+@jitable
+def close_events(events: Array, n: int, high: float) -> int:
+    """Append the upper end, of the same kind as the lower one; new count."""
+    n = min(n, events.shape[0] - 1)
+    events[n, 0], events[n, 1] = high, events[0, 1]
+    return n + 1
 
 
 @jitable

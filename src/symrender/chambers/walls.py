@@ -89,6 +89,12 @@ STRIP: Final = 32
 """Half-width of the strip of analyticity used for node counts along a line, then across lines."""
 LIMB_TANGENT: Final = 38
 """tan of half the limb's angle at the centre, tan(gamma_max/2)."""
+LENS_COS: Final = 40
+"""Cosine and sine of the angle, from the visible pole towards the lobe, to the middle of a circle of normals that holds
+all of the shape inside the lobe; then the cosine of that circle's radius."""
+BRIGHT: Final = 39
+"""No radiance of the charted shape differs from the background by more; UNBOUNDED if nobody asked."""
+UNBOUNDED: Final = 1e30
 GEO_COLUMNS: Final = 48
 
 COINCIDENT: Final = 1e-11

@@ -49,6 +49,7 @@ class Work(NamedTuple):
     stack: Array
     quartic: Array
     labels: Ints
+    quadric: Array
     disk: Array
 
 
@@ -82,5 +83,6 @@ def work_arrays(spheres: int, points: int) -> Work:
         bernstein=np.zeros(5),
         stack=np.zeros((64, 7)),
         quartic=np.zeros(8),
+        quadric=np.zeros((6, 5)),
         disk=np.zeros((2 * spheres + 8, max(64, points))),
     )

@@ -47,18 +47,25 @@ def disk_rule(degree: int) -> Array:
 
 
 def gauss_table() -> Array:
-    """(3, DISK_STARTS[-1]): nodes and weights of the Gauss rules on [0, 1], then x, y and weights of the disk rules.
+    """(4, DISK_STARTS[-1]): nodes, weights, tails of Gauss rules on [0, 1], then x, y and weights of disk rules.
 
-    The Gauss rule of n nodes starts at n (n - 1)/2 and is exact to degree 2n - 1 up to rounding.
+    The Gauss rule of n nodes starts at n (n - 1)/2 and is exact to degree 2n - 1 up to rounding. Its rows 2 and 3 make,
+    as factors of the weights, the Legendre coefficients of degrees n - 1 and n - 2 of what the rule sees: how fast they
+    fall tells the rule's error. A row is 0 where that degree would be 0 or less.
     """
-    table = np.zeros((3, DISK_STARTS[-1]))
+    table = np.zeros((4, DISK_STARTS[-1]))
     for n in range(1, MAX_ORDER + 1):
         x, w = np.polynomial.legendre.leggauss(n)
         start = n * (n - 1) // 2
         table[0, start : start + n] = 0.5 * (1.0 + x)
         table[1, start : start + n] = 0.5 * w
+        for row, degree in ((2, n - 1), (3, n - 2)):
+            if degree > 0:
+                series = np.zeros(degree + 1)
+                series[degree] = 2 * degree + 1
+                table[row, start : start + n] = np.polynomial.legendre.legval(x, series)
     for degree, start, stop in zip(DISK_DEGREES, DISK_STARTS, DISK_STARTS[1:], strict=False):
-        table[:, start:stop] = disk_rule(degree)
+        table[:3, start:stop] = disk_rule(degree)
     return table
 
 

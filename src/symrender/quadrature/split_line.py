@@ -28,12 +28,14 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import LOGS, disk_term
-from symrender.quadrature.gauss import MAX_ORDER, order
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.light_term import light_term, marble_factor
 from symrender.scene.arrays import EYE, MARBLE, PHONG
 
 Array = npt.NDArray[np.float64]
 
+MAX_HALVINGS = 40
+"""Most halvings of one cell of a line."""
 SOFT_LOG = 1.5
 """log rho, in the mapped coordinate, of a cell in which a disk light is partly hidden."""
 
@@ -45,6 +47,24 @@ def lobe_density(squared_chord: float, geo: Array) -> float:
     if c <= -1.0:
         return 0.0
     return math.exp(geo[EXPONENT] * math.log1p(c) - geo[LOG_NORMALISER])
+
+
+@jitable
+def tail_error(n: int, last: float, before: float, size: float) -> float:
+    """Error of an n-point Gauss rule whose integrand, of mean magnitude ``size``, has these last two coefficients.
+
+    Coefficients of an analytic integrand fall like rho^-k and the rule's error like rho^-2n: the last ones tell rho,
+    and the error size (top/size)^(2n/(n - 1)), of which the exponent is rounded down.
+    """
+    if n == 1 or size == 0.0:
+        return size
+    top = max(abs(last), 0.5 * abs(before))
+    ratio = top / size
+    if n == 2:
+        return top * min(1.0, ratio * ratio)
+    if n == 3:
+        return top * min(1.0, ratio * math.sqrt(ratio))
+    return top * min(1.0, ratio)
 
 
 @jitable
@@ -81,9 +101,11 @@ def cell_order(
 def integrate_cells(
     phi: float, step: int, view: View, work: Work, gauss: Array, out: Array
 ) -> None:  # fmt: skip
-    """Integral over the scanned line of (radiance - background) times the lobe density; ``out`` (4,).
+    """Integral over the scanned line of (radiance - background) times the lobe density.
 
-    Then the integral of its largest magnitude over the channels, a scale for errors.
+    Then the integral of its largest magnitude over the channels, a scale for errors, the error of the cells'
+    rules, and the largest lobe density met; ``out`` is (6,). A cell whose rule is not as good as its step promises (a
+    highlight's kink, a vein) is halved.
 
     ``step`` chooses the order of every cell.
     """
@@ -105,7 +127,8 @@ def integrate_cells(
     ambient = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
     marble = j >= 0 and view.spheres[j, 7] == MARBLE
     least = order(step, SOFT_LOG)
-    r, g, b, size = 0.0, 0.0, 0.0, 0.0
+    r, g, b, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    promise = 100.0 * math.exp(-LEVELS[step])
     for cell in range(work.counts[CELLS]):
         side = work.cell_side[cell]
         if side == HIDDEN:
@@ -119,9 +142,9 @@ def integrate_cells(
         soft = False
         for i in range(lights):
             soft = soft or work.lit[cell, i] >= PARTLY
-        a = start
+        a, end = start, stop
+        halvings = 0
         while a < stop:
-            end = stop
             n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
             if soft:
                 n = max(n + (n + 1) // 2, least)
@@ -133,6 +156,7 @@ def integrate_cells(
             base = n * (n - 1) // 2
             length = end - a
             work.counts[EVALUATIONS] += n
+            last, before, whole, r0, g0, b0 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for q in range(n):
                 u, along = gauss[0, base + q], length
                 if soft:
@@ -159,7 +183,9 @@ def integrate_cells(
                     qx, qy, qz = geo[POINT] + rr * ex, geo[POINT + 1] + rr * ey, 0.0
                     measure = sx
                 d0, d1, d2 = cb - cbm, sb * c - sbm, sb * s
-                weight = gauss[1, base + q] * along * measure * lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo)
+                density = lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo)
+                peak = max(peak, density)
+                weight = gauss[1, base + q] * along * measure * density
                 if from_eye:
                     vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
                     inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
@@ -193,9 +219,22 @@ def integrate_cells(
                 fr = ar * vein * shading[1] * dr + ambient * shading[7] + shading[2] * hr - shading[10]
                 fg = ag * vein * shading[1] * dg + ambient * shading[8] + shading[2] * hg - shading[11]
                 fb = ab * vein * shading[1] * db + ambient * shading[9] + shading[2] * hb - shading[12]
-                r += weight * fr
-                g += weight * fg
-                b += weight * fb
-                size += weight * max(abs(fr), abs(fg), abs(fb))
-            a = end
-    out[0], out[1], out[2], out[3] = r, g, b, size
+                r0 += weight * fr
+                g0 += weight * fg
+                b0 += weight * fb
+                whole += weight * max(abs(fr), abs(fg), abs(fb))
+                mixture = weight * (fr + fg + fb)
+                last += mixture * gauss[2, base + q]
+                before += mixture * gauss[3, base + q]
+            miss = tail_error(n, 0.5 * last, 0.5 * before, whole)
+            if n > 4 and miss > promise * (size + whole) and halvings < MAX_HALVINGS:
+                halvings += 1
+                end = a + 0.5 * (end - a)
+                continue
+            r += r0
+            g += g0
+            b += b0
+            size += whole
+            error += miss
+            a, end = end, stop
+    out[0], out[1], out[2], out[3], out[4], out[5] = r, g, b, size, error, peak

@@ -25,14 +25,18 @@ from symrender.chambers import (
     walls,
     work,
 )
+from symrender.chambers import crossings as crossing_module
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import (
     BETA_MAX,
+    BRIGHT,
     EXPONENT,
     LOBE_BETA,
     LOG_NORMALISER,
     POINT,
+    POLE,
     RATIO,
     RIM_COS,
     RIM_SIN,
@@ -54,6 +58,8 @@ from symrender.scene.arrays import (
     AMBIENT,
     BACKGROUND,
     CHECKER,
+    COLOR,
+    CUT,
     FIRST_SPHERE,
     FLOOR,
     FLOOR_BRIGHT,
@@ -61,7 +67,11 @@ from symrender.scene.arrays import (
     FLOOR_KIND,
     FLOOR_LOBE,
     FLOOR_PRESENT,
+    KU,
+    KV,
     LOBE,
+    MARBLE,
+    TEXTURE,
     SceneArrays,
 )
 
@@ -120,6 +130,32 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, geo: Array)
             geo[RIM_SIN] = math.sqrt(versine * (2.0 - versine))
             return cut - beyond
     return 0.0
+
+
+@jitable
+def sphere_bound(j: int, view: View, geo: Array) -> float:
+    """No point of the charted sphere that P sees differs from the background by more radiance."""
+    shading = view.shading
+    albedo = max(view.spheres[j, COLOR], view.spheres[j, COLOR + 1], view.spheres[j, COLOR + 2])
+    most = shading[0] * max(shading[AMBIENT], shading[AMBIENT + 1], shading[AMBIENT + 2])
+    k = geo[RATIO]
+    for i in range(view.points.shape[0]):
+        p = view.points[i]
+        lx, ly, lz = p[0] - view.spheres[j, 0], p[1] - view.spheres[j, 1], p[2] - view.spheres[j, 2]
+        far = math.sqrt(lx * lx + ly * ly + lz * lz)
+        cosine = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / max(far, 1e-300)
+        # N.(L - C) of the normal nearest to the light's direction; less the radius it is N.(L - Q)
+        most_cosine = 1.0
+        if cosine < k:
+            most_cosine = k * cosine + math.sqrt(max(0.0, (1.0 - cosine * cosine) * (1.0 - k * k)))
+        radius = view.spheres[j, 3]
+        rise = most_cosine * far + p[DISK_RADIUS] - radius
+        light = max(p[3], p[4], p[5])
+        if rise > 0.0:
+            most += light * shading[1] * albedo * min(1.0, rise / max(far - radius - p[DISK_RADIUS], 1e-300))
+        if rise > 0.0 or shading[6] != CUT:
+            most += light * shading[2]
+    return float(max(most, shading[BACKGROUND], shading[BACKGROUND + 1], shading[BACKGROUND + 2]))
 
 
 def gloss_kernel(
@@ -183,7 +219,12 @@ def gloss_kernel(
                 total += most
                 continue
             geo[STRIP] = min(0.3, 1.4 / (math.sqrt(n + 1e-9) * k))
-            geo[STRIP + 1] = 0.5
+            reach = math.sin(geo[LOBE_BETA]) * math.sin(min(geo[LOBE_BETA], geo[BETA_MAX]))
+            geo[STRIP + 1] = min(0.5, 1.4 / math.sqrt(n * reach + 1e-9))
+            if view.spheres[j, TEXTURE] == MARBLE:
+                vein = 3.0 / (view.spheres[j, KU] + 6.6 * view.spheres[j, KV])
+                geo[STRIP], geo[STRIP + 1] = min(geo[STRIP], vein), min(geo[STRIP + 1], vein)
+            geo[BRIGHT] = sphere_bound(j, view, geo)
             geo[STRIP + 2] = 0.9 * math.acosh(1.0 / k)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol),
@@ -206,7 +247,8 @@ def gloss_kernel(
                 for a in range(3):
                     geo[STRIP + 3 + a] = 0.5 * (view.floor[FLOOR_BRIGHT + a] + view.floor[FLOOR_DARK + a])
                 geo[STRIP] = min(0.3, 1.4 / math.sqrt(n + 1e-9))
-                geo[STRIP + 1] = 0.5
+                geo[STRIP + 1] = min(0.5, 1.4 / math.sqrt(n * math.sin(geo[LOBE_BETA]) + 1e-9))
+                geo[BRIGHT] = bound
                 e, b = split_chart(
                     max(0.5 * (tol - total), 0.05 * tol), view, work, gauss, panels, spans, ids, events, scratch,
                     max_evaluations, value,
@@ -243,8 +285,8 @@ def gloss_kernel(
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
     modules = (
-        chart, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, walls, work, disk_term,
-        gauss_module, light_term, split_grid_module, split_line, split_panel, sys.modules[__name__],
+        chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, walls, work,
+        disk_term, gauss_module, light_term, split_grid_module, split_line, split_panel, sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
@@ -277,7 +319,7 @@ def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
         spans=np.zeros((256, 2)),
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=np.zeros((2048, 2)),
-        scratch=np.zeros(32),
+        scratch=np.zeros(64),
         conics=np.zeros((2 + 2 * len(arrays.spheres) + len(points) * len(arrays.spheres), CONIC_COLUMNS)),
         rings=np.zeros((RINGS, 4)),
         grid_roots=np.zeros(256),

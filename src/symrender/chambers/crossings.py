@@ -1,0 +1,299 @@
+"""Where two walls of one chart cross, in closed form: two circles of one kind, or a circle and any quadric wall.
+
+Two circles of one sphere meet where ``x = u a + v b +- w (a x b)``. Every other wall of a sphere's chart is a quadratic
+form of the hit point, and every wall of the floor's chart a quadratic form of the direction; along a circle
+``x(t) = p + q cos t + r sin t`` either becomes a quartic in tan(t/2). A shadow edge against another one, or against a
+cone of directions on a sphere, has no such form: the scan lines that disagree tell of it (``quadrature/split_panel``).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.events import CROSSING, add_event, chart_events, close_events
+from symrender.chambers.labels import is_hidden
+from symrender.chambers.roots import quartic_roots
+from symrender.chambers.walls import (
+    BALL,
+    CENTER,
+    COS,
+    DIRECTION,
+    E1,
+    E2,
+    HEIGHT,
+    KIND,
+    LOBE_BETA,
+    NORMAL,
+    POINT,
+    POLE,
+    RADIUS,
+    RATIO,
+    RIM_COS,
+    RIM_SIN,
+    SHADOW,
+    SHADOW_EDGE,
+    SHAPE_INDEX,
+    SIN,
+    TAG,
+    TERMINATOR,
+    TEXTURE_EDGE,
+)
+from symrender.chambers.work import WALLS, View, Work
+from symrender.kernel_cache import jitable
+
+Array = npt.NDArray[np.float64]
+
+
+@jitable
+def add_product(p: Array, a: Array, b: Array, scale: float) -> None:
+    """Add ``scale`` times the product of two quadratics (3,) to the quartic ``p``."""
+    p[0] += scale * a[0] * b[0]
+    p[1] += scale * (a[0] * b[1] + a[1] * b[0])
+    p[2] += scale * (a[0] * b[2] + a[1] * b[1] + a[2] * b[0])
+    p[3] += scale * (a[1] * b[2] + a[2] * b[1])
+    p[4] += scale * a[2] * b[2]
+
+
+@jitable
+def lift(p: float, q: float, r: float, out: Array) -> None:
+    """(1 + t^2) (p + q cos + r sin) of the angle with half-tangent t, as a quadratic in t."""
+    out[0], out[1], out[2] = p + q, 2.0 * r, p - q
+
+
+@jitable
+def cone_level(axis0: float, axis1: float, axis2: float, sine: float, v: Array, p: Array, f: Array, g: Array) -> None:
+    """Quartic of |v x axis|^2 - sine^2 |v|^2 for a vector ``v`` (3, 3) of quadratics; ``f``, ``g`` scratch (3,)."""
+    if abs(axis0) < 0.6:
+        f0, f1, f2 = 0.0, axis2, -axis1
+    else:
+        f0, f1, f2 = -axis2, 0.0, axis0
+    inv = 1.0 / math.sqrt(f0 * f0 + f1 * f1 + f2 * f2)
+    f0, f1, f2 = f0 * inv, f1 * inv, f2 * inv
+    g0, g1, g2 = axis1 * f2 - axis2 * f1, axis2 * f0 - axis0 * f2, axis0 * f1 - axis1 * f0
+    for i in range(5):
+        p[i] = 0.0
+    for i in range(3):
+        f[i] = f0 * v[0, i] + f1 * v[1, i] + f2 * v[2, i]
+        g[i] = g0 * v[0, i] + g1 * v[1, i] + g2 * v[2, i]
+    add_product(p, f, f, 1.0)
+    add_product(p, g, g, 1.0)
+    for i in range(3):
+        add_product(p, v[i], v[i], -sine * sine)
+
+
+@jitable
+def shadow_quadric(row: Array, geo: Array, v: Array, p: Array, f: Array, g: Array) -> None:
+    """Quartic of a shadow edge's level; ``v`` rows: the normal's frame coordinates, or the direction's on the floor."""
+    for i in range(5):
+        p[i] = 0.0
+    if geo[SHAPE_INDEX] >= 0.0:
+        r = geo[RADIUS]
+        # the constant one, lifted, is (1, 0, 1)
+        for i in range(3):
+            one = 0.0 if i == 1 else 1.0
+            f[i] = row[11] * one + r * (-row[8] * v[0, i] + row[9] * v[1, i] + row[10] * v[2, i])
+            g[i] = row[15] * one + r * (-row[12] * v[0, i] + row[13] * v[1, i] + row[14] * v[2, i])
+        add_product(p, f, f, -1.0)
+        add_product(p, g, g, -1.0)
+        for i in range(3):
+            one = 0.0 if i == 1 else 1.0
+            f[i] = (row[19] + r * r) * one + 2.0 * r * (-row[16] * v[0, i] + row[17] * v[1, i] + row[18] * v[2, i])
+            g[i] = one
+        add_product(p, f, g, row[20])
+        return
+    h = geo[HEIGHT]
+    for i in range(3):
+        f[i] = row[11] * v[0, i] + h * (row[9] * v[1, i] + row[10] * v[2, i])
+        g[i] = row[15] * v[0, i] + h * (row[13] * v[1, i] + row[14] * v[2, i])
+    add_product(p, f, f, -1.0)
+    add_product(p, g, g, -1.0)
+    for i in range(3):
+        f[i] = row[19] * v[0, i] + 2.0 * h * (row[17] * v[1, i] + row[18] * v[2, i])
+    add_product(p, v[0], f, row[20])
+    add_product(p, v[1], v[1], row[20] * h * h)
+    add_product(p, v[2], v[2], row[20] * h * h)
+
+
+@jitable
+def ball_quadric(row: Array, geo: Array, v: Array, p: Array, f: Array) -> None:
+    """Quartic of the floor's circle inside a ball along a circle of directions."""
+    h = geo[HEIGHT]
+    for i in range(5):
+        p[i] = 0.0
+    for i in range(3):
+        f[i] = row[3] * v[0, i] - 2.0 * h * (row[1] * v[1, i] + row[2] * v[2, i])
+    add_product(p, v[0], f, 1.0)
+    add_product(p, v[1], v[1], h * h)
+    add_product(p, v[2], v[2], h * h)
+
+
+@jitable
+def add_crossing(
+    x0: float, x1: float, x2: float, normal: bool, hides: bool, view: View, work: Work, events: Array, n: int,
+    low: float, high: float,
+) -> int:  # fmt: skip
+    """Note a crossing at frame coordinates ``x``, of the normal or of the direction, if it is inside the lobe and seen.
+
+    ``hides`` says that one of the two walls bounds what is seen, so that sight cannot be asked at the crossing.
+    """
+    geo = work.geo
+    k = geo[RATIO]
+    if normal:
+        if x0 <= k:
+            return n
+        w0, w1, w2 = 1.0 - k * x0, k * x1, k * x2
+    else:
+        if x0 <= 0.0 or x0 * x0 <= (1.0 - k * k) * (1.0 - 1e-12):
+            return n
+        w0, w1, w2 = x0, x1, x2
+    size2 = w0 * w0 + w1 * w1 + w2 * w2
+    along = w0 * geo[LOBE_BETA + 1] + w1 * geo[LOBE_BETA + 2]
+    if not along > (geo[RIM_COS] - 1e-9) * math.sqrt(size2):
+        return n
+    if not hides and normal:
+        a, r = -x0, geo[RADIUS]
+        qx = geo[CENTER] + r * (a * geo[POLE] + x1 * geo[E1] + x2 * geo[E2])
+        qy = geo[CENTER + 1] + r * (a * geo[POLE + 1] + x1 * geo[E1 + 1] + x2 * geo[E2 + 1])
+        qz = geo[CENTER + 2] + r * (a * geo[POLE + 2] + x1 * geo[E1 + 2] + x2 * geo[E2 + 2])
+        if is_hidden(qx, qy, qz, view, work):
+            return n
+    elif not hides:
+        r = geo[HEIGHT] / x0
+        qx = geo[POINT] + r * (x1 * geo[E1] + x2 * geo[E2])
+        qy = geo[POINT + 1] + r * (x1 * geo[E1 + 1] + x2 * geo[E2 + 1])
+        if is_hidden(qx, qy, 0.0, view, work):
+            return n
+    return add_event(events, n, math.atan2(x2, x1), low, high, CROSSING)
+
+
+@jitable
+def circle_crossings(
+    a0: float, a1: float, a2: float, p: float, b0: float, b1: float, b2: float, q: float, normal: bool, hides: bool,
+    view: View, work: Work, events: Array, n: int, low: float, high: float,
+) -> int:  # fmt: skip
+    """Note where the circles a.x = p and b.x = q of one sphere meet."""
+    x0, x1, x2 = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
+    s2 = x0 * x0 + x1 * x1 + x2 * x2
+    if s2 < 1e-24:
+        return n
+    d = a0 * b0 + a1 * b1 + a2 * b2
+    u, v = (p - d * q) / s2, (q - d * p) / s2
+    w2 = (1.0 - (u * p + v * q)) / s2
+    if not w2 >= 0.0:
+        return n
+    w = math.sqrt(w2)
+    for _ in range(2):
+        n = add_crossing(
+            u * a0 + v * b0 + w * x0, u * a1 + v * b1 + w * x1, u * a2 + v * b2 + w * x2, normal, hides, view, work,
+            events, n, low, high,
+        )  # fmt: skip
+        w = -w
+    return n
+
+
+@jitable
+def along_circle(
+    row: Array, other: Array, axis0: float, axis1: float, axis2: float, sine: float, hides: bool, view: View,
+    work: Work, events: Array, n: int, low: float, high: float,
+) -> int:  # fmt: skip
+    """Note where the circle ``row`` meets another wall: a cone of directions (``sine`` >= 0), else ``other``."""
+    geo = work.geo
+    normal = int(row[KIND]) == NORMAL
+    a0, a1, a2 = row[1], row[2], row[3]
+    if abs(a0) < 0.6:
+        f0, f1, f2 = 0.0, a2, -a1
+    else:
+        f0, f1, f2 = -a2, 0.0, a0
+    inv = 1.0 / math.sqrt(f0 * f0 + f1 * f1 + f2 * f2)
+    f0, f1, f2 = f0 * inv, f1 * inv, f2 * inv
+    g0, g1, g2 = a1 * f2 - a2 * f1, a2 * f0 - a0 * f2, a0 * f1 - a1 * f0
+    c, s, k = row[COS], row[SIN], geo[RATIO]
+    v, p, f, g = work.quadric[:3], work.quadric[3], work.quadric[4], work.quadric[5]
+    for _ in range(2):
+        lift(c * a0, s * f0, s * g0, v[0])
+        lift(c * a1, s * f1, s * g1, v[1])
+        lift(c * a2, s * f2, s * g2, v[2])
+        if sine >= 0.0:
+            if normal:
+                for i in range(3):
+                    one = 0.0 if i == 1 else 1.0
+                    v[0, i] = one - k * v[0, i]
+                    v[1, i] *= k
+                    v[2, i] *= k
+            cone_level(axis0, axis1, axis2, sine, v, p, f, g)
+        elif int(other[KIND]) == SHADOW:
+            shadow_quadric(other, geo, v, p, f, g)
+        else:
+            ball_quadric(other, geo, v, p, f)
+        # Bernstein coefficients on t in [-1, 1]
+        b = work.bernstein
+        b[0] = p[0] - p[1] + p[2] - p[3] + p[4]
+        b[1] = p[0] - 0.5 * p[1] + 0.5 * p[3] - p[4]
+        b[2] = p[0] - p[2] / 3.0 + p[4]
+        b[3] = p[0] + 0.5 * p[1] - 0.5 * p[3] - p[4]
+        b[4] = p[0] + p[1] + p[2] + p[3] + p[4]
+        found = quartic_roots(b, work.stack, work.quartic)
+        for i in range(min(found, 4)):
+            t = 2.0 * work.quartic[i] - 1.0
+            inv = 1.0 / (1.0 + t * t)
+            ct, st = (1.0 - t * t) * inv, 2.0 * t * inv
+            n = add_crossing(
+                c * a0 + s * (f0 * ct + g0 * st), c * a1 + s * (f1 * ct + g1 * st), c * a2 + s * (f2 * ct + g2 * st),
+                normal, hides, view, work, events, n, low, high,
+            )  # fmt: skip
+        f0, f1, f2, g0, g1, g2 = -f0, -f1, -f2, -g0, -g1, -g2
+    return n
+
+
+@jitable
+def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
+    """Add the azimuths of all closed-form crossings inside the lobe to ``events``; new count."""
+    geo, walls = work.geo, work.walls
+    count = min(work.counts[WALLS], walls.shape[0])
+    m0, m1 = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2]
+    for i in range(count):
+        one = walls[i]
+        kind = int(one[KIND])
+        if kind == NORMAL:
+            n = along_circle(one, one, m0, m1, 0.0, geo[RIM_SIN], True, view, work, events, n, low, high)
+        elif kind == DIRECTION:
+            n = circle_crossings(
+                m0, m1, 0.0, geo[RIM_COS], one[1], one[2], one[3], one[COS], False, True, view, work, events, n, low,
+                high,
+            )  # fmt: skip
+        for j in range(i):
+            other = walls[j]
+            also = int(other[KIND])
+            hides = not (
+                (one[TAG] == TEXTURE_EDGE or one[TAG] == TERMINATOR or one[TAG] == SHADOW_EDGE)
+                and (other[TAG] == TEXTURE_EDGE or other[TAG] == TERMINATOR or other[TAG] == SHADOW_EDGE)
+            )
+            if kind <= NORMAL and also == kind:
+                n = circle_crossings(
+                    one[1], one[2], one[3], one[COS], other[1], other[2], other[3], other[COS], kind == NORMAL, hides,
+                    view, work, events, n, low, high,
+                )  # fmt: skip
+            elif kind == NORMAL and also == DIRECTION:
+                n = along_circle(
+                    one, one, other[1], other[2], other[3], other[SIN], hides, view, work, events, n, low, high
+                )
+            elif kind == DIRECTION and also == NORMAL:
+                n = along_circle(
+                    other, other, one[1], one[2], one[3], one[SIN], hides, view, work, events, n, low, high
+                )
+            elif kind in (SHADOW, BALL) and (also == NORMAL or (also == DIRECTION and geo[SHAPE_INDEX] < 0.0)):
+                n = along_circle(other, one, 0.0, 0.0, 0.0, -1.0, hides, view, work, events, n, low, high)
+            elif also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and geo[SHAPE_INDEX] < 0.0)):
+                n = along_circle(one, other, 0.0, 0.0, 0.0, -1.0, hides, view, work, events, n, low, high)
+    return n
+
+
+@jitable
+def all_events(view: View, work: Work, events: Array, low: float, high: float) -> int:
+    """Closed-form events between low and high, with both ends, ascending; columns azimuth, kind. Their number."""
+    n = chart_events(work, events, low, high) - 1
+    n = chart_crossings(view, work, events, n, low, high)
+    return int(close_events(events, n, high))

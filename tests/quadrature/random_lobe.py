@@ -1,0 +1,113 @@
+"""Random lobes: a scene, a surface point and a tolerance drawn from everything the schema allows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.quadrature.split_point import SplitResult, gloss_points
+from symrender.scene.arrays import CHECKER, DISK, MARBLE, SOLID, STRIPES, SceneArrays
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RandomLobe:
+    """One lobe: its scene, the point on its surface, where the light goes that it mirrors, and a tolerance."""
+
+    seed: int
+    arrays: SceneArrays
+    point: Array
+    normal: Array
+    incoming: Array
+    surface: int
+    exponent: float
+    theta_max: float
+    tol: float
+
+    def split(self, tol: float, max_evaluations: int = 1_000_000) -> SplitResult:
+        """The split rule's answer."""
+        surface = np.array([self.surface])
+        d = self.incoming[None]
+        return gloss_points(
+            self.arrays, self.point[None], self.normal[None], d, surface, tol, max_evaluations=max_evaluations
+        )
+
+
+def random_lobe(seed: int) -> RandomLobe:
+    """The lobe of one seed; every seed gives one."""
+    rng = np.random.default_rng(seed)
+    while True:
+        found = _attempt(rng, seed)
+        if found is not None:
+            return found
+
+
+def _unit(rng: np.random.Generator) -> Array:
+    v = rng.normal(size=3)
+    return np.asarray(v / np.linalg.norm(v))
+
+
+def _attempt(rng: np.random.Generator, seed: int) -> RandomLobe | None:
+    count = int(rng.integers(1, 5))
+    spheres = np.zeros((count, 14))
+    for s in spheres:
+        s[3] = math.exp(rng.uniform(math.log(0.05), math.log(1.5)))
+        s[:3] = rng.uniform(-2, 2, 3)
+        s[2] = s[3] + rng.uniform(0, 2) if rng.random() < 0.8 else rng.uniform(-0.5, 1)
+        s[4:7] = rng.uniform(0, 1, 3)
+        s[7] = rng.choice((SOLID, SOLID, CHECKER, STRIPES, MARBLE))
+        s[8], s[9], s[10] = rng.integers(1, 13), rng.integers(1, 9), rng.uniform(0, 0.5)
+    floor = np.zeros(14)
+    floor[0] = float(rng.random() < 0.85)
+    floor[1] = float(rng.integers(0, 2))
+    floor[2:8] = rng.uniform(0, 1, 6)
+    if floor[1] == SOLID:
+        floor[5:8] = floor[2:5]
+    floor[8], floor[9:11] = rng.choice((1.0, 0.5, 2.0)), rng.uniform(-1, 1, 2)
+    lights = np.zeros((int(rng.integers(1, 4)), 11))
+    for light in lights:
+        light[0] = float(rng.random() < 0.4)
+        light[1:4] = _unit(rng) * rng.uniform(3, 20)
+        light[3] = abs(light[3]) + 1.0
+        light[5:8] = rng.uniform(0, 1, 3)
+        if light[0] == DISK:
+            light[4] = rng.uniform(0.05, 1.0)
+    shading = np.zeros(13)
+    shading[:3] = 0.1, rng.uniform(0.2, 1.0), rng.choice((0.0, 0.3, 0.5))
+    shading[3] = math.exp(rng.uniform(math.log(1.0), math.log(300.0))) if rng.random() < 0.7 else 32.0
+    shading[4:7] = rng.integers(0, 2, 3)
+    shading[7:10] = rng.uniform(0, 0.3, 3)
+    if rng.random() < 0.4:
+        shading[10:13] = rng.uniform(0, 0.5, 3)
+    eye = _unit(rng) * rng.uniform(3, 6)
+    eye[2] = abs(eye[2]) + 0.3
+    if (np.linalg.norm(spheres[:, :3] - eye, axis=1) <= spheres[:, 3]).any():
+        return None
+    camera = np.zeros(11)
+    camera[1:4] = eye
+    exponent = 0.0 if rng.random() < 0.05 else math.exp(rng.uniform(0, math.log(rng.choice((100.0, 1e4, 1e9)))))
+    theta_max = math.pi / 2 if rng.random() < 0.2 else rng.uniform(0.02, math.pi / 2)
+    spheres[:, 12], spheres[:, 13] = exponent, theta_max
+    floor[12:14] = exponent, theta_max
+    arrays = SceneArrays(spheres, floor, lights, shading, camera)
+    own = int(rng.integers(-1, count))
+    if own < 0:
+        point, normal = np.array([*rng.uniform(-3, 3, 2), 0.0]), np.array([0.0, 0.0, 1.0])
+        floor[0] = 1.0
+    else:
+        normal = _unit(rng)
+        point = spheres[own, :3] + spheres[own, 3] * normal
+        if floor[0] and point[2] <= 0:
+            return None
+    distance = np.linalg.norm(spheres[:, :3] - point, axis=1)
+    if any(distance[k] <= spheres[k, 3] * (1 + 1e-6) for k in range(count) if k != own):
+        return None
+    incoming = (point - eye) / np.linalg.norm(point - eye)
+    if incoming @ normal >= -1e-3:
+        return None
+    tol = 10.0 ** rng.uniform(-7, -2)
+    return RandomLobe(seed, arrays, point, normal, incoming, own + 2, exponent, theta_max, tol)
