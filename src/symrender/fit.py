@@ -26,6 +26,10 @@ OUTLIER: Final = 4.0
 """Residuals beyond this many robust standard deviations count less (Geman-McClure's weight)."""
 
 
+ROUGH: Final = 1e-4
+"""Tolerance of the images a fit begins with; it falls with the residual to the one asked for."""
+
+
 @dataclass(frozen=True)
 class Step:
     """One iteration: ``iteration``, ``cost`` (weighted RMS residual), ``values`` by name, relative ``change``."""
@@ -94,35 +98,38 @@ def fit(
     size = (target.width, target.height)
     settings: dict[str, Any] = {"size": size, "disk": disk, "threads": threads}
 
-    def image(x: Array) -> tuple[Scene, Array]:
+    def image(x: Array, within: float) -> tuple[Scene, Array]:
         changed = here.replace(dict(zip(names, map(float, x), strict=True)))
-        return changed, truth(changed, tol=tol, **settings).radiance
+        return changed, truth(changed, tol=within, **settings).radiance
 
     x = np.array([float(get(here, name)) for name in names])
     scale = np.maximum(np.abs(x), 0.1)
-    now, radiance = image(x)
+    # far away a rough image tells the way as well
+    within = max(tol, ROUGH)
+    now, radiance = image(x, within)
     steps: list[Step] = []
     reason, converged = f"{iterations} iterations", False
     jacobian = np.zeros((wanted.size, len(names)))
     for iteration in range(1, iterations + 1):
-        slopes = gradient(now, names, tol=10.0 * tol, **settings)
+        slopes = gradient(now, names, tol=10.0 * within, **settings)
         jacobian = np.stack([slopes[name].radiance.ravel() for name in names], axis=1) * scale
         residual = (radiance - wanted).ravel()
         room = ((low - x) / scale - 1e-15, (high - x) / scale + 1e-15)
         step, weight = _robust_step(jacobian, residual, room)
         cost = _cost(residual, weight)
+        finer = max(tol, min(within, 0.03 * cost * float(np.abs(step).max())))
         for _ in range(8):
             inside = np.clip(x + step * scale, low, high)
-            trial, seen = image(inside)
+            trial, seen = image(inside, finer)
             if _cost((seen - wanted).ravel(), weight) <= cost:
                 break
             step = 0.5 * step
-        x, now, radiance = inside, trial, seen
+        x, now, radiance, within = inside, trial, seen, finer
         change = float(np.abs(step).max())
         steps.append(Step(iteration, cost, dict(zip(names, x.tolist(), strict=True)), change))
         if progress is not None:
             progress(steps[-1])
-        if change < precision:
+        if change < precision and within == tol:
             reason, converged = f"the parameters change by less than {precision:g} of themselves", True
             break
     residual = (radiance - wanted).ravel()

@@ -20,6 +20,9 @@ def probe(
     tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance.")] = 1e-9,
     budget: Annotated[int, typer.Option(help="Most evaluations a point may take.")] = 1_000_000,
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
+    wrt: Annotated[
+        str, typer.Option("--wrt", metavar="NAME,...", help="Differentiate by these numbers or vectors too.")
+    ] = "",
     define: Define = None,
     json: Json = False,
 ) -> None:
@@ -39,10 +42,12 @@ def probe(
         raise OptionError("point: all points need the same number of coordinates")
     chosen = scene_with(scene, define)
 
+    from symrender.gradient import STATUS as GRADIENT_STATUS
     from symrender.probe import probe as probe_points
     from symrender.truth import STATUS
 
-    found = probe_points(chosen, points, surface=surface, tol=tol, disk=disk, budget=budget)
+    names = [name.strip() for name in wrt.split(",") if name.strip()]
+    found = probe_points(chosen, points, surface=surface, tol=tol, disk=disk, budget=budget, wrt=names)
     rows = [
         {
             "point": p,
@@ -58,14 +63,28 @@ def probe(
             strict=True,
         )
     ]  # fmt: skip
+    slopes = [
+        {
+            name: {
+                "value": found.gradient[name][k].tolist(),
+                "error": float(found.gradient_error[name][k]),
+                "status": GRADIENT_STATUS[int(found.gradient_status[name][k])],
+            }
+            for name in found.gradient
+        }
+        for k in range(len(points))
+    ]
     if json:
-        show_json(rows)
+        show_json([row | {"gradient": slope} if names else row for row, slope in zip(rows, slopes, strict=True)])
     else:
-        for text, row in zip(point, rows, strict=True):
+        for text, row, slope in zip(point, rows, slopes, strict=True):
             gloss = " ".join(f"{x:.15g}" for x in row["gloss"])
             typer.echo(
                 f"{text}: {gloss} +- {row['error']:.2g}  {row['status']}, {row['evaluations']} "
                 f"evaluations, {row['chambers']} chambers, {row['crossings']} crossings"
             )
+            for name, found_slope in slope.items():
+                value = " ".join(f"{x:.15g}" for x in found_slope["value"])
+                typer.echo(f"  d/d {name}: {value} +- {found_slope['error']:.2g}  {found_slope['status']}")
     if (found.status != 0).any():
         raise typer.Exit(4)

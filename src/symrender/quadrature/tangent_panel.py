@@ -18,8 +18,15 @@ import numpy.typing as npt
 from symrender.chambers.events import ROOT, SMOOTH, chart_events, line_range
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import scan_line
-from symrender.chambers.tangent_walls import chart_place, condition_of, pull_back, wall_gradient
-from symrender.chambers.walls import COS, DIRECTION, KIND, NORMAL, SHAPE_INDEX
+from symrender.chambers.tangent_walls import (
+    ONE_SIDED,
+    chart_place,
+    condition_of,
+    on_a_parallel,
+    pull_back,
+    wall_gradient,
+)
+from symrender.chambers.walls import COS, DIRECTION, FLOOR_CUT, KIND, NORMAL, SHAPE_INDEX, TAG, TEXTURE_EDGE
 from symrender.chambers.work import CELLS, EVALUATIONS, WALLS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
@@ -221,7 +228,6 @@ def radial_walls(
     lobe: Array, view: View, work: Work, gauss: Array, scratch: Array, here: Array, own: Array, adjoint: Array
 ) -> bool:
     """The adjoint (4, columns) of walls that are scan lines; whether there are any."""
-    geo = work.geo
     for row in range(adjoint.shape[0]):
         for k in range(adjoint.shape[1]):
             adjoint[row, k] = 0.0
@@ -240,7 +246,7 @@ def radial_walls(
                 if scan_line(near, view, work, scratch) != 0:
                     found = True
                     _sideways(i, near, -1.0 if side else 1.0, lobe, view, work, gauss, here, own, adjoint)
-    return found and geo[SHAPE_INDEX] >= -1.0
+    return found
 
 
 @jitable
@@ -264,20 +270,30 @@ def _sideways(
             density = log_density(here, lobe, geo)[2]
             set_view(here, view, geo)
             radiance(work.cell_side[cell], work.lit[cell], here, view, geo, here[RADIANCE])
-            for k in range(own.shape[0]):
-                own[k] = 0.0
             tag = condition_of(i, here, True, work)
             if tag < 0:
                 for column in range(adjoint.shape[1]):
-                    adjoint[3, column] = 1.0
+                    adjoint[ONE_SIDED, column] = 1.0
                 continue
-            wall_gradient(i, tag, here, view, work, bar, own)
-            across = _across(bar, here, c, s, geo)
-            pull_back(1.0, bar, here, geo[SHAPE_INDEX] < 0.0, own)
-            w = -sign * gauss[1, base + q] * length * measure * density / across
-            for channel in range(3):
+            w = -sign * gauss[1, base + q] * length * measure * density
+            j = int(geo[SHAPE_INDEX])
+            beside = j >= 0 and work.walls[i, TAG] > FLOOR_CUT and on_a_parallel(here, view.spheres[j])
+            for which in range(2 if beside else 1):
+                # beside the wall lies a field of another colour: from the other side the derivative is another one
+                condition = TEXTURE_EDGE if which else tag
                 for k in range(own.shape[0]):
-                    adjoint[channel, k] += w * here[RADIANCE, channel] * own[k]
+                    own[k] = 0.0
+                wall_gradient(i, condition, here, view, work, bar, own)
+                across = _across(bar, here, c, s, geo)
+                pull_back(1.0, bar, here, j < 0, own)
+                for channel in range(4):
+                    rate = w / across * here[RADIANCE, channel % 3]
+                    if channel == ONE_SIDED:
+                        rate = (rate if which == 0 else -rate) if beside else 0.0
+                    elif which == 1:
+                        continue
+                    for k in range(own.shape[0]):
+                        adjoint[channel, k] += rate * own[k]
 
 
 @jitable
