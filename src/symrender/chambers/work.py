@@ -84,5 +84,5 @@ def work_arrays(spheres: int, points: int) -> Work:
         stack=np.zeros((64, 7)),
         quartic=np.zeros(8),
         quadric=np.zeros((6, 5)),
-        disk=np.zeros((2 * spheres + 8, max(64, points))),
+        disk=np.zeros((2 * spheres + 8, 64)),
     )

@@ -35,7 +35,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, WALLS, View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_term import LOGS, disk_term
+from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.light_term import light_term
 from symrender.quadrature.split_line import SOFT_LOG, lobe_density
@@ -160,7 +160,7 @@ def integrand(
             if view.points[i, DISK_RADIUS] > 0.0:
                 cosine, _ = disk_term(
                     i, int(states[i]), geo[POINT] + x, geo[POINT + 1] + y, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step,
-                    work.disk[LOGS, i], view, work, gauss,
+                    view, work, gauss,
                 )  # fmt: skip
             else:
                 cosine, _ = light_term(

@@ -15,19 +15,24 @@ from symrender.chambers.walls import (
     E2,
     EXPONENT,
     HEIGHT,
+    KIND,
     LOBE_BETA,
     LOG_NORMALISER,
+    PENUMBRA,
     POINT,
     POLE,
     RADIUS,
     RATIO,
+    SHADOW,
     SHAPE_INDEX,
     SIDE,
     STRIP,
+    TAG,
+    TERMINATOR,
 )
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_term import LOGS, disk_term
+from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.light_term import light_term, marble_factor
 from symrender.scene.arrays import EYE, MARBLE, PHONG
@@ -98,6 +103,15 @@ def cell_order(
 
 
 @jitable
+def disk_edge(wall: int, work: Work) -> bool:
+    """Whether a wall is one of a disk light: an edge of a penumbra or of a band of terminators."""
+    if wall < 0:
+        return False
+    row = work.walls[wall // 4]
+    return bool(row[KIND] == PENUMBRA or (row[KIND] == SHADOW and row[TAG] == TERMINATOR))
+
+
+@jitable
 def integrate_cells(
     phi: float, step: int, view: View, work: Work, gauss: Array, out: Array
 ) -> None:  # fmt: skip
@@ -140,8 +154,9 @@ def integrate_cells(
             ar, ag, ab = geo[STRIP + 3], geo[STRIP + 4], geo[STRIP + 5]
         start, stop = work.cell_from[cell], work.cell_to[cell]
         soft = False
-        for i in range(lights):
-            soft = soft or work.lit[cell, i] >= PARTLY
+        if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
+            for i in range(lights):
+                soft = soft or work.lit[cell, i] >= PARTLY
         a, end = start, stop
         halvings = 0
         while a < stop:
@@ -201,9 +216,7 @@ def integrate_cells(
                         continue
                     p = view.points[i]
                     if p[DISK_RADIUS] > 0.0:
-                        cosine, gleam = disk_term(
-                            i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, work.disk[LOGS, i], view, work, gauss
-                        )
+                        cosine, gleam = disk_term(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, view, work, gauss)
                     else:
                         cosine, gleam = light_term(
                             p[0] - qx, p[1] - qy, p[2] - qz, nx, ny, nz, vx, vy, vz, phong, shininess

@@ -32,7 +32,6 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, EVALUATIONS, WALLS, View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_term import note_logs
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.split_line import integrate_cells, lobe_density, tail_error
 
@@ -463,7 +462,6 @@ def split_chart(
     if bound < 0.1 * tol:
         return bound, 0
     m = all_events(view, work, events, low, high)
-    note_logs(view, work)
     n = 0
     start = 0
     for e in range(1, m):

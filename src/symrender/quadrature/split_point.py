@@ -46,7 +46,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import CHAMBERS, CROSSINGS, EVALUATIONS, MAX_ROOTS, View, Work, work_arrays
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature import disk_term, light_term, split_line, split_panel
+from symrender.quadrature import disk_arcs, disk_chords, disk_curves, disk_term, light_term, split_line, split_panel
 from symrender.quadrature import gauss as gauss_module
 from symrender.quadrature import split_grid as split_grid_module
 from symrender.quadrature.gauss import gauss_table
@@ -286,7 +286,8 @@ def gloss_kernel(
 def _kernel() -> Any:
     modules = (
         chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, walls, work,
-        disk_term, gauss_module, light_term, split_grid_module, split_line, split_panel, sys.modules[__name__],
+        disk_arcs, disk_chords, disk_curves, disk_term, gauss_module, light_term, split_grid_module, split_line,
+        split_panel, sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)

@@ -1,0 +1,174 @@
+"""A cut disk by chords: the slower rule, for a ball that touches the disk itself.
+
+Chords run along the gradient of the first curve; along a chord every curve is met at the roots of a quadratic, and
+what lies between two roots is asked of the geometry. Between the chords through corners (curve and circle) and the
+chords that touch a curve the integral over a chord is analytic after the map b0 + (b1 - b0) sin^2(pi u/2), but slowly
+so where a corner is near the end of the disk: ``quadrature/disk_arcs.py`` has no such places.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS, segment_distance2
+from symrender.chambers.roots import quadratic_roots
+from symrender.chambers.work import View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.disk_curves import (
+    BALL,
+    BOUNDS,
+    BREAKS,
+    CURVES,
+    EDGE,
+    EVENTS,
+    TERMINATOR,
+    curve_level,
+    insert,
+    trig_roots,
+)
+from symrender.quadrature.gauss import MAX_ORDER, order
+from symrender.quadrature.light_term import light_term
+from symrender.scene.arrays import OPEN, PHONG
+
+Array = npt.NDArray[np.float64]
+
+CHORD_LOG: Final = 1.7
+"""log rho that decides the number of chords of a piece."""
+
+
+@jitable
+def place_events(curve: Array, turns: Array, events: Array, count: int) -> int:
+    """Insert b of the corners of a curve with the circle and of the chords that touch it; new count of ``events``."""
+    k0, k1, k2, k11, k12, k22 = curve[0], curve[1], curve[2], curve[3], curve[4], curve[5]
+    corners = trig_roots(k0, k1, k2, k11, k12, k22, turns, 0)
+    for i in range(corners):
+        count = insert(events, count, math.sin(turns[i]))
+    if k11 != 0.0:
+        found, b1, b2 = quadratic_roots(k12 * k12 - k11 * k22, 0.5 * (k1 * k12 - k11 * k2), 0.25 * k1 * k1 - k11 * k0)
+        for i in range(found):
+            b = b1 if i == 0 else b2
+            if abs(b) < 1.0:
+                a = -(k12 * b + 0.5 * k1) / k11
+                if a * a + b * b < 1.0:
+                    count = insert(events, count, b)
+    return count
+
+
+@jitable
+def turn_curves(curves: Array, n: int) -> tuple[float, float]:
+    """Rotate all curves so that a runs along the first one's gradient at the centre; (cos, sin) of the rotation."""
+    size = math.hypot(curves[0, 1], curves[0, 2])
+    if size == 0.0:
+        return 1.0, 0.0
+    c, s = curves[0, 1] / size, curves[0, 2] / size
+    for k in range(n):
+        row = curves[k]
+        k1, k2, k11, k12, k22 = row[1], row[2], row[3], row[4], row[5]
+        row[1], row[2] = k1 * c + k2 * s, k2 * c - k1 * s
+        row[3] = k11 * c * c + 2.0 * k12 * c * s + k22 * s * s
+        row[4] = (k22 - k11) * c * s + k12 * (c * c - s * s)
+        row[5] = k11 * s * s - 2.0 * k12 * c * s + k22 * c * c
+    return c, s
+
+
+@jitable
+def chord_breaks(b: float, half: float, n: int, work: Work) -> int:
+    """Cut the chord at height b, -half <= a <= half, at every curve; number of ascending breaks in ``work.disk``."""
+    breaks = work.disk[BREAKS]
+    breaks[0] = -half
+    count = 1
+    for k in range(n):
+        row = work.disk[CURVES + k]
+        found, a1, a2 = quadratic_roots(row[3], row[4] * b + 0.5 * row[1], row[0] + b * (row[2] + b * row[5]))
+        for r in range(found):
+            a = a1 if r == 0 else a2
+            if abs(a) < half:
+                count = insert(breaks[: breaks.shape[0] - 1], count, a)
+    breaks[count] = half
+    return count + 1
+
+
+@jitable
+def shown(
+    a: float, b: float, qx: float, qy: float, qz: float, x: float, y: float, z: float, n: int, view: View, work: Work
+) -> tuple[bool, bool]:
+    """Whether the point (a, b) of the disk, at offset (x, y, z) from Q, is unhidden, and whether it is above Q."""
+    above = True
+    for k in range(n):
+        row = work.disk[CURVES + k]
+        bounds = row[BOUNDS]
+        if bounds == EDGE:
+            continue
+        if bounds == BALL:
+            ball = view.spheres[int(row[BOUNDS + 1])]
+            if segment_distance2(qx, qy, qz, x, y, z, ball[0], ball[1], ball[2]) < ball[3] * ball[3]:
+                return False, above
+            continue
+        level = curve_level(row, a, b)
+        if bounds == TERMINATOR:
+            above = level > 0.0
+        elif level < 0.0:
+            return False, above
+    return True, above
+
+
+@jitable
+def chord_term(
+    p: Array, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
+    vy: float, vz: float, step: int, log_rho: float, view: View, work: Work, gauss: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """(mean of V max(0, N.l), mean of V s) over a disk cut by the ``n`` curves listed in ``work.disk``.
+
+    ``lifted``: the disk is above Q where no terminator says otherwise.
+    """
+    phong, shininess, opened = view.shading[4] == PHONG, view.shading[3], view.shading[6] == OPEN
+    rho = p[DISK_RADIUS]
+    cosine, gleam = 0.0, 0.0
+    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    e1x, e1y, e1z = rho * p[DISK_E1], rho * p[DISK_E1 + 1], rho * p[DISK_E1 + 2]
+    e2x, e2y, e2z = rho * p[DISK_E2], rho * p[DISK_E2 + 1], rho * p[DISK_E2 + 2]
+    c, s = turn_curves(work.disk[CURVES:], n)
+    ax, ay, az = c * e1x + s * e2x, c * e1y + s * e2y, c * e1z + s * e2z
+    bx, by, bz = c * e2x - s * e1x, c * e2y - s * e1y, c * e2z - s * e1z
+    events = work.disk[EVENTS]
+    events[0], events[1] = -1.0, 1.0
+    count = 2
+    for k in range(n):
+        count = place_events(work.disk[CURVES + k], work.disk[BREAKS], events, count)
+    chords, nodes = min(MAX_ORDER, order(step, CHORD_LOG)), min(MAX_ORDER, order(step, log_rho))
+    base, inner = chords * (chords - 1) // 2, nodes * (nodes - 1) // 2
+    for e in range(count - 1):
+        b0, b1 = events[e], events[e + 1]
+        if b1 - b0 < 1e-13:
+            continue
+        for q in range(chords):
+            u = 0.5 * math.pi * gauss[0, base + q]
+            su, cu = math.sin(u), math.cos(u)
+            b = b0 + (b1 - b0) * su * su
+            slope = gauss[1, base + q] * (b1 - b0) * su * cu
+            half = math.sqrt(max(0.0, (1.0 - b) * (1.0 + b)))
+            pieces = chord_breaks(b, half, n, work) - 1
+            for k in range(pieces):
+                a0, a1 = work.disk[BREAKS, k], work.disk[BREAKS, k + 1]
+                a = 0.5 * (a0 + a1)
+                x, y, z = yx + a * ax + b * bx, yy + a * ay + b * by, yz + a * az + b * bz
+                clear, above = shown(a, b, qx, qy, qz, x, y, z, n, view, work)
+                above = above and lifted
+                if not clear or not (above or opened):
+                    continue
+                for r in range(nodes):
+                    a = a0 + (a1 - a0) * gauss[0, inner + r]
+                    w = slope * (a1 - a0) * gauss[1, inner + r]
+                    d, h = light_term(
+                        yx + a * ax + b * bx, yy + a * ay + b * by, yz + a * az + b * bz, nx, ny, nz, vx, vy, vz, phong,
+                        shininess,
+                    )  # fmt: skip
+                    if above:
+                        cosine += w * d
+                    gleam += w * h
+    # dA = rho^2 da db, db = (b1 - b0) pi su cu du, and the mean divides by pi rho^2
+    return cosine, gleam
