@@ -36,7 +36,7 @@ suppress_warnings = ["myst.strikethrough"]
 nb_execution_mode = "force"
 nb_execution_excludepatterns = ["laboratory/*"]
 nb_execution_raise_on_error = True
-nb_execution_timeout = 300
+nb_execution_timeout = 1800
 nb_merge_streams = True
 nb_render_image_options = {"align": "center"}
 
