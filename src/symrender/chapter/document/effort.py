@@ -26,6 +26,7 @@ class Effort:
     strata: tuple[int, ...]
     steps: tuple[float, ...]
     errata: int
+    gradient_size: tuple[int, int]
     cells: tuple[str, ...] | None = None
 
 
@@ -34,7 +35,7 @@ FULL: Final = Effort(
     hero_lobe=12,
     small=(360, 240),
     pair=(600, 400),
-    map_size=(120, 80),
+    map_size=(108, 72),
     study=28,
     anchor=48,
     lobes=(2, 4, 8, 16, 32),
@@ -46,6 +47,7 @@ FULL: Final = Effort(
     strata=(4, 8, 16, 32, 64, 128, 256, 512),
     steps=(1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5),
     errata=96,
+    gradient_size=(72, 48),
 )
 """What a reader gets."""
 
@@ -66,6 +68,7 @@ QUICK: Final = Effort(
     strata=(4, 8, 16, 32, 64),
     steps=(1e-2, 1e-3, 1e-4),
     errata=48,
+    gradient_size=(24, 16),
     cells=(),
 )
 """The same page in a fraction of the time, for trying the build; its figures are coarse, and it says so."""
