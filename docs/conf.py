@@ -50,10 +50,17 @@ python_maximum_signature_line_length = 100
 def _plain(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
     """Docstrings are prose with literals: what stands outside of them is no markup."""
     for k, line in enumerate(lines):
+        line = re.sub(r":(?:func|class|meth):`~?(.*?)`", r"``\1``", line)
         pieces = re.split(r"(``.*?``)", line)
         lines[k] = "".join(p if p.startswith("``") else re.sub(r"([*|_`])", r"\\\1", p) for p in pieces)
 
 
+def _no_signature_of_a_scene(app: Any, what: str, name: str, *rest: Any) -> tuple[str, None] | None:
+    """A scene is read or loaded, not called; its fields are in the schema."""
+    return ("", None) if name == "symrender.Scene" else None
+
+
 def setup(app: Any) -> None:
     """Called by Sphinx."""
+    app.connect("autodoc-process-signature", _no_signature_of_a_scene)
     app.connect("autodoc-process-docstring", _plain)

@@ -15,7 +15,7 @@ from symrender.scene.load import load
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-RUN = re.compile(r"^```\{code-cell\} python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+RUN = re.compile(r"^```\{code-cell\} python\n(?::tags: .*?\n)?(.*?)^```$", re.DOTALL | re.MULTILINE)
 FRONT = re.compile(r"\A---\n.*?^---\n+", re.DOTALL | re.MULTILINE)
 TREES = re.compile(r"^```\{toctree\}\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 RUNNING = [page for page in PAGES if RUN.search(page.read_text("utf-8"))]
