@@ -71,6 +71,8 @@ def footprint_share() -> Function:
 
 PLACE, NORMAL, INCOMING = Array("place", 3), Array("normal", 3), Array("incoming", 3)
 """Where the ray of each pixel ends, the unit normal there facing the camera, and the ray's unit direction."""
+ALBEDO = Array("albedo", 3)
+"""Albedo of what each pixel sees, the floor's filtered; black where nothing is seen, and for a floor from below."""
 
 
 def look() -> Function:
@@ -126,12 +128,22 @@ def hits() -> Function:
     """Where the rays of the pixels x0 <= i < x1, y0 <= j < y1 end."""
     block = Block()
     with pixels(block) as (row, column):
-        shape, _, _, d, q, normal = look_at_pixel(block, row, column)
+        shape, sx, sy, d, q, normal = look_at_pixel(block, row, column)
         block.store(HIT_CLASS[row, column], shape)
         for array, vector in ((PLACE, q), (NORMAL, normal), (INCOMING, d)):
             for c, value in enumerate(vector.parts):
                 block.store(array[row, column, c], value)
-    parameters = (FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, HIT_CLASS, PLACE, NORMAL, INCOMING)
+        for c in range(3):
+            block.store(ALBEDO[row, column, c], sp.Float(0))
+        with block.when(sp.Eq(shape, at.FLOOR)), block.when(EYE[2] > 0):
+            for c, value in enumerate(floor_albedo(bright_share(block, sx, sy, q))):
+                block.store(ALBEDO[row, column, c], value)
+        with block.otherwise(), block.when(shape >= at.FIRST_SPHERE):
+            j = block.count("j", shape - at.FIRST_SPHERE)
+            outward = block.let_vector("o", normal * facing_side(block, j))
+            for c, value in enumerate(sphere_albedo(block, j, outward)):
+                block.store(ALBEDO[row, column, c], value)
+    parameters = (FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, HIT_CLASS, PLACE, NORMAL, INCOMING, ALBEDO)
     return Function(
         "hits", parameters, block.statements, "where the rays of a rectangle of pixels end, into the arrays"
     )
@@ -173,6 +185,27 @@ def tile() -> Function:
     return Function("tile", parameters, block.statements, "fills a rectangle of the layers; number of lobe directions")
 
 
+def bright_share(block: Block, sx: sp.Symbol, sy: sp.Symbol, q: Vec3) -> sp.Expr:
+    """Write how much of the floor that a pixel sees is bright."""
+    bright = block.let("bright", sp.Integer(1))
+    with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
+        with block.when(sp.Eq(FRAME[6], 1)):
+            (share,) = block.call("footprint_share", (sx, sy, CAMERA, AXES, FRAME, FLOOR), "share")
+        with block.otherwise():
+            block.call("floor_side", (q.x, q.y, FLOOR), "share")
+        block.set(bright, share)
+    return bright
+
+
+def facing_side(block: Block, j: sp.Expr) -> sp.Expr:
+    """Write 1 where the eye is outside sphere j, -1 where it is inside."""
+    side = block.let("side", sp.Integer(1))
+    to_eye = row_vector(EYE, None, 0) - row_vector(SPHERES, j, at.CENTER)
+    with block.when(intersection.power(to_eye, SPHERES[j, at.RADIUS]) < 0):
+        block.set(side, sp.Integer(-1))
+    return side
+
+
 def shade_pixel(block: Block, shape: sp.Symbol, sx: sp.Symbol, sy: sp.Symbol, d: Vec3, q: Vec3, normal: Vec3) -> None:
     """Write direct light (r, g, blue), lobe weight and half-angle of what a pixel sees; a floor from below is black."""
     view = -d
@@ -181,13 +214,7 @@ def shade_pixel(block: Block, shape: sp.Symbol, sx: sp.Symbol, sy: sp.Symbol, d:
     with block.when(sp.Eq(shape, at.FLOOR)):
         weight, _ = block.lets({"lobe_weight": FLOOR[at.FLOOR_LOBE], "theta_max": FLOOR[at.FLOOR_LOBE + 2]})
         with block.when(EYE[2] > 0):
-            bright = block.let("bright", sp.Integer(1))
-            with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
-                with block.when(sp.Eq(FRAME[6], 1)):
-                    (share,) = block.call("footprint_share", (sx, sy, CAMERA, AXES, FRAME, FLOOR), "share")
-                with block.otherwise():
-                    block.call("floor_side", (q.x, q.y, FLOOR), "share")
-                block.set(bright, share)
+            bright = bright_share(block, sx, sy, q)
             arguments = (q, normal, view, *floor_albedo(bright), sp.Integer(at.FLOOR), sp.Float(1))
             block.call("lit", (*arguments, SPHERES, FLOOR, POINTS, SHADING), *names)
         with block.otherwise():
@@ -195,10 +222,7 @@ def shade_pixel(block: Block, shape: sp.Symbol, sx: sp.Symbol, sy: sp.Symbol, d:
     with block.otherwise():
         j = block.count("j", shape - at.FIRST_SPHERE)
         block.lets({"lobe_weight": SPHERES[j, at.LOBE], "theta_max": SPHERES[j, at.LOBE + 2]})
-        side = block.let("side", sp.Integer(1))
-        to_eye = row_vector(EYE, None, 0) - row_vector(SPHERES, j, at.CENTER)
-        with block.when(intersection.power(to_eye, SPHERES[j, at.RADIUS]) < 0):
-            block.set(side, sp.Integer(-1))
+        side = facing_side(block, j)
         albedo = sphere_albedo(block, j, block.let_vector("o", normal * side))
         arguments = (q, normal, view, *albedo, shape, side, SPHERES, FLOOR, POINTS, SHADING)
         block.call("lit", arguments, *names)

@@ -59,11 +59,15 @@ def prepare_sight(arrays: SceneArrays, settings: Settings) -> TileKernel:
     """Kernel that finds what every pixel sees, without its lobes; it makes no lobe evaluations.
 
     It fills ``layers["place"]``, ``["normal"]`` (facing the camera) and ``["incoming"]`` (unit, along the ray), all
-    (h, w, 3), ``["hit_class"]`` (h, w), and ``["radiance"]`` and ``["direct"]`` as of surfaces without lobes.
+    (h, w, 3), ``["albedo"]`` (h, w, 3), ``["hit_class"]`` (h, w), and ``["radiance"]`` and ``["direct"]`` as of
+    surfaces without lobes; under ``disk="exact"`` without the disk lights' share (``quadrature/disk_direct.py``).
     """
     dull = replace(arrays, floor=arrays.floor.copy(), spheres=arrays.spheres.copy())
     dull.floor[at.FLOOR_LOBE :] = 0.0
     dull.spheres[:, at.LOBE :] = 0.0
+    if settings.disk_order == EXACT_DISK:
+        dull = replace(dull, lights=dull.lights[dull.lights[:, 0] != at.DISK])
+        settings = replace(settings, disk="1x1")
     shade = prepare(dull, replace(settings, lobe=1))
     text = numba.image_text()
     kernel = numba.kernel(text, "hits")
@@ -72,8 +76,8 @@ def prepare_sight(arrays: SceneArrays, settings: Settings) -> TileKernel:
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         shade(x0, y0, x1, y1, layers)
-        frame = np.array([x0, y0, x1, y1, settings.width, settings.height, 0.0])
-        places = (layers["hit_class"], layers["place"], layers["normal"], layers["incoming"])
+        frame = np.array([x0, y0, x1, y1, settings.width, settings.height, float(settings.aa == "analytic")])
+        places = tuple(layers[name] for name in ("hit_class", "place", "normal", "incoming", "albedo"))
         kernel(frame, arrays.camera, axes, eye, arrays.spheres, arrays.floor, *places)
         return 0
 

@@ -7,15 +7,18 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import gloss_points, split_work
+from symrender.quadrature.split_point import CAPPED, MET, gloss_points, split_work
 from symrender.runtimes.image import TileKernel, prepare_sight
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
-from symrender.settings import Settings
+from symrender.settings import EXACT_DISK, Settings
 
 FACTS = ("status", "evaluations", "chambers", "crossings")
 """Layers (h, w) of the split rule's own report, named as in ``SplitResult``."""
+DIRECT_SHARE = 0.1
+"""Part of the tolerance that the direct light of exact disks may take."""
 
 
 def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
@@ -32,12 +35,30 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     weights[at.FIRST_SPHERE :] = arrays.spheres[:, at.LOBE]
     size = (settings.height, settings.width, 3)
     # memory is taken only where a tile is written
-    places: dict[str, Array] = {name: np.zeros(size) for name in ("place", "normal", "incoming")}
+    places: dict[str, Array] = {name: np.zeros(size) for name in ("place", "normal", "incoming", "albedo")}
     own = threading.local()
+    disks = settings.disk_order == EXACT_DISK and bool((arrays.lights[:, 0] == at.DISK).any())
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         sight(x0, y0, x1, y1, {**layers, **places})
         seen = layers["hit_class"][y0:y1, x0:x1].astype(np.int64)
+        missed = np.zeros(seen.shape)
+        if disks:
+            rows, columns = np.nonzero(seen != at.NOTHING)
+            pixels = (rows + y0, columns + x0)
+            light, missed[rows, columns] = disk_direct(
+                arrays,
+                places["place"][pixels],
+                places["normal"][pixels],
+                places["incoming"][pixels],
+                seen[rows, columns],
+                places["albedo"][pixels],
+                DIRECT_SHARE * settings.tol,
+            )
+            layers["direct"][pixels] += light
+            layers["radiance"][pixels] += light
+            layers["error"][y0:y1, x0:x1] = missed
+            layers["status"][y0:y1, x0:x1] = np.where(missed > settings.tol, CAPPED, MET)
         if not hasattr(own, "scratch"):
             own.scratch = split_work(arrays, light_rows(arrays, settings.disk_order))
         evaluations = 0
@@ -50,16 +71,18 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
                 places["normal"][pixels],
                 places["incoming"][pixels],
                 np.full(len(rows), surface),
-                settings.tol / weights[surface],
+                (1.0 - DIRECT_SHARE if disks else 1.0) * settings.tol / weights[surface],
                 settings.disk_order,
                 settings.budget,
                 own.scratch,
             )
             layers["gloss"][pixels] = found.gloss
             layers["radiance"][pixels] += weights[surface] * found.gloss
-            layers["error"][pixels] = weights[surface] * found.error
+            layers["error"][pixels] = missed[rows, columns] + weights[surface] * found.error
             for name in FACTS:
                 layers[name][pixels] = getattr(found, name)
+            over = layers["error"][pixels] > settings.tol
+            layers["status"][pixels] = np.where(over, np.maximum(found.status, CAPPED), MET)
             evaluations += int(found.evaluations.sum())
         return evaluations
 

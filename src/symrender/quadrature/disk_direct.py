@@ -1,0 +1,106 @@
+"""Direct light of disks at given points: what a camera ray sees, with its error."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+import sys
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers import labels, penumbra, roots
+from symrender.chambers.labels import DARK, light_state
+from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE
+from symrender.chambers.work import CASTERS, View, Work, work_arrays
+from symrender.kernel_cache import compiled
+from symrender.quadrature import disk_arcs, disk_chords, disk_curves, disk_term, gauss, light_term
+from symrender.quadrature.disk_term import disk_term as mean_over_disk
+from symrender.quadrature.gauss import LEVELS, gauss_table
+from symrender.quadrature.light_points import light_rows
+from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
+from symrender.settings import EXACT_DISK
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+
+def direct_kernel(
+    points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, step: int, view: View, work: Work,
+    table: Array, direct: Array, error: Array,
+) -> None:  # fmt: skip
+    """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``."""
+    for k in range(points.shape[0]):
+        qx, qy, qz = points[k, 0], points[k, 1], points[k, 2]
+        nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
+        vx, vy, vz = -incoming[k, 0], -incoming[k, 1], -incoming[k, 2]
+        j = surface[k] - FIRST_SPHERE
+        work.geo[SHAPE_INDEX] = j
+        work.geo[POINT], work.geo[POINT + 1], work.geo[POINT + 2] = qx, qy, qz
+        work.geo[SIDE] = 1.0 if j >= 0 or incoming[k, 2] < 0.0 else -1.0
+        inside = False
+        if j >= 0:
+            s = view.spheres[j]
+            inside = (qx - s[0]) * nx + (qy - s[1]) * ny + (qz - s[2]) * nz < 0.0
+        for i in range(view.points.shape[0]):
+            p = view.points[i]
+            if not p[DISK_RADIUS] > 0.0:
+                continue
+            if inside:
+                # a wall of a ball from within is no chart's: no value is claimed
+                error[k] = math.inf
+                continue
+            count = 0
+            for h in range(view.spheres.shape[0]):
+                if h != j:
+                    work.casters[count, 0], work.casters[count, 1] = i, h
+                    count += 1
+            work.counts[CASTERS] = count
+            state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
+            if state == DARK:
+                continue
+            d0, s0 = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, view, work, table)
+            d, s = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step + 1, view, work, table)
+            change = 0.0
+            for c in range(3):
+                lambert, shine = view.shading[1] * albedo[k, c] * p[3 + c], view.shading[2] * p[3 + c]
+                direct[k, c] += lambert * d + shine * s
+                change = max(change, lambert * abs(d - d0) + shine * abs(s - s0))
+            error[k] += change + 1e-15
+
+
+@functools.lru_cache(maxsize=1)
+def _kernel() -> Any:
+    modules = (
+        labels, penumbra, roots, disk_arcs, disk_chords, disk_curves, disk_term, gauss, light_term,
+        sys.modules[__name__],
+    )  # fmt: skip
+    return compiled(direct_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
+
+
+def disk_direct(
+    arrays: SceneArrays, points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, tol: float
+) -> tuple[Array, Array]:
+    """(N, 3) radiance that the disk lights add to points seen along ``incoming``, and (N,) its estimated error.
+
+    sum over disks of colour (kd albedo mean(V max(0, N.l)) + ks mean(V s)), means over the disk's area. ``points``,
+    unit ``normals`` towards the viewer, unit ``incoming`` directions and ``albedo`` are (N, 3); ``surface`` (N,) are
+    hit classes. Two successive orders tell the error, which is inf on the inside of a sphere, where there is no value.
+    ``tol`` (absolute, radiance) chooses the orders.
+    """
+    rows = light_rows(arrays, EXACT_DISK)
+    view = View(arrays.spheres, arrays.floor, rows, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
+    n = len(points)
+    direct, error = np.zeros((n, 3)), np.zeros(n)
+    step = 0
+    while step + 2 < len(LEVELS) and math.exp(-LEVELS[step]) > 0.1 * tol:
+        step += 1
+    given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]
+    _kernel()(
+        *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), step, view,
+        work_arrays(len(arrays.spheres), len(rows)), gauss_table(), direct, error,
+    )  # fmt: skip
+    return direct, error
