@@ -39,7 +39,7 @@ docs: $(DOCS)
 	$(PY) docs/build.py
 
 clean:
-	rm -rf out .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf out docs/_build docs/_extra docs/laboratory .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(PY):
