@@ -51,7 +51,19 @@ def plant(fault: Fault, folder: Path) -> None:
 
 def run(tests: Sequence[str], folder: Path, limit: float | None) -> tuple[int, str]:
     """Exit code of the ``tests`` of the copy in ``folder``, and the name of the first that failed."""
-    words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--no-header", "--tb=no"]
+    # a test that is merely slow, on a busy machine, has noticed nothing
+    words = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-x",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "--no-header",
+        "--tb=no",
+        "--timeout=0",
+    ]
     environment = os.environ | {"PYTHONPATH": str(folder / "src"), "SYMRENDER_CACHE": str(folder / "kernels")}
     done = subprocess.run(
         [*words, *(f"tests/{test}" for test in tests)],

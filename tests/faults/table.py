@@ -107,7 +107,7 @@ FAULTS = (
     Fault("scene", "scene/arrays.py", "MIN_LENGTH if place in earlier else sphere.radius", "sphere.radius",
           ("runtimes/test_properties.py",), "equal spheres that shade each other"),
     Fault("scene", "scene/arrays.py", "return lobe.weight, lobe.exponent, 0.0 if lobe.mirror else lobe.theta_max",
-          "return lobe.weight, lobe.exponent, lobe.theta_max", ("runtimes/test_anchor.py",), "a mirror that is a lobe"),
+          "return lobe.weight, lobe.exponent, lobe.theta_max", ("runtimes/test_degenerate.py",), "a mirror that is a lobe"),
     Fault("journal", "journal.py", "if zlib.crc32(body) == check:", "if body:", ("test_journal.py",),
           "damaged records trusted"),
     Fault("journal", "journal.py", 'if note.get("run") == self.digest and (entry', "if (entry", ("test_journal.py",),
