@@ -110,6 +110,26 @@ def test_output_folders_that_cannot_be(
     assert (tmp_path / "file").read_text() == "x"
 
 
+@pytest.mark.parametrize("name", ["../../x", "/etc/x", "a/../../b", "~", "C:x", "con.png", "x" * 100, ".", " "])
+def test_a_scene_names_no_file(
+    name: str, capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The name of a scene is text; outputs are named by the verb, parts of a scene cannot be paths."""
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    text = "camera: {type: plane, eye: [0, 0, 4], window_half: 1}\nfloor: {}\n"
+    Path("s.yaml").write_text(text + f'name: "{name}"\n')
+    assert main(["render", "s.yaml", "--size", "4", "--out", "out", "--quiet"]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"here"}
+    assert {path.name for path in folder.iterdir()} == {"s.yaml", "out"}
+    written = {path.name for path in (folder / "out").iterdir()}
+    assert written and all(file.isascii() and file.partition(".")[0].isidentifier() for file in written)
+    capfd.readouterr()
+    Path("s.yaml").write_text(text + f'spheres: [{{name: "{name}/", center: [0, 0, 1], radius: 1}}]\n')
+    assert "spheres[0].name: must be a letter, then letters" in fails(capfd, ["render", "s.yaml", "--out", "out"])
+
+
 def test_an_odd_scene_is_rendered_with_a_warning(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text("camera: {type: plane, eye: [0, 0, 4], window_half: 1}\nfloor: {}\n")
     arguments = [

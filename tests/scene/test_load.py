@@ -167,6 +167,23 @@ def test_limits_of_lobes_are_scenes(lobe: str) -> None:
     assert parse(LOBE % "theta_max: 1.5707963267948966", "x").spheres[0].lobe is not None
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("    color: [1.5, 0, 0]", "spheres[0].color[0]: must be from 0 to 1, got 1.5"),
+        ("    color: [0, -0.1, 0]", "spheres[0].color[1]: must be from 0 to 1, got -0.1"),
+        ("background: [0, 0, -1]", "background[2]: must be >= 0 and finite, got -1"),
+        ("ambient: [0, 0, 2e12]", "ambient[2]: must be at most 1e12, got 2000000000000.0"),
+        (
+            "lights: [{type: point, name: k, position: [0, 0, 1], color: [-1, 0, 0]}]",
+            "lights[0].color[0]: must be >= 0 and",
+        ),
+    ],
+)
+def test_colors_out_of_range(line: str, said: str) -> None:
+    assert message(BASE % 1 + line + "\n").startswith(f"scene.yaml:6: {said}")
+
+
 LOOK = "camera: {type: look_at, eye: [0, 0, 3], target: %s, up: %s, fov: %s}\n"
 
 
