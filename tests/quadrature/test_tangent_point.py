@@ -1,0 +1,212 @@
+"""Gradients of the split rule against differences of its values, the Reynolds form, closed forms and refusals."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
+from symrender.errors import SceneError, Unsupported
+from symrender.probe import probe
+from symrender.quadrature.gauss import gauss_table
+from symrender.scene.load import load
+from symrender.scene.parameters import get
+from symrender.scene.scene import Scene
+
+OBLIQUE = {"camera": {"type": "look_at", "eye": (3.0, -3.0, 2.0)}}
+CASES = [
+    # a floor point that sees a checkered sphere before another one, its terminator and its shadows
+    (
+        "chapter8",
+        OBLIQUE,
+        "floor",
+        (0.9, -0.85, 0.0),
+        [
+            *("camera.eye.x", "spheres.A.radius", "floor.lobe.exponent", "floor.lobe.theta_max"),
+            *("lights.key.position.z", "spheres.A.color.r", "shading.shininess"),
+        ],
+    ),
+    # a sphere's lobe: the checkered floor with shadows on it, other spheres, the horizon
+    (
+        "gloss",
+        {},
+        "spheres.A",
+        (0.61898402, -0.77509971, 0.1268039),
+        [
+            *("spheres.A.radius", "floor.texture.cell", "floor.texture.offset.y", "floor.texture.bright.r"),
+            *("lights.fill.position.x", "camera.eye.z", "spheres.B.center.x"),
+        ],
+    ),
+]
+
+
+def differences(scene: Scene, point: tuple, surface: str, name: str, step: float) -> tuple[np.ndarray, float]:
+    """Richardson's extrapolation of central differences, and its last change."""
+    at = float(get(scene, name))
+
+    def value(x: float) -> np.ndarray:
+        return probe(scene.replace({name: x}), [point], surface=surface, tol=1e-12).gloss[0]
+
+    rows: list[np.ndarray] = []
+    for k in range(3):
+        h = step / 2**k
+        row = [(value(at + h) - value(at - h)) / (2 * h)]
+        row += [row[0] + (row[0] - rows[0]) / 3] if rows else []
+        row += [row[1] + (row[1] - rows[1]) / 15] if len(rows) > 1 else []
+        rows, last = row, rows
+    return rows[-1], float(np.abs(rows[-1] - last[-1]).max())
+
+
+@pytest.mark.parametrize(("name", "changes", "surface", "point", "wrt"), CASES)
+def test_differences_of_values(name: str, changes: dict, surface: str, point: tuple, wrt: list[str]) -> None:
+    scene = load(name).replace(changes)
+    point = tuple(np.array(point) / np.linalg.norm(point)) if surface != "floor" else point
+    found = probe(scene, [point], surface=surface, tol=1e-11, wrt=wrt)
+    assert all(status[0] in (0, 1) for status in found.gradient_status.values())
+    felt = 0
+    for parameter in wrt:
+        expected, change = differences(scene, point, surface, parameter, 4e-3)
+        size = float(np.abs(expected).max())
+        gap = float(np.abs(found.gradient[parameter][0] - expected).max())
+        assert gap <= 1e-8 * size + 3 * change + 1e-10, parameter
+        assert gap <= found.gradient_error[parameter][0] + 3 * change + 1e-9 * size + 1e-10, parameter
+        felt += size > 1e-5
+    assert felt >= 5
+
+
+def ball(**changes: object) -> Scene:
+    """One sphere of constant radiance 1 over a floor, and nothing else."""
+    return load(
+        {
+            "camera": {"type": "look_at", "eye": [2.0, -2.5, 1.5]},
+            "spheres": [{"name": "S", "center": [-0.6, 0.9, 1.1], "radius": 0.5}],
+            "floor": {"texture": {"type": "solid"}, "lobe": {"exponent": 9.0}},
+            "ambient": [1.0, 1.0, 1.0],
+            "background": [0.25, 0.25, 0.25],
+            "shading": {"ka": 1.0, "kd": 0.0, "ks": 0.0},
+        }
+    ).replace(changes)
+
+
+def test_reynolds_form_of_a_silhouette() -> None:
+    """d/dp of the lobe's mass on a disc of directions: its density times how fast the circle moves, around it.
+
+    Written from the geometry alone: with alpha the disc's angular radius and c its axis, the circle moves outwards by
+    d alpha + dc . n, d alpha/dR = 1/sqrt(d^2 - R^2), d alpha/dd = -R/(d sqrt(d^2 - R^2)).
+    """
+    scene, place = ball(), np.array([0.3, -0.2, 0.0])
+    center, radius = np.array(scene.spheres[0].center), scene.spheres[0].radius
+    eye = np.array(scene.camera.eye)
+    incoming = (place - eye) / np.linalg.norm(place - eye)
+    mirror = incoming * [1.0, 1.0, -1.0]
+    away = center - place
+    far = np.linalg.norm(away)
+    axis, sine = away / far, radius / far
+    side = np.cross(axis, [0.0, 0.0, 1.0])
+    side /= np.linalg.norm(side)
+    other = np.cross(axis, side)
+    turn = 2 * np.pi * np.arange(256) / 256
+    outward = np.cos(turn)[:, None] * side + np.sin(turn)[:, None] * other
+    cosine = math.sqrt(1 - sine**2)
+    edge = cosine * axis + sine * outward
+    u = scene.floor.lobe.exponent + 1
+    theta_max = scene.floor.lobe.theta_max
+    density = (edge @ mirror) ** (u - 1) * u / (2 * np.pi * (1 - math.cos(theta_max) ** u))
+    assert (edge @ mirror).min() > math.cos(theta_max)  # the whole disc lies inside the lobe
+    assert edge[:, 2].min() > 0
+    tangent = math.sqrt(far**2 - radius**2)
+    speeds = {"spheres.S.radius": np.full(256, 1 / tangent)}
+    for k, letter in enumerate("xyz"):
+        move = np.eye(3)[k]
+        recede = move @ axis
+        speeds[f"spheres.S.center.{letter}"] = -radius / (far * tangent) * recede + outward @ move / far
+    found = probe(scene, [place], tol=1e-12, wrt=list(speeds))
+    for name, speed in speeds.items():
+        expected = 0.75 * (density * speed).sum() * 2 * np.pi / 256 * sine
+        assert abs(expected) > 1e-3
+        assert found.gradient[name][0] == pytest.approx(np.full(3, expected), rel=1e-10)
+
+
+def test_a_lobe_of_constant_radiance_does_not_change() -> None:
+    """In a world of one radiance all silhouettes contribute, and the sum of what they sweep is nothing."""
+    scene = ball(background=(1.0, 1.0, 1.0))
+    scene = scene.replace({"floor.lobe.theta_max": 0.4})
+    names = ["spheres.S.center", "spheres.S.radius", "camera.eye"]
+    found = probe(scene, [(0.3, -0.2, 0.0)], tol=1e-12, wrt=names)
+    assert len(found.gradient) == 7
+    for name, value in found.gradient.items():
+        assert np.abs(value).max() < 1e-12, name
+
+
+def test_shares_above_a_horizon_change_as_differences_say() -> None:
+    gauss = gauss_table()
+    h = 1e-4
+    for n, theta_max, alpha in ((5.0, 1.2, 0.9), (0.0, 1.5, 1.2), (64.0, math.pi / 3, 1.45), (16.0, math.pi / 2, 1.0)):
+        share = cap_share(n, theta_max, alpha, math.pi / 2, gauss)
+        slopes = horizon_slopes(n, theta_max, alpha, share, gauss)
+        for k, slope in enumerate(slopes):
+            if k == 1 and theta_max == math.pi / 2:
+                continue
+            steps = []
+            for s in (h, -h, h / 2, -h / 2):
+                moved = [n, theta_max, alpha]
+                moved[k] += s if n > 0 or k else abs(s)
+                steps.append(cap_share(*moved, math.pi / 2, gauss))
+            if k == 0 and n == 0:
+                continue
+            coarse, fine = (steps[0] - steps[1]) / (2 * h), (steps[2] - steps[3]) / h
+            assert slope == pytest.approx((4 * fine - coarse) / 3, abs=1e-9), (n, theta_max, alpha, k)
+    by_n, by_theta = normaliser_slopes(7.0, 0.8)
+
+    def log_normaliser(n: float, t: float) -> float:
+        return math.log(2 * math.pi * (1 - math.cos(t) ** (n + 1)) / (n + 1))
+
+    assert by_n == pytest.approx((log_normaliser(7 + h, 0.8) - log_normaliser(7 - h, 0.8)) / (2 * h), rel=1e-7)
+    assert by_theta == pytest.approx((log_normaliser(7, 0.8 + h) - log_normaliser(7, 0.8 - h)) / (2 * h), rel=1e-7)
+
+
+def test_walls_that_part_are_told() -> None:
+    """Sphere A of chapter8 is cut by the floor at a line of its own checker: raising it uncovers other fields."""
+    scene = load("chapter8").replace(OBLIQUE)
+    names = ["spheres.A.center.z", "spheres.A.texture.kv", "spheres.B.center.z"]
+    found = probe(scene, [(0.9, -0.85, 0.0)], tol=1e-9, wrt=names)
+    assert found.gradient_status["spheres.A.center.z"][0] == 4
+    assert found.gradient_status["spheres.A.texture.kv"][0] == 4
+    assert found.gradient_status["spheres.B.center.z"][0] == 0
+
+
+def test_a_wall_along_a_scan_line_moves_sideways() -> None:
+    """The floor cuts a sphere with its centre on it along scan lines; of a plain sphere both sides agree."""
+    scene = load("chapter8").replace(OBLIQUE | {"spheres.A.texture": {"type": "solid"}})
+    point = (0.9, -0.85, 0.0)
+    found = probe(scene, [point], tol=1e-11, wrt=["spheres.A.center.z"])
+    expected, change = differences(scene, point, "floor", "spheres.A.center.z", 1e-2)
+    assert np.abs(expected).max() > 1e-4
+    assert found.gradient_status["spheres.A.center.z"][0] == 0
+    assert (
+        np.abs(found.gradient["spheres.A.center.z"][0] - expected).max() <= 1e-7 * np.abs(expected).max() + 3 * change
+    )
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes", "name", "error", "words"),
+    [
+        ("gloss", {}, "shading.model", SceneError, "not a real number"),
+        ("gloss", {}, "spheres.Q.radius", SceneError, "unknown name"),
+        ("gloss", {}, "spheres.B", SceneError, "not a real number"),
+        ("gloss", {"lights.key.radius": 0.0}, "lights.key.radius", SceneError, "changes its structure"),
+        ("gloss", {"spheres.A.texture": {"type": "marble"}}, "spheres.A.texture.ku", Unsupported, "seam"),
+    ],
+)
+def test_what_has_no_derivative_is_refused_by_name(scene, changes, name, error, words) -> None:
+    with pytest.raises(error, match=words) as caught:
+        probe(load(scene).replace(changes), [(0.3, -2.2)], wrt=[name])
+    assert name.split(".")[-1] in str(caught.value)
+
+
+def test_the_exact_disk_is_refused() -> None:
+    with pytest.raises(Unsupported, match="exact"):
+        probe("gloss", [(0.3, -2.2)], disk="exact", wrt=["spheres.B.radius"])
