@@ -113,4 +113,4 @@ def inline(text: str, alt: str) -> str:
     text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px; font-family: var(--plain)", text)
     for color, variable in _NAMES.items():
         text = text.replace(color, f"var({variable})")
-    return text
+    return f'<div class="scroll" tabindex="0">{text}</div>'

@@ -48,7 +48,7 @@ def measure(effort: Effort) -> Measured:
     exact = probe(scene, [_POINT], tol=_EXACT, wrt=[_NAME])
     true = float(exact.gradient[_NAME][0, 0])
     size = abs(true)
-    rows = [list(row) for row in zip(effort.steps, split, strata, strict=True)]
+    rows = [[h, f"{a:.8f}", f"{b:.8f}"] for h, a, b in zip(effort.steps, split, strata, strict=True)]
     curves = [
         Curve("split at the walls", effort.steps, [max(abs(g - true), 1e-13) / size for g in split], 5),
         Curve(f"strata of equal weight, {_SIDE} by {_SIDE}", effort.steps, [abs(g - true) / size for g in strata], 2),
