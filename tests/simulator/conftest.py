@@ -67,6 +67,36 @@ def browser() -> Iterator[Any]:
         launched.close()
 
 
+@pytest.fixture(scope="session")
+def gloss_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    """The default scene's page, opened once: compiling its shaders takes longer than most tests."""
+    from symrender.simulator.state import State, to_fragment
+
+    path = tmp_path_factory.mktemp("gloss") / "page.html"
+    simulator("gloss", path)
+    context = browser.new_context(viewport={"width": 1200, "height": 900})
+    page, errors = context.new_page(), []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(f"{path.as_uri()}{to_fragment(State(size=32))}")
+    opened = Page(page)
+    opened.settle()
+    yield opened
+    context.close()
+    assert errors == []
+
+
+@pytest.fixture
+def fresh(gloss_page: Page) -> Callable[[int], Page]:
+    """The page of the default scene in its first state, at a size."""
+
+    def reset(size: int) -> Page:
+        gloss_page.change(f"Object.assign(s, structuredClone(simulator.data.defaults), {{size: {size}, cursor: null}})")
+        gloss_page.run("() => { document.activeElement.blur(); scrollTo(0, 0); }")
+        return gloss_page
+
+    return reset
+
+
 @pytest.fixture
 def open_page(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Page]]:
     """Open the page of a scene in a fresh context; any error of the page fails the test."""

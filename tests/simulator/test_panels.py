@@ -1,8 +1,8 @@
 """What the page computes, against the compiled kernels: JavaScript to 1e-12, GLSL to 2e-5 off the walls.
 
-A pixel lies on a wall of an estimate where moving its point by 2e-6 of its distance, or turning its normal or ray by
-1e-6, changes the estimate, in double precision, by more than 1e-5: there a float32 ray may see the other side, and
-the pixel is counted instead of compared.
+A pixel lies on a wall of an estimate where moving its point by a few 1e-6 of its distance, or turning its normal or
+ray by as much, changes the estimate in double precision: there a float32 ray may see the other side. Such pixels are
+counted, each is shown to lie on a wall, and they are few.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from symrender.kernel.assemble_pixels import pixel_program
+from symrender.probe import probe
 from symrender.render import render
 from symrender.runtimes import interpreter
 from symrender.scene import gallery
@@ -22,61 +23,95 @@ from symrender.scene.load import load
 SIZE = 32
 EVERYTHING = """() => {
   const {app, program, data, lookAt, directExact, glossExact} = simulator;
-  const f = app.frame, n = f.size, t = f.tables, out = {direct: [], symbolic: [], numeric: [], edge: []};
-  const world = [t.eye, t.spheres, t.floor, t.points, t.shading];
+  const f = app.frame, n = f.size, t = f.tables, out = {direct: [], symbolic: [], numeric: []};
   for (let r = 0; r < n; r++) for (let c = 0; c < n; c++) {
     out.direct.push(...directExact(t, c, r));
-    const symbolic = glossExact("pixel_symbolic", t, c, r), numeric = glossExact("pixel_numeric", t, c, r);
-    out.symbolic.push(...symbolic);
-    out.numeric.push(...numeric);
-    const seen = lookAt(t, c, r), key = program.pixel_word(c, r, app.state.seed);
-    let moved = [0, 0];
-    if (symbolic[3] > 0) {
-      const far = 2e-6 * Math.hypot(...seen.q.map((v, k) => v - t.eye[k]));
-      for (let k = 0; k < 18; k++) {
-        const v = {q: [...seen.q], n: [...seen.n], d: [...seen.d]}, part = "qnd"[Math.floor(k / 6)];
-        v[part][k % 3] += (k % 6 < 3 ? 1 : -1) * (part === "q" ? far : 1e-6);
-        program.strata_gloss(...v.q, ...v.n, ...v.d, seen.shape, t.estimate, t.lobes, t.rings, t.sectors, ...world);
-        for (let i = 0; i < 3; i++) moved[0] = Math.max(moved[0], Math.abs(program.R[i] - symbolic[i]));
-        program.jittered_gloss(...v.q, ...v.n, ...v.d, seen.shape, key, t.estimate, t.lobes, ...world);
-        for (let i = 0; i < 3; i++) moved[1] = Math.max(moved[1], Math.abs(program.R[i] - numeric[i]));
-      }
-    }
-    out.edge.push(...moved);
+    for (const side of ["symbolic", "numeric"]) out[side].push(...glossExact(`pixel_${side}`, t, c, r));
   }
   out.gpu = {};
   for (const side of ["direct", "symbolic", "numeric"]) out.gpu[side] = Array.from(f[`pixel_${side}`]);
   return out;
 }"""
+SHAKEN = """([side, column, row]) => {
+  const {app, program, data, lookAt, glossExact} = simulator, t = app.frame.tables;
+  const world = [t.eye, t.spheres, t.floor, t.points, t.shading], hits = new Float64Array(data.tables.hits.columns);
+  const seen = lookAt(t, column, row), key = program.pixel_word(column, row, app.state.seed);
+  const far = 2e-6 * Math.hypot(...seen.q.map((v, k) => v - t.eye[k]));
+  const still = glossExact(`pixel_${side}`, t, column, row), sizes = [0.3, 1, 3];
+  let moved = 0;
+  for (let k = 0; k < 54; k++) {
+    const v = {q: [...seen.q], n: [...seen.n], d: [...seen.d]}, part = "qnd"[Math.floor(k / 18)];
+    const size = sizes[k % 3];
+    v[part][Math.floor(k / 3) % 3] += (k % 18 < 9 ? size : -size) * (part === "q" ? far : 1e-6);
+    const place = [...v.q, ...v.n, ...v.d, seen.shape];
+    if (side === "symbolic") program.strata_gloss(...place, t.estimate, t.lobes, t.rings, t.sectors, ...world, hits);
+    else program.jittered_gloss(...place, key, t.estimate, t.lobes, ...world, hits);
+    for (let i = 0; i < 3; i++) moved = Math.max(moved, Math.abs(program.R[i] - still[i]));
+  }
+  return moved;
+}"""
+DARK = ("chapter8", "needle")
+"""Scenes in which most lobes see next to nothing."""
 FLOAT32 = 2e-5
-MOST_ON_WALLS = 0.2
-"""Largest share of pixels on a wall: with 16 directions and several lights, walls are everywhere."""
+MOST_ON_WALLS = 0.01
+"""Largest share of pixels on a wall."""
 
 
 def exact_and_gpu(page):
     found = page.run(EVERYTHING)
     size = page.run("() => simulator.app.frame.size")
     exact = {k: np.array(found[k]).reshape(size, size, 4) for k in ("direct", "symbolic", "numeric")}
-    gpu = {k: np.array(v).reshape(size, size, 4) for k, v in found["gpu"].items()}
-    return exact, gpu, np.array(found["edge"]).reshape(size, size, 2)
+    return exact, {k: np.array(v).reshape(size, size, 4) for k, v in found["gpu"].items()}
+
+
+REFERENCES = """(count) => {
+  const {app, data, lookAt, surfaceLobe, reference} = simulator, n = app.frame.size, t = app.frame.tables, out = [];
+  for (let i = 0; i < 4 * n * n && out.length < count; i++) {
+    const k = Math.floor(((i * 0.6180339887498949) % 1) * n * n), seen = lookAt(t, k % n, Math.floor(k / n));
+    if (seen.shape === 0 || surfaceLobe(t, seen.shape - 1).weight === 0) continue;
+    out.push({...seen, ...reference(t, seen, 1e-5, 50000)});
+  }
+  return out;
+}"""
+A_SCENE = 9
+"""Points a gallery scene at which the reference is compared: with seven scenes more than fifty."""
+
+
+def check_references(page, name):
+    """What the page states as reference and error, against the split rule of Python; returns points with signal."""
+    scene, lit = load(name), 0
+    found = page.run(REFERENCES, A_SCENE)
+    assert len(found) == A_SCENE
+    for point in found:
+        on_floor = point["shape"] == 1
+        surface = "floor" if on_floor else f"spheres.{scene.spheres[int(point['shape']) - 2].name}"
+        exact = probe(scene, [point["q"] if on_floor else point["n"]], surface=surface, tol=1e-8)
+        off = float(np.abs(exact.gloss[0] - point["value"]).max())
+        assert off <= point["error"] + exact.error[0], (name, surface, point)
+        assert point["error"] <= 1e-5 or not point["met"]
+        lit += exact.gloss[0].max() > 1e-3
+    # a third of the page's budget is enough for most points; the rest say how far they came
+    assert np.median([point["error"] for point in found]) <= 1e-4
+    assert max(point["error"] for point in found) <= 2e-2
+    return lit
 
 
 @pytest.mark.parametrize("name", gallery.names())
 def test_gallery_scenes(open_page, name):
     page = open_page(name, size=SIZE)
-    exact, gpu, edge = exact_and_gpu(page)
+    assert check_references(page, name) >= (0 if name in DARK else 2)
+    exact, gpu = exact_and_gpu(page)
     image = render(name, size=SIZE, numeric="none").symbolic
     assert image.layers["hit_class"].max() > 0
     assert np.abs(exact["direct"][..., :3] - image.layers["direct"]).max() <= 1e-12
     assert np.abs(exact["symbolic"][..., :3] - image.layers["gloss"]).max() <= 1e-12
     assert np.array_equal(exact["direct"][..., 3], image.layers["hit_class"])
     assert np.abs(exact["direct"] - gpu["direct"]).max() <= FLOAT32
-    for side, moved in (("symbolic", edge[..., 0]), ("numeric", edge[..., 1])):
-        smooth = moved <= 1e-5
-        assert np.mean(smooth) >= 1 - MOST_ON_WALLS, (name, side, np.mean(smooth))
-        assert np.abs(exact[side] - gpu[side])[smooth].max() <= FLOAT32, (name, side)
-        # on a wall a ray may fall on either side, but no more than that can happen
-        assert np.abs(exact[side] - gpu[side]).max() <= 1.0
+    for side in ("symbolic", "numeric"):
+        apart = np.argwhere(np.abs(exact[side] - gpu[side]).max(axis=2) > FLOAT32)
+        assert len(apart) <= MOST_ON_WALLS * SIZE**2, (name, side, len(apart))
+        for row, column in apart.tolist():
+            assert page.run(SHAKEN, [side, column, row]) > FLOAT32 / 2, (name, side, column, row)
 
 
 RANDOM = """async (states) => {
@@ -88,21 +123,22 @@ RANDOM = """async (states) => {
       await app.gpu.draw(pass, n, 0, n);
       gpu[pass] = await app.gpu.read(pass, n);
     }
-    let direct = 0, finite = true, signal = 0;
-    const errors = [];
+    let finite = true, signal = 0;
+    const direct = [], errors = [];
     for (let k = 0; k < n * n; k += 3) {
-      const d = directExact(t, k % n, Math.floor(k / n)), s = glossExact("pixel_symbolic", t, k % n, Math.floor(k / n));
-      let e = 0;
+      const column = k % n, row = Math.floor(k / n);
+      const d = directExact(t, column, row), s = glossExact("pixel_symbolic", t, column, row);
+      let off = 0, e = 0;
       for (let i = 0; i < 3; i++) {
-        direct = Math.max(direct, Math.abs(d[i] - gpu.pixel_direct[4 * k + i]));
+        off = Math.max(off, Math.abs(d[i] - gpu.pixel_direct[4 * k + i]));
         e = Math.max(e, Math.abs(s[i] - gpu.pixel_symbolic[4 * k + i]) / Math.max(1, Math.abs(s[i])));
         signal = Math.max(signal, s[i]);
         for (const values of Object.values(gpu)) finite &&= Number.isFinite(values[4 * k + i]);
       }
+      direct.push(off);
       errors.push(e);
     }
-    errors.sort((a, b) => a - b);
-    out.push([errors[Math.floor(0.8 * errors.length)], direct, finite, signal, app.gpu.gl.getError()]);
+    out.push([errors, direct, finite, signal, app.gpu.gl.getError()]);
   }
   return out;
 }"""
@@ -136,24 +172,28 @@ def random_state(rng):
     }
 
 
-def test_a_hundred_random_scenes_in_one_page(open_page):
+def test_a_hundred_random_scenes_in_one_page(fresh):
     """Random values in every table, so that no branch of the shaders goes unseen; nothing is compiled again."""
-    page = open_page("gloss", size=16)
+    page = fresh(16)
     rng = random.Random(8)
-    found = page.run(RANDOM, [random_state(rng) for _ in range(100)])
+    states = [random_state(rng) for _ in range(100)]
+    found = page.run(RANDOM, states)
     assert len(found) == 100
     assert sum(signal > 0.01 for *_, signal, _ in found) >= 60
-    for most, direct, finite, _, error in found:
-        assert finite
-        assert error == 0
-        # of the gloss four pixels in five: the others may lie on a wall
-        assert most <= FLOAT32
-        assert direct <= 0.5
+    assert all(finite and error == 0 for _, _, finite, _, error in found)
+    gloss, direct = (np.array([row[k] for row in found]) for k in (0, 1))
+    assert direct.size == gloss.size == 100 * 86
+    # float32 holds a cosine to 6e-8, so its n-th power to n 6e-8 of itself
+    sharp = np.array([state["scene"]["shading.shininess"] for state in states])
+    assert (direct.max(axis=1) <= np.maximum(FLOAT32, 6e-8 * sharp)).all()
+    assert np.mean(direct > FLOAT32) <= 0.002
+    assert np.mean(gloss > FLOAT32) <= 0.004
+    assert np.mean(gloss > FLOAT32, axis=1).max() <= 0.05
 
 
-def test_the_jittered_estimate_is_that_of_the_interpreter(open_page):
+def test_the_jittered_estimate_is_that_of_the_interpreter(fresh):
     """The judge of every target walks the program; JavaScript repeats it, random numbers and all."""
-    page = open_page("chapter8", size=16)
+    page = fresh(16)
     tables = page.run("""() => Object.fromEntries(Object.entries(simulator.app.frame.tables).map(
       ([name, values]) => [name, Array.from(values)]))""")
     from symrender.kernel.assemble_pixels import TABLES
@@ -163,6 +203,7 @@ def test_the_jittered_estimate_is_that_of_the_interpreter(open_page):
         flat = np.array(values)
         if name in TABLES:
             arrays[name] = flat if TABLES[name].rows == 1 else flat.reshape(-1, TABLES[name].columns)
+    arrays["hits"] = np.zeros(TABLES["hits"].columns)
     program = pixel_program()
     compared = 0
     for entry in ("pixel_numeric", "pixel_symbolic"):
@@ -176,8 +217,8 @@ def test_the_jittered_estimate_is_that_of_the_interpreter(open_page):
     assert compared >= 2
 
 
-def test_rules_made_in_the_page_are_those_of_the_quadrature(open_page):
-    page = open_page("gloss", size=20)
+def test_rules_made_in_the_page_are_those_of_the_quadrature(fresh):
+    page = fresh(20)
     choices = itertools.product(
         ("equal_angle", "equal_solid_angle", "equal_weight"),
         ("exact", "midpoint"),
@@ -203,10 +244,10 @@ def test_rules_made_in_the_page_are_those_of_the_quadrature(open_page):
     assert signal > 0.3
 
 
-def test_changes_in_the_page_are_changes_of_the_scene(open_page):
+def test_changes_in_the_page_are_changes_of_the_scene(fresh):
     from symrender.simulator.state import from_url
 
-    page = open_page("gloss", size=32)
+    page = fresh(32)
     page.change(
         "s.scene['spheres.B.center.x'] = 0.4; s.scene['spheres.B.texture.type'] = 'marble';"
         "s.scene['lights.key.radius'] = 0; s.scene['shading.model'] = 'phong'; s.off = ['fill']"

@@ -13,6 +13,7 @@ from symrender.kernel import (
     gather,
     light,
     lobe_disc,
+    lobe_meridian,
     lobe_sums,
     lobe_table,
     pixel,
@@ -44,13 +45,14 @@ TABLES: Final[dict[str, Table]] = {
     "eye": Table(3),
     "floor": Table(at.FLOOR_COLUMNS),
     "shading": Table(at.SHADING_COLUMNS),
-    "estimate": Table(4),
+    "estimate": Table(5),
     "disc": Table(12),
     "spheres": Table(at.SPHERE_COLUMNS, MAX_SIMULATOR_SPHERES),
     "points": Table(6, MAX_SIMULATOR_LIGHT_POINTS),
-    "lobes": Table(4, MAX_SIMULATOR_SPHERES + 1),
+    "lobes": Table(5, MAX_SIMULATOR_SPHERES + 1),
     "rings": Table(4, (MAX_SIMULATOR_SPHERES + 1) * MAX_SIMULATOR_LOBE),
     "sectors": Table(2, MAX_SIMULATOR_LOBE),
+    "hits": Table(lobe_sums.BATCH, scratch=True),
     "labels": Table(lobe_disc.MAX_CHAMBERS, scratch=True),
 }
 """Every array of the program by name. A GPU holds none longer than 1024 rows of four."""
@@ -59,8 +61,9 @@ PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chamb
 """Functions of a column and a row with four results: what a fragment shader runs."""
 _PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "lobe_widths", "disc_radius", "disc_place")
 _CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
+_REFERENCE = ("lobe_direction", "meridian_meets", "silhouette_circle", "silhouette_turns", "cell")
 _PROBE = ("look", "sight", "strata_gloss", "jittered_gloss", "sample_depth", "sample_direction", "frame", "reflected")
-ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_PROBE, "nearest", "pixel_word")
+ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_REFERENCE, *_PROBE, "nearest", "pixel_word")
 """What a page calls."""
 
 
@@ -88,8 +91,8 @@ def pixel_program() -> Program:
             sight.blocked(),
             shade.light_factors(),
             sight.direct(),
-            shade.lit(),
             trace.nearest(),
+            sight.met(),
             sight.sight(),
             gather.frame(),
             lobe_sums.sample_depth(),
@@ -106,6 +109,7 @@ def pixel_program() -> Program:
             pixel.pixel_symbolic(),
             pixel.reflected(),
             lobe_disc.chamber(),
+            lobe_disc.cell(),
             lobe_disc.chambers_met(),
             pixel.pixel_chambers(),
             lobe_disc.disc_radius(),
@@ -115,6 +119,10 @@ def pixel_program() -> Program:
             lobe_disc.silhouette_direction(),
             lobe_disc.terminator_direction(),
             lobe_disc.horizon_direction(),
+            lobe_meridian.lobe_direction(),
+            lobe_meridian.meridian_meets(),
+            lobe_meridian.silhouette_circle(),
+            lobe_meridian.silhouette_turns(),
         ),
         ENTRIES,
     )

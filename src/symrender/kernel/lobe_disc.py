@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
+from symrender.expression import texture
 from symrender.expression.lobe import mirror_direction
 from symrender.expression.vectors import Vec3, dot, norm2, unit, vec3
 from symrender.kernel.block import Block, real, whole
@@ -24,6 +25,16 @@ MAX_CHAMBERS = 64
 
 def chamber() -> Function:
     """A number for the chamber a direction lies in: shape, texture field, and for each light point lit and facing."""
+    doc = "a number for the chamber that w lies in, seen from p"
+    return _numbered("chamber", False, doc)
+
+
+def cell() -> Function:
+    """``chamber`` that also tells apart the cells of a texture that look alike: two of them meet in a corner."""
+    return _numbered("cell", True, "a number for the chamber and the texture's cell that w lies in, seen from p")
+
+
+def _numbered(name: str, apart: bool, doc: str) -> Function:
     p, w, leaves = vec3("p"), vec3("w"), whole("leaves")
     block = Block()
     shape, distance, mixed = whole("shape"), real("distance"), whole("mixed")
@@ -37,6 +48,9 @@ def chamber() -> Function:
     with block.when(sp.Eq(shape, at.FLOOR)):
         with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
             block.call("floor_side", (q.x, q.y, FLOOR), "bright")
+            if apart:
+                for k, value in enumerate((q.x, q.y)):
+                    _mix(block, mixed, (value - FLOOR[at.FLOOR_OFFSET + k]) / FLOOR[at.FLOOR_CELL])
         block.let_vector("q", Vec3(q.x, q.y, sp.Integer(0)))
     with block.otherwise():
         j = block.count("j", shape - at.FIRST_SPHERE)
@@ -48,6 +62,12 @@ def chamber() -> Function:
         block.let_vector("q", center + outward * radius)
         with block.when(sp.Ne(SPHERES[j, at.TEXTURE], at.MARBLE)):
             block.call("texture_factor", (j, outward, SPHERES), "bright")
+            if apart:
+                u, v = texture.chart(Vec3(outward.x, outward.y, sp.Max(-1, sp.Min(1, outward.z))))
+                with block.when(sp.Ne(SPHERES[j, at.TEXTURE], at.SOLID)):
+                    _mix(block, mixed, u * SPHERES[j, at.KU])
+                with block.when(sp.Eq(SPHERES[j, at.TEXTURE], at.CHECKER)):
+                    _mix(block, mixed, v * SPHERES[j, at.KV])
     with block.when(bright < 1):
         block.call("scramble", (xor(mixed, 1),), "mixed")
     with block.loop("light", POINTS.length) as light:
@@ -61,7 +81,11 @@ def chamber() -> Function:
         block.call("scramble", (xor(mixed, state),), "mixed")
     block.leave(mixed)
     parameters = (*p.parts, *w.parts, leaves, SPHERES, FLOOR, POINTS)
-    return Function("chamber", parameters, block.statements, "a number for the chamber that w lies in, seen from p")
+    return Function(name, parameters, block.statements, doc)
+
+
+def _mix(block: Block, mixed: sp.Symbol, coordinate: sp.Expr) -> None:
+    block.call("scramble", (xor(mixed, block.count("number", sp.floor(coordinate))),), "mixed")
 
 
 def chambers_met() -> Function:
@@ -72,7 +96,7 @@ def chambers_met() -> Function:
     side = block.count("side", sp.floor(ESTIMATE[0]))
     with block.when(sp.Eq(LOBES[lobe, 3], 0)):
         block.set(side, sp.Integer(1))
-    u1, u2, m = _frame(block, normal, incoming)
+    u1, u2, m = lobe_frame(block, normal, incoming)
     first = block.count("first", lobe * sp.floor(ESTIMATE[3]))
     found = block.count("found", sp.Integer(0))
     with block.loop("ring", side) as ring, block.loop("sector", side) as sector:
@@ -94,7 +118,8 @@ def chambers_met() -> Function:
     return Function("chambers_met", parameters, block.statements, "number of chambers among the strata's directions")
 
 
-def _frame(block: Block, normal: Vec3, incoming: Vec3) -> tuple[Vec3, Vec3, Vec3]:
+def lobe_frame(block: Block, normal: Vec3, incoming: Vec3) -> tuple[Vec3, Vec3, Vec3]:
+    """Write the axes (u1, u2, m) of a lobe."""
     m = block.let_vector("m", mirror_direction(incoming, normal))
     found = block.call("frame", (m,), *(f"{axis}_{part}" for axis in "ab" for part in "xyz"))
     return Vec3(*found[:3]), Vec3(*found[3:]), m
@@ -127,7 +152,7 @@ def disc_place() -> Function:
     """Where a direction is drawn: the unit disc, and the angle to the mirror direction."""
     p, w, lobe = DISC, vec3("w"), whole("lobe")
     block = Block()
-    u1, u2, m = _frame(block, row_vector(p, None, 3), row_vector(p, None, 6))
+    u1, u2, m = lobe_frame(block, row_vector(p, None, 3), row_vector(p, None, 6))
     x, y, z = block.lets({"x": dot(w, u1), "y": dot(w, u2), "z": dot(w, m)})
     across = block.let("across", sp.sqrt(x**2 + y**2))
     theta = block.let("theta", sp.atan2(across, z))
@@ -155,7 +180,7 @@ def pixel_disc() -> Function:
     lobe = block.count("lobe", leaves - at.FLOOR)
     (theta,) = block.call("disc_angle", (rho, LOBES[lobe, 0], LOBES[lobe, 3], DISC[10]), "theta")
     p, normal, incoming = (row_vector(DISC, None, first) for first in (0, 3, 6))
-    u1, u2, m = _frame(block, normal, incoming)
+    u1, u2, m = lobe_frame(block, normal, incoming)
     sine = block.let("sine", sp.sin(theta))
     w = block.let_vector("w", u1 * (sine * x / rho) + u2 * (sine * y / rho) + m * sp.cos(theta))
     with block.when(dot(w, normal) <= 0):

@@ -17,7 +17,8 @@ EXACT, MIDPOINT = 0, 1
 MIDPOINT_NODE, BARYCENTRE_NODE = 0, 1
 
 LOBES = Array("lobes", 2)
-"""A row for the floor (0) and sphere j (1 + j): exponent 0, 1 - cos theta_max 1, solid angle over W 2, theta_max 3."""
+"""A row for the floor (0) and sphere j (1 + j): exponent 0, 1 - cos theta_max 1, solid angle over W 2, theta_max 3,
+rings that are looked along 4: those beyond hold less than the share asked for."""
 RINGS = Array("rings", 2)
 """Ring k of lobe r in row r stride + k: sine 0 and cosine 1 of its node, weight of a cell 2, inner edge 3."""
 SECTORS = Array("sectors", 2)
@@ -42,14 +43,18 @@ def ring_edge() -> Function:
 
 
 def fill_lobe() -> Function:
-    """Write the rule of one lobe: K rings whose cells, K a ring, all weigh the same."""
+    """Write the rule of one lobe: K rings whose cells, K a ring, all weigh the same.
+
+    Rings that together hold less than ``least`` of all weights are written, but not counted as looked along.
+    """
     lobe, count, stride = whole("lobe"), whole("count"), whole("stride")
     exponent, theta_max = real("exponent"), real("theta_max")
     partition, weights, nodes, normalised = (whole(n) for n in ("partition", "weights", "nodes", "normalised"))
+    least = real("least")
     block = Block()
     u = block.let("u", exponent + 1)
     vers = block.let("vers", 2 * sp.sin(theta_max / 2) ** 2)
-    for column, value in enumerate((exponent, vers, sp.Integer(1), theta_max)):
+    for column, value in enumerate((exponent, vers, sp.Integer(1), theta_max, sp.Integer(1))):
         block.store(LOBES[lobe, column], value)
     first = block.count("first", lobe * stride)
     with block.when(sp.Eq(theta_max, 0)):
@@ -87,9 +92,13 @@ def fill_lobe() -> Function:
     scale = block.let("scale", 1 / (count * sums))
     with block.when(sp.And(sp.Eq(normalised, 1), peak > -600)):
         block.set(scale, sp.exp(peak) / count)
+    rest = block.let("rest", sums)
     with block.loop("k", count) as k:
+        with block.when(sp.Or(sp.Eq(least, 0), rest > least * sums)):
+            block.store(LOBES[lobe, 4], k + 1)
+        block.set(rest, rest - RINGS[first + k, 2])
         block.store(RINGS[first + k, 2], RINGS[first + k, 2] * scale)
-    parameters = (lobe, exponent, theta_max, count, stride, partition, weights, nodes, normalised, LOBES, RINGS)
+    parameters = (lobe, exponent, theta_max, count, stride, partition, weights, nodes, normalised, least, LOBES, RINGS)
     return Function("fill_lobe", parameters, block.statements, "writes the rows of a lobe")
 
 

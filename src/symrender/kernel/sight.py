@@ -17,29 +17,40 @@ from symrender.scene import arrays as at
 
 WORLD: tuple[Array, ...] = (EYE, SPHERES, FLOOR, POINTS, SHADING)
 _FAINT = 60
-_CHANNELS = ("albedo_r", "albedo_g", "albedo_b")
+CHANNELS = ("albedo_r", "albedo_g", "albedo_b")
 
 
 def sight() -> Function:
     """Radiance along a unit direction from a surface, and the hit class; nothing hit is the background."""
     p, w, leaves = vec3("p"), vec3("w"), whole("leaves")
     block = Block()
-    shape, distance = whole("shape"), real("distance")
+    shape = whole("shape")
     block.call("nearest", (p, w, leaves, SPHERES, FLOOR), "shape", "distance")
     with block.when(sp.Eq(shape, at.NOTHING)):
         block.leave(*(SHADING[at.BACKGROUND + c] for c in range(3)), shape)
+    rgb = block.call("met", (p, w, shape, *WORLD), "r", "g", "blue")
+    block.leave(*rgb, shape)
+    doc = "(r, g, b, hit class) of what w sees from p"
+    return Function("sight", (*p.parts, *w.parts, leaves, *WORLD), block.statements, doc)
+
+
+def met() -> Function:
+    """Radiance of the floor or the sphere that a unit direction is known to meet first; a floor from below is black."""
+    p, w, shape = vec3("p"), vec3("w"), whole("shape")
+    block = Block()
     with block.when(sp.And(sp.Eq(shape, at.FLOOR), p.z < 0)):
-        block.leave(*(sp.Integer(0),) * 3, shape)
-    q = block.let_vector("q", Vec3(p.x + w.x * distance, p.y + w.y * distance, sp.Integer(0)))
+        block.leave(*(sp.Integer(0),) * 3)
+    reach = block.let("reach", -p.z / w.z)
+    q = block.let_vector("q", Vec3(p.x + w.x * reach, p.y + w.y * reach, sp.Integer(0)))
     normal = block.let_vector("n", Vec3(sp.Integer(0), sp.Integer(0), sp.Integer(1)))
     side = block.let("side", sp.Integer(1))
-    albedo = [block.let(name, sp.Integer(0)) for name in _CHANNELS]
+    albedo = [block.let(name, sp.Integer(0)) for name in CHANNELS]
     with block.when(sp.Eq(shape, at.FLOOR)):
         bright = block.let("bright", sp.Integer(1))
         with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
             (found,) = block.call("floor_side", (q.x, q.y, FLOOR), "found")
             block.set(bright, found)
-        block.lets(dict(zip(_CHANNELS, floor_albedo(bright), strict=True)))
+        block.lets(dict(zip(CHANNELS, floor_albedo(bright), strict=True)))
     with block.otherwise():
         j = block.count("j", shape - at.FIRST_SPHERE)
         center = block.let_vector("center", row_vector(SPHERES, j, at.CENTER))
@@ -51,7 +62,7 @@ def sight() -> Function:
         unit_normal(block, intersection.normal(f, w, b, half_chord, facing, radius))
         block.let_vector("q", center + normal * (facing * radius))
         rgb = sphere_albedo(block, j, block.let_vector("o", normal * facing))
-        block.lets(dict(zip(_CHANNELS, rgb, strict=True)))
+        block.lets(dict(zip(CHANNELS, rgb, strict=True)))
     view = block.let_vector("v", -w)
     with block.when(sp.Eq(SHADING[5], at.EYE)):
         to_eye = block.let_vector("to_eye", row_vector(EYE, None, 0) - q)
@@ -60,9 +71,9 @@ def sight() -> Function:
             block.let_vector("v", to_eye / length)
     arguments = (q, normal, view, *albedo, shape, side, SPHERES, FLOOR, POINTS, SHADING)
     rgb = block.call("direct", arguments, "r", "g", "blue")
-    block.leave(*rgb, shape)
-    doc = "(r, g, b, hit class) of what w sees from p"
-    return Function("sight", (*p.parts, *w.parts, leaves, *WORLD), block.statements, doc)
+    block.leave(*rgb)
+    doc = "radiance (r, g, b) of the shape that w meets first from p"
+    return Function("met", (*p.parts, *w.parts, shape, *WORLD), block.statements, doc)
 
 
 def power() -> Function:
@@ -103,7 +114,7 @@ def blocked() -> Function:
 def direct() -> Function:
     """Radiance leaving a lit point: ``shade.direct``, which looks for shadows only of lights the point faces."""
     q, normal, view = vec3("q"), vec3("n"), vec3("v")
-    albedo = tuple(real(name) for name in _CHANNELS)
+    albedo = tuple(real(name) for name in CHANNELS)
     leaves, side = whole("leaves"), real("side")
     block = Block()
     sums = [block.let(f"{kind}_{c}", sp.Integer(0)) for kind in ("diffuse", "gleam") for c in "rgb"]

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from symrender.kernel.program import Program
     from symrender.scene.scene import Scene
 
-_SCRIPTS: Final = ("tables.js", "gpu.js", "present.js", "disc.js", "controls.js", "video.js", "page.js")
+_SCRIPTS: Final = ("tables.js", "gpu.js", "reference.js", "present.js", "disc.js", "controls.js", "video.js", "page.js")
 _DISK_STRATA: Final = 2
 _VERTEX: Final = """#version 300 es
 void main() {
@@ -102,12 +102,26 @@ def script() -> str:
 
 
 @cache
-def shaders() -> dict[str, str]:
-    """The fragment shaders by pass, the same for every scene."""
+def shaders(spheres: int) -> dict[str, str]:
+    """The fragment shaders by pass, the same for every scene of as many spheres."""
     from symrender.kernel.assemble_pixels import PASSES
+    from symrender.kernel.straighten import straightened
     from symrender.targets import glsl
 
-    return {name: glsl.emit(_program().part(name)) for name in PASSES}
+    return {name: glsl.emit(straightened(_program().part(name), {"spheres": spheres})) for name in PASSES}
+
+
+@cache
+def reads() -> dict[str, list[str]]:
+    """The tables each pass reads, by name."""
+    from symrender.kernel.assemble_pixels import PASSES, TABLES
+    from symrender.kernel.program import Array
+
+    functions = {function.name: function for function in _program().functions}
+    return {
+        name: [p.name for p in functions[name].parameters if isinstance(p, Array) and not TABLES[p.name].scratch]
+        for name in PASSES
+    }
 
 
 def light_point_count(scene: Scene) -> int:
@@ -146,7 +160,8 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "limits": {"lobe": MAX_SIMULATOR_LOBE},
         "tables": {name: {"columns": t.columns, "rows": t.rows} for name, t in TABLES.items()},
         "blocks": blocks(),
-        "shaders": shaders(),
+        "reads": reads(),
+        "shaders": shaders(len(scene.spheres)),
         "vertex": _VERTEX,
         "classes": CLASSES,
         "scale": SEQUENTIAL,

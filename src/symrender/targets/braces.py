@@ -68,8 +68,8 @@ class Writer(ABC):
         """Lines that declare a function's own names."""
 
     @abstractmethod
-    def loop_line(self, index: str, first: str, count: str) -> str:
-        """The head of a counted loop."""
+    def loop_lines(self, index: str, first: str, count: str) -> tuple[str, str]:
+        """The first and the last line of a counted loop."""
 
     @abstractmethod
     def leave(self, values: Sequence[str]) -> list[str]:
@@ -253,9 +253,11 @@ class Writer(ABC):
                 case Store(element=element, value=value):
                     place = self.element(str(element.base.label), element.indices)
                     lines.append(f"{pad}{place} = {self.real(value)};")
-                case Loop(index=index, first=first, count=count, body=inner):
-                    head = self.loop_line(self.name(index.name), self.count(first), self.count(count, _SUM))
-                    lines += [f"{pad}{head}", *self._body(function, inner, depth + 1), f"{pad}}}"]
+                case Loop():
+                    lines += self.loop(function, statement, depth)
+                case When(condition=condition, body=(), otherwise=other):
+                    lines.append(f"{pad}if (!{self.condition(condition, _ATOM)}) {{")
+                    lines += [*self._body(function, other, depth + 1), f"{pad}}}"]
                 case When(condition=condition, body=inner, otherwise=other):
                     lines += [f"{pad}if ({self.condition(condition)}) {{", *self._body(function, inner, depth + 1)]
                     if other:
@@ -270,6 +272,13 @@ class Writer(ABC):
                 case Call():
                     lines += [pad + line for line in self._call(statement)]
         return lines
+
+    def loop(self, function: Function, loop: Loop, depth: int) -> list[str]:
+        """Lines of a counted loop."""
+        pad = "  " * depth
+        first, count = self.count(loop.first), self.count(loop.count, _SUM)
+        head, tail = self.loop_lines(self.name(loop.index.name), first, count)
+        return [f"{pad}{head}", *self._body(function, loop.body, depth + 1), f"{pad}{tail}"]
 
     def _call(self, call: Call) -> list[str]:
         callee = self.functions[call.function]

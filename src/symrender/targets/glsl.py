@@ -172,11 +172,16 @@ _HELPERS: Final[dict[str, tuple[tuple[str, ...], str]]] = {
 }""",
     ),
     "own_acos": (
-        ("own_asin",),
+        (),
         """float own_acos(float x) {
-  if (x > 0.5) { return 2.0*own_asin(sqrt(max(0.5*(1.0 - x), 0.0))); }
-  if (x < -0.5) { return 3.14159265359 - 2.0*own_asin(sqrt(max(0.5*(1.0 + x), 0.0))); }
-  return 1.57079632679 - own_asin(x);
+  float a = min(abs(x), 1.0);
+  bool wide = a > 0.5;
+  float z = wide ? 0.5*(1.0 - a) : a*a;
+  float s = wide ? sqrt(z) : a;
+  float p = (((4.2163199048e-2*z + 2.4181311049e-2)*z + 4.5470025998e-2)*z + 7.4953002686e-2)*z + 1.6666752422e-1;
+  float t = p*z*s + s;
+  float y = wide ? 2.0*t : 1.57079632679 - t;
+  return x < 0.0 ? 3.14159265359 - y : y;
 }""",
     ),
     "own_atan2": (
@@ -317,8 +322,11 @@ class _Glsl(Writer):
             lines.append(f"  int {', '.join(f'{name} = 0' for name in wholes)};")
         return lines
 
-    def loop_line(self, index: str, first: str, count: str) -> str:
-        return f"for (int {index} = {first}; {index} < {count}; {index}++) {{"
+    def loop_lines(self, index: str, first: str, count: str) -> tuple[str, str]:
+        # Asked at its end: a driver that masks lanes instead of branching would run one more turn for nobody. Asked
+        # inside too, for no turn at all: SwiftShader was seen to lose results where a guard stood outside instead.
+        head = f"{{ int {index} = {first}; do {{ if ({index} < {count}) {{"
+        return head, f"}} }} while (++{index} < {count}); }}"
 
     def leave(self, values: Sequence[str]) -> list[str]:
         return [*(f"out_{k} = {value};" for k, value in enumerate(values)), "return;"]

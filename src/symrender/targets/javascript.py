@@ -72,8 +72,8 @@ class _JavaScript(Writer):
         names = sorted([*reals, *wholes])
         return [f"  let {', '.join(f'{name} = 0' for name in names)};"] if names else []
 
-    def loop_line(self, index: str, first: str, count: str) -> str:
-        return f"for (let {index} = {first}; {index} < {count}; {index}++) {{"
+    def loop_lines(self, index: str, first: str, count: str) -> tuple[str, str]:
+        return f"for (let {index} = {first}; {index} < {count}; {index}++) {{", "}"
 
     def leave(self, values: Sequence[str]) -> list[str]:
         return [*(f"R[{k}] = {value};" for k, value in enumerate(values)), "return;"]

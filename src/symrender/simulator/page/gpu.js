@@ -1,4 +1,4 @@
-// WebGL 2: one fragment shader a pass, float targets, tables in uniform blocks. Nothing here waits on the GPU.
+// WebGL 2: one fragment shader a pass, float targets, tables in uniform blocks. Only reading finished pixels waits on the GPU.
 
 class Gpu {
   constructor(canvas) {
@@ -60,56 +60,54 @@ class Gpu {
   target(pass, size) {
     const gl = this.gl, key = `${pass} ${size}`;
     if (!this.targets.has(key)) {
-      const texture = gl.createTexture(), frame = gl.createFramebuffer(), pack = gl.createBuffer();
+      const texture = gl.createTexture(), frame = gl.createFramebuffer();
       gl.bindTexture(gl.TEXTURE_2D, texture);
       gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, size, size);
       gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-      gl.bindBuffer(gl.PIXEL_PACK_BUFFER, pack);
-      gl.bufferData(gl.PIXEL_PACK_BUFFER, size * size * 16, gl.STREAM_READ);
-      gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
-      this.targets.set(key, { frame, pack });
+      this.targets.set(key, frame);
     }
     return this.targets.get(key);
   }
 
-  // Rows y0 to y1 of a pass; resolves to the milliseconds it took.
+  // Rows y0 to y1 of a pass; resolves to the milliseconds it took, once it is done.
   async draw(pass, size, y0, y1) {
-    const gl = this.gl, start = performance.now(), made = this.program(pass), target = this.target(pass, size);
+    const start = performance.now();
+    await this.finished(this.submit(pass, size, y0, y1));
+    return performance.now() - start;
+  }
+
+  // Hands rows y0 to y1 of a pass to the GPU; the fence it returns is passed when they are done.
+  submit(pass, size, y0, y1) {
+    const gl = this.gl, made = this.program(pass);
     gl.useProgram(made);
     gl.uniform1i(gl.getUniformLocation(made, "spheres_rows"), this.rows.spheres);
     gl.uniform1i(gl.getUniformLocation(made, "points_rows"), this.rows.points);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target(pass, size));
     gl.viewport(0, 0, size, size);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(0, y0, size, y1 - y0);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-    await this.finished();
-    return performance.now() - start;
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    return fence;
   }
 
   // Pixels of a finished pass, four numbers each, row 0 on top.
-  async read(pass, size) {
-    const gl = this.gl, target = this.target(pass, size), values = new Float32Array(size * size * 4);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
-    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, target.pack);
-    gl.readPixels(0, 0, size, size, gl.RGBA, gl.FLOAT, 0);
-    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
-    await this.finished();
-    if (gl.isContextLost()) return values;
-    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, target.pack);
-    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, values);
-    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+  read(pass, size) {
+    const gl = this.gl, values = new Float32Array(size * size * 4);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target(pass, size));
+    gl.readPixels(0, 0, size, size, gl.RGBA, gl.FLOAT, values);
     return values;
   }
 
-  async finished() {
-    const gl = this.gl, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
+  // Asked now and then only: a software driver needs the processor that would ask.
+  async finished(fence) {
+    const gl = this.gl;
     while (!gl.isContextLost()) {
       const found = gl.clientWaitSync(fence, 0, 0);
       if (found === gl.ALREADY_SIGNALED || found === gl.CONDITION_SATISFIED) break;
-      await nextTask();
+      await delay(1);
     }
     gl.deleteSync(fence);
   }
@@ -124,6 +122,7 @@ function padded(values, table) {
   return whole;
 }
 
+const delay = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const channel = new MessageChannel(), waiting = [];
 channel.port1.onmessage = () => waiting.shift()();
 function nextTask() {

@@ -1,7 +1,11 @@
 // The page: state, frames, probe, keyboard.
 
 const VIEWS = [["full", "Full"], ["gloss", "Gloss alone"], ["direct", "Direct light"], ["class", "Surface class"], ["chambers", "Chamber count"]];
-const BAND = 64, COARSE = 4, DISC_SIZE = 320, DISC_MOVING = 128, REFERENCE = 96, REST = 140;
+const COARSE = 4, DISC_SIZE = 320, DISC_MOVING = 128, REST = 140, SLICE = 10;
+// Bands of a pass take about so many milliseconds: between two of them a frame can be given up.
+const BAND_TIME = 40, FIRST_BAND = 32;
+// Directions that together weigh less than half an ulp of a sum in float32 are not looked along there.
+const LEAST = 2 ** -24;
 const by = (id) => document.getElementById(id);
 const NOTES = {
   full: ["jittered samples: the error is speckle", "where the two disagree"],
@@ -16,6 +20,9 @@ const app = {
   surface: "all",
   generation: 0,
   frame: null,
+  held: new Map(),
+  // passes drawn once: the first draw compiles, and its time says nothing
+  warm: new Set(),
   moving: 0,
   canvases: { numeric: by("panel-numeric"), symbolic: by("panel-symbolic"), difference: by("panel-difference") },
 
@@ -63,13 +70,11 @@ const app = {
 
   async render() {
     const generation = this.generation, state = structuredClone(this.state), t = makeTables(state);
-    this.gpu.upload(t);
     const busy = performance.now() - this.moving < REST && (this.cost ?? 0) > 30;
     const passes = state.view === "chambers" ? ["pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers"] : ["pixel_direct", "pixel_numeric", "pixel_symbolic"];
     if (busy) {
       const size = Math.max(32, Math.round(state.size / (this.cost > 120 ? COARSE : 2)));
       t.image_frame = Float64Array.of(0, 0, size, size, size, size, 1);
-      this.gpu.upload(t);
       await this.pass(passes, size, () => false, state, t, generation, false);
       if (generation === this.generation) await delay(REST);
       return;
@@ -80,34 +85,72 @@ const app = {
   // All passes of a frame at one size, in bands; given up where ``stale``.
   async pass(passes, size, stale, state, t, generation, whole) {
     const frame = { size, generation, whole, state, tables: t, took: {} };
+    this.gpu.upload(makeTables(state, LEAST, t.image_frame));
     for (const pass of passes) {
-      frame.took[pass] = 0;
-      for (let y = 0; y < size; y += BAND) {
-        frame.took[pass] += await this.gpu.draw(pass, size, y, Math.min(size, y + BAND));
-        if (stale()) return;
+      const key = inputs(pass, t), held = this.held.get(pass);
+      if (held?.key === key) {
+        frame[pass] = held.pixels;
+        frame.took[pass] = held.took;
+        continue;
       }
-      frame[pass] = await this.gpu.read(pass, size);
-      if (stale() || this.gpu.gl.isContextLost()) return;
+      const took = await this.bands(pass, size, stale);
+      if (took === null || this.gpu.gl.isContextLost()) return;
+      frame[pass] = this.gpu.read(pass, size);
+      frame.took[pass] = took;
+      if (whole) this.held.set(pass, { key, pixels: frame[pass], took });
+      await nextTask();
     }
     if (whole) this.cost = passes.reduce((sum, pass) => sum + frame.took[pass], 0);
     this.frame = frame;
-    frame.most = present(this.canvases, frame, state);
-    if (whole) this.tell(frame);
+    Object.assign(frame, present(this.canvases, frame, state));
+    // input goes before figures
+    await nextTask();
+    if (whole) await this.tell(frame);
+    await nextTask();
     await this.probe(whole);
   },
 
+  // One pass in bands, the next already waiting while one is drawn; milliseconds, or null where given up.
+  async bands(pass, size, stale) {
+    if (!this.warm.has(pass)) await this.gpu.draw(pass, size, 0, 1);
+    this.warm.add(pass);
+    const start = performance.now(), waiting = [];
+    let y = 0, rows = Math.min(size, FIRST_BAND), last = start;
+    while (y < size || waiting.length) {
+      while (y < size && waiting.length < 2) {
+        const next = Math.min(size, y + rows);
+        waiting.push([this.gpu.submit(pass, size, y, next), next - y]);
+        y = next;
+      }
+      const [fence, drawn] = waiting.shift();
+      await this.gpu.finished(fence);
+      const now = performance.now(), each = Math.max(0.01, (now - last) / drawn);
+      last = now;
+      rows = Math.max(8, Math.min(size, Math.floor(BAND_TIME / each)));
+      if (stale()) {
+        for (const [other] of waiting) await this.gpu.finished(other);
+        return null;
+      }
+    }
+    return performance.now() - start;
+  },
+
   // The ledger of a whole frame.
-  tell(frame) {
-    const d = differences(frame, frame.state.view), own = ownError(frame, frame.tables), lobe = probedLobe(frame);
-    app.ledger = { numeric: frame.took.pixel_numeric, symbolic: frame.took.pixel_symbolic, ...d, own, relative: d.signal ? d.rms / d.signal : 0 };
+  async tell(frame) {
+    const d = differences(frame, frame.state.view), lobe = probedLobe(frame);
+    await nextTask();
+    const own = ownError(frame, frame.tables);
+    await nextTask();
+    const flips = flipped(frame, frame.tables);
+    app.ledger = { numeric: frame.took.pixel_numeric, symbolic: frame.took.pixel_symbolic, ...d, own, flips, relative: d.signal ? d.rms / d.signal : 0 };
     const rows = [
       ["numeric", `${frame.took.pixel_numeric.toFixed(0)} ms`, "time of the jittered pass on this GPU"],
       ["symbolic", `${frame.took.pixel_symbolic.toFixed(0)} ms`, "time of the strata pass on this GPU"],
       ["RMS |ΔI|", short(d.rms), `over ${d.pixels} interior pixels, linear radiance`],
       ["max |ΔI|", short(d.most), "largest difference of a channel, interior"],
-      ["relative", d.signal ? short(d.rms / d.signal) : "–", "RMS over the RMS of the symbolic image"],
-      ["black image", d.signal ? "1" : "–", "what an all-black image scores on the same scale; beat it"],
-      ["flips", "0", "pixels in which the two estimators meet different surfaces: they share one primary ray"],
+      ["black image", short(d.signal), "RMS |ΔI| an all-black picture would score against the symbolic image, from the same pixels"],
+      ["relative", d.signal ? short(d.rms / d.signal) : "–", "RMS |ΔI| over that of the black image; a picture that scores 1 or more is no better than none"],
+      ["flips", `${flips.flips} of ${flips.edge}`, "pixels on outlines whose ray meets another surface in float32 than in float64; both panels share that ray"],
       ["float32", `${short(own.most)}`, `largest error of the panels against float64, ${own.count} pixels sampled, ${own.flips} across an edge`],
     ];
     if (lobe) {
@@ -129,13 +172,13 @@ const app = {
     document.querySelector("#panel-numeric").previousElementSibling.querySelector("span").textContent = frame.state.view === "chambers" ? `kinds of thing one lobe meets, 1 to ${frame.most}` : left;
     by("symbolic-caption").textContent = frame.state.view === "full" || frame.state.view === "gloss" ? `${PARTITION_WORDS[frame.state.partition]}, ${frame.state.weights} weights: the error is bands` : kind.toLowerCase();
     by("difference-caption").textContent = `|difference| × 10${superscript(frame.state.difference)}`;
-    by("difference-note").textContent = right;
+    by("difference-note").textContent = frame.beyond > 0.005 ? `${right}; ${(100 * frame.beyond).toFixed(0)} % beyond the scale` : right;
   },
 
   // Probe and lobe at the cursor; in double precision, the disc's colours from the GPU.
   async probe(whole = true) {
     const frame = this.frame, state = this.state, t = frame.tables, scale = frame.size / frame.state.size;
-    if (!state.cursor) state.cursor = defaultCursor(frame);
+    if (!state.cursor) state.cursor = defaultCursor(state);
     const pixel = state.cursor.map((v) => Math.min(frame.size - 1, Math.floor((v + 0.5) * scale)));
     drawCursor();
     const seen = lookAt(t, ...pixel), lobe = seen.shape > 0 ? surfaceLobe(t, seen.shape - 1) : { weight: 0 };
@@ -161,17 +204,27 @@ const app = {
       t.disc[11] = size;
       this.gpu.upload(t);
       await this.gpu.draw("pixel_disc", size, 0, size);
-      const pixels = await this.gpu.read("pixel_disc", size);
+      const pixels = this.gpu.read("pixel_disc", size);
       this.disc.paint(pixels, size, 2 ** state.exposure);
     }
     this.disc.draw(t, glossy ? seen : null, frame.state, pixel);
     if (!whole || !glossy) return;
     clearTimeout(this.referring);
-    this.referring = setTimeout(() => {
-      if (this.probing !== token) return;
-      const found = reference(t, seen, REFERENCE);
-      facts.reference = [0, 1, 2].map((c) => program.reflected(direct[c], symbolic[3], found.value[c]));
-      facts.error = symbolic[3] * found.error;
+    this.referring = setTimeout(async () => {
+      let rested = performance.now();
+      for (const found of new Reference(t, seen, TOLERANCE, BUDGET).run()) {
+        if (found) {
+          facts.reference = [0, 1, 2].map((c) => program.reflected(direct[c], symbolic[3], found.value[c]));
+          Object.assign(facts, { error: symbolic[3] * found.error, met: found.met, evaluations: found.evaluations });
+        }
+        if (performance.now() - rested > SLICE) {
+          tellProbe(facts);
+          await nextTask();
+          rested = performance.now();
+        }
+        if (this.probing !== token) return;
+      }
+      facts.final = true;
       tellProbe(facts);
     }, REST);
   },
@@ -192,7 +245,6 @@ const app = {
 const PARTITION_WORDS = { equal_angle: "equal angles", equal_solid_angle: "equal solid angles", equal_weight: "equal weights" };
 const superscript = (k) => [...String(k)].map((c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)]).join("");
 const angle = (radians) => `${short((radians * 180) / Math.PI)}°`;
-const delay = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const triple = (rgb) => rgb.map((v) => v.toFixed(6)).join("  ");
 
 function surfaceName(shape) {
@@ -206,22 +258,23 @@ function probedLobe(frame) {
   return { ...surfaceLobe(frame.tables, row), name: path };
 }
 
-// The floor pixel, else any, whose gloss differs most from what lies an eighth of the image around it.
-function defaultCursor(frame) {
-  const size = frame.size, state = app.state.size, far = Math.max(1, size >> 3);
-  const at = (x, y, c) => frame.pixel_symbolic[4 * (y * size + x) + 3] * frame.pixel_symbolic[4 * (y * size + x) + c];
-  let best = 0, found = [size >> 1, size >> 1];
-  for (let y = far; y < size - far; y++) {
-    for (let x = far; x < size - far; x++) {
-      let value = 0;
-      for (const [dx, dy] of [[far, 0], [-far, 0], [0, far], [0, -far]]) {
-        for (let c = 0; c < 3; c++) value += Math.abs(at(x + dx, y + dy, c) - at(x, y, c));
-      }
-      if (frame.pixel_direct[4 * (y * size + x) + 3] !== 1) value *= 0.01;
+// Where to start: of a grid of pixels, the one whose lobe carries most light and meets most chambers; the floor first.
+const GRID = 26, GRID_RULE = { partition: "equal_weight", weights: "exact", nodes: "barycentre", normalised: false, seed: 0 };
+function defaultCursor(state) {
+  const t = makeTables({ ...state, size: GRID }), rows = 1 + t.spheres.length / data.tables.spheres.columns;
+  const rule = ruleTables(t, rows, GRID_RULE, 4, 4), labels = new Float64Array(data.tables.labels.columns);
+  let best = 0, found = [GRID >> 1, GRID >> 1];
+  for (let y = 1; y < GRID - 1; y++) {
+    for (let x = 1; x < GRID - 1; x++) {
+      const gloss = glossExact("pixel_symbolic", { ...t, ...rule }, x, y);
+      const light = gloss[3] * (gloss[0] + gloss[1] + gloss[2]);
+      if (!(light > 0)) continue;
+      program.pixel_chambers(x, y, ...lens(t), rule.estimate, rule.lobes, rule.rings, rule.sectors, t.eye, t.spheres, t.floor, t.points, labels);
+      const value = light * (program.R[0] - 0.9) * (lookAt(t, x, y).shape === 1 ? 1 : 0.2);
       if (value > best) [best, found] = [value, [x, y]];
     }
   }
-  return found.map((v) => Math.min(state - 1, Math.floor(((v + 0.5) * state) / size)));
+  return found.map((v) => Math.min(state.size - 1, Math.floor(((v + 0.5) * state.size) / GRID)));
 }
 
 function tellProbe(facts) {
@@ -233,10 +286,10 @@ function tellProbe(facts) {
     ["gloss fraction", `${(100 * facts.fraction).toFixed(1)} %`],
     ["numeric", triple(facts.numeric)],
     ["symbolic", triple(facts.symbolic)],
-    ["reference", facts.reference ? `${triple(facts.reference)}  ± ${short(facts.error)}` : facts.weight > 0 ? "…" : "–"],
+    ["reference", facts.reference ? `${triple(facts.reference)}  ± ${short(facts.error)}${facts.final ? "" : " …"}` : facts.weight > 0 ? "…" : "–"],
   ];
   by("probe").replaceChildren(...rows.flatMap(([term, value]) => [element("dt", { text: term }), element("dd", { text: value })]));
-  by("probe").title = `reference: equal-weight rule of ${REFERENCE} × ${REFERENCE} directions in float64; ± is its change from ${REFERENCE / 2} × ${REFERENCE / 2}, an estimate and no bound`;
+  by("probe").title = "reference: the lobe split at its walls, Gauss-Kronrod in float64; ± is what it estimates of its own error, no bound";
 }
 
 function drawCursor() {
@@ -530,6 +583,8 @@ async function begin() {
   screen.addEventListener("webglcontextrestored", () => {
     trouble("");
     app.gpu.restore();
+    app.held.clear();
+    app.warm.clear();
     app.change(() => {});
   });
   await app.start();
@@ -543,5 +598,5 @@ function moveCursorAgain() {
   app.disc.draw(t, seen.shape > 0 && surfaceLobe(t, seen.shape - 1).weight > 0 ? seen : null, app.frame.state, pixel);
 }
 
-window.simulator = { app, program, data, makeTables, lookAt, glossExact, directExact, reference, differences, applyPreset, filmed };
+window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, glossExact, directExact, reference, differences, applyPreset, filmed };
 begin().catch((error) => trouble(error.message));

@@ -31,6 +31,7 @@ function present(canvases, frame, state) {
   const categorical = state.view === "class" || state.view === "chambers";
   const most = state.view === "chambers" ? frame.pixel_chambers.reduce((m, v, k) => (k % 4 ? m : Math.max(m, v)), 1) : 1;
   const sides = { numeric: "pixel_numeric", symbolic: "pixel_symbolic" };
+  let beyond = 0;
   for (const [name, canvas] of Object.entries(canvases)) {
     if (canvas.width !== size) canvas.width = canvas.height = size;
     const image = new ImageData(size, size), out = image.data;
@@ -45,11 +46,12 @@ function present(canvases, frame, state) {
         const value = name in sides ? gain * shown(frame, sides[name], state.view, k, c)
           : scale * Math.abs(shown(frame, sides.numeric, state.view, k, c) - shown(frame, sides.symbolic, state.view, k, c));
         out[4 * k + c] = encoded(value);
+        if (name === "difference" && value > 1) beyond++;
       }
     }
     canvas.getContext("2d").putImageData(image, 0, 0);
   }
-  return most;
+  return { most, beyond: beyond / (3 * size * size) };
 }
 
 function chambersColor(count, most) {
@@ -94,6 +96,21 @@ function ownError(frame, t) {
     else most = Math.max(most, worst);
   }
   return { most, flips, count };
+}
+
+// Pixels on outlines whose ray meets another surface in float32 than in float64; elsewhere a ray is far from any edge.
+function flipped(frame, t) {
+  const size = frame.size, shape = (k) => frame.pixel_direct[4 * k + 3];
+  let edge = 0, flips = 0;
+  for (let y = 0; y < size; y++) {
+    for (let x = 0; x < size; x++) {
+      const k = y * size + x, own = shape(k);
+      if (!((x + 1 < size && shape(k + 1) !== own) || (y + 1 < size && shape(k + size) !== own) || (x && shape(k - 1) !== own) || (y && shape(k - size) !== own))) continue;
+      edge++;
+      if (lookAt(t, x, y).shape !== own) flips++;
+    }
+  }
+  return { flips, edge };
 }
 
 function short(value) {

@@ -1,7 +1,7 @@
 // The scene as the tables the program reads, and the state that changes them.
 
 const data = JSON.parse(document.getElementById("data").textContent);
-const LOOK_AT = 1, DISK_STRATA = 2;
+const LOOK_AT = 1, DISK_STRATA = 2, FLOOR_LOBE = 11, SPHERE_LOBE = 11;
 const PARTITIONS = ["equal_angle", "equal_solid_angle", "equal_weight"];
 const WEIGHTS = ["exact", "midpoint"], NODES = ["midpoint", "barycentre"];
 const parameters = new Map(data.parameters.map((p) => [p.name, p]));
@@ -10,8 +10,9 @@ function defaults() {
   return structuredClone(data.defaults);
 }
 
-// Every number of the scene with the state's changes applied, and all that follows from them.
-function makeTables(state) {
+// Every number of the scene with the state's changes applied, and all that follows from them. Directions that together
+// weigh less than ``least`` of a lobe are left out.
+function makeTables(state, least = 0, frame = null) {
   const t = {};
   for (const [name, values] of Object.entries(data.arrays)) t[name] = Float64Array.from(values.flat());
   for (const [name, value] of Object.entries(state.scene)) {
@@ -19,14 +20,14 @@ function makeTables(state) {
     t[p.at[0]][p.at[1]] = typeof value === "string" ? p.choices.indexOf(value) : value;
   }
   const size = state.size;
-  t.image_frame = Float64Array.of(0, 0, size, size, size, size, 1);
+  t.image_frame = frame ?? Float64Array.of(0, 0, size, size, size, size, 1);
   t.eye = t.camera.slice(1, 4);
   t.axes = new Float64Array(10);
   if (t.camera[0] === LOOK_AT) program.camera_axes(t.camera, t.axes);
   t.points = lightPoints(t.lights, state.off);
   const rows = 1 + t.spheres.length / data.tables.spheres.columns;
   t.disc = new Float64Array(12);
-  Object.assign(t, ruleTables(t, rows, state, state.lobe, data.limits.lobe));
+  Object.assign(t, ruleTables(t, rows, state, state.lobe, data.limits.lobe, least));
   return t;
 }
 
@@ -52,25 +53,38 @@ function lightPoints(lights, off) {
 
 function surfaceLobe(t, row) {
   const columns = data.tables.spheres.columns;
-  const first = row === 0 ? t.floor.subarray(11, 14) : t.spheres.subarray((row - 1) * columns + 11, row * columns);
+  const first = row === 0 ? t.floor.subarray(FLOOR_LOBE, FLOOR_LOBE + 3) : t.spheres.subarray((row - 1) * columns + SPHERE_LOBE, row * columns);
   return { weight: first[0], exponent: first[1], thetaMax: first[2] };
 }
 
 // Rules of every surface (or of one) with ``count`` rings, ``stride`` rows of the table for each.
-function ruleTables(t, rows, rule, count, stride, only = -1) {
-  const lobes = new Float64Array(rows * 4), rings = new Float64Array(rows * stride * 4);
+function ruleTables(t, rows, rule, count, stride, least = 0, only = -1) {
+  const lobes = new Float64Array(rows * data.tables.lobes.columns), rings = new Float64Array(rows * stride * 4);
   const sectors = new Float64Array(stride * 2);
   for (let row = 0; row < rows; row++) {
     const lobe = surfaceLobe(t, row);
     if (lobe.weight <= 0 || (only >= 0 && row !== only)) continue;
     program.fill_lobe(row, lobe.exponent, lobe.thetaMax, count, stride, PARTITIONS.indexOf(rule.partition),
-      WEIGHTS.indexOf(rule.weights), NODES.indexOf(rule.nodes), rule.normalised ? 1 : 0, lobes, rings);
+      WEIGHTS.indexOf(rule.weights), NODES.indexOf(rule.nodes), rule.normalised ? 1 : 0, least, lobes, rings);
   }
   program.fill_sectors(count, sectors);
-  const estimate = Float64Array.of(count, rule.seed, rule.normalised ? 1 : 0, stride);
+  const estimate = Float64Array.of(count, rule.seed, rule.normalised ? 1 : 0, stride, least ? Math.log(least / count ** 2) : -Number.MAX_VALUE);
   return { lobes, rings, sectors, estimate };
 }
 
+// All a pass reads, as text: equal where it would draw the same. Direct light does not depend on lobes, nor strata on
+// the seed.
+function inputs(pass, t) {
+  return data.reads[pass].map((name) => {
+    const values = Array.from(t[name]), columns = data.tables[name].columns;
+    if (pass === "pixel_direct" && name === "floor") values.fill(0, FLOOR_LOBE, FLOOR_LOBE + 3);
+    if (pass === "pixel_direct" && name === "spheres") values.forEach((_, k) => k % columns >= SPHERE_LOBE && (values[k] = 0));
+    if (pass !== "pixel_numeric" && name === "estimate") values[1] = 0;
+    return values.join();
+  }).join(";");
+}
+
+const hits = new Float64Array(data.tables.hits.columns);
 const world = (t) => [t.eye, t.spheres, t.floor, t.points, t.shading];
 const lens = (t) => [t.image_frame, t.camera, t.axes];
 
@@ -83,23 +97,11 @@ function lookAt(t, column, row) {
 
 function glossExact(name, t, column, row) {
   const tables = name === "pixel_numeric" ? [t.estimate, t.lobes] : [t.estimate, t.lobes, t.rings, t.sectors];
-  program[name](column, row, ...lens(t), ...tables, ...world(t));
+  program[name](column, row, ...lens(t), ...tables, ...world(t), hits);
   return Array.from(program.R.subarray(0, 4));
 }
 
 function directExact(t, column, row) {
   program.pixel_direct(column, row, ...lens(t), ...world(t));
   return Array.from(program.R.subarray(0, 4));
-}
-
-// The gloss by a fine rule of equal weight; what its value changes by when the rule is halved is its stated error.
-function reference(t, seen, finest) {
-  const rows = 1 + t.spheres.length / data.tables.spheres.columns;
-  const rule = { partition: "equal_weight", weights: "exact", nodes: "barycentre", normalised: false, seed: 0 };
-  const [half, whole] = [finest / 2, finest].map((k) => {
-    const r = ruleTables(t, rows, rule, k, k, seen.shape - 1);
-    program.strata_gloss(...seen.q, ...seen.n, ...seen.d, seen.shape, r.estimate, r.lobes, r.rings, r.sectors, ...world(t));
-    return Array.from(program.R.subarray(0, 3));
-  });
-  return { value: whole, error: Math.max(...whole.map((v, c) => Math.abs(v - half[c]))) };
 }

@@ -1,0 +1,45 @@
+"""``symrender simulator``: the file it writes, and the page it serves until it is interrupted."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import urllib.request
+
+from symrender.simulator.build import simulator
+
+MAIN = "import sys; from symrender.cli import main; sys.exit(main(sys.argv[1:]))"
+COMMAND = (sys.executable, "-c", MAIN, "simulator", "furnace")
+
+
+def test_it_writes_one_page_and_says_how_large(tmp_path):
+    out = tmp_path / "page.html"
+    done = subprocess.run([*COMMAND, "-o", str(out)], capture_output=True, text=True, check=True)
+    assert re.fullmatch(rf"wrote {re.escape(str(out))} \(\d+ kB\)", done.stdout.strip())
+    assert out.read_text(encoding="utf-8") == simulator("furnace").html
+    again = subprocess.run([*COMMAND, "-o", str(out)], capture_output=True, text=True)
+    assert again.returncode != 0
+    assert "page.html" in again.stderr and "Traceback" not in again.stderr
+
+
+def test_it_serves_the_page_until_it_is_interrupted(tmp_path):
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(
+        [*COMMAND, "--serve"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment
+    ) as process:
+        try:
+            line = process.stdout.readline()
+            address = re.match(r"http://127\.0\.0\.1:\d+/", line)
+            assert address is not None, line
+            with urllib.request.urlopen(address.group(0), timeout=60) as answer:
+                assert answer.read().decode() == simulator("furnace").html
+            process.send_signal(signal.SIGINT)
+            _, said = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert process.returncode == 130
+    assert "Traceback" not in said
+    assert list(tmp_path.iterdir()) == []
