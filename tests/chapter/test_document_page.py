@@ -183,7 +183,15 @@ class Reader:
         self.page = self.context.new_page()
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.on("console", lambda m: self.complaints.append(m.text) if m.type == "error" else None)
+        self.session = self.context.new_cdp_session(self.page)
+        # processor time of the page's thread, whatever else the machine does
+        self.session.send("Performance.enable", {"timeDomain": "threadTicks"})
         self.page.goto(self.address)
+
+    def seconds(self) -> float:
+        """Processor time the page has taken."""
+        metrics = self.session.send("Performance.getMetrics")["metrics"]
+        return next(m["value"] for m in metrics if m["name"] == "TaskDuration")
 
     def close(self) -> None:
         foreign = [u for u in self.requests if not u.startswith((self.address, "data:", "blob:", "about:"))]
@@ -195,13 +203,14 @@ class Reader:
 def test_it_opens_at_once_and_works(opened: tuple[Any, str]) -> None:
     reader = Reader(opened, viewport={"width": 1280, "height": 900}, offline=True, accept_downloads=True)
     page = reader.page
-    loaded = page.evaluate("() => performance.getEntriesByType('navigation')[0].loadEventEnd")
-    assert 0 < loaded < 5000
+    assert page.evaluate("() => performance.getEntriesByType('navigation')[0].loadEventEnd") > 0
+    assert 0 < reader.seconds() < 3
     assert page.evaluate("(ids) => ids.filter((id) => !document.getElementById(id))", list(IDS)) == []
     assert page.evaluate("() => document.fonts.check('16px \"Chapter Math\"', 'θ')")
     assert page.evaluate("() => document.querySelectorAll('math').length") > 60
     broken = "() => [...document.images].filter((i) => i.complete && !i.naturalWidth).length"
     assert page.evaluate(broken) == 0
+    assert not page.locator("#simulator-frame").is_visible()
     page.locator("data.figure").first.click()
     assert "build.date" in page.locator("#receipt").inner_text()
     with page.expect_download() as download:
@@ -222,6 +231,7 @@ def test_the_simulator_inside_draws_and_takes_its_presets(opened: tuple[Any, str
     assert page.evaluate(f"() => !({STATE})()")
     page.locator("#sim").scroll_into_view_if_needed()
     page.wait_for_function(f"() => !!({STATE})()?.change", timeout=60_000)
+    assert not page.locator("#simulator-poster").is_visible()
     page.evaluate(f"() => ({STATE})().change((s) => {{ s.size = 48; }})")
     page.wait_for_function(DRAWN, timeout=120_000)
     page.evaluate("() => document.querySelector('[data-preset=\"4\"]').click()")

@@ -22,6 +22,7 @@ from symrender.scene.load import load
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene
 from symrender.studies.lobe_rays import LobeRays
+from symrender.studies.report import Cell
 from symrender.studies.subject import subject
 from symrender.views import DIVERGING, color_map
 
@@ -48,7 +49,7 @@ def measure(effort: Effort) -> Measured:
     exact = probe(scene, [_POINT], tol=_EXACT, wrt=[_NAME])
     true = float(exact.gradient[_NAME][0, 0])
     size = abs(true)
-    rows = [[h, f"{a:.8f}", f"{b:.8f}"] for h, a, b in zip(effort.steps, split, strata, strict=True)]
+    rows: list[list[Cell]] = [[h, f"{a:.8f}", f"{b:.8f}"] for h, a, b in zip(effort.steps, split, strata, strict=True)]
     curves = [
         Curve("split at the walls", effort.steps, [max(abs(g - true), 1e-13) / size for g in split], 5),
         Curve(f"strata of equal weight, {_SIDE} by {_SIDE}", effort.steps, [abs(g - true) / size for g in strata], 2),
