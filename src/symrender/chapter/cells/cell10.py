@@ -92,7 +92,8 @@ title = figure.suptitle("A silhouette crosses the lobe")
 # differentiates the rule itself, moving walls included: no difference, no step, no noise, and an error of its own. The
 # true slopes come from the integral of one variable, by extrapolated differences. Below each, the difference quotients
 # of the estimators, with a step h that shrinks: of a smooth function their error falls as h squared until rounding is
-# reached, of a staircase it never falls.
+# reached, of a staircase it never falls. (The first run on a machine compiles the kernels of derivatives, which takes a
+# while; they are kept.)
 
 # %%
 names = ("spheres.A.center.x", "spheres.A.center.z", "spheres.A.radius", "floor.lobe.exponent", "camera.eye.x")
