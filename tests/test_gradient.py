@@ -1,0 +1,78 @@
+"""Gradient images against differences of ``truth``, their layers, their files and what they refuse."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symrender as sr
+from symrender.errors import OptionError
+from symrender.scene.parameters import get
+
+WRT = ["spheres.B.center.x", "floor.lobe.weight", "camera.eye.z", "floor.texture.cell"]
+SIZE = (10, 6)
+
+
+@pytest.fixture(scope="module")
+def images() -> dict[str, sr.Image]:
+    return sr.gradient("gloss", WRT, size=SIZE, tol=1e-4, threads=2)
+
+
+def test_images_are_differences_of_truth(images: dict[str, sr.Image]) -> None:
+    scene = sr.load("gloss")
+    for name in WRT:
+        at = float(get(scene, name))
+        sides = {
+            h: sr.truth(scene.replace({name: at + h}), size=SIZE, tol=1e-7, threads=2)
+            for h in (2e-4, -2e-4, 1e-4, -1e-4)
+        }
+        for layer in ("gloss", "direct", "radiance"):
+            coarse, fine = (
+                (sides[h].layer(layer) - sides[-h].layer(layer)) / (2 * h) for h in (2e-4, 1e-4)
+            )  # fmt: skip
+            settled = np.abs(coarse - fine).max(axis=-1) < 3e-3
+            gap = np.abs(images[name].layer(layer) - (4 * fine - coarse) / 3).max(axis=-1)
+            if layer == "gloss" and name == "floor.lobe.weight":
+                assert (images[name].layer("gloss") == 0).all()
+                continue
+            assert settled.mean() >= 0.9, (name, layer)
+            assert (gap[settled] < 5e-3).mean() >= 0.97, (name, layer)
+        assert np.abs(images[name].radiance).max() > 0.05, name
+
+
+def test_layers(images: dict[str, sr.Image]) -> None:
+    assert list(images) == WRT
+    for name, image in images.items():
+        assert image.meta["parameter"] == name
+        assert (image.width, image.height) == SIZE
+        weight = np.array([0.0, 0.85, 0.15, 0.4, 0.15])[image.layer("hit_class").astype(int)]
+        if name != "floor.lobe.weight":
+            total = image.layer("direct") + weight[..., None] * image.layer("gloss")
+            assert np.abs(image.radiance - total).max() < 1e-12
+        assert (image.layer("status") == 0).mean() > 0.95
+        assert np.isfinite(image.layer("error")).all()
+
+
+def test_threads_change_no_byte(images: dict[str, sr.Image]) -> None:
+    again = sr.gradient("gloss", WRT[:1], size=SIZE, tol=1e-4, threads=1, tile=3)
+    assert np.array_equal(again[WRT[0]].radiance, images[WRT[0]].radiance)
+
+
+def test_vectors_are_components() -> None:
+    found = sr.gradient("furnace", ["camera.eye"], size=2)
+    assert list(found) == ["camera.eye.x", "camera.eye.y", "camera.eye.z"]
+
+
+def test_a_furnace_stays_what_it_is() -> None:
+    """In a world of constant radiance nothing that moves changes a lobe that lies above its horizon."""
+    scene = sr.load("furnace")
+    names = [p.name for p in scene.parameters() if p.name.startswith("spheres.") and "center" in p.name]
+    assert names
+    for image in sr.gradient(scene, names, size=4, tol=1e-6).values():
+        assert np.abs(image.layer("gloss")).max() < 1e-6
+
+
+@pytest.mark.parametrize("wrt", [[], "spheres.B.center.x"])
+def test_something_must_be_asked_for(wrt: object) -> None:
+    with pytest.raises(OptionError, match="wrt"):
+        sr.gradient("gloss", wrt, size=2)  # type: ignore[arg-type]

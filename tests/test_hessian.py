@@ -1,0 +1,49 @@
+"""Second derivatives against differences of values, and what they refuse."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symrender as sr
+from symrender.errors import OptionError, Unsupported
+
+SCENE = sr.load("chapter8").replace({"camera": {"type": "look_at", "eye": (3.0, -3.0, 2.0)}})
+POINT = (0.9, -0.85)
+NAMES = ["spheres.A.radius", "floor.lobe.exponent"]
+
+
+def value(radius: float, exponent: float) -> np.ndarray:
+    changed = SCENE.replace({"spheres.A.radius": radius, "floor.lobe.exponent": exponent})
+    return sr.probe(changed, [POINT], tol=1e-13).gloss[0]
+
+
+def test_second_differences() -> None:
+    found = sr.hessian(SCENE, NAMES, [POINT])
+    assert found.names == tuple(NAMES)
+    assert found.values.shape == (2, 2, 1, 3)
+    assert np.array_equal(found.values, found.values.swapaxes(0, 1))
+
+    def second(h: float) -> list[np.ndarray]:
+        k = 16 * h
+        middle = value(1.0, 16.0)
+        return [
+            (value(1 + h, 16.0) - 2 * middle + value(1 - h, 16.0)) / h**2,
+            (value(1 + h, 16 + k) - value(1 + h, 16 - k) - value(1 - h, 16 + k) + value(1 - h, 16 - k)) / (4 * h * k),
+            (value(1.0, 16 + k) - 2 * middle + value(1.0, 16 - k)) / k**2,
+        ]
+
+    for (i, j), coarse, fine in zip(((0, 0), (0, 1), (1, 1)), second(4e-3), second(2e-3), strict=True):
+        expected = (4 * fine - coarse) / 3
+        change = np.abs(expected - fine).max()
+        gap = np.abs(found.values[i, j, 0] - expected).max()
+        assert gap <= 1e-5 * np.abs(expected).max() + 0.05 * change + 1e-8
+        assert found.error[i, j, 0] <= 1e-5 * np.abs(expected).max() + 1e-9
+    assert np.abs(found.values[0, 0]).max() > 1e-3
+
+
+def test_refusals() -> None:
+    with pytest.raises(OptionError, match="points, size"):
+        sr.hessian(SCENE, NAMES)
+    with pytest.raises(Unsupported, match=r"background\.r"):
+        sr.hessian(SCENE.replace({"background": (0.0, 0.0, 0.0)}), ["background.r"], [POINT])
