@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections import Counter
 from pathlib import Path
@@ -29,3 +30,15 @@ def test_a_fault_can_be_planted(fault: Fault) -> None:
     assert ast.dump(ast.parse(changed)) != ast.dump(ast.parse(text))
     assert fault.tests and all((HERE / test).is_file() for test in fault.tests)
     assert not any("targets" in test or "golden" in test for test in fault.tests)
+
+
+def test_the_document_says_who_noticed_each() -> None:
+    """As the last run of ``make faults`` wrote it; a fault added since must be planted before it may be told of."""
+    page = (HERE.parent / "docs" / "robustness.md").read_text("utf-8")
+    region = page.partition("<!-- faults -->\n")[2].partition("<!-- /faults -->")[0]
+    rows = [line.strip("| ").split(" | ") for line in region.splitlines() if line.count(" | ") == 3][2:]
+    assert [row[:3] for row in rows] == [[fault.kind, fault.file, fault.what] for fault in FAULTS]
+    for *_, told in rows:
+        file, _, test = told.strip("`").partition("::")
+        assert re.search(rf"^def {test}\(", (HERE / file).read_text("utf-8"), re.MULTILINE), told
+    assert f"{len(FAULTS)} faults planted, {len(FAULTS)} noticed, 0 missed." in region
