@@ -20,8 +20,8 @@ FOREIGN = {
     "a conflict": re.compile(r"^(?:<{7}|>{7}) ", re.MULTILINE),
 }
 PUBLIC = {
-    *("load", "render", "truth", "probe", "expression", "compare", "read_image", "simulator"),
-    *("Image", "Pair", "Scene", "SymrenderError", "__version__"),
+    *("load", "render", "truth", "probe", "gradient", "hessian", "fit", "expression", "compare", "read_image"),
+    *("simulator", "Fit", "Hessian", "Image", "Pair", "Scene", "SymrenderError", "__version__"),
 }
 
 
