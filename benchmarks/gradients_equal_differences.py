@@ -89,7 +89,11 @@ def main() -> None:
     honest = 0
     for view, (name, changes, surface) in VIEWS.items():
         scene = sr.load(name).replace(changes)
-        names = [p.name for p in scene.parameters() if not p.name.startswith(SKIP) and "lobe.weight" not in p.name]
+        names = [
+            p.name
+            for p in scene.parameters()
+            if not p.name.startswith(SKIP) and not p.name.endswith(("lobe.weight", "texture.ku"))
+        ]
         errors: dict[int, list[float]] = {1: [], 2: []}
         tried = 0
         while len(errors[1]) < points * each and tried < 20 * points:

@@ -198,7 +198,8 @@ def test_a_wall_along_a_scan_line_moves_sideways() -> None:
         ("gloss", {}, "spheres.Q.radius", SceneError, "unknown name"),
         ("gloss", {}, "spheres.B", SceneError, "not a real number"),
         ("gloss", {"lights.key.radius": 0.0}, "lights.key.radius", SceneError, "changes its structure"),
-        ("gloss", {"spheres.A.texture": {"type": "marble"}}, "spheres.A.texture.ku", Unsupported, "seam"),
+        ("gloss", {"spheres.A.texture": {"type": "marble", "ku": 7.5}}, "spheres.A.texture.ku", Unsupported, "seam"),
+        ("gloss", {}, "spheres.A.texture.ku", Unsupported, "whole number"),
     ],
 )
 def test_what_has_no_derivative_is_refused_by_name(scene, changes, name, error, words) -> None:
