@@ -23,6 +23,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("runtimes",),
     ("ledger",),
     (
+        "certify",
         "probe",
         "render",
         "tiles",

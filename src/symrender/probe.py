@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from symrender.certify import Enclosure
+from symrender.certify import certify as enclose
 from symrender.errors import OptionError, SceneError
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
@@ -33,6 +35,7 @@ class Probe:
     ``gradient``: parameter's name -> (N, 3), derivative of ``gloss`` in it; ``gradient_error``: name -> (N,), the
     estimated largest absolute error over the channels; ``gradient_status``: name -> (N,), as ``status``, or 4 where
     walls coincide at this very value and the derivative is that of one side.
+    ``enclosures``: proved bounds of every point, where they were asked for.
     """
 
     gloss: Array
@@ -44,6 +47,7 @@ class Probe:
     gradient: Mapping[str, Array] = field(default_factory=dict)
     gradient_error: Mapping[str, Array] = field(default_factory=dict)
     gradient_status: Mapping[str, Ints] = field(default_factory=dict)
+    enclosures: tuple[Enclosure, ...] = ()
 
 
 def probe(
@@ -55,6 +59,7 @@ def probe(
     disk: str = "2x2",
     budget: int = 1_000_000,
     wrt: Sequence[str] = (),
+    certify: bool = False,
 ) -> Probe:
     """The lobe integral gloss(P) at points of ``surface``, ``floor`` or ``spheres.NAME``, seen from the camera's eye.
 
@@ -63,6 +68,7 @@ def probe(
     centroids. ``budget``: most evaluations a point. ``wrt``: dotted names of real numbers of the scene, or of vectors
     (all their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
     normal, and ``tol`` holds for derivatives too. Whether the eye really sees a point is not asked.
+    ``certify``: enclose each value by ball arithmetic as well (``certify.py``; floor points, point lights or ``KxK``).
     Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
     """
     loaded = load(scene)
@@ -80,8 +86,13 @@ def probe(
         arrays, place, normal, away / length, surfaces, settings.tol, settings.disk_order, settings.budget
     )
     values = (found.gloss, found.error, found.evaluations, found.status, found.chambers, found.crossings)
+    enclosures: tuple[Enclosure, ...] = ()
+    if certify:
+        if surface != "floor":
+            raise OptionError("certify: only points of the floor are enclosed")
+        enclosures = tuple(enclose(arrays, p, settings.disk_order, settings.tol) for p in place)
     if not wrt:
-        return Probe(*values)
+        return Probe(*values, enclosures=enclosures)
     from symrender.quadrature.tangent_point import gloss_gradients, refuse_unknown, tangents_of
 
     moved = moves(loaded, wrt)
@@ -94,7 +105,8 @@ def probe(
         settings.tol, settings.disk_order, 4 * settings.budget,
     )  # fmt: skip
     tables = (slopes.gradient, slopes.error, slopes.status)
-    return Probe(*values, *(dict(zip(names, table, strict=True)) for table in tables))
+    gradient, error, status = (dict(zip(names, table, strict=True)) for table in tables)
+    return Probe(*values, gradient, error, status, enclosures)
 
 
 def _place_tangents(

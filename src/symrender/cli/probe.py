@@ -23,10 +23,13 @@ def probe(
     wrt: Annotated[
         str, typer.Option("--wrt", metavar="NAME,...", help="Differentiate by these numbers or vectors too.")
     ] = "",
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Enclose each value by ball arithmetic (needs symrender[certify]).")
+    ] = False,
     define: Define = None,
     json: Json = False,
 ) -> None:
-    """Print the lobe integral at points of a surface, each with its error; exit 4 if one missed the tolerance.
+    """Print the lobe integral at points of a surface, each with its error; exit 4 if one missed its tolerance.
 
     Example: symrender probe chapter8 -p 1.2,-0.4 -p 0.5,-1.1 --tol 1e-10
     """
@@ -47,7 +50,7 @@ def probe(
     from symrender.truth import STATUS
 
     names = [name.strip() for name in wrt.split(",") if name.strip()]
-    found = probe_points(chosen, points, surface=surface, tol=tol, disk=disk, budget=budget, wrt=names)
+    found = probe_points(chosen, points, surface=surface, tol=tol, disk=disk, budget=budget, wrt=names, certify=certify)
     rows = [
         {
             "point": p,
@@ -63,6 +66,8 @@ def probe(
             strict=True,
         )
     ]  # fmt: skip
+    for row, proved, value in zip(rows, found.enclosures, found.gloss, strict=False):
+        row |= {"low": proved.low.tolist(), "high": proved.high.tolist(), "enclosed": proved.holds(value)}
     slopes = [
         {
             name: {
@@ -83,8 +88,11 @@ def probe(
                 f"{text}: {gloss} +- {row['error']:.2g}  {row['status']}, {row['evaluations']} "
                 f"evaluations, {row['chambers']} chambers, {row['crossings']} crossings"
             )
+            if certify:
+                bounds = " ".join(f"[{a:.6g}, {b:.6g}]" for a, b in zip(row["low"], row["high"], strict=True))
+                typer.echo(f"  proved: {bounds}; the value is {'inside' if row['enclosed'] else 'OUTSIDE'}")
             for name, found_slope in slope.items():
                 value = " ".join(f"{x:.15g}" for x in found_slope["value"])
                 typer.echo(f"  d/d {name}: {value} +- {found_slope['error']:.2g}  {found_slope['status']}")
-    if (found.status != 0).any():
+    if (found.status != 0).any() or not all(row.get("enclosed", True) for row in rows):
         raise typer.Exit(4)
