@@ -20,7 +20,7 @@ from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_curves import ALONG, BOUNDS, CONE, CURVES, EVENTS, curve_level, insert, trig_roots
-from symrender.quadrature.gauss import MAX_ORDER, order
+from symrender.quadrature.gauss import fitting
 from symrender.quadrature.light_term import light_term
 from symrender.scene.arrays import PHONG
 
@@ -28,7 +28,7 @@ Array = npt.NDArray[np.float64]
 
 ARC: Final = 1.6
 """Longest piece of an arc, in its angle, that one rule serves."""
-ARC_LOG: Final = 3.2
+ARC_LOG: Final = 2.0
 """log rho that decides the number of nodes of such a piece."""
 
 
@@ -148,7 +148,7 @@ def arc_term(
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
     e1x, e1y, e1z = rho * p[DISK_E1], rho * p[DISK_E1 + 1], rho * p[DISK_E1 + 2]
     e2x, e2y, e2z = rho * p[DISK_E2], rho * p[DISK_E2 + 1], rho * p[DISK_E2 + 2]
-    nodes, inner = min(MAX_ORDER, order(step, ARC_LOG)), min(MAX_ORDER, order(step, log_rho))
+    nodes, inner = fitting(step, ARC_LOG), fitting(step, log_rho)
     first, start = nodes * (nodes - 1) // 2, inner * (inner - 1) // 2
     cosine, gleam = 0.0, 0.0
     turns = work.disk[EVENTS]

@@ -82,14 +82,22 @@ def _kernel() -> Any:
 
 
 def disk_direct(
-    arrays: SceneArrays, points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, tol: float
+    arrays: SceneArrays,
+    points: Array,
+    normals: Array,
+    incoming: Array,
+    surface: Ints,
+    albedo: Array,
+    tol: float,
+    scratch: tuple[Work, Array] | None = None,
 ) -> tuple[Array, Array]:
     """(N, 3) radiance that the disk lights add to points seen along ``incoming``, and (N,) its estimated error.
 
     sum over disks of colour (kd albedo mean(V max(0, N.l)) + ks mean(V s)), means over the disk's area. ``points``,
     unit ``normals`` towards the viewer, unit ``incoming`` directions and ``albedo`` are (N, 3); ``surface`` (N,) are
     hit classes. Two successive orders tell the error, which is inf on the inside of a sphere, where there is no value.
-    ``tol`` (absolute, radiance) chooses the orders.
+    ``tol`` (absolute, radiance) chooses the orders. ``scratch``: ``work_arrays`` and ``gauss_table`` of the caller's
+    thread.
     """
     rows = light_rows(arrays, EXACT_DISK)
     view = View(arrays.spheres, arrays.floor, rows, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
@@ -101,6 +109,6 @@ def disk_direct(
     given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]
     _kernel()(
         *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), step, view,
-        work_arrays(len(arrays.spheres), len(rows)), gauss_table(), direct, error,
+        *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), direct, error,
     )  # fmt: skip
     return direct, error

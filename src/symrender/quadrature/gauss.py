@@ -70,6 +70,12 @@ def gauss_table() -> Array:
 
 
 @jitable
+def fitting(step: int, log_rho: float) -> int:
+    """Gauss nodes as of ``order``, but no more than asked: for rules inside the one whose steps are compared."""
+    return max(1, min(MAX_ORDER, math.ceil(0.5 * LEVELS[step] / log_rho)))
+
+
+@jitable
 def disk_level(step: int, log_rho: float) -> int:
     """Index of the disk rule for an error factor exp(-LEVELS[step]) where a chord's nearest singularity lies on rho."""
     for k in range(len(DISK_DEGREES) - 1):

@@ -43,6 +43,8 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
         sight(x0, y0, x1, y1, {**layers, **places})
         seen = layers["hit_class"][y0:y1, x0:x1].astype(np.int64)
         missed = np.zeros(seen.shape)
+        if not hasattr(own, "scratch"):
+            own.scratch = split_work(arrays, light_rows(arrays, settings.disk_order))
         if disks:
             rows, columns = np.nonzero(seen != at.NOTHING)
             pixels = (rows + y0, columns + x0)
@@ -54,13 +56,12 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
                 seen[rows, columns],
                 places["albedo"][pixels],
                 DIRECT_SHARE * settings.tol,
+                (own.scratch.work, own.scratch.gauss),
             )
             layers["direct"][pixels] += light
             layers["radiance"][pixels] += light
             layers["error"][y0:y1, x0:x1] = missed
             layers["status"][y0:y1, x0:x1] = np.where(missed > settings.tol, CAPPED, MET)
-        if not hasattr(own, "scratch"):
-            own.scratch = split_work(arrays, light_rows(arrays, settings.disk_order))
         evaluations = 0
         for surface in np.unique(seen[weights[seen] > 0]).tolist():
             rows, columns = np.nonzero(seen == surface)
