@@ -15,7 +15,12 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-NEEDS = {"strata_equal_the_chapter": "chapter", "chapter_errata": "chapter", "kernel_keeps_up_with_c": "peers"}
+NEEDS = {
+    "strata_equal_the_chapter": "chapter",
+    "chapter_errata": "chapter",
+    "kernel_keeps_up_with_c": "peers",
+    "split_beats_sampling": "peers",
+}
 """Benchmarks that take a path, and which."""
 
 

@@ -11,20 +11,21 @@ from __future__ import annotations
 import dataclasses
 import json
 import subprocess
-import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
+from measure import Report, arguments, cpu_seconds, median
 
-from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 
 SIZE, ROUNDS = 64, 3
 TARGETS = {1e-2: 2.0, 1e-3: 0.5, 1e-4: 0.05}
-SAMPLES = tuple(4**k for k in range(3, 9))
+TOLERANCES = (30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 1e-2, 1e-3, 1e-6)
+"""Of the image's RMS; stated errors are bounds, so an RMSE is far below its tolerance."""
+SAMPLES = (64, 256, 1024, 4096)
 
 
 def floor_pixels(eye: np.ndarray, spheres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -46,18 +47,24 @@ def floor_pixels(eye: np.ndarray, spheres: np.ndarray) -> tuple[np.ndarray, np.n
     return seen, points
 
 
-def main(peers: Path) -> None:
+def main() -> None:
+    given = arguments(__doc__, "peers")
+    report = Report("split_beats_sampling", "The split rule needs less CPU time than the best C sampler.")
     with tempfile.TemporaryDirectory() as folder:
         for eye in ((0.0, 0.0, 4.0), (3.0, -3.0, 2.0)):
             program = str(Path(folder) / "lobe")
             place = [f"-DE{a}={int(v)}" for a, v in zip("XYZ", eye, strict=True)]
             options = ["-O3", "-march=native", "-ffast-math", "-fopenmp", *place]
-            subprocess.run(["gcc", *options, str(peers / "lobe.c"), "-o", program, "-lm"], check=True)
+            subprocess.run(["gcc", *options, str(given.peers / "lobe.c"), "-o", program, "-lm"], check=True)
             for exponent in (16, 256):
-                compare(program, np.array(eye), exponent, Path(folder) / "out.bin")
+                compare(
+                    report, program, np.array(eye), exponent, Path(folder) / "out.bin", 1 if given.quick else ROUNDS
+                )
+    report.leave()
 
 
-def compare(program: str, eye: np.ndarray, exponent: int, out: Path) -> None:
+def compare(report: Report, program: str, eye: np.ndarray, exponent: int, out: Path, rounds: int) -> None:
+    """One eye and exponent: both kinds of images at growing accuracy, in turns, then the ratios of their times."""
     a = scene_arrays(load("chapter8"))
     a.camera[1:4] = eye
     floor = a.floor.copy()
@@ -67,44 +74,72 @@ def compare(program: str, eye: np.ndarray, exponent: int, out: Path) -> None:
     p = points[seen]
     d = (p - eye) / np.linalg.norm(p - eye, axis=1)[:, None]
     up, one = np.tile([0.0, 0.0, 1.0], (len(p), 1)), np.ones(len(p), np.int64)
-    scale = np.abs(gloss_points(a, p, up, d, one, 1e-4).gloss).max()
-    for _ in range(4):
-        truth = gloss_points(a, p, up, d, one, 1e-7 * scale if scale else 1e-12).gloss
-        scale = np.sqrt((truth**2).mean())
-    rms = scale
 
-    def split(relative: float) -> tuple[float, float]:
-        start = time.process_time()
-        found = gloss_points(a, p, up, d, one, relative * rms)
-        seconds = time.process_time() - start
-        return seconds, float(np.sqrt(((found.gloss - truth) ** 2).mean()) / rms)
+    def split(tol: float) -> SplitResult:
+        return gloss_points(a, p, up, d, one, tol)
+
+    scale = 1e-3
+    for _ in range(8):
+        # an image of tiny values shows itself only to a tolerance of their size
+        found = float(np.sqrt((split(1e-3 * scale).gloss ** 2).mean()))
+        settled = abs(found - scale) < 1e-3 * scale
+        scale = found if found > 0.0 else 1e-3 * scale
+        if settled:
+            break
+    truth = split(1e-6 * scale).gloss
+    rms = float(np.sqrt((truth**2).mean()))
+
+    def error(image: np.ndarray) -> float:
+        return float(np.sqrt(((image - truth) ** 2).mean())) / rms
 
     def sample(method: str, samples: int) -> tuple[float, float]:
         command = [program, str(SIZE), str(exponent), "2x2", method, str(samples), "1", "1", str(out)]
         told = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-        image = np.fromfile(out).reshape(-1, 3)[seen]
-        return told["cpu_s"], float(np.sqrt(((image - truth) ** 2).mean()) / rms)
+        return float(told["cpu_s"]), error(np.fromfile(out).reshape(-1, 3)[seen])
 
+    mine: dict[float, list[tuple[float, float]]] = {tol: [] for tol in TOLERANCES}
+    theirs: dict[tuple[str, int], list[tuple[float, float]]] = {}
+    for _ in range(rounds):
+        for tol in TOLERANCES:
+            kept: list[SplitResult] = []
+            seconds = cpu_seconds(lambda tol=tol, kept=kept: kept.append(split(tol * rms)))
+            mine[tol].append((seconds, error(kept[0].gloss)))
+        for method in ("arc-simd", "sob-simd", "cone-simd"):
+            for samples in SAMPLES:
+                theirs.setdefault((method, samples), []).append(sample(method, samples))
+    ours = [(median([s for s, _ in rows]), rows[0][1]) for rows in mine.values()]
+    peers = {key: (median([s for s, _ in rows]), median([e for _, e in rows])) for key, rows in theirs.items()}
+    active = int((truth.max(axis=1) > 0).sum())
+    report.say(
+        f"Eye {tuple(eye.tolist())}, n = {exponent}: {len(p)} floor pixels, {active} with light in their lobe; "
+        f"RMS {rms:.3g}, largest {truth.max():.3g}; the black image has relative RMSE {error(0.0 * truth):.3g}."
+    )
+    rows = [[f"split, tol {tol:g} RMS", s, e] for tol, (s, e) in zip(mine, ours, strict=True)]
+    report.table(
+        ["rule", "CPU s", "relative RMSE"], rows + [[f"C {m}, {k} samples", s, e] for (m, k), (s, e) in peers.items()]
+    )
     for goal, target in TARGETS.items():
-        ours, theirs = [], []
-        for _ in range(ROUNDS):
-            best = min((t for r in (30, 10, 3, 1) for t, e in [split(r * goal)] if e <= goal), default=np.inf)
-            ours.append(best)
-            met = [np.inf]
-            for method in ("arc-simd", "sob-simd"):
-                for samples in SAMPLES:
-                    seconds, error = sample(method, samples)
-                    if error <= goal:
-                        met.append(seconds)
-                        break
-            theirs.append(min(met))
-        mine, peer = float(np.median(ours)), float(np.median(theirs))
-        print(
-            f"eye {tuple(eye)} n {exponent} to {goal:g}: split {mine:.4f} s, best C sampler {peer:.4f} s, "
-            f"ratio {mine / peer:.3f} (target {target})",
-            flush=True,
+        split_time = min((s for s, e in ours if e <= goal), default=float("inf"))
+        # between and beyond the counts measured, every sampler follows its own power law
+        sampler_time = min(
+            time_to(goal, [peers[method, k] for k in SAMPLES]) for method in ("arc-simd", "sob-simd", "cone-simd")
         )
+        report.claim_time(
+            f"relative RMSE {goal:g}: split {split_time:.4g} s over C {sampler_time:.4g} s",
+            split_time / sampler_time,
+            0,
+            target,
+        )
+    at = dict(zip(mine, ours, strict=True))
+    report.claim_time("time at a tolerance of 1e-6 over 1e-3 of the RMS", at[1e-6][0] / at[1e-3][0], 0, 4)
+
+
+def time_to(goal: float, points: list[tuple[float, float]]) -> float:
+    """Seconds at which a sampler's (seconds, error) fall to ``goal`` on a straight line in the logarithms."""
+    t, e = (np.log(np.array(values)) for values in zip(*points, strict=True))
+    slope, offset = np.polyfit(t, e, 1)
+    return float(np.exp((np.log(goal) - offset) / slope)) if slope < -0.05 else float("inf")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

@@ -11,6 +11,8 @@ import numpy.typing as npt
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene.arrays import CHECKER, DISK, MARBLE, SOLID, STRIPES, SceneArrays
 
+from . import brute_lobe
+
 Array = npt.NDArray[np.float64]
 
 
@@ -35,6 +37,15 @@ class RandomLobe:
         return gloss_points(
             self.arrays, self.point[None], self.normal[None], d, surface, tol, max_evaluations=max_evaluations
         )
+
+    def brute(self, rings: int) -> Array:
+        """Midpoints of ``rings`` x 2 ``rings`` directions."""
+        return np.asarray(
+            brute_lobe.gloss(
+                self.arrays, self.point, self.normal, self.incoming, self.surface - 2, self.exponent, self.theta_max,
+                rings, 2 * rings,
+            )
+        )  # fmt: skip
 
 
 def random_lobe(seed: int) -> RandomLobe:

@@ -2,11 +2,12 @@
 
 The floor chart integrates the mean albedo; the deviation, plus or minus half the contrast, is integrated here on the
 floor itself, where the squares are the cells. Every other wall (rim, horizon, silhouettes, shadow edges) is a conic;
-a square that none crosses gets a product Gauss rule, the others are cut along lines y = const.
+a square that none crosses gets a product Gauss rule, the others are cut along lines y = const. How fine depends on what
+a square can hold at most, so that far ones cost a point or nothing.
 
 Towards the horizon the squares never end. Their signs cancel: ring r about the point's foot is weighted by a smooth
 taper that falls from 1 to 0 over the outer half of the rings, which damps the alternating remainder; what two tapers
-of different reach disagree by is its error estimate.
+of different reach disagree by is its error estimate, and rings are added until it is small.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.light_term import light_term
-from symrender.quadrature.split_line import SOFT_LOG, lobe_density
+from symrender.quadrature.split_line import SOFT_LOG, lobe_density, tail_error
 from symrender.scene.arrays import FLOOR_CELL, FLOOR_OFFSET
 
 Array = npt.NDArray[np.float64]
@@ -47,6 +48,8 @@ CONIC_COLUMNS = 7
 SOFT = 6
 """Column of the cone about a disk's penumbra: 1 + the index of its outer edge in the wall table; 0 of other conics."""
 RINGS = 64
+FIRST_REACH = 15
+"""Rings about the foot of a point whose lobe holds endless squares, before their error asks for more."""
 
 
 @jitable
@@ -275,7 +278,7 @@ def cut_square(
     while top > 0:
         top -= 1
         a, b, depth = stack[top, 0], stack[top, 1], stack[top, 2]
-        n = min(MAX_ORDER - 3, max(3, order(max(0, step - 1), log_rho * 0.7)))
+        n = min(MAX_ORDER - 3, max(3, order(step, log_rho * 0.7)))
         coarse[0] = coarse[1] = coarse[2] = fine[0] = fine[1] = fine[2] = 0.0
         strip_integral(
             x0,
@@ -331,6 +334,128 @@ def cut_square(
 
 
 @jitable
+def smooth_tile(
+    x0: float, y0: float, size: float, n: int, step: int, lobe: Array, view: View, work: Work, gauss: Array,
+    states: Array, point: Array, out: Array,
+) -> float:  # fmt: skip
+    """Integral of a square no conic crosses by n x n Gauss nodes, in ``out``; its error, read off its coefficients."""
+    base = n * (n - 1) // 2
+    work.counts[EVALUATIONS] += n * n
+    whole, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0
+    out[0] = out[1] = out[2] = 0.0
+    for q in range(n):
+        y = y0 + size * gauss[0, base + q]
+        row, last, before = 0.0, 0.0, 0.0
+        for e in range(n):
+            integrand(x0 + size * gauss[0, base + e], y, step, lobe, view, work, gauss, states, point)
+            w = gauss[1, base + q] * gauss[1, base + e] * size * size
+            for t in range(3):
+                out[t] += w * point[t]
+            value = w * (point[0] + point[1] + point[2])
+            row += value
+            last += value * gauss[2, base + e]
+            before += value * gauss[3, base + e]
+        whole += row
+        last_x += abs(last)
+        before_x += abs(before)
+        last_y += row * gauss[2, base + q]
+        before_y += row * gauss[3, base + q]
+    return float(tail_error(n, last_x, before_x, whole) + tail_error(n, last_y, before_y, whole))
+
+
+@jitable
+def add_tile(
+    x0: float, y0: float, size: float, share: float, ease: float, lobe: Array, view: View, work: Work, conics: Array,
+    count: int, gauss: Array, roots: Array, states: Array, stack: Array, out: Array,
+) -> float:  # fmt: skip
+    """Add the integral of one square to ``out``; its error estimate.
+
+    Squares that a conic crosses are few and may err ``ease`` times as much.
+    A square whose bound is within ``share`` is left out, one too near to the point or too wide for the lobe is
+    quartered, and so is one whose rule does not keep its promise.
+    """
+    geo = work.geo
+    h = geo[HEIGHT]
+    rim = math.atan2(geo[RIM_SIN], geo[RIM_COS])
+    width = min(0.6, 1.4 / math.sqrt(geo[EXPONENT] + 1e-9))
+    light = 0.0
+    for i in range(view.points.shape[0]):
+        light += max(view.points[i, 3], view.points[i, 4], view.points[i, 5])
+    point, part, crossing = stack[0], stack[1], stack[2]
+    tiles = stack[3:64]
+    tiles[0, 0], tiles[0, 1], tiles[0, 2], tiles[0, 3] = x0, y0, size, share
+    top = 1
+    error = 0.0
+    while top > 0:
+        top -= 1
+        x, y, side, aim = tiles[top, 0], tiles[top, 1], tiles[top, 2], tiles[top, 3]
+        half = 0.5 * side
+        xc, yc = x + half, y + half
+        away = math.sqrt(xc * xc + yc * yc)
+        d = math.sqrt(away * away + h * h)
+        near = max(0.0, away - 1.4143 * half)
+        near = math.sqrt(near * near + h * h)
+        # no part of the square comes nearer to the lobe's axis than this
+        reach = 1.4143 * half / d
+        dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
+        theta = math.acos(max(-1.0, min(1.0, dot))) - (math.asin(reach) if reach < 1.0 else math.pi)
+        if theta > rim:
+            continue
+        chord = 2.0 * math.sin(0.5 * max(0.0, theta))
+        bound = lobe_density(chord * chord, geo) * h * side * side / (near * near * near) * light
+        if bound <= aim:
+            error += bound
+            continue
+        ratio = 2.0 * near * width / side
+        quarter = ratio < 0.8
+        part[0] = part[1] = part[2] = 0.0
+        miss = bound
+        if not quarter:
+            log_rho = math.log(ratio + math.sqrt(1.0 + ratio * ratio))
+            crossings = 0
+            for k in range(count):
+                if may_cross(conics[k], xc, yc, half) and crossings < crossing.shape[0]:
+                    crossing[crossings] = k
+                    crossings += 1
+            room = aim * ease if crossings > 0 else aim
+            if bound <= room:
+                error += bound
+                continue
+            level = math.log(bound / room)
+            step = 0
+            while step + 1 < len(LEVELS) and LEVELS[step] < level:
+                step += 1
+            if crossings == 0:
+                if not seen(xc, yc, lobe, view, work, states):
+                    continue
+                n = max(1, math.ceil(0.5 * level / log_rho))
+                quarter = n > 12
+                if not quarter:
+                    miss = smooth_tile(x, y, side, n, step, lobe, view, work, gauss, states, point, part)
+                    if n == 1:
+                        miss = 2.0 * bound * math.exp(-2.0 * log_rho)
+                    else:
+                        quarter = miss > 3.0 * aim
+            else:
+                miss = cut_square(
+                    x, y, side, step, log_rho, room, lobe, view, work, conics, crossing, crossings, gauss, roots,
+                    states, point, stack[64:], part,
+                )  # fmt: skip
+                quarter = miss > 10.0 * room and side > 1e-3 * size
+        if quarter and side > 1e-9 * size and top + 4 <= tiles.shape[0]:
+            for a in range(2):
+                for b in range(2):
+                    tiles[top, 0], tiles[top, 1] = x + a * half, y + b * half
+                    tiles[top, 2], tiles[top, 3] = half, 0.4 * aim
+                    top += 1
+            continue
+        error += miss
+        for t in range(3):
+            out[t] += part[t]
+    return error
+
+
+@jitable
 def taper(ring: int, reach: float) -> float:
     """1 up to half of ``reach``, then a C-infinity fall to 0 at ``reach``."""
     x = 2.0 * ring / reach - 1.0
@@ -363,71 +488,42 @@ def split_grid(
     px, py = geo[POINT] - view.floor[FLOOR_OFFSET], geo[POINT + 1] - view.floor[FLOOR_OFFSET + 1]
     ci, cj = math.floor(px / size), math.floor(py / size)
     whole = reach / size + 1.0 < rings.shape[0]
-    step = 0
-    while step + 1 < len(LEVELS) and math.exp(-LEVELS[step]) > 0.03 * tol:
-        step += 1
     for r in range(rings.shape[0]):
         for t in range(4):
             rings[r, t] = 0.0
-    last = int(reach / size) + 1 if whole else rings.shape[0] - 1
-    scale_n = min(0.6, 1.4 / math.sqrt(geo[EXPONENT] + 1e-9))
-    point, out, crossing = stack[0], stack[1], stack[2]
-    error = 0.0
-    share = 0.02 * tol / (1.0 + last)
-    for ring in range(last + 1):
-        weight = 1.0 if whole else taper(ring, rings.shape[0])
-        for i in range(-ring, ring + 1):
-            jump = 1 if abs(i) == ring else max(1, 2 * ring)
-            for j in range(-ring, ring + 1, jump):
-                if work.counts[EVALUATIONS] > max_evaluations:
-                    return math.inf
-                x0, y0 = (ci + i) * size - px, (cj + j) * size - py
-                half = 0.5 * size
-                xc, yc = x0 + half, y0 + half
-                d = math.sqrt(xc * xc + yc * yc + h * h)
-                # no part of the square comes nearer to the lobe than this
-                near = math.sqrt(max(0.0, math.sqrt(xc * xc + yc * yc) - 1.5 * half) ** 2 + h * h)
-                dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
-                if near > 0.0 and math.acos(max(-1.0, min(1.0, dot))) > math.atan2(geo[RIM_SIN], geo[RIM_COS]) + min(
-                    3.2, 1.6 * half / near
-                ):
-                    continue
-                crossings = 0
-                for k in range(count):
-                    if may_cross(conics[k], xc, yc, half) and crossings < crossing.shape[0]:
-                        crossing[crossings] = k
-                        crossings += 1
-                x = 2.0 * max(near, 0.3 * size) * scale_n / size
-                log_rho = math.log(x + math.sqrt(1.0 + x * x))
-                sign = 1.0 if (ci + cj + i + j) % 2 == 0 else -1.0
-                out[0] = out[1] = out[2] = 0.0
-                if crossings == 0:
-                    if not seen(xc, yc, lobe, view, work, states):
-                        continue
-                    n = min(MAX_ORDER, order(step, log_rho))
-                    base = n * (n - 1) // 2
-                    work.counts[EVALUATIONS] += n * n
-                    for q in range(n):
-                        y = y0 + size * gauss[0, base + q]
-                        for e in range(n):
-                            integrand(x0 + size * gauss[0, base + e], y, step, lobe, view, work, gauss, states, point)
-                            w = gauss[1, base + q] * gauss[1, base + e] * size * size
-                            for t in range(3):
-                                out[t] += w * point[t]
-                    error += weight * math.exp(-LEVELS[step]) * max(out[0], out[1], out[2])
-                else:
-                    error += weight * cut_square(
-                        x0, y0, size, step, log_rho, share, lobe, view, work, conics, crossing, crossings, gauss, roots,
-                        states, point, stack[3:], out,
+    out = roots[roots.shape[0] - 3 :]
+    error, change = 0.0, 0.0
+    first, last = 0, int(reach / size) + 1 if whole else FIRST_REACH
+    while True:
+        for ring in range(first, last + 1):
+            share = 0.15 * tol / ((last + 1) * max(1, 8 * ring))
+            for i in range(-ring, ring + 1):
+                jump = 1 if abs(i) == ring else max(1, 2 * ring)
+                for j in range(-ring, ring + 1, jump):
+                    if work.counts[EVALUATIONS] > max_evaluations:
+                        # from here on every square is its bound
+                        share = math.inf
+                    sign = 1.0 if (ci + cj + i + j) % 2 == 0 else -1.0
+                    out[0] = out[1] = out[2] = 0.0
+                    error += add_tile(
+                        (ci + i) * size - px, (cj + j) * size - py, size, share, max(1.0, ring), lobe, view, work,
+                        conics, count, gauss, roots[: roots.shape[0] - 3], states, stack, out,
                     )  # fmt: skip
-                for t in range(3):
-                    rings[ring, t] += sign * out[t]
-    change = 0.0
+                    for t in range(3):
+                        rings[ring, t] += sign * out[t]
+        if whole:
+            break
+        change = 0.0
+        for t in range(3):
+            total, shorter = 0.0, 0.0
+            for ring in range(last + 1):
+                total += rings[ring, t] * taper(ring, last + 1)
+                shorter += rings[ring, t] * taper(ring, 0.7 * (last + 1))
+            change = max(change, abs(total - shorter))
+        if change < 0.1 * tol or last + 1 >= rings.shape[0]:
+            break
+        first, last = last + 1, min(2 * last + 1, rings.shape[0] - 1)
     for t in range(3):
-        total, shorter = 0.0, 0.0
         for ring in range(last + 1):
-            total += rings[ring, t] * (1.0 if whole else taper(ring, rings.shape[0]))
-            shorter += rings[ring, t] * (1.0 if whole else taper(ring, 0.7 * rings.shape[0]))
-        value[t] += total
-        change = max(change, abs(total - shorter))
-    return error + change
+            value[t] += rings[ring, t] * (1.0 if whole else taper(ring, last + 1))
+    return error + 3.0 * change
