@@ -27,6 +27,8 @@ from symrender.cli import main
 from symrender.errors import OptionError
 from symrender.simulator.build import simulator
 
+pytestmark = pytest.mark.timeout(900)
+"""The first test waits for a build of everything, half a minute of processor time."""
 MOST_BYTES = 5_000_000
 IDS = (*SECTIONS, "sim", "lab", *lab.names(), "errata", "references", "contents")
 STATE = "() => document.getElementById('simulator-frame').contentWindow?.simulator?.app"
