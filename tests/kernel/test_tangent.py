@@ -13,6 +13,7 @@ from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function, Program
 from symrender.kernel.tangent import forward
 from symrender.kernel.tangent_sight import power_tangent, tangent_program
+from symrender.kernel_cache import load_module
 from symrender.targets.numba import emit
 
 
@@ -41,33 +42,29 @@ def built() -> Program:
 
 def test_tangents_are_differences() -> None:
     program = built()
-    plain, dual = {"math": math}, {"math": math}
-    exec(emit(program), plain)
-    exec(emit(forward(program, "main")), dual)
+    plain, dual = load_module(emit(program)), load_module(emit(forward(program, "main")))
     h = 1e-6
     checked = 0
     for x, y in ((0.7, 1.3), (1.1, 2.2), (0.2, 0.6)):
         table = np.array([0.3, 0.9, -0.4, 1.7])
         for direction in np.eye(6):
             dx, dy, dtable = direction[0], direction[1], direction[2:]
-            sides = [plain["main"](x + s * dx, y + s * dy, table + s * dtable) for s in (h, -h)]
+            sides = [plain.main(x + s * dx, y + s * dy, table + s * dtable) for s in (h, -h)]
             moved, slopes = table.copy(), dtable.copy()
-            value, slope = dual["main_dot"](x, dx, y, dy, moved, slopes)
-            assert value == plain["main"](x, y, table.copy())
+            value, slope = dual.main_dot(x, dx, y, dy, moved, slopes)
+            assert value == plain.main(x, y, table.copy())
             assert slope == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-7, abs=1e-8)
             checked += abs(slope) > 1e-3
             # what is stored moves too
             stored = [table + s * dtable for s in (h, -h)]
             for s, row in zip((h, -h), stored, strict=True):
-                plain["main"](x + s * dx, y + s * dy, row)
+                plain.main(x + s * dx, y + s * dy, row)
             assert slopes[0] == pytest.approx((stored[0][0] - stored[1][0]) / (2 * h), rel=1e-7, abs=1e-8)
     assert checked >= 15
 
 
 def test_power_has_its_slope_in_the_exponent() -> None:
-    names = {"math": math}
-    exec(emit(Program((power_tangent(),), ("power_dot",))), names)
-    power = names["power_dot"]
+    power = load_module(emit(Program((power_tangent(),), ("power_dot",)))).power_dot
     assert power(0.5, 1.0, 4.0, 0.0) == (0.0625, 0.5)
     value, slope = power(0.5, 0.0, 4.0, 1.0)
     assert (value, slope) == (0.0625, pytest.approx(0.0625 * math.log(0.5)))
