@@ -30,7 +30,7 @@ from symrender.settings import EXACT_DISK
 Array = npt.NDArray[np.float64]
 
 NODES: Final = 3
-STRETCH: Final = 8.0
+STRETCH: Final = 4.0
 """rho of the Bernstein ellipses on which a decided box is bounded."""
 
 
