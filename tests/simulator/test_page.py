@@ -149,8 +149,12 @@ def test_a_journey_by_keyboard_alone(fresh):
     keys.press("ArrowRight")
     keys.press("Shift+ArrowUp")
     page.settle()
-    page.page.wait_for_timeout(200)
     assert state()["cursor"] == [column + 1, row - 8]
+    # what is told of the pixel follows when the reference has been found
+    for _ in range(100):
+        if page.run("() => simulator.app.facts.pixel") == [column + 1, row - 8]:
+            break
+        page.page.wait_for_timeout(100)
     assert page.run("() => simulator.app.facts.pixel") == [column + 1, row - 8]
     keys.press("Alt+ArrowLeft")
     page.settle()

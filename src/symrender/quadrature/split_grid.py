@@ -48,6 +48,8 @@ CONIC_COLUMNS = 7
 SOFT = 6
 """Column of the cone about a disk's penumbra: 1 + the index of its outer edge in the wall table; 0 of other conics."""
 RINGS = 64
+MAX_TILE_ORDER = 12
+"""Gauss nodes a side of a square, beyond which it is quartered."""
 FIRST_REACH = 15
 """Rings about the foot of a point whose lobe holds endless squares, before their error asks for more."""
 
@@ -429,13 +431,16 @@ def add_tile(
                 if not seen(xc, yc, lobe, view, work, states):
                     continue
                 n = max(1, math.ceil(0.5 * level / log_rho))
-                quarter = n > 12
+                quarter = n > MAX_TILE_ORDER
                 if not quarter:
                     miss = smooth_tile(x, y, side, n, step, lobe, view, work, gauss, states, point, part)
                     if n == 1:
                         miss = 2.0 * bound * math.exp(-2.0 * log_rho)
-                    else:
-                        quarter = miss > 3.0 * aim
+                    # more nodes are cheaper than quarters, which need as many each
+                    while miss > 3.0 * aim and n < MAX_TILE_ORDER:
+                        n = min(MAX_TILE_ORDER, n + 3)
+                        miss = smooth_tile(x, y, side, n, step, lobe, view, work, gauss, states, point, part)
+                    quarter = miss > 3.0 * aim
             else:
                 miss = cut_square(
                     x, y, side, step, log_rho, room, lobe, view, work, conics, crossing, crossings, gauss, roots,

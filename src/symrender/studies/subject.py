@@ -72,9 +72,8 @@ class Subject:
     def places(self) -> dict[str, Array]:
         """``place``, ``normal``, ``incoming`` (h, w, 3) and ``hit_class`` (h, w) of what each pixel sees."""
         shape = (self.settings.height, self.settings.width)
-        layers = {
-            name: np.zeros((*shape, 3)) for name in ("radiance", "direct", "gloss", "place", "normal", "incoming")
-        }
+        names = ("radiance", "direct", "gloss", "place", "normal", "incoming", "albedo")
+        layers = {name: np.zeros((*shape, 3)) for name in names}
         layers["hit_class"] = np.zeros(shape)
         filled(prepare_sight(self.arrays, self.settings), layers, self.settings.width, self.settings.height)
         return layers
