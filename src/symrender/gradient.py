@@ -75,6 +75,11 @@ def gradient(
         return gradient_images(crew, job, loaded)
 
 
+def file_stem(name: str) -> str:
+    """How files call the derivative by the parameter ``name``: ``gradient_spheres.B.center.x``."""
+    return "gradient_" + name.replace("[", "_").replace("]", "")
+
+
 def gradient_job(scene: Scene, wrt: Sequence[str], settings: Settings) -> Job:
     """The job that makes the images."""
     if isinstance(wrt, str) or not wrt:

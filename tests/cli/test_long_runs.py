@@ -137,6 +137,12 @@ def test_wrong_means_are_refused(
         (["sweep"], "over: must be name=a:b:n"),
         (["sweep", "--over", "floor.loeb.exponent=1:2:2"], "did you mean"),
         (["sweep", "--over", "lights.key.radius=0:1:2", "--size", "0"], "width: must be a whole number"),
+        (["sweep", "--over", "lights.key.radius=0:1:2", "--what", "gradient"], "wrt: names the real numbers"),
+        (["sweep", "--over", "lights.key.radius=0:1:2", "--wrt", "camera.eye"], "wrt: names the real numbers"),
+        (
+            ["sweep", "--over", "lights.key.radius=1:0:2", "--what", "gradient", "--wrt", "lights.key.radius"],
+            "lights.key.radius: the scene changes its structure",
+        ),
         (["animate"], "over, orbit: give exactly one"),
         (["animate", "--over", "lights.key.radius=0:1:2", "--orbit", "3"], "over, orbit: give exactly one"),
         (["animate", "chapter8", "--orbit", "3"], "camera of type look_at"),

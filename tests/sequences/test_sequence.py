@@ -13,11 +13,12 @@ import pytest
 
 from symrender.errors import OptionError, OutputError, Unsupported
 from symrender.fill import Means
+from symrender.gradient import gradient
 from symrender.image import read_image
 from symrender.render import render
 from symrender.scene.load import load
 from symrender.sequences.animate import animate
-from symrender.sequences.makers import Rendered
+from symrender.sequences.makers import Rendered, Sloped
 from symrender.sequences.orbit import orbit
 from symrender.sequences.over import parse_over
 from symrender.sequences.sheet import MAX_SHEET, contact_sheet
@@ -135,6 +136,36 @@ def test_what_cannot_be_encoded_is_refused_before_anything_is_rendered(
     assert not (tmp_path / "a").exists()
     animate(orbit(SCENE, 2), maker, tmp_path / "a", video="none")
     assert len(list((tmp_path / "a").iterdir())) == 2
+
+
+def test_a_sweep_of_gradients_is_those_of_its_scenes(tmp_path: Path) -> None:
+    name, over = "spheres.A.center.x", parse_over("spheres.A.center.x=0.0:0.05:2")
+    scene = load(
+        {
+            "name": "one_ball",
+            "camera": {"type": "look_at", "eye": [0.3, -4, 2], "target": [0, -0.6, 0], "fov": 26},
+            "spheres": [{"name": "A", "center": [0, 0.4, 0.8], "radius": 0.3}],
+            "floor": {"texture": {"type": "solid"}, "lobe": {"weight": 1, "exponent": 16}},
+            "ambient": [1, 1, 1],
+            "shading": {"ka": 1, "kd": 0, "ks": 0},
+        }
+    )
+    split = Settings(width=12, height=9, numeric="none", symbolic="chambers", tol=1e-3)
+    rows = sweep(scene, over, Sloped(split, (name, "camera.eye")), tmp_path)
+    stems = [f"gradient_{n}" for n in (name, "camera.eye.x", "camera.eye.y", "camera.eye.z")]
+    assert {p.name for p in tmp_path.iterdir()} == {
+        "ledgers.csv",
+        *(f"contact_sheet_{stem}.png" for stem in stems),
+        *(f"frame_{k:05d}_{stem}.exr" for stem in stems for k in range(2)),
+    }
+    alone = gradient(scene.replace({name: 0.05}), [name], size=(12, 9), tol=1e-3)[name]
+    held = read_image(tmp_path / f"frame_00001_{stems[0]}.exr")
+    assert np.abs(alone.layer("gloss")).max() > 0.1, "the reflection moves"
+    assert np.array_equal(held.layer("gloss"), alone.layer("gloss").astype(np.float32))
+    assert rows[1][f"{name}_largest_error"] == alone.layer("error").max()
+    sheet = read_image(tmp_path / f"contact_sheet_{stems[0]}.png")
+    pixels = encode_srgb(sheet.radiance).astype(int)
+    assert (pixels[..., 0] - pixels[..., 2]).max() > 60 and (pixels[..., 2] - pixels[..., 0]).max() > 60, "red and blue"
 
 
 def test_a_long_sequence_is_shown_in_part(whole: Path) -> None:

@@ -67,6 +67,7 @@ def gradient(
     Example: symrender gradient gloss --wrt spheres.B.center,floor.lobe.exponent --size 64 --out pictures
     """
     from symrender.errors import OptionError
+    from symrender.gradient import file_stem
     from symrender.scene.moves import components
 
     names = [name.strip() for name in wrt.split(",") if name.strip()]
@@ -93,7 +94,7 @@ def gradient(
     folder = make_folder(out)
     journal = folder / "gradient.journal"
     force = force or (resume and journal.exists())
-    stems = {name: "gradient_" + name.replace("[", "_").replace("]", "") for name in every}
+    stems = {name: file_stem(name) for name in every}
     for stem in stems.values():
         for ending in ("png", "exr", "npz"):
             check_target(folder / f"{stem}.{ending}", force=force, inputs=scene_files(scene))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 import typer
 
@@ -22,9 +22,11 @@ from symrender.cli._options import (
     scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
+from symrender.errors import OptionError
 from symrender.settings import Antialias, Sampler, Settings, image_size
 
-What = Literal["render", "truth"]
+What = Literal["render", "truth", "gradient"]
+_TOLERANCE: Final = {"truth": 1e-6, "gradient": 1e-4}
 
 
 def sweep(
@@ -36,7 +38,10 @@ def sweep(
             help="Ranges of scene values, N numbers from A to B each; every combination is a frame.",
         ),
     ] = "",
-    what: Annotated[What, typer.Option(help="What a frame is: both renders with their ledger, or a truth.")] = "render",
+    what: Annotated[
+        What, typer.Option(help="What a frame is: both renders with their ledger, a truth, or the gradients by --wrt.")
+    ] = "render",
+    wrt: Annotated[str, typer.Option(metavar="NAME,...", help="Real numbers a gradient is taken by, or vectors.")] = "",
     size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "128",
     lobe: Annotated[int, typer.Option(help="K of the K rings x K sectors (K x K samples) of a lobe.")] = 4,
     numeric: Annotated[Sampler, typer.Option(help="Sampler of the numeric pipeline.")] = "jittered",
@@ -44,7 +49,12 @@ def sweep(
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
-    tol: Annotated[float, typer.Option(help="Absolute error asked of every pixel of a truth, scene radiance.")] = 1e-6,
+    tol: Annotated[
+        float | None,
+        typer.Option(
+            help="Absolute error asked of every pixel: 1e-6 for a truth, 1e-4 for gradients.", show_default=False
+        ),
+    ] = None,
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -62,22 +72,29 @@ def sweep(
 ) -> None:
     """Make an image of SCENE for every combination of --over; write frames (.exr), ledgers.csv and contact_sheet.png.
 
+    For gradients there is a contact sheet a parameter, contact_sheet_gradient_NAME.png: blue falls, red rises.
+
     Resumable: --resume continues after any interruption, frame by frame and tile by tile.
 
     Example: symrender sweep gloss --over floor.lobe.exponent=4:1024:5:log,lights.key.radius=0:1:3 --size 128 --out s
     """
-    from symrender.sequences.makers import Certain, Maker, Rendered
+    from symrender.sequences.makers import Certain, Maker, Rendered, Sloped
     from symrender.sequences.over import parse_over
     from symrender.sequences.sweep import JOURNAL
     from symrender.sequences.sweep import sweep as make
 
     width, height = image_size(parse_size(size))
+    names = tuple(name.strip() for name in wrt.split(",") if name.strip())
+    if bool(names) != (what == "gradient"):
+        raise OptionError("wrt: names the real numbers of --what gradient, such as --wrt spheres.B.center.x")
+    asked = _TOLERANCE.get(what, 1e-6) if tol is None else tol
+    settings = Settings(width=width, height=height, lobe=lobe, disk=disk, aa=aa, seed=seed, tol=asked)
+    split = replace(settings, numeric="none", symbolic="chambers")
     maker: Maker
-    settings = Settings(width=width, height=height, lobe=lobe, disk=disk, aa=aa, seed=seed, tol=tol)
     if what == "render":
         maker = Rendered(replace(settings, numeric=numeric, symbolic=symbolic))
     else:
-        maker = Certain(replace(settings, numeric="none", symbolic="chambers"))
+        maker = Certain(split) if what == "truth" else Sloped(split, names)
     axes = parse_over(over)
     means = means_of(
         threads=threads,
@@ -94,4 +111,5 @@ def sweep(
     if json:
         show_json(rows)
     elif not quiet:
-        typer.echo(f"wrote {len(rows)} frames, ledgers.csv and contact_sheet.png in {out}")
+        sheets = "the contact sheets" if what == "gradient" else "contact_sheet.png"
+        typer.echo(f"wrote {len(rows)} frames, ledgers.csv and {sheets} in {out}")

@@ -40,7 +40,7 @@ def animate(
     place = make_folder(folder)
     journal = chosen.journal or place / JOURNAL
     replace_files = force or (chosen.start == "resume" and journal.exists())
-    kinds = [job.kind for job in maker.jobs(frames[0].scene)]
+    kinds = maker.names(frames[0].scene)
     videos = {kind: place / f"animation_{kind}.{video}" for kind in kinds if video != "none"}
     names = [place / frame_name(frame.index, kind, ".png") for frame in frames for kind in kinds]
     for path in (*videos.values(), *names):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from symrender.fill import Crew
@@ -17,7 +17,14 @@ Row = dict[str, Any]
 
 
 class Maker(Protocol):
-    """Makes the images of a frame."""
+    """Makes the images of a frame. ``signed``: they hold values of both signs, not light."""
+
+    @property
+    def signed(self) -> bool:
+        """Whether 0 is the middle of what the images hold."""
+
+    def names(self, scene: Scene) -> tuple[str, ...]:
+        """Names of the images ``make`` returns, as they stand in file names."""
 
     def jobs(self, scene: Scene) -> tuple[Job, ...]:
         """The jobs of a frame."""
@@ -31,6 +38,11 @@ class Rendered:
     """Frames as ``symrender render`` makes them; the row is their ledger."""
 
     settings: Settings
+    signed: bool = field(default=False, init=False)
+
+    def names(self, scene: Scene) -> tuple[str, ...]:
+        """``numeric``, ``symbolic``, or both."""
+        return tuple(job.kind for job in self.jobs(scene))
 
     def jobs(self, scene: Scene) -> tuple[Job, ...]:
         """One job a pipeline asked for."""
@@ -62,6 +74,11 @@ class Certain:
     """Frames as ``symrender truth`` makes them; the row says how many pixels met the tolerance."""
 
     settings: Settings
+    signed: bool = field(default=False, init=False)
+
+    def names(self, scene: Scene) -> tuple[str, ...]:
+        """``truth``."""
+        return ("truth",)
 
     def jobs(self, scene: Scene) -> tuple[Job, ...]:
         """The one job."""
@@ -77,3 +94,36 @@ class Certain:
         judged = verdict(image)
         row: Row = {"pixels": judged.pixels, "largest_error": judged.largest}
         return {"truth": image}, row | {f"missed_{name}": count for name, count in judged.missed.items()}
+
+
+@dataclass(frozen=True)
+class Sloped:
+    """Frames as ``symrender gradient`` makes them, an image a parameter of ``wrt``; the row says how each fared."""
+
+    settings: Settings
+    wrt: tuple[str, ...]
+    signed: bool = field(default=True, init=False)
+
+    def names(self, scene: Scene) -> tuple[str, ...]:
+        """``gradient_`` and each parameter, vectors written out; errors where one has no derivative."""
+        from symrender.gradient import file_stem
+
+        return tuple(file_stem(name) for name, _ in self.jobs(scene)[0].wrt)
+
+    def jobs(self, scene: Scene) -> tuple[Job, ...]:
+        """The one job."""
+        from symrender.gradient import gradient_job
+
+        return (gradient_job(scene, self.wrt, self.settings),)
+
+    def make(self, crew: Crew, scene: Scene) -> tuple[Mapping[str, Image], Row]:
+        """An image a parameter, its largest error and how many pixels missed, by status."""
+        from symrender.gradient import STATUS, file_stem, gradient_images
+
+        images = gradient_images(crew, self.jobs(scene)[0], scene)
+        row: Row = {"pixels": self.settings.width * self.settings.height}
+        for name, image in images.items():
+            status = image.layer("status")
+            row[f"{name}_largest_error"] = float(image.layer("error").max())
+            row |= {f"{name}_missed_{label}": int((status == code).sum()) for code, label in STATUS.items() if code}
+        return {file_stem(name): image for name, image in images.items()}, row

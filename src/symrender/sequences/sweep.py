@@ -35,23 +35,30 @@ def sweep(
 ) -> list[Row]:
     """Make every frame of the product of ``over``; return and write the rows of figures.
 
-    ``folder`` receives ``frame_NNNNN_IMAGE.exr``, ``ledgers.csv`` and ``contact_sheet.png``. ``maker`` says what a
-    frame becomes (``makers.py``). The bytes of the frames and of the sheet depend on the scene, the ranges and the
-    settings alone; the table also states seconds. Raises SceneError, before any work, for a value the scene refuses.
+    ``folder`` receives ``frame_NNNNN_IMAGE.exr``, ``ledgers.csv`` and ``contact_sheet.png``, or a sheet an image,
+    ``contact_sheet_IMAGE.png``, where they are signed. ``maker`` says what a frame becomes (``makers.py``). The bytes
+    of the frames and of the sheets depend on the scene, the ranges and the settings alone; the table also states
+    seconds. Raises SceneError, before any work, for a value the scene refuses.
     """
     chosen = means or Means()
     made = frames(scene, over)
+    for frame in made:
+        # a scene without such images is refused before any work
+        images = maker.names(frame.scene)
     place = make_folder(folder)
     journal = chosen.journal or place / JOURNAL
     replace_files = force or (chosen.start == "resume" and journal.exists())
-    names = [frame_name(f.index, job.kind, ".exr") for f in made for job in maker.jobs(made[0].scene)]
-    for name in (TABLE, SHEET, *names):
+    sheets = {SHEET: images[-1]} if not maker.signed else {f"contact_sheet_{name}.png": name for name in images}
+    names = [frame_name(frame.index, image, ".exr") for frame in made for image in images]
+    for name in (TABLE, *sheets, *names):
         check_target(place / name, force=replace_files, inputs=inputs)
     columns = len(over[-1].values) if len(over) > 1 and len(over[-1].values) <= _WIDEST else 0
 
     def finish(rows: list[Row]) -> None:
         write_table(rows, place / TABLE)
-        pictures = [place / list(row["files"])[-1] for row in rows]
-        contact_sheet(pictures, [caption(frame.changes) for frame in made], columns).save(place / SHEET)
+        captions = [caption(frame.changes) for frame in made]
+        for sheet, image in sheets.items():
+            pictures = [place / frame_name(frame.index, image, ".exr") for frame in made]
+            contact_sheet(pictures, captions, columns, signed=maker.signed).save(place / sheet)
 
     return make_frames(made, maker, place, replace(chosen, journal=journal), progress=progress, finish=finish)
