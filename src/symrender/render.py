@@ -28,8 +28,7 @@ The numeric side imports nothing of the symbolic one, and they meet only in the 
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -54,8 +53,11 @@ from symrender.settings import (
     image_size,
 )
 from symrender.tiles import Progress
-from symrender.units import Job, prepared
-from symrender.warm import numeric_beside
+from symrender.units import Job
+from symrender.warm import second_beside
+
+Finished = Callable[[str, Image], None]
+"""``finished(side, image)``, called as soon as the image of a pipeline stands."""
 
 
 @dataclass(frozen=True)
@@ -157,14 +159,20 @@ def plan(scene: Scene, settings: Settings) -> tuple[Job, ...]:
     return tuple(Job.of(kind, scene, settings) for kind in kinds)
 
 
-def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene) -> Pair:
-    """Make the images of ``jobs``, all of ``scene``, with an open ``crew``, and compare them."""
+def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene, finished: Finished | None = None) -> Pair:
+    """Make the images of ``jobs``, all of ``scene``, with an open ``crew``, and compare them.
+
+    ``finished`` is told each image as soon as it stands.
+    """
     images: dict[str, Image] = {}
     timings: dict[str, Timing] = {}
-    with numeric_beside() if len(jobs) == 2 else nullcontext():
-        prepared(jobs[-1])
-    for job in jobs:
-        images[job.side], timings[job.side] = _one(crew, job, scene)
+    with second_beside(jobs) as second_compiled:
+        for job in jobs:
+            if images:
+                second_compiled()
+            images[job.side], timings[job.side] = _one(crew, job, scene)
+            if finished is not None:
+                finished(job.side, images[job.side])
     report = ledger(
         images.get("numeric"),
         images.get("symbolic"),

@@ -1,7 +1,7 @@
-"""First use: compile both pipelines at once.
+"""First use: both kernels of a pair are compiled at once, and the first picture waits for its own only.
 
 Numba compiles under one lock, so two kernels take twice as long in one process. Where neither is in the kernel cache
-yet, the numeric one is compiled by a process of its own while this one compiles the symbolic one.
+yet, the second is compiled by a process of its own while this one compiles the first and renders with it.
 """
 
 from __future__ import annotations
@@ -9,55 +9,57 @@ from __future__ import annotations
 import hashlib
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from symrender import kernel_cache
+from symrender.settings import Settings
+from symrender.tiles import thread_count
+from symrender.units import KINDS, Job, code_digest, compute
 
-_PACKAGE = Path(__file__).resolve().parent
-
-
-def _mark() -> Path | None:
-    """Cache entry that says the numeric kernel of this very code has been compiled here before."""
-    directory, _ = kernel_cache.cache_directory()
-    if directory is None:
-        return None
-    digest = hashlib.sha256(sys.version.encode())
-    for path in sorted((_PACKAGE / "numeric").glob("*.py")):
-        digest.update(path.read_bytes())
-    return directory / f"{digest.hexdigest()}.compiled"
+_SIDE = 4
+"""Pixels a side of the picture that compiles all of a kernel: it sees a floor and spheres with lobes."""
 
 
 @contextmanager
-def numeric_beside() -> Iterator[None]:
-    """Within the block, the numeric kernel is compiled in another process, unless the cache has it; then waited for."""
-    mark = _mark()
-    if mark is None or kernel_cache.read_entry(mark) is not None:
-        yield
-        return
-    quiet = subprocess.DEVNULL
-    process = subprocess.Popen([sys.executable, "-m", "symrender.warm"], stdin=quiet, stdout=quiet, stderr=quiet)
-    try:
-        yield
-        if process.wait() == 0:
-            kernel_cache.write_entry(mark, b"")
-    finally:
-        process.kill()
-        process.wait()
+def second_beside(jobs: Sequence[Job]) -> Iterator[Callable[[], object]]:
+    """Within the block, another process compiles the kernel of the second job; call what is yielded to wait for it.
+
+    Only where the cache holds the kernels of neither job and a processor is free; else there is nothing to wait for.
+    """
+    directory, _ = kernel_cache.cache_directory()
+    marks = [] if directory is None else [_mark(directory, job.kind) for job in jobs]
+    missing = [mark for mark in marks if kernel_cache.read_entry(mark) is None]
+    if len(missing) == 2 and thread_count(0) > 1:
+        words = [sys.executable, "-m", "symrender.warm", jobs[1].kind, jobs[1].settings.disk]
+        quiet = subprocess.DEVNULL
+        process = subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet)
+        try:
+            yield process.wait
+        finally:
+            process.kill()
+            process.wait()
+    else:
+        yield lambda: None
+    for mark in missing:
+        kernel_cache.write_entry(mark, b"")
 
 
-def _compile_numeric() -> None:
-    from symrender.numeric.pipeline import prepare
-    from symrender.scene.arrays import scene_arrays
+def _mark(directory: Path, kind: str) -> Path:
+    """Cache entry that says the kernel of this kind, of this very code, has been compiled here before."""
+    return directory / f"{hashlib.sha256(f'{sys.version} {code_digest()} {kind}'.encode()).hexdigest()}.compiled"
+
+
+def compile_kind(kind: str, disk: str) -> None:
+    """Compile all an image of ``kind`` needs, into the cache, by making a tiny one."""
     from symrender.scene.load import load
-    from symrender.settings import Settings
 
-    layers = {name: np.zeros((1, 1, 3)) for name in ("radiance", "direct", "gloss")} | {"hit_class": np.zeros((1, 1))}
-    prepare(scene_arrays(load("chapter8")), Settings(width=1, height=1))(0, 0, 0, 0, layers)
+    both = Settings(width=_SIDE, height=_SIDE, lobe=1, disk=disk, tol=1e-2)
+    settings = both if KINDS[kind].side == "numeric" else replace(both, numeric="none")
+    compute(Job.of(kind, load("chapter8"), settings), (0, 0, _SIDE, _SIDE))
 
 
 if __name__ == "__main__":
-    _compile_numeric()
+    compile_kind(*sys.argv[1:])

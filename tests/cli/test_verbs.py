@@ -8,7 +8,7 @@ import os
 import resource
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +18,11 @@ import pytest
 from symrender.cli import main
 from symrender.cli._application import verbs
 from symrender.cli._progress import progress
-from symrender.image import Image, read_image
+from symrender.errors import NonFiniteError
+from symrender.finite import check_finite
+from symrender.image import Array, Image, read_image
 from symrender.render import render as render_pair
+from symrender.scene.scene import Scene
 
 SLOW = ("sympy", "numba", "OpenEXR", "scipy", "llvmlite")
 
@@ -134,6 +137,36 @@ def test_compare_writes_pictures_once(
     assert main([*arguments, "--force"]) == 0
 
 
+def test_an_error_after_the_first_picture_names_the_older_files(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = ["render", "chapter8", "--size", "8", "--lobe", "2", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    old = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert len(old) == 5
+    # the root has a function of the module's name
+    module = sys.modules["symrender.render"]
+    finite, failing = check_finite, "symbolic"
+
+    def refuse(layers: Mapping[str, Array], scene: Scene, side: str) -> None:
+        if side == failing:
+            raise NonFiniteError(f"{side}: made to fail")
+        finite(layers, scene, side)
+
+    monkeypatch.setattr(module, "check_finite", refuse)
+    capfd.readouterr()
+    assert main([*arguments, "--seed", "8", "--force", "--quiet"]) == 3
+    told = capfd.readouterr().err
+    assert told.count("\n") == 1
+    assert "numeric.png, numeric.exr are of this run; symbolic.png, symbolic.exr, difference.png of an earlier" in told
+    now = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert {name for name in old if now[name] != old[name]} == {"numeric.png", "numeric.exr"} and set(now) == set(old)
+    failing = "numeric"
+    assert main([*arguments, "--seed", "9", "--force", "--quiet"]) == 3
+    assert "are of this run" not in capfd.readouterr().err
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == now
+
+
 def test_render_writes_files_that_render_again(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     arguments = ["render", "chapter8", "--size", "24x16", "--lobe", "2", "-D", "floor.lobe.exponent=8", "-D",
                  "camera.eye=(0, 0, 5)", "--out", str(tmp_path / "out")]  # fmt: skip
@@ -161,6 +194,11 @@ def test_render_writes_files_that_render_again(capfd: pytest.CaptureFixture[str]
     )
     assert again.numeric is not None and again.numeric.radiance.max() > 0.1
     assert np.array_equal(again.numeric.radiance.astype(np.float32), image.radiance)
+
+    order = [Path(line.split()[1]).name for line in out.splitlines() if line.startswith("wrote")]
+    assert [name.partition(".")[0].partition("_")[0] for name in order] == (
+        ["numeric"] * 4 + ["symbolic"] * 4 + ["difference"]
+    )
 
     assert main([*arguments, "--json"]) == 74
     assert "exists" in capfd.readouterr().err

@@ -50,7 +50,9 @@ def _bar() -> Iterator[Progress]:
         TextColumn("ETA"),
         TimeRemainingColumn(),
     )
-    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+    # lines printed meanwhile go above the bar, unless they are for a pipe
+    above = sys.stdout.isatty()
+    with Bar(*columns, console=Console(stderr=True), transient=True, redirect_stdout=above) as bar:
 
         def advance(done: int, total: int, label: str) -> None:
             if label not in tasks:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,12 +32,16 @@ from symrender.cli._options import (
     scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
+from symrender.errors import SymrenderError
 from symrender.limits import MAX_PIXELS
 from symrender.output import check_target, make_folder, remove_leftovers
 from symrender.settings import Antialias, Nodes, Partition, Sampler, Settings, Symbolic, Weights, image_size
 
 if TYPE_CHECKING:
     from symrender.image import Image
+
+Land = Callable[[str, str], None]
+"""``land(file, remark)``, called once that file stands."""
 
 
 def render(
@@ -76,7 +82,9 @@ def render(
 ) -> None:
     """Render SCENE numerically and symbolically, write both, their difference, and print the ledger.
 
-    Writes numeric.png, numeric.exr, symbolic.png, symbolic.exr and difference.png. The .exr holds every layer as
+    Writes numeric.png and numeric.exr as soon as that image stands, then symbolic.png and symbolic.exr, then
+    difference.png. Every file is its old self or the new one, never in between; an error says which
+    files are of an earlier run. The .exr holds every layer as
     linear radiance with the scene and the settings; the .png is clipped to [0, 1] and sRGB encoded.
 
     A run longer than two seconds keeps what it has finished in render.journal beside them, until they are written;
@@ -133,17 +141,31 @@ def render(
         insecure_cluster=insecure_cluster,
         journal=journal,
     )
-    with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance, Crew(means, jobs, advance) as crew:
+    written: dict[str, str] = {}
+
+    def land(file: str, remark: str) -> None:
+        written[file] = remark
+        if not json and not quiet:
+            typer.echo(f"wrote {folder / file}{f' ({remark})' if remark else ''}")
+
+    with (
+        ended_by_signals(),
+        progress(progress_mode, quiet=quiet) as advance,
+        Crew(means, jobs, advance) as crew,
+        _older_files_named(folder, _file_names(names, views=views), written),
+    ):
         for name in _file_names(names, views=views):
             remove_leftovers(folder / name)
-        pair = carry_out(crew, jobs, chosen)
-        images = {name: image for name in names if (image := getattr(pair, name)) is not None}
-        told = _write(images, folder, views=views, force=force)
+        pair = carry_out(
+            crew, jobs, chosen, lambda side, image: _write(side, image, folder, land, views=views, force=force)
+        )
+        if pair.numeric is not None and pair.symbolic is not None:
+            _write_difference(pair.numeric, pair.symbolic, folder, land, force=force)
         crew.succeeded()
     if json:
         import json as json_module
 
-        report = {"files": told, "ledger": pair.ledger.as_json()}
+        report = {"files": written, "ledger": pair.ledger.as_json()}
         typer.echo(json_module.dumps(report, indent=2, allow_nan=False))
     elif not quiet:
         if sys.stdout.isatty():
@@ -152,8 +174,6 @@ def render(
             Console().print(pair.ledger)
         else:
             typer.echo(pair.ledger.text())
-        for file, remark in told.items():
-            typer.echo(f"wrote {folder / file}{f' ({remark})' if remark else ''}")
 
 
 def _file_names(sides: list[str], *, views: bool) -> list[str]:
@@ -162,30 +182,42 @@ def _file_names(sides: list[str], *, views: bool) -> list[str]:
     return [*names, "difference.png"] if len(sides) == 2 else names
 
 
-def _write(images: dict[str, Image], folder: Path, *, views: bool, force: bool) -> dict[str, str]:
-    """Write the files; their names, each with what its picture leaves out or means."""
+@contextmanager
+def _older_files_named(folder: Path, names: list[str], written: Mapping[str, str]) -> Iterator[None]:
+    """An error after the first picture says, in its line, which files are still those of an earlier run."""
+    try:
+        yield
+    except SymrenderError as error:
+        older = [name for name in names if name not in written and (folder / name).exists()]
+        if written and older:
+            error.args = (f"{error} ({', '.join(written)} are of this run; {', '.join(older)} of an earlier one)",)
+        raise
+
+
+def _write(side: str, image: Image, folder: Path, land: Land, *, views: bool, force: bool) -> None:
+    """Write the files of one pipeline; ``land`` is told each, with what its picture leaves out or means."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from symrender.ledger.pictures import absolute_difference
     from symrender.views import gloss_view, hit_class_view
 
-    def write(name: str) -> dict[str, str]:
-        if name not in images:
-            picture = absolute_difference(*images.values())
-            picture.save(folder / name, force=force)
-            return {name: picture.caption}
-        image = images[name]
-        saved = image.save(folder / f"{name}.png", force=force)
-        told = {f"{name}.png": f"{saved.clipped} of {image.width * image.height} pixels clipped"}
-        image.save(folder / f"{name}.exr", force=force)
-        told[f"{name}.exr"] = ""
-        if views:
-            for file, view in (("gloss", gloss_view(image)), ("hit_class", hit_class_view(image))):
-                view.save(folder / f"{name}_{file}.png", force=force)
-                told[f"{name}_{file}.png"] = view.caption
-        return told
+    # the encoders leave Python to work
+    with ThreadPoolExecutor(1) as pool:
+        whole = pool.submit(image.save, folder / f"{side}.exr", force=force)
+        try:
+            saved = image.save(folder / f"{side}.png", force=force)
+            land(f"{side}.png", f"{saved.clipped} of {image.width * image.height} pixels clipped")
+            if views:
+                for file, view in (("gloss", gloss_view(image)), ("hit_class", hit_class_view(image))):
+                    view.save(folder / f"{side}_{file}.png", force=force)
+                    land(f"{side}_{file}.png", view.caption)
+        finally:
+            whole.result()
+            land(f"{side}.exr", "")
 
-    names = [*images, "difference.png"] if len(images) == 2 else [*images]
-    # encoders leave Python to work
-    with ThreadPoolExecutor(len(names)) as pool:
-        return {file: remark for told in pool.map(write, names) for file, remark in told.items()}
+
+def _write_difference(numeric: Image, symbolic: Image, folder: Path, land: Land, *, force: bool) -> None:
+    from symrender.ledger.pictures import absolute_difference
+
+    picture = absolute_difference(numeric, symbolic)
+    picture.save(folder / "difference.png", force=force)
+    land("difference.png", picture.caption)
