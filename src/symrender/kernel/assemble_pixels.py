@@ -89,7 +89,7 @@ def pixel_program() -> Program:
             shade.texture_factor(),
             shade.floor_side(),
             sight.blocked(),
-            shade.light_factors(),
+            sight.highlight(),
             sight.direct(),
             trace.nearest(),
             sight.met(),

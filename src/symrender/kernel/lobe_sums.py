@@ -171,10 +171,15 @@ def _rings_in_reach(block: Block, lobe: sp.Symbol, side: sp.Symbol, highest: sp.
     return reached
 
 
-def _node(block: Block, row: sp.Expr, sector: sp.Symbol) -> None:
-    """Write (x, y, z) of a stratum's node."""
-    across = RINGS[row, 0]
-    block.lets({"x": across * SECTORS[sector, 0], "y": across * SECTORS[sector, 1], "z": RINGS[row, 1]})
+def _ring(block: Block, row: sp.Expr) -> sp.Symbol:
+    """Write what the nodes of a ring have in common; returns their weight."""
+    block.lets({"across": RINGS[row, 0], "z": RINGS[row, 1]})
+    return block.let("weight", RINGS[row, 2])
+
+
+def _node(block: Block, sector: sp.Symbol) -> None:
+    """Write (x, y) of the node of a ring in a sector."""
+    block.lets({"x": real("across") * SECTORS[sector, 0], "y": real("across") * SECTORS[sector, 1]})
 
 
 def strata_gloss() -> Function:
@@ -188,13 +193,16 @@ def strata_gloss() -> Function:
         block.let(f"sum_{c}", sp.Integer(0))
     reached = block.count("reached", sp.floor(LOBES[lobe, 4]))
     with _batches(block, reached, side) as (start, last):
-        with block.loop("ring", last, start) as ring, block.loop("sector", side) as sector:
-            _node(block, first + ring, sector)
-            _trace(block, p, normal, frame, RINGS[first + ring, 2])
+        with block.loop("ring", last, start) as ring:
+            weight = _ring(block, first + ring)
+            with block.loop("sector", side) as sector:
+                _node(block, sector)
+                _trace(block, p, normal, frame, weight)
         with block.loop("hit", whole("found")) as hit:
             ring, sector = _next_hit(block, hit)
-            _node(block, first + ring, sector)
-            _add_met(block, p, frame, RINGS[first + ring, 2])
+            weight = _ring(block, first + ring)
+            _node(block, sector)
+            _add_met(block, p, frame, weight)
     block.leave(*(real(f"sum_{c}") for c in "rgb"))
     parameters = (*p.parts, *normal.parts, *incoming.parts, leaves, ESTIMATE, LOBES, RINGS, SECTORS, *WORLD, HITS)
     return Function("strata_gloss", parameters, block.statements, "gloss (r, g, b) at p by strata")

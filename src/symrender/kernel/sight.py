@@ -8,7 +8,8 @@ from __future__ import annotations
 import sympy as sp
 
 from symrender.expression import intersection, shading
-from symrender.expression.vectors import Vec3, dot, norm2, vec3
+from symrender.expression.lobe import log1p
+from symrender.expression.vectors import Vec3, cross, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, floor_albedo, row_vector, sphere_albedo
@@ -17,6 +18,9 @@ from symrender.scene import arrays as at
 
 WORLD: tuple[Array, ...] = (EYE, SPHERES, FLOOR, POINTS, SHADING)
 _FAINT = 60
+_GRAZING = 1 - 2.0**-53
+"""Largest square of a sine whose logarithm is taken; in single precision it is 1."""
+_NO_LENGTH = 1e-30
 CHANNELS = ("albedo_r", "albedo_g", "albedo_b")
 
 
@@ -77,13 +81,34 @@ def met() -> Function:
 
 
 def power() -> Function:
-    """``x^n`` in one expression; what is certainly below e^-60 is 0, which lets most points skip the highlight."""
-    x, n = real("x"), real("n")
+    """``cos^2n`` from ``depth = sin^2``, which keeps its digits in single precision where n is large.
+
+    What is certainly below e^-60 is 0, so that most points skip the rest.
+    """
+    depth, n = real("depth"), real("n")
     block = Block()
-    with block.when(n * (1 - x) > _FAINT):
+    with block.when(n * depth > _FAINT):
         block.leave(sp.Integer(0))
-    block.leave(x**n)
-    return Function("power", (x, n), block.statements, "x^n for 0 <= x <= 1, 0 below e^-60")
+    block.leave(sp.exp(n * log1p(-sp.Min(depth, _GRAZING))))
+    return Function("power", (depth, n), block.statements, "(1 - depth)^n for 0 <= depth <= 1, 0 below e^-60")
+
+
+def highlight() -> Function:
+    """N.l, the cosine of the highlight before its guard, up to a positive factor, and the square of its sine."""
+    normal, view, to_light, model = vec3("n"), vec3("v"), vec3("d"), real("model")
+    block = Block()
+    light_dir = block.let_vector("l", to_light / block.let("distance", sp.sqrt(norm2(to_light))))
+    cosine = block.let("cosine", shading.lambert(normal, light_dir))
+    axis = block.let_vector("a", normal)
+    other = block.let_vector("b", shading.half_vector(light_dir, view))
+    with block.when(sp.Eq(model, at.PHONG)):
+        block.let_vector("a", normal * (2 * cosine) - light_dir)
+        block.let_vector("b", view)
+    across = block.let_vector("x", cross(axis, other))
+    block.leave(cosine, dot(axis, other), norm2(across) / sp.Max(norm2(other), _NO_LENGTH))
+    parameters = (*normal.parts, *view.parts, *to_light.parts, model)
+    doc = "(N.l, sign of the highlight's cosine, square of its sine) of one light point, unguarded"
+    return Function("highlight", parameters, block.statements, doc)
 
 
 def blocked() -> Function:
@@ -91,9 +116,9 @@ def blocked() -> Function:
     q, to_light, leaves, side = vec3("q"), vec3("d"), whole("leaves"), real("side")
     block = Block()
     hidden, light_z = block.let("hidden", sp.Integer(0)), block.let("light_z", q.z + to_light.z)
-    below = sp.And(sp.Eq(leaves, at.FLOOR), light_z <= 0)
-    through = sp.And(sp.Ne(leaves, at.FLOOR), sp.Eq(FLOOR[at.FLOOR_PRESENT], 1), q.z * light_z < 0)
-    with block.when(sp.Or(below, through)):
+    with block.when(sp.Eq(leaves, at.FLOOR)), block.when(light_z <= 0):
+        block.set(hidden, sp.Integer(1))
+    with block.otherwise(), block.when(FLOOR[at.FLOOR_PRESENT] * q.z * light_z < 0):
         block.set(hidden, sp.Integer(1))
     length2 = block.let("length2", norm2(to_light))
     with block.loop("k", SPHERES.length) as k:
@@ -118,21 +143,25 @@ def direct() -> Function:
     leaves, side = whole("leaves"), real("side")
     block = Block()
     sums = [block.let(f"{kind}_{c}", sp.Integer(0)) for kind in ("diffuse", "gleam") for c in "rgb"]
+    # what N.d must exceed for a light to be looked at, and the highlight's cosine for it to gleam
+    facing, gleaming = block.lets({"facing": sp.Integer(0), "gleaming": sp.Integer(0)})
+    with block.when(sp.Eq(SHADING[6], at.OPEN)):
+        block.set(facing, -sp.oo)
+    with block.when(sp.Eq(SHADING[3], 0)):
+        block.set(gleaming, -sp.oo)
     with block.loop("light", POINTS.length) as light:
         to_light = block.let_vector("d", row_vector(POINTS, light, 0) - q)
-        faced = block.let("faced", dot(normal, to_light))
-        with block.when(sp.And(faced <= 0, sp.Ne(SHADING[6], at.OPEN))):
+        with block.when(sp.Or(dot(normal, to_light) <= facing, norm2(to_light) <= 0)):
             block.next()
         (hidden,) = block.call("blocked", (q, to_light, leaves, side, SPHERES, FLOOR), "hidden")
-        with block.when(sp.Eq(hidden, 1)):
+        with block.when(hidden > 0):
             block.next()
-        factors = (normal, view, to_light, SHADING[4])
-        cosine, highlight, square = block.call("light_factors", factors, "cosine", "highlight", "square")
-        with block.when(cosine > 0):
-            for channel in range(3):
-                block.set(sums[channel], sums[channel] + POINTS[light, 3 + channel] * cosine)
-        with block.when(sp.Or(highlight > 0, sp.Eq(SHADING[3], 0))):
-            (gleam,) = block.call("power", (square, SHADING[3] / 2), "gleam")
+        cosine, sign, depth = block.call("highlight", (normal, view, to_light, SHADING[4]), "cosine", "sign", "depth")
+        block.set(cosine, sp.Max(0, cosine))
+        for channel in range(3):
+            block.set(sums[channel], sums[channel] + POINTS[light, 3 + channel] * cosine)
+        with block.when(sign > gleaming):
+            (gleam,) = block.call("power", (depth, SHADING[3] / 2), "gleam")
             for channel in range(3):
                 block.set(sums[3 + channel], sums[3 + channel] + POINTS[light, 3 + channel] * gleam)
     ka, kd, ks = SHADING[0], SHADING[1], SHADING[2]

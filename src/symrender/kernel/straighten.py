@@ -1,4 +1,4 @@
-"""Program to the same program without loops over tables whose rows are known, and without ``Next``.
+"""Program to the same program without loops over tables whose rows are known, without ``Next`` and early returns.
 
 A processor that runs both sides of every guard and one turn more of every loop, as software drivers of a GPU do,
 pays for neither then; an element at a fixed row is also cheaper to it than one at a counted row.
@@ -76,12 +76,15 @@ def _written_out(
 
 
 def _without_next(body: Sequence[Statement]) -> tuple[Statement, ...]:
-    """What follows a guard that ends in ``Next`` as the other side of the guard."""
+    """What follows a guard that ends in ``Next`` or in a return as the other side of the guard."""
     found: list[Statement] = []
     for k, statement in enumerate(body):
         match statement:
             case When(condition=condition, body=(*inner, Next()), otherwise=()):
                 found.append(When(condition, _without_next(inner), _without_next(body[k + 1 :])))
+                return tuple(found)
+            case When(condition=condition, body=(*_, Return()) as inner, otherwise=()) if body[k + 1 :]:
+                found.append(When(condition, inner, _without_next(body[k + 1 :])))
                 return tuple(found)
             case _:
                 found.append(statement)

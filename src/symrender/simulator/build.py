@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 _SCRIPTS: Final = ("tables.js", "gpu.js", "reference.js", "present.js", "disc.js", "controls.js", "video.js", "page.js")
 _DISK_STRATA: Final = 2
+_LIT: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic")
+"""Passes that do nothing with light points but sum their light."""
 _VERTEX: Final = """#version 300 es
 void main() {
   // one triangle that covers the target
@@ -102,13 +104,15 @@ def script() -> str:
 
 
 @cache
-def shaders(spheres: int) -> dict[str, str]:
-    """The fragment shaders by pass, the same for every scene of as many spheres."""
+def shaders(spheres: int, points: int) -> dict[str, str]:
+    """The fragment shaders by pass, the same for every scene of as many spheres and light points."""
     from symrender.kernel.assemble_pixels import PASSES
     from symrender.kernel.straighten import straightened
     from symrender.targets import glsl
 
-    return {name: glsl.emit(straightened(_program().part(name), {"spheres": spheres})) for name in PASSES}
+    # a light that is off is a row of zeros, black where light is summed; chambers are counted, so they ask for the rows
+    rows = {name: {"spheres": spheres, **({"points": points} if name in _LIT else {})} for name in PASSES}
+    return {name: glsl.emit(straightened(_program().part(name), rows[name])) for name in PASSES}
 
 
 @cache
@@ -161,7 +165,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "tables": {name: {"columns": t.columns, "rows": t.rows} for name, t in TABLES.items()},
         "blocks": blocks(),
         "reads": reads(),
-        "shaders": shaders(len(scene.spheres)),
+        "shaders": shaders(len(scene.spheres), light_point_count(scene)),
         "vertex": _VERTEX,
         "classes": CLASSES,
         "scale": SEQUENTIAL,

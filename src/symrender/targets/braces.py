@@ -75,6 +75,10 @@ class Writer(ABC):
     def leave(self, values: Sequence[str]) -> list[str]:
         """Lines that return more than one value, or none."""
 
+    def leave_one(self, value: str) -> list[str]:
+        """Lines that return one value."""
+        return [f"return {value};"]
+
     @abstractmethod
     def call_lines(
         self, name: str, targets: Sequence[str], arguments: Sequence[str], results: Sequence[bool]
@@ -267,7 +271,7 @@ class Writer(ABC):
                     lines.append(f"{pad}continue;")
                 case Return(values=values):
                     texts = [self._typed(v, w, _OR) for v, w in zip(values, self.results(function), strict=True)]
-                    found = [f"return {texts[0]};"] if len(texts) == 1 else self.leave(texts)
+                    found = self.leave_one(texts[0]) if len(texts) == 1 else self.leave(texts)
                     lines += [pad + line for line in found]
                 case Call():
                     lines += [pad + line for line in self._call(statement)]
@@ -292,6 +296,7 @@ class Writer(ABC):
                     f"{callee.name} is called with {a.name} for {p.name}: arrays are global in this language"
                 )
         arguments = [a for p, a in zip(callee.parameters, arguments, strict=True) if self.passes(p)]
+        arguments += self.carried(callee.name)
         results = self.results(callee)
         if len(results) == 1:
             text = f"{self.name(callee.name)}({', '.join(arguments)})"
@@ -303,6 +308,10 @@ class Writer(ABC):
         if whole == wanted:
             return text
         return self.to_whole(text) if wanted else self.to_real(text)
+
+    def carried(self, name: str) -> list[str]:
+        """What a call hands to a function beside its arguments."""
+        return []
 
     def passes(self, parameter: sp.Symbol | Array) -> bool:
         """Whether a parameter is handed over in a call."""

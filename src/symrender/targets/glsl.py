@@ -11,14 +11,17 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 import sympy as sp
+from sympy.core.relational import Relational
 
 from symrender.kernel.assemble_pixels import TABLES, Table
-from symrender.kernel.program import Function, Program
-from symrender.targets.braces import Writer
+from symrender.kernel.program import Function, Loop, Program, Return, Statement, When
+from symrender.targets.braces import _AND, _COMPARE, _OR, _PRODUCT, _SUM, _UNARY, Writer
 from symrender.targets.interface import Target
 
 _FAR: Final = "3.402823e38"
 _ROWS: Final = 4
+_CARRIED_ROWS: Final = 8
+"""Rows of a table whose elements are read once, in ``main``, and handed to the functions that use them."""
 _RESERVED: Final = frozenset(
     [
         "attribute",
@@ -200,17 +203,7 @@ _HELPERS: Final[dict[str, tuple[tuple[str, ...], str]]] = {
   return y < 0.0 ? -v : v;
 }""",
     ),
-    "own_exp": (
-        (),
-        """float own_exp(float x) {
-  if (x < -87.0) { return 0.0; }
-  float k = floor(min(x, 88.0)*1.44269504 + 0.5);
-  float r = (min(x, 88.0) - k*0.693359375) + k*2.12194440e-4;
-  float p = ((((1.9875691500e-4*r + 1.3981999507e-3)*r + 8.3334519073e-3)*r + 4.1665795894e-2)*r
-    + 1.6666665459e-1)*r + 5.0000001201e-1;
-  return (p*r*r + r + 1.0)*intBitsToFloat((int(k) + 127) << 23);
-}""",
-    ),
+    "own_exp": ((), "float own_exp(float x) { return exp2(x*1.44269504); }"),
     "own_series": (
         (),
         """float own_series(float s) {
@@ -231,8 +224,8 @@ _HELPERS: Final[dict[str, tuple[tuple[str, ...], str]]] = {
 }""",
     ),
     "own_log1p": (
-        ("own_log", "own_series"),
-        "float own_log1p(float x) { return abs(x) < 0.25 ? own_series(x/(2.0 + x)) : own_log(1.0 + x); }",
+        ("own_series",),
+        "float own_log1p(float x) { return abs(x) < 0.25 ? own_series(x/(2.0 + x)) : 0.69314718*log2(1.0 + x); }",
     ),
     "own_expm1": (
         ("own_exp",),
@@ -256,6 +249,37 @@ _FUNCTIONS: Final = {
 
 
 class _Glsl(Writer):
+    """Writes for a processor that runs lanes in step and pays most for reading tables, for ``&&`` and for early exits.
+
+    Elements at a fixed place are read once, in ``main``, and handed down; inequalities that must hold together are
+    one, of their smallest margin (in single precision a tie says nothing, so > and >= are then taken alike); a
+    function whose returns all come last has one exit.
+    """
+
+    def __init__(self, program: Program, tables: Mapping[str, Table]) -> None:
+        super().__init__(program, tables)
+        self.reads: dict[str, dict[str, str]] = {}
+        self.read: dict[str, str] = {}
+        self.one_exit = False
+
+    def function(self, function: Function) -> str:
+        self.read = self.reads[function.name] = {}
+        self.one_exit = _all_last(function.body)
+        head, brace, body = super().function(function).partition(") {\n")
+        single = len(self.results(function)) == 1
+        if self.one_exit and single:
+            kind = _kind(self.results(function)[0])
+            body = f"  {kind} out_0 = {'0' if kind == 'int' else '0.0'};\n{body[:-1]}  return out_0;\n}}"
+        handed = ", ".join(f"float {name}" for name in self.read)
+        own, out, results = head.partition("out ")
+        own = own.removesuffix(", ")
+        parameters = ", ".join(part for part in (own, handed, out + results) if part).replace("(, ", "(")
+        return f"{parameters}{brace}{body}"
+
+    def carried(self, name: str) -> list[str]:
+        self.read.update(self.reads[name])
+        return list(self.reads[name])
+
     def literal(self, value: float) -> str:
         if value in (float("inf"), float("-inf")):
             return _FAR if value > 0 else f"-{_FAR}"
@@ -295,7 +319,13 @@ class _Glsl(Writer):
         if len(indices) == 2:
             width = _width(table)
             place = self.count(indices[0] * width + column // _ROWS)
-        return f"t_{name}[{place}].{'xyzw'[column % _ROWS]}"
+        found = f"t_{name}[{place}].{'xyzw'[column % _ROWS]}"
+        fixed = len(indices) == 1 or (indices[0].is_Integer and int(indices[0]) < _CARRIED_ROWS)
+        if not fixed:
+            return found
+        once = f"{name}_{'_'.join(str(int(k)) for k in indices)}"
+        self.read[once] = found
+        return once
 
     def rows(self, name: str) -> str:
         return f"{name}_rows"
@@ -329,7 +359,11 @@ class _Glsl(Writer):
         return head, f"}} }} while (++{index} < {count}); }}"
 
     def leave(self, values: Sequence[str]) -> list[str]:
-        return [*(f"out_{k} = {value};" for k, value in enumerate(values)), "return;"]
+        exit_ = [] if self.one_exit else ["return;"]
+        return [*(f"out_{k} = {value};" for k, value in enumerate(values)), *exit_]
+
+    def leave_one(self, value: str) -> list[str]:
+        return [f"out_0 = {value};"] if self.one_exit else super().leave_one(value)
 
     def call_lines(
         self, name: str, targets: Sequence[str], arguments: Sequence[str], results: Sequence[bool]
@@ -352,6 +386,64 @@ class _Glsl(Writer):
 
     def passes(self, parameter: object) -> bool:
         return isinstance(parameter, sp.Symbol)
+
+    def _condition(self, e: sp.Basic) -> tuple[str, int]:
+        margin = self._margin(e) if isinstance(e, sp.And | sp.Or) else None
+        if margin is not None:
+            return f"{margin} > 0.0", _COMPARE
+        if not isinstance(e, sp.And | sp.Or):
+            return super()._condition(e)
+        margins = [a for a in e.args if self._margin(a) is not None]
+        if len(margins) < 2:
+            return super()._condition(e)
+        others = [a for a in e.args if self._margin(a) is None]
+        joint = type(e)(*margins, evaluate=False)
+        parts = [self.condition(a, _UNARY) for a in sorted(others, key=sp.default_sort_key)]
+        sign, level = (" && ", _AND) if isinstance(e, sp.And) else (" || ", _OR)
+        return sign.join([*parts, self.condition(joint, _UNARY)]), level
+
+    def _margin(self, e: sp.Basic) -> str | None:
+        """A number that is positive where the inequalities of ``e`` hold; none where ``e`` holds others too."""
+        if isinstance(e, sp.And | sp.Or):
+            parts = [self._margin(a) for a in sorted(e.args, key=sp.default_sort_key)]
+            first, *rest = parts
+            for part in rest:
+                if first is None or part is None:
+                    return None
+                first = f"{'min' if isinstance(e, sp.And) else 'max'}({first}, {part})"
+            return first
+        if not isinstance(e, Relational) or isinstance(e, sp.Eq | sp.Ne) or (e.lhs.is_integer and e.rhs.is_integer):
+            return None
+        if e.lts == 0:
+            return self.real(e.gts)
+        if e.gts == 0:
+            return f"-{self.real(e.lts, _UNARY)}"
+        return f"{self.real(e.gts, _SUM)} - {self.real(e.lts, _PRODUCT)}"
+
+
+def _all_last(body: Sequence[Statement]) -> bool:
+    """Whether nothing follows any return."""
+    for k, statement in enumerate(body):
+        last = k == len(body) - 1
+        match statement:
+            case Return() if not last:
+                return False
+            case When(body=inner, otherwise=other):
+                ok = (_all_last(inner) and _all_last(other)) if last else not (_returns(inner) or _returns(other))
+                if not ok:
+                    return False
+            case Loop(body=inner) if _returns(inner):
+                return False
+    return True
+
+
+def _returns(body: Sequence[Statement]) -> bool:
+    return any(
+        isinstance(s, Return)
+        or (isinstance(s, Loop) and _returns(s.body))
+        or (isinstance(s, When) and (_returns(s.body) or _returns(s.otherwise)))
+        for s in body
+    )
 
 
 def _kind(whole: bool) -> str:
@@ -393,8 +485,10 @@ def emit(program: Program, tables: Mapping[str, Table] = TABLES) -> str:
     names = [f"r{k}" for k in range(4)]
     declared = " ".join(f"{_kind(whole)} {n};" for n, whole in zip(names, results, strict=True))
     values = ", ".join(f"float({n})" if whole else n for n, whole in zip(names, results, strict=True))
-    call = f"{entry}(int(gl_FragCoord.x), int(gl_FragCoord.y), {', '.join(names)});"
-    main = f"void main() {{\n  {declared}\n  {call}\n  result = vec4({values});\n}}\n"
+    read = writer.reads[entry]
+    once = "".join(f"  float {name} = {place};\n" for name, place in read.items())
+    call = f"{entry}(int(gl_FragCoord.x), int(gl_FragCoord.y), {', '.join([*read, *names])});"
+    main = f"void main() {{\n{once}  {declared}\n  {call}\n  result = vec4({values});\n}}\n"
     return "\n".join([*head, *(_HELPERS[name][1] for name in helpers), *texts, main])
 
 
