@@ -63,7 +63,7 @@ def test_a_sweep_is_its_frames_a_table_and_a_sheet(whole: Path) -> None:
     assert float(rows[4]["radiance_rmse"]) == compared.rmse > 0.001
     assert int(rows[4]["numeric_evaluations"]) == pair.ledger.pipelines[0].timing.evaluations
     sheet = read_image(whole / "contact_sheet.png")
-    assert sheet.width == 3 * 46 + 6, "the last range runs across"
+    assert sheet.width == 3 * 166 + 6, "the last range runs across"
 
 
 @pytest.mark.parametrize("count", [1, 3, 5])
@@ -172,4 +172,4 @@ def test_a_long_sequence_is_shown_in_part(whole: Path) -> None:
     file = whole / "frame_00000_numeric.exr"
     sheet = contact_sheet([file] * (MAX_SHEET + 50), [["a" * 500]] * (MAX_SHEET + 50))
     assert sheet.caption.startswith(f"{MAX_SHEET} of {MAX_SHEET + 50} frames")
-    assert sheet.pixels.shape[1] == 20 * 46 + 6
+    assert sheet.pixels.shape[1] == 20 * 166 + 6

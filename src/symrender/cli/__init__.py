@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Sequence
 
+from symrender.cli._signals import interruptible
 from symrender.errors import SymrenderError
 
 _INTERRUPTED = 130
@@ -25,10 +26,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     debug = "--debug" in arguments
     try:
-        from symrender.cli._application import application
+        with interruptible():
+            from symrender.cli._application import application
 
-        code = application().main([a for a in arguments if a != "--debug"], "symrender", standalone_mode=False)
-        sys.stdout.flush()
+            code = application().main([a for a in arguments if a != "--debug"], "symrender", standalone_mode=False)
+            sys.stdout.flush()
     except KeyboardInterrupt:
         code = _INTERRUPTED
     except SystemExit as leave:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from symrender.cli._signals import heard
 from symrender.errors import OptionError
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def ended_by_signals() -> Iterator[None]:
         raise SystemExit(128 + number)
 
     numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {number: signal.signal(number, leave) for number in numbers}
+    before = {number: signal.signal(number, heard(leave)) for number in numbers}
     try:
         yield
     finally:

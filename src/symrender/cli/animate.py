@@ -50,7 +50,9 @@ def animate(
     resume: Resume = False,
     restart: Restart = False,
     define: Define = None,
-    out: Annotated[str, typer.Option(help="Folder the files are written to; made if missing.")] = "animation",
+    out: Annotated[
+        str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")
+    ] = "animation",
     force: Force = False,
     json: Json = False,
     quiet: Quiet = False,

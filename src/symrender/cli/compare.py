@@ -23,7 +23,8 @@ def compare(
     max_flips: Annotated[int | None, typer.Option(help="Fail above this many pixels of different hit class.")] = None,
     flip: Annotated[bool, typer.Option("--flip", help="Also FLIP, the perceptual metric (extra 'flip').")] = False,
     out: Annotated[
-        str | None, typer.Option(help="Folder for side_by_side.png, difference.png and signed_difference.png.")
+        str | None,
+        typer.Option("--out", "-o", help="Folder for side_by_side.png, difference.png and signed_difference.png."),
     ] = None,
     force: Force = False,
     json: Json = False,

@@ -69,7 +69,7 @@ def render(
     restart: Restart = False,
     max_pixels: Annotated[int, typer.Option(help="Most pixels accepted.")] = MAX_PIXELS,
     define: Define = None,
-    out: Annotated[str, typer.Option(help="Folder the files are written to; made if missing.")] = "out",
+    out: Annotated[str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")] = "out",
     views: Annotated[
         bool, typer.Option("--views", help="Also write gloss and hit-class pictures of each render.")
     ] = False,

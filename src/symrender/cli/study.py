@@ -54,7 +54,9 @@ def study(
     disk: Annotated[str | None, typer.Option(help="Disk lights: KxK centroids.")] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the samplers, and of pixels drawn.")] = None,
     define: Define = None,
-    out: Annotated[str | None, typer.Option(help="Folder for the tables as .csv and .json; made if missing.")] = None,
+    out: Annotated[
+        str | None, typer.Option("--out", "-o", help="Folder for the tables as .csv and .json; made if missing.")
+    ] = None,
     plot: Annotated[
         bool, typer.Option(help="With --out, also draw .svg and .png (convergence; extra 'notebook').")
     ] = True,

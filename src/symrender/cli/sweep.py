@@ -62,7 +62,9 @@ def sweep(
     resume: Resume = False,
     restart: Restart = False,
     define: Define = None,
-    out: Annotated[str, typer.Option(help="Folder the files are written to; made if missing.")] = "sweep",
+    out: Annotated[
+        str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")
+    ] = "sweep",
     force: Force = False,
     json: Json = False,
     quiet: Quiet = False,
@@ -71,6 +73,8 @@ def sweep(
     ] = "auto",
 ) -> None:
     """Make an image of SCENE for every combination of --over; write frames (.exr), ledgers.csv and contact_sheet.png.
+
+    Exit 4 if some pixel of a truth or a gradient missed its tolerance.
 
     For gradients there is a contact sheet a parameter, contact_sheet_gradient_NAME.png: blue falls, red rises.
 
@@ -108,8 +112,12 @@ def sweep(
     chosen = scene_with(scene, define)
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance:
         rows = make(chosen, axes, maker, out, means=means, force=force, inputs=scene_files(scene), progress=advance)
+    missed = sum(value for row in rows for name, value in row.items() if "missed_" in name)
     if json:
         show_json(rows)
     elif not quiet:
         sheets = "the contact sheets" if what == "gradient" else "contact_sheet.png"
-        typer.echo(f"wrote {len(rows)} frames, ledgers.csv and {sheets} in {out}")
+        told = f"; {missed} pixels missed their tolerance" if missed else ""
+        typer.echo(f"wrote {len(rows)} frames, ledgers.csv and {sheets} in {out}{told}")
+    if missed:
+        raise typer.Exit(4)

@@ -54,7 +54,7 @@ def truth(
     restart: Restart = False,
     max_pixels: Annotated[int, typer.Option(help="Most pixels accepted.")] = MAX_PIXELS,
     define: Define = None,
-    out: Annotated[str, typer.Option(help="Folder the files are written to; made if missing.")] = "out",
+    out: Annotated[str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")] = "out",
     force: Force = False,
     json: Json = False,
     quiet: Quiet = False,

@@ -17,7 +17,7 @@ from symrender.views import DIVERGING, Picture, color_map
 MAX_SHEET: Final = 400
 """Most frames on a sheet; of more, evenly spaced ones are shown."""
 THUMB: Final = 160
-"""Longest side of a frame on a sheet, pixels."""
+"""Longest side of a frame on a sheet, pixels, and the room of its caption; small frames grow by whole factors."""
 _GAP, _LINE = 6, 13
 
 
@@ -26,7 +26,7 @@ def contact_sheet(
 ) -> Picture:
     """``files`` row by row, ``columns`` to a row (0: nearly square), with the lines of its caption under each.
 
-    Frames are shrunk by averaging linear radiance over whole boxes, then clipped to [0, 1] and sRGB encoded. Of
+    Large frames are shrunk by averaging linear radiance over whole boxes, then clipped to [0, 1] and sRGB encoded. Of
     ``signed`` frames the mean of the channels is shown, from blue (falls) over white (0) to red (rises), on one scale
     for all whose ends a line below the frames tells: the 99th percentile of the magnitude of what is not 0.
     """
@@ -41,7 +41,8 @@ def contact_sheet(
     height, width = (max(thumb.shape[axis] for thumb in thumbs) for axis in (0, 1))
     text = _LINE * max(len(captions[k]) for k in shown)
     down = math.ceil(len(thumbs) / across)
-    pitch = (width + _GAP, height + text + _GAP)
+    room = max(width, THUMB)
+    pitch = (room + _GAP, height + text + _GAP)
     foot = _LINE if signed else 0
     page = np.full((down * pitch[1] + _GAP + foot, across * pitch[0] + _GAP, 3), 255, dtype=np.uint8)
     places = [(_GAP + n % across * pitch[0], _GAP + n // across * pitch[1]) for n in range(len(thumbs))]
@@ -51,7 +52,7 @@ def contact_sheet(
     pen = ImageDraw.Draw(sheet)
     for (x, y), k in zip(places, shown, strict=True):
         for n, line in enumerate(captions[k]):
-            pen.text((x, y + height + n * _LINE), _fitted(line, width), fill=(0, 0, 0))
+            pen.text((x, y + height + n * _LINE), _fitted(line, room), fill=(0, 0, 0))
     if signed:
         pen.text((_GAP, down * pitch[1]), told, fill=(0, 0, 0))
     what = f"{len(thumbs)} of {count} frames" if len(thumbs) < count else f"{count} frames"
@@ -85,4 +86,5 @@ def _boxed(image: Image) -> npt.NDArray[np.float64]:
         image.radiance, ((0, rows * box - image.height), (0, columns * box - image.width), (0, 0)), mode="edge"
     )
     mean: npt.NDArray[np.float64] = radiance.reshape(rows, box, columns, box, 3).mean(axis=(1, 3))
-    return np.nan_to_num(mean, posinf=1.0, neginf=0.0)
+    zoom = max(1, THUMB // max(mean.shape[:2]))
+    return np.nan_to_num(mean, posinf=1.0, neginf=0.0).repeat(zoom, axis=0).repeat(zoom, axis=1)

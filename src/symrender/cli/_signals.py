@@ -1,0 +1,63 @@
+"""Signals as exceptions, raised only where an exception can be heard.
+
+Inside the import system's own code, a callback of a weak reference or a finalizer an exception is swallowed; the run
+goes on as if nobody had asked it to end, and a lock of the import system that it leaves behind stops the next thread
+that imports something, for ever. A signal that comes there is sent again a moment later.
+"""
+
+from __future__ import annotations
+
+import _thread
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Final
+
+Handler = Callable[[int, FrameType | None], object]
+_A_MOMENT: Final = 0.005
+_DEAF_FILES: Final = ("<frozen importlib", "<frozen zipimport")
+_DEAF_ENDINGS: Final = ("/weakref.py", "/_weakrefset.py", "\\weakref.py", "\\_weakrefset.py")
+
+
+def heard(handler: Handler) -> Handler:
+    """``handler``, called only outside of code that would swallow the exception it raises."""
+
+    def patient(number: int, frame: FrameType | None) -> object:
+        if frame is not None and _deaf(frame):
+            _thread.start_new_thread(_again, (number,))
+            return None
+        return handler(number, frame)
+
+    return patient
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Within the block Ctrl-C raises KeyboardInterrupt where it is heard, if nobody else has taken it over."""
+    usual = threading.current_thread() is threading.main_thread()
+    if not usual or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    signal.signal(signal.SIGINT, heard(signal.default_int_handler))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _deaf(frame: FrameType) -> bool:
+    file, name = frame.f_code.co_filename, frame.f_code.co_name
+    return name == "__del__" or file.startswith(_DEAF_FILES) or file.endswith(_DEAF_ENDINGS)
+
+
+def _again(number: int) -> None:
+    time.sleep(_A_MOMENT)
+    main = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and main is not None:
+        # a true signal, which also ends a wait
+        signal.pthread_kill(main, number)
+    else:
+        _thread.interrupt_main(signal.Signals(number))
