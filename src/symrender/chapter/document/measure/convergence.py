@@ -35,13 +35,15 @@ def measure(effort: Effort) -> Measured:
     )  # fmt: skip
     facts = found.study.facts
     source = f"study convergence, gloss, {facts['size']}, {facts['pixels judged']} pixels"
+    witness = min((p for p in found.points if p.family != "split"), key=lambda p: p.relative)
     figures: dict[str, Figure] = figures_of(
         "convergence",
         source,
         pixels=int(facts["pixels judged"] or 0),
         signal=float(facts["signal, RMS"] or 0),
         own=float(facts["relative to the signal"] or 0),
-        witness=str(facts.get("truth confirmed by", "")),
+        witness=witness.relative,
+        witness_name=f"{_WORDS[witness.estimator]} ({witness.knob})",
         size=str(facts["size"]),
     )
     curves = []

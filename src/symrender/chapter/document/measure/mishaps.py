@@ -33,12 +33,21 @@ _EXPONENTS: Final = (4.0, 16.0, 64.0)
 _TABLES: Final = {
     "horizon": "1.", "crossings": "2.", "starvation": "3.", "ratio": "4.", "scene_ratio": "5.", "clipping": "6."
 }  # fmt: skip
+_RENAMED: Final = {
+    "horizon": {
+        "are": "directions below the horizon are",
+        "relative RMSE": "relative RMSE",
+        "light gained": "light gained",
+    }
+}
 
 
 def measure(effort: Effort) -> Measured:
     """Blocks ``pitfalls.*`` (tables and pictures), ``timing.*``, ``units.plot``; figures of the same prefixes."""
     found = pitfalls("grazing", size=effort.study, lobes=_LOBES)
-    blocks = {f"pitfalls.{name}": study_table(found.table(title)) for name, title in _TABLES.items()}
+    blocks = {
+        f"pitfalls.{name}": study_table(found.table(title), _RENAMED.get(name)) for name, title in _TABLES.items()
+    }
     blocks |= {"pitfalls.horizon_picture": _horizon(effort), "pitfalls.needle_picture": _needle(effort)}
     parts = [Measured(_figures(found), blocks), _timing(effort), _units()]
     return merged(parts)

@@ -44,8 +44,9 @@ def measure(effort: Effort) -> Measured:
         gloss_signal=found["gloss"].whole.signal,
         black=found["gloss"].black.relative_rmse,
         lobe=4,
+        magnified=10,
     )
-    magnified = absolute_difference(made.numeric, made.symbolic)
+    magnified = absolute_difference(made.numeric, made.symbolic, k=1)
     rows: list[list[Cell]] = [
         [layer, over, d.pixels, d.signal, d.rmse, d.relative_rmse, d.max_abs]
         for layer, c in found.items()
@@ -60,8 +61,7 @@ def measure(effort: Effort) -> Measured:
             ("layer", "judged", "pixels", "signal, RMS", "RMS", "relative", "largest"), rows, label="Ledger of the pair"
         ),
     }
-    told = figures_of("pair", source, difference=magnified.caption)
-    return Measured(figures | told | _rays(effort.rays) | _digits(), blocks)
+    return Measured(figures | _rays(effort.rays) | _digits(), blocks)
 
 
 def _rays(count: int) -> dict[str, Any]:
