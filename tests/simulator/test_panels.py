@@ -32,24 +32,7 @@ EVERYTHING = """() => {
   for (const side of ["direct", "symbolic", "numeric"]) out.gpu[side] = Array.from(f[`pixel_${side}`]);
   return out;
 }"""
-SHAKEN = """([side, column, row]) => {
-  const {app, program, data, lookAt, glossExact} = simulator, t = app.frame.tables;
-  const world = [t.eye, t.spheres, t.floor, t.points, t.shading], hits = new Float64Array(data.tables.hits.columns);
-  const seen = lookAt(t, column, row), key = program.pixel_word(column, row, app.state.seed);
-  const far = 2e-6 * Math.hypot(...seen.q.map((v, k) => v - t.eye[k]));
-  const still = glossExact(`pixel_${side}`, t, column, row), sizes = [0.3, 1, 3];
-  let moved = 0;
-  for (let k = 0; k < 54; k++) {
-    const v = {q: [...seen.q], n: [...seen.n], d: [...seen.d]}, part = "qnd"[Math.floor(k / 18)];
-    const size = sizes[k % 3];
-    v[part][Math.floor(k / 3) % 3] += (k % 18 < 9 ? size : -size) * (part === "q" ? far : 1e-6);
-    const place = [...v.q, ...v.n, ...v.d, seen.shape];
-    if (side === "symbolic") program.strata_gloss(...place, t.estimate, t.lobes, t.rings, t.sectors, ...world, hits);
-    else program.jittered_gloss(...place, key, t.estimate, t.lobes, ...world, hits);
-    for (let i = 0; i < 3; i++) moved = Math.max(moved, Math.abs(program.R[i] - still[i]));
-  }
-  return moved;
-}"""
+ON_WALL = """([side, column, row]) => simulator.onWall(`pixel_${side}`, simulator.app.frame.tables, column, row)"""
 DARK = ("chapter8", "needle")
 """Scenes in which most lobes see next to nothing."""
 FLOAT32 = 2e-5
@@ -111,34 +94,36 @@ def test_gallery_scenes(open_page, name):
         apart = np.argwhere(np.abs(exact[side] - gpu[side]).max(axis=2) > FLOAT32)
         assert len(apart) <= MOST_ON_WALLS * SIZE**2, (name, side, len(apart))
         for row, column in apart.tolist():
-            assert page.run(SHAKEN, [side, column, row]) > FLOAT32 / 2, (name, side, column, row)
+            assert page.run(ON_WALL, [side, column, row]), (name, side, column, row)
 
 
 RANDOM = """async (states) => {
-  const {app, makeTables, directExact, glossExact} = simulator, n = 16, out = [];
+  const {app, makeTables, directExact, glossExact, onWall} = simulator, n = 16, out = [];
   for (const edit of states) {
     const t = makeTables({...app.state, ...edit, size: n}), gpu = {};
+    await app.see(n, () => false, t);
     app.gpu.upload(t);
     for (const pass of ["pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers"]) {
       await app.gpu.draw(pass, n, 0, n);
       gpu[pass] = await app.gpu.read(pass, n);
     }
-    let finite = true, signal = 0;
+    let finite = true, signal = 0, walls = true;
     const direct = [], errors = [];
     for (let k = 0; k < n * n; k += 3) {
-      const column = k % n, row = Math.floor(k / n);
-      const d = directExact(t, column, row), s = glossExact("pixel_symbolic", t, column, row);
+      const column = k % n, row = Math.floor(k / n), d = directExact(t, column, row);
+      const s = glossExact("pixel_symbolic", t, column, row), u = glossExact("pixel_numeric", t, column, row);
       let off = 0, e = 0;
       for (let i = 0; i < 3; i++) {
         off = Math.max(off, Math.abs(d[i] - gpu.pixel_direct[4 * k + i]));
-        e = Math.max(e, Math.abs(s[i] - gpu.pixel_symbolic[4 * k + i]) / Math.max(1, Math.abs(s[i])));
+        e = Math.max(e, Math.abs(s[i] - gpu.pixel_symbolic[4 * k + i]), Math.abs(u[i] - gpu.pixel_numeric[4 * k + i]));
         signal = Math.max(signal, s[i]);
         for (const values of Object.values(gpu)) finite &&= Number.isFinite(values[4 * k + i]);
       }
+      if (e > 2e-5) walls &&= onWall("pixel_symbolic", t, column, row) || onWall("pixel_numeric", t, column, row);
       direct.push(off);
       errors.push(e);
     }
-    out.push([errors, direct, finite, signal, app.gpu.gl.getError()]);
+    out.push([errors, direct, finite, signal, app.gpu.gl.getError(), walls]);
   }
   return out;
 }"""
@@ -179,15 +164,15 @@ def test_a_hundred_random_scenes_in_one_page(fresh):
     states = [random_state(rng) for _ in range(100)]
     found = page.run(RANDOM, states)
     assert len(found) == 100
-    assert sum(signal > 0.01 for *_, signal, _ in found) >= 60
-    assert all(finite and error == 0 for _, _, finite, _, error in found)
+    assert sum(signal > 0.01 for *_, signal, _, _ in found) >= 60
+    assert all(finite and error == 0 for _, _, finite, _, error, _ in found)
     gloss, direct = (np.array([row[k] for row in found]) for k in (0, 1))
     assert direct.size == gloss.size == 100 * 86
-    # no pixel flips; a cosine to the 5000th power and veins of 70 periods enlarge the rounding of float32
-    assert direct.max() <= 6e-5
-    assert np.mean(direct > FLOAT32) <= 0.002
-    assert np.mean(gloss > FLOAT32) <= 0.004
-    assert np.mean(gloss > FLOAT32, axis=1).max() <= 0.05
+    # whatever the shininess and the texture, and none across an edge
+    assert direct.max() <= FLOAT32
+    # what is further off lies on a wall of its estimate, by the page's own rule
+    assert all(walls for *_, walls in found)
+    assert np.mean(gloss > FLOAT32) <= 0.001
 
 
 def test_the_jittered_estimate_is_that_of_the_interpreter(fresh):
@@ -204,10 +189,13 @@ def test_the_jittered_estimate_is_that_of_the_interpreter(fresh):
             arrays[name] = flat if TABLES[name].rows == 1 else flat.reshape(-1, TABLES[name].columns)
     arrays["hits"] = np.zeros(TABLES["hits"].columns)
     program = pixel_program()
+    look = next(f for f in program.functions if f.name == "pixel_seen")
+    arrays["seen"] = np.zeros(TABLES["seen"].columns)
     compared = 0
     for entry in ("pixel_numeric", "pixel_symbolic"):
         function = next(f for f in program.functions if f.name == entry)
         for column, row in ((3, 12), (8, 7), (9, 8)):
+            interpreter.run(program, "pixel_seen", [column, row, *(arrays[p.name] for p in look.parameters[2:])])
             arguments = [column, row, *(arrays[p.name] for p in function.parameters[2:])]
             wanted = interpreter.run(program, entry, arguments)
             found = page.run(f"() => simulator.glossExact('{entry}', simulator.app.frame.tables, {column}, {row})")

@@ -31,11 +31,12 @@ from symrender.scene import arrays as at
 
 @dataclass(frozen=True)
 class Table:
-    """Columns of an array, and the most rows of one with two axes (1 for one axis)."""
+    """Columns of an array, and the most rows of one with two axes (1 for one axis); a pixel has its own ``image``."""
 
     columns: int
     rows: int = 1
     scratch: bool = False
+    image: bool = False
 
 
 TABLES: Final[dict[str, Table]] = {
@@ -45,7 +46,8 @@ TABLES: Final[dict[str, Table]] = {
     "eye": Table(3),
     "floor": Table(at.FLOOR_COLUMNS),
     "shading": Table(at.SHADING_COLUMNS),
-    "estimate": Table(5),
+    "estimate": Table(6),
+    "seen": Table(16, image=True),
     "disc": Table(12),
     "spheres": Table(at.SPHERE_COLUMNS, MAX_SIMULATOR_SPHERES),
     "points": Table(6, MAX_SIMULATOR_LIGHT_POINTS),
@@ -62,8 +64,18 @@ PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chamb
 _PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "lobe_widths", "disc_radius", "disc_place")
 _CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
 _REFERENCE = ("lobe_direction", "meridian_meets", "silhouette_circle", "silhouette_turns", "cell")
-_PROBE = ("look", "sight", "strata_gloss", "jittered_gloss", "sample_depth", "sample_direction", "frame", "reflected")
-ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_REFERENCE, *_PROBE, "nearest", "pixel_word")
+_PROBE = (
+    "look",
+    "pixel_seen",
+    "sight",
+    "strata_gloss",
+    "jittered_gloss",
+    "sample_depth",
+    "sample_direction",
+    "frame",
+    "reflected",
+)
+ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_REFERENCE, *_SEEN, *_PROBE)
 """What a page calls."""
 
 
@@ -104,6 +116,7 @@ def pixel_program() -> Program:
             footprint.quad_share(),
             tile.footprint_share(),
             tile.look(),
+            pixel.pixel_seen(),
             pixel.pixel_direct(),
             pixel.pixel_numeric(),
             pixel.pixel_symbolic(),

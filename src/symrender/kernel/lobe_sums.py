@@ -24,7 +24,8 @@ from symrender.scene import arrays as at
 
 ESTIMATE = Array("estimate", 1)
 """K 0, seed 1, normalised 2, rows of ``rings`` a lobe 3, logarithm of the share of all weights from which on a sample
-is looked along 4."""
+is looked along 4. A seed is two numbers, 1 and ``HALF_SEED`` times 5, for single precision holds no large one."""
+HALF_SEED = 1 << 16
 HITS = Array("hits", 1)
 """Scratch: the directions of a batch that meet something, as (shape, ring, sector) in one number."""
 BATCH = 64

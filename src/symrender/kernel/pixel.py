@@ -4,62 +4,73 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression import intersection
 from symrender.expression.vectors import Vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_disc import LABELS
-from symrender.kernel.lobe_sums import ESTIMATE, HITS
+from symrender.kernel.lobe_sums import ESTIMATE, HALF_SEED, HITS
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, floor_albedo, row_vector, sphere_albedo
 from symrender.kernel.sight import CHANNELS, WORLD
-from symrender.kernel.tile import AXES, CAMERA, FRAME, look_at_pixel
+from symrender.kernel.tile import AXES, CAMERA, FRAME, bright_share, facing_side, look_at_pixel
 from symrender.kernel.trace import EYE
 from symrender.scene import arrays as at
 
 COLUMN, ROW = whole("column"), whole("row")
 LENS = (FRAME, CAMERA, AXES)
+SEEN = Array("seen", 1)
+"""What a pixel's ray meets: hit class 0, side 1, unit direction 2:5, point 5:8, unit normal 8:11, albedo 11:14.
+
+It is the same for every pass, so it is found once, in double precision: a shader in single precision then starts
+from a point, a normal and a texture that are right to their last digit.
+"""
+
+
+def pixel_seen() -> Function:
+    """What the ray of a pixel meets, into ``SEEN``; the floor's checker filtered over the pixel where asked for."""
+    block = Block()
+    shape, sx, sy, d, q, normal = look_at_pixel(block, ROW, COLUMN)
+    block.let("side", sp.Integer(1))
+    block.lets({name: sp.Integer(0) for name in CHANNELS})
+    with block.when(sp.Eq(shape, at.FLOOR)), block.when(EYE[2] > 0):
+        block.lets(dict(zip(CHANNELS, floor_albedo(bright_share(block, sx, sy, q)), strict=True)))
+    with block.otherwise(), block.when(shape >= at.FIRST_SPHERE):
+        j = block.count("j", shape - at.FIRST_SPHERE)
+        outward = block.let_vector("o", normal * facing_side(block, j))
+        block.lets(dict(zip(CHANNELS, sphere_albedo(block, j, outward), strict=True)))
+    values = (shape, real("side"), *d.parts, *q.parts, *normal.parts, *(real(name) for name in CHANNELS))
+    for k, value in enumerate(values):
+        block.store(SEEN[k], value)
+    parameters = (COLUMN, ROW, *LENS, EYE, SPHERES, FLOOR, SEEN)
+    return Function("pixel_seen", parameters, block.statements, "what the ray of a pixel meets, into seen")
+
+
+def _read(block: Block) -> tuple[sp.Symbol, Vec3, Vec3, Vec3]:
+    """Write hit class, direction, point and normal from ``SEEN``."""
+    shape = block.count("shape", sp.floor(SEEN[0]))
+    d, q, normal = (block.let_vector(name, row_vector(SEEN, None, 2 + 3 * k)) for k, name in enumerate("dqn"))
+    return shape, d, q, normal
 
 
 def pixel_direct() -> Function:
-    """Direct light of a pixel, its floor checker filtered over the pixel where the frame asks for it.
-
-    What ``tile`` writes, with one shading call whatever is met; a floor from below is black.
-    """
+    """Direct light of a pixel: what ``tile`` writes, with one shading call; a floor from below is black."""
     block = Block()
-    shape, sx, sy, d, q, normal = look_at_pixel(block, ROW, COLUMN)
+    shape, d, q, normal = _read(block)
     with block.when(sp.Eq(shape, at.NOTHING)):
         block.leave(*(SHADING[at.BACKGROUND + c] for c in range(3)), shape)
     with block.when(sp.And(sp.Eq(shape, at.FLOOR), EYE[2] <= 0)):
         block.leave(*(sp.Integer(0),) * 3, shape)
-    side = block.let("side", sp.Integer(1))
-    with block.when(sp.Eq(shape, at.FLOOR)):
-        bright = block.let("bright", sp.Integer(1))
-        with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
-            with block.when(sp.Eq(FRAME[6], 1)):
-                (share,) = block.call("footprint_share", (sx, sy, CAMERA, AXES, FRAME, FLOOR), "share")
-            with block.otherwise():
-                block.call("floor_side", (q.x, q.y, FLOOR), "share")
-            block.set(bright, share)
-        block.lets(dict(zip(CHANNELS, floor_albedo(bright), strict=True)))
-    with block.otherwise():
-        j = block.count("j", shape - at.FIRST_SPHERE)
-        to_eye = row_vector(EYE, None, 0) - row_vector(SPHERES, j, at.CENTER)
-        with block.when(intersection.power(to_eye, SPHERES[j, at.RADIUS]) < 0):
-            block.set(side, sp.Integer(-1))
-        rgb = sphere_albedo(block, j, block.let_vector("o", normal * side))
-        block.lets(dict(zip(CHANNELS, rgb, strict=True)))
-    albedo = [real(name) for name in CHANNELS]
-    arguments = (q, normal, -d, *albedo, shape, side, SPHERES, FLOOR, POINTS, SHADING)
+    albedo = tuple(SEEN[11 + c] for c in range(3))
+    arguments = (q, normal, -d, *albedo, shape, SEEN[1], SPHERES, FLOOR, POINTS, SHADING)
     rgb = block.call("direct", arguments, "r", "g", "blue")
     block.leave(*rgb, shape)
-    parameters = (COLUMN, ROW, *LENS, *WORLD)
+    parameters = (COLUMN, ROW, SEEN, *WORLD)
     return Function("pixel_direct", parameters, block.statements, "direct light (r, g, b) and hit class of a pixel")
 
 
 def _with_lobe(block: Block) -> tuple[sp.Symbol, Vec3, Vec3, Vec3]:
     """Write what a pixel meets and the weight of its lobe, and leave with zeros where there is no lobe."""
-    shape, _, _, d, q, normal = look_at_pixel(block, ROW, COLUMN)
+    shape, d, q, normal = _read(block)
     weight = block.let("lobe_weight", sp.Integer(0))
     with block.when(shape >= at.FIRST_SPHERE):
         block.set(weight, SPHERES[shape - at.FIRST_SPHERE, at.LOBE])
@@ -74,11 +85,12 @@ def pixel_numeric() -> Function:
     """The jittered estimate of a pixel's gloss."""
     block = Block()
     shape, d, q, normal = _with_lobe(block)
-    block.call("pixel_word", (COLUMN, ROW, sp.floor(ESTIMATE[1])), "key")
+    seed = sp.floor(ESTIMATE[1]) + HALF_SEED * sp.floor(ESTIMATE[5])
+    block.call("pixel_word", (COLUMN, ROW, seed), "key")
     arguments = (q, normal, d, shape, whole("key"), ESTIMATE, LOBES, *WORLD, HITS)
     rgb = block.call("jittered_gloss", arguments, "r", "g", "blue")
     block.leave(*rgb, real("lobe_weight"))
-    parameters = (COLUMN, ROW, *LENS, ESTIMATE, LOBES, *WORLD, HITS)
+    parameters = (COLUMN, ROW, SEEN, ESTIMATE, LOBES, *WORLD, HITS)
     doc = "gloss (r, g, b) by jittered samples and the weight of the lobe"
     return Function("pixel_numeric", parameters, block.statements, doc)
 
@@ -91,7 +103,7 @@ def pixel_symbolic() -> Function:
     rgb = block.call("strata_gloss", (q, normal, d, shape, *tables, *WORLD, HITS), "r", "g", "blue")
     block.leave(*rgb, real("lobe_weight"))
     doc = "gloss (r, g, b) by strata and the weight of the lobe"
-    return Function("pixel_symbolic", (COLUMN, ROW, *LENS, *tables, *WORLD, HITS), block.statements, doc)
+    return Function("pixel_symbolic", (COLUMN, ROW, SEEN, *tables, *WORLD, HITS), block.statements, doc)
 
 
 def pixel_chambers() -> Function:
@@ -101,7 +113,7 @@ def pixel_chambers() -> Function:
     tables = (ESTIMATE, LOBES, RINGS, SECTORS)
     (found,) = block.call("chambers_met", (q, normal, d, shape, *tables, SPHERES, FLOOR, POINTS, LABELS), "found")
     block.leave(found, sp.Integer(0), sp.Integer(0), real("lobe_weight"))
-    parameters = (COLUMN, ROW, *LENS, *tables, EYE, SPHERES, FLOOR, POINTS, LABELS)
+    parameters = (COLUMN, ROW, SEEN, *tables, EYE, SPHERES, FLOOR, POINTS, LABELS)
     return Function("pixel_chambers", parameters, block.statements, "chambers met by the lobe of a pixel")
 
 

@@ -124,7 +124,7 @@ def reads() -> dict[str, list[str]]:
     functions = {function.name: function for function in _program().functions}
     return {
         name: [p.name for p in functions[name].parameters if isinstance(p, Array) and not TABLES[p.name].scratch]
-        for name in PASSES
+        for name in (*PASSES, "pixel_seen")
     }
 
 

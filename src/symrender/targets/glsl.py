@@ -320,6 +320,9 @@ class _Glsl(Writer):
             width = _width(table)
             place = self.count(indices[0] * width + column // _ROWS)
         found = f"t_{name}[{place}].{'xyzw'[column % _ROWS]}"
+        if table.image:
+            spot = f"ivec2({_width(table)}*int(gl_FragCoord.x) + {place}, int(gl_FragCoord.y))"
+            found = f"texelFetch(image_{name}, {spot}, 0).{'xyzw'[column % _ROWS]}"
         fixed = len(indices) == 1 or (indices[0].is_Integer and int(indices[0]) < _CARRIED_ROWS)
         if not fixed:
             return found
@@ -458,7 +461,7 @@ def blocks(tables: Mapping[str, Table] = TABLES) -> dict[str, list[str]]:
     """Uniform blocks by name and the arrays in each, in order: those of one axis share ``Small``."""
     found: dict[str, list[str]] = {"Small": []}
     for name, table in tables.items():
-        if table.scratch:
+        if table.scratch or table.image:
             continue
         if table.rows == 1:
             found["Small"].append(name)
@@ -478,6 +481,7 @@ def emit(program: Program, tables: Mapping[str, Table] = TABLES) -> str:
         head.append(f"layout(std140) uniform {block} {{ {members} }};")
     head += [f"uniform int {name}_rows;" for name in ("spheres", "points")]
     head += [f"float t_{name}[{table.columns}];" for name, table in tables.items() if table.scratch]
+    head += [f"uniform highp sampler2D image_{name};" for name, table in tables.items() if table.image]
     helpers: list[str] = []
     for helper in sorted(writer.helpers):
         _with_needs(helper, helpers)

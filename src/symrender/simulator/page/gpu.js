@@ -12,6 +12,7 @@ class Gpu {
     if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("this GPU cannot draw into float textures");
     this.programs = new Map();
     this.targets = new Map();
+    this.seen = this.image = null;
     this.buffers = new Map();
     Object.keys(data.blocks).forEach((block, index) => {
       const buffer = gl.createBuffer();
@@ -57,6 +58,20 @@ class Gpu {
     });
   }
 
+  // What the pixels' rays meet, for the passes to read: ``columns`` numbers a pixel, row 0 first.
+  see(pixels, size, columns) {
+    const gl = this.gl;
+    if (this.seen === pixels) return;
+    this.seen = pixels;
+    gl.deleteTexture(this.image);
+    this.image = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, this.image);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, (size * columns) / 4, size);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, (size * columns) / 4, size, gl.RGBA, gl.FLOAT, pixels);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+  }
+
   target(pass, size) {
     const gl = this.gl, key = `${pass} ${size}`;
     if (!this.targets.has(key)) {
@@ -84,6 +99,7 @@ class Gpu {
     gl.uniform1i(gl.getUniformLocation(made, "spheres_rows"), this.rows.spheres);
     gl.uniform1i(gl.getUniformLocation(made, "points_rows"), this.rows.points);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target(pass, size));
+    gl.bindTexture(gl.TEXTURE_2D, this.image);
     gl.viewport(0, 0, size, size);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(0, y0, size, y1 - y0);

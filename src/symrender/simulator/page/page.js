@@ -85,6 +85,7 @@ const app = {
   // All passes of a frame at one size, in bands; given up where ``stale``.
   async pass(passes, size, stale, state, t, generation, whole) {
     const frame = { size, generation, whole, state, tables: t, took: {} };
+    if (!(await this.see(size, stale, t))) return;
     this.gpu.upload(makeTables(state, LEAST, t.image_frame));
     for (const pass of passes) {
       const key = inputs(pass, t), held = this.held.get(pass);
@@ -108,6 +109,26 @@ const app = {
     if (whole) await this.tell(frame);
     await nextTask();
     await this.probe(whole);
+  },
+
+  // What the rays of all pixels meet, in double precision, in slices; false where given up.
+  async see(size, stale, t) {
+    const key = inputs("pixel_seen", t), columns = data.tables.seen.columns;
+    if (this.seen?.key !== key) {
+      const pixels = new Float32Array(size * size * columns);
+      let rested = performance.now();
+      for (let k = 0; k < size * size; k++) {
+        pixels.set(seenAt(t, k % size, Math.floor(k / size)), k * columns);
+        if (k % 64 === 0 && performance.now() - rested > SLICE) {
+          await nextTask();
+          if (stale()) return false;
+          rested = performance.now();
+        }
+      }
+      this.seen = { key, pixels };
+    }
+    this.gpu.see(this.seen.pixels, size, columns);
+    return true;
   },
 
   // One pass in bands, the next already waiting while one is drawn; milliseconds, or null where given up.
@@ -150,8 +171,8 @@ const app = {
       ["max |ΔI|", short(d.most), "largest difference of a channel, interior"],
       ["black image", short(d.signal), "RMS |ΔI| an all-black picture would score against the symbolic image, from the same pixels"],
       ["relative", d.signal ? short(d.rms / d.signal) : "–", "RMS |ΔI| over that of the black image; a picture that scores 1 or more is no better than none"],
-      ["flips", `${flips.flips} of ${flips.edge}`, "pixels on outlines whose ray meets another surface in float32 than in float64; both panels share that ray"],
-      ["float32", `${short(own.most)}`, `largest error of the panels against float64, ${own.count} pixels sampled, ${own.flips} across an edge`],
+      ["flips", `${flips.flips} of ${flips.edge}`, "pixels on outlines that show another surface than float64 finds there; none, since rays start in float64"],
+      ["float32", `${short(own.most)}`, `largest error of the panels against float64, ${own.count} pixels sampled; ${own.flips} estimates lie on a wall, where a rounded ray sees the other side: counted, not measured`],
     ];
     if (lobe) {
       const n = lobe.exponent;
@@ -269,7 +290,7 @@ function defaultCursor(state) {
       const gloss = glossExact("pixel_symbolic", { ...t, ...rule }, x, y);
       const light = gloss[3] * (gloss[0] + gloss[1] + gloss[2]);
       if (!(light > 0)) continue;
-      program.pixel_chambers(x, y, ...lens(t), rule.estimate, rule.lobes, rule.rings, rule.sectors, t.eye, t.spheres, t.floor, t.points, labels);
+      program.pixel_chambers(x, y, seenAt(t, x, y), rule.estimate, rule.lobes, rule.rings, rule.sectors, t.eye, t.spheres, t.floor, t.points, labels);
       const value = light * (program.R[0] - 0.9) * (lookAt(t, x, y).shape === 1 ? 1 : 0.2);
       if (value > best) [best, found] = [value, [x, y]];
     }
@@ -584,6 +605,7 @@ async function begin() {
     trouble("");
     app.gpu.restore();
     app.held.clear();
+    app.seen = null;
     app.warm.clear();
     app.change(() => {});
   });
@@ -598,5 +620,5 @@ function moveCursorAgain() {
   app.disc.draw(t, seen.shape > 0 && surfaceLobe(t, seen.shape - 1).weight > 0 ? seen : null, app.frame.state, pixel);
 }
 
-window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, glossExact, directExact, reference, differences, applyPreset, filmed };
+window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, applyPreset, filmed };
 begin().catch((error) => trouble(error.message));

@@ -1,7 +1,7 @@
 // The scene as the tables the program reads, and the state that changes them.
 
 const data = JSON.parse(document.getElementById("data").textContent);
-const LOOK_AT = 1, DISK_STRATA = 2, FLOOR_LOBE = 11, SPHERE_LOBE = 11;
+const LOOK_AT = 1, DISK_STRATA = 2, FLOOR_LOBE = 11, SPHERE_LOBE = 11, HALF_SEED = 1 << 16;
 const PARTITIONS = ["equal_angle", "equal_solid_angle", "equal_weight"];
 const WEIGHTS = ["exact", "midpoint"], NODES = ["midpoint", "barycentre"];
 const parameters = new Map(data.parameters.map((p) => [p.name, p]));
@@ -68,23 +68,25 @@ function ruleTables(t, rows, rule, count, stride, least = 0, only = -1) {
       WEIGHTS.indexOf(rule.weights), NODES.indexOf(rule.nodes), rule.normalised ? 1 : 0, least, lobes, rings);
   }
   program.fill_sectors(count, sectors);
-  const estimate = Float64Array.of(count, rule.seed, rule.normalised ? 1 : 0, stride, least ? Math.log(least / count ** 2) : -Number.MAX_VALUE);
+  const estimate = Float64Array.of(count, rule.seed % HALF_SEED, rule.normalised ? 1 : 0, stride, least ? Math.log(least / count ** 2) : -Number.MAX_VALUE, Math.floor(rule.seed / HALF_SEED));
   return { lobes, rings, sectors, estimate };
 }
 
-// All a pass reads, as text: equal where it would draw the same. Direct light does not depend on lobes, nor strata on
-// the seed.
+// All a pass reads, as text: equal where it would draw the same. What a ray meets and direct light do not depend on
+// lobes, nor strata on the seed.
 function inputs(pass, t) {
-  return data.reads[pass].map((name) => {
-    const values = Array.from(t[name]), columns = data.tables[name].columns;
-    if (pass === "pixel_direct" && name === "floor") values.fill(0, FLOOR_LOBE, FLOOR_LOBE + 3);
-    if (pass === "pixel_direct" && name === "spheres") values.forEach((_, k) => k % columns >= SPHERE_LOBE && (values[k] = 0));
-    if (pass !== "pixel_numeric" && name === "estimate") values[1] = 0;
+  const own = data.reads[pass].map((name) => {
+    if (name === "seen") return pass === "pixel_seen" ? "" : inputs("pixel_seen", t);
+    const values = Array.from(t[name]), columns = data.tables[name].columns, lobeless = pass === "pixel_direct" || pass === "pixel_seen";
+    if (lobeless && name === "floor") values.fill(0, FLOOR_LOBE, FLOOR_LOBE + 3);
+    if (lobeless && name === "spheres") values.forEach((_, k) => k % columns >= SPHERE_LOBE && (values[k] = 0));
+    if (pass !== "pixel_numeric" && name === "estimate") values[1] = values[5] = 0;
     return values.join();
-  }).join(";");
+  });
+  return own.join(";");
 }
 
-const hits = new Float64Array(data.tables.hits.columns);
+const hits = new Float64Array(data.tables.hits.columns), seen = new Float64Array(data.tables.seen.columns);
 const world = (t) => [t.eye, t.spheres, t.floor, t.points, t.shading];
 const lens = (t) => [t.image_frame, t.camera, t.axes];
 
@@ -95,13 +97,19 @@ function lookAt(t, column, row) {
   return { shape: r[0], d: r.slice(3, 6), q: r.slice(6, 9), n: r.slice(9, 12) };
 }
 
+// The same as the passes read it: ``seen`` of a pixel.
+function seenAt(t, column, row) {
+  program.pixel_seen(column, row, t.image_frame, t.camera, t.axes, t.eye, t.spheres, t.floor, seen);
+  return seen;
+}
+
 function glossExact(name, t, column, row) {
   const tables = name === "pixel_numeric" ? [t.estimate, t.lobes] : [t.estimate, t.lobes, t.rings, t.sectors];
-  program[name](column, row, ...lens(t), ...tables, ...world(t), hits);
+  program[name](column, row, seenAt(t, column, row), ...tables, ...world(t), hits);
   return Array.from(program.R.subarray(0, 4));
 }
 
 function directExact(t, column, row) {
-  program.pixel_direct(column, row, ...lens(t), ...world(t));
+  program.pixel_direct(column, row, seenAt(t, column, row), ...world(t));
   return Array.from(program.R.subarray(0, 4));
 }
