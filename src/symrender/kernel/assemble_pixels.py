@@ -64,17 +64,8 @@ PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chamb
 _PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "lobe_widths", "disc_radius", "disc_place")
 _CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
 _REFERENCE = ("lobe_direction", "meridian_meets", "silhouette_circle", "silhouette_turns", "cell")
-_PROBE = (
-    "look",
-    "pixel_seen",
-    "sight",
-    "strata_gloss",
-    "jittered_gloss",
-    "sample_depth",
-    "sample_direction",
-    "frame",
-    "reflected",
-)
+_SEEN = ("look", "pixel_seen", "nearest", "pixel_word")
+_PROBE = ("sight", "strata_gloss", "jittered_gloss", "sample_depth", "sample_direction", "frame", "reflected")
 ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_REFERENCE, *_SEEN, *_PROBE)
 """What a page calls."""
 
