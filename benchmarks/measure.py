@@ -94,10 +94,12 @@ class Report:
         sys.exit(1 if self.failed else 0)
 
 
-def arguments(text: str | None, *paths: str) -> argparse.Namespace:
-    """``--quick`` and the paths a benchmark needs."""
+def arguments(text: str | None, *paths: str, flags: Mapping[str, str] | None = None) -> argparse.Namespace:
+    """``--quick``, the paths a benchmark needs, and its own ``flags`` with their help."""
     parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="small enough for continuous integration")
+    for flag, told in (flags or {}).items():
+        parser.add_argument(flag, action="store_true", help=told)
     for path in paths:
         parser.add_argument(path, type=Path)
     return parser.parse_args()

@@ -3,14 +3,18 @@
 Measured: the wall time of twenty seconds of tiles on 1 and 2 threads and 1 and 2 processes of a local cluster; the
 processor time a task costs the scheduler and client, and a worker; and, with the product's own code, clusters of
 artificial workers that sleep in place of computing, whose efficiency is compared with what the costs predict.
+With ``--write`` what is printed also goes between the marks of ``docs/scaling.md``. Ten minutes on two idle processors.
 """
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import io
 import logging
 import multiprocessing
 import os
+import platform
 import sys
 import time
 import warnings
@@ -34,6 +38,9 @@ from symrender.units import Done, Job, Tile
 TILE = 2.0
 """Seconds an artificial worker sleeps over a tile."""
 TURNS = 4
+CORES = 1000
+DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "scaling.md"
+MARKS = ("<!-- scales_to_many_workers -->\n", "<!-- /scales_to_many_workers -->\n")
 
 
 def wall(workers: Workers, job: Job, side: int) -> tuple[float, float]:
@@ -136,6 +143,19 @@ def costs(report: Report, *, quick: bool) -> float:
     return rows[0][1]
 
 
+def thousand(report: Report, each: float) -> None:
+    """What the costs allow a thousand workers, by how long a tile takes: ``each`` is ms a task at the centre."""
+    held = batch_size(CORES, 10**9)
+    rows = []
+    for tile in (0.05, 0.1, 0.2, 0.5):
+        task = held * tile
+        busy = CORES / task * each / 1e3
+        rows.append((f"{tile:g} s", task, CORES / task, busy, min(1.0, 1 / busy)))
+    report.say(f"{CORES} workers, {held} tiles a task, {each:.2f} ms of the scheduler and the client a task:")
+    head = ("a tile takes", "a task takes, s", "tasks a second", "scheduler and client busy", "efficiency at most")
+    report.table(head, rows)
+
+
 async def sleeping_units(job: Job, batch: tuple[Tile, ...]) -> tuple[str, list[Done]]:
     """What an artificial worker runs in place of ``cluster._units``: a nap, then tiles of zeros."""
     await asyncio.sleep(job.settings.seed / 1000 * len(batch))
@@ -207,13 +227,30 @@ def wall_of(workers: Workers, job: Job, work: list[Any]) -> tuple[float, int]:
     return time.perf_counter() - begun, len(done)
 
 
+class Heard(io.StringIO):
+    """What is printed, kept and shown."""
+
+    def write(self, text: str) -> int:
+        """Keep and show."""
+        sys.__stdout__.write(text)  # type: ignore[union-attr]
+        return super().write(text)
+
+
 def main() -> None:
-    options = arguments(__doc__)
-    report = Report("scales_to_many_workers", "Threads, processes, and artificial workers up to a thousand.")
+    options = arguments(__doc__, flags={"--write": "also into docs/scaling.md"})
     warnings.simplefilter("ignore")
-    costs(report, quick=options.quick)
-    real(report, quick=options.quick)
-    artificial(report, (10, 100) if options.quick else (10, 100, 300, 1000))
+    with contextlib.redirect_stdout(Heard()) as heard:
+        report = Report("scales_to_many_workers", "Threads, processes, and artificial workers up to a thousand.")
+        each = costs(report, quick=options.quick)
+        real(report, quick=options.quick)
+        thousand(report, each)
+        artificial(report, (10, 100) if options.quick else (10, 100, 300, 1000))
+        report.say(f"{os.cpu_count()} processors, {platform.machine()}, Python {platform.python_version()}.")
+    if options.write:
+        begin, end = MARKS
+        before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(begin)
+        figures = heard.getvalue().partition("\n\n")[2].partition("\n\n")[2].strip()
+        DOCUMENT.write_text(f"{before}{begin}\n{figures}\n\n{end}{rest.partition(end)[2]}", encoding="utf-8")
     report.leave()
 
 
