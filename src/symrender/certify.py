@@ -23,6 +23,7 @@ import numpy.typing as npt
 
 from symrender.errors import OptionError
 from symrender.quadrature.light_points import light_points
+from symrender.quadrature.lobe_units import is_brdf
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
 from symrender.settings import EXACT_DISK
@@ -85,6 +86,10 @@ class _Point:
         self.n = n
         self.rim = arb(theta).cos() if theta < math.pi / 2 else arb(0)
         self.total = 2 * arb.pi() * (1 - (self.rim.log() * (n + 1)).exp() if theta < math.pi / 2 else arb(1)) / (n + 1)
+        # in BRDF units the floor's cosine stands inside, and the normaliser is that of the whole lobe
+        self.brdf = is_brdf(arrays)
+        if self.brdf:
+            self.total = 2 * arb.pi() / (n + 2)
         rows = light_points(arrays, disk_order)
         self.lights = [([arb(x) for x in row[:3].tolist()], row[3:6].tolist()) for row in rows]
         most = arrays.shading[0] * arrays.shading[7:10] + rows[:, 3:6].sum(axis=0) * arrays.shading[1:3].sum()
@@ -134,7 +139,11 @@ class _Point:
             heapq.heappush(heap, (-loose, next(serial), chart, box, value))
 
     def _share(self) -> Any:
-        """Share of the lobe above the horizon: rings, on each of which the visible azimuths fall with the angle."""
+        """Share of the lobe above the horizon: rings, on each of which the visible azimuths fall with the angle.
+
+        In BRDF units every direction counts with its cosine, whose mean over a ring of which the share a is visible is
+        (cos theta lift pi a + sin theta across sin(pi a))/pi.
+        """
         from flint import arb
 
         lift = self.m[2]
@@ -143,7 +152,7 @@ class _Point:
         u = self.n + 1
         total = arb(0)
         theta_max = self.rim.acos()
-        before, seen_before = arb(1), arb(1)
+        before, seen_before, c_before, s_before = arb(1), arb(1), arb(1), arb(0)
         for k in range(1, rings + 1):
             theta = theta_max * k / rings
             c, s = theta.cos(), theta.sin()
@@ -156,9 +165,13 @@ class _Point:
                 ratio = c * lift / (s * across)
                 ratio = ratio.min(arb(1)).max(arb(-1))
                 seen = 1 - ratio.acos() / arb.pi()
-            total += (before - rest) * seen.union(seen_before)
-            before, seen_before = rest, seen
-        return total / (1 - before)
+            up = seen.union(seen_before)
+            if self.brdf:
+                arc = arb.pi() * up
+                up = (c.union(c_before) * lift * arc + s.union(s_before) * across * arc.sin()) / arb.pi()
+            total += (before - rest) * up
+            before, seen_before, c_before, s_before = rest, seen, c, s
+        return total * (self.n + 2) / (self.n + 1) if self.brdf else total / (1 - before)
 
 
 class _Chart:
@@ -219,6 +232,9 @@ class _Chart:
         cosine = toward.max(arb(0)).min(arb(1))
         density = (cosine.upper().log() * self.of.n).exp() if cosine.upper() > 0 else arb(0)
         floor = (cosine.lower().log() * self.of.n).exp() if inside and cosine.lower() > 0 else arb(0)
+        if self.of.brdf:
+            up = w[2].max(arb(0)).min(arb(1))
+            density, floor = density * up.upper(), floor * up.lower()
         most = (area * measure.upper() * density / self.of.total).upper()
         least = (area * measure.max(arb(0)).lower() * floor / self.of.total).lower()
         mass = least.union(most)
@@ -281,6 +297,8 @@ class _Chart:
         shading = of.a.shading
         w, normal, q, measure = self.place(phi, psi)
         weight = (_dot(w, of.m).log() * of.n).exp() * measure / of.total if weighted else arb(1)
+        if self.of.brdf and weighted:
+            weight *= w[2]
         view = _unit([e - x for e, x in zip(of.eye, q, strict=True)]) if shading[5] == at.EYE else [-x for x in w]
         s = of.a.spheres[self.j]
         factor = arb(1 if label[0] else float(s[at.DARK]))

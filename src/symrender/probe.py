@@ -29,7 +29,8 @@ Ints = npt.NDArray[np.int64]
 class Probe:
     """The lobe integral of N points.
 
-    ``gloss`` (N, 3): mean radiance under the lobe, without the lobe's weight, scene units. ``error`` (N,): estimated
+    ``gloss`` (N, 3): the lobe integral in the units ``convention`` (``lobe_average``: mean radiance under the lobe),
+    without the lobe's weight, scene units. ``error`` (N,): estimated
     largest absolute error over the channels. ``evaluations`` (N,): shaded hits. ``status`` (N,): 0 met, 1 capped,
     2 near-tangent, 3 unsupported (no value). ``chambers``, ``crossings`` (N,): different chambers and walls met.
     ``gradient``: parameter's name -> (N, 3), derivative of ``gloss`` in it; ``gradient_error``: name -> (N,), the
@@ -48,6 +49,7 @@ class Probe:
     gradient_error: Mapping[str, Array] = field(default_factory=dict)
     gradient_status: Mapping[str, Ints] = field(default_factory=dict)
     enclosures: tuple[Enclosure, ...] = ()
+    convention: str = "lobe_average"
 
 
 def probe(
@@ -92,7 +94,7 @@ def probe(
             raise OptionError("certify: only points of the floor are enclosed")
         enclosures = tuple(enclose(arrays, p, settings.disk_order, settings.tol) for p in place)
     if not wrt:
-        return Probe(*values, enclosures=enclosures)
+        return Probe(*values, enclosures=enclosures, convention=loaded.shading.lobe_units)
     from symrender.quadrature.tangent_point import gloss_gradients, refuse_unknown, tangents_of
 
     moved = moves(loaded, wrt)
@@ -106,7 +108,7 @@ def probe(
     )  # fmt: skip
     tables = (slopes.gradient, slopes.error, slopes.status)
     gradient, error, status = (dict(zip(names, table, strict=True)) for table in tables)
-    return Probe(*values, gradient, error, status, enclosures)
+    return Probe(*values, gradient, error, status, enclosures, loaded.shading.lobe_units)
 
 
 def _place_tangents(

@@ -25,5 +25,5 @@ def provenance(scene: Scene, settings: Settings, method: str, estimator: str) ->
         "version": VERSION,
         "estimator": estimator,
         "units": "scene radiance, linear RGB",
-        "convention": "lobe_average",
+        "convention": scene.shading.lobe_units,
     }

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from symrender.chambers.lobe_mass import cap_share, ring_share
+from symrender.chambers.lobe_mass import cap_share, facing_mass, ring_share
 from symrender.quadrature.gauss import gauss_table
 
 TABLE = gauss_table()
@@ -49,3 +49,26 @@ def test_rings_add_up() -> None:
     edges = np.linspace(0, 1.2, 9)
     total = sum(ring_share(1e5, a, b, 1.2) for a, b in itertools.pairwise(edges))
     assert total == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("n", [0.0, 0.5, 16.0, 1e6])
+@pytest.mark.parametrize("theta_max", [0.3, 1.2, math.pi / 2])
+def test_mean_facing_of_an_upright_lobe(n: float, theta_max: float) -> None:
+    # mean cosine (u/(u + 1)) (1 - c^(u + 1))/(1 - c^u)
+    u, log_c = n + 1, math.log(max(math.cos(theta_max), 1e-300))
+    closed = u / (u + 1) * math.expm1((u + 1) * log_c) / math.expm1(u * log_c)
+    assert facing_mass(n, theta_max, 0.0, TABLE) == pytest.approx(closed, rel=1e-12)
+
+
+def test_mean_facing_of_tilted_lobes() -> None:
+    # above the horizon altogether it is the upright mean times cos beta; in the horizon, a half-disc of cosines
+    assert facing_mass(9.0, 0.4, 1.1, TABLE) == pytest.approx(math.cos(1.1) * facing_mass(9.0, 0.4, 0.0, TABLE), 1e-12)
+    # half the hemisphere is above the horizon, at mean height 1/2
+    assert facing_mass(0.0, math.pi / 2, math.pi / 2, TABLE) == pytest.approx(0.25, rel=1e-12)
+    n, beta, theta_max = 5.0, 0.9, 1.4
+    u, end = n + 1, 1 - math.cos(theta_max) ** (n + 1)
+    t = (np.arange(3000) + 0.5) / 3000 * end
+    c = ((1 - t) ** (1 / u))[:, None]
+    phi = 2 * np.pi * (np.arange(3000) + 0.5) / 3000
+    facing = np.maximum(c * math.cos(beta) + np.sqrt(1 - c * c) * math.sin(beta) * np.cos(phi), 0.0)
+    assert facing_mass(n, theta_max, beta, TABLE) == pytest.approx(facing.mean(), abs=2e-6)

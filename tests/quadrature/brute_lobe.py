@@ -103,7 +103,10 @@ def radiance(a: SceneArrays, origin, directions, own: int, lights) -> np.ndarray
 
 
 def gloss(a: SceneArrays, origin, normal, incoming, own: int, n, theta_max, rings=600, sectors=1200, disk=2):
-    """Midpoint rule on equal-weight rings; converges like 1/rings, so for three to five digits."""
+    """Midpoint rule on equal-weight rings; converges like 1/rings, so for three to five digits.
+
+    Where the scene says so, int (n + 2)/(2 pi) cos^n (w.N) f dw: the lobe's integral of cos^n is 2 pi end/u.
+    """
     lights = light_points(a, disk)
     m = incoming - 2 * (incoming @ normal) * normal
     m /= np.linalg.norm(m)
@@ -120,5 +123,7 @@ def gloss(a: SceneArrays, origin, normal, incoming, own: int, n, theta_max, ring
     for c, s in zip(cosine, sine, strict=True):
         w = c * m + s * (np.cos(phi)[:, None] * e1 + np.sin(phi)[:, None] * e2)
         f = radiance(a, origin, _unit(w), own, lights)
+        if a.shading[13] == 1:
+            f = f * ((n + 2) / u * end * (w @ normal))[:, None]
         total += np.where((w @ normal > 0)[:, None], f, 0.0).sum(0)
     return total / (rings * sectors)

@@ -59,3 +59,41 @@ def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Arra
             density = math.exp(n * math.log1p(-2.0 * math.sin(0.5 * theta) ** 2)) if ct > 0.0 else 0.0
             share += gauss[1, base + q] / pieces * math.pi * s * c * (high - low) * scale * density * st * 2.0 * arc
     return share
+
+
+@jitable
+def facing_mass(n: float, theta_max: float, beta: float, gauss: Array) -> float:
+    """Mean of max(0, w.N) under the lobe cos^n theta (theta <= theta_max) whose axis stands at ``beta`` to N.
+
+    On a ring wholly above the horizon the mean is cos theta cos beta, whose integral is closed; on one that crosses it,
+    with half-arc a above, it is (cos theta cos beta a + sin theta sin beta sin a)/pi. Nodes as in ``cap_share``.
+    """
+    u = n + 1.0
+    mc = math.log1p(-2.0 * math.sin(0.5 * theta_max) ** 2) if theta_max < 1.5707963267948966 else -1e300
+    mass = -math.expm1(u * mc)
+    full = 0.5 * math.pi - beta
+    cb, sb = math.cos(beta), math.sin(beta)
+    share = 0.0
+    if full > 0.0:
+        share = ring_share(n + 1.0, 0.0, min(full, theta_max), theta_max) * -math.expm1((u + 1.0) * mc)
+        share *= cb * u / ((u + 1.0) * mass)
+    low, high = abs(full), theta_max
+    # beyond this angle the lobe holds less than 1e-18 of itself
+    reach = 2.0 * math.asin(math.sqrt(min(1.0, -math.expm1(-42.0 / u)) * 0.5))
+    high = min(high, max(reach, low + 42.0 / (u * max(math.tan(min(low, 1.5)), 1e-9))))
+    if not low < high:
+        return share
+    order = 24
+    base = order * (order - 1) // 2
+    pieces = 8
+    for piece in range(pieces):
+        for q in range(order):
+            x = (piece + gauss[0, base + q]) / pieces
+            s, c = math.sin(0.5 * math.pi * x), math.cos(0.5 * math.pi * x)
+            theta = low + (high - low) * s * s
+            st, ct = math.sin(theta), math.cos(theta)
+            arc = math.acos(max(-1.0, min(1.0, -ct * cb / max(st * sb, 1e-300))))
+            density = math.exp(n * math.log1p(-2.0 * math.sin(0.5 * theta) ** 2)) if ct > 0.0 else 0.0
+            seen = (ct * cb * arc + st * sb * math.sin(arc)) / math.pi
+            share += gauss[1, base + q] / pieces * math.pi * s * c * (high - low) * u / mass * density * st * seen
+    return share

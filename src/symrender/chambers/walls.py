@@ -95,6 +95,8 @@ all of the shape inside the lobe; then the cosine of that circle's radius."""
 BRIGHT: Final = 39
 """No radiance of the charted shape differs from the background by more; UNBOUNDED if nobody asked."""
 UNBOUNDED: Final = 1e30
+FACING: Final = 43
+"""A vector, then a number: every direction w of the lobe counts with the number plus the vector times w."""
 GEO_COLUMNS: Final = 48
 
 COINCIDENT: Final = 1e-11

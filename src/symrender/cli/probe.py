@@ -60,6 +60,7 @@ def probe(
             "status": STATUS[int(status)],
             "chambers": int(chambers),
             "crossings": int(crossings),
+            "convention": found.convention,
         }
         for p, gloss, error, evaluations, status, chambers, crossings in zip(
             points, found.gloss, found.error, found.evaluations, found.status, found.chambers, found.crossings,
@@ -86,7 +87,7 @@ def probe(
             gloss = " ".join(f"{x:.15g}" for x in row["gloss"])
             typer.echo(
                 f"{text}: {gloss} +- {row['error']:.2g}  {row['status']}, {row['evaluations']} "
-                f"evaluations, {row['chambers']} chambers, {row['crossings']} crossings"
+                f"evaluations, {row['chambers']} chambers, {row['crossings']} crossings, {found.convention}"
             )
             if certify:
                 bounds = " ".join(f"[{a:.6g}, {b:.6g}]" for a, b in zip(row["low"], row["high"], strict=True))

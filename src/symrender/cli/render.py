@@ -83,9 +83,9 @@ def render(
     """Render SCENE numerically and symbolically, write both, their difference, and print the ledger.
 
     Writes numeric.png and numeric.exr as soon as that image stands, then symbolic.png and symbolic.exr, then
-    difference.png. Every file is its old self or the new one, never in between; an error says which
-    files are of an earlier run. The .exr holds every layer as
-    linear radiance with the scene and the settings; the .png is clipped to [0, 1] and sRGB encoded.
+    difference.png. Every file is its old self or the new one, never in between; an error says which files are of an
+    earlier run. The .exr holds every layer as linear radiance with the scene and the settings; the .png is clipped to
+    [0, 1] and sRGB encoded.
 
     A run longer than two seconds keeps what it has finished in render.journal beside them, until they are written;
     --resume continues it after any interruption.

@@ -130,10 +130,11 @@ def truth(
             "missed": dict(judged.missed),
             "largest_error": judged.largest,
             "at": judged.worst,
+            "convention": image.meta["convention"],
         }
         show_json(report)
     elif not quiet:
-        typer.echo(judged.text())
+        typer.echo(f"{judged.text()}; units of lobes: {image.meta['convention']}")
         for name in names:
             typer.echo(f"wrote {folder / name}")
     if not judged.met:

@@ -1,7 +1,8 @@
 """Integrand: the expression of what a surface reflects, to hold, print, differentiate and evaluate.
 
-gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw, and f is one of finitely many analytic expressions, chosen by
-guards. SymPy holds the expressions; which one counts is decided beside them.
+gloss(P) = (1/W) int_cone f(P, w) g(w) dw with g = cos^n theta, or cos^n theta (w.N) in BRDF units, and f is one of
+finitely many analytic expressions, chosen by guards. SymPy holds the expressions; which one counts is decided beside
+them.
 """
 
 from __future__ import annotations
@@ -46,7 +47,8 @@ class Integrand:
     """The radiance a lobe direction sees, and the weight it is averaged with.
 
     ``cases``: the shapes a direction can meet, nearest first counts. ``background``: radiance where none is met.
-    ``weight`` cos^n theta and ``normaliser`` W make the lobe average. ``walls``: where the integrand is not smooth.
+    ``weight`` g and ``normaliser`` W are those of ``units``: cos^n theta and its integral over the cone in
+    ``lobe_average``, cos^n theta (w.N) and 2 pi/(n + 2) in ``brdf_normalised``. ``walls``: where it is not smooth.
     ``parameters``: dotted name to symbol. ``wrt`` names what ``radiance`` is a derivative by, if it is one.
     """
 
@@ -60,6 +62,7 @@ class Integrand:
     walls: tuple[Wall, ...]
     light_points: tuple[LightPoint, ...]
     table: ParameterTable
+    units: str
     wrt: str | None = None
 
     @property
@@ -176,6 +179,7 @@ class Integrand:
         lines = [
             title,
             f"  gloss(P) = (1/W) int f(P, w) g(w) dw over the cone; f = 0 where {dot(DIRECTION, self.normal)} <= 0",
+            f"  units: {self.units}",
             f"  g = {self.weight}",
             f"  W = {self.normaliser}",
             *_lines(self.point, "  "),
@@ -194,6 +198,7 @@ class Integrand:
         """The integral, and every case as aligned definitions."""
         rows = [
             r"\mathrm{gloss}(P) &= \frac{1}{W}\int f(P,w)\,g(w)\,\mathrm{d}w",
+            rf"&\quad\text{{in units }}\mathtt{{{self.units.replace('_', chr(92) + '_')}}}",
             rf"g &= {sp.latex(self.weight)}",
             rf"W &= {sp.latex(self.normaliser)}",
             *(rf"{sp.latex(stage.symbol)} &= {sp.latex(stage.value)}" for stage in self.point),
@@ -241,6 +246,9 @@ def expression(scene: Any = "gloss", *, surface: str = "floor", disk_order: int 
     if surface != "floor" and loaded.floor is not None:
         seen.append(cases_of.floor_case(loaded, table))
     exponent, theta_max = (table.symbols[f"{surface}.lobe.{key}"] for key in ("exponent", "theta_max"))
+    brdf = loaded.shading.lobe_units == "brdf_normalised"
+    toward = sp.DiracDelta(_ANGLE) if found.mirror else lobe.weight(dot(DIRECTION, vec3("m")), exponent)
+    whole = lobe.brdf_normaliser(exponent) if brdf else lobe.normaliser(theta_max, exponent)
     cases = tuple(seen)
     return Integrand(
         surface=surface,
@@ -248,11 +256,12 @@ def expression(scene: Any = "gloss", *, surface: str = "floor", disk_order: int 
         background=tuple(table.symbols[f"background.{c}"] for c in "rgb"),
         point=tuple(stages),
         normal=normal,
-        weight=lobe.weight(dot(DIRECTION, vec3("m")), exponent) if not found.mirror else sp.DiracDelta(_ANGLE),
-        normaliser=lobe.normaliser(theta_max, exponent),
+        weight=toward * dot(DIRECTION, normal) if brdf else toward,
+        normaliser=sp.Integer(1) if brdf and found.mirror else whole,
         walls=walls(loaded, table, cases, normal, vec3("m"), theta_max),
         light_points=_light_points(loaded, table, disk_order),
         table=table,
+        units=loaded.shading.lobe_units,
     )
 
 

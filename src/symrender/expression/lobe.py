@@ -1,6 +1,7 @@
 """The lobe: mirror direction, frame, weight, normaliser, and the integral of the weight over a stratum.
 
-The weight is cos^n theta on the cone theta <= theta_max about the mirror direction; write u = n + 1.
+The weight is cos^n theta on the cone theta <= theta_max about the mirror direction; write u = n + 1. In BRDF units it
+is cos^n theta (w.N), and the normaliser that of the whole lobe at normal incidence.
 """
 
 from __future__ import annotations
@@ -114,6 +115,11 @@ def angle(vers: sp.Expr) -> sp.Expr:
 def normaliser(theta_max: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     """W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n+1)."""
     return 2 * sp.pi * (1 - sp.cos(theta_max) ** (exponent + 1)) / (exponent + 1)
+
+
+def brdf_normaliser(exponent: sp.Expr) -> sp.Expr:
+    """2 pi/(n+2) = int cos^(n+1) theta dw over the hemisphere: ``brdf_weight`` at normal incidence, without a rim."""
+    return 2 * sp.pi / (exponent + 2)
 
 
 def disc_cosines(along: sp.Expr, across: sp.Expr, tangent: sp.Expr, radius: sp.Expr) -> tuple[sp.Expr, sp.Expr]:

@@ -1,8 +1,9 @@
 """Functions of the program that sum a quadrature rule over a lobe.
 
 A rule is rows (X, Y, Z, weight) of directions in the frame (u1, u2, m) about the mirror direction, weights summing
-to one. Whether a direction can meet a sphere is decided in that frame, from three numbers a sphere and a point, so
-a direction that meets nothing costs a few products.
+to one; in BRDF units to the lobe's scale, and the surface cosine is put in here. Whether a direction can meet a sphere
+is decided in that frame, from three numbers a sphere and a point, so a direction that meets nothing costs a few
+products.
 """
 
 from __future__ import annotations
@@ -92,7 +93,10 @@ def _add(block: Block, total: sp.Symbol, rest: sp.Symbol, value: sp.Expr) -> Non
 
 
 def gather() -> Function:
-    """gloss(P) by a rule: sum of weight times radiance over the directions above the horizon."""
+    """gloss(P) by a rule: sum of weight times radiance over the directions above the horizon.
+
+    In BRDF units each with its cosine to the normal.
+    """
     p, normal, incoming = vec3("p"), vec3("n"), vec3("i")
     leaves, rule, theta_max = whole("leaves"), whole("rule"), real("theta_max")
     block = Block()
@@ -124,8 +128,12 @@ def gather() -> Function:
         with block.when(sp.Or(z < reach_low, z > reach_high)):
             block.next()
         x, y = block.lets({"x": RULES[rule, s, 0], "y": RULES[rule, s, 1]})
-        with block.when(n1 * x + n2 * y + n3 * z <= 0):
+        cosine = block.let("cosine", n1 * x + n2 * y + n3 * z)
+        with block.when(cosine <= 0):
             block.next()
+        share = block.let("share", RULES[rule, s, 3])
+        with block.when(sp.Eq(SHADING[at.UNITS], at.BRDF_NORMALISED)):
+            block.set(share, share * cosine)
         best, shape = block.let("best", sp.oo), block.count("shape", sp.Integer(at.NOTHING))
         with block.loop("k", found) as k:
             approach = block.let("approach", WORK[k, 1] * x + WORK[k, 2] * y + WORK[k, 3] * z)
@@ -151,7 +159,7 @@ def gather() -> Function:
             with block.when(dark):
                 block.next()
             for total, rest, value in zip(totals, rests, background, strict=True):
-                _add(block, total, rest, RULES[rule, s, 3] * value)
+                _add(block, total, rest, share * value)
             block.next()
         w = _world(block, x, y, z, u1, u2, m)
         arguments = (p, w, SHADING[5], EYE, SPHERES, FLOOR, POINTS, SHADING)
@@ -160,7 +168,7 @@ def gather() -> Function:
         with block.otherwise():
             block.call("sphere_radiance", (shape - at.FIRST_SPHERE, *arguments), "r", "g", "blue")
         for total, rest, value in zip(totals, rests, seen, strict=True):
-            _add(block, total, rest, RULES[rule, s, 3] * value)
+            _add(block, total, rest, share * value)
     block.leave(*(total + rest for total, rest in zip(totals, rests, strict=True)))
     parameters = (
         *(*p.parts, *normal.parts, *incoming.parts, leaves, rule, theta_max),

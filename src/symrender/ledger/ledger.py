@@ -44,12 +44,13 @@ class Ledger:
     """Costs of both pipelines, their differences layer by layer, and the widths of the lobes.
 
     ``comparisons`` maps a layer to symbolic (test) against numeric (reference): neither is the truth, so a
-    difference bounds neither error; it is empty when only one pipeline ran.
+    difference bounds neither error; it is empty when only one pipeline ran. ``convention`` is the units of the lobes.
     """
 
     pipelines: tuple[Pipeline, ...]
     comparisons: Mapping[str, Comparison]
     lobes: tuple[LobeWidths, ...]
+    convention: str = "not stated"
 
     @property
     def flips(self) -> int | None:
@@ -63,7 +64,7 @@ class Ledger:
             *((p.name, f"{p.timing.seconds:.3f}", str(p.timing.evaluations), _each(p.timing), p.estimator)
               for p in self.pipelines),
         ]  # fmt: skip
-        tables = [("cost", costs)]
+        tables = [(f"cost; units of lobes: {self.convention}", costs)]
         if self.comparisons:
             rows: list[tuple[str, ...]] = [("layer", "over", "pixels", "RMS", "relative", "max |dI|", "at (i, j)")]
             for layer, c in self.comparisons.items():
@@ -99,6 +100,7 @@ class Ledger:
         """Plain data; an infinite width is null."""
         return {
             "pipelines": [asdict(p) for p in self.pipelines],
+            "convention": self.convention,
             "flips": self.flips,
             "comparisons": {layer: c.as_json() for layer, c in self.comparisons.items()},
             "lobes": [
@@ -123,8 +125,8 @@ def ledger(
     """The ledger of a pair of renders; either image may be None when its pipeline did not run.
 
     A timing belongs to each image that is there. ``lobes`` lists (surface name, exponent, theta_max in radians).
-    Estimators are read from the images' metadata. Raises ``ImageError`` where a layer of both images cannot be
-    compared (NaN, infinity, different sizes).
+    Estimators and units are read from the images' metadata. Raises ``ImageError`` where a layer of both images cannot
+    be compared (NaN, infinity, different sizes).
     """
     sides = (("numeric", numeric, numeric_timing), ("symbolic", symbolic, symbolic_timing))
     pipelines = tuple(
@@ -136,7 +138,9 @@ def ledger(
     if numeric is not None and symbolic is not None:
         shared = [layer for layer in COMPARED if layer in numeric.layers and layer in symbolic.layers]
         comparisons = {layer: compare(numeric, symbolic, layer=layer) for layer in shared}
-    return Ledger(pipelines, MappingProxyType(comparisons), tuple(lobe_widths(*lobe) for lobe in lobes))
+    stated = {image.meta.get("convention", "not stated") for _, image, _ in sides if image is not None}
+    widths = tuple(lobe_widths(*lobe) for lobe in lobes)
+    return Ledger(pipelines, MappingProxyType(comparisons), widths, " and ".join(sorted(stated)) or "not stated")
 
 
 def _row(layer: str, over: str, d: Difference) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 ``ratio``: sum w f / sum w, the source chapter's; consistent and biased, exact for constant f.
 ``normalised``: mean of w f times (solid angle of the cone) / W; unbiased, not exact for constant f.
 With samples drawn from the lobe itself the weights are equal and the two are one: the mean of f, unbiased.
+In BRDF units, int (n + 2)/(2 pi) cos^n (w.N) f dw, f stands with the surface cosine and the mean with a scale.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from symrender.numeric.lobe import (
     HEIGHT,
     MASS,
     RATIO,
+    SCALE,
     SIN_MAX,
     THETA_MAX,
     cone_depth,
@@ -31,7 +33,7 @@ from symrender.numeric.shading import power
 from symrender.numeric.sight import gather, keep_in_lobe, sees
 from symrender.numeric.vectors import Vector, dot
 from symrender.numeric.world import World
-from symrender.scene.arrays import BACKGROUND, FLOOR, Array
+from symrender.scene.arrays import BACKGROUND, BRDF_NORMALISED, FLOOR, UNITS, Array
 
 _DEEP = -600.0
 _WHOLE_POWER = 256.0
@@ -61,6 +63,7 @@ def gloss(
 ) -> tuple[Vector, int]:
     """Mean radiance over the lobe of shape ``own`` at p, seen along the unit direction d, and its evaluations.
 
+    In BRDF units the mean of (w.n) times radiance, by the lobe's scale.
     Directions below the horizon of the unit normal n bring nothing and keep their weight. ``theta_max`` 0 is the
     mirror: one evaluation. Evaluations count the nodes of the rule, also those known to be 0 without a look.
     """
@@ -76,6 +79,7 @@ def gloss(
         return (0.0, 0.0, 0.0), samples
 
     exponent = lobe[EXPONENT]
+    brdf = s[UNITS] == BRDF_NORMALISED
     equal = sampler in (IMPORTANCE, SOBOL)
     whole = exponent <= _WHOLE_POWER and exponent == np.floor(exponent)
     deep = not whole and not normalised and exponent * math.log1p(-lobe[HEIGHT]) < _DEEP
@@ -104,12 +108,16 @@ def gloss(
                 weight = math.exp(bits)
         w0, w1 = two_sum(w0, w1, weight)
         w = direction(u1, u2, m, depth, b)
-        if weight > 0.0 and dot(w, n) > 0.0:
+        cosine = dot(w, n)
+        if weight > 0.0 and cosine > 0.0:
             f = sees(world, candidates, count, own, p, w, eye, key, index)[0]
+            if brdf:
+                weight *= cosine
             r0, r1 = two_sum(r0, r1, weight * f[0])
             g0, g1 = two_sum(g0, g1, weight * f[1])
             b0, b1 = two_sum(b0, b1, weight * f[2])
     total = w0 + w1
     if normalised and not equal:
         total = samples / lobe[RATIO]
+    total /= lobe[SCALE]
     return ((r0 + r1) / total, (g0 + g1) / total, (b0 + b1) / total), samples

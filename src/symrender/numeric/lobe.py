@@ -15,7 +15,7 @@ from symrender.numeric.vectors import Vector, along, cross, dot, unit
 from symrender.scene.arrays import Array
 
 # lobes[c]: weight k 0, exponent n 1, theta_max 2, height 1 - cos theta_max 3, cos 4 and sin 5 of theta_max,
-# mass 1 - cos^(n+1) theta_max 6, ratio 7 of the cone's solid angle to the lobe's integral
+# mass 1 - cos^(n+1) theta_max 6, ratio 7 of the cone's solid angle to the lobe's integral, scale 8 of the mean
 WEIGHT: Final = 0
 EXPONENT: Final = 1
 THETA_MAX: Final = 2
@@ -24,20 +24,26 @@ COS_MAX: Final = 4
 SIN_MAX: Final = 5
 MASS: Final = 6
 RATIO: Final = 7
-LOBE_COLUMNS: Final = 8
+SCALE: Final = 8
+LOBE_COLUMNS: Final = 9
 
 _NEARLY_ALONG = 1e-6
 
 
-def lobe_rows(lobes: Array) -> Array:
-    """Constants of lobes given as rows (weight, exponent, theta_max)."""
+def lobe_rows(lobes: Array, *, brdf: bool = False) -> Array:
+    """Constants of lobes given as rows (weight, exponent, theta_max).
+
+    ``brdf``: gloss is int (n + 2)/(2 pi) cos^n theta (w.N) f dw, the scale int (n + 2)/(2 pi) cos^n theta dw times the
+    mean of (w.N) f under the lobe; else it is the mean of f. A mirror has scale 1.
+    """
     rows = np.zeros((len(lobes), LOBE_COLUMNS))
     for row, (weight, exponent, theta_max) in zip(rows, lobes.tolist(), strict=True):
         height = min(1.0, 2.0 * math.sin(theta_max / 2) ** 2)
         u = exponent + 1.0
         mass = -math.expm1(u * math.log1p(-height)) if height < 1.0 else 1.0
         ratio = u * height / mass if u * height > 1e-17 else 1.0
-        row[:] = weight, exponent, theta_max, height, math.cos(theta_max), math.sin(theta_max), mass, ratio
+        scale = (exponent + 2.0) * mass / u if brdf and theta_max > 0.0 else 1.0
+        row[:] = weight, exponent, theta_max, height, math.cos(theta_max), math.sin(theta_max), mass, ratio, scale
     return rows
 
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from symrender.numeric.lights import light_points
 from symrender.numeric.lobe import lobe_rows
-from symrender.scene.arrays import Array, SceneArrays
+from symrender.scene.arrays import BRDF_NORMALISED, UNITS, Array, SceneArrays
 
 
 class World(NamedTuple):
@@ -36,7 +36,8 @@ def make_world(arrays: SceneArrays, disk_order: int) -> World:
         return np.ascontiguousarray(values, dtype=np.float64)
 
     points, first, axes = light_points(arrays.lights, disk_order)
-    lobes = lobe_rows(np.vstack([arrays.floor[None, 11:14], arrays.spheres[:, 11:14]]))
+    brdf = bool(arrays.shading[UNITS] == BRDF_NORMALISED)
+    lobes = lobe_rows(np.vstack([arrays.floor[None, 11:14], arrays.spheres[:, 11:14]]), brdf=brdf)
     return World(
         plain(arrays.spheres),
         plain(arrays.floor),

@@ -39,7 +39,7 @@ from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.light_term import light_term
-from symrender.quadrature.split_line import SOFT_LOG, lobe_density, tail_error
+from symrender.quadrature.split_line import SOFT_LOG, facing_share, lobe_density, tail_error
 from symrender.scene.arrays import FLOOR_CELL, FLOOR_OFFSET
 
 Array = npt.NDArray[np.float64]
@@ -159,6 +159,7 @@ def integrand(
     inv = 1.0 / math.sqrt(x * x + y * y + h * h)
     dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
     weight = lobe_density(dx * dx + dy * dy + dz * dz, geo) * h * inv * inv * inv
+    weight *= facing_share(x * inv, y * inv, -h * inv, geo)
     out[0] = out[1] = out[2] = 0.0
     for i in range(view.points.shape[0]):
         if states[i] != 0.0:

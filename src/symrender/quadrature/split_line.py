@@ -14,6 +14,7 @@ from symrender.chambers.walls import (
     E1,
     E2,
     EXPONENT,
+    FACING,
     HEIGHT,
     KIND,
     LOBE_BETA,
@@ -52,6 +53,12 @@ def lobe_density(squared_chord: float, geo: Array) -> float:
     if c <= -1.0:
         return 0.0
     return math.exp(geo[EXPONENT] * math.log1p(c) - geo[LOG_NORMALISER])
+
+
+@jitable
+def facing_share(wx: float, wy: float, wz: float, geo: Array) -> float:
+    """What a direction counts beside the lobe's density: 1, or in BRDF units its cosine to the surface normal."""
+    return float(geo[FACING + 3] + geo[FACING] * wx + geo[FACING + 1] * wy + geo[FACING + 2] * wz)
 
 
 @jitable
@@ -133,6 +140,9 @@ def integrate_cells(
         c * geo[E1 + 2] + s * geo[E2 + 2],
     )
     cbm, sbm = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2]
+    flat = geo[FACING + 3]
+    lift = facing_share(geo[POLE], geo[POLE + 1], geo[POLE + 2], geo) - flat
+    lean = facing_share(ex, ey, ez, geo) - flat
     shading = view.shading
     phong = shading[4] == PHONG
     from_eye = shading[5] == EYE
@@ -200,7 +210,7 @@ def integrate_cells(
                 d0, d1, d2 = cb - cbm, sb * c - sbm, sb * s
                 density = lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo)
                 peak = max(peak, density)
-                weight = gauss[1, base + q] * along * measure * density
+                weight = gauss[1, base + q] * along * measure * density * (flat + cb * lift + sb * lean)
                 if from_eye:
                     vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
                     inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))

@@ -27,12 +27,13 @@ from symrender.chambers import (
 )
 from symrender.chambers import crossings as crossing_module
 from symrender.chambers.chart import floor_chart, sphere_chart
-from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.lobe_mass import cap_share, facing_mass
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import (
     BETA_MAX,
     BRIGHT,
     EXPONENT,
+    FACING,
     LOBE_BETA,
     LOG_NORMALISER,
     POINT,
@@ -51,12 +52,14 @@ from symrender.quadrature import gauss as gauss_module
 from symrender.quadrature import split_grid as split_grid_module
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.split_grid import CONIC_COLUMNS, RINGS, split_grid
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
 from symrender.scene.arrays import (
     AMBIENT,
     BACKGROUND,
+    BRDF_NORMALISED,
     CHECKER,
     COLOR,
     CUT,
@@ -72,6 +75,7 @@ from symrender.scene.arrays import (
     LOBE,
     MARBLE,
     TEXTURE,
+    UNITS,
     SceneArrays,
 )
 
@@ -118,6 +122,8 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, geo: Array)
     log_c = math.log1p(-2.0 * half * half) if theta_max < 1.5707963267948966 else -math.inf
     beyond = math.exp(u * log_c)
     geo[EXPONENT] = n
+    geo[FACING] = geo[FACING + 1] = geo[FACING + 2] = 0.0
+    geo[FACING + 3] = 1.0
     geo[LOG_NORMALISER] = math.log(2.0 * math.pi * -math.expm1(u * log_c) / u)
     cut = 0.1 * tol / bound
     geo[RIM_COS] = math.cos(theta_max) if theta_max < 1.5707963267948966 else 0.0
@@ -197,13 +203,22 @@ def gloss_kernel(
             evaluations[i] = chambers[i] = crossings[i] = 0
             continue
         total = lobe_setup(n, theta_max, tol, bound, geo) * bound
+        brdf = view.shading[UNITS] == BRDF_NORMALISED
+        if brdf:
+            geo[FACING + 3] = 0.0
+            for a in range(3):
+                geo[FACING + a] = normals[i, a]
 
         # the background fills what the surface can see of the lobe; every shape then adds its difference from it
         sky = max(view.shading[10], view.shading[11], view.shading[12])
         share = 1.0
         if sky > 0.0:
             facing = lobe[0] * normals[i, 0] + lobe[1] * normals[i, 1] + lobe[2] * normals[i, 2]
-            share = cap_share(n, theta_max, math.acos(max(-1.0, min(1.0, facing))), 0.5 * math.pi, gauss)
+            tilt = math.acos(max(-1.0, min(1.0, facing)))
+            if brdf:
+                share = facing_mass(n, theta_max, tilt, gauss)
+            else:
+                share = cap_share(n, theta_max, tilt, 0.5 * math.pi, gauss)
         for a in range(3):
             value[a] = view.shading[10 + a] * share
         bad = 0
@@ -349,6 +364,8 @@ def gloss_points(
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
+    In BRDF units, int_cone (n + 2)/(2 pi) cos^n theta (w.N) f(P, w) dw: the surface cosine has no walls.
+
     ``points`` (N, 3) on surfaces, unit ``normals`` (N, 3), unit ``incoming`` (N, 3) directions of travel towards the
     points, ``surface`` (N,) hit classes (1 the floor, 2 + j sphere j), whose lobe is used. ``tol`` is absolute,
     in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids, 0
@@ -362,12 +379,15 @@ def gloss_points(
     lobes[FIRST_SPHERE:] = arrays.spheres[:, LOBE + 1 :]
     s = scratch or split_work(arrays, lights)
     n = len(points)
+    scales = np.array([lobe_scale(arrays, exponent, theta_max) for exponent, theta_max in lobes.tolist()])[surface]
+    largest = max(float(scales.max(initial=0.0)), 1e-300)
     gloss, error = np.zeros((n, 3)), np.zeros(n)
     counts = [np.zeros(n, np.int64) for _ in range(4)]
     _kernel()(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
-        s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol), radiance_bound(arrays, lights),
-        int(max_evaluations), gloss, error, *counts, s.conics, s.rings, s.grid_roots, s.states, s.grid_stack,
+        s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
+        radiance_bound(arrays, lights), int(max_evaluations), gloss, error, *counts, s.conics, s.rings, s.grid_roots,
+        s.states, s.grid_stack,
     )  # fmt: skip
-    return SplitResult(gloss, error, *counts)
+    return SplitResult(gloss * scales[:, None], error * scales, *counts)

@@ -46,6 +46,7 @@ from symrender.chambers.work import EVALUATIONS, View, Work
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.lobe_units import is_brdf
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import STEP, split_chart
 from symrender.quadrature.split_point import SplitWork, lobe_setup, radiance_bound, split_work
@@ -355,6 +356,8 @@ def tangent_work(parameters: int, lights: int, spheres: int) -> TangentWork:
 
 def refuse_unknown(arrays: SceneArrays, moved: dict[str, Array], names: tuple[str, ...], disk_order: int) -> None:
     """Raise ``Unsupported`` for what this rule cannot differentiate, by name."""
+    if is_brdf(arrays):
+        raise Unsupported("shading.lobe_units: brdf_normalised is not differentiated; choose lobe_average")
     if disk_order == EXACT_DISK and (arrays.lights[:, 0] == DISK).any():
         raise Unsupported("disk: 'exact' is not differentiated; choose KxK")
     for q, name in enumerate(names):

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from symrender.errors import OptionError
 from symrender.quadrature.disk import light_points
+from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.strata import NARROWEST, Rule, mirror_rule, rings, rule
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
@@ -97,10 +98,11 @@ def _rules(arrays: SceneArrays, settings: Settings, formulas: Any) -> tuple[Arra
     lobes += [tuple(sphere[at.LOBE + 1 :].tolist()) for sphere in arrays.spheres]
     different = sorted(set(lobes))
     built = [_rule(exponent, theta_max, settings, formulas) for exponent, theta_max in different]
+    scales = [lobe_scale(arrays, exponent, theta_max) for exponent, theta_max in different]
     rules = np.zeros((len(built), max(len(r.weights) for r in built), 4))
     for k, r in enumerate(built):
         rules[k, : len(r.weights), :3] = r.directions
-        rules[k, : len(r.weights), 3] = r.weights
+        rules[k, : len(r.weights), 3] = r.weights * scales[k]
     sizes = np.array([len(r.weights) for r in built], dtype=np.int64)
     return rules, sizes, np.array([different.index(lobe) for lobe in lobes], dtype=np.int64)
 

@@ -56,7 +56,7 @@ DISK: Final = 1
 LIGHT_COLUMNS: Final = 11
 
 # shading: ka 0, kd 1, ks 2, shininess 3, model 4 (BLINN, PHONG), highlight view 5 (RAY, EYE),
-# terminator 6 (CUT, OPEN), ambient 7:10, background 10:13
+# terminator 6 (CUT, OPEN), ambient 7:10, background 10:13, units of the lobes 13 (LOBE_AVERAGE, BRDF_NORMALISED)
 BLINN: Final = 0
 PHONG: Final = 1
 RAY: Final = 0
@@ -65,7 +65,10 @@ CUT: Final = 0
 OPEN: Final = 1
 AMBIENT: Final = 7
 BACKGROUND: Final = 10
-SHADING_COLUMNS: Final = 13
+UNITS: Final = 13
+LOBE_AVERAGE: Final = 0
+BRDF_NORMALISED: Final = 1
+SHADING_COLUMNS: Final = 14
 
 # camera: kind 0 (PLANE, LOOK_AT), eye 1:4, then window_half 4, window_center 5:7 (PLANE)
 # or target 4:7, up 7:10, fov in degrees 10 (LOOK_AT)
@@ -143,6 +146,7 @@ def scene_arrays(scene: Scene) -> SceneArrays:
             OPEN if s.specular_terminator == "open" else CUT,
             *scene.ambient,
             *scene.background,
+            BRDF_NORMALISED if s.lobe_units == "brdf_normalised" else LOBE_AVERAGE,
         ]
     )
 

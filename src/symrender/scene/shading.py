@@ -15,7 +15,9 @@ class Shading(Part):
     s = max(0, N.h)^shininess with h = unit(l + v) (``blinn``) or max(0, r.v)^shininess with r = 2 (N.l) N - l
     (``phong``). ``highlight_view`` says whose v a reflected highlight uses: the reflecting point's (``ray``) or
     the camera's (``eye``, the source chapter's choice). ``specular_terminator`` says whether s is cut where
-    N.l < 0 (``cut``) or not (``open``, the source chapter's choice).
+    N.l < 0 (``cut``) or not (``open``, the source chapter's choice). ``lobe_units`` says what all lobes of the scene
+    compute: the mean of radiance under cos^n theta (``lobe_average``), or the integral of a BRDF of value
+    (n + 2)/(2 pi) cos^n theta, with the surface cosine inside (``brdf_normalised``).
     """
 
     model: Literal["blinn", "phong"] = "blinn"
@@ -25,3 +27,4 @@ class Shading(Part):
     shininess: Annotated[Shininess, Field(description="exponent of the highlight")] = 32.0
     highlight_view: Literal["ray", "eye"] = "ray"
     specular_terminator: Literal["cut", "open"] = "cut"
+    lobe_units: Literal["lobe_average", "brdf_normalised"] = "lobe_average"

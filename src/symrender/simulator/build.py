@@ -68,7 +68,7 @@ def simulator(scene: Scene | str | Path | dict[str, Any], path: str | Path | Non
 
     The page needs a browser with WebGL 2 and float targets; it opens from the file system and inside a frame. Raises
     ``Unsupported`` beyond ``MAX_SIMULATOR_SPHERES`` spheres or ``MAX_SIMULATOR_LIGHT_POINTS`` light points (a disk
-    counts four), and ``OutputError`` when the file cannot be written.
+    counts four) and for lobes in BRDF units, and ``OutputError`` when the file cannot be written.
     """
     chosen = load(scene)
     _check(chosen)
@@ -79,6 +79,10 @@ def simulator(scene: Scene | str | Path | dict[str, Any], path: str | Path | Non
 
 
 def _check(scene: Scene) -> None:
+    if scene.shading.lobe_units != "lobe_average":
+        raise Unsupported(
+            f"simulator: shading.lobe_units {scene.shading.lobe_units} is not drawn; a page shows lobe_average"
+        )
     points = light_point_count(scene)
     for what, count, most in (
         ("spheres", len(scene.spheres), MAX_SIMULATOR_SPHERES),

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import segment_meets, texture_side
 from symrender.quadrature.disk import light_points
+from symrender.quadrature.lobe_units import is_brdf, lobe_scale
 from symrender.runtimes import image as symbolic
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
@@ -27,7 +28,11 @@ BEHIND, SHADED, LIT = 0, 1, 2
 
 @dataclass(frozen=True)
 class Seen:
-    """Radiance (N, 3), zero below the horizon, and labels (N, 2 + light points) of N rays of one lobe."""
+    """Radiance (N, 3), zero below the horizon, and labels (N, 2 + light points) of N rays of one lobe.
+
+    In BRDF units radiance counts with its cosine to the normal and the lobe's scale, so that a rule whose weights sum
+    to one gives gloss in either.
+    """
 
     radiance: Array
     labels: Labels
@@ -55,6 +60,7 @@ class LobeRays:
         start = np.broadcast_to(place, directions.shape)
         radiance, shape, distance = symbolic.trace(self._arrays, start, directions, leaves, self._order)
         below = directions @ normal <= 0.0
+        radiance *= self._counts(normal, leaves, directions)
         radiance[below] = 0.0
         shape[below] = BELOW
         labels = np.ones((len(directions), LIGHTS + len(self._points)), np.int64)
@@ -69,8 +75,19 @@ class LobeRays:
         if not below.any():
             return np.zeros(3)
         start = np.broadcast_to(place, (int(below.sum()), 3))
-        seen: Array = weights[below] @ symbolic.trace(self._arrays, start, directions[below], leaves, self._order)[0]
+        radiance = symbolic.trace(self._arrays, start, directions[below], leaves, self._order)[0]
+        seen: Array = weights[below] @ (radiance * self._counts(normal, leaves, directions[below]))
         return seen
+
+    def _counts(self, normal: Array, leaves: int, directions: Array) -> Array:
+        """What each direction counts beside its weight, (N, 1): 1, or the scale times |w.N| in BRDF units."""
+        if not is_brdf(self._arrays):
+            return np.ones((len(directions), 1))
+        row = self._arrays.floor[at.FLOOR_LOBE :]
+        if leaves >= at.FIRST_SPHERE:
+            row = self._arrays.spheres[leaves - at.FIRST_SPHERE, at.LOBE :]
+        counts: Array = np.abs(directions @ normal)[:, None] * lobe_scale(self._arrays, row[1], row[2])
+        return counts
 
 
 def _label(hits: Array, spheres: Array, points: Array, labels: Labels) -> None:

@@ -181,6 +181,7 @@ def facts(of: Subject, truth: Reference | None = None) -> dict[str, Cell]:
         "scene": of.scene.name,
         "size": f"{of.settings.width} x {of.settings.height}",
         "lobes of": of.surface,
+        "units of lobes": of.scene.shading.lobe_units,
         "disk lights": of.settings.disk,
         "seed": of.settings.seed,
     }
