@@ -10,7 +10,7 @@ const by = (id) => document.getElementById(id);
 const NOTES = {
   full: ["jittered samples: the error is speckle", "where the two disagree"],
   gloss: ["the reflected term by jittered samples", "of the gloss"],
-  direct: ["direct light, the same in both", "nothing to disagree on"],
+  direct: ["what lights send by way of one surface", "nothing to disagree on"],
   class: ["which surface the primary ray meets", "of the full image"],
   chambers: ["", "of the full image"],
 };
@@ -191,7 +191,9 @@ const app = {
     const kind = { ...Object.fromEntries(VIEWS) }[frame.state.view];
     const [left, right] = NOTES[frame.state.view];
     document.querySelector("#panel-numeric").previousElementSibling.querySelector("span").textContent = frame.state.view === "chambers" ? `kinds of thing one lobe meets, 1 to ${frame.most}` : left;
-    by("symbolic-caption").textContent = frame.state.view === "full" || frame.state.view === "gloss" ? `${PARTITION_WORDS[frame.state.partition]}, ${frame.state.weights} weights: the error is bands` : kind.toLowerCase();
+    const { view, partition, weights } = frame.state, caption = by("symbolic-caption");
+    if (view === "class") caption.replaceChildren(...surfaceKey(frame));
+    else caption.textContent = view === "full" || view === "gloss" ? `${PARTITION_WORDS[partition]}, ${weights} weights: the error is bands` : `${kind.toLowerCase()}, the same in both`;
     by("difference-caption").textContent = `|difference| × 10${superscript(frame.state.difference)}`;
     by("difference-note").textContent = frame.beyond > 0.005 ? `${right}; ${(100 * frame.beyond).toFixed(0)} % beyond the scale` : right;
   },
@@ -277,6 +279,16 @@ function probedLobe(frame) {
   if (!path) return null;
   const row = path === "floor" ? 0 : 1 + data.spheres.indexOf(path.slice(8));
   return { ...surfaceLobe(frame.tables, row), name: path };
+}
+
+// The colours of the surfaces a frame shows, named.
+function surfaceKey(frame) {
+  const met = [...new Set(frame.pixel_direct.filter((_, k) => k % 4 === 3))].sort((a, b) => a - b);
+  return met.flatMap((shape) => {
+    const swatch = element("i", { class: "swatch", "aria-hidden": "true" });
+    swatch.style.background = `rgb(${classColor(shape)})`;
+    return [swatch, `${surfaceName(shape).replace("sphere ", "")} `];
+  });
 }
 
 // Where to start: of a grid of pixels, the one whose lobe carries most light and meets most chambers; the floor first.
