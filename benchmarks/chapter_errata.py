@@ -11,13 +11,13 @@ import numpy as np
 from chapter_program import chapter_program
 from measure import Report, arguments
 
+from symrender.chapter.document.measure.claims import LOBES_OFF, brdf_albedo, strata_errors
 from symrender.ledger.lobe_widths import lobe_widths
 from symrender.render import render
 from symrender.scene.load import load
 
 EYE = 4.0
 HALF = 1.25 * EYE / math.sqrt(EYE**2 - 1)
-LOBES_OFF = {"spheres.A.lobe.weight": 0.0, "spheres.B.lobe.weight": 0.0}
 
 
 def classes(program: dict, width: int) -> list[int]:
@@ -59,20 +59,6 @@ def buried_share(printed: dict, repaired: dict, height: float) -> float:
     return float(1 - totals[1] / totals[0])
 
 
-def strata_errors(width: int) -> list[tuple[int, float, float]]:
-    """K and the RMS errors of exact and midpoint weights over the picture, against 96 x 96 strata of equal weight."""
-    scene = load("chapter8").replace(LOBES_OFF)
-
-    def picture(**how: object) -> np.ndarray:
-        return render(scene, size=width, numeric="none", aa="none", **how).symbolic.radiance
-
-    truth = picture(lobe=96, partition="equal_weight", nodes="barycentre")
-    return [
-        (k, *(float(np.sqrt(((picture(lobe=k, weights=w) - truth) ** 2).mean())) for w in ("exact", "midpoint")))
-        for k in (2, 4, 8)
-    ]
-
-
 def ratio_bias(k: int, trials: int) -> float:
     """Relative bias of the chapter's numeric estimator for f = 1 - cos theta, n = 16, theta_max = pi/3."""
     rng = np.random.default_rng(1)
@@ -84,15 +70,6 @@ def ratio_bias(k: int, trials: int) -> float:
     return float(estimate / true - 1)
 
 
-def brdf_albedo(n: float, degrees: float) -> float:
-    """int (n+2)/(2 pi) cos^n theta max(0, w.N) dw about a mirror direction ``degrees`` off the normal."""
-    cosine = (np.arange(4000) + 0.5) / 4000
-    phi = 2 * np.pi * (np.arange(720) + 0.5) / 720
-    tilt = math.radians(degrees)
-    height = cosine[:, None] * math.cos(tilt) + np.sqrt(1 - cosine**2)[:, None] * math.sin(tilt) * np.cos(phi)
-    return float((n + 2) * (cosine**n * np.maximum(height, 0).mean(axis=1)).mean())
-
-
 def main() -> None:
     options = arguments(__doc__, "chapter")
     report = Report("chapter_errata", "The source chapter's claims, each beside the figure its scene gives.")
@@ -101,13 +78,14 @@ def main() -> None:
     wrong, right = classes(printed, width), classes(repaired, width)
     small = 32 if options.quick else 96
     with_lobe, without_lobe = jitter(repaired, small)
-    image = render(load("chapter8").replace(LOBES_OFF), size=256, numeric="none", lobe=64, aa="none").symbolic
+    scene = load("chapter8").replace(LOBES_OFF)
+    image = render(scene, size=256, numeric="none", lobe=64, aa="none").symbolic
     brightest = float(image.layers["gloss"].max())
     probes = [math.hypot(0.35, 0.62 * HALF), math.hypot(0.9, 0.35)]
     edge = EYE / math.sqrt(EYE**2 - 1)
     corner = math.degrees(math.atan(math.hypot(HALF, 1.15 * HALF) / EYE))
     buried = [buried_share(printed, repaired, height) for height in (30, 20, 10)]
-    strata = strata_errors(64 if options.quick else 96)
+    strata = strata_errors(scene, 64 if options.quick else 96)
     biases = [ratio_bias(k, 20_000) for k in (2, 4, 8)]
     widths = lobe_widths("floor", 16.0, math.pi / 3)
     albedo = [brdf_albedo(64, angle) for angle in (0, 30, 60, 80)]

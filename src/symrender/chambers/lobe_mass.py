@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,13 @@ import numpy.typing as npt
 from symrender.kernel_cache import jitable
 
 Array = npt.NDArray[np.float64]
+
+_ORDER = 24
+_PIECES = 8
+_FIRST = _ORDER * (_ORDER - 1) // 2
+"""Where the Gauss rule of that order stands in ``gauss_table()``."""
+NODES: Final = _ORDER * _PIECES
+"""Rings of a sum over those a circle crosses."""
 
 
 @jitable
@@ -20,6 +28,28 @@ def ring_share(n: float, low: float, high: float, theta_max: float) -> float:
     hc = math.log1p(-2.0 * math.sin(0.5 * high) ** 2) if high < 1.5707963267948966 else -1e300
     mc = math.log1p(-2.0 * math.sin(0.5 * theta_max) ** 2) if theta_max < 1.5707963267948966 else -1e300
     return float(math.exp(u * lc) * -math.expm1(u * (hc - lc)) / -math.expm1(u * mc))
+
+
+@jitable
+def last_ring(n: float, low: float, high: float) -> float:
+    """``high``, or the angle beyond which the rings from ``low`` on hold less than 1e-18 of the lobe."""
+    u = n + 1.0
+    reach = 2.0 * math.asin(math.sqrt(min(1.0, -math.expm1(-42.0 / u)) * 0.5))
+    return min(high, max(reach, low + 42.0 / (u * max(math.tan(min(low, 1.5)), 1e-9))))
+
+
+@jitable
+def ring_node(node: int, low: float, high: float, n: float, gauss: Array) -> tuple[float, float, float]:
+    """Weight cos^n theta sin theta dtheta, sine and cosine of one of ``NODES`` rings from ``low`` to ``high``.
+
+    The map is quadratic at both ends, where the arc of a circle that crosses the rings begins and ends as a root.
+    """
+    x = (node // _ORDER + gauss[0, _FIRST + node % _ORDER]) / _PIECES
+    s, c = math.sin(0.5 * math.pi * x), math.cos(0.5 * math.pi * x)
+    theta = low + (high - low) * s * s
+    st, ct = math.sin(theta), math.cos(theta)
+    density = math.exp(n * math.log1p(-2.0 * math.sin(0.5 * theta) ** 2)) if ct > 0.0 else 0.0
+    return gauss[1, _FIRST + node % _ORDER] / _PIECES * math.pi * s * c * (high - low) * density * st, st, ct
 
 
 @jitable
@@ -36,28 +66,17 @@ def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Arra
         share = ring_share(n, 0.0, min(full, theta_max), theta_max)
     low, high = abs(full), min(theta_max, alpha + beta, 2.0 * math.pi - alpha - beta)
     u = n + 1.0
-    # beyond this angle the lobe holds less than 1e-18 of itself
-    reach = 2.0 * math.asin(math.sqrt(min(1.0, -math.expm1(-42.0 / u)) * 0.5))
-    high = min(high, max(reach, low + 42.0 / (u * max(math.tan(min(low, 1.5)), 1e-9))))
+    high = last_ring(n, low, high)
     high = min(high, theta_max)
     if not low < high:
         return share
     ca, cb, sb = math.cos(alpha), math.cos(beta), math.sin(beta)
     mc = math.log1p(-2.0 * math.sin(0.5 * theta_max) ** 2) if theta_max < 1.5707963267948966 else -1e300
     scale = u / (2.0 * math.pi * -math.expm1(u * mc))
-    order = 24
-    base = order * (order - 1) // 2
-    pieces = 8
-    for piece in range(pieces):
-        for q in range(order):
-            x = (piece + gauss[0, base + q]) / pieces
-            # sin^2 map: quadratic at both ends
-            s, c = math.sin(0.5 * math.pi * x), math.cos(0.5 * math.pi * x)
-            theta = low + (high - low) * s * s
-            st, ct = math.sin(theta), math.cos(theta)
-            arc = math.acos(max(-1.0, min(1.0, (ca - ct * cb) / max(st * sb, 1e-300))))
-            density = math.exp(n * math.log1p(-2.0 * math.sin(0.5 * theta) ** 2)) if ct > 0.0 else 0.0
-            share += gauss[1, base + q] / pieces * math.pi * s * c * (high - low) * scale * density * st * 2.0 * arc
+    for node in range(NODES):
+        weight, st, ct = ring_node(node, low, high, n, gauss)
+        arc = math.acos(max(-1.0, min(1.0, (ca - ct * cb) / max(st * sb, 1e-300))))
+        share += weight * scale * 2.0 * arc
     return share
 
 
@@ -78,22 +97,11 @@ def facing_mass(n: float, theta_max: float, beta: float, gauss: Array) -> float:
         share = ring_share(n + 1.0, 0.0, min(full, theta_max), theta_max) * -math.expm1((u + 1.0) * mc)
         share *= cb * u / ((u + 1.0) * mass)
     low, high = abs(full), theta_max
-    # beyond this angle the lobe holds less than 1e-18 of itself
-    reach = 2.0 * math.asin(math.sqrt(min(1.0, -math.expm1(-42.0 / u)) * 0.5))
-    high = min(high, max(reach, low + 42.0 / (u * max(math.tan(min(low, 1.5)), 1e-9))))
+    high = last_ring(n, low, high)
     if not low < high:
         return share
-    order = 24
-    base = order * (order - 1) // 2
-    pieces = 8
-    for piece in range(pieces):
-        for q in range(order):
-            x = (piece + gauss[0, base + q]) / pieces
-            s, c = math.sin(0.5 * math.pi * x), math.cos(0.5 * math.pi * x)
-            theta = low + (high - low) * s * s
-            st, ct = math.sin(theta), math.cos(theta)
-            arc = math.acos(max(-1.0, min(1.0, -ct * cb / max(st * sb, 1e-300))))
-            density = math.exp(n * math.log1p(-2.0 * math.sin(0.5 * theta) ** 2)) if ct > 0.0 else 0.0
-            seen = (ct * cb * arc + st * sb * math.sin(arc)) / math.pi
-            share += gauss[1, base + q] / pieces * math.pi * s * c * (high - low) * u / mass * density * st * seen
+    for node in range(NODES):
+        weight, st, ct = ring_node(node, low, high, n, gauss)
+        arc = math.acos(max(-1.0, min(1.0, -ct * cb / max(st * sb, 1e-300))))
+        share += weight * u / mass * (ct * cb * arc + st * sb * math.sin(arc)) / math.pi
     return share

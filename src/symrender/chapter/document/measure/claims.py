@@ -21,7 +21,8 @@ from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.studies.lobe_rays import LobeRays
 
-_LOBES_OFF: Final = {"spheres.A.lobe.weight": 0.0, "spheres.B.lobe.weight": 0.0}
+LOBES_OFF: Final = {"spheres.A.lobe.weight": 0.0, "spheres.B.lobe.weight": 0.0}
+"""The chapter's scene with the lobe of its floor alone."""
 _COUNTED: Final = 64
 _SWEEP: Final = (0.35, -0.62)
 """The point of a sweep, y in half-widths of the window."""
@@ -33,7 +34,7 @@ _LOW: Final = 1.3
 
 def measure(effort: Effort) -> Measured:
     """Figures ``claims.*``."""
-    scene = load("chapter8").replace(_LOBES_OFF)
+    scene = load("chapter8").replace(LOBES_OFF)
     half, eye = float(scene.camera.window_half), float(scene.camera.eye[2])  # type: ignore[union-attr]
     exponent, theta_max = 16.0, math.pi / 3
     corner = math.atan(math.hypot(half, (1 + 0.15) * half) / eye)
