@@ -217,23 +217,24 @@ def test_no_request_leaves_the_page_and_accessibility_has_no_serious_findings(br
     simulator("gloss", path)
     from .conftest import Page
 
+    context = browser.new_context(color_scheme="dark", viewport={"width": 390, "height": 900})
+    page, requests = context.new_page(), []
+    context.on("request", lambda request: requests.append(request.url))
+    page.goto(f"{path.as_uri()}{to_fragment(State(size=64))}")
+    Page(page).settle()
+    page.evaluate("() => document.getElementById('everything').open = true")
+    page.evaluate("() => simulator.app.link()")
+    page.evaluate(source)
     for scheme, width in (("dark", 390), ("light", 1400)):
-        context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": 900})
-        page, requests = context.new_page(), []
-        context.on("request", lambda request, seen=requests: seen.append(request.url))
-        page.goto(f"{path.as_uri()}{to_fragment(State(size=64))}")
-        opened = Page(page)
-        opened.settle()
-        page.evaluate("() => document.getElementById('everything').open = true")
-        page.evaluate("() => simulator.app.link()")
-        assert {url.split("#")[0] for url in requests if not url.startswith("blob:")} == {path.as_uri()}
-        page.evaluate(source)
+        page.emulate_media(color_scheme=scheme)
+        page.set_viewport_size({"width": width, "height": 900})
         found = page.evaluate(
             "async () => (await axe.run()).violations.map((v) => [v.impact, v.id, v.nodes.map((n) => n.html)])"
         )
         assert [entry for entry in found if entry[0] in ("serious", "critical")] == []
         assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
-        context.close()
+    assert {url.split("#")[0] for url in requests if not url.startswith("blob:")} == {path.as_uri()}
+    context.close()
 
 
 def test_hostile_names_do_not_execute(open_page):
