@@ -19,7 +19,7 @@ from symrender.cli import main
 from symrender.errors import NonFiniteError, OptionError
 from symrender.image import Image
 from symrender.probe import probe
-from symrender.quadrature.split_point import UNSUPPORTED
+from symrender.quadrature.split_setup import UNSUPPORTED
 from symrender.runtimes import image as symbolic
 from symrender.runtimes import truth as truth_kernel
 from symrender.scene.load import load

@@ -15,11 +15,12 @@ from symrender.errors import OptionError
 from symrender.fill import Crew, Means
 from symrender.image import Image
 from symrender.provenance import provenance
-from symrender.quadrature.tangent_point import CAPPED, EVENT, MET, UNSUPPORTED
+from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
+from symrender.quadrature.tangent_point import EVENT
 from symrender.scene.load import load
 from symrender.scene.moves import moves
 from symrender.scene.scene import Scene
-from symrender.settings import Antialias, Settings, image_size
+from symrender.settings import Antialias, Settings, split_settings
 from symrender.tiles import Progress
 from symrender.units import Job
 
@@ -57,19 +58,7 @@ def gradient(
     Unsupported for a discontinuity the method does not cover.
     """
     loaded = load(scene)
-    width, height = image_size(size)
-    settings = Settings(
-        width=width,
-        height=height,
-        numeric="none",
-        symbolic="chambers",
-        tol=float(tol),
-        budget=budget,
-        disk=disk,
-        aa=aa,
-        threads=threads,
-        tile=tile,
-    )
+    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile)
     job = gradient_job(loaded, wrt, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
         return gradient_images(crew, job, loaded)

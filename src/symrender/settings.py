@@ -96,6 +96,34 @@ class Settings:
         return int(a)
 
 
+def split_settings(
+    size: Any,
+    *,
+    tol: float,
+    disk: str,
+    aa: Antialias,
+    budget: int,
+    threads: int,
+    tile: int,
+    max_pixels: int = MAX_PIXELS,
+) -> Settings:
+    """Settings of an image of ``image_size(size)`` whose values, or derivatives, the split rule makes alone."""
+    width, height = image_size(size)
+    return Settings(
+        width=width,
+        height=height,
+        numeric="none",
+        symbolic="chambers",
+        tol=float(tol),
+        budget=budget,
+        disk=disk,
+        aa=aa,
+        threads=threads,
+        tile=tile,
+        max_pixels=max_pixels,
+    )
+
+
 def image_size(size: Any) -> tuple[int, int]:
     """Width and height from ``size``: N for a square, or (width, height)."""
     pair = size if isinstance(size, tuple | list) else (size, size)

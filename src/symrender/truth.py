@@ -17,10 +17,10 @@ from symrender.fill import Crew, Means
 from symrender.finite import check_finite
 from symrender.image import Image
 from symrender.provenance import provenance
-from symrender.quadrature.split_point import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
+from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
-from symrender.settings import Antialias, Settings, image_size
+from symrender.settings import Antialias, Settings, split_settings
 from symrender.tiles import Progress
 from symrender.units import Job
 
@@ -53,19 +53,7 @@ def truth(
     change no byte. Choose it whenever an image is to be trusted, ``render`` when it is to be quick.
     """
     loaded = load(scene)
-    width, height = image_size(size)
-    settings = Settings(
-        width=width,
-        height=height,
-        numeric="none",
-        symbolic="chambers",
-        tol=float(tol),
-        budget=budget,
-        disk=disk,
-        aa=aa,
-        threads=threads,
-        tile=tile,
-    )
+    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile)
     job = truth_job(loaded, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
         return true_image(crew, job, loaded)
@@ -105,9 +93,9 @@ class Verdict:
         return f"{self.pixels} pixels; missed their tolerance: {missed}; largest error {self.largest:.3g} at ({i}, {j})"
 
 
-def verdict(image: Image) -> Verdict:
-    """Judge an image with ``error`` and ``status`` layers."""
+def verdict(image: Image, names: Mapping[int, str] = STATUS) -> Verdict:
+    """Judge an image with ``error`` and ``status`` layers, whose statuses are called ``names``."""
     error, status = image.layer("error"), image.layer("status")
     j, i = np.unravel_index(int(np.argmax(error)), error.shape)
-    missed = {name: int((status == code).sum()) for code, name in STATUS.items() if code != MET}
+    missed = {name: int((status == code).sum()) for code, name in names.items() if code != MET}
     return Verdict(error.size, missed, (int(i), int(j)), float(error[j, i]))

@@ -367,25 +367,6 @@ def test_equal_spheres_look_like_one() -> None:
     ).any()
 
 
-def test_inside_a_sphere_its_far_side_is_lit_from_within() -> None:
-    scene = Scene.model_validate(
-        {
-            "camera": LOOK | {"eye": [0.0, 0.0, 0.0], "target": [1.0, 0.0, 0.0]},
-            "spheres": [{"name": "a", "center": [0.0, 0.0, 0.0], "radius": 2.0}],
-            "lights": [
-                {"type": "point", "name": "in", "position": [0.0, 0.0, 0.5]},
-                {"type": "point", "name": "out", "position": [9.0, 0.0, 0.0]},
-            ],
-            "shading": {"ks": 0.0},
-        },
-        strict=False,
-    )
-    image = render(scene, 9)
-    assert (image["hit_class"] == 2).all()
-    # the middle pixel looks along x: cosine 2/sqrt(4.25), from the inner light alone
-    np.testing.assert_allclose(image["radiance"][4, 4], 0.7 * 0.5 * 2 / math.sqrt(4.25), rtol=1e-14)
-
-
 def test_below_the_floor_is_black_and_blocks() -> None:
     scene = Scene.model_validate(
         {

@@ -16,7 +16,8 @@ from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import DISK_DEGREES, DISK_STARTS, gauss_table
 from symrender.quadrature.light_points import disk_frame, light_rows
-from symrender.quadrature.split_point import MET, gloss_points
+from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_setup import MET
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.load import load
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from symrender.probe import probe
-from symrender.quadrature.split_point import MET
+from symrender.quadrature.split_setup import MET
 
 from .random_lobe import RandomLobe, random_lobe
 

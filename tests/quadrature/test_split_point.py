@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symrender.quadrature.split_point import CAPPED, MET, UNSUPPORTED, gloss_points
+from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.scene.arrays import CHECKER, LOBE, SceneArrays, scene_arrays
 from symrender.scene.load import load
 

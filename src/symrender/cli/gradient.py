@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
     InsecureCluster,
@@ -30,7 +31,7 @@ from symrender.cli._options import (
 from symrender.cli._progress import ProgressMode, progress
 from symrender.limits import MAX_PIXELS
 from symrender.output import check_target, make_folder
-from symrender.settings import Antialias, Settings, image_size
+from symrender.settings import Antialias, split_settings
 
 
 def gradient(
@@ -75,19 +76,8 @@ def gradient(
         raise OptionError(
             "wrt: name at least one real number, such as --wrt spheres.B.center.x; symrender params lists"
         )
-    width, height = image_size(parse_size(size))
-    settings = Settings(
-        width=width,
-        height=height,
-        numeric="none",
-        symbolic="chambers",
-        tol=tol,
-        budget=budget,
-        disk=disk,
-        aa=aa,
-        threads=threads,
-        tile=tile,
-        max_pixels=max_pixels,
+    settings = split_settings(
+        parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, max_pixels=max_pixels
     )
     chosen = scene_with(scene, define)
     every = components(chosen, names)
@@ -111,6 +101,7 @@ def gradient(
     from symrender.fill import Crew
     from symrender.gradient import STATUS, gradient_images, gradient_job
     from symrender.signed_view import signed_view
+    from symrender.truth import verdict
 
     job = gradient_job(chosen, every, settings)
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance, Crew(means, (job,), advance) as crew:
@@ -120,25 +111,23 @@ def gradient(
             image.save(folder / f"{stems[name]}.exr", force=force)
             image.save(folder / f"{stems[name]}.npz", force=force)
         crew.succeeded()
-    missed = 0
-    report: list[dict[str, object]] = []
-    for name, image in images.items():
-        status, error = image.layer("status"), image.layer("error")
-        counts = {
-            label: int((status == code).sum()) for code, label in STATUS.items() if (status == code).any() and code
-        }
-        missed += sum(counts.values())
-        report.append({"parameter": name, "pixels": error.size, "missed": counts, "largest_error": float(error.max())})
+    judged = {name: verdict(image, STATUS) for name, image in images.items()}
     if json:
-        import json as json_module
-
-        typer.echo(json_module.dumps(report, indent=2))
+        report = [
+            {
+                "parameter": name,
+                "pixels": one.pixels,
+                "missed": dict(one.missed),
+                "largest_error": one.largest,
+                "at": one.worst,
+            }
+            for name, one in judged.items()
+        ]
+        show_json(report)
     elif not quiet:
-        for row in report:
-            typer.echo(
-                f"{row['parameter']}: missed: {row['missed'] or 'none'}; largest error {row['largest_error']:.3g}"
-            )
+        for name, one in judged.items():
+            typer.echo(f"{name}: {one.text()}")
         for stem in stems.values():
             typer.echo(f"wrote {folder / stem}.png, .exr, .npz")
-    if missed:
+    if not all(one.met for one in judged.values()):
         raise typer.Exit(4)

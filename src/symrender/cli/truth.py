@@ -31,7 +31,7 @@ from symrender.cli._options import (
 from symrender.cli._progress import ProgressMode, progress
 from symrender.limits import MAX_PIXELS
 from symrender.output import check_target, make_folder
-from symrender.settings import Antialias, Settings, image_size
+from symrender.settings import Antialias, split_settings
 
 LAYERS = ("error", "status", "evaluations", "chambers", "crossings")
 
@@ -74,19 +74,8 @@ def truth(
     wanted = [name for name in layers.split(",") if name]
     if unknown := sorted(set(wanted) - set(LAYERS)):
         raise OptionError(f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}")
-    width, height = image_size(parse_size(size))
-    settings = Settings(
-        width=width,
-        height=height,
-        numeric="none",
-        symbolic="chambers",
-        tol=tol,
-        budget=budget,
-        disk=disk,
-        aa=aa,
-        threads=threads,
-        tile=tile,
-        max_pixels=max_pixels,
+    settings = split_settings(
+        parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, max_pixels=max_pixels
     )
     chosen = scene_with(scene, define)
     if not quiet:

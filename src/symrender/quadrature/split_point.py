@@ -36,18 +36,24 @@ from symrender.chambers.walls import (
     FACING,
     LOBE_BETA,
     LOG_NORMALISER,
-    POINT,
     POLE,
     RATIO,
     RIM_COS,
     RIM_SIN,
     SIDE,
-    STRIP,
-    SURFACE_NORMAL,
 )
 from symrender.chambers.work import CHAMBERS, CROSSINGS, EVALUATIONS, MAX_ROOTS, View, Work, work_arrays
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature import disk_arcs, disk_chords, disk_curves, disk_term, light_term, split_line, split_panel
+from symrender.quadrature import (
+    disk_arcs,
+    disk_chords,
+    disk_curves,
+    disk_term,
+    light_term,
+    split_line,
+    split_panel,
+    split_setup,
+)
 from symrender.quadrature import gauss as gauss_module
 from symrender.quadrature import split_grid as split_grid_module
 from symrender.quadrature.gauss import gauss_table
@@ -56,6 +62,16 @@ from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.split_grid import CONIC_COLUMNS, RINGS, split_grid
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
+from symrender.quadrature.split_setup import (
+    CAPPED,
+    MET,
+    NEAR_TANGENT,
+    UNSUPPORTED,
+    floor_strips,
+    inside_another,
+    place_point,
+    sphere_strips,
+)
 from symrender.scene.arrays import (
     AMBIENT,
     BACKGROUND,
@@ -70,26 +86,13 @@ from symrender.scene.arrays import (
     FLOOR_KIND,
     FLOOR_LOBE,
     FLOOR_PRESENT,
-    KU,
-    KV,
     LOBE,
-    MARBLE,
-    TEXTURE,
     UNITS,
     SceneArrays,
 )
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-
-MET: Final = 0
-"""The error estimate is within the tolerance."""
-CAPPED: Final = 1
-"""The evaluations or the panels ran out first; the error estimate says how far it got."""
-NEAR_TANGENT: Final = 2
-"""A piece too thin to be cut further stayed unresolved; the error estimate bounds it."""
-UNSUPPORTED: Final = 3
-"""The point lies inside another sphere; no value is given and the error is infinite."""
 
 MAX_PANELS: Final = 4000
 
@@ -100,7 +103,8 @@ class SplitResult:
 
     ``gloss`` (N, 3) in scene units of radiance, without the mirror weight; ``error`` (N,) estimated largest absolute
     error over the channels; ``evaluations`` (N,) shaded hits; ``status`` (N,) ``MET``, ``CAPPED``, ``NEAR_TANGENT`` or
-    ``UNSUPPORTED``; ``chambers`` (N,) different labels met inside the lobe; ``crossings`` (N,) walls met inside it.
+    ``UNSUPPORTED``, of ``split_setup.py``; ``chambers`` (N,) different labels met inside the lobe; ``crossings`` (N,)
+    walls met inside it.
     """
 
     gloss: Array
@@ -176,30 +180,14 @@ def gloss_kernel(
     for i in range(points.shape[0]):
         for c in range(work.counts.shape[0]):
             work.counts[c] = 0
-        d = incoming[i, 0] * normals[i, 0] + incoming[i, 1] * normals[i, 1] + incoming[i, 2] * normals[i, 2]
-        size = 0.0
-        for a in range(3):
-            geo[POINT + a] = points[i, a]
-            geo[SURFACE_NORMAL + a] = normals[i, a]
-            lobe[a] = incoming[i, a] - 2.0 * d * normals[i, a]
-            size += lobe[a] * lobe[a]
-        for a in range(3):
-            lobe[a] /= math.sqrt(size)
-        geo[SIDE] = 1.0 if points[i, 2] >= 0.0 else -1.0
+        place_point(points[i], normals[i], incoming[i], lobe, geo)
         own = surface[i] - 2
         n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], 1e-5)
         value = gloss[i]
-        inside = False
-        for j in range(view.spheres.shape[0]):
-            x, y, z = (
-                points[i, 0] - view.spheres[j, 0], points[i, 1] - view.spheres[j, 1], points[i, 2] - view.spheres[j, 2],
-            )  # fmt: skip
-            if j != own and x * x + y * y + z * z <= view.spheres[j, 3] ** 2:
-                inside = True
-        if inside:
+        if inside_another(points[i], own, view.spheres):
             value[0] = value[1] = value[2] = 0.0
             error[i] = math.inf
-            status[i] = 3
+            status[i] = UNSUPPORTED
             evaluations[i] = chambers[i] = crossings[i] = 0
             continue
         total = lobe_setup(n, theta_max, tol, bound, geo) * bound
@@ -233,14 +221,8 @@ def gloss_kernel(
             if gap < 1.5 and most < 0.1 * tol:
                 total += most
                 continue
-            geo[STRIP] = min(0.3, 1.4 / (math.sqrt(n + 1e-9) * k))
-            reach = math.sin(geo[LOBE_BETA]) * math.sin(min(geo[LOBE_BETA], geo[BETA_MAX]))
-            geo[STRIP + 1] = min(0.5, 1.4 / math.sqrt(n * reach + 1e-9))
-            if view.spheres[j, TEXTURE] == MARBLE:
-                vein = 3.0 / (view.spheres[j, KU] + 6.6 * view.spheres[j, KV])
-                geo[STRIP], geo[STRIP + 1] = min(geo[STRIP], vein), min(geo[STRIP + 1], vein)
+            sphere_strips(j, n, view, geo)
             geo[BRIGHT] = sphere_bound(j, view, geo)
-            geo[STRIP + 2] = 0.9 * math.acosh(1.0 / k)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol),
                 view,
@@ -259,10 +241,7 @@ def gloss_kernel(
         if view.floor[FLOOR_PRESENT] != 0.0 and surface[i] != FLOOR and points[i, 2] != 0.0:
             floor_chart(own, lobe, view, work)
             if geo[SIDE] > 0.0 or sky > 0.0:
-                for a in range(3):
-                    geo[STRIP + 3 + a] = 0.5 * (view.floor[FLOOR_BRIGHT + a] + view.floor[FLOOR_DARK + a])
-                geo[STRIP] = min(0.3, 1.4 / math.sqrt(n + 1e-9))
-                geo[STRIP + 1] = min(0.5, 1.4 / math.sqrt(n * math.sin(geo[LOBE_BETA]) + 1e-9))
+                floor_strips(n, view, geo)
                 geo[BRIGHT] = bound
                 e, b = split_chart(
                     max(0.5 * (tol - total), 0.05 * tol), view, work, gauss, panels, spans, ids, events, scratch,
@@ -292,9 +271,9 @@ def gloss_kernel(
         evaluations[i] = work.counts[EVALUATIONS]
         chambers[i] = work.counts[CHAMBERS]
         crossings[i] = work.counts[CROSSINGS]
-        status[i] = 0
+        status[i] = MET
         if total > tol:
-            status[i] = 1 if bad == 0 or evaluations[i] > max_evaluations else 2
+            status[i] = CAPPED if bad == 0 or evaluations[i] > max_evaluations else NEAR_TANGENT
 
 
 @functools.lru_cache(maxsize=1)
@@ -302,7 +281,7 @@ def _kernel() -> Any:
     modules = (
         chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, walls, work,
         disk_arcs, disk_chords, disk_curves, disk_term, gauss_module, light_term, split_grid_module, split_line,
-        split_panel, sys.modules[__name__],
+        split_panel, split_setup, sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)

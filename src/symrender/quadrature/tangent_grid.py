@@ -12,7 +12,6 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.tangent_walls import (
     AT_POINT,
@@ -475,7 +474,8 @@ def replay_grid(
 ) -> float:  # fmt: skip
     """Add the derivatives of what the checker adds to a floor of mean albedo to ``value``; their error estimate.
 
-    ``work`` holds the floor chart of the point. The squares visited are those of ``split_grid``.
+    ``work`` holds the floor chart of the point. Squares are whole cells of the checker, none left out for its bound and
+    none quartered: the value's own rule chooses by the size of a radiance, which says little of a derivative's.
     """
     geo, floor = work.geo, view.floor
     h = geo[HEIGHT]

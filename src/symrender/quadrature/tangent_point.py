@@ -15,7 +15,6 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
@@ -41,7 +40,7 @@ from symrender.chambers.tangent_walls import (
     TURN,
     adjoint_columns,
 )
-from symrender.chambers.walls import BETA_MAX, LOBE_BETA, POINT, POLE, RADIUS, RATIO, SIDE, STRIP, SURFACE_NORMAL
+from symrender.chambers.walls import BETA_MAX, LOBE_BETA, POLE, RADIUS, RATIO, SIDE
 from symrender.chambers.work import EVALUATIONS, View, Work
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
@@ -49,8 +48,15 @@ from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import is_brdf
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import STEP, split_chart
-from symrender.quadrature.split_point import SplitWork, lobe_setup, radiance_bound, split_work
-from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
+from symrender.quadrature.split_setup import (
+    CAPPED,
+    MET,
+    UNSUPPORTED,
+    floor_strips,
+    inside_another,
+    place_point,
+    sphere_strips,
+)
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_line import HERE_ROWS
 from symrender.quadrature.tangent_panel import UNUSED, clear_panels, contract, radial_walls, replay_chart
@@ -72,15 +78,12 @@ from symrender.scene.arrays import (
 )
 from symrender.settings import EXACT_DISK
 
+from symrender.quadrature.split_point import SplitWork, lobe_setup, radiance_bound, split_work
+from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
+
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-MET: Final = 0
-"""The derivative's error estimate is within the tolerance."""
-CAPPED: Final = 1
-"""The orders ran out first; the error estimate says how far it got."""
-UNSUPPORTED: Final = 3
-"""The point lies inside another sphere; no value is given and the error is infinite."""
 EVENT: Final = 4
 """The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
 
@@ -226,25 +229,10 @@ def gradient_kernel(
     for i in range(points.shape[0]):
         for c in range(work.counts.shape[0]):
             work.counts[c] = 0
-        d = incoming[i, 0] * normals[i, 0] + incoming[i, 1] * normals[i, 1] + incoming[i, 2] * normals[i, 2]
-        for a in range(3):
-            geo[POINT + a] = points[i, a]
-            geo[SURFACE_NORMAL + a] = normals[i, a]
-            lobe[a] = incoming[i, a] - 2.0 * d * normals[i, a]
-        size = math.sqrt(lobe[0] * lobe[0] + lobe[1] * lobe[1] + lobe[2] * lobe[2])
-        for a in range(3):
-            lobe[a] /= size
-        geo[SIDE] = 1.0 if points[i, 2] >= 0.0 else -1.0
+        place_point(points[i], normals[i], incoming[i], lobe, geo)
         own = surface[i] - FIRST_SPHERE
         n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], 1e-5)
-        inside = False
-        for j in range(view.spheres.shape[0]):
-            far2 = 0.0
-            for a in range(3):
-                far2 += (points[i, a] - view.spheres[j, a]) ** 2
-            if j != own and far2 <= view.spheres[j, 3] ** 2:
-                inside = True
-        if inside:
+        if inside_another(points[i], own, view.spheres):
             for p in range(count):
                 error[p, i], status[p, i] = math.inf, UNSUPPORTED
             continue
@@ -284,10 +272,7 @@ def gradient_kernel(
                 if view.floor[FLOOR_PRESENT] == 0.0 or surface[i] == FLOOR or points[i, 2] == 0.0:
                     continue
                 floor_chart(own, lobe, view, work)
-                for a in range(3):
-                    geo[STRIP + 3 + a] = 0.5 * (view.floor[FLOOR_BRIGHT + a] + view.floor[FLOOR_DARK + a])
-                geo[STRIP] = min(0.3, 1.4 / math.sqrt(n + 1e-9))
-                geo[STRIP + 1] = 0.5
+                floor_strips(n, view, geo)
                 chart_moves(-1, geo, tangents, t.moves)
             elif j == own:
                 continue
@@ -300,9 +285,7 @@ def gradient_kernel(
                 if gap < 1.5 and most * (1.0 + n * math.tan(gap)) < 1e-3 * value_tol:
                     spent += most
                     continue
-                geo[STRIP] = min(0.3, 1.4 / (math.sqrt(n + 1e-9) * k))
-                geo[STRIP + 1] = 0.5
-                geo[STRIP + 2] = 0.9 * math.acosh(1.0 / k)
+                sphere_strips(j, n, view, geo)
                 chart_moves(j, geo, tangents, t.moves)
             clear_panels(panels)
             found, _ = split_chart(
