@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 import numpy.typing as npt
+
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.tangent_walls import (
     AT_POINT,

@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
@@ -48,6 +49,7 @@ from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import is_brdf
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import STEP, split_chart
+from symrender.quadrature.split_point import SplitWork, lobe_setup, radiance_bound, split_work
 from symrender.quadrature.split_setup import (
     CAPPED,
     MET,
@@ -57,6 +59,7 @@ from symrender.quadrature.split_setup import (
     place_point,
     sphere_strips,
 )
+from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_line import HERE_ROWS
 from symrender.quadrature.tangent_panel import UNUSED, clear_panels, contract, radial_walls, replay_chart
@@ -77,9 +80,6 @@ from symrender.scene.arrays import (
     SceneArrays,
 )
 from symrender.settings import EXACT_DISK
-
-from symrender.quadrature.split_point import SplitWork, lobe_setup, radiance_bound, split_work
-from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
