@@ -100,7 +100,7 @@ def probe(
     moved = moves(loaded, wrt)
     names = tuple(name for name, _ in moved)
     tangents = tangent_arrays(arrays, moved)
-    refuse_unknown(arrays, tangents, names, settings.disk_order)
+    refuse_unknown(arrays, tangents, names)
     moving = _place_tangents(tangents, normal, away / length, length, hit_class)
     slopes = gloss_gradients(
         arrays, place, normal, away / length, surfaces, tangents_of(arrays, tangents, moving, settings.disk_order),

@@ -33,7 +33,7 @@ def test_gradient_writes_pictures_and_layers(tmp_path: Path, capsys: pytest.Capt
         (["gradient", "gloss"], "wrt"),
         (["gradient", "gloss", "--wrt", "spheres.B.centre.x"], "center"),
         (["gradient", "gloss", "--wrt", "shading.model"], "real number"),
-        (["gradient", "gloss", "--wrt", "spheres.B.radius", "--disk", "exact", "--size", "2"], "exact"),
+        (["gradient", "gloss", "--wrt", "spheres.B.radius", "--disk", "round", "--size", "2"], "exact"),
     ],
 )
 def test_gradient_refuses(words: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -45,7 +45,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
-from symrender.scene.arrays import CHECKER, KU, KV, TEXTURE
+from symrender.scene.arrays import CHECKER, KU, KV, STRIPES, TEXTURE
 
 Array = npt.NDArray[np.float64]
 
@@ -75,7 +75,8 @@ EYE: Final = 35
 GRID: Final = 38
 """Cell and offset of the floor's checker."""
 LIGHTS: Final = 41
-"""From here six columns a light point (place, colour), then four a sphere (centre, radius)."""
+"""From here six columns a light point (place, colour), then four a sphere (centre, radius), then, if there is an exact
+disk, four a light point (radius of the disk, turn of its frame)."""
 
 # rows of a place
 HIT: Final = 0
@@ -97,9 +98,9 @@ ONE_SIDED: Final = 3
 
 
 @jitable
-def adjoint_columns(lights: int, spheres: int) -> int:
-    """Columns of an adjoint."""
-    return LIGHTS + 6 * lights + 4 * spheres
+def adjoint_columns(lights: int, spheres: int, disks: bool) -> int:
+    """Columns of an adjoint; ``disks``: whether a light point may carry an exact disk."""
+    return LIGHTS + (10 if disks else 6) * lights + 4 * spheres
 
 
 @jitable
@@ -289,9 +290,29 @@ def _texture_gradient(row: Array, here: Array, sphere: Array, geo: Array, bar: A
         return
     c, s = math.cos(a), math.sin(a)
     bar[FACING, 0], bar[FACING, 1] = -s, c
-    # the seam of a frequency that is not whole does not move
-    if abs(number - whole) < 1e-6 * (1.0 + whole):
+    # the seam does not move: where a whole number of fields ends there, that holds as the number falls
+    if abs(number - whole) < 1e-6 * (1.0 + whole) and whole < (1.0 - 1e-9) * sphere[KU]:
         own[FREQUENCY] += (here[FACING, 0] * c + here[FACING, 1] * s) * 2.0 * math.pi * whole / sphere[KU] ** 2
+
+
+@jitable
+def opening_speed(i: int, here: Array, sphere: Array, work: Work) -> float:
+    """How fast, along the scan line, a field opens at the seam as the number of fields around a sphere grows.
+
+    0 unless wall ``i`` is the seam at this place and that number is whole: falling, it does not close a field.
+    """
+    row = work.walls[i]
+    ku = sphere[KU]
+    if row[TAG] != TEXTURE_EDGE or ku != math.floor(ku) or sphere[TEXTURE] not in (CHECKER, STRIPES):
+        return 0.0
+    parallel, number, a = edge_number(row, here, sphere, work.geo)
+    if parallel or 1e-6 * (1.0 + ku) < number < ku - 1e-6 * (1.0 + ku):
+        return 0.0
+    c, s = math.cos(a), math.sin(a)
+    slope = c * here[BY_X + 1, 1] - s * here[BY_X + 1, 0]
+    if slope == 0.0:
+        return 0.0
+    return float(abs((here[FACING, 0] * c + here[FACING, 1] * s) * 2.0 * math.pi / (ku * slope)))
 
 
 @jitable

@@ -15,6 +15,7 @@ from symrender.kernel.trace import EYE
 from symrender.scene import arrays as at
 
 SIGHT = "sight" + SUFFIX
+HITS = "hits" + SUFFIX
 CAMERA_AXES = "camera_axes" + SUFFIX
 
 
@@ -59,7 +60,7 @@ def power_tangent() -> Function:
 
 
 def tangent_program() -> Program:
-    """``sight`` and ``camera_axes`` with tangents, one text for every scene."""
+    """``sight``, ``hits`` (which tells albedos too) and ``camera_axes`` with tangents, one text for every scene."""
     whole = Program(
         (
             light.light_point(),
@@ -78,9 +79,11 @@ def tangent_program() -> Program:
             tiles.footprint_share(),
             tiles.look(),
             sight(),
+            tiles.hits(),
         ),
-        ("sight", "camera_axes"),
+        ("sight", "hits", "camera_axes"),
     )
     rules = {"power": power_tangent()}
-    parts = [forward(whole, entry, rules) for entry in ("camera_axes", "sight")]
-    return Program(parts[0].functions + parts[1].functions, (CAMERA_AXES, SIGHT))
+    parts = [forward(whole, entry, rules) for entry in ("camera_axes", "sight", "hits")]
+    functions = {function.name: function for part in parts for function in part.functions}
+    return Program(tuple(functions.values()), (CAMERA_AXES, SIGHT, HITS))

@@ -16,7 +16,7 @@ from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE
 from symrender.chambers.work import CASTERS, View, Work, work_arrays
-from symrender.kernel_cache import compiled
+from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature import disk_arcs, disk_chords, disk_curves, disk_term, gauss, light_term
 from symrender.quadrature.disk_term import disk_term as mean_over_disk
 from symrender.quadrature.gauss import LEVELS, gauss_table
@@ -26,6 +26,39 @@ from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+
+
+@jitable
+def stand_at(point: Array, normal: Array, incoming: Array, j: int, view: View, work: Work) -> bool:
+    """Tell ``work`` that the lit point is on sphere ``j``, -1 the floor; whether it is seen from within the sphere."""
+    work.geo[SHAPE_INDEX] = j
+    for a in range(3):
+        work.geo[POINT + a] = point[a]
+    work.geo[SIDE] = 1.0 if j >= 0 or incoming[2] < 0.0 else -1.0
+    lift = 0.0
+    if j >= 0:
+        for a in range(3):
+            lift += (point[a] - view.spheres[j, a]) * normal[a]
+    return bool(lift < 0.0)
+
+
+@jitable
+def cast_by_all(i: int, j: int, view: View, work: Work) -> None:
+    """List every sphere but ``j`` as one that may hide some of disk ``i``."""
+    count = 0
+    for h in range(view.spheres.shape[0]):
+        if h != j:
+            work.casters[count, 0], work.casters[count, 1] = i, h
+            count += 1
+    work.counts[CASTERS] = count
+
+
+def disk_step(tol: float) -> int:
+    """Step of the orders whose disk rules err by about a tenth of ``tol``."""
+    step = 0
+    while step + 2 < len(LEVELS) and math.exp(-LEVELS[step]) > 0.1 * tol:
+        step += 1
+    return step
 
 
 def direct_kernel(
@@ -38,13 +71,7 @@ def direct_kernel(
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
         vx, vy, vz = -incoming[k, 0], -incoming[k, 1], -incoming[k, 2]
         j = surface[k] - FIRST_SPHERE
-        work.geo[SHAPE_INDEX] = j
-        work.geo[POINT], work.geo[POINT + 1], work.geo[POINT + 2] = qx, qy, qz
-        work.geo[SIDE] = 1.0 if j >= 0 or incoming[k, 2] < 0.0 else -1.0
-        inside = False
-        if j >= 0:
-            s = view.spheres[j]
-            inside = (qx - s[0]) * nx + (qy - s[1]) * ny + (qz - s[2]) * nz < 0.0
+        inside = stand_at(points[k], normals[k], incoming[k], j, view, work)
         for i in range(view.points.shape[0]):
             p = view.points[i]
             if not p[DISK_RADIUS] > 0.0:
@@ -53,12 +80,7 @@ def direct_kernel(
                 # a wall of a ball from within is no chart's: no value is claimed
                 error[k] = math.inf
                 continue
-            count = 0
-            for h in range(view.spheres.shape[0]):
-                if h != j:
-                    work.casters[count, 0], work.casters[count, 1] = i, h
-                    count += 1
-            work.counts[CASTERS] = count
+            cast_by_all(i, j, view, work)
             state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
             if state == DARK:
                 continue
@@ -103,12 +125,9 @@ def disk_direct(
     view = View(arrays.spheres, arrays.floor, rows, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
     n = len(points)
     direct, error = np.zeros((n, 3)), np.zeros(n)
-    step = 0
-    while step + 2 < len(LEVELS) and math.exp(-LEVELS[step]) > 0.1 * tol:
-        step += 1
     given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]
     _kernel()(
-        *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), step, view,
+        *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), disk_step(tol), view,
         *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), direct, error,
     )  # fmt: skip
     return direct, error

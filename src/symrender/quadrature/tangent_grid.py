@@ -13,6 +13,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.labels import PARTLY
+from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.penumbra_walls import edge_search
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.tangent_walls import (
     AT_POINT,
@@ -32,8 +35,12 @@ from symrender.chambers.walls import HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN,
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, View, Work
 from symrender.kernel_cache import jitable
+from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
-from symrender.quadrature.split_grid import RINGS, floor_conics, may_cross, seen, taper
+from symrender.quadrature.split_grid import RINGS, SOFT, floor_conics, may_cross, seen, taper
+from symrender.quadrature.split_line import SOFT_LOG
+from symrender.quadrature.tangent_disk import disk_adjoint, disk_gradient
+from symrender.quadrature.tangent_line import NODE
 from symrender.quadrature.tangent_panel import contract
 from symrender.scene.arrays import FLOOR_BRIGHT, FLOOR_CELL, FLOOR_DARK, FLOOR_OFFSET
 
@@ -162,23 +169,31 @@ def grid_density(x: float, y: float, lobe: Array, geo: Array) -> tuple[float, fl
 
 
 @jitable
-def lit_sum(x: float, y: float, states: Array, view: View, geo: Array, out: Array) -> None:
-    """Sum over the lit light points of colour times cosine; ``out`` (3,)."""
+def lit_sum(
+    x: float, y: float, step: int, states: Array, view: View, work: Work, gauss: Array, disk: Array | None, out: Array
+) -> None:  # fmt: skip
+    """Sum over the lit lights of colour times cosine; ``out`` (3,)."""
+    geo = work.geo
     out[0] = out[1] = out[2] = 0.0
     for i in range(view.points.shape[0]):
         if states[i] == 0.0:
             continue
         p = view.points[i]
-        lx, ly, lz = p[0] - geo[POINT] - x, p[1] - geo[POINT + 1] - y, p[2]
+        qx, qy = geo[POINT] + x, geo[POINT + 1] + y
+        lx, ly, lz = p[0] - qx, p[1] - qy, p[2]
         cosine = lz / math.sqrt(lx * lx + ly * ly + lz * lz)
+        if disk is not None and p[DISK_RADIUS] > 0.0:
+            cosine, _ = disk_term(
+                i, int(states[i]), qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step, view, work, gauss
+            )  # fmt: skip
         for a in range(3):
             out[a] += p[3 + a] * cosine
 
 
 @jitable
 def grid_node(
-    x: float, y: float, weight: float, states: Array, lobe: Array, view: View, work: Work, half: Array, here: Array,
-    adjoint: Array,
+    x: float, y: float, weight: float, step: int, states: Array, lobe: Array, view: View, work: Work, gauss: Array,
+    disk: Array | None, half: Array, here: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add one floor node to the adjoint; ``half`` (3,) is half the contrast times kd, ``weight`` has the sign."""
     geo, floor, shading = work.geo, view.floor, view.shading
@@ -197,6 +212,20 @@ def grid_node(
         if states[i] == 0.0:
             continue
         p = view.points[i]
+        if disk is not None and p[DISK_RADIUS] > 0.0:
+            mean, _, _ = disk_gradient(
+                i, int(states[i]), qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step, False, view, work, gauss, disk
+            )  # fmt: skip
+            for a in range(3):
+                total[a] += p[3 + a] * mean
+                adjoint[a, LIGHTS + 6 * i + 3 + a] += w * half[a] * mean
+                node = here[NODE : NODE + 3]
+                for b in range(3):
+                    node[b, 0] = node[b, 1] = node[b, 2] = 0.0
+                disk_adjoint(i, w * half[a] * p[3 + a], 0.0, view, work, disk, node, adjoint[a])
+                here[2 + a, 0] += node[0, 0]
+                here[2 + a, 1] += node[0, 1]
+            continue
         lx, ly, lz = p[0] - qx, p[1] - qy, p[2]
         inv = 1.0 / math.sqrt(lx * lx + ly * ly + lz * lz)
         cos_l = lz * inv
@@ -249,9 +278,18 @@ def scan_row(
     for i in range(crossings):
         c = int(crossing[i])
         row = conics[c]
-        found, r1, r2 = quadratic_roots(row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5])
+        edges = work.quartic
+        if row[SOFT] > 0.0:
+            # both edges of the penumbra lie inside the cone
+            outer = int(row[SOFT]) - 1
+            found = edge_search(work.walls[outer], x0, x1, math.nan, y, work.geo, edges)
+            found += edge_search(work.walls[outer + 1], x0, x1, math.nan, y, work.geo, edges[found:])
+        else:
+            found, edges[0], edges[1] = quadratic_roots(
+                row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5]
+            )
         for j in range(found):
-            x = r1 if j == 0 else r2
+            x = edges[j]
             if x0 < x < x1 and k < roots.shape[0] - 1:
                 p = k
                 while p > 0 and roots[p - 1] > x:
@@ -284,8 +322,9 @@ def scan_row(
 
 @jitable
 def row_adjoint(
-    y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, lobe: Array, view: View, work: Work,
-    what: Ints, gauss: Array, table: Array, half: Array, here: Array, own: Array, adjoint: Array,
+    y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, lobe: Array, view: View,
+    work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, half: Array, here: Array,
+    own: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add weight times the scanned line's integral, differentiated, to the adjoint."""
     geo = work.geo
@@ -298,22 +337,22 @@ def row_adjoint(
         if right - left < 1e-14:
             continue
         lit = seen(left + 0.5 * (right - left), y, lobe, view, work, above)
-        if i > 0 and (lit or was_lit):
-            # the root between this piece and the last one moves
+        if i > 0 and (lit or was_lit) and conics[int(which[i - 1]), SOFT] == 0.0:
+            # the root between this piece and the last one moves; nothing jumps at a penumbra's edge
             density, _, _ = grid_density(left, y, lobe, geo)
-            lit_sum(left, y, above, view, geo, here[0])
-            lit_sum(left, y, below, view, geo, here[1])
+            lit_sum(left, y, step, above, view, work, gauss, disk, here[0])
+            lit_sum(left, y, step, below, view, work, gauss, disk, here[1])
             jump = here[2]
             some = False
             for a in range(3):
                 jump[a] = half[a] * ((here[1, a] if was_lit else 0.0) - (here[0, a] if lit else 0.0))
                 some = some or jump[a] != 0.0
             if some:
-                c = int(which[i - 1])
+                at = int(which[i - 1])
                 for k in range(own.shape[0]):
                     own[k] = 0.0
                 bar = here[3]
-                conic_gradient(what[c, 0], what[c, 1], what[c, 2], left, y, lobe, view, work, bar, own)
+                conic_gradient(what[at, 0], what[at, 1], what[at, 2], left, y, lobe, view, work, bar, own)
                 if bar[0] != 0.0:
                     scale = -weight * density / bar[0]
                     ride(1.0, geo[POINT] + left, geo[POINT + 1] + y, bar, view.floor, own)
@@ -323,9 +362,16 @@ def row_adjoint(
         if lit:
             work.counts[EVALUATIONS] += nx
             width = right - left
+            soft = False
+            for l in range(view.points.shape[0]):
+                soft = soft or above[l] >= PARTLY
             for e in range(nx):
-                w = weight * width * gauss[1, inner + e]
-                grid_node(left + width * gauss[0, inner + e], y, w, above, lobe, view, work, half, here, adjoint)
+                u, along = gauss[0, inner + e], width
+                if soft:
+                    s, c = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
+                    u, along = s * s, width * math.pi * s * c
+                w = weight * along * gauss[1, inner + e]
+                grid_node(left + width * u, y, w, step, above, lobe, view, work, gauss, disk, half, here, adjoint)
         for l in range(view.points.shape[0]):
             below[l] = above[l]
         was_lit = lit
@@ -377,9 +423,9 @@ def cut_strips(
 
 @jitable
 def strip_adjoint(
-    a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, lobe: Array, view: View,
-    work: Work, conics: Array, what: Ints, gauss: Array, table: Array, half: Array, here: Array, own: Array,
-    adjoint: Array,
+    a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, step: int, lobe: Array,
+    view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, half: Array,
+    here: Array, own: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """The adjoint of a strip by ``n`` lines, with a square-root map at both ends."""
     for row in range(adjoint.shape[0]):
@@ -393,15 +439,15 @@ def strip_adjoint(
         slope = sign * gauss[1, base + q] * (b - a) * math.pi * s * c
         k, _ = scan_row(y, x0, x1, crossings, lobe, view, work, conics, table)
         row_adjoint(
-            y, slope, x0, x1, k, nx, lobe, view, work, what, gauss, table, half, here, own, adjoint
+            y, slope, x0, x1, k, nx, step, lobe, view, work, conics, what, gauss, disk, table, half, here, own, adjoint
         )  # fmt: skip
 
 
 @jitable
 def square_adjoint(
     x0: float, y0: float, size: float, sign: float, step: int, log_rho: float, share: float, crossings: int,
-    lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, table: Array, half: Array,
-    here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array, out: Array,
+    lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array,
+    half: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array, out: Array,
 ) -> float:  # fmt: skip
     """Add the derivatives of a square that some conics cross to ``out`` (parameters, 4); their error estimate."""
     x1, y1 = x0 + size, y0 + size
@@ -434,6 +480,9 @@ def square_adjoint(
             top = cut_strips(cuts[i], cuts[i + 1], x0, x1, crossings, lobe, view, work, conics, table, top)
     error = 0.0
     nx = min(MAX_ORDER, order(step, log_rho))
+    for i in range(crossings):
+        if conics[int(crossing[i]), SOFT] > 0.0:
+            nx = max(nx, min(MAX_ORDER, order(step, SOFT_LOG)))
     while top > 0:
         top -= 1
         a, b, depth = stack[3 * top], stack[3 * top + 1], stack[3 * top + 2]
@@ -442,12 +491,13 @@ def square_adjoint(
             for c in range(4):
                 low[p, c] = high[p, c] = 0.0
         strip_adjoint(
-            a, b, n, sign, x0, x1, crossings, nx, lobe, view, work, conics, what, gauss, table, half, here, own, adjoint
-        )
+            a, b, n, sign, x0, x1, crossings, nx, step, lobe, view, work, conics, what, gauss, disk, table, half,
+            here, own, adjoint,
+        )  # fmt: skip
         contract(adjoint, moves, low, 1.0)
         strip_adjoint(
-            a, b, n + 3, sign, x0, x1, crossings, nx, lobe, view, work, conics, what, gauss, table, half, here, own,
-            adjoint,
+            a, b, n + 3, sign, x0, x1, crossings, nx, step, lobe, view, work, conics, what, gauss, disk, table, half,
+            here, own, adjoint,
         )  # fmt: skip
         contract(adjoint, moves, high, 1.0)
         change = 0.0
@@ -470,6 +520,7 @@ def square_adjoint(
 @jitable
 def replay_grid(
     tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array,
+    disk: Array | None,
     table: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array, square: Array,
     shorter: Array, value: Array, max_evaluations: int,
 ) -> float:  # fmt: skip
@@ -548,9 +599,10 @@ def replay_grid(
                         y = y0 + size * gauss[0, base + q]
                         for e in range(n):
                             w = sign * gauss[1, base + q] * gauss[1, base + e] * size * size
+                            x = x0 + size * gauss[0, base + e]
                             grid_node(
-                                x0 + size * gauss[0, base + e], y, w, states, lobe, view, work, half, here, adjoint
-                            )
+                                x, y, w, step, states, lobe, view, work, gauss, disk, half, here, adjoint
+                            )  # fmt: skip
                     contract(adjoint, moves, square, 1.0)
                     most = 0.0
                     for p in range(moves.shape[0]):
@@ -560,7 +612,7 @@ def replay_grid(
                 else:
                     error += weight * square_adjoint(
                         x0, y0, size, sign, step, log_rho, share, crossings, lobe, view, work, conics, what, gauss,
-                        table, half, here, own, adjoint, moves, low, high, square,
+                        disk, table, half, here, own, adjoint, moves, low, high, square,
                     )  # fmt: skip
                 for p in range(moves.shape[0]):
                     for c in range(3):

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from symrender.quadrature.light_points import disk_frame, light_rows
 from symrender.scene.arrays import DISK, SceneArrays
+from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
 
@@ -17,8 +18,12 @@ Array = npt.NDArray[np.float64]
 def light_point_tangents(arrays: SceneArrays, tangents: Array, order: int) -> Array:
     """(Q, m, 6): derivatives of the rows of ``light_rows`` as the lights' rows move by ``tangents`` (Q, lights, 11).
 
-    A point of a disk is L + a e1 + b e2 with a and b proportional to the radius, so only the frame needs a formula.
+    Place and the light's colour times the point's share; (Q, m, 10) where there are exact disks, whose rows go on with
+    their radius and with the turn omega of their frame, de = omega x e. A point of a disk is L + a e1 + b e2 with a and
+    b proportional to the radius, so only the frame needs a formula.
     """
+    if order == EXACT_DISK and (arrays.lights[:, 0] == DISK).any():
+        return _exact_tangents(arrays, tangents)
     points = light_rows(arrays, order)
     white = arrays.lights.copy()
     white[:, 5:8] = 1.0
@@ -41,6 +46,25 @@ def light_point_tangents(arrays: SceneArrays, tangents: Array, order: int) -> Ar
             along = np.outer(offset @ e1, de1) + np.outer(offset @ e2, de2)
             moved[q, here, :3] = move[1:4] + along + offset * (move[4] / light[4])
             moved[q, here, 3:6] = shares[here, None] * move[5:8]
+    return moved
+
+
+def _exact_tangents(arrays: SceneArrays, tangents: Array) -> Array:
+    """Of exact disks, which ``light_rows`` puts behind all other lights."""
+    disks = arrays.lights[:, 0] == DISK
+    order = [*np.nonzero(~disks)[0], *np.nonzero(disks)[0]]
+    moved = np.zeros((len(tangents), len(order), 10))
+    for row, l in enumerate(order):
+        light = arrays.lights[l]
+        for q, move in enumerate(tangents[:, l]):
+            moved[q, row, :3], moved[q, row, 3:6] = move[1:4], move[5:8]
+            if disks[l]:
+                frame = disk_frame(light[1:4], light[8:11])
+                change = _frame_tangent(light[1:4], light[8:11], move[1:4], move[8:11])
+                axis, axis_change = np.cross(*frame), np.cross(frame[0], change[1]) + np.cross(change[0], frame[1])
+                turned = zip((*frame, axis), (*change, axis_change), strict=True)
+                moved[q, row, 6] = move[4]
+                moved[q, row, 7:] = 0.5 * sum(np.cross(e, de) for e, de in turned)
     return moved
 
 

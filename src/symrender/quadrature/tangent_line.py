@@ -7,6 +7,8 @@ On a line the cells' ends are roots x_w of walls, so
 with F = radiance x solid angle x lobe density analytic on every closed cell: no delta, and the same Gauss rule. Nodes
 and walls both only know their gradients in Q, N, w and in the scene's numbers; ``pull_back`` turns them into columns
 of the adjoint, three rows (one a channel) for any number of parameters.
+
+``disk`` is the scratch of ``disk_gradient``, or None in a scene without exact disks: kernels are compiled for either.
 """
 
 from __future__ import annotations
@@ -17,8 +19,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK as UNLIT
-from symrender.chambers.labels import HIDDEN, LIT
+from symrender.chambers.labels import GLINT, HIDDEN, PARTLY
 from symrender.chambers.line import LIMB, POLE_END
+from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.tangent_walls import (
     AMBIENT,
     AXIS,
@@ -40,6 +43,7 @@ from symrender.chambers.tangent_walls import (
     chart_place,
     condition_of,
     on_a_parallel,
+    opening_speed,
     pull_back,
     rim_gradient,
     wall_gradient,
@@ -50,8 +54,12 @@ from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, SHAPE_INDEX, SID
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.gauss import MAX_ORDER
-from symrender.quadrature.split_line import cell_order
+from symrender.quadrature.disk_term import disk_term
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
+from symrender.quadrature.light_term import light_term
+from symrender.quadrature.split_line import SOFT_LOG, cell_order, disk_edge, tail_error
+from symrender.quadrature.tangent_disk import disk_adjoint, disk_gradient, monitor
+from symrender.quadrature.tangent_light import BAR_ROWS, offset_gradient
 from symrender.scene.arrays import EYE as FROM_EYE
 from symrender.scene.arrays import MARBLE, PHONG
 
@@ -61,9 +69,12 @@ Array = npt.NDArray[np.float64]
 # then the view direction and two rows of radiances
 NODE = PLACE_ROWS
 BAR = NODE + 9
-VIEW_ROW = BAR + 5
+VIEW_ROW = BAR + BAR_ROWS
 RADIANCE = VIEW_ROW + 1
 HERE_ROWS = RADIANCE + 2
+
+MAX_HALVINGS = 16
+"""Most halvings of one cell of a line where a disk's light is less smooth than the walls tell."""
 
 
 @jitable
@@ -114,8 +125,12 @@ def vein(n: Array, ku: float, kv: float) -> tuple[float, float, float, float, fl
 
 
 @jitable
-def radiance(side: int, lit: npt.NDArray[np.uint8], here: Array, view: View, geo: Array, out: Array) -> None:
+def radiance(
+    side: int, lit: npt.NDArray[np.uint8], step: int, here: Array, view: View, work: Work, gauss: Array,
+    disk: Array | None, out: Array
+) -> None:  # fmt: skip
     """Radiance minus background of a place as of the cell (side, lit); ``out`` (3,). Zero where it is hidden."""
+    geo = work.geo
     out[0] = out[1] = out[2] = 0.0
     if side == HIDDEN:
         return
@@ -130,86 +145,33 @@ def radiance(side: int, lit: npt.NDArray[np.uint8], here: Array, view: View, geo
     for i in range(view.points.shape[0]):
         if lit[i] == UNLIT:
             continue
-        cosine, gleam, _ = light_gradient(i, here, view, geo, False)
+        p, n, v = view.points[i], here[FACING], here[VIEW_ROW]
+        qx, qy, qz = geo[POINT] + here[HIT, 0], geo[POINT + 1] + here[HIT, 1], geo[POINT + 2] + here[HIT, 2]
+        cosine, gleam = light_term(
+            p[0] - qx, p[1] - qy, p[2] - qz, n[0], n[1], n[2], v[0], v[1], v[2], shading[4] == PHONG, shading[3]
+        )
+        if disk is not None and p[DISK_RADIUS] > 0.0:
+            cosine, gleam = disk_term(
+                i, int(lit[i]), qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2], step, view, work, gauss
+            )  # fmt: skip
         for a in range(3):
             albedo = factor * (view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a])
-            diffuse = albedo * shading[1] * cosine if lit[i] == LIT else 0.0
+            diffuse = albedo * shading[1] * cosine if lit[i] != GLINT else 0.0
             out[a] += view.points[i, 3 + a] * (diffuse + shading[2] * gleam)
     for a in range(3):
         out[a] += ambient * shading[7 + a] - shading[10 + a]
 
 
 @jitable
-def light_gradient(i: int, here: Array, view: View, geo: Array, wanted: bool) -> tuple[float, float, float]:
-    """Cosine and highlight of light point ``i`` and the highlight's slope in shininess.
-
-    If ``wanted``, rows BAR.. become the gradients of the cosine in the light's place and in N, then those of the
-    highlight in the light's place, in N and in the view direction.
-    """
-    ox, oy, oz = (
-        view.points[i, 0] - geo[POINT] - here[HIT, 0],
-        view.points[i, 1] - geo[POINT + 1] - here[HIT, 1],
-        view.points[i, 2] - geo[POINT + 2] - here[HIT, 2],
-    )
-    inv = 1.0 / math.sqrt(max(ox * ox + oy * oy + oz * oz, 1e-300))
-    lx, ly, lz = ox * inv, oy * inv, oz * inv
-    nx, ny, nz = here[FACING, 0], here[FACING, 1], here[FACING, 2]
-    vx, vy, vz = here[VIEW_ROW, 0], here[VIEW_ROW, 1], here[VIEW_ROW, 2]
-    cosine = lx * nx + ly * ny + lz * nz
-    shininess = view.shading[3]
-    phong = view.shading[4] == PHONG
-    facing = nx * vx + ny * vy + nz * vz
-    hx, hy, hz, size = 0.0, 0.0, 0.0, 1.0
-    if phong:
-        base = 2.0 * cosine * facing - (lx * vx + ly * vy + lz * vz)
-    else:
-        hx, hy, hz = lx + vx, ly + vy, lz + vz
-        size = math.sqrt(max(hx * hx + hy * hy + hz * hz, 1e-300))
-        hx, hy, hz = hx / size, hy / size, hz / size
-        base = hx * nx + hy * ny + hz * nz
-    gleam, by_shininess, rate = 0.0 if shininess > 0.0 else 1.0, 0.0, 0.0
-    if base > 0.0:
-        log = math.log(base)
-        gleam = math.exp(shininess * log)
-        by_shininess = gleam * log
-        rate = shininess * gleam / base
-    if not wanted:
-        return cosine, gleam, by_shininess
-    bar = here[BAR : BAR + 5]
-    bar[0, 0], bar[0, 1], bar[0, 2] = (nx - cosine * lx) * inv, (ny - cosine * ly) * inv, (nz - cosine * lz) * inv
-    bar[1, 0], bar[1, 1], bar[1, 2] = lx, ly, lz
-    if rate == 0.0:
-        for row in range(2, 5):
-            bar[row, 0] = bar[row, 1] = bar[row, 2] = 0.0
-        return cosine, gleam, by_shininess
-    if phong:
-        dx, dy, dz = (
-            rate * (2.0 * facing * nx - vx),
-            rate * (2.0 * facing * ny - vy),
-            rate * (2.0 * facing * nz - vz),
-        )
-        bar[3, 0] = rate * 2.0 * (facing * lx + cosine * vx)
-        bar[3, 1] = rate * 2.0 * (facing * ly + cosine * vy)
-        bar[3, 2] = rate * 2.0 * (facing * lz + cosine * vz)
-        bar[4, 0] = rate * (2.0 * cosine * nx - lx)
-        bar[4, 1] = rate * (2.0 * cosine * ny - ly)
-        bar[4, 2] = rate * (2.0 * cosine * nz - lz)
-    else:
-        over = rate / size
-        dx, dy, dz = over * (nx - base * hx), over * (ny - base * hy), over * (nz - base * hz)
-        bar[3, 0], bar[3, 1], bar[3, 2] = rate * hx, rate * hy, rate * hz
-        bar[4, 0], bar[4, 1], bar[4, 2] = dx, dy, dz
-    along = dx * lx + dy * ly + dz * lz
-    bar[2, 0], bar[2, 1], bar[2, 2] = (dx - along * lx) * inv, (dy - along * ly) * inv, (dz - along * lz) * inv
-    return cosine, gleam, by_shininess
-
-
-@jitable
 def node_adjoint(
-    weight: float, slope_k: float, cosine: float, log: float, cell: int, lobe: Array, view: View, work: Work,
-    here: Array, adjoint: Array,
-) -> None:  # fmt: skip
-    """Add one node of a line, of ``weight`` (its density and solid angle included), to the adjoint (4, columns)."""
+    weight: float, slope_k: float, cosine: float, log: float, cell: int, step: int, lobe: Array, view: View,
+    work: Work, gauss: Array, disk: Array | None, here: Array, adjoint: Array,
+) -> float:  # fmt: skip
+    """Add one node of a line, of ``weight`` (its density and solid angle included), to the adjoint (4, columns).
+
+    Returns a number that is as smooth along the line as the gradients of the disks' light; 0 without disks.
+    """
+    told = 0.0
     geo, shading = work.geo, view.shading
     j = int(geo[SHAPE_INDEX])
     side = work.cell_side[cell]
@@ -226,17 +188,34 @@ def node_adjoint(
             here[NODE + row, a] = 0.0
     for a in range(3):
         here[RADIANCE, a] = here[RADIANCE + 1, a] = 0.0
+    qx, qy, qz = geo[POINT] + here[HIT, 0], geo[POINT + 1] + here[HIT, 1], geo[POINT + 2] + here[HIT, 2]
+    facing, seen_along = here[FACING], here[VIEW_ROW]
     for i in range(view.points.shape[0]):
         state = work.lit[cell, i]
         if state == UNLIT:
             continue
         column = LIGHTS + 6 * i
-        shown = 1.0 if state == LIT else 0.0
-        bare, gleam, by_shininess = light_gradient(i, here, view, geo, True)
+        point = view.points[i]
+        is_disk = point[DISK_RADIUS] > 0.0
+        shown = 0.0 if state == GLINT else 1.0
+        bar = here[BAR : BAR + BAR_ROWS]
+        bare, gleam, by_shininess = 0.0, 0.0, 0.0
+        # a branch of its own, so that the code of disks is only compiled where there are some
+        if disk is not None and is_disk:
+            bare, gleam, by_shininess = disk_gradient(
+                i, int(state), qx, qy, qz, facing[0], facing[1], facing[2], seen_along[0], seen_along[1],
+                seen_along[2], step, True, view, work, gauss, disk,
+            )  # fmt: skip
+            strength = weight * (point[3] + point[4] + point[5])
+            told += monitor(strength * shading[1] * factor, strength * shading[2], disk)
+        if not is_disk:
+            bare, gleam, by_shininess = offset_gradient(
+                point[0] - qx, point[1] - qy, point[2] - qz, facing[0], facing[1], facing[2], seen_along[0],
+                seen_along[1], seen_along[2], shading[4] == PHONG, shading[3], True, bar,
+            )  # fmt: skip
         lit = shown * bare
-        bar = here[BAR : BAR + 5]
         for a in range(3):
-            color = view.points[i, 3 + a]
+            color = point[3 + a]
             albedo = factor * (view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a])
             out = adjoint[a]
             here[RADIANCE, a] += color * lit
@@ -246,10 +225,14 @@ def node_adjoint(
             diffuse = weight * color * shading[1] * albedo * shown
             highlight = weight * color * shading[2]
             node = here[NODE + 3 * a : NODE + 3 * a + 3]
+            if disk is not None and is_disk:
+                disk_adjoint(i, diffuse, highlight, view, work, disk, node, out)
+            if is_disk:
+                continue
             for b in range(3):
-                step = diffuse * bar[0, b] + highlight * bar[2, b]
-                out[column + b] += step
-                node[0, b] -= step
+                share = diffuse * bar[0, b] + highlight * bar[2, b]
+                out[column + b] += share
+                node[0, b] -= share
                 node[1, b] += diffuse * bar[1, b] + highlight * bar[3, b]
                 node[2, b] += highlight * bar[4, b]
     for a in range(3):
@@ -285,9 +268,9 @@ def node_adjoint(
             for b in range(3):
                 along += node[2, b] * here[VIEW_ROW, b]
             for b in range(3):
-                step = (node[2, b] - along * here[VIEW_ROW, b]) / far
-                out[EYE + b] += step
-                node[0, b] -= step
+                turn = (node[2, b] - along * here[VIEW_ROW, b]) / far
+                out[EYE + b] += turn
+                node[0, b] -= turn
                 node[2, b] = 0.0
         for b in range(3):
             node[2, b] = pull * lobe[b] - node[2, b]
@@ -296,6 +279,7 @@ def node_adjoint(
         out[LOG_NORMALISER] -= total
         out[CHART] += total * slope_k
         pull_back(1.0, node, here, j < 0, out)
+    return told
 
 
 @jitable
@@ -324,8 +308,9 @@ def wall_adjoint(
 
 @jitable
 def walls_adjoint(
-    c: float, s: float, weight: float, lobe: Array, view: View, work: Work, here: Array, own: Array, adjoint: Array
-) -> None:
+    c: float, s: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array,
+    disk: Array | None, here: Array, own: Array, adjoint: Array,
+) -> None:  # fmt: skip
     """Add the moving ends of all cells of the scanned line (c, s)."""
     geo = work.geo
     cells = work.counts[CELLS]
@@ -334,6 +319,9 @@ def walls_adjoint(
         wall = work.cell_wall[cell]
         if wall in (POLE_END, LIMB):
             # at the pole and at the limb the solid angle vanishes, and neither moves
+            continue
+        if disk_edge(wall, work):
+            # nothing jumps where a disk begins or ends to be hidden
             continue
         side_above = work.cell_side[cell] if cell < cells else HIDDEN
         side_below = work.cell_side[cell - 1] if cell > 0 else HIDDEN
@@ -345,8 +333,17 @@ def walls_adjoint(
         measure, _ = chart_place(x, c, s, geo, here)
         density = log_density(here, lobe, geo)[2]
         set_view(here, view, geo)
-        radiance(side_above, work.lit[min(cell, cells - 1)], here, view, geo, above)
-        radiance(side_below, work.lit[max(cell - 1, 0)], here, view, geo, below)
+        opening = 0.0
+        if wall >= 0 and geo[SHAPE_INDEX] >= 0.0 and side_above != HIDDEN and side_below != HIDDEN:
+            opening = opening_speed(wall // 4, here, view.spheres[int(geo[SHAPE_INDEX])], work)
+        if opening > 0.0:
+            # one more field would have another colour: the derivative is that of the side without it
+            radiance(1, work.lit[cell], step, here, view, work, gauss, disk, above)
+            radiance(0, work.lit[cell], step, here, view, work, gauss, disk, below)
+            contrast = abs(above[0] - below[0]) + abs(above[1] - below[1]) + abs(above[2] - below[2])
+            adjoint[ONE_SIDED, FREQUENCY] += abs(weight) * measure * density * opening * contrast
+        radiance(side_above, work.lit[min(cell, cells - 1)], step, here, view, work, gauss, disk, above)
+        radiance(side_below, work.lit[max(cell - 1, 0)], step, here, view, work, gauss, disk, below)
         for a in range(3):
             above[a] = below[a] - above[a]
         if above[0] == 0.0 and above[1] == 0.0 and above[2] == 0.0:
@@ -373,9 +370,47 @@ def walls_adjoint(
 
 
 @jitable
+def soft_cell(cell: int, view: View, work: Work) -> bool:
+    """Whether a cell of the scanned line ends at a wall of a disk light and is partly lit."""
+    if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
+        for i in range(view.points.shape[0]):
+            if work.lit[cell, i] >= PARTLY:
+                return True
+    return False
+
+
+@jitable
+def piece_adjoint(
+    a: float, end: float, n: int, c: float, s: float, weight: float, soft: bool, cell: int, step: int, lobe: Array,
+    view: View, work: Work, gauss: Array, disk: Array | None, here: Array, adjoint: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """Add a piece of a cell by ``n`` nodes; of what the disks' gradients tell, its size and the rule's error."""
+    geo = work.geo
+    base = n * (n - 1) // 2
+    work.counts[EVALUATIONS] += n
+    whole, last, before = 0.0, 0.0, 0.0
+    for q in range(n):
+        u, along = gauss[0, base + q], end - a
+        if soft:
+            # the slope of a disk's light ends with the square root of the distance from a wall
+            su, cu = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
+            u, along = su * su, along * math.pi * su * cu
+        measure, slope_k = chart_place(a + (end - a) * u, c, s, geo, here)
+        cosine, log, density = log_density(here, lobe, geo)
+        if density == 0.0:
+            continue
+        w = weight * gauss[1, base + q] * along * measure * density
+        told = node_adjoint(w, slope_k, cosine, log, cell, step, lobe, view, work, gauss, disk, here, adjoint)
+        whole += abs(told)
+        last += told * gauss[2, base + q]
+        before += told * gauss[3, base + q]
+    return whole, tail_error(n, 0.5 * last, 0.5 * before, whole)
+
+
+@jitable
 def line_adjoint(
-    phi: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array, here: Array, own: Array,
-    adjoint: Array,
+    phi: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None,
+    here: Array, own: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add ``weight`` times the scanned line's integral, differentiated, to ``adjoint``; ``step`` chooses the orders.
 
@@ -383,26 +418,34 @@ def line_adjoint(
     """
     geo = work.geo
     c, s = math.cos(phi), math.sin(phi)
-    walls_adjoint(c, s, weight, lobe, view, work, here, own, adjoint)
+    walls_adjoint(c, s, weight, step, lobe, view, work, gauss, disk, here, own, adjoint)
+    least = order(step, SOFT_LOG)
+    promise, size = 100.0 * math.exp(-LEVELS[step]), 0.0
     ex, ey = c * geo[6] + s * geo[9], c * geo[7] + s * geo[10]
     for cell in range(work.counts[CELLS]):
         if work.cell_side[cell] == HIDDEN:
             continue
         a, stop = work.cell_from[cell], work.cell_to[cell]
+        soft = soft_cell(cell, view, work)
+        end = stop
+        halvings = 0
         while a < stop:
-            end = stop
             n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+            if soft:
+                n = max(n + (n + 1) // 2, least)
             while n > MAX_ORDER:
                 end = a + 0.5 * (end - a)
                 n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
-            base = n * (n - 1) // 2
-            work.counts[EVALUATIONS] += n
-            for q in range(n):
-                x = a + (end - a) * gauss[0, base + q]
-                measure, slope_k = chart_place(x, c, s, geo, here)
-                cosine, log, density = log_density(here, lobe, geo)
-                if density == 0.0:
-                    continue
-                w = weight * gauss[1, base + q] * (end - a) * measure * density
-                node_adjoint(w, slope_k, cosine, log, cell, lobe, view, work, here, adjoint)
-            a = end
+                if soft:
+                    n = max(n + (n + 1) // 2, least)
+            whole, miss = piece_adjoint(
+                a, end, n, c, s, weight, soft, cell, step, lobe, view, work, gauss, disk, here, adjoint
+            )  # fmt: skip
+            if disk is not None and n > 4 and halvings < MAX_HALVINGS and miss > promise * (size + whole):
+                # where a ball leaves the part of a disk that is above the terminator no wall is known: taken back
+                piece_adjoint(a, end, n, c, s, -weight, soft, cell, step, lobe, view, work, gauss, disk, here, adjoint)
+                halvings += 1
+                end = a + 0.5 * (end - a)
+                continue
+            size += whole
+            a, end = end, stop

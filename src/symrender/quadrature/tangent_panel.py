@@ -50,6 +50,8 @@ UNUSED = -2.0
 """Step of a row of the panel table that no panel has taken."""
 NARROW = 1e-9
 """Panels thinner than this stay as they are."""
+SIDEWAYS = len(LEVELS) - 2
+"""Step of the orders along a wall that is a scan line."""
 RADIAL = 1e-12
 """A circle whose axis and level lie closer to the pole's great circles than this is one of them."""
 
@@ -85,8 +87,8 @@ def contract(adjoint: Array, tangents: Array, out: Array, sign: float) -> None:
 
 @jitable
 def panel_adjoint(
-    p: Array, step: int, lobe: Array, view: View, work: Work, gauss: Array, scratch: Array, here: Array, own: Array,
-    adjoint: Array,
+    p: Array, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array,
+    here: Array, own: Array, adjoint: Array,
 ) -> float:  # fmt: skip
     """The adjoint (4, columns) of one panel at one order; azimuth of a line of another structure, or NaN."""
     for row in range(adjoint.shape[0]):
@@ -102,7 +104,7 @@ def panel_adjoint(
             signature = found
         elif found != signature:
             return phi
-        line_adjoint(phi, gauss[1, base + q] * slope, step, lobe, view, work, gauss, here, own, adjoint)
+        line_adjoint(phi, gauss[1, base + q] * slope, step, lobe, view, work, gauss, disk, here, own, adjoint)
     return math.nan
 
 
@@ -149,8 +151,8 @@ def polish_ends(panels: Array, first: int, n: int, view: View, work: Work, event
 
 @jitable
 def replay_chart(
-    tol: float, lobe: Array, view: View, work: Work, gauss: Array, panels: Array, spans: Array, ids: Ints,
-    events: Array, scratch: Array, here: Array, own: Array, adjoint: Array, tangents: Array, exact: bool,
+    tol: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, panels: Array, spans: Array,
+    ids: Ints, events: Array, scratch: Array, here: Array, own: Array, adjoint: Array, tangents: Array, exact: bool,
     max_evaluations: int, value: Array, error: Array, low_order: Array, high_order: Array,
 ) -> int:  # fmt: skip
     """Add the charted shape's derivatives to ``value`` (parameters, 4), their estimated errors to ``error``.
@@ -174,7 +176,7 @@ def replay_chart(
         for a in range(tangents.shape[0]):
             for c in range(4):
                 low_order[a, c] = 0.0
-        foreign = panel_adjoint(p, step, lobe, view, work, gauss, scratch, here, own, adjoint)
+        foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, adjoint)
         contract(adjoint, tangents, low_order, 1.0)
         most = 0.0
         while foreign != foreign:
@@ -182,7 +184,7 @@ def replay_chart(
             for a in range(tangents.shape[0]):
                 for c in range(4):
                     high_order[a, c] = 0.0
-            foreign = panel_adjoint(p, step, lobe, view, work, gauss, scratch, here, own, adjoint)
+            foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, adjoint)
             contract(adjoint, tangents, high_order, 1.0)
             most = 0.0
             for a in range(tangents.shape[0]):
@@ -225,8 +227,9 @@ def replay_chart(
 
 @jitable
 def radial_walls(
-    lobe: Array, view: View, work: Work, gauss: Array, scratch: Array, here: Array, own: Array, adjoint: Array
-) -> bool:
+    lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array, here: Array, own: Array,
+    adjoint: Array,
+) -> bool:  # fmt: skip
     """The adjoint (4, columns) of walls that are scan lines; whether there are any."""
     for row in range(adjoint.shape[0]):
         for k in range(adjoint.shape[1]):
@@ -245,14 +248,14 @@ def radial_walls(
                 near = phi + (1e-10 if side else -1e-10)
                 if scan_line(near, view, work, scratch) != 0:
                     found = True
-                    _sideways(i, near, -1.0 if side else 1.0, lobe, view, work, gauss, here, own, adjoint)
+                    _sideways(i, near, -1.0 if side else 1.0, lobe, view, work, gauss, disk, here, own, adjoint)
     return found
 
 
 @jitable
 def _sideways(
-    i: int, phi: float, sign: float, lobe: Array, view: View, work: Work, gauss: Array, here: Array, own: Array,
-    adjoint: Array,
+    i: int, phi: float, sign: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None,
+    here: Array, own: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add sign x the scanned line's integral of F times how wall ``i`` moves across the line."""
     geo = work.geo
@@ -269,7 +272,7 @@ def _sideways(
             measure, _ = chart_place(x, c, s, geo, here)
             density = log_density(here, lobe, geo)[2]
             set_view(here, view, geo)
-            radiance(work.cell_side[cell], work.lit[cell], here, view, geo, here[RADIANCE])
+            radiance(work.cell_side[cell], work.lit[cell], SIDEWAYS, here, view, work, gauss, disk, here[RADIANCE])
             tag = condition_of(i, here, True, work)
             if tag < 0:
                 for column in range(adjoint.shape[1]):

@@ -59,13 +59,13 @@ from symrender.quadrature.split_setup import (
     place_point,
     sphere_strips,
 )
+from symrender.quadrature.tangent_disk import disk_rows
 from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_line import HERE_ROWS
 from symrender.quadrature.tangent_panel import UNUSED, clear_panels, contract, radial_walls, replay_chart
 from symrender.scene.arrays import (
     CHECKER,
-    DISK,
     FIRST_SPHERE,
     FLOOR,
     FLOOR_BRIGHT,
@@ -79,7 +79,6 @@ from symrender.scene.arrays import (
     TEXTURE,
     SceneArrays,
 )
-from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -95,7 +94,8 @@ class Tangents(NamedTuple):
     """Derivatives of a scene's numbers and of N points in Q parameters.
 
     ``place``, ``normal``, ``incoming`` (Q, N, 3); ``spheres`` (Q, n, columns), ``floor`` (Q, columns), ``points``
-    (Q, m, 6), ``shading`` (Q, columns), ``eye`` (Q, 3), as in ``SceneArrays`` and ``View``.
+    (Q, m, 6), or (Q, m, 10) with exact disks, as of ``light_point_tangents``, ``shading`` (Q, columns),
+    ``eye`` (Q, 3), as in ``SceneArrays`` and ``View``.
     """
 
     place: Array
@@ -174,8 +174,9 @@ def common_moves(
             row[SHADING + a] = tangents.shading[p, a]
         lights, spheres = tangents.points.shape[1], tangents.spheres.shape[1]
         for l in range(lights):
-            for a in range(6):
-                row[LIGHTS + 6 * l + a] = tangents.points[p, l, a]
+            for a in range(tangents.points.shape[2]):
+                column = LIGHTS + 6 * l + a if a < 6 else LIGHTS + 6 * lights + 4 * spheres + 4 * l + a - 6
+                row[column] = tangents.points[p, l, a]
         for j in range(spheres):
             for a in range(4):
                 row[LIGHTS + 6 * lights + 4 * j + a] = tangents.spheres[p, j, a]
@@ -217,8 +218,8 @@ def chart_moves(j: int, geo: Array, tangents: Tangents, moves: Array) -> None:
 
 def gradient_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents,
-    work: Work, tangent_work: TangentWork, gauss: Array, panels: Array, spans: Array, ids: Ints, events: Array,
-    scratch: Array, conics: Array, what: Ints, grid: Array, tol: float, value_tol: float, bound: float,
+    work: Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Array, spans: Array, ids: Ints,
+    events: Array, scratch: Array, conics: Array, what: Ints, grid: Array, tol: float, value_tol: float, bound: float,
     max_evaluations: int, exact: bool, gradient: Array, error: Array, evaluations: Ints, status: Ints,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``GradientResult`` for every point; see ``gloss_gradients``."""
@@ -241,6 +242,8 @@ def gradient_kernel(
         for p in range(count):
             for c in range(4):
                 t.value[p, c] = t.error[p, c] = 0.0
+        if disk is not None:
+            disk[disk.shape[0] - 1, 0] = 0.0
 
         sky = max(view.shading[10], view.shading[11], view.shading[12])
         facing = max(-1.0, min(1.0, lobe[0] * normals[i, 0] + lobe[1] * normals[i, 1] + lobe[2] * normals[i, 2]))
@@ -294,18 +297,18 @@ def gradient_kernel(
             )  # fmt: skip
             spent += found
             bad += replay_chart(
-                0.5 * tol, lobe, view, work, gauss, panels, spans, ids, events, scratch, t.here, t.own, t.adjoint,
+                0.5 * tol, lobe, view, work, gauss, disk, panels, spans, ids, events, scratch, t.here, t.own, t.adjoint,
                 t.moves, exact, max_evaluations, t.value, t.error, t.low, t.high,
             )  # fmt: skip
             if j == view.spheres.shape[0] and view.floor[FLOOR_KIND] == CHECKER and geo[SIDE] > 0.0:
                 off = replay_grid(
-                    0.5 * tol, own, lobe, view, work, conics, what, gauss, grid, t.here, t.own, t.adjoint, t.moves,
-                    t.low, t.high, t.square, t.shorter, t.value, max_evaluations,
+                    0.5 * tol, own, lobe, view, work, conics, what, gauss, disk, grid, t.here, t.own, t.adjoint,
+                    t.moves, t.low, t.high, t.square, t.shorter, t.value, max_evaluations,
                 )  # fmt: skip
                 for p in range(count):
                     for a in range(3):
                         t.error[p, a] += off
-            if radial_walls(lobe, view, work, gauss, scratch, t.here, t.own, t.adjoint):
+            if radial_walls(lobe, view, work, gauss, disk, scratch, t.here, t.own, t.adjoint):
                 contract(t.adjoint, t.moves, t.value, 1.0)
         evaluations[i] = work.counts[EVALUATIONS]
         for p in range(count):
@@ -317,7 +320,9 @@ def gradient_kernel(
             total = SAFETY * total + tail + 1e-14 * largest
             error[p, i] = total
             status[p, i] = MET if total <= tol else CAPPED
-            if abs(t.value[p, ONE_SIDED]) > 1e-9 * (largest + 1e-12):
+            if disk is not None and disk[disk.shape[0] - 1, 0] != 0.0:
+                error[p, i], status[p, i] = math.inf, UNSUPPORTED
+            if status[p, i] != UNSUPPORTED and abs(t.value[p, ONE_SIDED]) > 1e-9 * (largest + 1e-12):
                 status[p, i] = EVENT
 
 
@@ -325,29 +330,31 @@ def gradient_kernel(
 def _kernel() -> Any:
     package = Path(__file__).resolve().parent.parent
     files = [path for folder in ("chambers", "quadrature") for path in sorted((package / folder).glob("*.py"))]
+    # what makes direct light is no part of a lobe's
+    files = [path for path in files if not path.stem.endswith("_direct")]
     return compiled(gradient_kernel, sources=[path.read_text() for path in files], _nrt=False)
 
 
-def tangent_work(parameters: int, lights: int, spheres: int) -> TangentWork:
-    """Scratch for ``parameters`` derivatives."""
-    columns = adjoint_columns(lights, spheres)
+def tangent_work(parameters: int, lights: int, spheres: int, disks: bool) -> TangentWork:
+    """Scratch for ``parameters`` derivatives; ``disks``: whether there are exact disks."""
+    columns = adjoint_columns(lights, spheres, disks)
     return TangentWork(
-        np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((4, columns)), np.zeros((parameters, columns)),
-        *(np.zeros((parameters, 4)) for _ in range(6)),
+        np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((4, columns)),
+        np.zeros((parameters, columns)), *(np.zeros((parameters, 4)) for _ in range(6)),
     )  # fmt: skip
 
 
-def refuse_unknown(arrays: SceneArrays, moved: dict[str, Array], names: tuple[str, ...], disk_order: int) -> None:
+def refuse_unknown(arrays: SceneArrays, moved: dict[str, Array], names: tuple[str, ...]) -> None:
     """Raise ``Unsupported`` for what this rule cannot differentiate, by name."""
     if is_brdf(arrays):
         raise Unsupported("shading.lobe_units: brdf_normalised is not differentiated; choose lobe_average")
-    if disk_order == EXACT_DISK and (arrays.lights[:, 0] == DISK).any():
-        raise Unsupported("disk: 'exact' is not differentiated; choose KxK")
     for q, name in enumerate(names):
         for j in np.nonzero(moved["spheres"][q, :, KU])[0]:
-            if arrays.spheres[j, TEXTURE] == MARBLE:
+            ku = arrays.spheres[j, KU]
+            if arrays.spheres[j, TEXTURE] == MARBLE and ku == math.floor(ku):
                 raise Unsupported(
-                    f"{name}: the seam of a marble, where its veins jump as ku grows, is not differentiated"
+                    f"{name}: at the whole number {ku:g} the veins of a marble part at its seam; only numbers that are "
+                    "not whole have a derivative"
                 )
 
 
@@ -390,13 +397,16 @@ def gloss_gradients(
     s = scratch or split_work(arrays, lights)
     s.panels[:, STEP] = UNUSED
     count, n = tangents.place.shape[:2]
+    disks = tangents.points.shape[2] > 6
+    own = tangent_work(count, len(lights), len(arrays.spheres), disks)
+    table = np.zeros((disk_rows(len(arrays.spheres)), 3)) if disks else None
     result = GradientResult(
         np.zeros((count, n, 3)), np.zeros((count, n)), np.zeros((count, n), np.int64), np.zeros(n, np.int64)
     )
     _kernel()(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
-        tangents, s.work, tangent_work(count, len(lights), len(arrays.spheres)), s.gauss, s.panels, s.spans, s.ids,
+        tangents, s.work, own, s.gauss, table, s.panels, s.spans, s.ids,
         s.events, s.scratch, s.conics, np.zeros((len(s.conics), 3), np.int64), np.zeros((GRID_ROWS, 256)),
         float(tol), 0.1 * float(tol), radiance_bound(arrays, lights), int(max_evaluations),
         tol < 1e-5, result.gradient, result.error, result.evaluations, result.status,

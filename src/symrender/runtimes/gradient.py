@@ -8,12 +8,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
+from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
+from symrender.quadrature.tangent_direct import direct_gradients
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_point import gloss_gradients, refuse_unknown, tangents_of
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel
+from symrender.runtimes.truth import DIRECT_SHARE
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
 from symrender.scene.moves import Move, tangent_arrays
@@ -33,12 +37,17 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
     """
     moved = tangent_arrays(arrays, wrt)
     names = tuple(name for name, _ in wrt)
-    refuse_unknown(arrays, moved, names, settings.disk_order)
+    refuse_unknown(arrays, moved, names)
     text = numba.emitted(_emit, "tangent")
     axes_kernel, sight = numba.plain(text).camera_axes_dot, numba.kernel(text, "sight_dot")
+    hits = numba.kernel(text, "hits_dot")
     lights = light_rows(arrays, settings.disk_order)
-    plain_lights = np.ascontiguousarray(lights[:, :6])
+    # an exact disk is no point: its direct light is added below
+    points = lights[:, DISK_RADIUS] == 0.0
+    disks = not points.all()
+    plain_lights = np.ascontiguousarray(lights[points, :6])
     light_moves = light_point_tangents(arrays, moved["lights"], settings.disk_order)
+    light_moves = np.ascontiguousarray(light_moves[:, points, :6])
     axes, axes_moves = np.zeros(10), np.zeros((len(wrt), 10))
     if arrays.camera[0] == at.LOOK_AT:
         for q in range(len(wrt)):
@@ -71,17 +80,45 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
                 found["normal"], slopes["normal"][q], found["incoming"], slopes["incoming"][q], direct,
                 slopes["direct"][q],
             )  # fmt: skip
+        if disks:
+            found["albedo"], slopes["albedo"] = np.zeros(shape), np.zeros((len(wrt), *shape))
+            for q in range(len(wrt)):
+                hits(
+                    frame, np.zeros_like(frame), arrays.camera, moved["camera"][q], axes, axes_moves[q], eye,
+                    eye_moves[q], arrays.spheres, moved["spheres"][q], arrays.floor, moved["floor"][q], classes,
+                    class_slopes, found["place"], slopes["place"][q], found["normal"], slopes["normal"][q],
+                    found["incoming"], slopes["incoming"][q], found["albedo"], slopes["albedo"][q],
+                )  # fmt: skip
         if x0 == x1 or y0 == y1:
-            _compile(arrays, moved, settings)
+            _compile(arrays, moved, settings, disks)
             return 0
         tile = (slice(y0, y1), slice(x0, x1))
         layers["hit_class"][tile] = classes[tile]
         for q, name in enumerate(names):
+            layers[f"error:{name}"][tile] = layers[f"status:{name}"][tile] = 0.0
             layers[f"direct:{name}"][tile] = layers[f"radiance:{name}"][tile] = slopes["direct"][q][tile]
         seen = classes[tile].astype(np.int64)
         if not hasattr(own, "scratch"):
             own.scratch = split_work(arrays, lights)
         evaluations = 0
+        if disks:
+            rows, columns = np.nonzero(seen != at.NOTHING)
+            pixels = (rows + y0, columns + x0)
+            moving = [slopes[name][:, pixels[0], pixels[1]] for name in _PLACES]
+            light, missed = direct_gradients(
+                arrays, found["place"][pixels], found["normal"][pixels], found["incoming"][pixels], seen[rows, columns],
+                found["albedo"][pixels],
+                slopes["albedo"][:, pixels[0], pixels[1]],
+                tangents_of(arrays, moved, (moving[0], moving[1], moving[2]), settings.disk_order),
+                DIRECT_SHARE * settings.tol, (own.scratch.work, own.scratch.gauss),
+            )  # fmt: skip
+            for q, name in enumerate(names):
+                layers[f"direct:{name}"][pixels] += light[q]
+                layers[f"radiance:{name}"][pixels] += light[q]
+                layers[f"error:{name}"][pixels] = missed[q]
+                unknown = np.where(np.isinf(missed[q]), UNSUPPORTED, CAPPED)
+                layers[f"status:{name}"][pixels] = np.where(missed[q] > settings.tol, unknown, MET)
+        aim = (1.0 - DIRECT_SHARE if disks else 1.0) * settings.tol
         lobed = (weights > 0) | (weight_moves != 0).any(axis=0)
         for surface in np.unique(seen[lobed[seen]]).tolist():
             rows, columns = np.nonzero(seen == surface)
@@ -93,7 +130,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             result = gloss_gradients(
                 arrays, place, normal, incoming, surfaces,
                 tangents_of(arrays, moved, (moving[0], moving[1], moving[2]), settings.disk_order),
-                settings.tol / weight if weight > 0 else 1.0, settings.disk_order, 4 * settings.budget, own.scratch,
+                aim / weight if weight > 0 else 1.0, settings.disk_order, 4 * settings.budget, own.scratch,
             )  # fmt: skip
             evaluations += int(result.evaluations.sum())
             layers["evaluations"][pixels] = result.evaluations
@@ -101,8 +138,8 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             for q, name in enumerate(names):
                 layers[f"gloss:{name}"][pixels] = result.gradient[q]
                 layers[f"radiance:{name}"][pixels] += weight * result.gradient[q]
-                layers[f"error:{name}"][pixels] = weight * result.error[q]
-                layers[f"status:{name}"][pixels] = result.status[q]
+                layers[f"error:{name}"][pixels] += weight * result.error[q]
+                layers[f"status:{name}"][pixels] = np.maximum(layers[f"status:{name}"][pixels], result.status[q])
                 if weight_moves[q, surface] != 0.0:
                     if gloss is None:
                         gloss = gloss_points(
@@ -116,12 +153,15 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
     return render
 
 
-def _compile(arrays: SceneArrays, moved: dict[str, Array], settings: Settings) -> None:
-    """Call the lobe's kernel with no points, so that it is compiled before any clock runs."""
+def _compile(arrays: SceneArrays, moved: dict[str, Array], settings: Settings, disks: bool) -> None:
+    """Call the lobe's kernel, and that of exact disks, with no points, so that they are compiled before any clock."""
     none = np.zeros((0, 3))
-    moving = [np.zeros((len(moved["camera"]), 0, 3)) for _ in _PLACES]
-    tangents = tangents_of(arrays, moved, (moving[0], moving[1], moving[2]), settings.disk_order)
-    gloss_gradients(arrays, none, none, none, np.zeros(0, np.int64), tangents, settings.tol, settings.disk_order)
+    still = [np.zeros((len(moved["camera"]), 0, 3)) for _ in _PLACES]
+    tangents = tangents_of(arrays, moved, (still[0], still[1], still[2]), settings.disk_order)
+    nowhere = np.zeros(0, np.int64)
+    gloss_gradients(arrays, none, none, none, nowhere, tangents, settings.tol, settings.disk_order)
+    if disks:
+        direct_gradients(arrays, none, none, none, nowhere, none, still[0], tangents, settings.tol)
 
 
 def _emit() -> str:

@@ -1,0 +1,308 @@
+"""How the light of a disk changes with everything that moves: the derivative of ``quadrature/disk_term.py``.
+
+In coordinates (a, b) of the disk its circle stands still and only the curves that cut it move, so that
+
+    d/dp int_region f da db  =  int_region f_p da db  +  oint f G_p/|grad G| ds,
+
+the second along the arcs of the curves G = 0 that bound what is seen, G > 0 there. Both use the nodes of the value's
+own rule. A cosine vanishes on the terminator, whose arcs therefore only count for a highlight that is cut there. As a
+function of Q the mean over the disk is once continuously differentiable: the walls that a disk light lays on a shape
+carry no jump, and a first derivative has no boundary term from them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.labels import PARTLY
+from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
+from symrender.chambers.tangent_walls import LIGHTS
+from symrender.chambers.work import CASTERS, View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.disk_arcs import ARC, ARC_LOG, arc_point, arc_side, corners
+from symrender.quadrature.disk_curves import BALL, BOUNDS, CONE, CURVES, EVENTS, LINE, TERMINATOR, disk_curves
+from symrender.quadrature.disk_term import disk_log
+from symrender.quadrature.gauss import DISK_STARTS, disk_level, fitting
+from symrender.quadrature.light_term import light_term
+from symrender.quadrature.tangent_light import BAR_ROWS, offset_gradient
+from symrender.scene.arrays import OPEN, PHONG
+
+Array = npt.NDArray[np.float64]
+
+# rows of a functional (the cosine's mean, the highlight's mean): its gradients ...
+PLACE: Final = 0
+"""in the disk's centre,"""
+AT_Q: Final = 1
+"""in the lit point,"""
+NORMAL: Final = 2
+VIEW: Final = 3
+TURN: Final = 4
+"""in a turn of the disk's frame,"""
+NUMBERS: Final = 5
+"""in the disk's radius and in the shininess; in the last column its value."""
+BALLS: Final = 6
+"""From here on two rows a sphere: in its centre, and in its radius."""
+
+
+@jitable
+def disk_rows(spheres: int) -> int:
+    """Rows of scratch that ``disk_gradient`` fills: one light's, two functionals', and a flag."""
+    return BAR_ROWS + 2 * (BALLS + 2 * spheres) + 1
+
+
+@jitable
+def functional(which: int, table: Array) -> int:
+    """First row of the cosine's mean (0) or of the highlight's (1)."""
+    rows: int = (table.shape[0] - BAR_ROWS - 1) // 2
+    return BAR_ROWS + which * rows
+
+
+@jitable
+def move_disk(weight: float, gx: float, gy: float, gz: float, a: float, b: float, p: Array, out: Array) -> None:
+    """Add ``weight`` times what gradient g at the disk's point (a, b) says of its centre, radius and frame."""
+    rho = p[DISK_RADIUS]
+    dx = a * p[DISK_E1] + b * p[DISK_E2]
+    dy = a * p[DISK_E1 + 1] + b * p[DISK_E2 + 1]
+    dz = a * p[DISK_E1 + 2] + b * p[DISK_E2 + 2]
+    out[PLACE, 0] += weight * gx
+    out[PLACE, 1] += weight * gy
+    out[PLACE, 2] += weight * gz
+    out[NUMBERS, 0] += weight * (dx * gx + dy * gy + dz * gz)
+    out[TURN, 0] += weight * rho * (dy * gz - dz * gy)
+    out[TURN, 1] += weight * rho * (dz * gx - dx * gz)
+    out[TURN, 2] += weight * rho * (dx * gy - dy * gx)
+
+
+@jitable
+def disk_node(
+    weight: float, a: float, b: float, first: int, last: int, p: Array, yx: float, yy: float, yz: float, nx: float,
+    ny: float, nz: float, vx: float, vy: float, vz: float, view: View, table: Array,
+) -> None:  # fmt: skip
+    """Add one node of the disk, at offset y + rho (a e1 + b e2) from Q, to functionals ``first`` .. ``last`` - 1."""
+    rho = p[DISK_RADIUS]
+    sa, sb = rho * a, rho * b
+    bar = table[:BAR_ROWS]
+    cosine, gleam, by_shininess = offset_gradient(
+        yx + sa * p[DISK_E1] + sb * p[DISK_E2], yy + sa * p[DISK_E1 + 1] + sb * p[DISK_E2 + 1],
+        yz + sa * p[DISK_E1 + 2] + sb * p[DISK_E2 + 2], nx, ny, nz, vx, vy, vz, view.shading[4] == PHONG,
+        view.shading[3], last > 1, bar,
+    )  # fmt: skip
+    for which in range(first, last):
+        out = table[functional(which, table) :]
+        g, n = bar[2 * which], bar[2 * which + 1]
+        move_disk(weight, g[0], g[1], g[2], a, b, p, out)
+        for c in range(3):
+            out[AT_Q, c] -= weight * g[c]
+            out[NORMAL, c] += weight * n[c]
+            if which == 1:
+                out[VIEW, c] += weight * bar[4, c]
+        out[NUMBERS, 2] += weight * (gleam if which == 1 else cosine)
+        if which == 1:
+            out[NUMBERS, 1] += weight * by_shininess
+
+
+@jitable
+def moving_arc(
+    curve: int, weight: float, a: float, b: float, da: float, db: float, first: int, last: int, p: Array, qx: float,
+    qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, view: View, work: Work,
+    table: Array,
+) -> None:  # fmt: skip
+    """Add what the motion of a curve sweeps at its point (a, b) with velocity (da, db); ``weight`` is positive."""
+    row = work.disk[CURVES + curve]
+    bounds = row[BOUNDS]
+    rho = p[DISK_RADIUS]
+    yx, yy, yz = (
+        p[0] + rho * (a * p[DISK_E1] + b * p[DISK_E2]) - qx,
+        p[1] + rho * (a * p[DISK_E1 + 1] + b * p[DISK_E2 + 1]) - qy,
+        p[2] + rho * (a * p[DISK_E1 + 2] + b * p[DISK_E2 + 2]) - qz,
+    )
+    cx, cy, cz, radius, ball = 0.0, 0.0, 0.0, 0.0, 0
+    y2, inner, power = 0.0, 0.0, 0.0
+    if bounds == CONE:
+        ball = int(row[BOUNDS + 1])
+        s = view.spheres[ball]
+        cx, cy, cz, radius = s[0] - qx, s[1] - qy, s[2] - qz, s[3]
+        y2, inner = yx * yx + yy * yy + yz * yz, yx * cx + yy * cy + yz * cz
+        power = cx * cx + cy * cy + cz * cz - radius * radius
+        gx, gy, gz = 2.0 * (yx * power - inner * cx), 2.0 * (yy * power - inner * cy), 2.0 * (yz * power - inner * cz)
+    elif bounds == TERMINATOR:
+        gx, gy, gz = nx, ny, nz
+    else:
+        up = row[0] * p[2] + row[1] * p[DISK_E1 + 2] + row[2] * p[DISK_E2 + 2]
+        gx, gy, gz = 0.0, 0.0, 1.0 if up >= 0.0 else -1.0
+    ga = rho * (gx * p[DISK_E1] + gy * p[DISK_E1 + 1] + gz * p[DISK_E1 + 2])
+    gb = rho * (gx * p[DISK_E2] + gy * p[DISK_E2 + 1] + gz * p[DISK_E2 + 2])
+    slope = math.sqrt(ga * ga + gb * gb)
+    if slope == 0.0:
+        return
+    cosine, gleam = light_term(yx, yy, yz, nx, ny, nz, vx, vy, vz, view.shading[4] == PHONG, view.shading[3])
+    speed = weight * math.sqrt(da * da + db * db) / slope
+    for which in range(first, last):
+        if bounds == TERMINATOR and which == 0:
+            continue
+        w = speed * (gleam if which == 1 else cosine)
+        out = table[functional(which, table) :]
+        move_disk(w, gx, gy, gz, a, b, p, out)
+        if bounds == LINE:
+            continue
+        out[AT_Q, 0] -= w * gx
+        out[AT_Q, 1] -= w * gy
+        out[AT_Q, 2] -= w * gz
+        if bounds == TERMINATOR:
+            out[NORMAL, 0] += w * yx
+            out[NORMAL, 1] += w * yy
+            out[NORMAL, 2] += w * yz
+            continue
+        for c in range(3):
+            y = yx if c == 0 else (yy if c == 1 else yz)
+            center = cx if c == 0 else (cy if c == 1 else cz)
+            by_center = w * 2.0 * (center * y2 - inner * y)
+            out[AT_Q, c] -= by_center
+            out[BALLS + 2 * ball, c] += by_center
+        out[BALLS + 2 * ball + 1, 0] -= w * 2.0 * radius * y2
+
+
+@jitable
+def arc_gradient(
+    p: Array, n: int, first: int, last: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float,
+    vx: float, vy: float, vz: float, step: int, log_rho: float, view: View, work: Work, gauss: Array, table: Array,
+) -> None:  # fmt: skip
+    """Add the part of a disk that none of the first ``n`` curves of ``work.disk`` hides; nodes as in ``arc_term``."""
+    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    nodes, inner = fitting(step, ARC_LOG), fitting(step, log_rho)
+    start, within = nodes * (nodes - 1) // 2, inner * (inner - 1) // 2
+    turns = work.disk[EVENTS]
+    for curve in range(-1, n):
+        count, closed = corners(curve, n, work, turns)
+        arcs = count if closed else count - 1
+        if closed and count == 0:
+            turns[0] = 0.0
+            arcs = 1
+        for arc in range(arcs):
+            low = turns[arc]
+            high = turns[arc + 1] if arc + 1 < count else turns[0] + 2.0 * math.pi
+            if high - low < 1e-14:
+                continue
+            sense = arc_side(curve, 0.5 * (low + high), n, work)
+            if sense == 0.0:
+                continue
+            pieces = math.ceil((high - low) / ARC) if closed else 1
+            length = (high - low) / pieces
+            for piece in range(pieces):
+                for q in range(nodes):
+                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + q]), work)
+                    along = length * gauss[1, start + q] / math.pi
+                    weight = sense * along * (a * db - b * da)
+                    for r in range(inner):
+                        s = gauss[0, within + r]
+                        disk_node(
+                            weight * s * gauss[1, within + r], s * a, s * b, first, last, p, yx, yy, yz, nx, ny, nz,
+                            vx, vy, vz, view, table,
+                        )  # fmt: skip
+                    if curve >= 0:
+                        moving_arc(
+                            curve, along, a, b, da, db, first, last, p, qx, qy, qz, nx, ny, nz, vx, vy, vz, view, work,
+                            table,
+                        )  # fmt: skip
+
+
+@jitable
+def disk_gradient(
+    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
+    vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: Array, table: Array,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Gradients of both means of ``disk_term`` into ``table``; the means, and the highlight's slope in shininess.
+
+    ``table`` is (``disk_rows``, 3). Without ``gleaming`` only those of the cosine. Where a ball touches the disk itself
+    nothing is differentiated and the first number of the last row, which the caller clears, becomes 1.
+    """
+    flag = table.shape[0] - 1
+    for row in range(BAR_ROWS, flag):
+        for c in range(3):
+            table[row, c] = 0.0
+    p = view.points[i]
+    phong, shininess = view.shading[4] == PHONG, view.shading[3]
+    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    log_rho = disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess)
+    n = 0 if state < PARTLY else disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+    if n < 0:
+        return 0.0, 0.0, 0.0
+    opened = view.shading[6] == OPEN
+    lifted = yx * nx + yy * ny + yz * nz > 0.0
+    most = 2 if gleaming else 1
+    if n == 0:
+        if lifted or opened:
+            rule = disk_level(step, log_rho)
+            for k in range(DISK_STARTS[rule], DISK_STARTS[rule + 1]):
+                disk_node(
+                    gauss[2, k], gauss[0, k], gauss[1, k], 0 if lifted else 1, most, p, yx, yy, yz, nx, ny, nz, vx, vy,
+                    vz, view, table,
+                )  # fmt: skip
+    else:
+        for k in range(n):
+            if work.disk[CURVES + k, BOUNDS] >= BALL:
+                table[flag, 0] = 1.0
+                return 0.0, 0.0, 0.0
+        banded = work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
+        # highlights do not end at an open terminator
+        beyond = gleaming and opened and (banded or not lifted)
+        if lifted or banded:
+            arc_gradient(
+                p, n, 0, 1 if beyond else most, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss,
+                table,
+            )  # fmt: skip
+        if beyond:
+            unbanded = n - 1 if banded else n
+            arc_gradient(
+                p, unbanded, 1, 2, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss, table
+            )  # fmt: skip
+    cosine, shine = functional(0, table) + NUMBERS, functional(1, table) + NUMBERS
+    return table[cosine, 2], table[shine, 2], table[shine, 1]
+
+
+@jitable
+def monitor(lambert: float, shine: float, table: Array) -> float:
+    """One number that is as smooth as all gradients in ``table``: the means weighed, in light, balls and place."""
+    total = 0.0
+    for which in range(2):
+        first = functional(which, table)
+        rows = table[first : first + (table.shape[0] - BAR_ROWS - 1) // 2]
+        part = rows[NUMBERS, 0] + rows[PLACE, 0] + 0.7 * rows[PLACE, 1] + 0.4 * rows[PLACE, 2]
+        for k in range(BALLS + 1, rows.shape[0], 2):
+            part += rows[k, 0]
+        total += (shine if which == 1 else lambert) * part
+    return total
+
+
+@jitable
+def disk_adjoint(
+    i: int, diffuse: float, highlight: float, view: View, work: Work, table: Array, node: Array, out: Array
+) -> None:  # fmt: skip
+    """Add ``diffuse`` x the cosine's gradients and ``highlight`` x the highlight's, of disk ``i`` in ``table``.
+
+    ``node`` (3, 3) takes those in Q, N and the view, the adjoint ``out`` those in the disk and in what hides it.
+    """
+    balls = LIGHTS + 6 * view.points.shape[0]
+    column, more = LIGHTS + 6 * i, balls + 4 * view.spheres.shape[0] + 4 * i
+    for which in range(2):
+        weight = highlight if which == 1 else diffuse
+        if weight == 0.0:
+            continue
+        rows = table[functional(which, table) :]
+        for c in range(3):
+            out[column + c] += weight * rows[PLACE, c]
+            node[0, c] += weight * rows[AT_Q, c]
+            node[1, c] += weight * rows[NORMAL, c]
+            node[2, c] += weight * rows[VIEW, c]
+            out[more + 1 + c] += weight * rows[TURN, c]
+        out[more] += weight * rows[NUMBERS, 0]
+        for k in range(work.counts[CASTERS]):
+            if work.casters[k, 0] == i:
+                ball = work.casters[k, 1]
+                for c in range(3):
+                    out[balls + 4 * ball + c] += weight * rows[BALLS + 2 * ball, c]
+                out[balls + 4 * ball + 3] += weight * rows[BALLS + 2 * ball + 1, 0]

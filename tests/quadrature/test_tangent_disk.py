@@ -1,0 +1,182 @@
+"""Gradients of a disk's light at a point against differences of that light: cut by balls, floor and terminator."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symrender.chambers.labels import DARK, light_state
+from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE
+from symrender.chambers.work import View, work_arrays
+from symrender.quadrature.disk_direct import cast_by_all
+from symrender.quadrature.disk_term import disk_term
+from symrender.quadrature.gauss import gauss_table
+from symrender.quadrature.tangent_disk import (
+    AT_Q,
+    BALLS,
+    NORMAL,
+    NUMBERS,
+    PLACE,
+    TURN,
+    VIEW,
+    disk_gradient,
+    disk_rows,
+    functional,
+)
+from symrender.scene.arrays import FLOOR_COLUMNS, OPEN, SHADING_COLUMNS, SPHERE_COLUMNS
+
+STEP = 9
+GAUSS = gauss_table()
+
+
+@dataclass
+class Place:
+    """A lit point, a disk and two balls that may hide some of it: every number can be moved."""
+
+    q: np.ndarray
+    n: np.ndarray
+    v: np.ndarray
+    light: np.ndarray
+    frame: np.ndarray
+    rho: float
+    balls: np.ndarray
+    shininess: float
+    opened: bool
+    phong: bool
+    floor: bool
+
+    def parts(self) -> tuple:
+        """View and work of this place."""
+        row = np.zeros((1, 17))
+        row[0, :3], row[0, 3:6], row[0, 7] = self.light, 1.0, self.rho
+        row[0, 8:17] = self.frame.ravel()
+        spheres = np.zeros((2, SPHERE_COLUMNS))
+        spheres[:, :4] = self.balls
+        floor = np.zeros(FLOOR_COLUMNS)
+        floor[0] = float(self.floor)
+        shading = np.zeros(SHADING_COLUMNS)
+        shading[:7] = 0.1, 0.7, 0.5, self.shininess, float(self.phong), 0.0, float(self.opened) * OPEN
+        work = work_arrays(2, 1)
+        work.geo[SHAPE_INDEX], work.geo[SIDE] = -1.0, 1.0
+        work.geo[POINT : POINT + 3] = self.q
+        cast_by_all(0, -1, view := View(spheres, floor, row, shading, np.zeros(3)), work)
+        return view, work
+
+    def state(self) -> int:
+        """Which chamber the point is in."""
+        return int(light_state(0, *self.q, *self.n, *self.parts()))
+
+    def means(self) -> np.ndarray:
+        """Both means of the value's own rule."""
+        state = self.state()
+        if state == DARK:
+            return np.zeros(2)
+        return np.array(disk_term(0, state, *self.q, *self.n, *self.v, STEP, *self.parts(), GAUSS))
+
+    def gradient(self) -> np.ndarray:
+        """The table of ``disk_gradient``."""
+        table = np.zeros((disk_rows(2), 3))
+        disk_gradient(0, self.state(), *self.q, *self.n, *self.v, STEP, True, *self.parts(), GAUSS, table)
+        assert table[-1, 0] == 0.0
+        return table
+
+
+def turned(frame: np.ndarray, axis: int, angle: float) -> np.ndarray:
+    """The frame turned about a coordinate axis."""
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.eye(3)
+    a, b = (axis + 1) % 3, (axis + 2) % 3
+    turn[a, a], turn[a, b], turn[b, a], turn[b, b] = c, -s, s, c
+    return frame @ turn.T
+
+
+def moves(place: Place) -> list[tuple[str, tuple[int, int], Callable[[float], Place]]]:
+    """Every number that moves: its name, its place in a functional's rows, and the place moved by a step."""
+
+    def vector(name: str, axis: int, step: float) -> Place:
+        value = getattr(place, name).copy()
+        value[axis] += step
+        return replace(place, **{name: value})
+
+    def ball(k: int, axis: int, step: float) -> Place:
+        balls = place.balls.copy()
+        balls[k, axis] += step
+        return replace(place, balls=balls)
+
+    found: list[tuple[str, tuple[int, int], Callable[[float], Place]]] = []
+    for axis in range(3):
+        for name, row in (("light", PLACE), ("q", AT_Q), ("n", NORMAL), ("v", VIEW)):
+            found.append((name, (row, axis), lambda h, n=name, a=axis: vector(n, a, h)))
+        found.append(("frame", (TURN, axis), lambda h, a=axis: replace(place, frame=turned(place.frame, a, h))))
+    for k in range(2):
+        for axis in range(3):
+            found.append(("ball", (BALLS + 2 * k, axis), lambda h, k=k, a=axis: ball(k, a, h)))
+        found.append(("ball's radius", (BALLS + 2 * k + 1, 0), lambda h, k=k: ball(k, 3, h)))
+    found.append(("radius", (NUMBERS, 0), lambda h: replace(place, rho=place.rho + h)))
+    found.append(("shininess", (NUMBERS, 1), lambda h: replace(place, shininess=place.shininess + 20 * h)))
+    return found
+
+
+def random_place(rng: np.random.Generator, k: int) -> Place:
+    """A point below a disk; balls near the lines between them, the disk near the terminator, or in the floor."""
+    q = np.append(rng.uniform(-1, 1, 2), 0.0)
+    n = np.array([0.0, 0.0, 1.0])
+    light = np.array([*rng.uniform(-2, 2, 2), rng.uniform(3, 6)])
+    if k % 3 == 1:
+        n = rng.normal(size=3)
+        n -= (n @ (light - q)) * (light - q) / ((light - q) @ (light - q)) * rng.uniform(0.9, 1.1)
+        n /= np.linalg.norm(n)
+    if k % 6 == 5:
+        # the floor's own normal would make terminator and floor one line
+        light = q + np.array([*rng.choice([-4.0, 4.0], 2), 0.3])
+        n = np.array([0.3, -0.2, 0.9]) / np.sqrt(0.94)
+    axis = q - light + rng.normal(size=3)
+    axis /= np.linalg.norm(axis)
+    e1 = np.cross(axis, [0.0, 1.0, 0.0])
+    e1 /= np.linalg.norm(e1)
+    frame = np.stack([e1, np.cross(axis, e1), axis])
+    balls = np.zeros((2, 4))
+    for b in balls:
+        t = rng.uniform(0.3, 0.6)
+        b[:3] = q + t * (light - q) + rng.normal(size=3) * 0.25
+        b[3] = rng.uniform(0.15, 0.35)
+        # a ball that touches the disk is not differentiated
+        assert np.linalg.norm(b[:3] - light) > b[3] + 0.9
+    v = rng.normal(size=3)
+    v /= np.linalg.norm(v)
+    return Place(q, n, v, light, frame, rng.uniform(0.4, 0.9), balls, 12.0, k % 2 == 0, k % 5 == 4, k % 6 == 5)
+
+
+def test_gradients_are_differences() -> None:
+    rng = np.random.default_rng(8)
+    felt: dict[str, int] = {}
+    cut, compared = 0, 0
+    for k in range(24):
+        place = random_place(rng, k)
+        state = place.state()
+        if state < 2:
+            continue
+        cut += state >= 3
+        table = place.gradient()
+        for which in range(2):
+            rows = table[functional(which, table) :]
+            assert abs(rows[NUMBERS, 2] - place.means()[which]) < 1e-12
+        for name, (row, column), moved in moves(place):
+            h = 2e-3
+            same = all(moved(s).state() == state for s in (h, -h))
+            quotients = [(moved(h / 2**i).means() - moved(-h / 2**i).means()) / (2 * h / 2**i) for i in range(3)]
+            first = [(4 * b - a) / 3 for a, b in itertools.pairwise(quotients)]
+            expected = (16 * first[1] - first[0]) / 15
+            scale = 20.0 if name == "shininess" else 1.0
+            for which in range(2):
+                if not same or np.abs(expected - first[1]).max() > 1e-8:
+                    continue
+                got = scale * table[functional(which, table) + row, column]
+                assert abs(got - expected[which]) < 1e-8, (k, name, which)
+                compared += 1
+                felt[name] = felt.get(name, 0) + (abs(got) > 1e-3)
+    assert cut >= 12 and compared >= 500
+    assert len(felt) == 9 and min(felt.values()) >= 8
