@@ -17,7 +17,7 @@ def fit(
     tol: Annotated[float, typer.Option(help="Absolute error asked of every pixel, scene radiance.")] = 1e-6,
     iterations: Annotated[int, typer.Option(help="Most iterations.")] = 20,
     precision: Annotated[float, typer.Option(help="Relative change of the parameters that ends the fit.")] = 1e-9,
-    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids.")] = "2x2",
+    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     define: Define = None,
     out: Annotated[str, typer.Option("--out", "-o", help="File the scene found is written to, .yaml.")] = "",
     force: Force = False,

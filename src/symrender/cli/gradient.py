@@ -42,7 +42,7 @@ def gradient(
     size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "64",
     tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance over the unit.")] = 1e-4,
     budget: Annotated[int, typer.Option(help="Most evaluations a pixel may take.")] = 1_000_000,
-    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids.")] = "2x2",
+    disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     threads: Threads = 0,
     tile: Tile = 0,
