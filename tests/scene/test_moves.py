@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from symrender.errors import SceneError
+from symrender.errors import SceneError, Unsupported
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 from symrender.scene.moves import components, moves, tangent_arrays
@@ -48,6 +48,7 @@ def test_vectors_are_written_out() -> None:
     [
         ("camera", SceneError, "not a real number"),
         ("shading.model", SceneError, "not a real number"),
+        ("spheres.A.texture.ku", Unsupported, "whole number"),
         ("spheres.A.centre.x", SceneError, "center"),
     ],
 )

@@ -350,11 +350,9 @@ def refuse_unknown(arrays: SceneArrays, moved: dict[str, Array], names: tuple[st
         raise Unsupported("shading.lobe_units: brdf_normalised is not differentiated; choose lobe_average")
     for q, name in enumerate(names):
         for j in np.nonzero(moved["spheres"][q, :, KU])[0]:
-            ku = arrays.spheres[j, KU]
-            if arrays.spheres[j, TEXTURE] == MARBLE and ku == math.floor(ku):
+            if arrays.spheres[j, TEXTURE] == MARBLE:
                 raise Unsupported(
-                    f"{name}: at the whole number {ku:g} the veins of a marble part at its seam; only numbers that are "
-                    "not whole have a derivative"
+                    f"{name}: the seam of a marble, where its veins jump as ku grows, is not differentiated"
                 )
 
 

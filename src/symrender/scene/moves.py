@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from symrender.errors import SceneError
-from symrender.scene.arrays import Array, SceneArrays, scene_arrays
+from symrender.errors import SceneError, Unsupported
+from symrender.scene.arrays import KU, Array, SceneArrays, scene_arrays
 from symrender.scene.fields import number_range
 from symrender.scene.names import letters, resolve
 from symrender.scene.parameters import get
@@ -43,7 +43,8 @@ def components(scene: Scene, names: Iterable[str]) -> tuple[str, ...]:
 def moves(scene: Scene, names: Iterable[str]) -> tuple[Move, ...]:
     """What each of ``names`` moves, vectors written out.
 
-    SceneError for a parameter at which the scene's structure switches, such as the radius of a disk light that is 0.
+    SceneError for a parameter at which the scene's structure switches, such as the radius of a disk light that is 0;
+    Unsupported for one with another derivative on either side everywhere, the whole number of fields around a sphere.
     """
     return tuple((name, _moved(scene, name)) for name in components(scene, names))
 
@@ -69,6 +70,11 @@ def _moved(scene: Scene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
         for index in zip(*np.nonzero(a != b), strict=True):
             if abs(a[index] - value) > 0.0 or abs(b[index] - other) > 0.0:
                 raise SceneError(f"{name}: the scene changes its structure at {value:g}; there is no derivative")
+            if (field.name, int(index[-1])) == ("spheres", KU) and value == int(value):
+                raise Unsupported(
+                    f"{name}: at the whole number {value:g} a field opens at the texture's seam as it grows and none "
+                    "closes as it falls; only numbers that are not whole have a derivative"
+                )
             found.append((field.name, tuple(int(k) for k in index)))
     return tuple(found)
 
