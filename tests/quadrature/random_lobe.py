@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.quadrature.split_point import SplitResult, gloss_points
-from symrender.scene.arrays import CHECKER, DISK, MARBLE, SOLID, STRIPES, SceneArrays
+from symrender.scene.arrays import CHECKER, DISK, MARBLE, SHADING_COLUMNS, SOLID, STRIPES, SceneArrays
 
 from . import brute_lobe
 
@@ -87,7 +87,7 @@ def _attempt(rng: np.random.Generator, seed: int) -> RandomLobe | None:
         light[5:8] = rng.uniform(0, 1, 3)
         if light[0] == DISK:
             light[4] = rng.uniform(0.05, 1.0)
-    shading = np.zeros(13)
+    shading = np.zeros(SHADING_COLUMNS)
     shading[:3] = 0.1, rng.uniform(0.2, 1.0), rng.choice((0.0, 0.3, 0.5))
     shading[3] = math.exp(rng.uniform(math.log(1.0), math.log(300.0))) if rng.random() < 0.7 else 32.0
     shading[4:7] = rng.integers(0, 2, 3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Final
 
@@ -13,6 +14,9 @@ from symrender.kernel_cache import jitable
 Array = npt.NDArray[np.float64]
 
 MAX_ORDER: Final = 24
+
+BLOCK_LEVELS: Final = 11
+"""Blocks of a checker are 2^k squares wide, k below this."""
 
 LEVELS: Final = (1.0, 2.7, 4.7, 7.0, 10.0, 13.5, 17.5, 22.0, 27.0, 33.0)
 """Aimed-at error exponents of the successive orders of a piece."""
@@ -46,14 +50,29 @@ def disk_rule(degree: int) -> Array:
     return np.stack([(r * np.cos(angle)).ravel(), (r * np.sin(angle)).ravel(), share])
 
 
+def block_means(level: int) -> Array:
+    """(MAX_ORDER,): means over [0, 1] of the Legendre polynomials times the alternating signs of 2^level equal cells.
+
+    The first cell's sign is +1.
+    """
+    edges = np.linspace(-1.0, 1.0, 2**level + 1)
+    signs = (-1.0) ** np.arange(2**level)
+    unit = np.eye(MAX_ORDER)
+    primitives = (np.polynomial.legendre.legval(edges, np.polynomial.legendre.legint(row)) for row in unit)
+    return np.array([0.5 * float(signs @ np.diff(values)) for values in primitives])
+
+
+@functools.lru_cache(maxsize=1)
 def gauss_table() -> Array:
-    """(4, DISK_STARTS[-1]): nodes, weights, tails of Gauss rules on [0, 1], then x, y and weights of disk rules.
+    """(4 + BLOCK_LEVELS, DISK_STARTS[-1]): nodes, weights, tails of Gauss rules on [0, 1], then rules of the disk.
 
     The Gauss rule of n nodes starts at n (n - 1)/2 and is exact to degree 2n - 1 up to rounding. Its rows 2 and 3 make,
     as factors of the weights, the Legendre coefficients of degrees n - 1 and n - 2 of what the rule sees: how fast they
-    fall tells the rule's error. A row is 0 where that degree would be 0 or less.
+    fall tells the rule's error. A row is 0 where that degree would be 0 or less. Row 3 + k has the weights for 2^k
+    cells of alternating sign (``block_means``). The disk rules have x, y and weights in rows 0 to 2.
     """
-    table = np.zeros((4, DISK_STARTS[-1]))
+    table = np.zeros((4 + BLOCK_LEVELS, DISK_STARTS[-1]))
+    means = [block_means(level) for level in range(1, BLOCK_LEVELS)]
     for n in range(1, MAX_ORDER + 1):
         x, w = np.polynomial.legendre.leggauss(n)
         start = n * (n - 1) // 2
@@ -64,6 +83,10 @@ def gauss_table() -> Array:
                 series = np.zeros(degree + 1)
                 series[degree] = 2 * degree + 1
                 table[row, start : start + n] = np.polynomial.legendre.legval(x, series)
+        # int sign L_i of the Lagrange polynomials of the nodes, through their Legendre coefficients
+        legendre = np.polynomial.legendre.legvander(x, n - 1) * (2.0 * np.arange(n) + 1.0)
+        for level, mean in enumerate(means, 1):
+            table[3 + level, start : start + n] = 0.5 * w * (legendre @ mean[:n])
     for degree, start, stop in zip(DISK_DEGREES, DISK_STARTS, DISK_STARTS[1:], strict=False):
         table[:3, start:stop] = disk_rule(degree)
     return table
@@ -73,6 +96,12 @@ def gauss_table() -> Array:
 def fitting(step: int, log_rho: float) -> int:
     """Gauss nodes as of ``order``, but no more than asked: for rules inside the one whose steps are compared."""
     return max(1, min(MAX_ORDER, math.ceil(0.5 * LEVELS[step] / log_rho)))
+
+
+@jitable
+def nodes(step: int, log_rho: float) -> int:
+    """As ``fitting``, but it may exceed ``MAX_ORDER``: the piece must then be cut."""
+    return max(1, math.ceil(min(1e6, 0.5 * LEVELS[step] / log_rho)))
 
 
 @jitable

@@ -34,7 +34,7 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, nodes, order
 from symrender.quadrature.light_term import light_term, marble_factor
 from symrender.scene.arrays import EYE, MARBLE, PHONG
 
@@ -62,28 +62,30 @@ def facing_share(wx: float, wy: float, wz: float, geo: Array) -> float:
 
 
 @jitable
-def tail_error(n: int, last: float, before: float, size: float) -> float:
+def tail_error(n: int, last: float, before: float, size: float, log_rho: float) -> float:
     """Error of an n-point Gauss rule whose integrand, of mean magnitude ``size``, has these last two coefficients.
 
     Coefficients of an analytic integrand fall like rho^-k and the rule's error like rho^-2n: the last ones tell rho,
-    and the error size (top/size)^(2n/(n - 1)), of which the exponent is rounded down.
+    and the error size (top/size)^(2n/(n - 1)), of which the exponent is rounded down. One or two points tell too
+    little; there ``log_rho``, of the nearest singularity known, has its say.
     """
-    if n == 1 or size == 0.0:
-        return size
+    if size == 0.0:
+        return 0.0
+    known = 4.0 * size * math.exp(-2.0 * n * log_rho)
+    if n == 1:
+        return min(size, known)
     top = max(abs(last), 0.5 * abs(before))
-    ratio = top / size
+    ratio = min(1.0, top / size)
     if n == 2:
-        return top * min(1.0, ratio * ratio)
-    if n == 3:
-        return top * min(1.0, ratio * math.sqrt(ratio))
-    return top * min(1.0, ratio)
+        return max(top * ratio * ratio, min(top + known, known))
+    if n < 6:
+        return top * ratio * math.sqrt(ratio) if n == 3 else top * ratio * math.sqrt(math.sqrt(ratio))
+    return top * ratio
 
 
 @jitable
-def cell_order(
-    length: float, distance: float, step: int, ex: float, ey: float, points: Array, geo: Array
-) -> int:  # fmt: skip
-    """Gauss nodes a cell needs: Bernstein ellipse through the strip's edge."""
+def cell_log(length: float, distance: float, ex: float, ey: float, points: Array, geo: Array) -> float:
+    """log rho of the Bernstein ellipse of a cell through the edge of the strip where its integrand is tame."""
     if geo[SHAPE_INDEX] < 0.0:
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
         best = math.inf
@@ -101,12 +103,19 @@ def cell_order(
         log_rho = math.log(x + math.sqrt(1.0 + x * x))
         if best < math.inf:
             log_rho = min(log_rho, math.log(best + math.sqrt(max(1e-12, best * best - 1.0))))
-        return order(step, log_rho)
+        return log_rho
     near = geo[STRIP + 2]
     h = min(geo[STRIP], math.sqrt(near * near + distance * distance))
     x = 2.0 * h / length
-    log_rho = math.log(x + math.sqrt(1.0 + x * x))
-    return order(step, log_rho)
+    return math.log(x + math.sqrt(1.0 + x * x))
+
+
+@jitable
+def cell_order(
+    length: float, distance: float, step: int, ex: float, ey: float, points: Array, geo: Array
+) -> int:  # fmt: skip
+    """Gauss nodes of a cell where two successive steps are compared; above ``MAX_ORDER`` it must be cut."""
+    return order(step, cell_log(length, distance, ex, ey, points, geo))
 
 
 @jitable
@@ -168,14 +177,16 @@ def integrate_cells(
             for i in range(lights):
                 soft = soft or work.lit[cell, i] >= PARTLY
         a, end = start, stop
-        halvings = 0
+        halvings, wary = 0, False
         while a < stop:
-            n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+            log_rho = cell_log(end - a, 0.5 * math.pi - end, ex, ey, view.points, geo)
+            n = order(step, log_rho) if wary else nodes(step, log_rho)
             if soft:
                 n = max(n + (n + 1) // 2, least)
             while n > MAX_ORDER:
                 end = a + 0.5 * (end - a)
-                n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+                log_rho = cell_log(end - a, 0.5 * math.pi - end, ex, ey, view.points, geo)
+                n = order(step, log_rho) if wary else nodes(step, log_rho)
                 if soft:
                     n = max(n + (n + 1) // 2, least)
             base = n * (n - 1) // 2
@@ -249,11 +260,16 @@ def integrate_cells(
                 mixture = weight * (fr + fg + fb)
                 last += mixture * gauss[2, base + q]
                 before += mixture * gauss[3, base + q]
-            miss = tail_error(n, 0.5 * last, 0.5 * before, whole)
-            if n > 4 and miss > promise * (size + whole) and halvings < MAX_HALVINGS:
-                halvings += 1
-                end = a + 0.5 * (end - a)
-                continue
+            miss = tail_error(n, 0.5 * last, 0.5 * before, whole, log_rho)
+            if n > 1 and miss > promise * (size + whole) and halvings < MAX_HALVINGS:
+                # a cell less tame than it looks; so few points judge badly, and are not halved away from
+                if n > max(step, 4):
+                    halvings += 1
+                    end = a + 0.5 * (end - a)
+                    continue
+                if not wary:
+                    wary = True
+                    continue
             r += r0
             g += g0
             b += b0

@@ -324,7 +324,7 @@ def note_chambers(work: Work) -> None:
 
 @jitable
 def panel_order(step: int, log_rho: float) -> int:
-    """Lines of a panel."""
+    """Lines of a panel, more with every step: one less tame than it looked is then found out."""
     return min(MAX_ORDER, order(step, log_rho) + (1 if step > 0 else 0))
 
 
@@ -403,7 +403,8 @@ def evaluate_panel(
     elif out[5] > 0.0 or foreign == foreign:
         error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin * p[BOUND] / (b - a)
     else:
-        error = 2.0 * max(tail_error(n, last, before, size), max(last, 0.5 * before) * math.exp(-(n + 1) * p[LOG_RHO]))
+        known = max(last, 0.5 * before) * math.exp(-(n + 1) * p[LOG_RHO])
+        error = 2.0 * max(tail_error(n, last, before, size, p[LOG_RHO]), known)
     for i in range(view.points.shape[0]):
         if view.points[i, DISK_RADIUS] > 0.0:
             # the rules over a disk light keep to the panel's level and err alike on every line
@@ -511,10 +512,11 @@ def split_chart(
                 continue
             need = step + 1
             if step >= 0 and p[INSIDE] == 0.0:
-                aim = LEVELS[step] + math.log(p[ERROR] / share) + 0.5
+                # a first estimate is ten times what the panel holds
+                aim = LEVELS[step] + math.log(p[ERROR] / share) + 0.5 - (2.3 if step == 0 else 0.0)
                 while need + 1 < len(LEVELS) and LEVELS[need] < aim:
                     need += 1
-            if need >= len(LEVELS) or (step >= 0 and order(need, p[LOG_RHO]) >= MAX_ORDER):
+            if need >= len(LEVELS) or (step >= 0 and panel_order(need, p[LOG_RHO]) >= MAX_ORDER):
                 if n >= panels.shape[0] or width < 1e-9:
                     if step < 0:
                         rough_panel(p, view, work, gauss, scratch)

@@ -49,17 +49,20 @@ from symrender.quadrature import (
     disk_chords,
     disk_curves,
     disk_term,
+    floor_conics,
     light_term,
     split_line,
     split_panel,
     split_setup,
+    split_square,
 )
 from symrender.quadrature import gauss as gauss_module
 from symrender.quadrature import split_grid as split_grid_module
+from symrender.quadrature.floor_conics import CONIC_COLUMNS
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import lobe_scale
-from symrender.quadrature.split_grid import CONIC_COLUMNS, RINGS, split_grid
+from symrender.quadrature.split_grid import split_grid
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
 from symrender.quadrature.split_setup import (
@@ -172,7 +175,7 @@ def gloss_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, work: Work, gauss: Array,
     panels: Array, spans: Array, ids: Ints, events: Array, scratch: Array, tol: float, bound: float,
     max_evaluations: int, gloss: Array, error: Array, evaluations: Ints, status: Ints, chambers: Ints,
-    crossings: Ints, conics: Array, rings: Array, grid_roots: Array, states: Array, grid_stack: Array,
+    crossings: Ints, conics: Array, states: Array, grid_stack: Array,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
     lobe = scratch[24:27]
@@ -259,8 +262,7 @@ def gloss_kernel(
                     if contrast > 0.0:
                         total += contrast * split_grid(
                             max(0.5 * (tol - total), 0.05 * tol) / contrast, own, lobe, view, work, conics, gauss,
-                            rings,
-                            grid_roots, states, grid_stack, max_evaluations, scratch[20:23],
+                            states, grid_stack, max_evaluations, scratch[20:23],
                         )  # fmt: skip
                         for a in range(3):
                             value[a] += scratch[16 + a] * scratch[20 + a]
@@ -280,8 +282,8 @@ def gloss_kernel(
 def _kernel() -> Any:
     modules = (
         chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, walls, work,
-        disk_arcs, disk_chords, disk_curves, disk_term, gauss_module, light_term, split_grid_module, split_line,
-        split_panel, split_setup, sys.modules[__name__],
+        disk_arcs, disk_chords, disk_curves, disk_term, floor_conics, gauss_module, light_term, split_grid_module,
+        split_line, split_panel, split_setup, split_square, sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
@@ -299,8 +301,6 @@ class SplitWork:
     events: Array
     scratch: Array
     conics: Array
-    rings: Array
-    grid_roots: Array
     states: Array
     grid_stack: Array
 
@@ -316,10 +316,8 @@ def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
         events=np.zeros((2048, 2)),
         scratch=np.zeros(64),
         conics=np.zeros((2 + 2 * len(arrays.spheres) + len(points) * len(arrays.spheres), CONIC_COLUMNS)),
-        rings=np.zeros((RINGS, 4)),
-        grid_roots=np.zeros(256),
         states=np.zeros(max(1, len(points))),
-        grid_stack=np.zeros((128, 256)),
+        grid_stack=np.zeros((256, 256)),
     )
 
 
@@ -366,7 +364,7 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights), int(max_evaluations), gloss, error, *counts, s.conics, s.rings, s.grid_roots,
-        s.states, s.grid_stack,
+        radiance_bound(arrays, lights), int(max_evaluations), gloss, error, *counts, s.conics, s.states,
+        s.grid_stack,
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

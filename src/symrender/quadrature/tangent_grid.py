@@ -31,14 +31,25 @@ from symrender.chambers.tangent_walls import (
     SHADING,
 )
 from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
-from symrender.chambers.walls import HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
+from symrender.chambers.walls import HEIGHT, POINT, SURFACE_NORMAL
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
+from symrender.quadrature.floor_conics import SOFT, floor_conics, may_cross, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
-from symrender.quadrature.split_grid import RINGS, SOFT, floor_conics, may_cross, seen, taper
+from symrender.quadrature.split_grid import (
+    LEAVES,
+    MAX_BLOCK_ORDER,
+    SMALLEST,
+    block_bound,
+    block_level,
+    block_sign,
+    grid_reach,
+    point_light,
+)
 from symrender.quadrature.split_line import SOFT_LOG
+from symrender.quadrature.split_square import seen, taper
 from symrender.quadrature.tangent_disk import disk_adjoint, disk_gradient
 from symrender.quadrature.tangent_line import NODE
 from symrender.quadrature.tangent_panel import contract
@@ -47,6 +58,8 @@ from symrender.scene.arrays import FLOOR_BRIGHT, FLOOR_CELL, FLOOR_DARK, FLOOR_O
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+REPLAY_REACH = 24.0
+"""Squares from the foot of a point whose lobe holds endless squares."""
 # what a conic is
 _RIM = 0
 _HORIZON = 1
@@ -61,8 +74,10 @@ _BELOW = 2
 _ABOVE = 3
 _CROSSING = 4
 _CUTS = 5
-_STACK = 6
-GRID_ROWS = 40
+_KINDS = 6
+_STACK = 7
+_BLOCKS = 40
+GRID_ROWS = 200
 
 
 @jitable
@@ -322,9 +337,9 @@ def scan_row(
 
 @jitable
 def row_adjoint(
-    y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, lobe: Array, view: View,
-    work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, half: Array, here: Array,
-    own: Array, adjoint: Array,
+    y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, reach: float, lobe: Array,
+    view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, half: Array,
+    here: Array, own: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add weight times the scanned line's integral, differentiated, to the adjoint."""
     geo = work.geo
@@ -354,7 +369,7 @@ def row_adjoint(
                 bar = here[3]
                 conic_gradient(what[at, 0], what[at, 1], what[at, 2], left, y, lobe, view, work, bar, own)
                 if bar[0] != 0.0:
-                    scale = -weight * density / bar[0]
+                    scale = -weight * taper(math.hypot(left, y), reach) * density / bar[0]
                     ride(1.0, geo[POINT] + left, geo[POINT + 1] + y, bar, view.floor, own)
                     for a in range(3):
                         for k in range(own.shape[0]):
@@ -370,8 +385,9 @@ def row_adjoint(
                 if soft:
                     s, c = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
                     u, along = s * s, width * math.pi * s * c
-                w = weight * along * gauss[1, inner + e]
-                grid_node(left + width * u, y, w, step, above, lobe, view, work, gauss, disk, half, here, adjoint)
+                x = left + width * u
+                w = weight * taper(math.hypot(x, y), reach) * along * gauss[1, inner + e]
+                grid_node(x, y, w, step, above, lobe, view, work, gauss, disk, half, here, adjoint)
         for l in range(view.points.shape[0]):
             below[l] = above[l]
         was_lit = lit
@@ -423,9 +439,9 @@ def cut_strips(
 
 @jitable
 def strip_adjoint(
-    a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, step: int, lobe: Array,
-    view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, half: Array,
-    here: Array, own: Array, adjoint: Array,
+    a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, step: int, reach: float,
+    lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array,
+    half: Array, here: Array, own: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """The adjoint of a strip by ``n`` lines, with a square-root map at both ends."""
     for row in range(adjoint.shape[0]):
@@ -439,41 +455,22 @@ def strip_adjoint(
         slope = sign * gauss[1, base + q] * (b - a) * math.pi * s * c
         k, _ = scan_row(y, x0, x1, crossings, lobe, view, work, conics, table)
         row_adjoint(
-            y, slope, x0, x1, k, nx, step, lobe, view, work, conics, what, gauss, disk, table, half, here, own, adjoint
+            y, slope, x0, x1, k, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table, half, here, own,
+            adjoint,
         )  # fmt: skip
 
 
 @jitable
 def square_adjoint(
-    x0: float, y0: float, size: float, sign: float, step: int, log_rho: float, share: float, crossings: int,
-    lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array,
-    half: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array, out: Array,
+    x0: float, y0: float, size: float, sign: float, step: int, log_rho: float, reach: float, share: float,
+    crossings: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None,
+    table: Array, half: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array,
+    out: Array,
 ) -> float:  # fmt: skip
     """Add the derivatives of a square that some conics cross to ``out`` (parameters, 4); their error estimate."""
     x1, y1 = x0 + size, y0 + size
     cuts, crossing, stack = table[_CUTS], table[_CROSSING], table[_STACK]
-    k = 2
-    cuts[0], cuts[1] = y0, y1
-    for i in range(crossings):
-        row = conics[int(crossing[i])]
-        for which in range(3):
-            if which < 2:
-                x = x0 if which == 0 else x1
-                found, r1, r2 = quadratic_roots(row[2], row[1] * x + row[4], row[0] * x * x + 2.0 * row[3] * x + row[5])
-            else:
-                found, r1, r2 = quadratic_roots(
-                    row[1] * row[1] - row[0] * row[2], row[1] * row[3] - row[0] * row[4],
-                    row[3] * row[3] - row[0] * row[5],
-                )  # fmt: skip
-            for j in range(found):
-                y = r1 if j == 0 else r2
-                if y0 < y < y1 and k < cuts.shape[0]:
-                    p = k
-                    while p > 0 and cuts[p - 1] > y:
-                        cuts[p] = cuts[p - 1]
-                        p -= 1
-                    cuts[p] = y
-                    k += 1
+    k = square_cuts(x0, x1, y0, y1, crossing, crossings, conics, cuts, table[_KINDS])
     top = 0
     for i in range(k - 1):
         if cuts[i + 1] - cuts[i] > 1e-13 * size:
@@ -491,13 +488,13 @@ def square_adjoint(
             for c in range(4):
                 low[p, c] = high[p, c] = 0.0
         strip_adjoint(
-            a, b, n, sign, x0, x1, crossings, nx, step, lobe, view, work, conics, what, gauss, disk, table, half,
-            here, own, adjoint,
+            a, b, n, sign, x0, x1, crossings, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table,
+            half, here, own, adjoint,
         )  # fmt: skip
         contract(adjoint, moves, low, 1.0)
         strip_adjoint(
-            a, b, n + 3, sign, x0, x1, crossings, nx, step, lobe, view, work, conics, what, gauss, disk, table, half,
-            here, own, adjoint,
+            a, b, n + 3, sign, x0, x1, crossings, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table,
+            half, here, own, adjoint,
         )  # fmt: skip
         contract(adjoint, moves, high, 1.0)
         change = 0.0
@@ -520,18 +517,16 @@ def square_adjoint(
 @jitable
 def replay_grid(
     tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array,
-    disk: Array | None,
-    table: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array, square: Array,
-    shorter: Array, value: Array, max_evaluations: int,
+    disk: Array | None, table: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array,
+    square: Array, shorter: Array, value: Array, max_evaluations: int,
 ) -> float:  # fmt: skip
     """Add the derivatives of what the checker adds to a floor of mean albedo to ``value``; their error estimate.
 
-    ``work`` holds the floor chart of the point. Squares are whole cells of the checker, none left out for its bound and
-    none quartered: the value's own rule chooses by the size of a radiance, which says little of a derivative's.
+    ``work`` holds the floor chart of the point. Blocks and taper are those of ``split_grid``; how fine a block's rule
+    must be is judged by what the block can hold.
     """
     geo, floor = work.geo, view.floor
-    h = geo[HEIGHT]
-    size = floor[FLOOR_CELL]
+    cell = floor[FLOOR_CELL]
     half = table[_STACK + 1]
     contrast = 0.0
     for a in range(3):
@@ -541,83 +536,103 @@ def replay_grid(
     if count > conics.shape[0]:
         return math.inf
     name_conics(view, work, what)
-    steepest = geo[LOBE_BETA] + math.atan2(geo[RIM_SIN], geo[RIM_COS])
-    reach = h * math.tan(steepest) if steepest < 1.5707 else math.inf
+    _, reach, far = grid_reach(REPLAY_REACH, view, geo)
     px, py = geo[POINT] - floor[FLOOR_OFFSET], geo[POINT + 1] - floor[FLOOR_OFFSET + 1]
-    ci, cj = math.floor(px / size), math.floor(py / size)
-    whole = reach / size + 1.0 < RINGS
-    step = 0
-    while step + 1 < len(LEVELS) and math.exp(-LEVELS[step]) > 0.003 * tol / max(contrast, 1e-300):
-        step += 1
-    last = int(reach / size) + 1 if whole else RINGS - 1
-    scale_n = min(0.6, 1.4 / math.sqrt(geo[GEO_EXPONENT] + 1e-9))
-    states = table[_ABOVE]
-    share = 0.02 * tol / (1.0 + last)
+    ci, cj = math.floor(px / cell), math.floor(py / cell)
+    level = block_level(far / cell)
+    first = 2.0 ** (level - 1)
+    low_x, low_y = (ci - first) * cell - px, (cj - first) * cell - py
+    lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
+    states, blocks = table[_ABOVE], table[_BLOCKS:]
+    light = point_light(view)
+    aim = 0.01 * tol / max(contrast, 1e-300) / LEAVES
     error = 0.0
     for p in range(moves.shape[0]):
         for c in range(4):
             shorter[p, c] = 0.0
-    for ring in range(last + 1):
-        weight = 1.0 if whole else taper(ring, RINGS)
-        short_weight = 1.0 if whole else taper(ring, 0.7 * RINGS)
-        for i in range(-ring, ring + 1):
-            jump = 1 if abs(i) == ring else max(1, 2 * ring)
-            for j in range(-ring, ring + 1, jump):
-                if work.counts[EVALUATIONS] > max_evaluations:
-                    return math.inf
-                x0, y0 = (ci + i) * size - px, (cj + j) * size - py
-                side = 0.5 * size
-                xc, yc = x0 + side, y0 + side
-                d = math.sqrt(xc * xc + yc * yc + h * h)
-                near = math.sqrt(max(0.0, math.sqrt(xc * xc + yc * yc) - 1.5 * side) ** 2 + h * h)
-                dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
-                if near > 0.0 and math.acos(max(-1.0, min(1.0, dot))) > math.atan2(geo[RIM_SIN], geo[RIM_COS]) + min(
-                    3.2, 1.6 * side / near
-                ):
+    blocks[0, 0], blocks[0, 1], blocks[0, 2], blocks[0, 3] = low_x, low_y, cell * 2.0**level, level
+    top = 1
+    while top > 0:
+        top -= 1
+        x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
+        if work.counts[EVALUATIONS] > max_evaluations:
+            return math.inf
+        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, geo)
+        # a derivative may be larger than what is differentiated, by the inverse of its lengths
+        if bound <= 1e-3 * aim / (1.0 + near / cell):
+            error += 100.0 * contrast * bound
+            continue
+        ratio = span / side
+        quarter = ratio < 0.8
+        sign = lowest * block_sign(x0 - low_x, y0 - low_y, side, cell)
+        for p in range(moves.shape[0]):
+            for c in range(4):
+                square[p, c] = 0.0
+        if not quarter:
+            log_rho = math.log(ratio + math.sqrt(1.0 + ratio * ratio))
+            middle = 0.5 * side
+            crossings = 0
+            for k in range(count):
+                if may_cross(conics[k], x0 + middle, y0 + middle, middle) and crossings < table.shape[1]:
+                    table[_CROSSING, crossings] = k
+                    crossings += 1
+                    if level > 0:
+                        break
+            fall = max(1.0, math.log(bound / aim))
+            step = 0
+            while step + 1 < len(LEVELS) and LEVELS[step] < fall:
+                step += 1
+            if crossings == 0:
+                if not seen(x0 + middle, y0 + middle, lobe, view, work, states):
                     continue
-                crossings = 0
-                for k in range(count):
-                    if may_cross(conics[k], xc, yc, side) and crossings < table.shape[1]:
-                        table[_CROSSING, crossings] = k
-                        crossings += 1
-                x = 2.0 * max(near, 0.3 * size) * scale_n / size
-                log_rho = math.log(x + math.sqrt(1.0 + x * x))
-                sign = 1.0 if (ci + cj + i + j) % 2 == 0 else -1.0
-                for p in range(moves.shape[0]):
-                    for c in range(4):
-                        square[p, c] = 0.0
-                if crossings == 0:
-                    if not seen(xc, yc, lobe, view, work, states):
-                        continue
-                    n = min(MAX_ORDER, order(step, log_rho))
+                n = 1 + max(2, math.ceil((0.5 * fall if level == 0 else fall - 0.693 * level) / log_rho))
+                quarter = n > MAX_BLOCK_ORDER
+                if not quarter:
                     base = n * (n - 1) // 2
+                    weights = gauss[1] if level == 0 else gauss[3 + level]
                     work.counts[EVALUATIONS] += n * n
                     for row in range(4):
                         for k in range(adjoint.shape[1]):
                             adjoint[row, k] = 0.0
                     for q in range(n):
-                        y = y0 + size * gauss[0, base + q]
+                        y = y0 + side * gauss[0, base + q]
                         for e in range(n):
-                            w = sign * gauss[1, base + q] * gauss[1, base + e] * size * size
-                            x = x0 + size * gauss[0, base + e]
-                            grid_node(
-                                x, y, w, step, states, lobe, view, work, gauss, disk, half, here, adjoint
-                            )  # fmt: skip
+                            x = x0 + side * gauss[0, base + e]
+                            w = sign * weights[base + q] * weights[base + e] * side * side
+                            w *= taper(math.hypot(x, y), reach)
+                            grid_node(x, y, w, step, states, lobe, view, work, gauss, disk, half, here, adjoint)
                     contract(adjoint, moves, square, 1.0)
                     most = 0.0
                     for p in range(moves.shape[0]):
                         for c in range(3):
                             most = max(most, abs(square[p, c]))
-                    error += weight * math.exp(-LEVELS[step]) * most
-                else:
-                    error += weight * square_adjoint(
-                        x0, y0, size, sign, step, log_rho, share, crossings, lobe, view, work, conics, what, gauss,
-                        disk, table, half, here, own, adjoint, moves, low, high, square,
-                    )  # fmt: skip
-                for p in range(moves.shape[0]):
-                    for c in range(3):
-                        value[p, c] += weight * square[p, c]
-                        shorter[p, c] += (weight - short_weight) * square[p, c]
+                    if level == 0:
+                        error += most * math.exp(-2.0 * (n - 1) * log_rho)
+                    else:
+                        error += 10.0 * contrast * bound * 2.0**-level * math.exp(-n * log_rho)
+            elif level > 0:
+                quarter = True
+            else:
+                error += square_adjoint(
+                    x0, y0, side, sign, step, log_rho, reach, 0.5 * tol / LEAVES, crossings, lobe, view, work, conics,
+                    what, gauss, disk, table, half, here, own, adjoint, moves, low, high, square,
+                )  # fmt: skip
+        if quarter:
+            if side < SMALLEST * cell or top + 4 > blocks.shape[0]:
+                return math.inf
+            middle = 0.5 * side
+            for a in range(2):
+                for b in range(2):
+                    blocks[top, 0], blocks[top, 1] = x0 + a * middle, y0 + b * middle
+                    blocks[top, 2], blocks[top, 3] = middle, max(0, level - 1)
+                    top += 1
+            continue
+        away = math.hypot(x0 + 0.5 * side, y0 + 0.5 * side)
+        lost = 1.0 - taper(away, 0.7 * reach) / max(taper(away, reach), 1e-12)
+        for p in range(moves.shape[0]):
+            for c in range(3):
+                value[p, c] += square[p, c]
+                shorter[p, c] += lost * square[p, c]
     change = 0.0
     for p in range(moves.shape[0]):
         for c in range(3):
