@@ -38,6 +38,8 @@ LEAVES = 30.0
 """Blocks that share the tolerance; most err far less than their share."""
 SMALLEST = 1e-6
 """Side of the smallest part of a square, in squares."""
+SMALLEST_CUT = 0.05
+"""The same where walls cross it: they are cut in closed form, and quarters help little."""
 
 
 @jitable
@@ -224,7 +226,7 @@ def grid_once(
                     x, y, side, step, span, reach, aim, bound, lobe, view, work, conics, crossing, crossings, gauss,
                     states, scratch, part,
                 )  # fmt: skip
-                quarter = miss > 10.0 * aim and side > 1e-3 * cell
+                quarter = miss > 10.0 * aim and side > SMALLEST_CUT * cell
         if quarter and side > SMALLEST * cell and top + 4 <= blocks.shape[0]:
             for a in range(2):
                 for b in range(2):

@@ -259,8 +259,8 @@ def cut_square(
                 work, conics, gauss, states, point, part,
             )  # fmt: skip
         if foreign == foreign:
-            if b - a < 1e-9 * size or not room_left:
-                # too thin to matter: all it can hold is its error
+            if b - a < 1e-9 * size or not room_left or strips > MAX_STRIPS:
+                # too thin to matter, or walls that rounding moves about: all it can hold is its error
                 error += bound * (b - a) / size
                 continue
             cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)

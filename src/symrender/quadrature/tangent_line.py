@@ -404,7 +404,7 @@ def piece_adjoint(
         whole += abs(told)
         last += told * gauss[2, base + q]
         before += told * gauss[3, base + q]
-    return whole, tail_error(n, 0.5 * last, 0.5 * before, whole)
+    return whole, tail_error(n, 0.5 * last, 0.5 * before, whole, 0.0)
 
 
 @jitable
