@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
-from symrender.quadrature.light_points import light_points
+from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import is_brdf
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
@@ -90,7 +90,7 @@ class _Point:
         self.brdf = is_brdf(arrays)
         if self.brdf:
             self.total = 2 * arb.pi() / (n + 2)
-        rows = light_points(arrays, disk_order)
+        rows = light_rows(arrays, disk_order)
         self.lights = [([arb(x) for x in row[:3].tolist()], row[3:6].tolist()) for row in rows]
         most = arrays.shading[0] * arrays.shading[7:10] + rows[:, 3:6].sum(axis=0) * arrays.shading[1:3].sum()
         self.most = [arb(float(x)) * (1 + arb(2) ** -40) for x in most]

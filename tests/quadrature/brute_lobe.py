@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
-from symrender.quadrature.light_points import light_points
-from symrender.scene.arrays import SceneArrays
+from symrender.quadrature.light_points import disk_frame, light_rows
+from symrender.scene.arrays import DISK, SceneArrays
 
 
 def _unit(v):
@@ -102,12 +104,29 @@ def radiance(a: SceneArrays, origin, directions, own: int, lights) -> np.ndarray
     return out
 
 
+def exact_rows(a: SceneArrays):
+    """Rows as ``light_rows`` with disks as Gauss rules of 4 areas times 8 azimuths."""
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    angle = 2 * np.pi * (np.arange(8) + 0.5) / 8
+    found = []
+    for light in a.lights:
+        rows = light_rows(dataclasses.replace(a, lights=light[None]), 1)
+        if light[0] == DISK:
+            e1, e2 = disk_frame(light[1:4], light[8:11])
+            rows = np.repeat(rows, 32, axis=0)
+            around = np.outer(np.cos(angle), e1) + np.outer(np.sin(angle), e2)
+            rows[:, :3] = light[1:4] + np.kron(light[4] * np.sqrt(0.5 + 0.5 * nodes)[:, None], around)
+            rows[:, 3:6] = np.repeat(weights / 16, 8)[:, None] * light[5:8]
+        found.append(rows)
+    return np.concatenate(found)
+
+
 def gloss(a: SceneArrays, origin, normal, incoming, own: int, n, theta_max, rings=600, sectors=1200, disk=2):
     """Midpoint rule on equal-weight rings; converges like 1/rings, so for three to five digits.
 
     Where the scene says so, int (n + 2)/(2 pi) cos^n (w.N) f dw: the lobe's integral of cos^n is 2 pi end/u.
     """
-    lights = light_points(a, disk)
+    lights = light_rows(a, disk) if disk else exact_rows(a)
     m = incoming - 2 * (incoming @ normal) * normal
     m /= np.linalg.norm(m)
     helper = np.array([1.0, 0, 0]) if abs(m[0]) < 0.6 else np.array([0, 1.0, 0])
