@@ -45,7 +45,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
-from symrender.scene.arrays import CHECKER, KU, KV, STRIPES, TEXTURE
+from symrender.scene.arrays import CHECKER, KU, KV, TEXTURE
 
 Array = npt.NDArray[np.float64]
 
@@ -293,26 +293,6 @@ def _texture_gradient(row: Array, here: Array, sphere: Array, geo: Array, bar: A
     # the seam does not move: where a whole number of fields ends there, that holds as the number falls
     if abs(number - whole) < 1e-6 * (1.0 + whole) and whole < (1.0 - 1e-9) * sphere[KU]:
         own[FREQUENCY] += (here[FACING, 0] * c + here[FACING, 1] * s) * 2.0 * math.pi * whole / sphere[KU] ** 2
-
-
-@jitable
-def opening_speed(i: int, here: Array, sphere: Array, work: Work) -> float:
-    """How fast, along the scan line, a field opens at the seam as the number of fields around a sphere grows.
-
-    0 unless wall ``i`` is the seam at this place and that number is whole: falling, it does not close a field.
-    """
-    row = work.walls[i]
-    ku = sphere[KU]
-    if row[TAG] != TEXTURE_EDGE or ku != math.floor(ku) or sphere[TEXTURE] not in (CHECKER, STRIPES):
-        return 0.0
-    parallel, number, a = edge_number(row, here, sphere, work.geo)
-    if parallel or 1e-6 * (1.0 + ku) < number < ku - 1e-6 * (1.0 + ku):
-        return 0.0
-    c, s = math.cos(a), math.sin(a)
-    slope = c * here[BY_X + 1, 1] - s * here[BY_X + 1, 0]
-    if slope == 0.0:
-        return 0.0
-    return float(abs((here[FACING, 0] * c + here[FACING, 1] * s) * 2.0 * math.pi / (ku * slope)))
 
 
 @jitable

@@ -43,7 +43,6 @@ from symrender.chambers.tangent_walls import (
     chart_place,
     condition_of,
     on_a_parallel,
-    opening_speed,
     pull_back,
     rim_gradient,
     wall_gradient,
@@ -333,15 +332,6 @@ def walls_adjoint(
         measure, _ = chart_place(x, c, s, geo, here)
         density = log_density(here, lobe, geo)[2]
         set_view(here, view, geo)
-        opening = 0.0
-        if wall >= 0 and geo[SHAPE_INDEX] >= 0.0 and side_above != HIDDEN and side_below != HIDDEN:
-            opening = opening_speed(wall // 4, here, view.spheres[int(geo[SHAPE_INDEX])], work)
-        if opening > 0.0:
-            # one more field would have another colour: the derivative is that of the side without it
-            radiance(1, work.lit[cell], step, here, view, work, gauss, disk, above)
-            radiance(0, work.lit[cell], step, here, view, work, gauss, disk, below)
-            contrast = abs(above[0] - below[0]) + abs(above[1] - below[1]) + abs(above[2] - below[2])
-            adjoint[ONE_SIDED, FREQUENCY] += abs(weight) * measure * density * opening * contrast
         radiance(side_above, work.lit[min(cell, cells - 1)], step, here, view, work, gauss, disk, above)
         radiance(side_below, work.lit[max(cell - 1, 0)], step, here, view, work, gauss, disk, below)
         for a in range(3):
