@@ -149,8 +149,8 @@ def strip_integral(
 ) -> float:  # fmt: skip
     """Integral over x0..x1 times a..b with ``n`` lines of equal structure, each cut at the conics, in out[0:3].
 
-    Pieces get ``more`` nodes than ``step`` asks. ``out[3:6]`` is the same under the shorter taper, ``out[6]`` the error estimate. Returns the y of a line of another
-    structure than ``signature``, or NaN.
+    Pieces get ``more`` nodes than ``step`` asks. ``out[3:6]`` is the same under the shorter taper, ``out[6]`` the error
+    estimate. Returns the y of a line of another structure than ``signature``, or NaN.
     """
     base = n * (n - 1) // 2
     for t in range(7):
