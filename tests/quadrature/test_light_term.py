@@ -7,7 +7,7 @@ import pytest
 
 from emitted import FORMULAS
 from symrender.quadrature.disk import light_points as emitted_points
-from symrender.quadrature.light_points import light_points
+from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.light_term import light_term, marble_factor
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
@@ -56,5 +56,5 @@ def test_light_points_are_the_emitted_ones(name: str, order: int) -> None:
     arrays = scene_arrays(load(name))
     assert (arrays.lights[:, 0] == at.DISK).any()
     expected = emitted_points(arrays.lights, order, FORMULAS.light_point)
-    found = light_points(arrays, order)[:, :6]
+    found = light_rows(arrays, order)[:, :6]
     np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
