@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.penumbra_walls import INNER
+from symrender.chambers.penumbra_walls import INNER, edge_search
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import (
     HEIGHT,
@@ -110,6 +110,22 @@ def may_cross(row: Array, x: float, y: float, half: float) -> bool:
     gy = 2.0 * (row[1] * x + row[2] * y + row[4])
     reach = (abs(gx) + abs(gy)) * half + (abs(row[0]) + 2.0 * abs(row[1]) + abs(row[2])) * half * half
     return bool(abs(value) <= reach or (row[SOFT] > 0.0 and value > 0.0))
+
+
+@jitable
+def conic_roots(row: Array, y: float, x0: float, x1: float, work: Work) -> int:
+    """Where the line y = const meets a conic, or the edges of a penumbra inside its cone, into ``work.quartic``.
+
+    Returns how many; those of a conic may lie beyond x0..x1.
+    """
+    edges = work.quartic
+    if row[SOFT] > 0.0:
+        outer = int(row[SOFT]) - 1
+        found = edge_search(work.walls[outer], x0, x1, math.nan, y, work.geo, edges)
+        found += edge_search(work.walls[outer + 1], x0, x1, math.nan, y, work.geo, edges[found:])
+        return found
+    found, edges[0], edges[1] = quadratic_roots(row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5])
+    return found
 
 
 @jitable

@@ -93,6 +93,15 @@ def gauss_table() -> Array:
 
 
 @jitable
+def step_of(fall: float) -> int:
+    """The first step whose aimed-at error exponent reaches ``fall``, or the last one."""
+    step = 0
+    while step + 1 < len(LEVELS) and LEVELS[step] < fall:
+        step += 1
+    return step
+
+
+@jitable
 def fitting(step: int, log_rho: float) -> int:
     """Gauss nodes as of ``order``, but no more than asked: for rules inside the one whose steps are compared."""
     return max(1, min(MAX_ORDER, math.ceil(0.5 * LEVELS[step] / log_rho)))

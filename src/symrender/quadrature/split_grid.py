@@ -22,7 +22,7 @@ from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS
 from symrender.chambers.work import EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
-from symrender.quadrature.gauss import BLOCK_LEVELS, LEVELS
+from symrender.quadrature.gauss import BLOCK_LEVELS, step_of
 from symrender.quadrature.split_line import lobe_density, tail_error
 from symrender.quadrature.split_square import cut_square, integrand, seen, taper
 from symrender.scene.arrays import FLOOR_CELL, FLOOR_OFFSET
@@ -71,6 +71,18 @@ def block_sign(x: float, y: float, side: float, cell: float) -> float:
     inner = 0.5 * min(side, cell)
     odd = math.floor((x + inner) / cell) + math.floor((y + inner) / cell)
     return 1.0 if odd % 2 == 0 else -1.0
+
+
+@jitable
+def push_quarters(x: float, y: float, side: float, level: int, blocks: Array, top: int) -> int:
+    """Stack the quarters of a block as rows (x, y, side, level); new height."""
+    half = 0.5 * side
+    for a in range(2):
+        for b in range(2):
+            blocks[top, 0], blocks[top, 1] = x + a * half, y + b * half
+            blocks[top, 2], blocks[top, 3] = half, max(0, level - 1)
+            top += 1
+    return top
 
 
 @jitable
@@ -198,9 +210,7 @@ def grid_once(
                     if level > 0:
                         break
             fall = math.log(bound / aim)
-            step = 0
-            while step + 1 < len(LEVELS) and LEVELS[step] < fall:
-                step += 1
+            step = step_of(fall)
             if crossings == 0:
                 if not seen(x + half, y + half, lobe, view, work, states):
                     continue
@@ -228,11 +238,7 @@ def grid_once(
                 )  # fmt: skip
                 quarter = miss > 10.0 * aim and side > SMALLEST_CUT * cell
         if quarter and side > SMALLEST * cell and top + 4 <= blocks.shape[0]:
-            for a in range(2):
-                for b in range(2):
-                    blocks[top, 0], blocks[top, 1] = x + a * half, y + b * half
-                    blocks[top, 2], blocks[top, 3] = half, max(0, level - 1)
-                    top += 1
+            top = push_quarters(x, y, side, level, blocks, top)
             continue
         error += miss
         sign = block_sign(x - low_x, y - low_y, side, cell)
@@ -267,8 +273,6 @@ def split_grid(
             aim, reach, (ci - first) * cell - px, (cj - first) * cell - py, level, lobe, view, work, conics, count,
             gauss, states, stack[: stack.shape[0] - 1], max_evaluations, out,
         )  # fmt: skip
-        # the sign of the lowest square of all
-        sign = 1.0 if (ci + cj) % 2 == 0 else -1.0
         change = 0.0
         if not whole:
             for t in range(3):
@@ -281,6 +285,8 @@ def split_grid(
             aim *= max(0.05, 0.4 * tol / error)
         else:
             break
+    # the sign of the lowest square of all
+    sign = 1.0 if (ci + cj) % 2 == 0 else -1.0
     for t in range(3):
         value[t] += sign * out[t]
     return error + change

@@ -10,13 +10,11 @@ import numpy.typing as npt
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
 from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.penumbra_walls import edge_search
-from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import HEIGHT, POINT, RIM_COS
 from symrender.chambers.work import EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.floor_conics import SOFT, TANGENT, square_cuts
+from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, nodes
 from symrender.quadrature.split_line import SOFT_LOG, facing_share, lobe_density, tail_error
 from symrender.quadrature.split_panel import azimuth
@@ -97,19 +95,9 @@ def row_pieces(
     n = 1
     ends[0], ids[0] = x0, -1
     for i in range(crossings):
-        row = conics[int(crossing[i])]
-        edges = work.quartic
-        if row[SOFT] > 0.0:
-            # both edges of the penumbra lie inside the cone
-            outer = int(row[SOFT]) - 1
-            found = edge_search(work.walls[outer], x0, x1, math.nan, y, work.geo, edges)
-            found += edge_search(work.walls[outer + 1], x0, x1, math.nan, y, work.geo, edges[found:])
-        else:
-            found, edges[0], edges[1] = quadratic_roots(
-                row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5]
-            )
+        found = conic_roots(conics[int(crossing[i])], y, x0, x1, work)
         for j in range(found):
-            x = edges[j]
+            x = work.quartic[j]
             if x0 < x < x1 and n < ends.shape[0] - 1:
                 p = n
                 while p > 0 and ends[p - 1] > x:

@@ -15,8 +15,6 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
 from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.penumbra_walls import edge_search
-from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.tangent_walls import (
     AT_POINT,
     AXIS,
@@ -36,8 +34,8 @@ from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.floor_conics import SOFT, floor_conics, may_cross, square_cuts
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
+from symrender.quadrature.floor_conics import SOFT, conic_roots, floor_conics, may_cross, square_cuts
+from symrender.quadrature.gauss import MAX_ORDER, order, step_of
 from symrender.quadrature.split_grid import (
     LEAVES,
     MAX_BLOCK_ORDER,
@@ -47,6 +45,7 @@ from symrender.quadrature.split_grid import (
     block_sign,
     grid_reach,
     point_light,
+    push_quarters,
 )
 from symrender.quadrature.split_line import SOFT_LOG
 from symrender.quadrature.split_square import seen, taper
@@ -292,19 +291,9 @@ def scan_row(
     k = 0
     for i in range(crossings):
         c = int(crossing[i])
-        row = conics[c]
-        edges = work.quartic
-        if row[SOFT] > 0.0:
-            # both edges of the penumbra lie inside the cone
-            outer = int(row[SOFT]) - 1
-            found = edge_search(work.walls[outer], x0, x1, math.nan, y, work.geo, edges)
-            found += edge_search(work.walls[outer + 1], x0, x1, math.nan, y, work.geo, edges[found:])
-        else:
-            found, edges[0], edges[1] = quadratic_roots(
-                row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5]
-            )
+        found = conic_roots(conics[c], y, x0, x1, work)
         for j in range(found):
-            x = edges[j]
+            x = work.quartic[j]
             if x0 < x < x1 and k < roots.shape[0] - 1:
                 p = k
                 while p > 0 and roots[p - 1] > x:
@@ -579,9 +568,7 @@ def replay_grid(
                     if level > 0:
                         break
             fall = max(1.0, math.log(bound / aim))
-            step = 0
-            while step + 1 < len(LEVELS) and LEVELS[step] < fall:
-                step += 1
+            step = step_of(fall)
             if crossings == 0:
                 if not seen(x0 + middle, y0 + middle, lobe, view, work, states):
                     continue
@@ -620,12 +607,7 @@ def replay_grid(
         if quarter:
             if side < SMALLEST * cell or top + 4 > blocks.shape[0]:
                 return math.inf
-            middle = 0.5 * side
-            for a in range(2):
-                for b in range(2):
-                    blocks[top, 0], blocks[top, 1] = x0 + a * middle, y0 + b * middle
-                    blocks[top, 2], blocks[top, 3] = middle, max(0, level - 1)
-                    top += 1
+            top = push_quarters(x0, y0, side, level, blocks, top)
             continue
         away = math.hypot(x0 + 0.5 * side, y0 + 0.5 * side)
         lost = 1.0 - taper(away, 0.7 * reach) / max(taper(away, reach), 1e-12)
