@@ -48,7 +48,9 @@ def differences(scene: Scene, point: tuple, surface: str, name: str, step: float
     at = float(get(scene, name))
 
     def value(x: float) -> np.ndarray:
-        return probe(scene.replace({name: x}), [point], surface=surface, tol=1e-12).gloss[0]
+        found = probe(scene.replace({name: x}), [point], surface=surface, tol=1e-12)
+        assert found.error[0] <= 1e-11
+        return found.gloss[0]
 
     rows: list[np.ndarray] = []
     for k in range(3):
@@ -68,8 +70,12 @@ def test_differences_of_values(name: str, changes: dict, surface: str, point: tu
     assert all(status[0] in (0, 1) for status in found.gradient_status.values())
     felt = 0
     for parameter in wrt:
-        expected, change = differences(scene, point, surface, parameter, 4e-3)
+        # longer steps of this radius pass visual events: walls over corners of the checker
+        step = 2.5e-4 if (name, parameter) == ("gloss", "spheres.A.radius") else 1e-3
+        expected, change = differences(scene, point, surface, parameter, step)
         size = float(np.abs(expected).max())
+        # differences that cannot tell would pass anything
+        assert change <= 3e-7 * size, parameter
         gap = float(np.abs(found.gradient[parameter][0] - expected).max())
         assert gap <= 1e-8 * size + 3 * change + 1e-10, parameter
         assert gap <= found.gradient_error[parameter][0] + 3 * change + 1e-9 * size + 1e-10, parameter

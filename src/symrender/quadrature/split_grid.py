@@ -264,20 +264,24 @@ def split_grid(
     whole, reach, far = grid_reach(FIRST_REACH, view, geo)
     px, py = geo[POINT] - view.floor[FLOOR_OFFSET], geo[POINT + 1] - view.floor[FLOOR_OFFSET + 1]
     ci, cj = math.floor(px / cell), math.floor(py / cell)
-    out = stack[stack.shape[0] - 1]
-    aim = tol / LEAVES
+    out, best = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]
+    aim, found = tol / LEAVES, math.inf
     for _ in range(8):
         level = block_level(far / cell)
         first = 2.0 ** (level - 1)
         error = grid_once(
             aim, reach, (ci - first) * cell - px, (cj - first) * cell - py, level, lobe, view, work, conics, count,
-            gauss, states, stack[: stack.shape[0] - 1], max_evaluations, out,
+            gauss, states, stack[: stack.shape[0] - 2], max_evaluations, out,
         )  # fmt: skip
         change = 0.0
         if not whole:
             for t in range(3):
                 change = max(change, 3.0 * abs(out[t] - out[3 + t]))
-        if work.counts[EVALUATIONS] > max_evaluations or error + change <= tol:
+        if error + change < found:
+            found = error + change
+            for t in range(3):
+                best[t] = out[t]
+        if error + change <= tol or 4 * work.counts[EVALUATIONS] > max_evaluations:
             break
         if change > 0.3 * tol and reach < MOST_REACH * cell:
             reach = far = 2.0 * reach
@@ -288,5 +292,5 @@ def split_grid(
     # the sign of the lowest square of all
     sign = 1.0 if (ci + cj) % 2 == 0 else -1.0
     for t in range(3):
-        value[t] += sign * out[t]
-    return error + change
+        value[t] += sign * best[t]
+    return found

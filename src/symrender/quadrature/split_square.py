@@ -23,9 +23,9 @@ Array = npt.NDArray[np.float64]
 
 MAX_HALVINGS = 5
 """How often a strip of a square is halved at most."""
-MORE_LEVELS = 2
-"""How many levels finer than asked a strip may become before it is halved."""
-MAX_STRIPS = 80
+MORE_LEVELS = 3
+"""How many levels finer than asked, each of two lines and a node more, a strip may become before it is halved."""
+MAX_STRIPS = 200
 """Strips evaluated in a square; beyond, those that miss stand as they are."""
 MAX_LINES = 16
 """Lines beyond which a strip is halved."""
@@ -131,14 +131,14 @@ def change_of_rows(
 
 @jitable
 def strip_integral(
-    x0: float, x1: float, a: float, b: float, kind_a: float, kind_b: float, n: int, signature: int, crossing: Array,
-    crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work, conics: Array,
-    gauss: Array, states: Array, point: Array, out: Array,
+    x0: float, x1: float, a: float, b: float, kind_a: float, kind_b: float, n: int, more: int, signature: int,
+    crossing: Array, crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work,
+    conics: Array, gauss: Array, states: Array, point: Array, out: Array,
 ) -> float:  # fmt: skip
     """Integral over x0..x1 times a..b with ``n`` lines of equal structure, each cut at the conics, in out[0:3].
 
-    ``out[3:6]`` is the same under the shorter taper, ``out[6]`` the error estimate. Returns the y of a line of another
-    structure than ``signature``, or NaN.
+    Pieces get ``more`` nodes than ``step`` asks. ``out[3:6]`` is the same under the shorter taper, ``out[6]`` the error
+    estimate. Returns the y of a line of another structure than ``signature``, or NaN.
     """
     base = n * (n - 1) // 2
     for t in range(7):
@@ -168,7 +168,7 @@ def strip_integral(
                 soft = soft or states[i] >= PARTLY
             x = span / width
             log_rho = math.log(x + math.sqrt(1.0 + x * x))
-            nx = nodes(step, log_rho)
+            nx = nodes(step, log_rho) + more
             if soft:
                 nx = max(nx + (nx + 1) // 2, nodes(step, SOFT_LOG))
             nx = min(nx, MAX_ORDER)
@@ -239,12 +239,13 @@ def cut_square(
         pieces, signature = row_pieces(a + inset, x0, x1, crossing, crossings, conics, work)
         _, other = row_pieces(b - inset, x0, x1, crossing, crossings, conics, work)
         x = 0.7 * span / (b - a)
-        lines = min(MAX_ORDER, max(3, nodes(level, math.log(x + math.sqrt(1.0 + x * x)))))
+        more = level - step
+        lines = min(MAX_ORDER, max(3 + 2 * more, nodes(level, math.log(x + math.sqrt(1.0 + x * x)))))
         foreign = b - inset
         if other == signature:
             foreign = strip_integral(
-                x0, x1, a, b, kind_a, kind_b, lines, signature, crossing, crossings, level, span, reach, lobe, view,
-                work, conics, gauss, states, point, part,
+                x0, x1, a, b, kind_a, kind_b, lines, more, signature, crossing, crossings, level, span, reach, lobe,
+                view, work, conics, gauss, states, point, part,
             )  # fmt: skip
         if foreign == foreign:
             if b - a < 1e-9 * size or not room_left or strips > MAX_STRIPS:
@@ -252,9 +253,9 @@ def cut_square(
                 error += bound * (b - a) / size
                 continue
             cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)
-            more, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, work)
+            beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, work)
             # two conics that meet change places; an edge of a penumbra may open a piece like a square root
-            kind = SMOOTH if more == pieces else ROOT
+            kind = SMOOTH if beyond == pieces else ROOT
         elif part[6] <= room or not room_left or strips > MAX_STRIPS:
             for t in range(6):
                 out[t] += part[t]

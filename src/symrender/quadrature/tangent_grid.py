@@ -39,6 +39,7 @@ from symrender.quadrature.gauss import MAX_ORDER, order, step_of
 from symrender.quadrature.split_grid import (
     LEAVES,
     MAX_BLOCK_ORDER,
+    MOST_REACH,
     SMALLEST,
     block_bound,
     block_level,
@@ -57,8 +58,8 @@ from symrender.scene.arrays import FLOOR_BRIGHT, FLOOR_CELL, FLOOR_DARK, FLOOR_O
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-REPLAY_REACH = 24.0
-"""Squares from the foot of a point whose lobe holds endless squares."""
+REPLAY_REACH = 12.0
+"""Squares from the foot of a point whose lobe holds endless squares, at first."""
 # what a conic is
 _RIM = 0
 _HORIZON = 1
@@ -504,15 +505,14 @@ def square_adjoint(
 
 
 @jitable
-def replay_grid(
-    tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array,
-    disk: Array | None, table: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array,
-    square: Array, shorter: Array, value: Array, max_evaluations: int,
+def replay_once(
+    tol: float, reach: float, low_x: float, low_y: float, level: int, lowest: float, count: int, lobe: Array,
+    view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, here: Array,
+    own: Array, adjoint: Array, moves: Array, low: Array, high: Array, square: Array, out: Array, max_evaluations: int,
 ) -> float:  # fmt: skip
-    """Add the derivatives of what the checker adds to a floor of mean albedo to ``value``; their error estimate.
+    """The derivatives under one taper, ``out`` (parameters, 4); their error estimate, inf where they cannot be had.
 
-    ``work`` holds the floor chart of the point. Blocks and taper are those of ``split_grid``; how fine a block's rule
-    must be is judged by what the block can hold.
+    The blocks are those of ``split_grid``; how fine a block's rule must be is judged by what the block can hold.
     """
     geo, floor = work.geo, view.floor
     cell = floor[FLOOR_CELL]
@@ -521,24 +521,13 @@ def replay_grid(
     for a in range(3):
         half[a] = 0.5 * view.shading[1] * (floor[FLOOR_BRIGHT + a] - floor[FLOOR_DARK + a])
         contrast = max(contrast, abs(half[a]))
-    count = floor_conics(own_shape, lobe, view, work, conics)
-    if count > conics.shape[0]:
-        return math.inf
-    name_conics(view, work, what)
-    _, reach, far = grid_reach(REPLAY_REACH, view, geo)
-    px, py = geo[POINT] - floor[FLOOR_OFFSET], geo[POINT + 1] - floor[FLOOR_OFFSET + 1]
-    ci, cj = math.floor(px / cell), math.floor(py / cell)
-    level = block_level(far / cell)
-    first = 2.0 ** (level - 1)
-    low_x, low_y = (ci - first) * cell - px, (cj - first) * cell - py
-    lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
     states, blocks = table[_ABOVE], table[_BLOCKS:]
     light = point_light(view)
     aim = 0.01 * tol / max(contrast, 1e-300) / LEAVES
     error = 0.0
     for p in range(moves.shape[0]):
         for c in range(4):
-            shorter[p, c] = 0.0
+            out[p, c] = 0.0
     blocks[0, 0], blocks[0, 1], blocks[0, 2], blocks[0, 3] = low_x, low_y, cell * 2.0**level, level
     top = 1
     while top > 0:
@@ -609,14 +598,57 @@ def replay_grid(
                 return math.inf
             top = push_quarters(x0, y0, side, level, blocks, top)
             continue
-        away = math.hypot(x0 + 0.5 * side, y0 + 0.5 * side)
-        lost = 1.0 - taper(away, 0.7 * reach) / max(taper(away, reach), 1e-12)
         for p in range(moves.shape[0]):
-            for c in range(3):
-                value[p, c] += square[p, c]
-                shorter[p, c] += lost * square[p, c]
-    change = 0.0
+            for c in range(4):
+                out[p, c] += square[p, c]
+    return error
+
+
+@jitable
+def replay_grid(
+    tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array,
+    disk: Array | None, table: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array,
+    square: Array, shorter: Array, longer: Array, value: Array, max_evaluations: int,
+) -> float:  # fmt: skip
+    """Add the derivatives of what the checker adds to a floor of mean albedo to ``value``; their error estimate.
+
+    ``work`` holds the floor chart of the point. Where the squares are endless the taper's reach is doubled until the
+    derivatives no longer change: walls that move far out fall off more slowly than the value does.
+    """
+    geo, floor = work.geo, view.floor
+    cell = floor[FLOOR_CELL]
+    count = floor_conics(own_shape, lobe, view, work, conics)
+    if count > conics.shape[0]:
+        return math.inf
+    name_conics(view, work, what)
+    px, py = geo[POINT] - floor[FLOOR_OFFSET], geo[POINT + 1] - floor[FLOOR_OFFSET + 1]
+    ci, cj = math.floor(px / cell), math.floor(py / cell)
+    lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
+    whole, reach, far = grid_reach(REPLAY_REACH, view, geo)
+    passes = 0
+    while True:
+        level = block_level(far / cell)
+        first = 2.0 ** (level - 1)
+        error = replay_once(
+            tol, reach, (ci - first) * cell - px, (cj - first) * cell - py, level, lowest, count, lobe, view, work,
+            conics, what, gauss, disk, table, here, own, adjoint, moves, low, high, square, longer, max_evaluations,
+        )  # fmt: skip
+        change = 0.0 if whole else math.inf
+        if passes > 0:
+            change = 0.0
+            for p in range(moves.shape[0]):
+                for c in range(3):
+                    change = max(change, abs(longer[p, c] - shorter[p, c]))
+        if error + change <= tol or 2.0 * far > MOST_REACH * cell or (passes > 0 and error >= change):
+            break
+        if not error < math.inf:
+            break
+        for p in range(moves.shape[0]):
+            for c in range(4):
+                shorter[p, c] = longer[p, c]
+        passes += 1
+        reach = far = 2.0 * reach
     for p in range(moves.shape[0]):
-        for c in range(3):
-            change = max(change, abs(shorter[p, c]))
+        for c in range(4):
+            value[p, c] += longer[p, c]
     return error + change

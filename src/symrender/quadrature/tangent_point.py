@@ -121,6 +121,7 @@ class TangentWork(NamedTuple):
     error: Array
     square: Array
     shorter: Array
+    longer: Array
 
 
 @dataclass(frozen=True)
@@ -303,7 +304,8 @@ def gradient_kernel(
             if j == view.spheres.shape[0] and view.floor[FLOOR_KIND] == CHECKER and geo[SIDE] > 0.0:
                 off = replay_grid(
                     0.5 * tol, own, lobe, view, work, conics, what, gauss, disk, grid, t.here, t.own, t.adjoint,
-                    t.moves, t.low, t.high, t.square, t.shorter, t.value, max_evaluations,
+                    t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value,
+                    max_evaluations,
                 )  # fmt: skip
                 for p in range(count):
                     for a in range(3):
@@ -340,7 +342,7 @@ def tangent_work(parameters: int, lights: int, spheres: int, disks: bool) -> Tan
     columns = adjoint_columns(lights, spheres, disks)
     return TangentWork(
         np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((4, columns)),
-        np.zeros((parameters, columns)), *(np.zeros((parameters, 4)) for _ in range(6)),
+        np.zeros((parameters, columns)), *(np.zeros((parameters, 4)) for _ in range(7)),
     )  # fmt: skip
 
 
