@@ -35,6 +35,7 @@ from symrender.chambers.walls import (
     RADIUS,
     RATIO,
     SHADOW,
+    SHADOW_EDGE,
     SHAPE,
     SHAPE_INDEX,
     SILHOUETTE,
@@ -43,7 +44,7 @@ from symrender.chambers.walls import (
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import View, Work
+from symrender.chambers.work import WALLS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.scene.arrays import CHECKER, KU, KV, TEXTURE
 
@@ -101,6 +102,48 @@ ONE_SIDED: Final = 3
 def adjoint_columns(lights: int, spheres: int, disks: bool) -> int:
     """Columns of an adjoint; ``disks``: whether a light point may carry an exact disk."""
     return LIGHTS + (10 if disks else 6) * lights + 4 * spheres
+
+
+@jitable
+def any_moves(moves: Array, first: int, last: int) -> bool:
+    """Whether some parameter moves one of the columns first..last - 1."""
+    for p in range(moves.shape[0]):
+        for k in range(first, last):
+            if moves[p, k] != 0.0:
+                return True
+    return False
+
+
+@jitable
+def what_moves(moves: Array, disks: bool, view: View, work: Work, moving: Array) -> tuple[bool, bool]:
+    """Whether the radiance or density at fixed places of the chart changes, and whether any wall moves across them.
+
+    ``moves`` (parameters, columns) is how everything moves. ``moving`` gets 1 for every row of the wall table that
+    moves, and in its last place for the lobe's rim. Where places, density and light stand still, a wall only moves with
+    the sphere it belongs to.
+    """
+    balls = LIGHTS + 6 * view.points.shape[0]
+    last = moving.shape[0] - 1
+    # what an exact disk sheds changes with every ball that hides a part of it
+    nodes = any_moves(moves, 0, RIM) or any_moves(moves, SHADING, balls)
+    nodes = nodes or any_moves(moves, balls + 4 * view.spheres.shape[0], moves.shape[1])
+    nodes = nodes or (disks and any_moves(moves, balls, moves.shape[1]))
+    moving[last] = 1.0 if nodes or any_moves(moves, RIM, RIM + 1) else 0.0
+    horizon = any_moves(moves, HORIZON_NORMAL, HORIZON_NORMAL + 3)
+    some = moving[last] != 0.0
+    for i in range(min(work.counts[WALLS], work.walls.shape[0])):
+        tag, shape = int(work.walls[i, TAG]), int(work.walls[i, SHAPE])
+        moved = True
+        if not nodes:
+            if tag in (SILHOUETTE, SHADOW_EDGE):
+                moved = any_moves(moves, balls + 4 * shape, balls + 4 * shape + 4)
+            elif tag == HORIZON:
+                moved = horizon
+            elif tag in (TERMINATOR, TEXTURE_EDGE, FLOOR_CUT):
+                moved = False
+        moving[i] = 1.0 if moved else 0.0
+        some = some or moved
+    return nodes, some
 
 
 @jitable

@@ -27,6 +27,7 @@ from symrender.chambers.tangent_walls import (
     LOG_NORMALISER,
     RIM,
     SHADING,
+    any_moves,
 )
 from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
 from symrender.chambers.walls import HEIGHT, POINT, SURFACE_NORMAL
@@ -82,7 +83,9 @@ GRID_ROWS = 200
 
 @jitable
 def name_conics(view: View, work: Work, what: Ints) -> None:
-    """What each row of ``floor_conics`` is: (kind, sphere, light)."""
+    """What each row of ``floor_conics`` is: (kind, sphere, light, 0)."""
+    for k in range(what.shape[0]):
+        what[k, 3] = 0
     what[0, 0], what[1, 0] = _RIM, _HORIZON
     n = 2
     for i in range(work.counts[OCCLUDERS]):
@@ -95,6 +98,26 @@ def name_conics(view: View, work: Work, what: Ints) -> None:
     for i in range(work.counts[CASTERS]):
         what[n, 0], what[n, 1], what[n, 2] = _SHADOW, work.casters[i, 1], work.casters[i, 0]
         n += 1
+
+
+@jitable
+def moving_conics(count: int, nodes: bool, moves: Array, view: View, what: Ints) -> bool:
+    """Note in the last column of ``what`` which conics move; whether any does. ``nodes`` is that of ``what_moves``."""
+    balls = LIGHTS + 6 * view.points.shape[0]
+    some = False
+    for k in range(count):
+        kind, ball = what[k, 0], balls + 4 * what[k, 1]
+        if nodes:
+            moved = True
+        elif kind == _RIM:
+            moved = any_moves(moves, RIM, RIM + 1)
+        elif kind == _HORIZON:
+            moved = any_moves(moves, HORIZON_NORMAL, HORIZON_NORMAL + 3)
+        else:
+            moved = any_moves(moves, ball, ball + 4)
+        what[k, 3] = 1 if moved else 0
+        some = some or moved
+    return some
 
 
 @jitable
@@ -329,7 +352,7 @@ def scan_row(
 def row_adjoint(
     y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, reach: float, lobe: Array,
     view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, half: Array,
-    here: Array, own: Array, adjoint: Array,
+    here: Array, own: Array, nodes: bool, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add weight times the scanned line's integral, differentiated, to the adjoint."""
     geo = work.geo
@@ -342,7 +365,8 @@ def row_adjoint(
         if right - left < 1e-14:
             continue
         lit = seen(left + 0.5 * (right - left), y, lobe, view, work, above)
-        if i > 0 and (lit or was_lit) and conics[int(which[i - 1]), SOFT] == 0.0:
+        moves = i > 0 and what[int(which[i - 1]), 3] != 0
+        if moves and (lit or was_lit) and conics[int(which[i - 1]), SOFT] == 0.0:
             # the root between this piece and the last one moves; nothing jumps at a penumbra's edge
             density, _, _ = grid_density(left, y, lobe, geo)
             lit_sum(left, y, step, above, view, work, gauss, disk, here[0])
@@ -364,7 +388,7 @@ def row_adjoint(
                     for a in range(3):
                         for k in range(own.shape[0]):
                             adjoint[a, k] += scale * jump[a] * own[k]
-        if lit:
+        if lit and nodes:
             work.counts[EVALUATIONS] += nx
             width = right - left
             soft = False
@@ -431,7 +455,7 @@ def cut_strips(
 def strip_adjoint(
     a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, step: int, reach: float,
     lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array,
-    half: Array, here: Array, own: Array, adjoint: Array,
+    half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
 ) -> None:  # fmt: skip
     """The adjoint of a strip by ``n`` lines, with a square-root map at both ends."""
     for row in range(adjoint.shape[0]):
@@ -446,7 +470,7 @@ def strip_adjoint(
         k, _ = scan_row(y, x0, x1, crossings, lobe, view, work, conics, table)
         row_adjoint(
             y, slope, x0, x1, k, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table, half, here, own,
-            adjoint,
+            nodes, adjoint,
         )  # fmt: skip
 
 
@@ -454,8 +478,8 @@ def strip_adjoint(
 def square_adjoint(
     x0: float, y0: float, size: float, sign: float, step: int, log_rho: float, reach: float, share: float,
     crossings: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None,
-    table: Array, half: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array,
-    out: Array,
+    table: Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array,
+    high: Array, out: Array,
 ) -> float:  # fmt: skip
     """Add the derivatives of a square that some conics cross to ``out`` (parameters, 4); their error estimate."""
     x1, y1 = x0 + size, y0 + size
@@ -479,12 +503,12 @@ def square_adjoint(
                 low[p, c] = high[p, c] = 0.0
         strip_adjoint(
             a, b, n, sign, x0, x1, crossings, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table,
-            half, here, own, adjoint,
+            half, here, own, nodes, adjoint,
         )  # fmt: skip
         contract(adjoint, moves, low, 1.0)
         strip_adjoint(
             a, b, n + 3, sign, x0, x1, crossings, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table,
-            half, here, own, adjoint,
+            half, here, own, nodes, adjoint,
         )  # fmt: skip
         contract(adjoint, moves, high, 1.0)
         change = 0.0
@@ -508,7 +532,8 @@ def square_adjoint(
 def replay_once(
     tol: float, reach: float, low_x: float, low_y: float, level: int, lowest: float, count: int, lobe: Array,
     view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, here: Array,
-    own: Array, adjoint: Array, moves: Array, low: Array, high: Array, square: Array, out: Array, max_evaluations: int,
+    own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array, high: Array, square: Array, out: Array,
+    max_evaluations: int,
 ) -> float:  # fmt: skip
     """The derivatives under one taper, ``out`` (parameters, 4); their error estimate, inf where they cannot be had.
 
@@ -537,9 +562,16 @@ def replay_once(
             return math.inf
         bound, span, near = block_bound(x0, y0, side, reach, light, lobe, geo)
         # a derivative may be larger than what is differentiated, by the inverse of its lengths
-        if bound <= 1e-3 * aim / (1.0 + near / cell):
+        if bound <= 0.1 * aim / (1.0 + near / cell):
             error += 100.0 * contrast * bound
             continue
+        middle = 0.5 * side
+        if not nodes:
+            moved = False
+            for k in range(count):
+                moved = moved or (what[k, 3] != 0 and may_cross(conics[k], x0 + middle, y0 + middle, middle))
+            if not moved:
+                continue
         ratio = span / side
         quarter = ratio < 0.8
         sign = lowest * block_sign(x0 - low_x, y0 - low_y, side, cell)
@@ -548,7 +580,6 @@ def replay_once(
                 square[p, c] = 0.0
         if not quarter:
             log_rho = math.log(ratio + math.sqrt(1.0 + ratio * ratio))
-            middle = 0.5 * side
             crossings = 0
             for k in range(count):
                 if may_cross(conics[k], x0 + middle, y0 + middle, middle) and crossings < table.shape[1]:
@@ -591,7 +622,7 @@ def replay_once(
             else:
                 error += square_adjoint(
                     x0, y0, side, sign, step, log_rho, reach, 0.5 * tol / LEAVES, crossings, lobe, view, work, conics,
-                    what, gauss, disk, table, half, here, own, adjoint, moves, low, high, square,
+                    what, gauss, disk, table, half, here, own, nodes, adjoint, moves, low, high, square,
                 )  # fmt: skip
         if quarter:
             if side < SMALLEST * cell or top + 4 > blocks.shape[0]:
@@ -607,13 +638,14 @@ def replay_once(
 @jitable
 def replay_grid(
     tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array,
-    disk: Array | None, table: Array, here: Array, own: Array, adjoint: Array, moves: Array, low: Array, high: Array,
-    square: Array, shorter: Array, longer: Array, value: Array, max_evaluations: int,
+    disk: Array | None, table: Array, here: Array, own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array,
+    high: Array, square: Array, shorter: Array, longer: Array, value: Array, max_evaluations: int,
 ) -> float:  # fmt: skip
     """Add the derivatives of what the checker adds to a floor of mean albedo to ``value``; their error estimate.
 
-    ``work`` holds the floor chart of the point. Where the squares are endless the taper's reach is doubled until the
-    derivatives no longer change: walls that move far out fall off more slowly than the value does.
+    ``work`` holds the floor chart of the point, ``nodes`` is that of ``what_moves``. Where the squares are endless the
+    taper's reach is doubled until the derivatives no longer change: walls that move far out fall off more slowly than
+    the value does.
     """
     geo, floor = work.geo, view.floor
     cell = floor[FLOOR_CELL]
@@ -621,6 +653,8 @@ def replay_grid(
     if count > conics.shape[0]:
         return math.inf
     name_conics(view, work, what)
+    if not moving_conics(count, nodes, moves, view, what) and not nodes:
+        return 0.0
     px, py = geo[POINT] - floor[FLOOR_OFFSET], geo[POINT + 1] - floor[FLOOR_OFFSET + 1]
     ci, cj = math.floor(px / cell), math.floor(py / cell)
     lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
@@ -631,7 +665,8 @@ def replay_grid(
         first = 2.0 ** (level - 1)
         error = replay_once(
             tol, reach, (ci - first) * cell - px, (cj - first) * cell - py, level, lowest, count, lobe, view, work,
-            conics, what, gauss, disk, table, here, own, adjoint, moves, low, high, square, longer, max_evaluations,
+            conics, what, gauss, disk, table, here, own, nodes, adjoint, moves, low, high, square, longer,
+            max_evaluations,
         )  # fmt: skip
         change = 0.0 if whole else math.inf
         if passes > 0:

@@ -308,9 +308,9 @@ def wall_adjoint(
 @jitable
 def walls_adjoint(
     c: float, s: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array,
-    disk: Array | None, here: Array, own: Array, adjoint: Array,
+    disk: Array | None, here: Array, own: Array, moving: Array, adjoint: Array,
 ) -> None:  # fmt: skip
-    """Add the moving ends of all cells of the scanned line (c, s)."""
+    """Add the moving ends of all cells of the scanned line (c, s); ``moving`` is that of ``what_moves``."""
     geo = work.geo
     cells = work.counts[CELLS]
     above, below = here[RADIANCE], here[RADIANCE + 1]
@@ -318,6 +318,8 @@ def walls_adjoint(
         wall = work.cell_wall[cell]
         if wall in (POLE_END, LIMB):
             # at the pole and at the limb the solid angle vanishes, and neither moves
+            continue
+        if moving[wall // 4 if wall >= 0 else moving.shape[0] - 1] == 0.0:
             continue
         if disk_edge(wall, work):
             # nothing jumps where a disk begins or ends to be hidden
@@ -400,15 +402,18 @@ def piece_adjoint(
 @jitable
 def line_adjoint(
     phi: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None,
-    here: Array, own: Array, adjoint: Array,
+    here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add ``weight`` times the scanned line's integral, differentiated, to ``adjoint``; ``step`` chooses the orders.
 
     The nodes are those of ``integrate_cells``. ``adjoint`` is (4, columns): a row a channel and ``ONE_SIDED``.
+    ``nodes`` and ``moving``, of ``what_moves``, tell what need not be visited.
     """
     geo = work.geo
     c, s = math.cos(phi), math.sin(phi)
-    walls_adjoint(c, s, weight, step, lobe, view, work, gauss, disk, here, own, adjoint)
+    walls_adjoint(c, s, weight, step, lobe, view, work, gauss, disk, here, own, moving, adjoint)
+    if not nodes:
+        return
     least = order(step, SOFT_LOG)
     promise, size = 100.0 * math.exp(-LEVELS[step]), 0.0
     ex, ey = c * geo[6] + s * geo[9], c * geo[7] + s * geo[10]

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from symrender.chambers.events import ROOT, SMOOTH, chart_events, line_range
 from symrender.chambers.labels import HIDDEN
-from symrender.chambers.line import scan_line
+from symrender.chambers.line import LIMB, POLE_END, scan_line
 from symrender.chambers.tangent_walls import (
     ONE_SIDED,
     chart_place,
@@ -31,6 +31,7 @@ from symrender.chambers.work import CELLS, EVALUATIONS, WALLS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.split_panel import (
+    FOREIGN,
     FROM,
     KIND_FROM,
     KIND_TO,
@@ -88,7 +89,7 @@ def contract(adjoint: Array, tangents: Array, out: Array, sign: float) -> None:
 @jitable
 def panel_adjoint(
     p: Array, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array,
-    here: Array, own: Array, adjoint: Array,
+    here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,
 ) -> float:  # fmt: skip
     """The adjoint (4, columns) of one panel at one order; azimuth of a line of another structure, or NaN."""
     for row in range(adjoint.shape[0]):
@@ -104,8 +105,23 @@ def panel_adjoint(
             signature = found
         elif found != signature:
             return phi
-        line_adjoint(phi, gauss[1, base + q] * slope, step, lobe, view, work, gauss, disk, here, own, adjoint)
+        line_adjoint(
+            phi, gauss[1, base + q] * slope, step, lobe, view, work, gauss, disk, here, own, nodes, moving, adjoint
+        )
     return math.nan
+
+
+@jitable
+def stands_still(p: Array, view: View, work: Work, scratch: Array, moving: Array) -> bool:
+    """Whether no wall on the lines of a panel that all had one structure is ``moving``."""
+    if p[FOREIGN] == p[FOREIGN] or p[STEP] < 1.0:
+        return False
+    scan_line(0.5 * (p[FROM] + p[TO]), view, work, scratch)
+    for cell in range(work.counts[CELLS] + 1):
+        wall = work.cell_wall[cell]
+        if wall not in (POLE_END, LIMB) and moving[wall // 4 if wall >= 0 else moving.shape[0] - 1] != 0.0:
+            return False
+    return True
 
 
 @jitable
@@ -152,31 +168,32 @@ def polish_ends(panels: Array, first: int, n: int, view: View, work: Work, event
 @jitable
 def replay_chart(
     tol: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, panels: Array, spans: Array,
-    ids: Ints, events: Array, scratch: Array, here: Array, own: Array, adjoint: Array, tangents: Array, exact: bool,
-    max_evaluations: int, value: Array, error: Array, low_order: Array, high_order: Array,
-) -> int:  # fmt: skip
+    ids: Ints, events: Array, scratch: Array, here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,
+    tangents: Array, exact: bool, max_evaluations: int, value: Array, error: Array, low_order: Array, high_order: Array,
+) -> None:  # fmt: skip
     """Add the charted shape's derivatives to ``value`` (parameters, 4), their estimated errors to ``error``.
 
     ``panels`` are those of ``split_chart`` on the same ``work``; ``tangents`` (parameters, columns) is how every
-    column moves; ``low_order`` and ``high_order`` (parameters, 4) are scratch. ``tol`` is absolute, of every
-    derivative. Returns the number of pieces that stayed unresolved.
+    column moves, ``nodes`` and ``moving`` are those of ``what_moves``; ``low_order`` and ``high_order``
+    (parameters, 4) are scratch. ``tol`` is absolute, of every derivative.
     """
     n = panels_in_use(panels)
     if exact:
         polish_ends(panels, 0, n, view, work, events, scratch)
-    share = tol / max(1, n)
-    bad = 0
+    spent = 0.0
     i = 0
     while i < n:
+        # most panels err far less than their share and leave the rest to those that follow
+        share = max(tol - spent, 0.05 * tol) / (n - i)
         p = panels[i]
         i += 1
-        if not p[FROM] < p[TO]:
+        if not p[FROM] < p[TO] or (not nodes and stands_still(p, view, work, scratch, moving)):
             continue
         step = max(0, int(p[STEP]) - 1)
         for a in range(tangents.shape[0]):
             for c in range(4):
                 low_order[a, c] = 0.0
-        foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, adjoint)
+        foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, adjoint)
         contract(adjoint, tangents, low_order, 1.0)
         most = 0.0
         while foreign != foreign:
@@ -184,7 +201,7 @@ def replay_chart(
             for a in range(tangents.shape[0]):
                 for c in range(4):
                     high_order[a, c] = 0.0
-            foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, adjoint)
+            foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, adjoint)
             contract(adjoint, tangents, high_order, 1.0)
             most = 0.0
             for a in range(tangents.shape[0]):
@@ -214,15 +231,13 @@ def replay_chart(
             if exact:
                 polish_ends(panels, before, n, view, work, events, scratch)
             continue
-        if foreign == foreign or most > share:
-            bad += 1
+        spent += most
         for a in range(tangents.shape[0]):
             for c in range(4):
                 value[a, c] += high_order[a, c]
             for c in range(3):
                 change = abs(high_order[a, c] - low_order[a, c])
                 error[a, c] += max(change, abs(high_order[a, c])) if foreign == foreign else change
-    return bad
 
 
 @jitable

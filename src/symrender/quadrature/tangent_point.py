@@ -40,9 +40,10 @@ from symrender.chambers.tangent_walls import (
     SHADING,
     TURN,
     adjoint_columns,
+    what_moves,
 )
 from symrender.chambers.walls import BETA_MAX, LOBE_BETA, POLE, RADIUS, RATIO, SIDE
-from symrender.chambers.work import EVALUATIONS, View, Work
+from symrender.chambers.work import EVALUATIONS, MAX_WALLS, View, Work
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.light_points import light_rows
@@ -109,12 +110,14 @@ class Tangents(NamedTuple):
 
 
 class TangentWork(NamedTuple):
-    """Scratch of one thread: a place, one wall's and one panel's adjoint, how a chart's columns move, two orders."""
+    """Scratch of one thread: a place, one wall's and one panel's adjoint, how a chart's columns move, which walls do,
+    two orders."""
 
     here: Array
     own: Array
     adjoint: Array
     moves: Array
+    moving: Array
     low: Array
     high: Array
     value: Array
@@ -217,10 +220,20 @@ def chart_moves(j: int, geo: Array, tangents: Tangents, moves: Array) -> None:
         row[FREQUENCY], row[FREQUENCY + 1] = sphere[8], sphere[9]
 
 
+@jitable
+def room_left(tol: float, tail: float, error: Array) -> float:
+    """What one more shape may add to the errors (parameters, 4) of the shapes before: most of what they left."""
+    most = 0.0
+    for p in range(error.shape[0]):
+        for a in range(3):
+            most = max(most, error[p, a])
+    return max(0.6 * ((tol - tail) / SAFETY - most), 0.05 * tol)
+
+
 def gradient_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents,
     work: Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Array, spans: Array, ids: Ints,
-    events: Array, scratch: Array, conics: Array, what: Ints, grid: Array, tol: float, value_tol: float, bound: float,
+    events: Array, scratch: Array, conics: Array, what: Ints, grid: Array, tol: float, bound: float,
     max_evaluations: int, exact: bool, gradient: Array, error: Array, evaluations: Ints, status: Ints,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``GradientResult`` for every point; see ``gloss_gradients``."""
@@ -238,7 +251,7 @@ def gradient_kernel(
             for p in range(count):
                 error[p, i], status[p, i] = math.inf, UNSUPPORTED
             continue
-        tail = lobe_setup(n, theta_max, value_tol, bound, geo) * bound
+        tail = lobe_setup(n, theta_max, 0.1 * tol, bound, geo) * bound
         common_moves(i, lobe, n, theta_max, tail > 0.0, surface[i], normals[i], incoming[i], tangents, t.moves)
         for p in range(count):
             for c in range(4):
@@ -269,7 +282,6 @@ def gradient_kernel(
             for a in range(3):
                 t.value[p, a] += row[BACKGROUND + a] * share + view.shading[10 + a] * change
 
-        bad = 0
         spent = 0.0
         for j in range(view.spheres.shape[0] + 1):
             if j == view.spheres.shape[0]:
@@ -286,25 +298,29 @@ def gradient_kernel(
                 # all of the shape, at the lobe's largest density on it, and how fast that can change
                 gap = max(0.0, geo[LOBE_BETA] - geo[BETA_MAX])
                 most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * 2.0 * math.pi * k * k * bound
-                if gap < 1.5 and most * (1.0 + n * math.tan(gap)) < 1e-3 * value_tol:
+                if gap < 1.5 and most * (1.0 + n * math.tan(gap)) < 1e-4 * tol:
                     spent += most
                     continue
                 sphere_strips(j, n, view, geo)
                 chart_moves(j, geo, tangents, t.moves)
+            nodes, some = what_moves(t.moves, disk is not None, view, work, t.moving)
+            if not nodes and not some:
+                continue
             clear_panels(panels)
             found, _ = split_chart(
-                max(0.5 * (value_tol - spent), 0.05 * value_tol), view, work, gauss, panels, spans, ids, events,
+                max(0.5 * (tol - spent), 0.05 * tol), view, work, gauss, panels, spans, ids, events,
                 scratch, max_evaluations, t.adjoint[0],
             )  # fmt: skip
             spent += found
-            bad += replay_chart(
-                0.5 * tol, lobe, view, work, gauss, disk, panels, spans, ids, events, scratch, t.here, t.own, t.adjoint,
-                t.moves, exact, max_evaluations, t.value, t.error, t.low, t.high,
+            replay_chart(
+                room_left(tol, tail, t.error), lobe, view, work, gauss, disk, panels, spans, ids, events, scratch,
+                t.here, t.own, nodes, t.moving, t.adjoint, t.moves, exact, max_evaluations, t.value, t.error, t.low,
+                t.high,
             )  # fmt: skip
             if j == view.spheres.shape[0] and view.floor[FLOOR_KIND] == CHECKER and geo[SIDE] > 0.0:
                 off = replay_grid(
-                    0.5 * tol, own, lobe, view, work, conics, what, gauss, disk, grid, t.here, t.own, t.adjoint,
-                    t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value,
+                    room_left(tol, tail, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
+                    t.own, nodes, t.adjoint, t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value,
                     max_evaluations,
                 )  # fmt: skip
                 for p in range(count):
@@ -340,10 +356,10 @@ def _kernel() -> Any:
 def tangent_work(parameters: int, lights: int, spheres: int, disks: bool) -> TangentWork:
     """Scratch for ``parameters`` derivatives; ``disks``: whether there are exact disks."""
     columns = adjoint_columns(lights, spheres, disks)
-    return TangentWork(
-        np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((4, columns)),
-        np.zeros((parameters, columns)), *(np.zeros((parameters, 4)) for _ in range(7)),
-    )  # fmt: skip
+    here, own, adjoint = np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((4, columns))
+    low, high, value, error, square, shorter, longer = np.zeros((7, parameters, 4))
+    moves, moving = np.zeros((parameters, columns)), np.zeros(MAX_WALLS + 1)
+    return TangentWork(here, own, adjoint, moves, moving, low, high, value, error, square, shorter, longer)
 
 
 def refuse_unknown(arrays: SceneArrays, moved: dict[str, Array], names: tuple[str, ...]) -> None:
@@ -407,8 +423,8 @@ def gloss_gradients(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         tangents, s.work, own, s.gauss, table, s.panels, s.spans, s.ids,
-        s.events, s.scratch, s.conics, np.zeros((len(s.conics), 3), np.int64), np.zeros((GRID_ROWS, 256)),
-        float(tol), 0.1 * float(tol), radiance_bound(arrays, lights), int(max_evaluations),
+        s.events, s.scratch, s.conics, np.zeros((len(s.conics), 4), np.int64), np.zeros((GRID_ROWS, 256)),
+        float(tol), radiance_bound(arrays, lights), int(max_evaluations),
         tol < 1e-5, result.gradient, result.error, result.evaluations, result.status,
     )  # fmt: skip
     return result
