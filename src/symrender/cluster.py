@@ -14,8 +14,11 @@ import hashlib
 import ipaddress
 import logging
 import math
+import multiprocessing
 import platform
 import re
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
@@ -23,6 +26,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 from importlib import metadata
 from itertools import islice
+from multiprocessing import resource_tracker
 from queue import Empty, SimpleQueue
 from typing import Any, Final
 from urllib.parse import urlsplit
@@ -31,7 +35,7 @@ from symrender import version
 from symrender.errors import OptionError, Unsupported
 from symrender.scene.arrays import Array
 from symrender.scene.printable import printable
-from symrender.tiles import Finished
+from symrender.tiles import Finished, next_of
 from symrender.units import Done, Job, Tile, blocks, code_digest, compute
 
 MAX_LOCAL: Final = 1024
@@ -260,12 +264,7 @@ def _local(distributed: Any, count: int) -> Iterator[tuple[Any, Callable[[], obj
         "silence_logs": logging.CRITICAL,
         "security": distributed.Security.temporary(),
     }
-    try:
-        cluster = distributed.LocalCluster(**options)
-    except BaseException:
-        # half begun it cannot be closed, and would complain at exit; its processes end with this one
-        distributed.SpecCluster._instances.clear()
-        raise
+    cluster = _begun_out_of_earshot(distributed, options)
     client = None
     try:
         client = distributed.Client(cluster, set_as_default=False)
@@ -283,6 +282,45 @@ def _local(distributed: Any, count: int) -> Iterator[tuple[Any, Callable[[], obj
                 client.close(timeout=1)
         with contextlib.suppress(Exception):
             cluster.close(timeout=1)
+
+
+def _begun_out_of_earshot(distributed: Any, options: Mapping[str, Any]) -> Any:
+    """A local cluster whose processes never get SIGINT: a terminal's Ctrl-C goes to all, and this process ends them.
+
+    Threads and processes inherit the signals that their parent blocks. Interrupted while it begins, the cluster is
+    ended process by process as they come.
+    """
+    strangers = set(multiprocessing.active_children())
+    begun: SimpleQueue[Any] = SimpleQueue()
+
+    def begin() -> None:
+        try:
+            # begun later, it would unblock the signal
+            resource_tracker.ensure_running()
+            if hasattr(signal, "pthread_sigmask"):
+                signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            begun.put(distributed.LocalCluster(**options))
+        except BaseException as error:
+            begun.put(error)
+
+    def end_as_they_come() -> None:
+        while thread.is_alive():
+            for process in set(multiprocessing.active_children()) - strangers:
+                process.kill()
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=begin, daemon=True)
+    thread.start()
+    try:
+        result = next_of(begun)
+        if isinstance(result, BaseException):
+            raise result
+    except BaseException:
+        # half begun it cannot be closed, and would complain at exit
+        distributed.SpecCluster._instances.clear()
+        threading.Thread(target=end_as_they_come, daemon=True).start()
+        raise
+    return result
 
 
 @contextmanager

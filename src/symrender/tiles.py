@@ -128,8 +128,7 @@ def run_threads(
             for _ in range(min(threads, len(work))):
                 pool.submit(labour)
             for _ in work:
-                # a bounded wait, so that Ctrl-C is seen even while every worker is inside a kernel
-                result = _next(results)
+                result = next_of(results)
                 if isinstance(result, BaseException):
                     raise result
                 finished(*result)
@@ -137,7 +136,8 @@ def run_threads(
             stop.set()
 
 
-def _next(results: SimpleQueue[_T]) -> _T:
+def next_of(results: SimpleQueue[_T]) -> _T:
+    """What the queue gives next, waited for in bounded steps so that Ctrl-C is seen."""
     while True:
         try:
             return results.get(timeout=0.1)

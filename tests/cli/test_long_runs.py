@@ -83,6 +83,35 @@ def test_a_signal_ends_a_run_and_resume_goes_on(
     assert hashes(tmp_path) == whole
 
 
+@pytest.mark.parametrize("lines", [0, 20], ids=["while it begins", "while it works"])
+def test_ctrl_c_ends_a_local_cluster_in_one_line(lines: int, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    command = ["render", "gloss", "--size", "1000", "--tile", "8", "--cluster", "local:2", "--progress", "json"]
+    words = [sys.executable, "-c", "import sys; from symrender.cli import main; sys.exit(main())", *command]
+    with subprocess.Popen(
+        [*words, "--out", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        assert process.stderr is not None
+        while len(alive(process.pid)) < 4:
+            assert process.poll() is None
+            time.sleep(0.01)
+        for _ in range(lines):
+            assert '"numeric"' in process.stderr.readline()
+        sent = time.monotonic()
+        # as a terminal does it: the workers and their keeper get the signal too
+        os.killpg(process.pid, signal.SIGINT)
+        assert process.wait(20) == 130
+        assert time.monotonic() - sent < 1.5
+        said = [line for line in process.stderr.read().splitlines() if not line.startswith("{")]
+        assert said == ["ERROR interrupted"]
+        time.sleep(0.3)
+        assert not alive(process.pid)
+
+
 def test_restart_discards(tmp_path: Path, whole: dict[str, str]) -> None:
     with begin(tmp_path, "--lobe", "3") as process:
         assert process.stderr is not None

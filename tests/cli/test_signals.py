@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
+import math
 import signal
 import threading
 import time
+import types
 import weakref
 from collections.abc import Callable
 from typing import Any
@@ -41,6 +44,35 @@ def test_an_interrupt_in_a_callback_comes_a_moment_later(file: str, name: str) -
         assert done == [1] and watched() is None, "the callback was not cut short"
         threading.Event().wait(5.0)
     assert time.monotonic() - begun < 2.0, "and the wait was"
+
+
+def test_an_interrupt_in_a_callback_of_llvm_comes_a_moment_later() -> None:
+    done: list[int] = []
+    below = function_of("any.py", "hook", done)
+    notify = function_of("executionengine.py", "_raw_object_cache_notify", [])
+    held: dict[str, Any] = notify.__globals__
+    held["signal"] = types.SimpleNamespace(raise_signal=lambda number: below(), SIGINT=signal.SIGINT)
+    called_by_c = ctypes.CFUNCTYPE(None)(notify)
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        called_by_c()
+        assert done == [1], "what the callback called was not cut short"
+        threading.Event().wait(5.0)
+    assert time.monotonic() - begun < 2.0, "and the wait was"
+
+
+def test_a_kernel_that_is_compiled_does_not_swallow_an_interrupt() -> None:
+    from numba import njit
+
+    calls = "".join(f"    if x > {k}: x = {k} + sin(x) * cos(x * {k})\n" for k in range(400))
+    held: dict[str, Any] = {"sin": math.sin, "cos": math.cos}
+    exec(f"def slow(x):\n{calls}    return x\n", held)  # noqa: S102
+    compiling = njit("float64(float64)")
+    timer = threading.Timer(0.4, lambda: signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        timer.start()
+        for _ in range(20):
+            compiling(held["slow"])
 
 
 def test_an_interrupt_elsewhere_comes_at_once() -> None:

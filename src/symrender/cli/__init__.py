@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Sequence
 
+from symrender.cli._deadline import ends_in_time
 from symrender.cli._signals import interruptible
 from symrender.errors import SymrenderError
 
@@ -21,9 +22,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line ``argv`` (default: that of the process) and return its exit code.
 
     A failure is one line on stderr, ``ERROR what: where: what was read, what was expected``; ``--debug`` anywhere
-    shows the traceback instead.
+    shows the traceback instead. A process that runs its own command line ends within a second of Ctrl-C.
     """
-    arguments = list(sys.argv[1:] if argv is None else argv)
+    if argv is not None:
+        # the process is somebody else's, who would not want it ended
+        return _run(list(argv))
+    with ends_in_time(_cut_short):
+        return _run(sys.argv[1:])
+
+
+def _run(arguments: list[str]) -> int:
     debug = "--debug" in arguments
     try:
         with interruptible():
@@ -46,6 +54,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     if code == _INTERRUPTED:
         return _fail("interrupted", _INTERRUPTED)
     return code if isinstance(code, int) else 0
+
+
+def _cut_short(number: int) -> None:
+    if 128 + number == _INTERRUPTED:
+        # the main thread may hold the lock of stderr or of an import
+        os.write(2, b"ERROR interrupted\n")
 
 
 def _report(error: Exception) -> int:

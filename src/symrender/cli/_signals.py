@@ -1,13 +1,15 @@
 """Signals as exceptions, raised only where an exception can be heard.
 
-Inside the import system's own code, a callback of a weak reference or a finalizer an exception is swallowed; the run
-goes on as if nobody had asked it to end, and a lock of the import system that it leaves behind stops the next thread
-that imports something, for ever. A signal that comes there is sent again a moment later.
+Inside the import system's own code, a callback of a weak reference, a finalizer or a callback of LLVM an exception is
+swallowed; the run goes on as if nobody had asked it to end, and a lock of the import system that it leaves behind stops
+the next thread that imports something, for ever. A signal that comes there is sent again a moment later. A callback of
+LLVM is no rare place: one that comes while a kernel is compiled is first seen there.
 """
 
 from __future__ import annotations
 
 import _thread
+import re
 import signal
 import threading
 import time
@@ -19,7 +21,8 @@ from typing import Final
 Handler = Callable[[int, FrameType | None], object]
 _A_MOMENT: Final = 0.005
 _DEAF_FILES: Final = ("<frozen importlib", "<frozen zipimport")
-_DEAF_ENDINGS: Final = ("/weakref.py", "/_weakrefset.py", "\\weakref.py", "\\_weakrefset.py")
+_DEAF_CALLERS: Final = ("weakref.py", "_weakrefset.py")
+_DEAF_NAMES: Final = ("__del__", "_raw_object_cache_notify", "_raw_object_cache_getbuffer")
 
 
 def heard(handler: Handler) -> Handler:
@@ -49,8 +52,16 @@ def interruptible() -> Iterator[None]:
 
 
 def _deaf(frame: FrameType) -> bool:
-    file, name = frame.f_code.co_filename, frame.f_code.co_name
-    return name == "__del__" or file.startswith(_DEAF_FILES) or file.endswith(_DEAF_ENDINGS)
+    if frame.f_code.co_filename.startswith(_DEAF_FILES):
+        # further down the stack the same files mean a module that is being imported, and that can be cut short
+        return True
+    caller: FrameType | None = frame
+    while caller is not None:
+        file = re.split(r"[/\\]", caller.f_code.co_filename)[-1]
+        if caller.f_code.co_name in _DEAF_NAMES or file in _DEAF_CALLERS:
+            return True
+        caller = caller.f_back
+    return False
 
 
 def _again(number: int) -> None:

@@ -1,0 +1,77 @@
+"""A signal that asks the process to end is obeyed in bounded time, whatever the main thread is doing.
+
+Python tells the main thread of a signal between two of its own instructions. A thread inside LLVM, which may take
+seconds for a kernel, or inside a library that swallows the exception, ends late or never. So a second thread hears of
+the signal too, from the interpreter's C handler by a pipe, and ends the process when its time is up.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final
+
+TIME_TO_END: Final = 0.6
+"""Seconds a run has to end by itself once it is asked to; a tile takes at most a third of that."""
+_NAMES: Final = ("SIGINT", "SIGTERM", "SIGHUP")
+
+
+@contextmanager
+def ends_in_time(last_words: Callable[[int], None], seconds: float = TIME_TO_END) -> Iterator[None]:
+    """Within the block a signal that is handled as a request to end the process ends it ``seconds`` later at most.
+
+    The exit code is then 128 + signal, and ``last_words(signal)`` is called first, from another thread, unless the
+    block was left before. Journals and outputs bear this end as they bear SIGKILL; processes of multiprocessing are
+    killed. Once a signal has come the watch goes on after the block, for an interpreter that ends also waits for
+    threads. Does nothing outside of the main thread, and on Windows.
+    """
+    if os.name != "posix" or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    hear, tell = os.pipe()
+    os.set_blocking(tell, False)
+    before = signal.set_wakeup_fd(tell, warn_on_full_buffer=False)
+    asked, left = threading.Event(), threading.Event()
+
+    def watch() -> None:
+        number = _asked(hear)
+        if not number:
+            os.close(hear)
+            return
+        asked.set()
+        threading.Event().wait(seconds)
+        if not left.is_set():
+            last_words(number)
+        _end_workers()
+        os._exit(128 + number)
+
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        yield
+    finally:
+        left.set()
+        if not asked.is_set():
+            signal.set_wakeup_fd(before)
+            os.close(tell)
+
+
+def _asked(hear: int) -> int:
+    """The first signal that asks for the end; 0 when the block was left without one."""
+    numbers = {int(getattr(signal, name)) for name in _NAMES if hasattr(signal, name)}
+    while told := os.read(hear, 1):
+        if told[0] in numbers:
+            return told[0]
+    return 0
+
+
+def _end_workers() -> None:
+    """Processes begun by multiprocessing would outlive this one for a second or two."""
+    multiprocessing = sys.modules.get("multiprocessing")
+    with contextlib.suppress(Exception):
+        for process in multiprocessing.active_children() if multiprocessing else ():
+            process.kill()
