@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import math
 import signal
 import threading
 import time
@@ -61,18 +60,31 @@ def test_an_interrupt_in_a_callback_of_llvm_comes_a_moment_later() -> None:
     assert time.monotonic() - begun < 2.0, "and the wait was"
 
 
-def test_a_kernel_that_is_compiled_does_not_swallow_an_interrupt() -> None:
-    from numba import njit
+def test_an_interrupt_while_llvm_compiles_is_not_lost() -> None:
+    from llvmlite import binding
 
-    calls = "".join(f"    if x > {k}: x = {k} + sin(x) * cos(x * {k})\n" for k in range(400))
-    held: dict[str, Any] = {"sin": math.sin, "cos": math.cos}
-    exec(f"def slow(x):\n{calls}    return x\n", held)  # noqa: S102
-    compiling = njit("float64(float64)")
-    timer = threading.Timer(0.4, lambda: signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT))
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    steps = "".join(f"%x{k} = fmul double %x{k - 1}, %x{k // 2}\n" for k in range(1, 4000))
+    module = binding.parse_assembly(f"define double @slow(double %x0) {{\n{steps}ret double %x3999\n}}")
+    engine = binding.create_mcjit_compiler(module, binding.Target.from_default_triple().create_target_machine())
+    compiled: list[int] = []
+    sent: list[float] = []
+
+    def interrupt() -> None:
+        time.sleep(0.02)
+        assert not compiled, "the signal is for LLVM itself"
+        sent.append(time.monotonic())
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+    engine.set_object_cache(lambda module, text: compiled.append(len(text)))
+    thread = threading.Thread(target=interrupt)
     with pytest.raises(KeyboardInterrupt), interruptible():
-        timer.start()
-        for _ in range(20):
-            compiling(held["slow"])
+        thread.start()
+        engine.finalize_object()
+        threading.Event().wait(5.0)
+    thread.join()
+    assert len(compiled) == 1 and len(sent) == 1
 
 
 def test_an_interrupt_elsewhere_comes_at_once() -> None:
