@@ -24,6 +24,7 @@ class Fault:
 
 RAYS = ("numeric/test_rays.py",)
 BOTH = ("runtimes/test_image.py", "runtimes/test_anchor.py")
+UNITS = ("quadrature/test_lobe_units.py",)
 FAULTS = (
     Fault("intersection", "numeric/rays.py", "discriminant = radius * radius - dot(l, l)",
           "discriminant = toward * toward - power", RAYS, "the discriminant that cancels for far spheres"),
@@ -52,6 +53,14 @@ FAULTS = (
           ("expression/test_lobe.py", "runtimes/test_anchor.py"), "the n + 2 of another convention"),
     Fault("normaliser", "quadrature/strata.py", "if not normalised:", "if normalised:",
           ("quadrature/test_strata.py",), "the two estimators exchanged"),
+    Fault("units", "numeric/estimators.py", "weight *= cosine", "weight *= w[2]", UNITS,
+          "the floor's cosine for that of the surface"),
+    Fault("units", "kernel/gather.py", "block.set(share, share * cosine)", "block.set(share, share * z)", UNITS,
+          "the cosine about the mirror direction for that about the normal"),
+    Fault("units", "quadrature/lobe_units.py", "(exponent + 1.0) * mass", "(exponent + 1.0)", UNITS,
+          "a cut lobe scaled as a whole one"),
+    Fault("units", "quadrature/split_point.py", "share = facing_mass(n, theta_max, tilt, gauss)",
+          "share = facing_mass(n, theta_max, 0.0, gauss)", UNITS, "a sky as bright at grazing view as from above"),
     Fault("horizon", "numeric/estimators.py", "if weight > 0.0 and cosine > 0.0:", "if weight > 0.0:",
           ("numeric/test_estimators.py", "numeric/test_pipeline.py", *BOTH), "lobe rays below the horizon let in"),
     Fault("horizon", "kernel/gather.py", "with block.when(cosine <= 0):",
