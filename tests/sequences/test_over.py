@@ -34,6 +34,16 @@ def test_logarithmic_ranges(a: float, b: float, count: int, sign: int) -> None:
     assert all(math.isclose(y / x, ratio, rel_tol=1e-12) for x, y in zip(axis.values, axis.values[1:], strict=False))
 
 
+def test_tenths_decades_and_octaves_are_as_one_writes_them() -> None:
+    for text, wanted in (
+        ("x=0:1:11", [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]),
+        ("x=-1e-3:-1e3:7:log", [-1e-3, -1e-2, -0.1, -1.0, -10.0, -100.0, -1000.0]),
+        ("x=4096:2:12:log", [2.0**k for k in range(12, 0, -1)]),
+    ):
+        (axis,) = parse_over(text)
+        assert list(axis.values) == wanted
+
+
 def test_the_product_runs_through_the_last_range_first() -> None:
     made = frames(load("chapter8"), parse_over("floor.lobe.exponent=4:16:2,lights.key.radius=0:1:3"))
     assert [frame.index for frame in made] == list(range(6))

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Context, Decimal, localcontext
 from typing import Final
 
 from symrender.errors import OptionError
@@ -36,6 +37,7 @@ class Frame:
 def parse_over(text: str) -> tuple[Axis, ...]:
     """``name=a:b:n[:log],...`` as axes: n numbers from a to b, both included, evenly spaced in value or in logarithm.
 
+    Those between are the nearest doubles of what decimal arithmetic gives: tenths and decades are as one writes them.
     OptionError says what is wrong with which range.
     """
     axes = tuple(_axis(part) for part in text.split(",")) if text else ()
@@ -76,17 +78,17 @@ def _axis(text: str) -> Axis:
         raise OptionError(f"over: the ends of a range must be finite, got {shown!r}")
     if not 1 <= count <= MAX_FRAMES:
         raise OptionError(f"over: a range takes 1 to {MAX_FRAMES} values, got {shown!r}")
-    if len(parts) == 3:
-        return Axis(name.strip(), tuple(_between(a, b, k, count) for k in range(count)))
-    if a == 0 or b == 0 or (a < 0) != (b < 0):
+    logarithmic = len(parts) == 4
+    if logarithmic and (a == 0 or b == 0 or (a < 0) != (b < 0)):
         raise OptionError(f"over: the ends of a logarithmic range must have one sign and not be 0, got {shown!r}")
-    values = (math.copysign(math.exp(_between(math.log(abs(a)), math.log(abs(b)), k, count)), a) for k in range(count))
-    inner = tuple(values)
-    return Axis(name.strip(), (a, *inner[1:-1], b) if count > 1 else (a,))
+    inner = tuple(_between(a, b, k, count - 1, logarithmic=logarithmic) for k in range(1, count - 1))
+    return Axis(name.strip(), (a, *inner, b) if count > 1 else (a,))
 
 
-def _between(a: float, b: float, k: int, count: int) -> float:
-    """The k-th of ``count`` numbers from a to b, the ends exact."""
-    if k == 0:
-        return a
-    return b if k == count - 1 else a + (b - a) * (k / (count - 1))
+def _between(a: float, b: float, k: int, steps: int, *, logarithmic: bool) -> float:
+    """The k-th number on the way from a to b, in decimal digits."""
+    with localcontext(Context(prec=24)):
+        low, high = Decimal(repr(a)), Decimal(repr(b))
+        if logarithmic:
+            return float(low * (high / low) ** (Decimal(k) / steps))
+        return float(low + (high - low) * k / steps)
