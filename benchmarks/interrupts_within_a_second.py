@@ -47,6 +47,8 @@ def trial(folder: str, wait: float, *extra: str) -> tuple[int, float, str, bool,
 
 def main() -> None:
     options = arguments(__doc__)
+    # a shell has programs in the background ignore it, and those they start
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     count, choice = (20 if options.quick else 200), random.Random(20250609)
     report = Report("interrupts_within_a_second", f"{count} interrupts, 4 in 5 on threads, 1 in 5 on local:2.")
     with tempfile.TemporaryDirectory() as folder:

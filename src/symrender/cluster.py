@@ -14,7 +14,6 @@ import hashlib
 import ipaddress
 import logging
 import math
-import multiprocessing
 import platform
 import re
 import signal
@@ -26,7 +25,8 @@ from contextlib import contextmanager
 from functools import lru_cache
 from importlib import metadata
 from itertools import islice
-from multiprocessing import resource_tracker
+from multiprocessing.process import active_children
+from multiprocessing.resource_tracker import ensure_running
 from queue import Empty, SimpleQueue
 from typing import Any, Final
 from urllib.parse import urlsplit
@@ -290,13 +290,13 @@ def _begun_out_of_earshot(distributed: Any, options: Mapping[str, Any]) -> Any:
     Threads and processes inherit the signals that their parent blocks. Interrupted while it begins, the cluster is
     ended process by process as they come.
     """
-    strangers = set(multiprocessing.active_children())
+    strangers = set(active_children())
     begun: SimpleQueue[Any] = SimpleQueue()
 
     def begin() -> None:
         try:
             # begun later, it would unblock the signal
-            resource_tracker.ensure_running()
+            ensure_running()
             if hasattr(signal, "pthread_sigmask"):
                 signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
             begun.put(distributed.LocalCluster(**options))
@@ -305,7 +305,7 @@ def _begun_out_of_earshot(distributed: Any, options: Mapping[str, Any]) -> Any:
 
     def end_as_they_come() -> None:
         while thread.is_alive():
-            for process in set(multiprocessing.active_children()) - strangers:
+            for process in set(active_children()) - strangers:
                 process.kill()
             time.sleep(0.005)
 

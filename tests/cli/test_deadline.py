@@ -16,13 +16,14 @@ from symrender.cli._deadline import TIME_TO_END, ends_in_time
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
 
 DEAF = """
-import multiprocessing, sys, time, types
+import multiprocessing, subprocess, sys, time, types
 import symrender.cli._application as assembled
 from symrender.cli import main
 
 def deaf(*_, **__):
     held = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,))
     held.start()
+    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
     print("ready", flush=True)
     while True:
         try:

@@ -14,6 +14,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Final
 
 TIME_TO_END: Final = 0.6
@@ -26,9 +27,9 @@ def ends_in_time(last_words: Callable[[int], None], seconds: float = TIME_TO_END
     """Within the block a signal that is handled as a request to end the process ends it ``seconds`` later at most.
 
     The exit code is then 128 + signal, and ``last_words(signal)`` is called first, from another thread, unless the
-    block was left before. Journals and outputs bear this end as they bear SIGKILL; processes of multiprocessing are
-    killed. Once a signal has come the watch goes on after the block, for an interpreter that ends also waits for
-    threads. Does nothing outside of the main thread, and on Windows.
+    block was left before. Journals and outputs bear this end as they bear SIGKILL; child processes are killed. Once a
+    signal has come the watch goes on after the block, for an interpreter that ends also waits for threads. Does nothing
+    outside of the main thread, and on Windows.
     """
     if os.name != "posix" or threading.current_thread() is not threading.main_thread():
         yield
@@ -47,7 +48,7 @@ def ends_in_time(last_words: Callable[[int], None], seconds: float = TIME_TO_END
         threading.Event().wait(seconds)
         if not left.is_set():
             last_words(number)
-        _end_workers()
+        _end_children()
         os._exit(128 + number)
 
     threading.Thread(target=watch, daemon=True).start()
@@ -69,9 +70,17 @@ def _asked(hear: int) -> int:
     return 0
 
 
-def _end_workers() -> None:
-    """Processes begun by multiprocessing would outlive this one for a second or two."""
+def _end_children() -> None:
+    """Workers and compilers would outlive this process for seconds; what multiprocessing cleans up with may end alone.
+
+    Where there is no ``/proc`` only what multiprocessing began is known.
+    """
     multiprocessing = sys.modules.get("multiprocessing")
     with contextlib.suppress(Exception):
         for process in multiprocessing.active_children() if multiprocessing else ():
             process.kill()
+    for listed in Path("/proc/self/task").glob("*/children"):
+        with contextlib.suppress(OSError):
+            for child in listed.read_text().split():
+                if b"resource_tracker" not in Path(f"/proc/{child}/cmdline").read_bytes():
+                    os.kill(int(child), signal.SIGKILL)
