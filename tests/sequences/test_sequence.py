@@ -170,6 +170,6 @@ def test_a_sweep_of_gradients_is_those_of_its_scenes(tmp_path: Path) -> None:
 
 def test_a_long_sequence_is_shown_in_part(whole: Path) -> None:
     file = whole / "frame_00000_numeric.exr"
-    sheet = contact_sheet([file] * (MAX_SHEET + 50), [["a" * 500]] * (MAX_SHEET + 50))
+    sheet = contact_sheet([lambda: read_image(file)] * (MAX_SHEET + 50), [["a" * 500]] * (MAX_SHEET + 50))
     assert sheet.caption.startswith(f"{MAX_SHEET} of {MAX_SHEET + 50} frames")
     assert sheet.pixels.shape[1] == 20 * 166 + 6

@@ -55,6 +55,10 @@ def sweep(
             help="Absolute error asked of every pixel: 1e-6 for a truth, 1e-4 for gradients.", show_default=False
         ),
     ] = None,
+    store: Annotated[
+        Literal["exr", "zarr"],
+        typer.Option(help="exr: a file an image, in 32 bits; zarr: all frames in frames.zarr (Zarr 3), in 64 bits."),
+    ] = "exr",
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -72,7 +76,7 @@ def sweep(
         ProgressMode, typer.Option("--progress", help="auto: a bar on a terminal; json: lines on stderr.")
     ] = "auto",
 ) -> None:
-    """Make an image of SCENE for every combination of --over; write frames (.exr), ledgers.csv and contact_sheet.png.
+    """Make an image of SCENE for every combination of --over; write frames, ledgers.csv, contact_sheet.png.
 
     Exit 4 if some pixel of a truth or a gradient missed its tolerance.
 
@@ -111,7 +115,17 @@ def sweep(
     )
     chosen = scene_with(scene, define)
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance:
-        rows = make(chosen, axes, maker, out, means=means, force=force, inputs=scene_files(scene), progress=advance)
+        rows = make(
+            chosen,
+            axes,
+            maker,
+            out,
+            store=store,
+            means=means,
+            force=force,
+            inputs=scene_files(scene),
+            progress=advance,
+        )
     missed = sum(value for row in rows for name, value in row.items() if "missed_" in name)
     if json:
         show_json(rows)

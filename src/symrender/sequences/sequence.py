@@ -13,20 +13,15 @@ from dataclasses import replace
 from pathlib import Path
 
 from symrender.fill import Crew, Means, workers_of
-from symrender.image import Image
 from symrender.journal import Journal
-from symrender.output import remove_leftovers, write_bytes
+from symrender.output import write_bytes
 from symrender.sequences.makers import Maker, Row
 from symrender.sequences.over import Frame
+from symrender.sequences.store import Store
 from symrender.tiles import Progress
 
 Finish = Callable[[list[Row]], None]
 """Called with every frame's row once all frames stand, before the journal goes."""
-
-
-def frame_name(index: int, image: str, ending: str) -> str:
-    """File name of one image of a frame: ``frame_00012_numeric.exr``."""
-    return f"frame_{index:05d}_{image}{ending}"
 
 
 def make_frames(
@@ -35,19 +30,21 @@ def make_frames(
     folder: Path,
     means: Means,
     *,
-    ending: str = ".exr",
+    store: Store,
     progress: Progress | None = None,
     finish: Finish | None = None,
 ) -> list[Row]:
-    """Write every frame into ``folder`` and return their rows: frame, changes, figures, and the files with SHA-256.
+    """Keep every frame in ``store`` and return their rows: frame, changes, figures, and the files with SHA-256.
 
-    A frame an interrupted run finished is taken over if its files still have their hashes. ``means.journal`` is the
-    sequence's journal. Progress is told in frames.
+    A frame an interrupted run finished is taken over if its files, below ``folder``, still have their hashes.
+    ``means.journal`` is the sequence's journal. Progress is told in frames.
     """
     assert means.journal is not None
     rows: list[Row] = []
-    with Journal(means.journal, _fields(frames, maker, ending), means.start, means.patience) as journal:
+    with Journal(means.journal, _fields(frames, maker, store), means.start, means.patience) as journal:
         standing = {note["frame"]: note for note in journal.notes() if _stands(folder, note)}
+        if not standing:
+            store.clear()
         with workers_of(means) as workers:
             for frame in frames:
                 row = standing.get(frame.index)
@@ -60,10 +57,9 @@ def make_frames(
                     jobs = maker.jobs(frame.scene)
                     with Crew(own, jobs, workers=workers) as crew:
                         images, figures = maker.make(crew, frame.scene)
-                        files = {
-                            (name := frame_name(frame.index, key, ending)): _write(image, folder / name)
-                            for key, image in images.items()
-                        }
+                        files: dict[str, str] = {}
+                        for name, image in images.items():
+                            files |= store.write(frame, name, image)
                         row = {"frame": frame.index, **dict(frame.changes), **figures, "files": files}
                         journal.note(row)
                         crew.succeeded()
@@ -93,25 +89,20 @@ def write_table(rows: Sequence[Row], path: Path, *, force: bool = True) -> None:
     write_bytes(path, text.getvalue().encode(), force=force)
 
 
-def _fields(frames: Sequence[Frame], maker: Maker, ending: str) -> dict[str, str]:
+def _fields(frames: Sequence[Frame], maker: Maker, store: Store) -> dict[str, str]:
     """What decides the bytes of all frames."""
     jobs = maker.jobs(frames[0].scene)
     changes = json.dumps([frame.changes for frame in frames])
     every = hashlib.sha256("".join(frame.scene.hash for frame in frames).encode()).hexdigest()
-    decisive = {"images": " ".join(job.kind for job in jobs), "ending": ending} | jobs[0].fields()
+    decisive = {"images": " ".join(job.kind for job in jobs), "form": store.form} | jobs[0].fields()
     return decisive | {"scene": every, "over": hashlib.sha256(changes.encode()).hexdigest(), "frames": str(len(frames))}
-
-
-def _write(image: Image, path: Path) -> str:
-    remove_leftovers(path)
-    image.save(path)
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _stands(folder: Path, note: Row) -> bool:
     """Whether the files of a noted frame are there, unchanged."""
     try:
-        found = {name: hashlib.sha256((folder / Path(name).name).read_bytes()).hexdigest() for name in note["files"]}
+        names = [name for name in note["files"] if ".." not in Path(name).parts and not Path(name).is_absolute()]
+        found = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in names}
     except (OSError, KeyError, TypeError, AttributeError):
         return False
     return bool(found) and found == note["files"]

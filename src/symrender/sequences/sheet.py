@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from symrender.image import Image, read_image
+from symrender.image import Image
 from symrender.srgb import encode_srgb
 from symrender.views import DIVERGING, Picture, color_map
 
@@ -22,20 +21,21 @@ _GAP, _LINE = 6, 13
 
 
 def contact_sheet(
-    files: Sequence[Path], captions: Sequence[Sequence[str]], columns: int = 0, *, signed: bool = False
+    images: Sequence[Callable[[], Image]], captions: Sequence[Sequence[str]], columns: int = 0, *, signed: bool = False
 ) -> Picture:
-    """``files`` row by row, ``columns`` to a row (0: nearly square), with the lines of its caption under each.
+    """``images`` row by row, ``columns`` to a row (0: nearly square), with the lines of its caption under each.
 
-    Large frames are shrunk by averaging linear radiance over whole boxes, then clipped to [0, 1] and sRGB encoded. Of
-    ``signed`` frames the mean of the channels is shown, from blue (falls) over white (0) to red (rises), on one scale
-    for all whose ends a line below the frames tells: the 99th percentile of the magnitude of what is not 0.
+    An image is read when its turn comes. Large ones are shrunk by averaging linear radiance over whole boxes, then
+    clipped to [0, 1] and sRGB encoded. Of ``signed`` ones the mean of the channels is shown, from blue (falls) over
+    white (0) to red (rises), on one scale for all whose ends a line below the frames tells: the 99th percentile of the
+    magnitude of what is not 0.
     """
     from PIL import Image as Pillow
     from PIL import ImageDraw
 
-    count = len(files)
+    count = len(images)
     shown = range(count) if count <= MAX_SHEET else [k * count // MAX_SHEET for k in range(MAX_SHEET)]
-    means = [_boxed(read_image(files[k])) for k in shown]
+    means = [_boxed(images[k]()) for k in shown]
     thumbs, told = _signed(means) if signed else ([encode_srgb(m) for m in means], "sRGB, clipped to [0, 1]")
     across = columns if columns and count <= MAX_SHEET else math.ceil(math.sqrt(len(thumbs)))
     height, width = (max(thumb.shape[axis] for thumb in thumbs) for axis in (0, 1))
