@@ -63,6 +63,10 @@ def main() -> None:
     p99 = seconds[min(count - 1, int(0.99 * count))]
     codes = Counter(result[0] for result in results)
     early = [result for result in results if result[0] in (1, -signal.SIGINT) and "KeyboardInterrupt" in result[2]]
+    for code, took, said, left, load in results:
+        if code != 130 or took > 1.0 or left or said.count("\n") > 1:
+            last = " ".join(said.split())[-300:]
+            print(f"code {code}, {took:.3f} s, load {load:.1f}, left {left}: {last}", file=sys.stderr)
     report.say(f"Seconds to the end: median {seconds[count // 2]:.3f}, p99 {p99:.3f}, longest {seconds[-1]:.3f}.")
     report.say(f"Exit codes: {dict(codes)}; {len(early)} interrupts fell into the start of Python itself.")
     if idle:

@@ -17,8 +17,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
-TIME_TO_END: Final = 0.6
-"""Seconds a run has to end by itself once it is asked to; a tile takes at most a third of that."""
+TIME_TO_END: Final = 0.5
+"""Seconds a run has to end by itself once it is asked to; a tile takes at most two fifths of that."""
 _NAMES: Final = ("SIGINT", "SIGTERM", "SIGHUP")
 
 
