@@ -17,6 +17,7 @@ import math
 import platform
 import re
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -295,8 +296,7 @@ def _begun_out_of_earshot(distributed: Any, options: Mapping[str, Any]) -> Any:
 
     def begin() -> None:
         try:
-            # begun later, it would unblock the signal
-            ensure_running()
+            _begin_tracker()
             if hasattr(signal, "pthread_sigmask"):
                 signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
             begun.put(distributed.LocalCluster(**options))
@@ -321,6 +321,19 @@ def _begun_out_of_earshot(distributed: Any, options: Mapping[str, Any]) -> Any:
         threading.Thread(target=end_as_they_come, daemon=True).start()
         raise
     return result
+
+
+def _begin_tracker() -> None:
+    """The process that removes semaphores a killed run leaves, without a word: it would warn of every such run.
+
+    Begun together with a worker, it would unblock the signal for that worker.
+    """
+    flags = list(sys.warnoptions)
+    sys.warnoptions.append("ignore")
+    try:
+        ensure_running()
+    finally:
+        sys.warnoptions[:] = flags
 
 
 @contextmanager

@@ -83,8 +83,18 @@ def test_a_signal_ends_a_run_and_resume_goes_on(
     assert hashes(tmp_path) == whole
 
 
-@pytest.mark.parametrize("lines", [0, 20], ids=["while it begins", "while it works"])
-def test_ctrl_c_ends_a_local_cluster_in_one_line(lines: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("lines", "number", "code", "last"),
+    [
+        (0, signal.SIGINT, 130, ["ERROR interrupted"]),
+        (20, signal.SIGINT, 130, ["ERROR interrupted"]),
+        (20, signal.SIGKILL, -9, []),
+    ],
+    ids=["while it begins", "while it works", "killed"],
+)
+def test_the_end_of_a_local_cluster_is_at_most_a_line(
+    lines: int, number: int, code: int, last: list[str], tmp_path: Path
+) -> None:
     pytest.importorskip("distributed")
     command = ["render", "gloss", "--size", "1000", "--tile", "8", "--cluster", "local:2", "--progress", "json"]
     words = [sys.executable, "-c", "import sys; from symrender.cli import main; sys.exit(main())", *command]
@@ -102,12 +112,17 @@ def test_ctrl_c_ends_a_local_cluster_in_one_line(lines: int, tmp_path: Path) -> 
         for _ in range(lines):
             assert '"numeric"' in process.stderr.readline()
         sent = time.monotonic()
-        # as a terminal does it: the workers and their keeper get the signal too
-        os.killpg(process.pid, signal.SIGINT)
-        assert process.wait(20) == 130
+        if number == signal.SIGINT:
+            # as a terminal does it: the workers and their keeper get the signal too
+            os.killpg(process.pid, number)
+        else:
+            process.kill()
+        assert process.wait(20) == code
         assert time.monotonic() - sent < 1.5
+        # the end of stderr is the end of the last process that holds it
         said = [line for line in process.stderr.read().splitlines() if not line.startswith("{")]
-        assert said == ["ERROR interrupted"]
+        assert said == last
+        assert time.monotonic() - sent < 5.0
         time.sleep(0.3)
         assert not alive(process.pid)
 
