@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import math
 import os
 import random
 import shutil
@@ -79,10 +80,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         root = Path(name)
         assert symrender_main([*COMMAND, "--out", str(root / "warm")]) == 0
-        begun = time.perf_counter()
-        assert os.waitstatus_to_exitcode(os.waitpid(child(root / "whole"), 0)[1]) == 0
-        whole = time.perf_counter() - begun
-        expected = hashes(root / "whole")
+        # the shortest of a few, or on a busy machine kills would come too late
+        whole = math.inf
+        for n in range(3):
+            begun = time.perf_counter()
+            assert os.waitstatus_to_exitcode(os.waitpid(child(root / f"whole{n}"), 0)[1]) == 0
+            whole = min(whole, time.perf_counter() - begun)
+        expected = hashes(root / "whole0")
         assert set(expected) == set(FILES)
         tiles: list[int] = []
         mid = late = wrong = stray = partial = failed = 0
@@ -106,7 +110,7 @@ def main() -> None:
             stray += sorted(p.name for p in folder.iterdir()) != sorted(FILES)
             shutil.rmtree(folder)
         report.say(
-            f"{trials} runs of {whole:.2f} s each: {mid} killed with a journal behind them, {late} ended before."
+            f"{trials} runs of {whole:.2f} s at least: {mid} killed with a journal behind them, {late} ended before."
         )
         report.say(
             f"Tiles found in the journal: {min(tiles)} to {max(tiles)} of 128, {len(set(tiles))} different counts."

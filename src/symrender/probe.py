@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -20,9 +20,18 @@ from symrender.scene.load import load
 from symrender.scene.moves import moves, tangent_arrays
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
+from symrender.tiles import run_threads, thread_count
+
+if TYPE_CHECKING:
+    from symrender.quadrature.tangent_point import GradientResult
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+_T = TypeVar("_T")
+_BATCH: Final = 8
+"""Points a thread takes at a time: milliseconds to a fifth of a second."""
+_VALUES: Final = ("gloss", "error", "evaluations", "status", "chambers", "crossings")
+_SLOPES: Final = ("gradient", "error", "status")
 
 
 @dataclass(frozen=True)
@@ -62,6 +71,7 @@ def probe(
     budget: int = 1_000_000,
     wrt: Sequence[str] = (),
     certify: bool = False,
+    threads: int = 0,
 ) -> Probe:
     """The lobe integral gloss(P) at points of ``surface``, ``floor`` or ``spheres.NAME``, seen from the camera's eye.
 
@@ -71,10 +81,11 @@ def probe(
     (all their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
     normal, and ``tol`` holds for derivatives too. Whether the eye really sees a point is not asked.
     ``certify``: enclose each value by ball arithmetic as well (``certify.py``; floor points, point lights or ``KxK``).
+    ``threads`` work on batches of points, 0 takes the processors at hand; their number changes no bit.
     Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
     """
     loaded = load(scene)
-    settings = Settings(tol=float(tol), disk=disk, budget=budget)
+    settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
     place, normal, hit_class = _places(loaded, np.atleast_2d(np.asarray(points, dtype=np.float64)), surface)
     away = place - arrays.camera[1:4]
@@ -84,10 +95,17 @@ def probe(
         k = int(np.argmax(facing >= 0))
         raise OptionError(f"points[{k}]: {tuple(place[k].tolist())} of {surface} does not face the eye")
     surfaces = np.full(len(place), hit_class, dtype=np.int64)
-    found: SplitResult = gloss_points(
-        arrays, place, normal, away / length, surfaces, settings.tol, settings.disk_order, settings.budget
-    )
-    values = (found.gloss, found.error, found.evaluations, found.status, found.chambers, found.crossings)
+
+    def values_of(part: slice) -> SplitResult:
+        return gloss_points(
+            arrays, place[part], normal[part], away[part] / length[part], surfaces[part],
+            settings.tol, settings.disk_order, settings.budget,
+        )  # fmt: skip
+
+    parts = _in_batches(values_of, len(place), settings.threads)
+    gloss, error, *counts = (np.concatenate([getattr(part, name) for part in parts]) for name in _VALUES)
+    evaluations, status, chambers, crossings = counts
+    values = (gloss, error, evaluations, status, chambers, crossings)
     enclosures: tuple[Enclosure, ...] = ()
     if certify:
         if surface != "floor":
@@ -102,13 +120,34 @@ def probe(
     tangents = tangent_arrays(arrays, moved)
     refuse_unknown(arrays, tangents, names)
     moving = _place_tangents(tangents, normal, away / length, length, hit_class)
-    slopes = gloss_gradients(
-        arrays, place, normal, away / length, surfaces, tangents_of(arrays, tangents, moving, settings.disk_order),
-        settings.tol, settings.disk_order, 4 * settings.budget,
-    )  # fmt: skip
-    tables = (slopes.gradient, slopes.error, slopes.status)
-    gradient, error, status = (dict(zip(names, table, strict=True)) for table in tables)
-    return Probe(*values, gradient, error, status, enclosures, loaded.shading.lobe_units)
+
+    def slopes_of(part: slice) -> GradientResult:
+        moving_here = moving[0][:, part], moving[1][:, part], moving[2][:, part]
+        here = tangents_of(arrays, tangents, moving_here, settings.disk_order)
+        return gloss_gradients(
+            arrays, place[part], normal[part], away[part] / length[part], surfaces[part], here,
+            settings.tol, settings.disk_order, 4 * settings.budget,
+        )  # fmt: skip
+
+    slopes = _in_batches(slopes_of, len(place), settings.threads)
+    tables = (np.concatenate([getattr(part, name) for part in slopes], axis=1) for name in _SLOPES)
+    by_name = [dict(zip(names, table, strict=True)) for table in tables]
+    return Probe(*values, by_name[0], by_name[1], by_name[2], enclosures, loaded.shading.lobe_units)
+
+
+def _in_batches(run: Callable[[slice], _T], count: int, threads: int) -> list[_T]:
+    """What ``run`` makes of all points, in order; between batches Ctrl-C is heard."""
+    work = [(first, 0, min(first + _BATCH, count), 1) for first in range(0, count, _BATCH)]
+    made: dict[int, _T] = {}
+
+    def batch(first: int, _: int, stop: int, __: int, layers: Mapping[str, Array]) -> int:
+        made[first] = run(slice(first, stop))
+        return 0
+
+    # one thread loads or compiles the kernel; several would each do it
+    run(slice(0, 0))
+    run_threads(batch, {}, work, thread_count(threads), lambda *_: None)
+    return [made[first] for first, *_ in work]
 
 
 def _place_tangents(

@@ -16,7 +16,10 @@ Progress = Callable[[int, int, str], None]
 
 @contextmanager
 def progress(mode: ProgressMode, *, quiet: bool = False) -> Iterator[Progress | None]:
-    """The callback for ``mode``; None where nothing is to be shown. ``auto`` shows a bar only on a terminal."""
+    """The callback for ``mode``; None where nothing is to be shown. ``auto`` shows a bar only on a terminal.
+
+    Both tell how long the rest should take, in JSON as ``remaining``, seconds, null until there is something to go by.
+    """
     if mode == "none" or quiet or (mode == "auto" and not sys.stderr.isatty()):
         yield None
     elif mode == "json":
@@ -27,9 +30,20 @@ def progress(mode: ProgressMode, *, quiet: bool = False) -> Iterator[Progress | 
 
 
 def _json_lines(start: float) -> Progress:
+    # what was done, and when, at the first call of a label: a resumed run begins in the middle
+    firsts: dict[str, tuple[int, float]] = {}
+
     def advance(done: int, total: int, label: str) -> None:
-        seconds = round(time.monotonic() - start, 3)
-        line = {"label": label, "done": done, "total": total, "seconds": seconds}
+        now = time.monotonic()
+        before, begun = firsts.setdefault(label, (done, now))
+        remaining = round((now - begun) / (done - before) * (total - done), 3) if done > before else None
+        line = {
+            "label": label,
+            "done": done,
+            "total": total,
+            "seconds": round(now - start, 3),
+            "remaining": remaining,
+        }
         print(json.dumps(line), file=sys.stderr, flush=True)
 
     return advance

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from symrender.cli._console import show_json
+from symrender.cli._means import Threads
 from symrender.cli._options import Define, Json, SceneArgument, scene_with
 
 
@@ -26,6 +27,7 @@ def probe(
     certify: Annotated[
         bool, typer.Option("--certify", help="Enclose each value by ball arithmetic (needs symrender[certify]).")
     ] = False,
+    threads: Threads = 0,
     define: Define = None,
     json: Json = False,
 ) -> None:
@@ -50,7 +52,17 @@ def probe(
     from symrender.truth import STATUS
 
     names = [name.strip() for name in wrt.split(",") if name.strip()]
-    found = probe_points(chosen, points, surface=surface, tol=tol, disk=disk, budget=budget, wrt=names, certify=certify)
+    found = probe_points(
+        chosen,
+        points,
+        surface=surface,
+        tol=tol,
+        disk=disk,
+        budget=budget,
+        wrt=names,
+        certify=certify,
+        threads=threads,
+    )
     rows = [
         {
             "point": p,
