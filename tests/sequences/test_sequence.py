@@ -76,7 +76,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path: Path, whole: Path, count: int) -
 
     with pytest.raises(Stop):
         sweep(SCENE, OVER, MAKER, tmp_path, means=means, progress=stop)
-    with pytest.raises((OptionError, OutputError)):
+    with pytest.raises(OptionError, match="--resume continues it, --restart discards it"):
         sweep(SCENE, OVER, MAKER, tmp_path, means=means)
     with pytest.raises(OptionError, match="lobe was 2 in the interrupted run and is 3 now"):
         sweep(SCENE, OVER, Rendered(replace(MAKER.settings, lobe=3)), tmp_path, means=replace(means, start="resume"))
@@ -89,6 +89,27 @@ def test_an_interrupted_sweep_goes_on(tmp_path: Path, whole: Path, count: int) -
     assert hashes(tmp_path) == hashes(whole)
     again = [name for name, when in before.items() if (tmp_path / name).stat().st_mtime_ns != when]
     assert sorted(again) == ["frame_00000_numeric.exr", "frame_00000_symbolic.exr"], "only the damaged frame is redone"
+
+
+def test_restart_discards_the_frames_of_an_interrupted_sweep(tmp_path: Path) -> None:
+    means = Means(patience=0.0)
+
+    def stop(done: int, total: int, label: str) -> None:
+        raise Stop
+
+    with pytest.raises(Stop):
+        sweep(
+            SCENE, OVER, replace(MAKER, settings=replace(MAKER.settings, lobe=3)), tmp_path, means=means, progress=stop
+        )
+    few = parse_over("floor.lobe.exponent=4:64:2")
+    sweep(SCENE, few, MAKER, tmp_path, means=replace(means, start="restart"))
+    assert len(list(tmp_path.glob("*.exr"))) == 4 and not list(tmp_path.glob("*.journal"))
+    alone = render(SCENE.replace({"floor.lobe.exponent": 4.0}), size=(40, 30), lobe=2).symbolic
+    assert alone is not None
+    held = read_image(tmp_path / "frame_00000_symbolic.exr")
+    assert np.array_equal(held.radiance, alone.radiance.astype(np.float32))
+    with pytest.raises(OutputError, match="exists; --force"):
+        sweep(SCENE, few, MAKER, tmp_path, means=means)
 
 
 def test_a_sweep_never_replaces_a_file_unasked(tmp_path: Path, whole: Path) -> None:

@@ -11,7 +11,7 @@ from symrender.fill import Means
 from symrender.output import check_target, make_folder
 from symrender.sequences.makers import Maker, Row
 from symrender.sequences.over import Frame
-from symrender.sequences.sequence import make_frames
+from symrender.sequences.sequence import make_frames, replacing
 from symrender.sequences.store import Files
 from symrender.sequences.video import Container, check_video, write_video
 from symrender.tiles import Progress
@@ -39,18 +39,17 @@ def animate(
     check_video(video, rate)
     chosen = means or Means()
     place = make_folder(folder)
-    journal = chosen.journal or place / JOURNAL
-    replace_files = force or (chosen.start == "resume" and journal.exists())
+    own = replace(chosen, journal=chosen.journal or place / JOURNAL)
     kinds = maker.names(frames[0].scene)
     videos = {kind: place / f"animation_{kind}.{video}" for kind in kinds if video != "none"}
     store = Files(place, ".png")
     names = [store.path(frame, kind) for frame in frames for kind in kinds]
-    for path in (*videos.values(), *names):
-        check_target(path, force=replace_files, inputs=inputs)
+    with replacing(own, force=force) as may:
+        for path in (*videos.values(), *names):
+            check_target(path, force=may, inputs=inputs)
 
     def finish(rows: list[Row]) -> None:
         for kind, path in videos.items():
             write_video([store.path(frame, kind) for frame in frames], path, rate=rate)
 
-    own = replace(chosen, journal=journal)
     return make_frames(frames, maker, place, own, store=store, progress=progress, finish=finish)

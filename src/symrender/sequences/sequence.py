@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from symrender.errors import OptionError, OutputError
 from symrender.fill import Crew, Means, workers_of
 from symrender.journal import Journal
 from symrender.output import write_bytes
@@ -70,6 +72,22 @@ def make_frames(
             finish(rows)
         journal.remove()
     return rows
+
+
+@contextmanager
+def replacing(means: Means, *, force: bool) -> Iterator[bool]:
+    """Whether files that stand may be replaced; a refusal within the block names the run that left them, if one did."""
+    journal = means.journal
+    left = journal is not None and journal.exists()
+    try:
+        yield force or (left and means.start != "new")
+    except OutputError:
+        if not left or means.start != "new":
+            raise
+        raise OptionError(
+            f"{journal}: a run that was interrupted, or still goes on, left frames here; "
+            "--resume continues it, --restart discards it"
+        ) from None
 
 
 def write_table(rows: Sequence[Row], path: Path, *, force: bool = True) -> None:

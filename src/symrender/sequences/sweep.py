@@ -13,7 +13,7 @@ from symrender.output import check_target, make_folder
 from symrender.scene.scene import Scene
 from symrender.sequences.makers import Maker, Row
 from symrender.sequences.over import Axis, frames
-from symrender.sequences.sequence import make_frames, write_table
+from symrender.sequences.sequence import make_frames, replacing, write_table
 from symrender.sequences.sheet import caption, contact_sheet
 from symrender.sequences.store import Files, Store
 from symrender.sequences.zarr_store import ZarrStore
@@ -53,15 +53,15 @@ def sweep(
         # a scene without such images is refused before any work
         images = maker.names(frame.scene)
     place = make_folder(folder)
-    journal = chosen.journal or place / JOURNAL
-    replace_files = force or (chosen.start == "resume" and journal.exists())
+    own = replace(chosen, journal=chosen.journal or place / JOURNAL)
     sheets = {SHEET: images[-1]} if not maker.signed else {f"contact_sheet_{name}.png": name for name in images}
     kept: Store = Files(place) if store == "exr" else ZarrStore(place, over, made[0].scene)
-    for name in (TABLE, *sheets):
-        check_target(place / name, force=replace_files, inputs=inputs)
-    for frame in made:
-        for image in images:
-            kept.check(frame, image, force=replace_files, inputs=inputs)
+    with replacing(own, force=force) as may:
+        for name in (TABLE, *sheets):
+            check_target(place / name, force=may, inputs=inputs)
+        for frame in made:
+            for image in images:
+                kept.check(frame, image, force=may, inputs=inputs)
     columns = len(over[-1].values) if len(over) > 1 and len(over[-1].values) <= _WIDEST else 0
 
     def finish(rows: list[Row]) -> None:
@@ -71,5 +71,4 @@ def sweep(
             pictures = [partial(kept.read, frame, image) for frame in made]
             contact_sheet(pictures, captions, columns, signed=maker.signed).save(place / sheet)
 
-    own = replace(chosen, journal=journal)
     return make_frames(made, maker, place, own, store=kept, progress=progress, finish=finish)
