@@ -40,6 +40,7 @@ from symrender.quadrature.split_panel import (
     TO,
     add_panel,
     azimuth,
+    panel_log,
     split_span,
 )
 from symrender.quadrature.tangent_line import BAR, RADIANCE, line_adjoint, log_density, radiance, set_view
@@ -166,6 +167,44 @@ def polish_ends(panels: Array, first: int, n: int, view: View, work: Work, event
 
 
 @jitable
+def cut_odd_ends(panels: Array, n: int, view: View, work: Work, scratch: Array) -> int:
+    """Cut off panels' ends whose lines have another structure than their middles; new number of panels.
+
+    A shadow that touches a scan line just before the event that ends the panel opens a sliver no line sees. Its share
+    of the value grows with the third half power of its width, that of the derivative with the square root.
+    """
+    known = n
+    for i in range(known):
+        p = panels[i]
+        if not p[TO] - p[FROM] > NARROW:
+            continue
+        middle = 0.5 * (p[FROM] + p[TO])
+        inside = scan_line(middle, view, work, scratch)
+        for side in range(2):
+            end = p[TO if side else FROM]
+            inset = 1e-13 * (1.0 + abs(end)) + 1e-11 * (p[TO] - p[FROM])
+            odd, even = end - inset if side else end + inset, middle
+            if scan_line(odd, view, work, scratch) == inside or n >= panels.shape[0]:
+                continue
+            while True:
+                between = 0.5 * (odd + even)
+                if between in (odd, even):
+                    break
+                if scan_line(between, view, work, scratch) == inside:
+                    even = between
+                else:
+                    odd = between
+            if side:
+                n = add_panel(panels, n, even, end, ROOT, p[KIND_TO], work)
+                p[TO], p[KIND_TO] = even, ROOT
+            else:
+                n = add_panel(panels, n, end, even, p[KIND_FROM], ROOT, work)
+                p[FROM], p[KIND_FROM] = even, ROOT
+            p[LOG_RHO] = panel_log(work, p[FROM], p[TO], p[KIND_FROM], p[KIND_TO])
+    return n
+
+
+@jitable
 def replay_chart(
     tol: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, panels: Array, spans: Array,
     ids: Ints, events: Array, scratch: Array, here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,
@@ -180,6 +219,7 @@ def replay_chart(
     n = panels_in_use(panels)
     if exact:
         polish_ends(panels, 0, n, view, work, events, scratch)
+    n = cut_odd_ends(panels, n, view, work, scratch)
     spent = 0.0
     i = 0
     while i < n:
