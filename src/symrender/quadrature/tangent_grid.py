@@ -659,7 +659,7 @@ def replay_grid(
     ci, cj = math.floor(px / cell), math.floor(py / cell)
     lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
     whole, reach, far = grid_reach(REPLAY_REACH, view, geo)
-    passes = 0
+    passes, before = 0, math.inf
     while True:
         level = block_level(far / cell)
         first = 2.0 ** (level - 1)
@@ -677,11 +677,17 @@ def replay_grid(
         if error + change <= tol or 2.0 * far > MOST_REACH * cell or (passes > 0 and error >= change):
             break
         if not error < math.inf:
+            # the evaluations ran out: what the last reach gave stands
+            error, change = before, 0.0
+            if passes > 0:
+                for p in range(moves.shape[0]):
+                    for c in range(4):
+                        longer[p, c] = shorter[p, c]
             break
         for p in range(moves.shape[0]):
             for c in range(4):
                 shorter[p, c] = longer[p, c]
-        passes += 1
+        passes, before = passes + 1, error + change
         reach = far = 2.0 * reach
     for p in range(moves.shape[0]):
         for c in range(4):
