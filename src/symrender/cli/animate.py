@@ -62,6 +62,8 @@ def animate(
 ) -> None:
     """Draw SCENE as a value changes (--over) or as the camera goes round (--orbit): PNG frames, and mp4 or webm.
 
+    Resumable: --resume continues after any interruption, frame by frame and tile by tile.
+
     Example: symrender animate gloss --orbit 48 --size 320x240 --out turn
     """
     from symrender.sequences.animate import JOURNAL
