@@ -42,6 +42,20 @@ def test_second_differences() -> None:
     assert np.abs(found.values[0, 0]).max() > 1e-3
 
 
+def test_an_exact_disk() -> None:
+    scene, name, point = sr.load("penumbra").replace({"floor.lobe.exponent": 12.0}), "lights.key.radius", (0.9, -0.85)
+    found = sr.hessian(scene, [name], [point], tol=1e-5, disk="exact")
+
+    def value(radius: float) -> np.ndarray:
+        return sr.probe(scene.replace({name: radius}), [point], tol=1e-9, disk="exact").gloss[0]
+
+    middle = value(1.1)
+    coarse, fine = ((value(1.1 + h) - 2 * middle + value(1.1 - h)) / h**2 for h in (0.2, 0.1))
+    expected = (4 * fine - coarse) / 3
+    assert expected.min() > 5e-4
+    assert np.abs(found.values[0, 0, 0] - expected).max() <= found.error[0, 0, 0] + 1e-3 * expected.max()
+
+
 def test_refusals() -> None:
     with pytest.raises(OptionError, match="points, size"):
         sr.hessian(SCENE, NAMES)
