@@ -20,7 +20,7 @@ from symrender.scene.scene import Scene
 
 Array = npt.NDArray[np.float64]
 
-LEVELS: Final = 5
+LEVELS: Final = 9
 """Steps of the extrapolation, each half the last."""
 FIRST_STEP: Final = 2.0**-6
 """Largest step, over the parameter's size or over 1 where it is smaller."""
@@ -55,7 +55,7 @@ def hessian(
     over halved steps (C. J. F. Ridders, Advances in Engineering Software 4, 1982,
     doi:10.1016/S0141-1195(82)80057-0); the step of least estimated error is taken point by point, so an event inside
     a larger step only costs that step. ``tol`` is the gradients' own. Choose it for single points and small images: it
-    takes about ten gradients a parameter. Raises Unsupported for a parameter at the end of its range.
+    takes eighteen gradients a parameter. Raises Unsupported for a parameter at the end of its range.
     """
     loaded = load(scene)
     names = components(loaded, wrt)
