@@ -35,6 +35,24 @@ def test_stated_errors_hold() -> None:
     assert signal >= 60
 
 
+# a shadow between two lines; a light behind, near beyond the horizon; a light near the line where the point's own
+# horizon meets the floor, twice; a far lobe before which a taper ended, twice; a highlight's ridge
+@pytest.mark.parametrize("seed", [9969, 5436, 2212, 2954, 3806, 6788, 1993])
+def test_what_lines_may_miss_is_known_beforehand(seed: int) -> None:
+    lobe = random_lobe(seed)
+    found, tight = lobe.split(lobe.tol), lobe.split(max(0.01 * lobe.tol, 1e-11))
+    assert tight.gloss.max() > 10 * lobe.tol
+    assert np.abs(found.gloss - tight.gloss).max() <= found.error[0] + tight.error[0]
+    assert tight.error[0] < lobe.tol
+
+
+def test_a_shadow_on_a_sphere_between_two_lines() -> None:
+    place = [(0.512946, -2.24506479, 0.0)]
+    found, tight = probe("gloss", place, tol=1e-6 / 0.85), probe("gloss", place, tol=1e-8)
+    assert tight.gloss.max() > 1e-2
+    assert np.abs(found.gloss - tight.gloss).max() <= found.error[0]
+
+
 @pytest.mark.parametrize("seed", [0, 2, 5, 11])
 def test_brute_force_agrees(seed: int) -> None:
     lobe = random_lobe(seed)

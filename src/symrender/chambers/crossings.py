@@ -16,6 +16,7 @@ import numpy.typing as npt
 from symrender.chambers.events import CROSSING, add_event, chart_events, close_events
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.roots import quartic_roots
+from symrender.chambers.tangencies import tangencies
 from symrender.chambers.walls import (
     BALL,
     CENTER,
@@ -296,4 +297,5 @@ def all_events(view: View, work: Work, events: Array, low: float, high: float) -
     """Closed-form events between low and high, with both ends, ascending; columns azimuth, kind. Their number."""
     n = chart_events(work, events, low, high) - 1
     n = chart_crossings(view, work, events, n, low, high)
+    n = tangencies(view, work, events, n, low, high)
     return int(close_events(events, n, high))

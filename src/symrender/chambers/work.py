@@ -51,6 +51,8 @@ class Work(NamedTuple):
     labels: Ints
     quadric: Array
     disk: Array
+    spots: Array
+    frame: Array
 
 
 # counts
@@ -62,6 +64,7 @@ LINES: Final = 4
 EVALUATIONS: Final = 5
 CHAMBERS: Final = 6
 CROSSINGS: Final = 7
+SPOTS: Final = 8
 
 
 def work_arrays(spheres: int, points: int) -> Work:
@@ -78,11 +81,13 @@ def work_arrays(spheres: int, points: int) -> Work:
         lit=np.zeros((MAX_ROOTS + 2, max(1, points)), np.uint8),
         occluders=np.zeros(max(1, spheres), np.int64),
         casters=np.zeros((max(1, spheres * points), 2), np.int64),
-        counts=np.zeros(8, np.int64),
+        counts=np.zeros(9, np.int64),
         labels=np.zeros(1024, np.int64),
         bernstein=np.zeros(5),
         stack=np.zeros((64, 7)),
         quartic=np.zeros(8),
         quadric=np.zeros((6, 5)),
         disk=np.zeros((2 * spheres + 8, 64)),
+        frame=np.zeros((3, 3)),
+        spots=np.zeros((max(1, 3 * points), 2)),
     )

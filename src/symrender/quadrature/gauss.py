@@ -18,6 +18,9 @@ MAX_ORDER: Final = 24
 BLOCK_LEVELS: Final = 11
 """Blocks of a checker are 2^k squares wide, k below this."""
 
+MIDDLE: Final = 4 + BLOCK_LEVELS
+"""The first of two rows of a ``gauss_table`` for the coefficients in the middle of those a rule sees."""
+
 LEVELS: Final = (1.0, 2.7, 4.7, 7.0, 10.0, 13.5, 17.5, 22.0, 27.0, 33.0)
 """Aimed-at error exponents of the successive orders of a piece."""
 
@@ -64,21 +67,22 @@ def block_means(level: int) -> Array:
 
 @functools.lru_cache(maxsize=1)
 def gauss_table() -> Array:
-    """(4 + BLOCK_LEVELS, DISK_STARTS[-1]): nodes, weights, tails of Gauss rules on [0, 1], then rules of the disk.
+    """(MIDDLE + 2, DISK_STARTS[-1]): nodes, weights, tails of Gauss rules on [0, 1], then rules of the disk.
 
     The Gauss rule of n nodes starts at n (n - 1)/2 and is exact to degree 2n - 1 up to rounding. Its rows 2 and 3 make,
     as factors of the weights, the Legendre coefficients of degrees n - 1 and n - 2 of what the rule sees: how fast they
     fall tells the rule's error. A row is 0 where that degree would be 0 or less. Row 3 + k has the weights for 2^k
-    cells of alternating sign (``block_means``). The disk rules have x, y and weights in rows 0 to 2.
+    cells of alternating sign (``block_means``). Rows ``MIDDLE`` and the next are like rows 2 and 3, of half their
+    degrees, rounded down. The disk rules have x, y and weights in rows 0 to 2.
     """
-    table = np.zeros((4 + BLOCK_LEVELS, DISK_STARTS[-1]))
+    table = np.zeros((MIDDLE + 2, DISK_STARTS[-1]))
     means = [block_means(level) for level in range(1, BLOCK_LEVELS)]
     for n in range(1, MAX_ORDER + 1):
         x, w = np.polynomial.legendre.leggauss(n)
         start = n * (n - 1) // 2
         table[0, start : start + n] = 0.5 * (1.0 + x)
         table[1, start : start + n] = 0.5 * w
-        for row, degree in ((2, n - 1), (3, n - 2)):
+        for row, degree in ((2, n - 1), (3, n - 2), (MIDDLE, (n - 1) // 2), (MIDDLE + 1, (n - 1) // 2 - 1)):
             if degree > 0:
                 series = np.zeros(degree + 1)
                 series[degree] = 2 * degree + 1

@@ -18,11 +18,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN
+from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
 from symrender.chambers.work import EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
-from symrender.quadrature.gauss import BLOCK_LEVELS, step_of
+from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.split_line import lobe_density, tail_error
 from symrender.quadrature.split_square import cut_square, integrand, seen, taper
 from symrender.scene.arrays import FLOOR_CELL, FLOOR_OFFSET
@@ -52,7 +52,12 @@ def grid_reach(squares: float, view: View, geo: Array) -> tuple[bool, float, flo
     steepest = geo[LOBE_BETA] + math.atan2(geo[RIM_SIN], geo[RIM_COS])
     if steepest < 1.5707 and h * math.tan(steepest) < MOST_REACH * cell:
         return True, math.inf, h * math.tan(steepest)
-    reach = max(squares * cell, 3.0 * h)
+    # the taper must not end before the lobe has well begun
+    near = h * math.tan(max(0.0, geo[LOBE_BETA] - math.atan2(geo[RIM_SIN], geo[RIM_COS])))
+    if geo[SURFACE_NORMAL + 2] > 0.0:
+        tilt = math.sqrt(geo[SURFACE_NORMAL] ** 2 + geo[SURFACE_NORMAL + 1] ** 2)
+        near = max(near, geo[SURFACE_NORMAL + 2] * h / max(tilt, 1e-300))
+    reach = max(squares * cell, 3.0 * h, min(4.0 * near, 10.0 * MOST_REACH * cell))
     return False, reach, reach
 
 
@@ -134,11 +139,12 @@ def smooth_block(
     weights = gauss[1] if level == 0 else gauss[3 + level]
     work.counts[EVALUATIONS] += n * n
     whole, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0
+    middle_x, middle_y, lower_y = 0.0, 0.0, 0.0
     for t in range(6):
         out[t] = 0.0
     for q in range(n):
         y = y0 + side * gauss[0, base + q]
-        row, last, before = 0.0, 0.0, 0.0
+        row, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
         for e in range(n):
             x = x0 + side * gauss[0, base + e]
             integrand(x, y, step, lobe, view, work, gauss, states, point)
@@ -152,13 +158,20 @@ def smooth_block(
             row += value
             last += value * gauss[2, base + e]
             before += value * gauss[3, base + e]
+            middle += value * gauss[MIDDLE, base + e]
+            lower += value * gauss[MIDDLE + 1, base + e]
         whole += row
         last_x += abs(last)
         before_x += abs(before)
+        middle_x += max(abs(middle), abs(lower))
         last_y += row * gauss[2, base + q]
         before_y += row * gauss[3, base + q]
+        middle_y += row * gauss[MIDDLE, base + q]
+        lower_y += row * gauss[MIDDLE + 1, base + q]
     if level == 0:
-        return float(tail_error(n, last_x, before_x, whole, log_rho) + tail_error(n, last_y, before_y, whole, log_rho))
+        middle_y = max(abs(middle_y), abs(lower_y))
+        along = tail_error(n, last_x, before_x, middle_x, whole, log_rho)
+        return float(along + tail_error(n, last_y, before_y, middle_y, whole, log_rho))
     # the rule leaves out what the next coefficients hold, times the mean of the signs times their polynomial
     top_x, top_y = max(last_x, 0.5 * before_x), max(abs(last_y), 0.5 * abs(before_y))
     return 2.0 * (top_x + top_y) * 2.0**-level * math.exp(-0.5 * log_rho)

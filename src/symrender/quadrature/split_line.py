@@ -34,7 +34,7 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, nodes, order
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes, order
 from symrender.quadrature.light_term import light_term, marble_factor
 from symrender.scene.arrays import EYE, MARBLE, PHONG
 
@@ -42,6 +42,8 @@ Array = npt.NDArray[np.float64]
 
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
+BLUNT = 2.0
+"""Shininess below which the end of a highlight is felt."""
 SOFT_LOG = 1.5
 """log rho, in the mapped coordinate, of a cell in which a disk light is partly hidden."""
 
@@ -62,12 +64,13 @@ def facing_share(wx: float, wy: float, wz: float, geo: Array) -> float:
 
 
 @jitable
-def tail_error(n: int, last: float, before: float, size: float, log_rho: float) -> float:
+def tail_error(n: int, last: float, before: float, middle: float, size: float, log_rho: float) -> float:
     """Error of an n-point Gauss rule whose integrand, of mean magnitude ``size``, has these last two coefficients.
 
     Coefficients of an analytic integrand fall like rho^-k and the rule's error like rho^-2n: the last ones tell rho,
-    and the error size (top/size)^(2n/(n - 1)), of which the exponent is rounded down. One or two points tell too
-    little; there ``log_rho``, of the nearest singularity known, has its say.
+    and the error size (top/size)^(2n/(n - 1)), of which the exponent is rounded down. A narrow feature makes them
+    fall fast at first and slowly then: from six points on they must have fallen from the ``middle`` ones, too, half as
+    far. One or two points tell too little; there ``log_rho``, of the nearest singularity known, has its say.
     """
     if size == 0.0:
         return 0.0
@@ -80,7 +83,14 @@ def tail_error(n: int, last: float, before: float, size: float, log_rho: float) 
         return max(top * ratio * ratio, min(top + known, known))
     if n < 6:
         return top * ratio * math.sqrt(ratio) if n == 3 else top * ratio * math.sqrt(math.sqrt(ratio))
-    return top * ratio
+    late = min(1.0, top / middle) if middle > 0.0 else 1.0
+    return top * max(ratio, late * late)
+
+
+@jitable
+def kinked(view: View) -> bool:
+    """Whether highlights end so bluntly that coefficients fall no faster than their ends say: these have no walls."""
+    return bool(view.shading[2] > 0.0 and view.shading[3] < BLUNT)
 
 
 @jitable
@@ -98,6 +108,9 @@ def cell_log(length: float, distance: float, ex: float, ey: float, points: Array
             x = math.atan2(along, height)
             y = math.sqrt(across2) * height / (height * height + r2)
             low, high = 0.5 * math.pi - distance - length - x, 0.5 * math.pi - distance - x
+            best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
+            # beyond the horizon the line comes back from behind, where the light may be near
+            low, high = low - math.pi, high - math.pi
             best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
         x = 2.0 * geo[STRIP] / length
         log_rho = math.log(x + math.sqrt(1.0 + x * x))
@@ -161,7 +174,7 @@ def integrate_cells(
     marble = j >= 0 and view.spheres[j, 7] == MARBLE
     least = order(step, SOFT_LOG)
     r, g, b, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    promise = 100.0 * math.exp(-LEVELS[step])
+    promise, blunt = 100.0 * math.exp(-LEVELS[step]), kinked(view)
     for cell in range(work.counts[CELLS]):
         side = work.cell_side[cell]
         if side == HIDDEN:
@@ -193,6 +206,7 @@ def integrate_cells(
             length = end - a
             work.counts[EVALUATIONS] += n
             last, before, whole, r0, g0, b0 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            middle, lower = 0.0, 0.0
             for q in range(n):
                 u, along = gauss[0, base + q], length
                 if soft:
@@ -260,7 +274,12 @@ def integrate_cells(
                 mixture = weight * (fr + fg + fb)
                 last += mixture * gauss[2, base + q]
                 before += mixture * gauss[3, base + q]
-            miss = tail_error(n, 0.5 * last, 0.5 * before, whole, log_rho)
+                middle += mixture * gauss[MIDDLE, base + q]
+                lower += mixture * gauss[MIDDLE + 1, base + q]
+            middle = max(abs(middle), abs(lower))
+            miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, log_rho)
+            if blunt and n > 1:
+                miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
             if n > 1 and miss > promise * (size + whole) and halvings < MAX_HALVINGS:
                 # a cell less tame than it looks; so few points judge badly, and are not halved away from
                 if n > max(step, 4):

@@ -30,10 +30,10 @@ from symrender.chambers.walls import (
     SIN,
     STRIP,
 )
-from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, EVALUATIONS, WALLS, View, Work
+from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, EVALUATIONS, SPOTS, WALLS, View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
-from symrender.quadrature.split_line import integrate_cells, lobe_density, tail_error
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.split_line import integrate_cells, kinked, lobe_density, tail_error
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -60,8 +60,8 @@ PANEL_COLUMNS = 14
 LINE = 32
 PANEL = 40
 """Where the sums of a line and of a panel lie in the scratch array."""
-SAFETY = 1.5
-"""Error reported over the sum of the panels' estimates: of 2238 random points four missed the bare sum, by 1.3."""
+SAFETY = 3.0
+"""Error reported over the sum of the panels' estimates: of 10,000 random lobes 17 missed half of it."""
 
 
 @jitable
@@ -140,6 +140,10 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
     if kind_a == ROOT or kind_b == ROOT:
         x *= 0.7
     best = math.log(x + math.sqrt(1.0 + x * x))
+    for i in range(work.counts[SPOTS]):
+        away = work.spots[i, 0] - 0.5 * (a + b)
+        away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+        best = min(best, ellipse_log(0.5 * (a + b) + away, work.spots[i, 1], a, b, kind_a, kind_b))
     best = branch_log(geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_SIN], a, b, kind_a, kind_b, best)
     for i in range(work.counts[WALLS]):
         row = work.walls[i]
@@ -348,6 +352,7 @@ def evaluate_panel(
     foreign = math.nan
     inner, thin, peak = 0.0, 0.0, 0.0
     last0, last1, last2, before0, before1, before2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    middle0, middle1, middle2, lower0, lower1, lower2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     margin = 1e-9 * (b - a)
     e = 0
     while e < many and events[e, 0] <= a + margin:
@@ -392,8 +397,17 @@ def evaluate_panel(
         before0 += t * line[0]
         before1 += t * line[1]
         before2 += t * line[2]
+        t = w * gauss[MIDDLE, base + q]
+        middle0 += t * line[0]
+        middle1 += t * line[1]
+        middle2 += t * line[2]
+        t = w * gauss[MIDDLE + 1, base + q]
+        lower0 += t * line[0]
+        lower1 += t * line[1]
+        lower2 += t * line[2]
     last = max(abs(last0), abs(last1), abs(last2))
     before = max(abs(before0), abs(before1), abs(before2))
+    middle = max(abs(middle0), abs(middle1), abs(middle2), abs(lower0), abs(lower1), abs(lower2))
     size = out[4]
     if step == 0:
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there
@@ -404,7 +418,9 @@ def evaluate_panel(
         error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin * p[BOUND] / (b - a)
     else:
         known = max(last, 0.5 * before) * math.exp(-(n + 1) * p[LOG_RHO])
-        error = 2.0 * max(tail_error(n, last, before, size, p[LOG_RHO]), known)
+        if kinked(view):
+            known = max(known, last, 0.5 * before)
+        error = 2.0 * max(tail_error(n, last, before, middle, size, p[LOG_RHO]), known)
     for i in range(view.points.shape[0]):
         if view.points[i, DISK_RADIUS] > 0.0:
             # the rules over a disk light keep to the panel's level and err alike on every line

@@ -22,6 +22,7 @@ from symrender.chambers import (
     penumbra_walls,
     place,
     roots,
+    tangencies,
     walls,
     work,
 )
@@ -224,7 +225,7 @@ def gloss_kernel(
             if gap < 1.5 and most < 0.1 * tol:
                 total += most
                 continue
-            sphere_strips(j, n, view, geo)
+            sphere_strips(j, n, view, work)
             geo[BRIGHT] = sphere_bound(j, view, geo)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol),
@@ -244,7 +245,7 @@ def gloss_kernel(
         if view.floor[FLOOR_PRESENT] != 0.0 and surface[i] != FLOOR and points[i, 2] != 0.0:
             floor_chart(own, lobe, view, work)
             if geo[SIDE] > 0.0 or sky > 0.0:
-                floor_strips(n, view, geo)
+                floor_strips(n, view, work)
                 geo[BRIGHT] = bound
                 e, b = split_chart(
                     max(0.5 * (tol - total), 0.05 * tol), view, work, gauss, panels, spans, ids, events, scratch,
@@ -281,7 +282,8 @@ def gloss_kernel(
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
     modules = (
-        chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, walls, work,
+        chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, tangencies,
+        walls, work,
         disk_arcs, disk_chords, disk_curves, disk_term, floor_conics, gauss_module, light_term, split_grid_module,
         split_line, split_panel, split_setup, split_square, sys.modules[__name__],
     )  # fmt: skip

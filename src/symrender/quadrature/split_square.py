@@ -15,7 +15,7 @@ from symrender.chambers.work import EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, nodes
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
 from symrender.quadrature.split_line import SOFT_LOG, facing_share, lobe_density, tail_error
 from symrender.quadrature.split_panel import azimuth
 
@@ -145,6 +145,7 @@ def strip_integral(
         out[t] = 0.0
     lit, side = work.lit, work.cell_side
     last, before, size, inner = 0.0, 0.0, 0.0, 0.0
+    middle, lower = 0.0, 0.0
     for q in range(n):
         y, slope = azimuth(gauss[0, base + q], a, b, kind_a, kind_b)
         slope *= gauss[1, base + q]
@@ -174,7 +175,7 @@ def strip_integral(
             nx = min(nx, MAX_ORDER)
             start = nx * (nx - 1) // 2
             work.counts[EVALUATIONS] += nx
-            whole, top, second = 0.0, 0.0, 0.0
+            whole, top, second, half, under = 0.0, 0.0, 0.0, 0.0, 0.0
             for e in range(nx):
                 u, along = gauss[0, start + e], width
                 if soft:
@@ -192,13 +193,18 @@ def strip_integral(
                 whole += value
                 top += value * gauss[2, start + e]
                 second += value * gauss[3, start + e]
+                half += value * gauss[MIDDLE, start + e]
+                under += value * gauss[MIDDLE + 1, start + e]
             line += whole
-            inner += tail_error(nx, top, second, abs(whole), log_rho)
+            inner += tail_error(nx, top, second, max(abs(half), abs(under)), abs(whole), log_rho)
         size += abs(line)
         last += line * gauss[2, base + q]
         before += line * gauss[3, base + q]
+        middle += line * gauss[MIDDLE, base + q]
+        lower += line * gauss[MIDDLE + 1, base + q]
+    middle = max(abs(middle), abs(lower))
     x = span / (b - a)
-    out[6] = inner + 2.0 * tail_error(n, last, before, size, math.log(x + math.sqrt(1.0 + x * x)))
+    out[6] = inner + 2.0 * tail_error(n, last, before, middle, size, math.log(x + math.sqrt(1.0 + x * x)))
     return math.nan
 
 

@@ -674,7 +674,7 @@ def replay_grid(
             for p in range(moves.shape[0]):
                 for c in range(3):
                     change = max(change, abs(longer[p, c] - shorter[p, c]))
-        if error + change <= tol or 2.0 * far > MOST_REACH * cell or (passes > 0 and error >= change):
+        if error + change <= tol or (passes > 0 and (2.0 * far > MOST_REACH * cell or error >= change)):
             break
         if not error < math.inf:
             # the evaluations ran out: what the last reach gave stands

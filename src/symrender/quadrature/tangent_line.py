@@ -54,7 +54,7 @@ from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.light_term import light_term
 from symrender.quadrature.split_line import SOFT_LOG, cell_order, disk_edge, tail_error
 from symrender.quadrature.tangent_disk import disk_adjoint, disk_gradient, monitor
@@ -380,7 +380,7 @@ def piece_adjoint(
     geo = work.geo
     base = n * (n - 1) // 2
     work.counts[EVALUATIONS] += n
-    whole, last, before = 0.0, 0.0, 0.0
+    whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(n):
         u, along = gauss[0, base + q], end - a
         if soft:
@@ -396,7 +396,10 @@ def piece_adjoint(
         whole += abs(told)
         last += told * gauss[2, base + q]
         before += told * gauss[3, base + q]
-    return whole, tail_error(n, 0.5 * last, 0.5 * before, whole, 0.0)
+        middle += told * gauss[MIDDLE, base + q]
+        lower += told * gauss[MIDDLE + 1, base + q]
+    middle = max(abs(middle), abs(lower))
+    return whole, tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, 0.0)
 
 
 @jitable

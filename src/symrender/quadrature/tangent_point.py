@@ -288,7 +288,7 @@ def gradient_kernel(
                 if view.floor[FLOOR_PRESENT] == 0.0 or surface[i] == FLOOR or points[i, 2] == 0.0:
                     continue
                 floor_chart(own, lobe, view, work)
-                floor_strips(n, view, geo)
+                floor_strips(n, view, work)
                 chart_moves(-1, geo, tangents, t.moves)
             elif j == own:
                 continue
@@ -301,7 +301,7 @@ def gradient_kernel(
                 if gap < 1.5 and most * (1.0 + n * math.tan(gap)) < 1e-4 * tol:
                     spent += most
                     continue
-                sphere_strips(j, n, view, geo)
+                sphere_strips(j, n, view, work)
                 chart_moves(j, geo, tangents, t.moves)
             nodes, some = what_moves(t.moves, disk is not None, view, work, t.moving)
             if not nodes and not some:

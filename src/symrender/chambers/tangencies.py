@@ -1,0 +1,194 @@
+"""Azimuths at which a scan line touches a wall that is no circle: a shadow's edge, or a ball where it meets the floor.
+
+A shadow too thin for the first lines of a panel lies between two such events, and would go unseen without them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.events import ROOT, SMOOTH, add_event, within_lobe
+from symrender.chambers.walls import (
+    BALL,
+    CENTER,
+    E1,
+    E2,
+    HEIGHT,
+    KIND,
+    LIGHT,
+    PENUMBRA,
+    POINT,
+    POLE,
+    RADIUS,
+    SHADOW,
+    SHADOW_EDGE,
+    SHAPE,
+    SHAPE_INDEX,
+    TAG,
+)
+from symrender.chambers.work import WALLS, View, Work
+from symrender.kernel_cache import jitable
+
+Array = npt.NDArray[np.float64]
+
+RAYS = 16
+"""Rays along a shadow's edge between which its azimuth is looked at for turns."""
+
+
+@jitable
+def floor_tangencies(row: Array, geo: Array, events: Array, n: int, low: float, high: float) -> int:
+    """Azimuths at which a scan line of the floor touches a shadow's edge or a ball.
+
+    Both are a r^2 + 2 b r + c = 0 along a line; b^2 - a c is a quadratic form of the azimuth's cosine and sine. A
+    penumbra's edges lie inside the shadow of a ball about the disk, and the line integral is smooth where that begins.
+    """
+    # a and b as sums over products of (c, s); the constant third coefficient
+    if int(row[KIND]) == BALL:
+        axx, axy, ayy, bx, by, free = 1.0, 0.0, 1.0, -row[1], -row[2], row[3]
+    else:
+        axx = row[20] - row[9] * row[9] - row[13] * row[13]
+        axy = -row[9] * row[10] - row[13] * row[14]
+        ayy = row[20] - row[10] * row[10] - row[14] * row[14]
+        bx = row[20] * row[17] - row[11] * row[9] - row[15] * row[13]
+        by = row[20] * row[18] - row[11] * row[10] - row[15] * row[14]
+        free = row[20] * row[19] - row[11] * row[11] - row[15] * row[15]
+    xx, xy, yy = bx * bx - axx * free, bx * by - axy * free, by * by - ayy * free
+    level, even = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    size = math.sqrt(even * even + xy * xy)
+    if not abs(level) < size:
+        return n
+    middle, offset = 0.5 * math.atan2(xy, even), 0.5 * math.acos(-level / size)
+    for branch in range(4):
+        phi = middle + (offset if branch % 2 == 0 else -offset) + (0.0 if branch < 2 else math.pi)
+        c, s = math.cos(phi), math.sin(phi)
+        a, b = axx * c * c + 2.0 * axy * c * s + ayy * s * s, bx * c + by * s
+        # the double root -b/a lies on the line, on this side of the horizon
+        if a * b < 0.0 and within_lobe(phi, math.atan2(abs(b), abs(a) * geo[HEIGHT]), geo):
+            n = add_event(events, n, phi, low, high, SMOOTH if int(row[KIND]) == PENUMBRA else ROOT)
+    return n
+
+
+@jitable
+def edge_turn(
+    psi: float, light: Array, geo: Array, frame: Array
+) -> tuple[float, float, float, float, bool]:  # fmt: skip
+    """Where a ray along a shadow's edge meets the charted sphere, as of P: (turn, x, y, z, faces P).
+
+    x and y lie across the chart's pole and z along it; ``turn`` = x y' - y x' has the sign of the azimuth's change
+    with the angle ``psi`` about the shadow's axis, NaN where the ray misses. ``frame`` (3, 3): the axis times the
+    cosine of the shadow's half-angle, and two unit vectors across it times its sine.
+    """
+    c, s = math.cos(psi), math.sin(psi)
+    b, change, far2 = 0.0, 0.0, 0.0
+    for a in range(3):
+        w = light[a] - geo[CENTER + a]
+        b += w * (frame[0, a] + c * frame[1, a] + s * frame[2, a])
+        change += w * (c * frame[2, a] - s * frame[1, a])
+        far2 += w * w
+    square = b * b - far2 + geo[RADIUS] * geo[RADIUS]
+    if not square > 0.0:
+        return math.nan, 0.0, 0.0, 0.0, False
+    root = math.sqrt(square)
+    t = -b - root
+    slope = change * t / root
+    x, y, z, dx, dy, facing = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for a in range(3):
+        u = frame[0, a] + c * frame[1, a] + s * frame[2, a]
+        q = light[a] + t * u
+        dq = slope * u + t * (c * frame[2, a] - s * frame[1, a])
+        x += (q - geo[POINT + a]) * geo[E1 + a]
+        y += (q - geo[POINT + a]) * geo[E2 + a]
+        z += (q - geo[POINT + a]) * geo[POLE + a]
+        dx += dq * geo[E1 + a]
+        dy += dq * geo[E2 + a]
+        facing += (geo[POINT + a] - q) * (q - geo[CENTER + a])
+    return x * dy - y * dx, x, y, z, facing > 0.0
+
+
+@jitable
+def sphere_tangencies(
+    light: Array, caster: Array, geo: Array, frame: Array, events: Array, n: int, low: float, high: float
+) -> int:  # fmt: skip
+    """Azimuths at which a scan line of the charted sphere touches the shadow of ``caster``: no closed form.
+
+    The edge's azimuth turns back there; turns are bracketed by rays along the edge and solved (Illinois).
+    """
+    far2 = 0.0
+    for a in range(3):
+        frame[0, a] = caster[a] - light[a]
+        far2 += frame[0, a] * frame[0, a]
+    sine = caster[3] / math.sqrt(far2)
+    if not sine < 1.0:
+        return n
+    cosine = math.sqrt((1.0 - sine) * (1.0 + sine))
+    ex, ey, ez = frame[0, 0] / math.sqrt(far2), frame[0, 1] / math.sqrt(far2), frame[0, 2] / math.sqrt(far2)
+    if abs(ex) < 0.6:
+        fx, fy, fz = 0.0, ez, -ey
+    else:
+        fx, fy, fz = -ez, 0.0, ex
+    scale = sine / math.sqrt(fx * fx + fy * fy + fz * fz)
+    fx, fy, fz = fx * scale, fy * scale, fz * scale
+    frame[0, 0], frame[0, 1], frame[0, 2] = ex * cosine, ey * cosine, ez * cosine
+    frame[1, 0], frame[1, 1], frame[1, 2] = fx, fy, fz
+    frame[2, 0], frame[2, 1], frame[2, 2] = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+    step = 2.0 * math.pi / RAYS
+    before, _, _, _, seen_before = edge_turn(0.0, light, geo, frame)
+    for k in range(1, RAYS + 1):
+        turn, x, y, z, seen = edge_turn(k * step, light, geo, frame)
+        left, right, fa, fb = (k - 1) * step, k * step, before, turn
+        if (fa != fa) != (fb != fb):
+            # the edge leaves the sphere's lit side between the two: look up to there
+            hit, miss, last = (right, left, fb) if fa != fa else (left, right, fa)
+            for _ in range(30):
+                psi = 0.5 * (hit + miss)
+                f, _, _, _, _ = edge_turn(psi, light, geo, frame)
+                if f == f:
+                    hit, last = psi, f
+                else:
+                    miss = psi
+            if fa != fa:
+                left, fa = hit, last
+            else:
+                right, fb = hit, last
+        if fa * fb < 0.0 and (seen or seen_before):
+            f, faces = math.nan, False
+            for _ in range(60):
+                psi = (left * fb - right * fa) / (fb - fa)
+                f, x, y, z, faces = edge_turn(psi, light, geo, frame)
+                if f != f:
+                    break
+                moved = abs(psi - right)
+                if f * fb < 0.0:
+                    left, fa = right, fb
+                else:
+                    fa *= 0.5
+                right, fb = psi, f
+                # the azimuth is stationary here, so half the digits of psi are all of its own
+                if f == 0.0 or moved < 1e-9:
+                    break
+            if f == f and faces:
+                phi = math.atan2(y, x)
+                if within_lobe(phi, math.atan2(math.sqrt(x * x + y * y), z), geo):
+                    n = add_event(events, n, phi, low, high, ROOT)
+        before, seen_before = turn, seen
+    return n
+
+
+@jitable
+def tangencies(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
+    """Add them to ``events``; new count."""
+    geo = work.geo
+    for i in range(min(work.counts[WALLS], work.walls.shape[0])):
+        row = work.walls[i]
+        kind = int(row[KIND])
+        if geo[SHAPE_INDEX] < 0.0:
+            if kind in (SHADOW, BALL, PENUMBRA):
+                n = floor_tangencies(row, geo, events, n, low, high)
+        elif kind == SHADOW and row[TAG] == SHADOW_EDGE:
+            n = sphere_tangencies(
+                view.points[int(row[LIGHT])], view.spheres[int(row[SHAPE])], geo, work.frame, events, n, low, high
+            )
+    return n
