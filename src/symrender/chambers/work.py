@@ -15,6 +15,11 @@ Bytes = npt.NDArray[np.uint8]
 
 MAX_WALLS: Final = 512
 MAX_ROOTS: Final = 1024
+NODES: Final = 168
+"""Quadrature nodes evaluated together; not a power of two, or their rows would contend for the same cache lines."""
+NODE_ROWS: Final = 25
+PENDING: Final = 3 * NODES
+"""Rows for pieces of lines that wait to be evaluated."""
 
 
 class View(NamedTuple):
@@ -53,6 +58,8 @@ class Work(NamedTuple):
     disk: Array
     spots: Array
     frame: Array
+    nodes: Array
+    pieces: Array
 
 
 # counts
@@ -89,5 +96,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         quadric=np.zeros((6, 5)),
         disk=np.zeros((2 * spheres + 8, 64)),
         frame=np.zeros((3, 3)),
+        nodes=np.zeros(NODE_ROWS * NODES),
+        pieces=np.zeros((NODES + PENDING, 9)),
         spots=np.zeros((max(1, 3 * points), 2)),
     )

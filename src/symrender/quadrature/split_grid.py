@@ -19,12 +19,13 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
-from symrender.chambers.work import EVALUATIONS, View, Work
+from symrender.chambers.work import EVALUATIONS, NODES, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
+from symrender.quadrature.node_rows import CELL, COUNT, FIRST, NEAR, SUM, WEIGHT
 from symrender.quadrature.split_line import lobe_density, tail_error
-from symrender.quadrature.split_square import cut_square, integrand, seen, taper
+from symrender.quadrature.split_square import EAST, NORTH, cut_square, floor_nodes, seen
 from symrender.scene.arrays import FLOOR_CELL, FLOOR_OFFSET
 
 Array = npt.NDArray[np.float64]
@@ -129,7 +130,7 @@ def block_bound(
 @jitable
 def smooth_block(
     x0: float, y0: float, side: float, level: int, n: int, step: int, log_rho: float, reach: float, lobe: Array,
-    view: View, work: Work, gauss: Array, states: Array, point: Array, out: Array,
+    view: View, work: Work, gauss: Array, states: Array, out: Array,
 ) -> float:  # fmt: skip
     """Integral of a block of 2^level squares a side that no conic crosses, by n x n nodes, in out[0:3].
 
@@ -138,36 +139,46 @@ def smooth_block(
     base = n * (n - 1) // 2
     weights = gauss[1] if level == 0 else gauss[3 + level]
     work.counts[EVALUATIONS] += n * n
+    b, row = work.nodes, work.pieces[0]
+    row[CELL], row[FIRST], row[COUNT] = 0, 0, n * n
+    for i in range(states.shape[0]):
+        work.lit[0, i] = int(states[i])
+    for q in range(n):
+        for e in range(n):
+            b[EAST + n * q + e] = x0 + side * gauss[0, base + e]
+            b[NORTH + n * q + e] = y0 + side * gauss[0, base + q]
+            b[WEIGHT + n * q + e] = side * side
+    floor_nodes(n * n, 1, step, reach, lobe, view, work, gauss)
     whole, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0
     middle_x, middle_y, lower_y = 0.0, 0.0, 0.0
     for t in range(6):
         out[t] = 0.0
     for q in range(n):
-        y = y0 + side * gauss[0, base + q]
-        row, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
+        line, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
         for e in range(n):
-            x = x0 + side * gauss[0, base + e]
-            integrand(x, y, step, lobe, view, work, gauss, states, point)
-            w = weights[base + q] * weights[base + e] * side * side
-            distance = math.sqrt(x * x + y * y)
-            far, near = taper(distance, reach), taper(distance, 0.7 * reach)
-            for t in range(3):
-                out[t] += w * far * point[t]
-                out[3 + t] += w * near * point[t]
-            value = gauss[1, base + q] * gauss[1, base + e] * side * side * far * (point[0] + point[1] + point[2])
-            row += value
+            i = n * q + e
+            red, green, blue = b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i]
+            w, near = weights[base + q] * weights[base + e], b[NEAR + i]
+            out[0] += w * red
+            out[1] += w * green
+            out[2] += w * blue
+            out[3] += w * near * red
+            out[4] += w * near * green
+            out[5] += w * near * blue
+            value = gauss[1, base + q] * gauss[1, base + e] * (red + green + blue)
+            line += value
             last += value * gauss[2, base + e]
             before += value * gauss[3, base + e]
             middle += value * gauss[MIDDLE, base + e]
             lower += value * gauss[MIDDLE + 1, base + e]
-        whole += row
+        whole += line
         last_x += abs(last)
         before_x += abs(before)
         middle_x += max(abs(middle), abs(lower))
-        last_y += row * gauss[2, base + q]
-        before_y += row * gauss[3, base + q]
-        middle_y += row * gauss[MIDDLE, base + q]
-        lower_y += row * gauss[MIDDLE + 1, base + q]
+        last_y += line * gauss[2, base + q]
+        before_y += line * gauss[3, base + q]
+        middle_y += line * gauss[MIDDLE, base + q]
+        lower_y += line * gauss[MIDDLE + 1, base + q]
     if level == 0:
         middle_y = max(abs(middle_y), abs(lower_y))
         along = tail_error(n, last_x, before_x, middle_x, whole, log_rho)
@@ -190,8 +201,8 @@ def grid_once(
     geo = work.geo
     cell = view.floor[FLOOR_CELL]
     light = point_light(view)
-    point, part, crossing = stack[0], stack[1], stack[2]
-    blocks, scratch = stack[3:160], stack[160:]
+    part, crossing = stack[0], stack[1]
+    blocks, scratch = stack[2:160], stack[160:]
     for t in range(6):
         out[t] = 0.0
     blocks[0, 0], blocks[0, 1], blocks[0, 2], blocks[0, 3] = low_x, low_y, cell * 2.0**level, level
@@ -233,13 +244,13 @@ def grid_once(
                 quarter = n > MAX_BLOCK_ORDER
                 if not quarter:
                     miss = smooth_block(
-                        x, y, side, level, n, step, log_rho, reach, lobe, view, work, gauss, states, point, part
+                        x, y, side, level, n, step, log_rho, reach, lobe, view, work, gauss, states, part
                     )
                     # more nodes are cheaper than quarters, which need as many each
                     while miss > aim and n < MAX_BLOCK_ORDER:
                         n = min(MAX_BLOCK_ORDER, n + 2)
                         miss = smooth_block(
-                            x, y, side, level, n, step, log_rho, reach, lobe, view, work, gauss, states, point, part
+                            x, y, side, level, n, step, log_rho, reach, lobe, view, work, gauss, states, part
                         )
                     quarter = miss > 3.0 * aim
             elif level > 0:

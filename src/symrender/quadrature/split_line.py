@@ -7,8 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import DARK, GLINT, HIDDEN, PARTLY
-from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.walls import (
     CENTER,
     E1,
@@ -31,14 +30,44 @@ from symrender.chambers.walls import (
     TAG,
     TERMINATOR,
 )
-from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
+from symrender.chambers.work import CELLS, EVALUATIONS, NODES, PENDING, View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes, order
-from symrender.quadrature.light_term import light_term, marble_factor
-from symrender.scene.arrays import EYE, MARBLE, PHONG
+from symrender.quadrature.light_term import marble_factor
+from symrender.quadrature.node_rows import (
+    BASE,
+    CELL,
+    CHORD,
+    COSINE,
+    COUNT,
+    FACTOR,
+    FIRST,
+    INNER,
+    LOG_RHO,
+    NORMAL,
+    PLACE,
+    POWER,
+    SINE,
+    SUM,
+    VIEW,
+    WEIGHT,
+    densities,
+    light_nodes,
+    sines,
+    whole_vectors,
+)
+from symrender.scene.arrays import EYE, MARBLE
 
 Array = npt.NDArray[np.float64]
+
+# further columns of the pieces of a line
+START = 4
+STOP = 5
+HALVINGS = 6
+WARY = 7
+"""1 where the rule is at least that which successive steps compare."""
+SOFT = 8
+"""1 where a disk light ends at one of the cell's walls."""
 
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
@@ -141,6 +170,159 @@ def disk_edge(wall: int, work: Work) -> bool:
 
 
 @jitable
+def stack_piece(
+    top: int, cell: int, start: float, stop: float, halvings: float, wary: float, soft: float, work: Work
+) -> int:  # fmt: skip
+    """Put off a piece of a cell; the stack's new height. The stack lies behind the pieces at hand."""
+    row = work.pieces[NODES + top]
+    row[CELL], row[START], row[STOP], row[HALVINGS], row[WARY], row[SOFT] = cell, start, stop, halvings, wary, soft
+    return top + 1
+
+
+@jitable
+def place_nodes(
+    m: int, piece: int, n: int, log_rho: float, row: Array, color: Array, factor: float, work: Work, gauss: Array
+) -> None:  # fmt: skip
+    """Make ``row`` of the stack the piece at hand of this number, with ``n`` nodes from node ``m`` on."""
+    b, at = work.nodes, work.pieces[piece]
+    for t in range(at.shape[0]):
+        at[t] = row[t]
+    at[FIRST], at[COUNT], at[LOG_RHO] = m, n, log_rho
+    base = n * (n - 1) // 2
+    length = row[STOP] - row[START]
+    for q in range(n):
+        u, along = gauss[0, base + q], length
+        if row[SOFT] != 0.0:
+            # a disk's light ends with the power 3/2 of the distance from a wall
+            su, cu = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
+            u, along = su * su, length * math.pi * su * cu
+        b[INNER + m + q] = row[START] + length * u
+        b[WEIGHT + m + q] = gauss[1, base + q] * along
+        b[FACTOR + m + q] = factor * color[0]
+        b[FACTOR + NODES + m + q] = factor * color[1]
+        b[FACTOR + 2 * NODES + m + q] = factor * color[2]
+
+
+@jitable
+def shape_nodes(m: int, c: float, s: float, view: View, work: Work) -> None:
+    """Fill the first ``m`` nodes of the line (c, s) from INNER: points, normals, views, solid angle times density."""
+    m = whole_vectors(m)
+    geo, b = work.geo, work.nodes
+    j, k = int(geo[SHAPE_INDEX]), geo[RATIO]
+    gx, gy, gz = geo[POLE], geo[POLE + 1], geo[POLE + 2]
+    ex, ey, ez = c * geo[E1] + s * geo[E2], c * geo[E1 + 1] + s * geo[E2 + 1], c * geo[E1 + 2] + s * geo[E2 + 2]
+    flat = geo[FACING + 3]
+    lift, lean = facing_share(gx, gy, gz, geo) - flat, facing_share(ex, ey, ez, geo) - flat
+    cbm, sbm = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2]
+    px, py, pz, radius = geo[CENTER], geo[CENTER + 1], geo[CENTER + 2], geo[RADIUS]
+    sines(m, b)
+    if j >= 0:
+        for i in range(m):
+            sx, cx = b[SINE + i], b[COSINE + i]
+            sb = k * sx
+            cb = math.sqrt(1.0 - sb * sb)
+            cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
+            nx, ny, nz = sg * ex - cg * gx, sg * ey - cg * gy, sg * ez - cg * gz
+            b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = nx, ny, nz
+            b[PLACE + i] = px + radius * nx
+            b[PLACE + NODES + i] = py + radius * ny
+            b[PLACE + 2 * NODES + i] = pz + radius * nz
+            b[WEIGHT + i] *= k * k * sx * cx / cb
+            b[SINE + i], b[COSINE + i] = sb, cb
+    else:
+        px, py, height = geo[POINT], geo[POINT + 1], geo[HEIGHT]
+        for i in range(m):
+            sx, cx = b[SINE + i], b[COSINE + i]
+            far = height * sx / cx
+            b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = 0.0, 0.0, 1.0
+            b[PLACE + i] = px + far * ex
+            b[PLACE + NODES + i] = py + far * ey
+            b[PLACE + 2 * NODES + i] = 0.0
+            b[WEIGHT + i] *= sx
+    for i in range(m):
+        sb, cb = b[SINE + i], b[COSINE + i]
+        d0, d1, d2 = cb - cbm, sb * c - sbm, sb * s
+        b[CHORD + i] = d0 * d0 + d1 * d1 + d2 * d2
+        b[WEIGHT + i] *= flat + cb * lift + sb * lean
+    if view.shading[5] == EYE:
+        ox, oy, oz = view.eye[0], view.eye[1], view.eye[2]
+        for i in range(m):
+            vx, vy, vz = ox - b[PLACE + i], oy - b[PLACE + NODES + i], oz - b[PLACE + 2 * NODES + i]
+            inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
+            b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = vx * inv, vy * inv, vz * inv
+    else:
+        for i in range(m):
+            sb, cb = b[SINE + i], b[COSINE + i]
+            b[VIEW + i] = -cb * gx - sb * ex
+            b[VIEW + NODES + i] = -cb * gy - sb * ey
+            b[VIEW + 2 * NODES + i] = -cb * gz - sb * ez
+    densities(m, b, geo)
+
+
+@jitable
+def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: Array) -> None:
+    """Fill SUM of the first ``m`` nodes with the radiance less the background."""
+    m = whole_vectors(m)
+    b, shading = work.nodes, view.shading
+    j = int(work.geo[SHAPE_INDEX])
+    ambient = 0.0 if j < 0 and work.geo[SIDE] < 0.0 else shading[0]
+    red, green, blue = (
+        ambient * shading[7] - shading[10],
+        ambient * shading[8] - shading[11],
+        ambient * shading[9] - shading[12],
+    )
+    for i in range(m):
+        b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
+    if j >= 0 and view.spheres[j, 7] == MARBLE:
+        for i in range(m):
+            vein = marble_factor(
+                b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i], view.spheres[j, 8], view.spheres[j, 9]
+            )
+            for a in range(3):
+                b[FACTOR + a * NODES + i] *= vein
+    light_nodes(m, pieces, step, shading[2], view, work, gauss)
+
+
+@jitable
+def weigh_nodes(m: int, work: Work) -> float:
+    """Multiply SUM by WEIGHT; POWER gets the sum over the channels, BASE their largest magnitude. The sum of BASE."""
+    b = work.nodes
+    for i in range(whole_vectors(m)):
+        w = b[WEIGHT + i]
+        red, green, blue = w * b[SUM + i], w * b[SUM + NODES + i], w * b[SUM + 2 * NODES + i]
+        b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
+        b[POWER + i] = red + green + blue
+        b[BASE + i] = max(abs(red), abs(green), abs(blue))
+    whole = 0.0
+    for i in range(m):
+        whole += b[BASE + i]
+    return whole
+
+
+@jitable
+def piece_error(row: Array, b: Array, blunt: bool, gauss: Array) -> tuple[float, float]:
+    """Integral of the largest magnitude over a piece, and the error of its rule by its Legendre coefficients."""
+    n, first = int(row[COUNT]), int(row[FIRST])
+    base = n * (n - 1) // 2
+    whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
+    for q in range(n):
+        mixture = b[POWER + first + q]
+        whole += b[BASE + first + q]
+        last += mixture * gauss[2, base + q]
+        before += mixture * gauss[3, base + q]
+    if n >= 6:
+        for q in range(n):
+            mixture = b[POWER + first + q]
+            middle += mixture * gauss[MIDDLE, base + q]
+            lower += mixture * gauss[MIDDLE + 1, base + q]
+    middle = max(abs(middle), abs(lower))
+    miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, row[LOG_RHO])
+    if blunt and n > 1:
+        miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
+    return whole, miss
+
+
+@jitable
 def integrate_cells(
     phi: float, step: int, view: View, work: Work, gauss: Array, out: Array
 ) -> None:  # fmt: skip
@@ -152,147 +334,80 @@ def integrate_cells(
 
     ``step`` chooses the order of every cell.
     """
-    geo = work.geo
+    geo, b, table = work.geo, work.nodes, work.pieces
     c, s = math.cos(phi), math.sin(phi)
     j = int(geo[SHAPE_INDEX])
-    k = geo[RATIO]
-    ex, ey, ez = (
-        c * geo[E1] + s * geo[E2],
-        c * geo[E1 + 1] + s * geo[E2 + 1],
-        c * geo[E1 + 2] + s * geo[E2 + 2],
-    )
-    cbm, sbm = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2]
-    flat = geo[FACING + 3]
-    lift = facing_share(geo[POLE], geo[POLE + 1], geo[POLE + 2], geo) - flat
-    lean = facing_share(ex, ey, ez, geo) - flat
-    shading = view.shading
-    phong = shading[4] == PHONG
-    from_eye = shading[5] == EYE
-    shininess = shading[3]
+    ex, ey = c * geo[E1] + s * geo[E2], c * geo[E1 + 1] + s * geo[E2 + 1]
     lights = view.points.shape[0]
-    ambient = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
-    marble = j >= 0 and view.spheres[j, 7] == MARBLE
+    kd = view.shading[1]
     least = order(step, SOFT_LOG)
-    r, g, b, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     promise, blunt = 100.0 * math.exp(-LEVELS[step]), kinked(view)
-    for cell in range(work.counts[CELLS]):
-        side = work.cell_side[cell]
-        if side == HIDDEN:
-            continue
-        if j >= 0:
-            factor = 1.0 if side == 1 else view.spheres[j, 10]
-            ar, ag, ab = view.spheres[j, 4] * factor, view.spheres[j, 5] * factor, view.spheres[j, 6] * factor
-        else:
-            ar, ag, ab = geo[STRIP + 3], geo[STRIP + 4], geo[STRIP + 5]
-        start, stop = work.cell_from[cell], work.cell_to[cell]
-        soft = False
-        if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
-            for i in range(lights):
-                soft = soft or work.lit[cell, i] >= PARTLY
-        a, end = start, stop
-        halvings, wary = 0, False
-        while a < stop:
-            log_rho = cell_log(end - a, 0.5 * math.pi - end, ex, ey, view.points, geo)
-            n = order(step, log_rho) if wary else nodes(step, log_rho)
-            if soft:
+    cell, top = 0, 0
+    color = geo[STRIP + 3 : STRIP + 6]
+    while top > 0 or cell < work.counts[CELLS]:
+        m, pieces = 0, 0
+        while top > 0 or cell < work.counts[CELLS]:
+            if top == 0:
+                if work.cell_side[cell] != HIDDEN:
+                    soft = 0.0
+                    if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
+                        for i in range(lights):
+                            if work.lit[cell, i] >= PARTLY:
+                                soft = 1.0
+                    top = stack_piece(0, cell, work.cell_from[cell], work.cell_to[cell], 0.0, 0.0, soft, work)
+                cell += 1
+                continue
+            row = table[NODES + top - 1]
+            start, stop = row[START], row[STOP]
+            log_rho = cell_log(stop - start, 0.5 * math.pi - stop, ex, ey, view.points, geo)
+            n = order(step, log_rho) if row[WARY] != 0.0 else nodes(step, log_rho)
+            if row[SOFT] != 0.0:
                 n = max(n + (n + 1) // 2, least)
-            while n > MAX_ORDER:
-                end = a + 0.5 * (end - a)
-                log_rho = cell_log(end - a, 0.5 * math.pi - end, ex, ey, view.points, geo)
-                n = order(step, log_rho) if wary else nodes(step, log_rho)
-                if soft:
-                    n = max(n + (n + 1) // 2, least)
-            base = n * (n - 1) // 2
-            length = end - a
-            work.counts[EVALUATIONS] += n
-            last, before, whole, r0, g0, b0 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            middle, lower = 0.0, 0.0
-            for q in range(n):
-                u, along = gauss[0, base + q], length
-                if soft:
-                    # a disk's light ends with the power 3/2 of the distance from a wall
-                    su, cu = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
-                    u, along = su * su, length * math.pi * su * cu
-                x = a + length * u
-                sx, cx = math.sin(x), math.cos(x)
-                if j >= 0:
-                    sb = k * sx
-                    cb = math.sqrt(1.0 - sb * sb)
-                    cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
-                    nx, ny, nz = sg * ex - cg * geo[POLE], sg * ey - cg * geo[POLE + 1], sg * ez - cg * geo[POLE + 2]
-                    qx, qy, qz = (
-                        geo[CENTER] + geo[RADIUS] * nx,
-                        geo[CENTER + 1] + geo[RADIUS] * ny,
-                        geo[CENTER + 2] + geo[RADIUS] * nz,
-                    )
-                    measure = k * k * sx * cx / cb
-                else:
-                    sb, cb = sx, cx
-                    rr = geo[HEIGHT] * sx / cx
-                    nx, ny, nz = 0.0, 0.0, 1.0
-                    qx, qy, qz = geo[POINT] + rr * ex, geo[POINT + 1] + rr * ey, 0.0
-                    measure = sx
-                d0, d1, d2 = cb - cbm, sb * c - sbm, sb * s
-                density = lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo)
-                peak = max(peak, density)
-                weight = gauss[1, base + q] * along * measure * density * (flat + cb * lift + sb * lean)
-                if from_eye:
-                    vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
-                    inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
-                    vx, vy, vz = vx * inv, vy * inv, vz * inv
-                else:
-                    vx = -cb * geo[POLE] - sb * ex
-                    vy = -cb * geo[POLE + 1] - sb * ey
-                    vz = -cb * geo[POLE + 2] - sb * ez
-                dr, dg, db, hr, hg, hb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-                for i in range(lights):
-                    state = work.lit[cell, i]
-                    if state == DARK:
-                        continue
-                    p = view.points[i]
-                    if p[DISK_RADIUS] > 0.0:
-                        cosine, gleam = disk_term(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, view, work, gauss)
-                    else:
-                        cosine, gleam = light_term(
-                            p[0] - qx, p[1] - qy, p[2] - qz, nx, ny, nz, vx, vy, vz, phong, shininess
-                        )
-                    if state != GLINT:
-                        dr += p[3] * cosine
-                        dg += p[4] * cosine
-                        db += p[5] * cosine
-                    hr += p[3] * gleam
-                    hg += p[4] * gleam
-                    hb += p[5] * gleam
-                vein = marble_factor(nx, ny, nz, view.spheres[j, 8], view.spheres[j, 9]) if marble else 1.0
-                fr = ar * vein * shading[1] * dr + ambient * shading[7] + shading[2] * hr - shading[10]
-                fg = ag * vein * shading[1] * dg + ambient * shading[8] + shading[2] * hg - shading[11]
-                fb = ab * vein * shading[1] * db + ambient * shading[9] + shading[2] * hb - shading[12]
-                r0 += weight * fr
-                g0 += weight * fg
-                b0 += weight * fb
-                whole += weight * max(abs(fr), abs(fg), abs(fb))
-                mixture = weight * (fr + fg + fb)
-                last += mixture * gauss[2, base + q]
-                before += mixture * gauss[3, base + q]
-                middle += mixture * gauss[MIDDLE, base + q]
-                lower += mixture * gauss[MIDDLE + 1, base + q]
-            middle = max(abs(middle), abs(lower))
-            miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, log_rho)
-            if blunt and n > 1:
-                miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
-            if n > 1 and miss > promise * (size + whole) and halvings < MAX_HALVINGS:
-                # a cell less tame than it looks; so few points judge badly, and are not halved away from
-                if n > max(step, 4):
-                    halvings += 1
-                    end = a + 0.5 * (end - a)
+            if n > MAX_ORDER and top < PENDING:
+                middle = start + 0.5 * (stop - start)
+                row[START] = middle
+                top = stack_piece(top, int(row[CELL]), start, middle, row[HALVINGS], row[WARY], row[SOFT], work)
+                continue
+            n = min(n, MAX_ORDER)
+            if m + n > NODES:
+                break
+            top -= 1
+            if j >= 0:
+                factor = kd * (1.0 if work.cell_side[int(row[CELL])] == 1 else view.spheres[j, 10])
+                shade = view.spheres[j, 4:7]
+            else:
+                factor, shade = kd, color
+            place_nodes(m, pieces, n, log_rho, row, shade, factor, work, gauss)
+            m += n
+            pieces += 1
+        if m == 0:
+            break
+        work.counts[EVALUATIONS] += m
+        shape_nodes(m, c, s, view, work)
+        if step == 0:
+            for i in range(m):
+                peak = max(peak, b[POWER + i])
+        shade_nodes(m, pieces, step, view, work, gauss)
+        whole = weigh_nodes(m, work)
+        for piece in range(pieces):
+            row = table[piece]
+            n, start, stop = int(row[COUNT]), row[START], row[STOP]
+            held, miss = piece_error(row, b, blunt, gauss)
+            if n > 1 and miss > promise * (size + whole) and top + 2 <= PENDING:
+                # a piece less tame than it looks; so few points judge badly, and are not halved away from
+                if n <= max(step, 4) and row[WARY] == 0.0:
+                    top = stack_piece(top, int(row[CELL]), start, stop, row[HALVINGS], 1.0, row[SOFT], work)
                     continue
-                if not wary:
-                    wary = True
+                if n > max(step, 4) and row[HALVINGS] < MAX_HALVINGS:
+                    middle, deeper = start + 0.5 * (stop - start), row[HALVINGS] + 1.0
+                    top = stack_piece(top, int(row[CELL]), middle, stop, deeper, row[WARY], row[SOFT], work)
+                    top = stack_piece(top, int(row[CELL]), start, middle, deeper, row[WARY], row[SOFT], work)
                     continue
-            r += r0
-            g += g0
-            b += b0
-            size += whole
+            for i in range(int(row[FIRST]), int(row[FIRST]) + n):
+                red += b[SUM + i]
+                green += b[SUM + NODES + i]
+                blue += b[SUM + 2 * NODES + i]
+            size += held
             error += miss
-            a, end = end, stop
-    out[0], out[1], out[2], out[3], out[4], out[5] = r, g, b, size, error, peak
+    out[0], out[1], out[2], out[3], out[4], out[5] = red, green, blue, size, error, peak

@@ -9,18 +9,40 @@ import numpy.typing as npt
 
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
-from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.walls import HEIGHT, POINT, RIM_COS
-from symrender.chambers.work import EVALUATIONS, View, Work
+from symrender.chambers.walls import FACING, HEIGHT, POINT, RIM_COS
+from symrender.chambers.work import EVALUATIONS, NODES, View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
-from symrender.quadrature.split_line import SOFT_LOG, facing_share, lobe_density, tail_error
+from symrender.quadrature.node_rows import (
+    CELL,
+    CHORD,
+    COSINE,
+    COUNT,
+    FACTOR,
+    FIRST,
+    LOG_RHO,
+    NEAR,
+    NORMAL,
+    PLACE,
+    SINE,
+    SUM,
+    VIEW,
+    WEIGHT,
+    densities,
+    light_nodes,
+    whole_vectors,
+)
+from symrender.quadrature.split_line import SOFT_LOG, tail_error
 from symrender.quadrature.split_panel import azimuth
 
 Array = npt.NDArray[np.float64]
 
+EAST = SINE
+NORTH = COSINE
+"""The rows of nodes that hold their offsets from the foot."""
+ROW = 4
+"""The line of a piece, a further column of the pieces."""
 MAX_HALVINGS = 5
 """How often a strip of a square is halved at most."""
 MORE_LEVELS = 3
@@ -51,30 +73,48 @@ def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array)
 
 
 @jitable
-def integrand(
-    x: float, y: float, step: int, lobe: Array, view: View, work: Work, gauss: Array, states: Array, out: Array
+def floor_nodes(
+    m: int, pieces: int, step: int, reach: float, lobe: Array, view: View, work: Work, gauss: Array
 ) -> None:  # fmt: skip
-    """Lobe density times solid angle per area times sum of colour N.l over lit points, at a floor point; out (3,)."""
-    geo = work.geo
-    h = geo[HEIGHT]
-    inv = 1.0 / math.sqrt(x * x + y * y + h * h)
-    dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
-    weight = lobe_density(dx * dx + dy * dy + dz * dz, geo) * h * inv * inv * inv
-    weight *= facing_share(x * inv, y * inv, -h * inv, geo)
-    out[0] = out[1] = out[2] = 0.0
-    for i in range(view.points.shape[0]):
-        if states[i] != 0.0:
-            if view.points[i, DISK_RADIUS] > 0.0:
-                cosine, _ = disk_term(
-                    i, int(states[i]), geo[POINT] + x, geo[POINT + 1] + y, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step,
-                    view, work, gauss,
-                )  # fmt: skip
-            else:
-                lx, ly = view.points[i, 0] - geo[POINT] - x, view.points[i, 1] - geo[POINT + 1] - y
-                rise = view.points[i, 2]
-                cosine = rise / math.sqrt(max(lx * lx + ly * ly + rise * rise, 1e-300))
-            for a in range(3):
-                out[a] += weight * cosine * view.points[i, 3 + a]
+    """Fill SUM of the first ``m`` nodes, EAST and NORTH of the foot, with what the deviation holds there.
+
+    That is WEIGHT times the taper to ``reach`` times lobe density times solid angle per area times the sum of colour
+    N.l over the lights that the nodes' pieces see. NEAR gets the ratio of the shorter taper to the longer one.
+    """
+    m = whole_vectors(m)
+    geo, b = work.geo, work.nodes
+    h, px, py = geo[HEIGHT], geo[POINT], geo[POINT + 1]
+    ax, ay, az = lobe[0], lobe[1], lobe[2]
+    flat, fx, fy, fz = geo[FACING + 3], geo[FACING], geo[FACING + 1], geo[FACING + 2]
+    for i in range(m):
+        x, y = b[EAST + i], b[NORTH + i]
+        inv = 1.0 / math.sqrt(x * x + y * y + h * h)
+        wx, wy, wz = x * inv, y * inv, -h * inv
+        dx, dy, dz = wx - ax, wy - ay, wz - az
+        b[CHORD + i] = dx * dx + dy * dy + dz * dz
+        b[WEIGHT + i] *= h * inv * inv * inv * (flat + fx * wx + fy * wy + fz * wz)
+        b[PLACE + i], b[PLACE + NODES + i], b[PLACE + 2 * NODES + i] = px + x, py + y, 0.0
+    for i in range(m):
+        b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = 0.0, 0.0, 1.0
+        b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = 0.0, 0.0, 1.0
+    for i in range(m):
+        b[FACTOR + i] = b[FACTOR + NODES + i] = b[FACTOR + 2 * NODES + i] = 1.0
+        b[SUM + i] = b[SUM + NODES + i] = b[SUM + 2 * NODES + i] = 0.0
+    densities(m, b, geo)
+    light_nodes(m, pieces, step, 0.0, view, work, gauss)
+    for i in range(m):
+        b[NEAR + i] = 1.0
+    if reach < math.inf:
+        for i in range(m):
+            distance = math.sqrt(b[EAST + i] ** 2 + b[NORTH + i] ** 2)
+            far = taper(distance, reach)
+            b[WEIGHT + i] *= far
+            b[NEAR + i] = taper(distance, 0.7 * reach) / far if far > 0.0 else 0.0
+    for i in range(m):
+        w = b[WEIGHT + i]
+        b[SUM + i] *= w
+        b[SUM + NODES + i] *= w
+        b[SUM + 2 * NODES + i] *= w
 
 
 @jitable
@@ -130,10 +170,49 @@ def change_of_rows(
 
 
 @jitable
+def add_pieces(
+    m: int, pieces: int, base: int, step: int, reach: float, lobe: Array, view: View, work: Work, gauss: Array,
+    sums: Array, out: Array,
+) -> None:  # fmt: skip
+    """Add the pieces at hand to ``out`` (6,), and to ``sums`` (6,) size, error and coefficients along y of their sum.
+
+    ``base`` is where the rule of the lines begins.
+    """
+    floor_nodes(m, pieces, step, reach, lobe, view, work, gauss)
+    b = work.nodes
+    for k in range(pieces):
+        row = work.pieces[k]
+        first, n, q = int(row[FIRST]), int(row[COUNT]), int(row[ROW])
+        start = n * (n - 1) // 2
+        whole, top, second, half, under = 0.0, 0.0, 0.0, 0.0, 0.0
+        for e in range(n):
+            red, green, blue = b[SUM + first + e], b[SUM + NODES + first + e], b[SUM + 2 * NODES + first + e]
+            near = b[NEAR + first + e]
+            out[0] += red
+            out[1] += green
+            out[2] += blue
+            out[3] += near * red
+            out[4] += near * green
+            out[5] += near * blue
+            value = red + green + blue
+            whole += value
+            top += value * gauss[2, start + e]
+            second += value * gauss[3, start + e]
+            half += value * gauss[MIDDLE, start + e]
+            under += value * gauss[MIDDLE + 1, start + e]
+        sums[0] += abs(whole)
+        sums[1] += tail_error(n, top, second, max(abs(half), abs(under)), abs(whole), row[LOG_RHO])
+        sums[2] += whole * gauss[2, base + q]
+        sums[3] += whole * gauss[3, base + q]
+        sums[4] += whole * gauss[MIDDLE, base + q]
+        sums[5] += whole * gauss[MIDDLE + 1, base + q]
+
+
+@jitable
 def strip_integral(
     x0: float, x1: float, a: float, b: float, kind_a: float, kind_b: float, n: int, more: int, signature: int,
     crossing: Array, crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work,
-    conics: Array, gauss: Array, states: Array, point: Array, out: Array,
+    conics: Array, gauss: Array, states: Array, sums: Array, out: Array,
 ) -> float:  # fmt: skip
     """Integral over x0..x1 times a..b with ``n`` lines of equal structure, each cut at the conics, in out[0:3].
 
@@ -143,68 +222,57 @@ def strip_integral(
     base = n * (n - 1) // 2
     for t in range(7):
         out[t] = 0.0
-    lit, side = work.lit, work.cell_side
-    last, before, size, inner = 0.0, 0.0, 0.0, 0.0
-    middle, lower = 0.0, 0.0
+    for t in range(6):
+        sums[t] = 0.0
+    rows, lit, side = work.nodes, work.lit, work.cell_side
+    m, placed = 0, 0
     for q in range(n):
         y, slope = azimuth(gauss[0, base + q], a, b, kind_a, kind_b)
         slope *= gauss[1, base + q]
         pieces, found = row_pieces(y, x0, x1, crossing, crossings, conics, work)
         if found != signature:
             return y
-        line = 0.0
         for piece in range(pieces):
             left, width = work.root_x[piece], work.root_x[piece + 1] - work.root_x[piece]
             if q == 0:
                 # labels are those of the whole strip
                 side[piece] = 1 if seen(left + 0.5 * width, y, lobe, view, work, states) else HIDDEN
-                if side[piece] != HIDDEN:
-                    for i in range(states.shape[0]):
-                        lit[piece, i] = int(states[i])
+                for i in range(states.shape[0]):
+                    lit[piece, i] = int(states[i])
             if side[piece] == HIDDEN or width < 1e-14:
                 continue
             soft = False
             for i in range(states.shape[0]):
-                states[i] = lit[piece, i]
-                soft = soft or states[i] >= PARTLY
+                soft = soft or lit[piece, i] >= PARTLY
             x = span / width
             log_rho = math.log(x + math.sqrt(1.0 + x * x))
             nx = nodes(step, log_rho) + more
             if soft:
                 nx = max(nx + (nx + 1) // 2, nodes(step, SOFT_LOG))
             nx = min(nx, MAX_ORDER)
+            if m + nx > NODES:
+                add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
+                m = placed = 0
             start = nx * (nx - 1) // 2
             work.counts[EVALUATIONS] += nx
-            whole, top, second, half, under = 0.0, 0.0, 0.0, 0.0, 0.0
+            row = work.pieces[placed]
+            row[CELL], row[FIRST], row[COUNT], row[LOG_RHO], row[ROW] = piece, m, nx, log_rho, q
+            placed += 1
             for e in range(nx):
                 u, along = gauss[0, start + e], width
                 if soft:
                     s, c = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
                     u, along = s * s, width * math.pi * s * c
-                x = left + width * u
-                integrand(x, y, step, lobe, view, work, gauss, states, point)
-                distance = math.sqrt(x * x + y * y)
-                far, near = taper(distance, reach), taper(distance, 0.7 * reach)
-                w = slope * along * gauss[1, start + e]
-                for t in range(3):
-                    out[t] += w * far * point[t]
-                    out[3 + t] += w * near * point[t]
-                value = w * far * (point[0] + point[1] + point[2])
-                whole += value
-                top += value * gauss[2, start + e]
-                second += value * gauss[3, start + e]
-                half += value * gauss[MIDDLE, start + e]
-                under += value * gauss[MIDDLE + 1, start + e]
-            line += whole
-            inner += tail_error(nx, top, second, max(abs(half), abs(under)), abs(whole), log_rho)
-        size += abs(line)
-        last += line * gauss[2, base + q]
-        before += line * gauss[3, base + q]
-        middle += line * gauss[MIDDLE, base + q]
-        lower += line * gauss[MIDDLE + 1, base + q]
-    middle = max(abs(middle), abs(lower))
+                rows[EAST + m] = left + width * u
+                rows[NORTH + m] = y
+                rows[WEIGHT + m] = slope * along * gauss[1, start + e]
+                m += 1
+    if m > 0:
+        add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
     x = span / (b - a)
-    out[6] = inner + 2.0 * tail_error(n, last, before, middle, size, math.log(x + math.sqrt(1.0 + x * x)))
+    middle = max(abs(sums[4]), abs(sums[5]))
+    along_y = tail_error(n, sums[2], sums[3], middle, sums[0], math.log(x + math.sqrt(1.0 + x * x)))
+    out[6] = sums[1] + 2.0 * along_y
     return math.nan
 
 
