@@ -55,11 +55,15 @@ SETTLED = 12
 """1 for a panel that no cut can improve."""
 BOUND = 13
 """What the panel can hold at most."""
-PANEL_COLUMNS = 14
+MEAN = 14
+"""What the panel it was cut from held per radian, 0 while nobody looked."""
+PANEL_COLUMNS = 15
 
 LINE = 32
 PANEL = 40
 """Where the sums of a line and of a panel lie in the scratch array."""
+MAX_FIRST = 3
+"""Most lines of a panel's first estimate."""
 SAFETY = 3.0
 """Error reported over the sum of the panels' estimates: of 10,000 random lobes 17 missed half of it."""
 
@@ -180,6 +184,7 @@ def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: 
         p[BOUND] = p[ERROR] = panel_bound(a, b, work.geo)
         p[INSIDE] = p[SETTLED] = 0.0
         p[FOREIGN] = math.nan
+        p[MEAN] = 0.0
         p[LOG_RHO] = panel_log(work, a, b, kind_a, kind_b)
     return n + 1
 
@@ -328,8 +333,13 @@ def note_chambers(work: Work) -> None:
 
 @jitable
 def panel_order(step: int, log_rho: float) -> int:
-    """Lines of a panel, more with every step: one less tame than it looked is then found out."""
-    return min(MAX_ORDER, order(step, log_rho) + (1 if step > 0 else 0))
+    """Lines of a panel, more with every step: one less tame than it looked is then found out.
+
+    The first step asks for the order of magnitude only.
+    """
+    if step == 0:
+        return min(MAX_FIRST, order(0, log_rho))
+    return min(MAX_ORDER, order(step, log_rho) + 1)
 
 
 @jitable
@@ -380,7 +390,7 @@ def evaluate_panel(
             signature = found
         elif found != signature and foreign != foreign:
             foreign = phi
-        if step == 0 or found != signature:
+        if p[STEP] < 0.0 or found != signature:
             note_chambers(work)
         integrate_cells(phi, step, view, work, gauss, line)
         peak = max(peak, line[5])
@@ -446,12 +456,24 @@ def rough_panel(p: Array, view: View, work: Work, gauss: Array, scratch: Array) 
 
 
 @jitable
+def inside(p: Array, events: Array, many: int) -> int:
+    """How many of the ``many`` events lie inside a panel."""
+    margin = 1e-9 * (p[TO] - p[FROM])
+    found = 0
+    for e in range(many):
+        if p[FROM] + margin < events[e, 0] < p[TO] - margin:
+            found += 1
+    return found
+
+
+@jitable
 def cut_panel(
     p: Array, i: int, events: Array, many: int, work: Work, panels: Array, n: int
 ) -> int:  # fmt: skip
     """Cut panel ``i`` at the events inside it; new count."""
     start, kind = p[FROM], p[KIND_FROM]
     stop, last = p[TO], p[KIND_TO]
+    mean, first = p[MEAN], n
     margin = 1e-9 * (stop - start)
     slot = i
     for e in range(many):
@@ -463,7 +485,11 @@ def cut_panel(
                 n = add_panel(panels, n, start, phi, kind, SMOOTH, work)
             slot = n
             start, kind = phi, SMOOTH
-    return add_panel(panels, n, start, stop, kind, last, work)
+    n = add_panel(panels, n, start, stop, kind, last, work)
+    panels[i, MEAN] = mean
+    for k in range(first, min(n, panels.shape[0])):
+        panels[k, MEAN] = mean
+    return n
 
 
 @jitable
@@ -508,7 +534,9 @@ def split_chart(
                 continue
             step = int(p[STEP])
             width = p[TO] - p[FROM]
-            if step >= 0 and p[INSIDE] > 0.0 and n + p[INSIDE] + 2 < panels.shape[0]:
+            if step < 0:
+                p[INSIDE] = inside(p, events, m)
+            if p[INSIDE] > 0.0 and n + p[INSIDE] + 2 < panels.shape[0]:
                 # events are known inside: cut there, unless three lines may be enough
                 if step > 0 or p[ERROR] > 300.0 * share:
                     n = cut_panel(p, i, events, m, work, panels, n)
@@ -527,9 +555,14 @@ def split_chart(
                 bad += 1
                 continue
             need = step + 1
-            if step >= 0 and p[INSIDE] == 0.0:
+            held = p[ERROR]
+            if step < 0:
+                held = 10.0 * p[MEAN] * width
+                if p[INSIDE] > 0.0 or held > 3.0 * share:
+                    need = 1
+            if p[INSIDE] == 0.0 and need > 0:
                 # a first estimate is ten times what the panel holds
-                aim = LEVELS[step] + math.log(p[ERROR] / share) + 0.5 - (2.3 if step == 0 else 0.0)
+                aim = LEVELS[max(0, step)] + math.log(held / share) + 0.5 - (2.3 if step <= 0 else 0.0)
                 while need + 1 < len(LEVELS) and LEVELS[need] < aim:
                     need += 1
             if need >= len(LEVELS) or (step >= 0 and panel_order(need, p[LOG_RHO]) >= MAX_ORDER):
@@ -550,6 +583,7 @@ def split_chart(
             p[ERROR] = out[3]
             p[INSIDE] = out[5]
             p[FOREIGN] = foreign
+            p[MEAN] = out[4] / width
     error = 0.0
     for i in range(work.counts[WALLS]):
         if work.walls[i, MET_COLUMN] != 0.0:
