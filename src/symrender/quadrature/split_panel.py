@@ -64,6 +64,8 @@ PANEL = 40
 """Where the sums of a line and of a panel lie in the scratch array."""
 MAX_FIRST = 3
 """Most lines of a panel's first estimate."""
+MAX_KINKED = 7
+"""Most lines of a panel with events inside, before it is cut there."""
 SAFETY = 3.0
 """Error reported over the sum of the panels' estimates: of 10,000 random lobes 17 missed half of it."""
 
@@ -112,6 +114,9 @@ def branch_log(
         return best
     middle = math.atan2(a2, a1)
     ratio = sine / rho
+    if abs(ratio - 1.0) < 1e-12:
+        # a circle through the pole lies along a scan line: an end of panels, where no root branches
+        return best
     half = 0.5 * (b - a)
     centre = 0.5 * (a + b)
     if ratio >= 1.0:
@@ -172,6 +177,12 @@ def panel_bound(a: float, b: float, geo: Array) -> float:
     """What a panel can hold at most: its solid angle at the lobe's largest density and the largest radiance there."""
     half = math.sin(0.5 * geo[BETA_MAX])
     return float(geo[BRIGHT]) * min(1.0, panel_density(a, b, geo) * (b - a) * 2.0 * half * half)
+
+
+@jitable
+def sliver_bound(a: float, b: float, geo: Array) -> float:
+    """What may open and close again between two azimuths: no more of a line there than the azimuths are of a radian."""
+    return (b - a) * panel_bound(a, b, geo)
 
 
 @jitable
@@ -354,6 +365,9 @@ def evaluate_panel(
     """
     a, b, ka, kb = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
     n = panel_order(step, p[LOG_RHO])
+    if step == 1 and p[INSIDE] > 0.0:
+        # kinks decide, not how far off the integrand is tame between them
+        n = min(n, MAX_KINKED)
     base = n * (n - 1) // 2
     line = scratch[LINE : LINE + 6]
     for i in range(6):
@@ -378,11 +392,11 @@ def evaluate_panel(
         out[5] += inside
         # between two lines, or a line and an end, a sliver may open and close again
         if inside > 0 and q == 0:
-            thin += (events[e - 1, 0] - a) ** 2
+            thin += sliver_bound(a, events[e - 1, 0], work.geo)
         elif inside > 0 and q == n:
-            thin += (b - first) ** 2
+            thin += sliver_bound(first, b, work.geo)
         elif inside > 1:
-            thin += (events[e - 1, 0] - first) ** 2
+            thin += sliver_bound(first, events[e - 1, 0], work.geo)
         if q == n:
             break
         found = scan_line(phi, view, work, scratch)
@@ -425,7 +439,7 @@ def evaluate_panel(
         if out[5] > 0.0:
             error = max(error, p[BOUND])
     elif out[5] > 0.0 or foreign == foreign:
-        error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin * p[BOUND] / (b - a)
+        error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
     else:
         known = max(last, 0.5 * before) * math.exp(-(n + 1) * p[LOG_RHO])
         if kinked(view):
