@@ -42,6 +42,8 @@ class Work(NamedTuple):
     walls: Array
     root_x: Array
     root_id: Ints
+    row_names: Ints
+    row_gaps: Array
     cell_from: Array
     cell_to: Array
     cell_wall: Ints
@@ -81,6 +83,8 @@ def work_arrays(spheres: int, points: int) -> Work:
         walls=np.zeros((MAX_WALLS, WALL_COLUMNS)),
         root_x=np.zeros(MAX_ROOTS),
         root_id=np.zeros(MAX_ROOTS, np.int64),
+        row_names=np.zeros(MAX_ROOTS, np.int64),
+        row_gaps=np.zeros((2, MAX_ROOTS)),
         cell_from=np.zeros(MAX_ROOTS + 2),
         cell_to=np.zeros(MAX_ROOTS + 2),
         cell_wall=np.zeros(MAX_ROOTS + 2, np.int64),

@@ -11,10 +11,11 @@ from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
 from symrender.chambers.walls import FACING, HEIGHT, POINT, RIM_COS
 from symrender.chambers.work import EVALUATIONS, NODES, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
 from symrender.quadrature.node_rows import (
+    BASE,
     CELL,
     CHORD,
     COSINE,
@@ -105,11 +106,7 @@ def floor_nodes(
     for i in range(m):
         b[NEAR + i] = 1.0
     if reach < math.inf:
-        for i in range(m):
-            distance = math.sqrt(b[EAST + i] ** 2 + b[NORTH + i] ** 2)
-            far = taper(distance, reach)
-            b[WEIGHT + i] *= far
-            b[NEAR + i] = taper(distance, 0.7 * reach) / far if far > 0.0 else 0.0
+        taper_rows(m, reach, b)
     for i in range(m):
         w = b[WEIGHT + i]
         b[SUM + i] *= w
@@ -119,8 +116,50 @@ def floor_nodes(
 
 @jitable
 def taper(distance: float, reach: float) -> float:
-    """1 near the foot, 0 beyond ``reach``, up to 1e-8; entire, but for a step of 1e-12."""
-    return 1.0 if distance <= 0.1 * reach else 0.5 * math.erfc((distance / reach - 0.6) / 0.1)
+    """exp(-(d / .6 reach)^8): 1 near the foot, below 1e-25 beyond ``reach``; entire, so that nothing breaks at it."""
+    u = distance / (0.6 * reach)
+    return math.exp(-min(40.0, u**8))
+
+
+@inlined
+def decay(t: float) -> float:
+    """exp(-t), down to exp(-40), by its series at t/64 squared six times; vector instructions can take it."""
+    x = min(40.0, t) * (1.0 / 64.0)
+    y = 1.0 - x * (1.0 / 13.0)
+    y = 1.0 - x * (1.0 / 12.0) * y
+    y = 1.0 - x * (1.0 / 11.0) * y
+    y = 1.0 - x * (1.0 / 10.0) * y
+    y = 1.0 - x * (1.0 / 9.0) * y
+    y = 1.0 - x * (1.0 / 8.0) * y
+    y = 1.0 - x * (1.0 / 7.0) * y
+    y = 1.0 - x * (1.0 / 6.0) * y
+    y = 1.0 - x * (1.0 / 5.0) * y
+    y = 1.0 - x * (1.0 / 4.0) * y
+    y = 1.0 - x * (1.0 / 3.0) * y
+    y = 1.0 - x * (1.0 / 2.0) * y
+    y = 1.0 - x * y
+    y *= y
+    y *= y
+    y *= y
+    y *= y
+    y *= y
+    y *= y
+    return y
+
+
+@jitable
+def taper_rows(m: int, reach: float, b: Array) -> None:
+    """Multiply WEIGHT by the taper; NEAR gets the ratio of the taper to .7 of the reach to it."""
+    m = min(m, NODES)
+    scale = 1.0 / (0.36 * reach * reach)
+    shorter = 0.7**-8 - 1.0
+    for i in range(m):
+        u = (b[EAST + i] * b[EAST + i] + b[NORTH + i] * b[NORTH + i]) * scale
+        u *= u
+        b[BASE + i] = u * u
+    for i in range(m):
+        b[NEAR + i] = decay(shorter * b[BASE + i])
+        b[WEIGHT + i] *= decay(b[BASE + i])
 
 
 @jitable
@@ -153,20 +192,62 @@ def row_pieces(
 
 
 @jitable
+def root_named(name: int, n: int, work: Work) -> float:
+    """Where the root of this name lies on the row at hand, of ``n`` pieces, or NaN."""
+    for i in range(1, n):
+        if work.root_id[i] == name:
+            return float(work.root_x[i])
+    return math.nan
+
+
+@jitable
+def note_gaps(many: int, n: int, gaps: Array, work: Work) -> None:
+    """The gaps between neighbours of the lower row, whose names are noted, on the row at hand, of ``n`` pieces."""
+    x = root_named(work.row_names[1], n, work)
+    for i in range(1, many - 1):
+        beyond = root_named(work.row_names[i + 1], n, work)
+        gaps[i] = beyond - x
+        x = beyond
+
+
+@jitable
 def change_of_rows(
     low: float, high: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Array, work: Work
 ) -> float:  # fmt: skip
-    """The y between ``low`` and ``high``, whose rows differ in structure, where the structure of ``low`` ends."""
-    _, before = row_pieces(low, x0, x1, crossing, crossings, conics, work)
+    """The y between ``low`` and ``high``, whose rows differ in structure, where the structure of ``low`` ends.
+
+    Neighbours that change places are followed until the first two of them meet; anything else is found by halving.
+    """
+    near, far = work.row_gaps[0], work.row_gaps[1]
+    many, before = row_pieces(low, x0, x1, crossing, crossings, conics, work)
+    for i in range(1, many):
+        work.row_names[i] = work.root_id[i]
+    note_gaps(many, many, near, work)
+    n, _ = row_pieces(high, x0, x1, crossing, crossings, conics, work)
+    note_gaps(many, n, far, work)
+    # as in the Illinois method, an end that stays twice counts half
+    weight, kept = 1.0, 0
     while True:
         middle = 0.5 * (low + high)
         if not low < middle < high or high - low < 1e-13 * (abs(low) + abs(high) + x1 - x0):
             return middle
-        _, found = row_pieces(middle, x0, x1, crossing, crossings, conics, work)
+        share = 1.0
+        for i in range(1, many - 1):
+            if far[i] < 0.0 < near[i]:
+                share = min(share, near[i] / (near[i] - weight * far[i]))
+        if share < 1.0:
+            middle = low + min(0.999, max(0.001, share)) * (high - low)
+        n, found = row_pieces(middle, x0, x1, crossing, crossings, conics, work)
         if found == before:
             low = middle
+            note_gaps(many, n, near, work)
+            weight = 0.5 * weight if kept > 0 else 1.0
+            kept = 1
         else:
             high = middle
+            note_gaps(many, n, far, work)
+            weight = 2.0 * weight if kept < 0 else 1.0
+            kept = -1
 
 
 @jitable
