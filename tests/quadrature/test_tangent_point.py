@@ -83,6 +83,47 @@ def test_differences_of_values(name: str, changes: dict, surface: str, point: tu
     assert felt >= 5
 
 
+@pytest.mark.parametrize(
+    ("normal", "name"),
+    [
+        # all meridians of sphere A's checker meet in a pole it sees, and the floor reaches far into its own horizon
+        ((0.140867, -0.961435, -0.236218), "lights.key.color.b"),
+        # the edge of what it sees of the floor runs on along the checker, so that far squares count
+        ((-0.315373, -0.276777, 0.907708), "floor.texture.bright.g"),
+    ],
+)
+def test_what_a_lobe_is_linear_in(normal: tuple, name: str) -> None:
+    """Of a number the value is linear in, any difference of values is the derivative."""
+    scene = load("chapter8").replace(OBLIQUE)
+    point = np.array(normal) / np.linalg.norm(normal)
+    found = probe(scene, [point], surface="spheres.B", tol=1e-11, wrt=[name])
+    sides = [
+        probe(scene.replace({name: at}), [point], surface="spheres.B", tol=1e-11, budget=4_000_000).gloss[0]
+        for at in (0.25, 0.75)
+    ]
+    expected = 2.0 * (sides[1] - sides[0])
+    size = float(np.abs(expected).max())
+    assert size > 0.01
+    gap = float(np.abs(found.gradient[name][0] - expected).max())
+    assert gap <= found.gradient_error[name][0] + 1e-9 * size
+    assert found.gradient_error[name][0] <= 1e-8 * size
+
+
+@pytest.mark.parametrize(("offset", "tol"), [(-(2.0**-11), 1e-11), (-(2.0**-14), 1e-10)])
+def test_pieces_between_events_count_once(offset: float, tol: float) -> None:
+    """A penumbra's shadows touch scan lines at events 1e-10 apart; slopes there are inverse square roots."""
+    scene = load("penumbra").replace({"floor.lobe.exponent": 12.0})
+    scene = scene.replace({"spheres.B.center.z": 0.72 + offset})
+    point, name = (0.346918, -1.717039, 0.0), "spheres.B.center.z"
+    found = probe(scene, [point], tol=tol, wrt=[name])
+    expected, change = differences(scene, point, "floor", name, 1e-4)
+    size = float(np.abs(expected).max())
+    assert size > 0.01
+    assert change <= 1e-7 * size
+    gap = float(np.abs(found.gradient[name][0] - expected).max())
+    assert gap <= found.gradient_error[name][0] + change + 1e-7 * size
+
+
 def ball(**changes: object) -> Scene:
     """One sphere of constant radiance 1 over a floor, and nothing else."""
     return load(

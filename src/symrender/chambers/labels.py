@@ -51,7 +51,8 @@ def texture_side(spheres: Array, j: int, nx: float, ny: float, nz: float) -> int
     u = (math.atan2(ny, nx) + math.pi) / (2.0 * math.pi)
     sign = math.sin(math.pi * u * spheres[j, 8])
     if kind == CHECKER:
-        sign *= math.sin(math.acos(max(-1.0, min(1.0, nz))) * spheres[j, 9])
+        # acos would be 0 within 1e-8 of the pole, where all meridians meet
+        sign *= math.sin(math.atan2(math.sqrt(nx * nx + ny * ny), nz) * spheres[j, 9])
     return 1 if sign >= 0.0 else 0
 
 

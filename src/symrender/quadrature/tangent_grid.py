@@ -40,7 +40,6 @@ from symrender.quadrature.gauss import MAX_ORDER, order, step_of
 from symrender.quadrature.split_grid import (
     LEAVES,
     MAX_BLOCK_ORDER,
-    MOST_REACH,
     SMALLEST,
     block_bound,
     block_level,
@@ -61,6 +60,8 @@ Ints = npt.NDArray[np.int64]
 
 REPLAY_REACH = 12.0
 """Squares from the foot of a point whose lobe holds endless squares, at first."""
+MOST_REPLAY_REACH = 500.0
+"""The reach beyond which it is not doubled; one more doubling than values need shows that they changed no more."""
 # what a conic is
 _RIM = 0
 _HORIZON = 1
@@ -535,7 +536,7 @@ def replay_once(
     own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array, high: Array, square: Array, out: Array,
     max_evaluations: int,
 ) -> float:  # fmt: skip
-    """The derivatives under one taper, ``out`` (parameters, 4); their error estimate, inf where they cannot be had.
+    """The derivatives under one taper, ``out`` (parameters, 4); their error estimate.
 
     The blocks are those of ``split_grid``; how fine a block's rule must be is judged by what the block can hold.
     """
@@ -558,11 +559,9 @@ def replay_once(
     while top > 0:
         top -= 1
         x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
-        if work.counts[EVALUATIONS] > max_evaluations:
-            return math.inf
         bound, span, near = block_bound(x0, y0, side, reach, light, lobe, geo)
-        # a derivative may be larger than what is differentiated, by the inverse of its lengths
-        if bound <= 0.1 * aim / (1.0 + near / cell):
+        if bound <= 0.1 * aim / (1.0 + near / cell) or work.counts[EVALUATIONS] > max_evaluations:
+            # a derivative may be larger than what is differentiated, by the inverse of its lengths
             error += 100.0 * contrast * bound
             continue
         middle = 0.5 * side
@@ -626,7 +625,8 @@ def replay_once(
                 )  # fmt: skip
         if quarter:
             if side < SMALLEST * cell or top + 4 > blocks.shape[0]:
-                return math.inf
+                error += 100.0 * contrast * bound
+                continue
             top = push_quarters(x0, y0, side, level, blocks, top)
             continue
         for p in range(moves.shape[0]):
@@ -673,16 +673,18 @@ def replay_grid(
             change = 0.0
             for p in range(moves.shape[0]):
                 for c in range(3):
-                    change = max(change, abs(longer[p, c] - shorter[p, c]))
-        if error + change <= tol or (passes > 0 and (2.0 * far > MOST_REACH * cell or error >= change)):
-            break
-        if not error < math.inf:
-            # the evaluations ran out: what the last reach gave stands
+                    change = max(change, 3.0 * abs(longer[p, c] - shorter[p, c]))
+        ran_out = work.counts[EVALUATIONS] > max_evaluations
+        if ran_out and error + change > before:
+            # what the last reach gave stands
             error, change = before, 0.0
-            if passes > 0:
-                for p in range(moves.shape[0]):
-                    for c in range(4):
-                        longer[p, c] = shorter[p, c]
+            for p in range(moves.shape[0]):
+                for c in range(4):
+                    longer[p, c] = shorter[p, c]
+            break
+        if whole or ran_out or error + change <= tol:
+            break
+        if passes > 0 and (2.0 * far > MOST_REPLAY_REACH * cell or error >= change):
             break
         for p in range(moves.shape[0]):
             for c in range(4):

@@ -73,7 +73,7 @@ RADIANCE = VIEW_ROW + 1
 HERE_ROWS = RADIANCE + 2
 
 MAX_HALVINGS = 16
-"""Most halvings of one cell of a line where a disk's light is less smooth than the walls tell."""
+"""Most halvings of one cell of a line whose light is less smooth than the walls tell."""
 
 
 @jitable
@@ -168,7 +168,7 @@ def node_adjoint(
 ) -> float:  # fmt: skip
     """Add one node of a line, of ``weight`` (its density and solid angle included), to the adjoint (4, columns).
 
-    Returns a number that is as smooth along the line as the gradients of the disks' light; 0 without disks.
+    Returns a number that is as smooth along the line as the radiance and the gradients of the disks' light.
     """
     told = 0.0
     geo, shading = work.geo, view.shading
@@ -240,6 +240,7 @@ def node_adjoint(
         diffuse, gleams = here[RADIANCE, a], here[RADIANCE + 1, a]
         reflected = shading[1] * diffuse
         total = weight * (factor * color * reflected + ka * shading[7 + a] + shading[2] * gleams - shading[10 + a])
+        told += total
         if ka != 0.0 or j >= 0 or geo[SIDE] > 0.0:
             out[SHADING] += weight * shading[7 + a]
         out[SHADING + 1] += weight * factor * color * diffuse
@@ -334,6 +335,7 @@ def walls_adjoint(
         measure, _ = chart_place(x, c, s, geo, here)
         density = log_density(here, lobe, geo)[2]
         set_view(here, view, geo)
+        work.counts[EVALUATIONS] += 2
         radiance(side_above, work.lit[min(cell, cells - 1)], step, here, view, work, gauss, disk, above)
         radiance(side_below, work.lit[max(cell - 1, 0)], step, here, view, work, gauss, disk, below)
         for a in range(3):
@@ -376,7 +378,7 @@ def piece_adjoint(
     a: float, end: float, n: int, c: float, s: float, weight: float, soft: bool, cell: int, step: int, lobe: Array,
     view: View, work: Work, gauss: Array, disk: Array | None, here: Array, adjoint: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """Add a piece of a cell by ``n`` nodes; of what the disks' gradients tell, its size and the rule's error."""
+    """Add a piece of a cell by ``n`` nodes; of what ``node_adjoint`` tells, the size and the rule's error."""
     geo = work.geo
     base = n * (n - 1) // 2
     work.counts[EVALUATIONS] += n
@@ -439,8 +441,8 @@ def line_adjoint(
             whole, miss = piece_adjoint(
                 a, end, n, c, s, weight, soft, cell, step, lobe, view, work, gauss, disk, here, adjoint
             )  # fmt: skip
-            if disk is not None and n > 4 and halvings < MAX_HALVINGS and miss > promise * (size + whole):
-                # where a ball leaves the part of a disk that is above the terminator no wall is known: taken back
+            if n > 4 and halvings < MAX_HALVINGS and miss > promise * (size + whole):
+                # less tame than it looks, as where a ball leaves the part of a disk above the terminator: taken back
                 piece_adjoint(a, end, n, c, s, -weight, soft, cell, step, lobe, view, work, gauss, disk, here, adjoint)
                 halvings += 1
                 end = a + 0.5 * (end - a)

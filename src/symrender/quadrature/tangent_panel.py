@@ -3,9 +3,9 @@
 The line integral is continuous at every event, so the ends of panels may stay where they are; its slope has an inverse
 square root where a wall is tangent to a scan line, which the panel's quadratic map removes, so orders converge as for
 values. Two differences from values remain. An event only known to 1e-8 costs a value 1e-12 but a slope 1e-4: ends with
-a root that no closed form gave are bisected to the last bit. And a wall that *is* a scan line (a great circle through
-the pole of the chart, seen by symmetry) makes the line integral jump: it moves sideways, which is one integral along
-that line.
+a root are bisected to the last bit, those of a closed form too, which is right to some 1e-14. And a wall that *is* a
+scan line (a great circle through the pole of the chart, seen by symmetry) makes the line integral jump: it moves
+sideways, which is one integral along that line.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.events import ROOT, SMOOTH, chart_events, line_range
+from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import LIMB, POLE_END, scan_line
 from symrender.chambers.tangent_walls import (
@@ -38,6 +38,7 @@ from symrender.quadrature.split_panel import (
     LOG_RHO,
     STEP,
     TO,
+    VALUE,
     add_panel,
     azimuth,
     panel_log,
@@ -52,6 +53,13 @@ UNUSED = -2.0
 """Step of a row of the panel table that no panel has taken."""
 NARROW = 1e-9
 """Panels thinner than this stay as they are."""
+MERGED = 2e-13
+"""Events closer than this are one that rounding blurs."""
+ROUNDING = 3e-12
+"""Relative error, times its width, that rounding may leave a panel with a root at an end: a tangency is known to some
+1e-14 there, and the slope is an inverse square root of the distance from it, so that cutting makes it worse."""
+MISSED = VALUE
+"""Column that holds, while panels are replayed, the error of the panel that one is a half of; 0 if it is none."""
 SIDEWAYS = len(LEVELS) - 2
 """Step of the orders along a wall that is a scan line."""
 RADIAL = 1e-12
@@ -126,14 +134,8 @@ def stands_still(p: Array, view: View, work: Work, scratch: Array, moving: Array
 
 
 @jitable
-def polish(end: float, inside: float, view: View, work: Work, scratch: Array) -> float:
-    """The event at ``end`` of a panel, of which ``inside`` is an azimuth, to the last bit; ``end`` if none is near."""
-    reach = 2e-8 * abs(end - inside) + 1e-13
-    toward = 1.0 if end > inside else -1.0
-    low, high = end - toward * reach, end + toward * reach
-    signature = scan_line(inside, view, work, scratch)
-    if scan_line(low, view, work, scratch) != signature or scan_line(high, view, work, scratch) == signature:
-        return end
+def leaves(low: float, high: float, signature: int, view: View, work: Work, scratch: Array) -> float:
+    """Where lines stop having ``signature``: that at ``low`` has it, that at ``high`` has not; to the last bit."""
     while True:
         middle = 0.5 * (low + high)
         if middle in (low, high):
@@ -145,25 +147,58 @@ def polish(end: float, inside: float, view: View, work: Work, scratch: Array) ->
 
 
 @jitable
-def polish_ends(panels: Array, first: int, n: int, view: View, work: Work, events: Array, scratch: Array) -> None:
-    """Move ends with a root to their events where the search only bracketed them."""
-    low, high = line_range(work.geo)
-    m = chart_events(work, events, low, high)
-    for i in range(first, n):
-        p = panels[i]
-        if not p[FROM] < p[TO]:
-            continue
-        middle = 0.5 * (p[FROM] + p[TO])
+def polish_end(panels: Array, i: int, side: int, first: int, n: int, view: View, work: Work, scratch: Array) -> int:
+    """Move an end of panel ``i``, and of its neighbour there, to the event between them; new number of panels.
+
+    Both must move together, and what lies between two events that had been taken for one becomes a panel: a piece
+    counted twice or not at all costs the square root of its width.
+    """
+    p = panels[i]
+    end, inside = p[TO if side else FROM], 0.5 * (p[FROM] + p[TO])
+    beyond, neighbour = 2.0 * end - inside, -1
+    for k in range(first, n):
+        q = panels[k]
+        if q[FROM] < q[TO] and q[FROM if side else TO] == end:
+            neighbour, beyond = k, 0.5 * (q[FROM] + q[TO])
+    if side == 0 and neighbour >= 0 and panels[neighbour, KIND_TO] == ROOT:
+        # the neighbour's turn
+        return n
+    own = scan_line(inside, view, work, scratch)
+    other = scan_line(beyond, view, work, scratch) if neighbour >= 0 else 0
+    most = 0.5 * min(abs(end - inside), abs(beyond - end))
+    reach = 1e-13 * (1.0 + abs(end))
+    for _ in range(4):
+        # a closed form rounds, the search brackets
+        low, high = (end - reach, end + reach) if side else (end + reach, end - reach)
+        after = scan_line(high, view, work, scratch)
+        if reach < most and scan_line(low, view, work, scratch) == own != after and (neighbour < 0 or after == other):
+            event = leaves(low, high, own, view, work, scratch)
+            p[TO if side else FROM] = event
+            if neighbour >= 0:
+                back = leaves(high, low, other, view, work, scratch)
+                between = back - event if side else event - back
+                if between > MERGED * (1.0 + abs(end)) and n < panels.shape[0]:
+                    n = add_panel(panels, n, min(event, back), max(event, back), ROOT, ROOT, work)
+                    event = back
+                panels[neighbour, FROM if side else TO] = event
+            return n
+        reach *= 80.0
+    return n
+
+
+@jitable
+def polish_ends(
+    panels: Array, first: int, n: int, low: float, high: float, view: View, work: Work, scratch: Array
+) -> int:
+    """Move ends with a root, between ``low`` and ``high``, to where scan lines see their events; new panel count."""
+    known = n
+    for i in range(first, known):
         for side in range(2):
-            if p[KIND_TO if side else KIND_FROM] != ROOT:
-                continue
+            p = panels[i]
             end = p[TO if side else FROM]
-            known = False
-            for k in range(m):
-                if abs(events[k, 0] - end) < 1e-14 * (1.0 + abs(end)):
-                    known = True
-            if not known:
-                p[TO if side else FROM] = polish(end, middle, view, work, scratch)
+            if p[FROM] < p[TO] and p[KIND_TO if side else KIND_FROM] == ROOT and low < end < high:
+                n = polish_end(panels, i, side, first, n, view, work, scratch)
+    return min(n, panels.shape[0])
 
 
 @jitable
@@ -214,12 +249,16 @@ def replay_chart(
 
     ``panels`` are those of ``split_chart`` on the same ``work``; ``tangents`` (parameters, columns) is how every
     column moves, ``nodes`` and ``moving`` are those of ``what_moves``; ``low_order`` and ``high_order``
-    (parameters, 4) are scratch. ``tol`` is absolute, of every derivative.
+    (parameters, 4) are scratch. ``tol`` is absolute, of every derivative. Beyond half of the evaluations left no panel
+    is refined any more: other charts follow.
     """
     n = panels_in_use(panels)
+    most_evaluations = work.counts[EVALUATIONS] + (max_evaluations - work.counts[EVALUATIONS]) // 2
     if exact:
-        polish_ends(panels, 0, n, view, work, events, scratch)
+        n = polish_ends(panels, 0, n, -math.inf, math.inf, view, work, scratch)
     n = cut_odd_ends(panels, n, view, work, scratch)
+    for i in range(n):
+        panels[i, MISSED] = 0.0
     spent = 0.0
     i = 0
     while i < n:
@@ -235,7 +274,7 @@ def replay_chart(
                 low_order[a, c] = 0.0
         foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, adjoint)
         contract(adjoint, tangents, low_order, 1.0)
-        most = 0.0
+        most = noise = 0.0
         while foreign != foreign:
             step += 1
             for a in range(tangents.shape[0]):
@@ -243,18 +282,22 @@ def replay_chart(
                     high_order[a, c] = 0.0
             foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, adjoint)
             contract(adjoint, tangents, high_order, 1.0)
-            most = 0.0
+            most = largest = 0.0
             for a in range(tangents.shape[0]):
                 for c in range(3):
                     most = max(most, abs(high_order[a, c] - low_order[a, c]))
+                    largest = max(largest, abs(high_order[a, c]))
+            noise = 1e-15 * largest
+            if ROOT in (p[KIND_FROM], p[KIND_TO]) and 0.0 < p[MISSED] < 2.0 * most:
+                noise = ROUNDING / (p[TO] - p[FROM]) * largest
             last = step + 1 >= len(LEVELS) or order(step + 1, p[LOG_RHO]) >= MAX_ORDER
-            if most <= share or last or work.counts[EVALUATIONS] > max_evaluations:
+            if most <= max(share, noise) or last or work.counts[EVALUATIONS] > most_evaluations:
                 break
             for a in range(tangents.shape[0]):
                 for c in range(4):
                     low_order[a, c] = high_order[a, c]
-        room = n + 8 < panels.shape[0] and work.counts[EVALUATIONS] <= max_evaluations
-        if (foreign == foreign or most > share) and room and p[TO] - p[FROM] > NARROW:
+        room = n + 8 < panels.shape[0] and work.counts[EVALUATIONS] <= most_evaluations
+        if (foreign == foreign or most > max(share, noise)) and room and p[TO] - p[FROM] > NARROW:
             first, end, kind, end_kind = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
             p[FROM] = p[TO] = first
             before = n
@@ -267,9 +310,10 @@ def replay_chart(
                 n = add_panel(panels, n, first, middle, kind, SMOOTH, work)
                 n = add_panel(panels, n, middle, end, SMOOTH, end_kind, work)
                 panels[n - 1, STEP] = panels[n - 2, STEP] = max(1, step - 1)
+                panels[n - 1, MISSED] = panels[n - 2, MISSED] = most
             n = min(n, panels.shape[0])
             if exact:
-                polish_ends(panels, before, n, view, work, events, scratch)
+                n = polish_ends(panels, before, n, first, end, view, work, scratch)
             continue
         spent += most
         for a in range(tangents.shape[0]):

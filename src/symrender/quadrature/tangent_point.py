@@ -318,10 +318,11 @@ def gradient_kernel(
                 t.high,
             )  # fmt: skip
             if j == view.spheres.shape[0] and view.floor[FLOOR_KIND] == CHECKER and geo[SIDE] > 0.0:
+                # however much was spent before, some is left for the checker
+                most = max(max_evaluations, work.counts[EVALUATIONS] + max_evaluations // 4)
                 off = replay_grid(
                     room_left(tol, tail, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
-                    t.own, nodes, t.adjoint, t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value,
-                    max_evaluations,
+                    t.own, nodes, t.adjoint, t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
                 )  # fmt: skip
                 for p in range(count):
                     for a in range(3):
