@@ -15,7 +15,7 @@ NAMES = ["spheres.A.radius", "floor.lobe.exponent"]
 
 def value(radius: float, exponent: float) -> np.ndarray:
     changed = SCENE.replace({"spheres.A.radius": radius, "floor.lobe.exponent": exponent})
-    return sr.probe(changed, [POINT], tol=1e-13).gloss[0]
+    return sr.probe(changed, [POINT], tol=1e-12).gloss[0]
 
 
 def test_second_differences() -> None:

@@ -198,7 +198,8 @@ def polish_ends(
             end = p[TO if side else FROM]
             if p[FROM] < p[TO] and p[KIND_TO if side else KIND_FROM] == ROOT and low < end < high:
                 n = polish_end(panels, i, side, first, n, view, work, scratch)
-    return min(n, panels.shape[0])
+    held: int = panels.shape[0]
+    return min(n, held)
 
 
 @jitable
