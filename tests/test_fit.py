@@ -25,9 +25,29 @@ def test_a_scene_is_found_in_its_own_image() -> None:
         assert found.deviations[name] < 1.0
     assert found.residual < 1e-4
     assert np.allclose(np.diag(found.correlation), 1)
-    assert "converged" in found.text()
+    lines = found.text().splitlines()
+    assert [line.split()[0] for line in lines[: len(seen) + 1]] == ["iteration", *map(str, range(1, len(seen) + 1))]
+    assert lines[len(seen) + 1].startswith("converged")
+    assert found.text(steps=False).splitlines() == lines[len(seen) + 1 :]
+    # no image is known better than its tolerance, however little is left
+    assert all(found.deviations[name] > 1e-7 for name in FREE)
 
 
 def test_an_unknown_name_is_refused() -> None:
     with pytest.raises(SceneError, match="unknown name"):
         sr.fit("gloss", sr.truth("furnace", size=2), ["spheres.Z.radius"])
+
+
+def test_an_exact_disk() -> None:
+    """The disk itself, not its points: its radius is found in the width of its penumbra."""
+    true = sr.load("penumbra").replace({"floor.lobe.exponent": 12.0})
+    target = sr.truth(true, size=2, tol=1e-3, disk="exact")
+    start, name = true.replace({"lights.key.radius": 1.0}), "lights.key.radius"
+    found = sr.fit(start, target, [name], tol=1e-3, iterations=5, precision=1e-3, disk="exact")
+    assert found.converged
+    assert found.steps[0].cost > 5e-5
+    assert found.values[name] == pytest.approx(1.1, rel=1e-5)
+    assert found.residual < 1e-8
+    # the disk's four points are another light
+    points = sr.truth(found.scene, size=2, tol=1e-3).radiance - target.radiance
+    assert np.sqrt((points**2).mean()) > 1e-4

@@ -26,18 +26,27 @@ OUTLIER: Final = 4.0
 """Residuals beyond this many robust standard deviations count less (Geman-McClure's weight)."""
 
 
+STEP_HEADING: Final = "iteration  weighted RMS  largest change"
+"""What the columns of a step's row are."""
 ROUGH: Final = 1e-4
 """Tolerance of the images a fit begins with; it falls with the residual to the one asked for."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """One iteration: ``iteration``, ``cost`` (weighted RMS residual), ``values`` by name, relative ``change``."""
+    """One iteration: ``iteration``, ``cost`` (weighted RMS residual before it), ``values`` by name, ``change``.
+
+    ``change`` is the largest of a parameter over its size at the start, or over 0.1 where that is larger.
+    """
 
     iteration: int
     cost: float
     values: Mapping[str, float]
     change: float
+
+    def text(self) -> str:
+        """A row under ``STEP_HEADING``."""
+        return f"{self.iteration:9d}  {self.cost:12.3e}  {self.change:14.1e}"
 
 
 @dataclass(frozen=True)
@@ -45,8 +54,9 @@ class Fit:
     """What a fit found.
 
     ``scene`` with the values found; ``values`` and ``deviations`` by name: the latter are standard deviations from
-    the residuals left and the Jacobian (J^T J)^-1; ``steps``; ``converged`` and the ``reason``; ``residual``, the RMS
-    over pixels and channels of model - target; ``correlation`` (Q, Q) of the parameters.
+    the Jacobian, (J^T J)^-1, and the residuals left, or the tolerance of the images where that is larger; ``steps``;
+    ``converged`` and the ``reason``; ``residual``, the RMS over pixels and channels of model - target; ``correlation``
+    (Q, Q) of the parameters.
     """
 
     scene: Scene
@@ -58,10 +68,11 @@ class Fit:
     residual: float
     correlation: Array
 
-    def text(self) -> str:
-        """The report."""
-        lines = [f"{'converged' if self.converged else 'not converged'}: {self.reason}"]
-        lines += [f"  {s.iteration:3d}  rms {s.cost:.3e}  change {s.change:.1e}" for s in self.steps]
+    def text(self, steps: bool = True) -> str:
+        """The report, with or without a row for each of the ``steps``."""
+        lines = [STEP_HEADING, *(step.text() for step in self.steps)] if steps else []
+        lines += [f"{'converged' if self.converged else 'not converged'}: {self.reason}"]
+        lines += [f"RMS residual {self.residual:.2e} in scene radiance; values with one standard deviation:"]
         width = max(map(len, self.values))
         lines += [f"{name:{width}}  {value:.10g} +- {self.deviations[name]:.1g}" for name, value in self.values.items()]
         return "\n".join(lines)
@@ -135,7 +146,7 @@ def fit(
     residual = (radiance - wanted).ravel()
     normal = np.linalg.pinv(jacobian.T @ jacobian)
     spread = np.sqrt(np.maximum(np.diag(normal), 0.0))
-    noise = float(np.sqrt((residual @ residual) / max(1, residual.size - len(names))))
+    noise = max(tol, float(np.sqrt((residual @ residual) / max(1, residual.size - len(names)))))
     return Fit(
         scene=now,
         values=dict(zip(names, x.tolist(), strict=True)),

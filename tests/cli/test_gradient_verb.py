@@ -58,5 +58,7 @@ def test_fit_finds_a_light(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     report = json.loads(capsys.readouterr().out)
     assert report["converged"]
     assert report["values"]["ambient.r"] == pytest.approx(0.25, rel=1e-6)
+    assert report["steps"][-1]["values"] == report["values"]
+    assert len(report["steps"]) == report["iterations"]
     text = (tmp_path / "found.yaml").read_text()
     assert "ambient" in text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
@@ -35,12 +36,12 @@ def fit(
         check_target(out, force=force, inputs=[*scene_files(scene), target])
     image = read_image(target)
 
-    from symrender.fit import Step
+    from symrender.fit import STEP_HEADING, Step
     from symrender.fit import fit as find
 
     def told(step: Step) -> None:
         if not quiet and not json:
-            typer.echo(f"{step.iteration:3d}  rms {step.cost:.3e}  change {step.change:.1e}", err=True)
+            typer.echo((f"{STEP_HEADING}\n" if step.iteration == 1 else "") + step.text(), err=True)
 
     names = [name.strip() for name in free.split(",") if name.strip()]
     found = find(
@@ -59,10 +60,14 @@ def fit(
             "values": dict(found.values),
             "deviations": dict(found.deviations),
             "iterations": len(found.steps),
+            "steps": [
+                {"weighted_rms": step.cost, "change": step.change, "values": dict(step.values)} for step in found.steps
+            ],
             "residual": found.residual,
         }
         typer.echo(json_module.dumps(report, indent=2))
     elif not quiet:
-        typer.echo(found.text())
+        # on a terminal the steps have been told already
+        typer.echo(found.text(steps=not sys.stderr.isatty()))
     if not found.converged:
         raise typer.Exit(4)
