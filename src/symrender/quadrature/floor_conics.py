@@ -16,6 +16,7 @@ from symrender.chambers.walls import (
     LIGHT,
     PENUMBRA,
     POINT,
+    RIM_COS,
     RIM_SIN,
     SHAPE,
     SURFACE_NORMAL,
@@ -60,17 +61,27 @@ def add_cone(
 
 
 @jitable
+def add_line(conics: Array, n: int, ax: float, ay: float, az: float, h: float) -> int:
+    """Append the line in which the plane through the point across ``a`` meets the floor, ``h`` below; new count."""
+    if n < conics.shape[0]:
+        row = conics[n]
+        row[0] = row[1] = row[2] = row[SOFT] = 0.0
+        row[3], row[4], row[5] = 0.5 * ax, 0.5 * ay, -h * az
+    return n + 1
+
+
+@jitable
 def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Array) -> int:
     """All conics of the floor chart about the point's foot; their number."""
     geo = work.geo
     h = geo[HEIGHT]
     px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
-    n = add_cone(conics, 0, lobe[0], lobe[1], lobe[2], geo[RIM_SIN] ** 2, 0.0, 0.0, h)
-    row = conics[n]
-    row[0] = row[1] = row[2] = row[SOFT] = 0.0
-    row[3], row[4] = 0.5 * geo[SURFACE_NORMAL], 0.5 * geo[SURFACE_NORMAL + 1]
-    row[5] = -h * geo[SURFACE_NORMAL + 2]
-    n += 1
+    if geo[RIM_COS] > 0.0:
+        n = add_cone(conics, 0, lobe[0], lobe[1], lobe[2], geo[RIM_SIN] ** 2, 0.0, 0.0, h)
+    else:
+        # the cone is a plane, of which its quadratic is the square
+        n = add_line(conics, 0, lobe[0], lobe[1], lobe[2], h)
+    n = add_line(conics, n, geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2], h)
     for i in range(work.counts[OCCLUDERS]):
         k = work.occluders[i]
         sx, sy, sz, r = view.spheres[k, 0] - px, view.spheres[k, 1] - py, view.spheres[k, 2], view.spheres[k, 3]

@@ -109,12 +109,29 @@ def powers(m: int, b: Array, exponent: float) -> None:
     for i in range(m):
         b[POWER + i] = 1.0
     while whole > 0:
-        if whole % 2 == 1:
+        # two binary digits a pass: passes over memory cost more than products
+        digits = whole % 4
+        whole //= 4
+        if digits == 0:
             for i in range(m):
-                b[POWER + i] *= b[BASE + i]
-        for i in range(m):
-            b[BASE + i] *= b[BASE + i]
-        whole //= 2
+                square = b[BASE + i] * b[BASE + i]
+                b[BASE + i] = square * square
+        elif digits == 1:
+            for i in range(m):
+                x = b[BASE + i]
+                b[POWER + i] *= x
+                b[BASE + i] = (x * x) * (x * x)
+        elif digits == 2:
+            for i in range(m):
+                square = b[BASE + i] * b[BASE + i]
+                b[POWER + i] *= square
+                b[BASE + i] = square * square
+        else:
+            for i in range(m):
+                x = b[BASE + i]
+                square = x * x
+                b[POWER + i] *= x * square
+                b[BASE + i] = square * square
 
 
 @jitable
@@ -126,6 +143,10 @@ def densities(m: int, b: Array, geo: Array) -> None:
         for i in range(m):
             b[BASE + i] = max(0.0, 1.0 - 0.5 * b[CHORD + i])
         powers(m, b, n)
+        if n == 0.0:
+            # nothing is reflected below the plane across the axis
+            for i in range(m):
+                b[POWER + i] = 1.0 if b[CHORD + i] < 2.0 else 0.0
         scale = math.exp(-log_w)
         for i in range(m):
             b[POWER + i] *= scale
@@ -138,20 +159,28 @@ def densities(m: int, b: Array, geo: Array) -> None:
 
 
 @jitable
-def mark_states(pieces: int, i: int, work: Work) -> bool:
+def mark_states(m: int, pieces: int, i: int, work: Work) -> bool:
     """Fill CLEAR and SHINING of light ``i`` from the labels of the nodes' cells; whether any node sees it."""
+    m = min(m, NODES)
     b, table = work.nodes, work.pieces
-    any_lit = False
+    state = work.lit[int(table[0, CELL]), i]
+    alike = True
+    for piece in range(1, pieces):
+        alike = alike and work.lit[int(table[piece, CELL]), i] == state
+    if alike:
+        clear, shining = 1.0 if state > GLINT else 0.0, 1.0
+        for q in range(m):
+            b[CLEAR + q] = clear
+            b[SHINING + q] = shining
+        return bool(state != DARK)
     for piece in range(pieces):
         state = work.lit[int(table[piece, CELL]), i]
-        clear = 1.0 if state > GLINT else 0.0
-        shining = 0.0 if state == DARK else 1.0
-        any_lit = any_lit or state != DARK
+        clear, shining = 1.0 if state > GLINT else 0.0, 0.0 if state == DARK else 1.0
         first = int(table[piece, FIRST])
         for q in range(first, first + int(table[piece, COUNT])):
             b[CLEAR + q] = clear
             b[SHINING + q] = shining
-    return any_lit
+    return True
 
 
 @jitable
@@ -228,5 +257,5 @@ def light_nodes(m: int, pieces: int, step: int, ks: float, view: View, work: Wor
     for i in range(view.points.shape[0]):
         if view.points[i, DISK_RADIUS] > 0.0:
             disk_light(i, pieces, step, ks, view, work, gauss)
-        elif mark_states(pieces, i, work):
+        elif mark_states(m, pieces, i, work):
             point_light(m, work.nodes, view.points[i], phong, shininess, ks)

@@ -100,6 +100,8 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 MAX_PANELS: Final = 4000
+FLAT: Final = 1e-7
+"""Cosine of theta_max below which the rim's cone is taken to be a plane: its quadratic could not be told from one."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +127,7 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, geo: Array)
     """Exponent, normaliser and effective rim of a lobe; returns the lobe share that lies beyond the effective rim.
 
     Beyond the effective rim lies less than a tenth of ``tol/bound`` of the lobe, so a needle is integrated where it is.
+    A rim within 1e-7 of the plane across the axis is taken to be there.
     """
     u = n + 1.0
     half = math.sin(0.5 * theta_max)
@@ -135,16 +138,20 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, geo: Array)
     geo[FACING + 3] = 1.0
     geo[LOG_NORMALISER] = math.log(2.0 * math.pi * -math.expm1(u * log_c) / u)
     cut = 0.1 * tol / bound
-    geo[RIM_COS] = math.cos(theta_max) if theta_max < 1.5707963267948966 else 0.0
+    geo[RIM_COS] = math.cos(theta_max)
     geo[RIM_SIN] = math.sin(theta_max)
+    moved = 0.0
+    if geo[RIM_COS] < FLAT:
+        geo[RIM_COS], geo[RIM_SIN] = 0.0, 1.0
+        moved = beyond
     if cut < 1.0 and beyond < cut:
         # 1 - cos of the effective rim
         versine = -math.expm1(math.log(cut) / u)
-        if versine < 1.0 - geo[RIM_COS]:
+        if versine < 1.0 - max(FLAT, geo[RIM_COS]):
             geo[RIM_COS] = 1.0 - versine
             geo[RIM_SIN] = math.sqrt(versine * (2.0 - versine))
             return cut - beyond
-    return 0.0
+    return moved
 
 
 @jitable
