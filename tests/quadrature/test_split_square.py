@@ -1,0 +1,77 @@
+"""Squares of a checker that walls cross: where rows of roots change their order, and a rim that is a plane."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from symrender.chambers.work import Work, work_arrays
+from symrender.quadrature import split_square
+from symrender.quadrature.floor_conics import CONIC_COLUMNS
+from symrender.quadrature.split_setup import MET
+
+from .random_lobe import random_lobe
+
+
+def rows_of(*quadratics: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Conics A x^2 + 2 B x y + C y^2 + 2 D x + 2 E y + F, and the list of them all."""
+    conics = np.zeros((len(quadratics), CONIC_COLUMNS))
+    for row, values in zip(conics, quadratics, strict=True):
+        row[: len(values)] = values
+    return conics, np.arange(len(quadratics), dtype=float)
+
+
+def line(a: float, b: float, c: float) -> tuple[float, ...]:
+    return (0.0, 0.0, 0.0, 0.5 * a, 0.5 * b, c)
+
+
+def change(conics: np.ndarray, which: np.ndarray, low: float, high: float, work: Work) -> float:
+    return split_square.change_of_rows(low, high, 0.0, 1.0, which, len(which), conics, work)
+
+
+@pytest.mark.parametrize(
+    ("quadratics", "expected"),
+    [
+        ((line(1, -1, 0), line(1, 1, -1)), 0.5),
+        # x = .2 + y^2 / 2 against x = .7 - y: y = sqrt(2) - 1
+        (((0, 0, -0.5, 0.5, 0, -0.2), line(1, 1, -0.7)), math.sqrt(2) - 1),
+        # three lines of which each pair changes places, the first two at .3
+        ((line(1, -1, -0.1), line(1, 0, -0.4), line(1, 1, -0.9)), 0.3),
+        # a root that is not there on both rows is found by halving: the circle ends at y = .6
+        (((1, 0, 1, -0.5, -0.3, 0.25), line(1, 0, -0.9)), 0.6),
+    ],
+)
+def test_the_first_change_of_rows_is_found(quadratics: tuple[tuple[float, ...], ...], expected: float) -> None:
+    conics, which = rows_of(*quadratics)
+    work = work_arrays(2, 1)
+    _, before = split_square.row_pieces(0.05, 0.0, 1.0, which, len(which), conics, work)
+    _, after = split_square.row_pieces(0.95, 0.0, 1.0, which, len(which), conics, work)
+    assert before != after
+    assert abs(change(conics, which, 0.05, 0.95, work) - expected) <= 2e-12
+
+
+def test_rows_that_change_places_are_followed_not_halved(monkeypatch: pytest.MonkeyPatch) -> None:
+    conics, which = rows_of((0, 0, -0.5, 0.5, 0, -0.2), line(1, 1, -0.7))
+    looked = 0
+    real = split_square.row_pieces
+
+    def counted(*words: object) -> object:
+        nonlocal looked
+        looked += 1
+        return real(*words)
+
+    monkeypatch.setattr(split_square, "row_pieces", counted)
+    change(conics, which, 0.05, 0.95, work_arrays(2, 1))
+    assert 5 <= looked <= 20
+
+
+@pytest.mark.parametrize("seed", [2766, 6672])
+def test_a_rim_that_is_a_plane_is_a_line_on_the_checker(seed: int) -> None:
+    lobe = random_lobe(seed)
+    assert lobe.theta_max == 0.5 * math.pi and lobe.exponent == 0.0 and lobe.surface > 1
+    loose, tight = lobe.split(1e-5), lobe.split(1e-8)
+    assert tight.gloss.max() > 0.05
+    assert loose.status[0] == tight.status[0] == MET
+    assert np.abs(loose.gloss - tight.gloss).max() <= loose.error[0] + tight.error[0]
