@@ -48,12 +48,12 @@ def texture_side(spheres: Array, j: int, nx: float, ny: float, nz: float) -> int
     kind = int(spheres[j, 7])
     if kind != CHECKER and kind != STRIPES:
         return 1
-    u = (math.atan2(ny, nx) + math.pi) / (2.0 * math.pi)
-    sign = math.sin(math.pi * u * spheres[j, 8])
+    # the sign of sin(pi x) is the parity of floor(x)
+    fields = math.floor((math.atan2(ny, nx) + math.pi) / (2.0 * math.pi) * spheres[j, 8])
     if kind == CHECKER:
-        # acos would be 0 within 1e-8 of the pole, where all meridians meet
-        sign *= math.sin(math.atan2(math.sqrt(nx * nx + ny * ny), nz) * spheres[j, 9])
-    return 1 if sign >= 0.0 else 0
+        # near the lower pole, where acos is pi, the field is the last one
+        fields += math.floor(min(math.acos(max(-1.0, min(1.0, nz))) / math.pi, 1.0 - 1e-15) * spheres[j, 9])
+    return 1 if fields % 2 == 0 else 0
 
 
 @jitable
