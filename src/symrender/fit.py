@@ -119,7 +119,7 @@ def fit(
     within = max(tol, ROUGH)
     now, radiance = image(x, within)
     steps: list[Step] = []
-    reason, converged = f"{iterations} iterations", False
+    reason, converged = f"the parameters still change after the most iterations, {iterations}", False
     jacobian = np.zeros((wanted.size, len(names)))
     for iteration in range(1, iterations + 1):
         slopes = gradient(now, names, tol=10.0 * within, **settings)

@@ -351,14 +351,13 @@ def scan_row(
 
 @jitable
 def row_adjoint(
-    y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, reach: float, lobe: Array,
-    view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, half: Array,
-    here: Array, own: Array, nodes: bool, adjoint: Array,
+    y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, span: float, reach: float,
+    lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array,
+    half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add weight times the scanned line's integral, differentiated, to the adjoint."""
     geo = work.geo
     roots, which, below, above = table[_ROOTS], table[_WHICH], table[_BELOW], table[_ABOVE]
-    inner = nx * (nx - 1) // 2
     left = x0
     was_lit = False
     for i in range(roots_found + 1):
@@ -390,12 +389,17 @@ def row_adjoint(
                         for k in range(own.shape[0]):
                             adjoint[a, k] += scale * jump[a] * own[k]
         if lit and nodes:
-            work.counts[EVALUATIONS] += nx
             width = right - left
             soft = False
             for l in range(view.points.shape[0]):
                 soft = soft or above[l] >= PARTLY
-            for e in range(nx):
+            n = nx
+            if not soft:
+                ratio = span / width
+                n = min(nx, order(step, math.log(ratio + math.sqrt(1.0 + ratio * ratio))))
+            work.counts[EVALUATIONS] += n
+            inner = n * (n - 1) // 2
+            for e in range(n):
                 u, along = gauss[0, inner + e], width
                 if soft:
                     s, c = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
@@ -454,9 +458,9 @@ def cut_strips(
 
 @jitable
 def strip_adjoint(
-    a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, step: int, reach: float,
-    lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array,
-    half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
+    a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, step: int, span: float,
+    reach: float, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None,
+    table: Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
 ) -> None:  # fmt: skip
     """The adjoint of a strip by ``n`` lines, with a square-root map at both ends."""
     for row in range(adjoint.shape[0]):
@@ -470,8 +474,8 @@ def strip_adjoint(
         slope = sign * gauss[1, base + q] * (b - a) * math.pi * s * c
         k, _ = scan_row(y, x0, x1, crossings, lobe, view, work, conics, table)
         row_adjoint(
-            y, slope, x0, x1, k, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table, half, here, own,
-            nodes, adjoint,
+            y, slope, x0, x1, k, nx, step, span, reach, lobe, view, work, conics, what, gauss, disk, table, half, here,
+            own, nodes, adjoint,
         )  # fmt: skip
 
 
@@ -491,6 +495,8 @@ def square_adjoint(
         if cuts[i + 1] - cuts[i] > 1e-13 * size:
             top = cut_strips(cuts[i], cuts[i + 1], x0, x1, crossings, lobe, view, work, conics, table, top)
     error = 0.0
+    # the length over which the integrand is tame
+    span = size * math.sinh(log_rho)
     nx = min(MAX_ORDER, order(step, log_rho))
     for i in range(crossings):
         if conics[int(crossing[i]), SOFT] > 0.0:
@@ -498,18 +504,18 @@ def square_adjoint(
     while top > 0:
         top -= 1
         a, b, depth = stack[3 * top], stack[3 * top + 1], stack[3 * top + 2]
-        n = min(MAX_ORDER - 3, max(3, order(step, log_rho * 0.7)))
+        n = min(MAX_ORDER - 2, max(3, order(step, log_rho * 0.7)))
         for p in range(moves.shape[0]):
             for c in range(4):
                 low[p, c] = high[p, c] = 0.0
         strip_adjoint(
-            a, b, n, sign, x0, x1, crossings, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table,
+            a, b, n, sign, x0, x1, crossings, nx, step, span, reach, lobe, view, work, conics, what, gauss, disk, table,
             half, here, own, nodes, adjoint,
         )  # fmt: skip
         contract(adjoint, moves, low, 1.0)
         strip_adjoint(
-            a, b, n + 3, sign, x0, x1, crossings, nx, step, reach, lobe, view, work, conics, what, gauss, disk, table,
-            half, here, own, nodes, adjoint,
+            a, b, n + 2, sign, x0, x1, crossings, nx, step, span, reach, lobe, view, work, conics, what, gauss, disk,
+            table, half, here, own, nodes, adjoint,
         )  # fmt: skip
         contract(adjoint, moves, high, 1.0)
         change = 0.0
@@ -549,7 +555,7 @@ def replay_once(
         contrast = max(contrast, abs(half[a]))
     states, blocks = table[_ABOVE], table[_BLOCKS:]
     light = point_light(view)
-    aim = 0.01 * tol / max(contrast, 1e-300) / LEAVES
+    aim = 0.1 * tol / max(contrast, 1e-300) / LEAVES
     error = 0.0
     for p in range(moves.shape[0]):
         for c in range(4):
@@ -560,7 +566,7 @@ def replay_once(
         top -= 1
         x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
         bound, span, near = block_bound(x0, y0, side, reach, light, lobe, geo)
-        if bound <= 0.1 * aim / (1.0 + near / cell) or work.counts[EVALUATIONS] > max_evaluations:
+        if bound <= 0.01 * aim / (1.0 + near / cell) or work.counts[EVALUATIONS] > max_evaluations:
             # a derivative may be larger than what is differentiated, by the inverse of its lengths
             error += 100.0 * contrast * bound
             continue
