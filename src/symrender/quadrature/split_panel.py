@@ -64,7 +64,9 @@ PANEL = 40
 """Where the sums of a line and of a panel lie in the scratch array."""
 MAX_FIRST = 3
 """Most lines of a panel's first estimate."""
-MAX_KINKED = 7
+MUCH = 40.0
+"""How many times its share a panel with events inside may hold and still be tried in one piece."""
+MAX_KINKED = 5
 """Most lines of a panel with events inside, before it is cut there."""
 SAFETY = 3.0
 """Error reported over the sum of the panels' estimates: of 10,000 random lobes 17 missed half of it."""
@@ -551,8 +553,8 @@ def split_chart(
             if step < 0:
                 p[INSIDE] = inside(p, events, m)
             if p[INSIDE] > 0.0 and n + p[INSIDE] + 2 < panels.shape[0]:
-                # events are known inside: cut there, unless three lines may be enough
-                if step > 0 or p[ERROR] > 300.0 * share:
+                # events are known inside: cut there, unless a few lines may be enough
+                if step > 0 or p[ERROR] > MUCH * share:
                     n = cut_panel(p, i, events, m, work, panels, n)
                     continue
             elif step > 0 and p[FOREIGN] == p[FOREIGN]:
