@@ -18,6 +18,7 @@ from symrender.chambers.walls import EXPONENT, LOG_NORMALISER
 from symrender.chambers.work import NODES, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
+from symrender.quadrature.gauss import LEVELS
 from symrender.quadrature.light_term import MOST_SQUARED
 from symrender.scene.arrays import PHONG
 
@@ -58,7 +59,9 @@ LOG_RHO = 3
 """Of the singularity nearest to it that is known."""
 
 MOST_WHOLE = 1024.0
-"""Lobe exponents up to this one are taken by squaring cos theta: a relative error of 1e-16 times the exponent."""
+NOISE = 4e-15
+"""Lobe exponents up to ``MOST_WHOLE`` are taken by squaring cos theta, where coefficients need not fall below ``NOISE``
+times the exponent: that is what rounding leaves of them."""
 
 
 @jitable
@@ -135,11 +138,14 @@ def powers(m: int, b: Array, exponent: float) -> None:
 
 
 @jitable
-def densities(m: int, b: Array, geo: Array) -> None:
-    """Multiply WEIGHT by the lobe's density at CHORD: cos^n theta / W, of 1 - cos theta without cancellation."""
+def densities(m: int, step: int, b: Array, geo: Array) -> None:
+    """Multiply WEIGHT by the lobe's density at CHORD: cos^n theta / W, of 1 - cos theta without cancellation.
+
+    POWER gets the density. ``step`` is that of the rule the nodes are of.
+    """
     m = min(m, NODES)
     n, log_w = geo[EXPONENT], geo[LOG_NORMALISER]
-    if n <= MOST_WHOLE and n == math.floor(n):
+    if n <= MOST_WHOLE and n == math.floor(n) and NOISE * n < math.exp(-LEVELS[step]):
         for i in range(m):
             b[BASE + i] = max(0.0, 1.0 - 0.5 * b[CHORD + i])
         powers(m, b, n)

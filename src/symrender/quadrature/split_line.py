@@ -69,6 +69,8 @@ WARY = 7
 SOFT = 8
 """1 where a disk light ends at one of the cell's walls."""
 
+SMALL = 0.05
+"""Share of a line's integral below which its pieces need not keep what their step promises."""
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
 BLUNT = 2.0
@@ -204,7 +206,7 @@ def place_nodes(
 
 
 @jitable
-def shape_nodes(m: int, c: float, s: float, view: View, work: Work) -> None:
+def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -> None:
     """Fill the first ``m`` nodes of the line (c, s) from INNER: points, normals, views, solid angle times density."""
     m = whole_vectors(m)
     geo, b = work.geo, work.nodes
@@ -256,7 +258,7 @@ def shape_nodes(m: int, c: float, s: float, view: View, work: Work) -> None:
             b[VIEW + i] = -cb * gx - sb * ex
             b[VIEW + NODES + i] = -cb * gy - sb * ey
             b[VIEW + 2 * NODES + i] = -cb * gz - sb * ez
-    densities(m, b, geo)
+    densities(m, step, b, geo)
 
 
 @jitable
@@ -384,7 +386,7 @@ def integrate_cells(
         if m == 0:
             break
         work.counts[EVALUATIONS] += m
-        shape_nodes(m, c, s, view, work)
+        shape_nodes(m, c, s, step, view, work)
         if step == 0:
             for i in range(m):
                 peak = max(peak, b[POWER + i])
@@ -394,7 +396,7 @@ def integrate_cells(
             row = table[piece]
             n, start, stop = int(row[COUNT]), row[START], row[STOP]
             held, miss = piece_error(row, b, blunt, gauss)
-            if n > 1 and miss > promise * (size + whole) and top + 2 <= PENDING:
+            if n > 1 and miss > promise * (held + SMALL * (size + whole)) and top + 2 <= PENDING:
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
                 if n <= max(step, 4) and row[WARY] == 0.0:
                     top = stack_piece(top, int(row[CELL]), start, stop, row[HALVINGS], 1.0, row[SOFT], work)

@@ -101,7 +101,7 @@ def floor_nodes(
     for i in range(m):
         b[FACTOR + i] = b[FACTOR + NODES + i] = b[FACTOR + 2 * NODES + i] = 1.0
         b[SUM + i] = b[SUM + NODES + i] = b[SUM + 2 * NODES + i] = 0.0
-    densities(m, b, geo)
+    densities(m, step, b, geo)
     light_nodes(m, pieces, step, 0.0, view, work, gauss)
     for i in range(m):
         b[NEAR + i] = 1.0
