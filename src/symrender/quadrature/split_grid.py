@@ -301,11 +301,15 @@ def split_grid(
         if not whole:
             for t in range(3):
                 change = max(change, 3.0 * abs(out[t] - out[3 + t]))
+        out_of_budget = 4 * work.counts[EVALUATIONS] > max_evaluations
+        if out_of_budget and change > 0.3 * tol:
+            # two tapers that still disagree tell less, and there is no third one
+            change *= 4.0
         if error + change < found:
             found = error + change
             for t in range(3):
                 best[t] = out[t]
-        if error + change <= tol or 4 * work.counts[EVALUATIONS] > max_evaluations:
+        if error + change <= tol or out_of_budget:
             break
         if change > 0.3 * tol and reach < MOST_REACH * cell:
             reach = far = 2.0 * reach
