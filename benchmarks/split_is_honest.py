@@ -37,6 +37,8 @@ def main() -> None:
     judged = signal = met = contradicted = compared = 0
     dishonest: list[list[object]] = []
     seconds = 0.0
+    # the first call may compile
+    random_lobe(first).split(1.0)
     for seed in range(first, first + count):
         lobe = random_lobe(seed)
         found = []

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import HIDDEN, PARTLY
+from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import (
     CENTER,
     E1,
@@ -70,7 +71,10 @@ SOFT = 8
 """1 where a disk light ends at one of the cell's walls."""
 
 SMALL = 0.05
-"""Share of a line's integral below which its pieces need not keep what their step promises."""
+"""Share of a line's integral below which its pieces need not keep what their step promises.
+
+Under a disk light it is all of it: the rules over the disk err alike on every node, and halves would not help.
+"""
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
 BLUNT = 2.0
@@ -344,7 +348,10 @@ def integrate_cells(
     kd = view.shading[1]
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    promise, blunt = 100.0 * math.exp(-LEVELS[step]), kinked(view)
+    promise, blunt, small = 100.0 * math.exp(-LEVELS[step]), kinked(view), SMALL
+    for i in range(lights):
+        if view.points[i, DISK_RADIUS] > 0.0:
+            small = 1.0
     cell, top = 0, 0
     color = geo[STRIP + 3 : STRIP + 6]
     while top > 0 or cell < work.counts[CELLS]:
@@ -396,7 +403,7 @@ def integrate_cells(
             row = table[piece]
             n, start, stop = int(row[COUNT]), row[START], row[STOP]
             held, miss = piece_error(row, b, blunt, gauss)
-            if n > 1 and miss > promise * (held + SMALL * (size + whole)) and top + 2 <= PENDING:
+            if n > 1 and miss > promise * (held + small * (size + whole)) and top + 2 <= PENDING:
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
                 if n <= max(step, 4) and row[WARY] == 0.0:
                     top = stack_piece(top, int(row[CELL]), start, stop, row[HALVINGS], 1.0, row[SOFT], work)
