@@ -43,8 +43,8 @@ from symrender.chambers.walls import (
     add_circle,
     add_shadow,
 )
-from symrender.chambers.work import CASTERS, OCCLUDERS, WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.chambers.work import CASTERS, KEPT, OCCLUDERS, WALLS, View, Work
+from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, MARBLE, STRIPES
 
 Array = npt.NDArray[np.float64]
@@ -92,7 +92,7 @@ def set_lens(geo: Array) -> None:
         geo[LENS_COS], geo[LENS_COS + 1], geo[LENS_COS + 2] = c, s, widest - 1e-9
 
 
-@jitable
+@inlined
 def add_normal(work: Work, ax: float, ay: float, az: float, level: float, tag: int, shape: int) -> None:
     """Append the circle a.N = level on the charted sphere, if it can cross its visible part inside the lobe."""
     if not abs(level) < 1.0:
@@ -110,7 +110,7 @@ def add_normal(work: Work, ax: float, ay: float, az: float, level: float, tag: i
     work.counts[WALLS] = add_circle(work.walls, work.counts[WALLS], NORMAL, a0, a1, a2, level, tag, shape)
 
 
-@jitable
+@inlined
 def add_direction(work: Work, ax: float, ay: float, az: float, cosine: float, tag: int, shape: int) -> None:
     """Append the circle w.a = cosine on the sphere of directions."""
     geo = work.geo
@@ -120,7 +120,7 @@ def add_direction(work: Work, ax: float, ay: float, az: float, cosine: float, ta
     work.counts[WALLS] = add_circle(work.walls, work.counts[WALLS], DIRECTION, a0, a1, a2, cosine, tag, shape)
 
 
-@jitable
+@inlined
 def texture_walls(sphere: Array, work: Work, shape: int) -> None:
     """Meridians and parallels where a checker or stripes change sign, and the seam where the chart closes."""
     kind = int(sphere[7])
@@ -167,7 +167,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
     geo[LIMB_TANGENT] = math.sqrt((1.0 - k) / (1.0 + k))
     set_frame(geo, lobe[0], lobe[1], lobe[2])
     set_lens(geo)
-    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
+    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = work.counts[KEPT] = 0
 
     # the plane through P that bounds what its surface can see cuts the sphere in a circle
     nx, ny, nz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
@@ -246,7 +246,7 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     geo[HEIGHT] = abs(pz)
     geo[BRIGHT] = UNBOUNDED
     set_frame(geo, lobe[0], lobe[1], lobe[2])
-    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
+    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = work.counts[KEPT] = 0
     add_direction(work, geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2], 0.0, HORIZON, -1)
     for i in range(view.spheres.shape[0]):
         s = view.spheres[i]

@@ -43,7 +43,7 @@ from symrender.chambers.walls import (
     TEXTURE_EDGE,
 )
 from symrender.chambers.work import WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -131,7 +131,7 @@ def ball_quadric(row: Array, geo: Array, v: Array, p: Array, f: Array) -> None:
     add_product(p, v[2], v[2], h * h)
 
 
-@jitable
+@inlined
 def add_crossing(
     x0: float, x1: float, x2: float, normal: bool, hides: bool, view: View, work: Work, events: Array, n: int,
     low: float, high: float,
@@ -170,7 +170,7 @@ def add_crossing(
     return add_event(events, n, math.atan2(x2, x1), low, high, CROSSING)
 
 
-@jitable
+@inlined
 def circle_crossings(
     a0: float, a1: float, a2: float, p: float, b0: float, b1: float, b2: float, q: float, normal: bool, hides: bool,
     view: View, work: Work, events: Array, n: int, low: float, high: float,
@@ -195,7 +195,7 @@ def circle_crossings(
     return n
 
 
-@jitable
+@inlined
 def along_circle(
     row: Array, other: Array, axis0: float, axis1: float, axis2: float, sine: float, hides: bool, view: View,
     work: Work, events: Array, n: int, low: float, high: float,
@@ -249,7 +249,7 @@ def along_circle(
     return n
 
 
-@jitable
+@inlined
 def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
     """Add the azimuths of all closed-form crossings inside the lobe to ``events``; new count."""
     geo, walls = work.geo, work.walls
@@ -292,7 +292,7 @@ def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, h
     return n
 
 
-@jitable
+@inlined
 def all_events(view: View, work: Work, events: Array, low: float, high: float) -> int:
     """Closed-form events between low and high, with both ends, ascending; columns azimuth, kind. Their number."""
     n = chart_events(work, events, low, high) - 1

@@ -26,9 +26,11 @@ from symrender.chambers.walls import (
     RIM_SIN,
     SHAPE_INDEX,
     SIN,
+    TANGENT,
+    tangent_lines,
 )
 from symrender.chambers.work import WALLS, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -40,7 +42,7 @@ ROOT = 1.0
 """An event of this kind leaves a square root on one side."""
 
 
-@jitable
+@inlined
 def add_event(events: Array, n: int, phi: float, low: float, high: float, kind: float) -> int:
     """Insert an azimuth, reduced to (low, high), in order; equal ones merge and keep the stronger kind."""
     turn = 2.0 * math.pi
@@ -72,18 +74,19 @@ def within_lobe(phi: float, beta: float, geo: Array) -> bool:
 
 @jitable
 def circle_events(
-    a0: float, a1: float, a2: float, cosine: float, sine: float, normal: bool, geo: Array, events: Array, n: int,
-    low: float, high: float, rim: bool,
+    a0: float, a1: float, a2: float, cosine: float, sine: float, middle: float, offset: float, normal: bool,
+    geo: Array, events: Array, n: int, low: float, high: float, rim: bool,
 ) -> int:  # fmt: skip
-    """Tangencies and limb passages of one circle; ``normal`` says on which sphere it lies."""
+    """Tangencies and limb passages of one circle; ``normal`` says on which sphere it lies.
+
+    ``middle`` and ``offset`` as of ``tangent_lines``.
+    """
     rho = math.sqrt(a1 * a1 + a2 * a2)
     if rho == 0.0:
         return n
-    middle = math.atan2(a2, a1)
     k = geo[RATIO]
     limb = geo[GAMMA_MAX] if normal else geo[BETA_MAX]
     if sine <= rho:
-        offset = math.asin(min(1.0, sine / rho))
         for branch in range(4):
             phi = middle + (offset if branch < 2 else math.pi - offset) * (1.0 if branch % 2 == 0 else -1.0)
             b = rho * math.cos(phi - middle)
@@ -131,7 +134,7 @@ def line_range(geo: Array) -> tuple[float, float]:
     return -offset, offset
 
 
-@jitable
+@inlined
 def chart_events(work: Work, events: Array, low: float, high: float) -> int:
     """Tangencies and limb passages between low and high, with both ends, ascending; columns azimuth, kind."""
     geo = work.geo
@@ -140,16 +143,20 @@ def chart_events(work: Work, events: Array, low: float, high: float) -> int:
     if high - low > 6.0:
         events[0, 1] = SMOOTH
         n = add_event(events, n, 0.0, low, high, SMOOTH)
+    middle, offset, _ = tangent_lines(geo[LOBE_BETA + 2], 0.0, geo[RIM_SIN])
     n = circle_events(
-        geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_COS], geo[RIM_SIN], False, geo, events, n, low, high, True
-    )
+        geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_COS], geo[RIM_SIN], middle, offset, False, geo, events, n,
+        low, high, True,
+    )  # fmt: skip
     for i in range(min(work.counts[WALLS], work.walls.shape[0])):
         row = work.walls[i]
         kind = int(row[KIND])
         if kind in (NORMAL, DIRECTION):
+            row[TANGENT], row[TANGENT + 1], row[TANGENT + 2] = tangent_lines(row[2], row[3], row[SIN])
             n = circle_events(
-                row[1], row[2], row[3], row[COS], row[SIN], kind == NORMAL, geo, events, n, low, high, False
-            )
+                row[1], row[2], row[3], row[COS], row[SIN], row[TANGENT], row[TANGENT + 1], kind == NORMAL, geo,
+                events, n, low, high, False,
+            )  # fmt: skip
     return close_events(events, n, high)
 
 

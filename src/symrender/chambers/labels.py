@@ -14,7 +14,7 @@ import numpy.typing as npt
 from symrender.chambers.penumbra import CLEAR, COVERS, DISK_E1, DISK_E2, DISK_RADIUS, cover
 from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE, SURFACE_NORMAL
 from symrender.chambers.work import CASTERS, OCCLUDERS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, STRIPES
 
 Array = npt.NDArray[np.float64]
@@ -31,7 +31,7 @@ PARTLY = 3
 """From here on: some of a disk light reaches the cell; the number tells which of its chambers the cell is in."""
 
 
-@jitable
+@inlined
 def segment_meets(
     px: float, py: float, pz: float, dx: float, dy: float, dz: float, cx: float, cy: float, cz: float, r: float
 ) -> bool:
@@ -42,7 +42,7 @@ def segment_meets(
     return bool(fx * fx + fy * fy + fz * fz < r * r)
 
 
-@jitable
+@inlined
 def texture_side(spheres: Array, j: int, nx: float, ny: float, nz: float) -> int:
     """1 on the bright side of a checker's or a stripe's sign (ties bright), 0 on the dark side; 1 elsewhere."""
     kind = int(spheres[j, 7])
@@ -56,7 +56,7 @@ def texture_side(spheres: Array, j: int, nx: float, ny: float, nz: float) -> int
     return 1 if fields % 2 == 0 else 0
 
 
-@jitable
+@inlined
 def is_hidden(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
     """Whether P does not see Q: below its horizon, behind the floor or behind another sphere."""
     geo = work.geo
@@ -122,7 +122,7 @@ def disk_state(
     return PARTLY + code % (256 - PARTLY)
 
 
-@jitable
+@inlined
 def light_state(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
 ) -> int:

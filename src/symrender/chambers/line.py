@@ -40,8 +40,8 @@ from symrender.chambers.walls import (
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import CELLS, LINES, WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.chambers.work import CELLS, KEPT, LINES, SIGNATURE, WALLS, View, Work
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -50,6 +50,8 @@ RIM_LOW = -2
 RIM_HIGH = -3
 LIMB = -4
 NOTHING = -1
+THIN = 1e-14
+"""A stretch of a line shorter than this has no label."""
 HALF_PI = 0.5 * math.pi
 
 
@@ -79,7 +81,7 @@ def wall_level(i: int, x: float, c: float, s: float, work: Work) -> float:
     return float(r * (row[1] * c + row[2] * s) - row[3])
 
 
-@jitable
+@inlined
 def rim_interval(c: float, s: float, geo: Array) -> tuple[float, float, int, int]:
     """Part of the line inside the lobe as inner coordinates (low, high) and what bounds it; low > high if none."""
     a, b, t = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2] * c, geo[LOBE_BETA + 2] * s
@@ -104,7 +106,7 @@ def rim_interval(c: float, s: float, geo: Array) -> tuple[float, float, int, int
     return low, high, first, last
 
 
-@jitable
+@inlined
 def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, out: Array) -> int:
     """Inner coordinates of wall ``i`` on the line, strictly between low and high, ascending per branch; ``out`` (4,).
 
@@ -173,13 +175,38 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
     return n
 
 
+@inlined
+def labels_hold(n: int, low: float, high: float, first: int, last: int, work: Work) -> bool:
+    """Whether the line's ``n`` roots are those, in the order, of the line labelled last; then its cells are placed."""
+    if work.counts[KEPT] != n + 1 or work.kept_id[n] != first or work.kept_id[n + 1] != last:
+        return False
+    start = low
+    for i in range(n + 1):
+        end = high if i == n else work.root_x[i]
+        if (i < n and work.kept_id[i] != work.root_id[i]) or (end - start > THIN) != (work.kept_cell[i] >= 0):
+            return False
+        start = end
+    start, cells = low, 0
+    for i in range(n + 1):
+        end = high if i == n else work.root_x[i]
+        if work.kept_cell[i] == cells:
+            work.cell_from[cells] = start
+            cells += 1
+        if work.kept_cell[i] >= 0:
+            work.cell_to[cells - 1] = end
+        start = end
+    work.counts[CELLS] = cells
+    return True
+
+
 @jitable
-def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
+def scan_line(phi: float, view: View, work: Work, scratch: Array, keep: bool = False) -> int:
     """Cells of the line phi = const inside the lobe; returns the line's signature, equal for equal structure.
 
     Fills ``cell_from``, ``cell_to``, ``cell_wall`` (the wall below each cell; one more entry closes the last),
     ``cell_side`` and ``lit``; ``counts[CELLS]`` is their number. Neighbours with the same label are one cell.
-    ``scratch`` is (4,).
+    ``scratch`` is (4,). ``keep`` takes the labels of the line scanned before where the same walls come in the same
+    order: for lines between which no event lies, such as a wall that runs along a line.
     """
     work.counts[LINES] += 1
     c, s = math.cos(phi), math.sin(phi)
@@ -219,6 +246,9 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
                 root_x[k] = x
                 root_id[k] = 4 * i + b
                 n += 1
+    if keep and labels_hold(n, low, high, first, last, work):
+        return int(work.counts[SIGNATURE])
+    work.kept_id[n], work.kept_id[n + 1] = first, last
     cells = 0
     start, wall = low, first
     lights = view.points.shape[0]
@@ -229,7 +259,8 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     side = HIDDEN
     for i in range(n + 1):
         end = high if i == n else work.root_x[i]
-        if end - start > 1e-14:
+        work.kept_cell[i] = -1
+        if end - start > THIN:
             same = True
             if side == HIDDEN and changed < SEVERAL and changed > SILHOUETTE and changed != FLOOR_CUT:
                 changed = NOTHING
@@ -272,11 +303,13 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
                 work.cell_wall[cells] = wall
                 work.cell_side[cells] = side
                 cells += 1
+            work.kept_cell[i] = cells - 1
             changed = NOTHING
         start = end
         if i == n:
             break
         wall = work.root_id[i]
+        work.kept_id[i] = wall
         tag = int(work.walls[wall // 4, TAG])
         now = int(work.walls[wall // 4, LIGHT]) if tag == SHADOW_EDGE else int(work.walls[wall // 4, SHAPE])
         if changed == NOTHING or (changed == tag and which == now):
@@ -296,5 +329,6 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
                 signature = (signature ^ lit[i, l]) * 1099511628211
     signature = (signature ^ (last + 8)) * 1099511628211
     if not seen:
-        return 0
+        signature = 0
+    work.counts[KEPT], work.counts[SIGNATURE] = (n + 1 if n < work.root_x.shape[0] else 0), signature
     return signature

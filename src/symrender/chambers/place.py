@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import CENTER, E1, E2, HEIGHT, POINT, POLE, RADIUS, RATIO, SHAPE_INDEX
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -38,7 +38,7 @@ def shadow_quartic(row: Array, radius: float, c: float, s: float, top: float, ou
     out[4] = a0 + a1 + a2 + a3 + a4
 
 
-@jitable
+@inlined
 def surface_point(x: float, c: float, s: float, geo: Array) -> tuple[float, float, float, float, float, float]:
     """Hit point and unit normal at inner coordinate ``x`` of the line."""
     ex, ey, ez = (

@@ -30,7 +30,7 @@ from symrender.chambers.walls import (
     TAG,
 )
 from symrender.chambers.work import WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -177,7 +177,7 @@ def sphere_tangencies(
     return n
 
 
-@jitable
+@inlined
 def tangencies(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
     """Add them to ``events``; new count."""
     geo = work.geo

@@ -60,6 +60,8 @@ SEVERAL: Final = 8
 """Coinciding walls of different conditions, kept as one."""
 MET_COLUMN: Final = 22
 """Column that is 1 once a scan line met the wall inside the lobe."""
+TANGENT: Final = 8
+"""First of three columns of a circle, filled by ``chart_events``: what ``tangent_lines`` says of it."""
 LIGHT: Final = 21
 """Column of a shadow edge that names its light point."""
 
@@ -101,6 +103,24 @@ GEO_COLUMNS: Final = 48
 
 COINCIDENT: Final = 1e-11
 """Two circles whose axes and levels differ by less are one wall."""
+
+
+@jitable
+def tangent_lines(a1: float, a2: float, sine: float) -> tuple[float, float, float]:
+    """Scan lines that a circle touches: (azimuth of its axis, offset, depth).
+
+    They have the azimuths axis +- offset and axis +- (pi - offset), give or take i depth; a depth of inf means none.
+    """
+    rho = math.sqrt(a1 * a1 + a2 * a2)
+    if rho == 0.0:
+        return 0.0, 0.0, math.inf
+    ratio, middle = sine / rho, math.atan2(a2, a1)
+    if abs(ratio - 1.0) < 1e-12:
+        # a circle through the pole lies along a scan line: an end of panels, where no root branches
+        return middle, math.asin(min(1.0, ratio)), math.inf
+    if ratio >= 1.0:
+        return middle, 0.5 * math.pi, math.log(ratio + math.sqrt(ratio * ratio - 1.0))
+    return middle, math.asin(ratio), 0.0
 
 
 @jitable

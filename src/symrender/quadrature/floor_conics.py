@@ -22,7 +22,7 @@ from symrender.chambers.walls import (
     SURFACE_NORMAL,
 )
 from symrender.chambers.work import CASTERS, OCCLUDERS, WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -70,7 +70,7 @@ def add_line(conics: Array, n: int, ax: float, ay: float, az: float, h: float) -
     return n + 1
 
 
-@jitable
+@inlined
 def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Array) -> int:
     """All conics of the floor chart about the point's foot; their number."""
     geo = work.geo
@@ -123,7 +123,7 @@ def may_cross(row: Array, x: float, y: float, half: float) -> bool:
     return bool(abs(value) <= reach or (row[SOFT] > 0.0 and value > 0.0))
 
 
-@jitable
+@inlined
 def conic_roots(row: Array, y: float, x0: float, x1: float, work: Work) -> int:
     """Where the line y = const meets a conic, or the edges of a penumbra inside its cone, into ``work.quartic``.
 

@@ -16,7 +16,7 @@ from symrender.chambers.labels import DARK, GLINT
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import EXPONENT, LOG_NORMALISER
 from symrender.chambers.work import NODES, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import LEVELS
 from symrender.quadrature.light_term import MOST_SQUARED
@@ -64,13 +64,13 @@ NOISE = 4e-15
 times the exponent: that is what rounding leaves of them."""
 
 
-@jitable
+@inlined
 def whole_vectors(m: int) -> int:
     """``m`` rounded up to eights: nodes beyond the last one are computed too, from what lies there, and never read."""
     return min(NODES, 8 * ((m + 7) // 8))
 
 
-@jitable
+@inlined
 def sines(m: int, b: Array) -> None:
     """SINE and COSINE of INNER, in [0, pi/2], by their series: within 3e-16."""
     m = min(m, NODES)
@@ -137,7 +137,7 @@ def powers(m: int, b: Array, exponent: float) -> None:
                 b[BASE + i] = square * square
 
 
-@jitable
+@inlined
 def densities(m: int, step: int, b: Array, geo: Array) -> None:
     """Multiply WEIGHT by the lobe's density at CHORD: cos^n theta / W, of 1 - cos theta without cancellation.
 
@@ -164,7 +164,7 @@ def densities(m: int, step: int, b: Array, geo: Array) -> None:
         b[WEIGHT + i] *= b[POWER + i]
 
 
-@jitable
+@inlined
 def mark_states(m: int, pieces: int, i: int, work: Work) -> bool:
     """Fill CLEAR and SHINING of light ``i`` from the labels of the nodes' cells; whether any node sees it."""
     m = min(m, NODES)
@@ -253,7 +253,7 @@ def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work
                 b[SUM + a * NODES + q] += p[3 + a] * (b[FACTOR + a * NODES + q] * cosine + ks * gleam)
 
 
-@jitable
+@inlined
 def light_nodes(m: int, pieces: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
     """Add to SUM what every light adds to the first ``m`` nodes, which the first ``pieces`` rows of pieces own.
 

@@ -19,8 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
-from symrender.chambers.work import EVALUATIONS, NODES, View, Work
-from symrender.kernel_cache import jitable
+from symrender.chambers.work import EVALUATIONS, KEPT, NODES, View, Work
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.node_rows import CELL, COUNT, FIRST, NEAR, SUM, WEIGHT
@@ -91,7 +91,7 @@ def push_quarters(x: float, y: float, side: float, level: int, blocks: Array, to
     return top
 
 
-@jitable
+@inlined
 def point_light(view: View) -> float:
     """No floor point gets more from all lights together."""
     light = 0.0
@@ -127,7 +127,7 @@ def block_bound(
     return lobe_density(chord * chord, geo) * solid * light, span, foot
 
 
-@jitable
+@inlined
 def smooth_block(
     x0: float, y0: float, side: float, level: int, n: int, step: int, log_rho: float, reach: float, lobe: Array,
     view: View, work: Work, gauss: Array, states: Array, out: Array,
@@ -141,6 +141,7 @@ def smooth_block(
     work.counts[EVALUATIONS] += n * n
     b, row = work.nodes, work.pieces[0]
     row[CELL], row[FIRST], row[COUNT] = 0, 0, n * n
+    work.counts[KEPT] = 0
     for i in range(states.shape[0]):
         work.lit[0, i] = int(states[i])
     for q in range(n):

@@ -32,7 +32,7 @@ from symrender.chambers.walls import (
     TERMINATOR,
 )
 from symrender.chambers.work import CELLS, EVALUATIONS, NODES, PENDING, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes, order
 from symrender.quadrature.light_term import marble_factor
 from symrender.quadrature.node_rows import (
@@ -70,6 +70,9 @@ WARY = 7
 SOFT = 8
 """1 where a disk light ends at one of the cell's walls."""
 
+CAUTION = 0.7
+"""Share of its estimate taken as the log rho of a cell: a line more costs more than a node more on each line, so that
+errors along lines are kept below those across them."""
 SMALL = 0.05
 """Share of a line's integral below which its pieces need not keep what their step promises.
 
@@ -92,7 +95,7 @@ def lobe_density(squared_chord: float, geo: Array) -> float:
     return math.exp(geo[EXPONENT] * math.log1p(c) - geo[LOG_NORMALISER])
 
 
-@jitable
+@inlined
 def facing_share(wx: float, wy: float, wz: float, geo: Array) -> float:
     """What a direction counts beside the lobe's density: 1, or in BRDF units its cosine to the surface normal."""
     return float(geo[FACING + 3] + geo[FACING] * wx + geo[FACING + 1] * wy + geo[FACING + 2] * wz)
@@ -128,7 +131,7 @@ def kinked(view: View) -> bool:
     return bool(view.shading[2] > 0.0 and view.shading[3] < BLUNT)
 
 
-@jitable
+@inlined
 def cell_log(length: float, distance: float, ex: float, ey: float, points: Array, geo: Array) -> float:
     """log rho of the Bernstein ellipse of a cell through the edge of the strip where its integrand is tame."""
     if geo[SHAPE_INDEX] < 0.0:
@@ -166,7 +169,7 @@ def cell_order(
     return order(step, cell_log(length, distance, ex, ey, points, geo))
 
 
-@jitable
+@inlined
 def disk_edge(wall: int, work: Work) -> bool:
     """Whether a wall is one of a disk light: an edge of a penumbra or of a band of terminators."""
     if wall < 0:
@@ -175,7 +178,7 @@ def disk_edge(wall: int, work: Work) -> bool:
     return bool(row[KIND] == PENUMBRA or (row[KIND] == SHADOW and row[TAG] == TERMINATOR))
 
 
-@jitable
+@inlined
 def stack_piece(
     top: int, cell: int, start: float, stop: float, halvings: float, wary: float, soft: float, work: Work
 ) -> int:  # fmt: skip
@@ -185,7 +188,7 @@ def stack_piece(
     return top + 1
 
 
-@jitable
+@inlined
 def place_nodes(
     m: int, piece: int, n: int, log_rho: float, row: Array, color: Array, factor: float, work: Work, gauss: Array
 ) -> None:  # fmt: skip
@@ -209,7 +212,7 @@ def place_nodes(
         b[FACTOR + 2 * NODES + m + q] = factor * color[2]
 
 
-@jitable
+@inlined
 def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -> None:
     """Fill the first ``m`` nodes of the line (c, s) from INNER: points, normals, views, solid angle times density."""
     m = whole_vectors(m)
@@ -265,7 +268,7 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
     densities(m, step, b, geo)
 
 
-@jitable
+@inlined
 def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: Array) -> None:
     """Fill SUM of the first ``m`` nodes with the radiance less the background."""
     m = whole_vectors(m)
@@ -289,7 +292,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
     light_nodes(m, pieces, step, shading[2], view, work, gauss)
 
 
-@jitable
+@inlined
 def weigh_nodes(m: int, work: Work) -> float:
     """Multiply SUM by WEIGHT; POWER gets the sum over the channels, BASE their largest magnitude. The sum of BASE."""
     b = work.nodes
@@ -305,7 +308,7 @@ def weigh_nodes(m: int, work: Work) -> float:
     return whole
 
 
-@jitable
+@inlined
 def piece_error(row: Array, b: Array, blunt: bool, gauss: Array) -> tuple[float, float]:
     """Integral of the largest magnitude over a piece, and the error of its rule by its Legendre coefficients."""
     n, first = int(row[COUNT]), int(row[FIRST])
@@ -328,7 +331,7 @@ def piece_error(row: Array, b: Array, blunt: bool, gauss: Array) -> tuple[float,
     return whole, miss
 
 
-@jitable
+@inlined
 def integrate_cells(
     phi: float, step: int, view: View, work: Work, gauss: Array, out: Array
 ) -> None:  # fmt: skip
@@ -370,7 +373,7 @@ def integrate_cells(
             row = table[NODES + top - 1]
             start, stop = row[START], row[STOP]
             log_rho = cell_log(stop - start, 0.5 * math.pi - stop, ex, ey, view.points, geo)
-            n = order(step, log_rho) if row[WARY] != 0.0 else nodes(step, log_rho)
+            n = order(step, log_rho) if row[WARY] != 0.0 else nodes(step, CAUTION * log_rho)
             if row[SOFT] != 0.0:
                 n = max(n + (n + 1) // 2, least)
             if n > MAX_ORDER and top < PENDING:

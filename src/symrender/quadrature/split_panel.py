@@ -27,11 +27,12 @@ from symrender.chambers.walls import (
     NORMAL,
     RIM_SIN,
     SHAPE_INDEX,
-    SIN,
     STRIP,
+    TANGENT,
+    tangent_lines,
 )
 from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, EVALUATIONS, SPOTS, WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.split_line import integrate_cells, kinked, lobe_density, tail_error
 
@@ -72,7 +73,7 @@ SAFETY = 4.0
 """Error reported over the sum of the panels' estimates."""
 
 
-@jitable
+@inlined
 def azimuth(u: float, a: float, b: float, kind_a: float, kind_b: float) -> tuple[float, float]:
     """Azimuth and its derivative at u in [0, 1]: quadratic at an end with a square root."""
     length = b - a
@@ -90,44 +91,30 @@ def azimuth(u: float, a: float, b: float, kind_a: float, kind_b: float) -> tuple
 
 
 @jitable
-def ellipse_log(x: float, y: float, a: float, b: float, kind_a: float, kind_b: float) -> float:
-    """log rho of the Bernstein ellipse, in the mapped coordinate, through the singularity x + iy."""
-    w = complex((x - a) / (b - a), y / (b - a))
-    if kind_a == ROOT and kind_b == ROOT:
+def ellipse_sum(x: float, y: float, a: float, b: float, kind_a: float, kind_b: float) -> float:
+    """rho + 1/rho over 2 of the Bernstein ellipse, in the mapped coordinate, through the singularity x + iy."""
+    u, v = (x - a) / (b - a), y / (b - a)
+    if kind_a == ROOT or kind_b == ROOT:
         # near either end the map is quadratic; the nearer one decides
-        if w.real > 0.5:
-            w = 1.0 - w
-        w = (w**0.5) * (2.0 / math.pi)
-    elif kind_a == ROOT:
-        w = w**0.5
-    elif kind_b == ROOT:
-        w = 1.0 - (1.0 - w) ** 0.5
-    s = abs(w) + abs(w - 1.0)
-    return math.log(s + math.sqrt(max(0.0, s * s - 1.0)))
+        far = kind_a != ROOT or (kind_b == ROOT and u > 0.5)
+        if far:
+            u = 1.0 - u
+        r = math.sqrt(u * u + v * v)
+        u, v = math.sqrt(max(0.0, 0.5 * (r + u))), math.sqrt(max(0.0, 0.5 * (r - u)))
+        if kind_a == kind_b:
+            u, v = (2.0 / math.pi) * u, (2.0 / math.pi) * v
+    return math.sqrt(u * u + v * v) + math.sqrt((u - 1.0) * (u - 1.0) + v * v)
 
 
 @jitable
-def branch_log(
-    a0: float, a1: float, a2: float, sine: float, a: float, b: float, kind_a: float, kind_b: float, best: float
+def branch_sum(
+    middle: float, offset: float, y: float, a: float, b: float, kind_a: float, kind_b: float, best: float
 ) -> float:
-    """Smallest of ``best`` and the log rho of a circle's tangencies to (complex) scan lines."""
-    rho = math.sqrt(a1 * a1 + a2 * a2)
-    if rho == 0.0:
-        return best
-    middle = math.atan2(a2, a1)
-    ratio = sine / rho
-    if abs(ratio - 1.0) < 1e-12:
-        # a circle through the pole lies along a scan line: an end of panels, where no root branches
-        return best
+    """Smallest of ``best`` and the ``ellipse_sum`` of a circle's tangencies to scan lines (see ``tangent_lines``)."""
     half = 0.5 * (b - a)
     centre = 0.5 * (a + b)
-    if ratio >= 1.0:
-        y = math.log(ratio + math.sqrt(ratio * ratio - 1.0))
-        if y > 2.0 * half + 0.5:
-            return best
-        offset = 0.5 * math.pi
-    else:
-        y, offset = 0.0, math.asin(ratio)
+    if y > 2.0 * half + 0.5:
+        return best
     for branch in range(4):
         x = middle + (offset if branch < 2 else math.pi - offset) * (1.0 if branch % 2 == 0 else -1.0)
         x -= 2.0 * math.pi * math.floor((x - centre + math.pi) / (2.0 * math.pi))
@@ -138,11 +125,11 @@ def branch_log(
         if y == 0.0 and a < x < b:
             # a tangency outside the lobe or behind the limb: no singularity of this panel
             continue
-        best = min(best, ellipse_log(x, y, a, b, kind_a, kind_b))
+        best = min(best, ellipse_sum(x, y, a, b, kind_a, kind_b))
     return best
 
 
-@jitable
+@inlined
 def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
     """log rho that decides a panel's node counts."""
     geo = work.geo
@@ -150,20 +137,21 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
     x = geo[STRIP + 1] / half
     if kind_a == ROOT or kind_b == ROOT:
         x *= 0.7
-    best = math.log(x + math.sqrt(1.0 + x * x))
+    best = math.sqrt(1.0 + x * x)
     for i in range(work.counts[SPOTS]):
         away = work.spots[i, 0] - 0.5 * (a + b)
         away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-        best = min(best, ellipse_log(0.5 * (a + b) + away, work.spots[i, 1], a, b, kind_a, kind_b))
-    best = branch_log(geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_SIN], a, b, kind_a, kind_b, best)
+        best = min(best, ellipse_sum(0.5 * (a + b) + away, work.spots[i, 1], a, b, kind_a, kind_b))
+    middle, offset, depth = tangent_lines(geo[LOBE_BETA + 2], 0.0, geo[RIM_SIN])
+    best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
     for i in range(work.counts[WALLS]):
         row = work.walls[i]
         if int(row[KIND]) <= NORMAL:
-            best = branch_log(row[1], row[2], row[3], row[SIN], a, b, kind_a, kind_b, best)
-    return best
+            best = branch_sum(row[TANGENT], row[TANGENT + 1], row[TANGENT + 2], a, b, kind_a, kind_b, best)
+    return math.log(best + math.sqrt(max(0.0, best * best - 1.0)))
 
 
-@jitable
+@inlined
 def panel_density(a: float, b: float, geo: Array) -> float:
     """The lobe's largest density between two azimuths, on the charted shape."""
     phi = min(max(0.0, a), b)
@@ -174,14 +162,14 @@ def panel_density(a: float, b: float, geo: Array) -> float:
     return float(lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo))
 
 
-@jitable
+@inlined
 def panel_bound(a: float, b: float, geo: Array) -> float:
     """What a panel can hold at most: its solid angle at the lobe's largest density and the largest radiance there."""
     half = math.sin(0.5 * geo[BETA_MAX])
     return float(geo[BRIGHT]) * min(1.0, panel_density(a, b, geo) * (b - a) * 2.0 * half * half)
 
 
-@jitable
+@inlined
 def sliver_bound(a: float, b: float, geo: Array) -> float:
     """What may open and close again between two azimuths: no more of a line there than the azimuths are of a radian."""
     return (b - a) * panel_bound(a, b, geo)
@@ -321,7 +309,7 @@ def split_span(
     return n
 
 
-@jitable
+@inlined
 def note_chambers(work: Work) -> None:
     """Count the labels of the scanned line that this point has not met before, and mark its walls as met."""
     for cell in range(work.counts[CELLS]):
@@ -344,7 +332,7 @@ def note_chambers(work: Work) -> None:
             work.counts[CHAMBERS] += 1
 
 
-@jitable
+@inlined
 def panel_order(step: int, log_rho: float) -> int:
     """Lines of a panel, more with every step: one less tame than it looked is then found out.
 
@@ -355,7 +343,7 @@ def panel_order(step: int, log_rho: float) -> int:
     return min(MAX_ORDER, order(step, log_rho) + 1)
 
 
-@jitable
+@inlined
 def evaluate_panel(
     p: Array, step: int, view: View, work: Work, gauss: Array, events: Array, many: int, out: Array, scratch: Array
 ) -> float:  # fmt: skip
@@ -401,7 +389,7 @@ def evaluate_panel(
             thin += sliver_bound(first, events[e - 1, 0], work.geo)
         if q == n:
             break
-        found = scan_line(phi, view, work, scratch)
+        found = scan_line(phi, view, work, scratch, q > 0 and inside == 0)
         if q == 0:
             signature = found
         elif found != signature and foreign != foreign:

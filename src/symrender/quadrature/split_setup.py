@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from symrender.chambers.walls import BETA_MAX, E1, E2, HEIGHT, LOBE_BETA, POINT, RATIO, SIDE, STRIP, SURFACE_NORMAL
 from symrender.chambers.work import SPOTS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import EYE, FLOOR_BRIGHT, FLOOR_DARK, KU, KV, MARBLE, TEXTURE
 
 Array = npt.NDArray[np.float64]
@@ -50,7 +50,7 @@ def inside_another(point: Array, own: int, spheres: Array) -> bool:
     return False
 
 
-@jitable
+@inlined
 def sphere_strips(j: int, n: float, view: View, work: Work) -> None:
     """How far off the real line the integrand of charted sphere ``j`` stays tame, under a lobe of exponent ``n``."""
     geo = work.geo
@@ -65,7 +65,7 @@ def sphere_strips(j: int, n: float, view: View, work: Work) -> None:
     geo[STRIP + 2] = 0.9 * math.acosh(1.0 / k)
 
 
-@jitable
+@inlined
 def add_spot(x: float, y: float, depth: float, work: Work) -> None:
     """Note that the floor's integrand is tame only so far off the real azimuths towards (x, y) from the foot."""
     geo, k = work.geo, work.counts[SPOTS]
@@ -75,7 +75,7 @@ def add_spot(x: float, y: float, depth: float, work: Work) -> None:
         work.counts[SPOTS] += 1
 
 
-@jitable
+@inlined
 def floor_spots(view: View, work: Work) -> None:
     """Azimuths at which a light or its highlight on the floor is near.
 
@@ -112,7 +112,7 @@ def floor_spots(view: View, work: Work) -> None:
             add_spot(sx, sy, min(1.0, sharp / max(away * (1.0 / far + 1.0 / near), 1e-9)), work)
 
 
-@jitable
+@inlined
 def floor_strips(n: float, view: View, work: Work) -> None:
     """The same of the floor's chart; then its mean albedo."""
     geo = work.geo

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
 from symrender.chambers.walls import FACING, HEIGHT, POINT, RIM_COS
-from symrender.chambers.work import EVALUATIONS, NODES, View, Work
+from symrender.chambers.work import EVALUATIONS, KEPT, NODES, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
@@ -56,7 +56,7 @@ BRANCHES = 16
 """Most roots of one conic on a line."""
 
 
-@jitable
+@inlined
 def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array) -> bool:
     """Whether the floor point (x, y) from the foot is in the lobe and seen; ``states`` of its lights, 0 unlit."""
     geo = work.geo
@@ -73,7 +73,7 @@ def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array)
     return True
 
 
-@jitable
+@inlined
 def floor_nodes(
     m: int, pieces: int, step: int, reach: float, lobe: Array, view: View, work: Work, gauss: Array
 ) -> None:  # fmt: skip
@@ -162,7 +162,7 @@ def taper_rows(m: int, reach: float, b: Array) -> None:
         b[WEIGHT + i] *= decay(b[BASE + i])
 
 
-@jitable
+@inlined
 def row_pieces(
     y: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Array, work: Work
 ) -> tuple[int, int]:  # fmt: skip
@@ -191,7 +191,7 @@ def row_pieces(
     return n, signature
 
 
-@jitable
+@inlined
 def root_named(name: int, n: int, work: Work) -> float:
     """Where the root of this name lies on the row at hand, of ``n`` pieces, or NaN."""
     for i in range(1, n):
@@ -200,7 +200,7 @@ def root_named(name: int, n: int, work: Work) -> float:
     return math.nan
 
 
-@jitable
+@inlined
 def note_gaps(many: int, n: int, gaps: Array, work: Work) -> None:
     """The gaps between neighbours of the lower row, whose names are noted, on the row at hand, of ``n`` pieces."""
     x = root_named(work.row_names[1], n, work)
@@ -210,7 +210,7 @@ def note_gaps(many: int, n: int, gaps: Array, work: Work) -> None:
         x = beyond
 
 
-@jitable
+@inlined
 def change_of_rows(
     low: float, high: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Array, work: Work
 ) -> float:  # fmt: skip
@@ -250,7 +250,7 @@ def change_of_rows(
             kept = -1
 
 
-@jitable
+@inlined
 def add_pieces(
     m: int, pieces: int, base: int, step: int, reach: float, lobe: Array, view: View, work: Work, gauss: Array,
     sums: Array, out: Array,
@@ -289,7 +289,7 @@ def add_pieces(
         sums[5] += whole * gauss[MIDDLE + 1, base + q]
 
 
-@jitable
+@inlined
 def strip_integral(
     x0: float, x1: float, a: float, b: float, kind_a: float, kind_b: float, n: int, more: int, signature: int,
     crossing: Array, crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work,
@@ -306,6 +306,7 @@ def strip_integral(
     for t in range(6):
         sums[t] = 0.0
     rows, lit, side = work.nodes, work.lit, work.cell_side
+    work.counts[KEPT] = 0
     m, placed = 0, 0
     for q in range(n):
         y, slope = azimuth(gauss[0, base + q], a, b, kind_a, kind_b)
