@@ -34,6 +34,7 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import CELLS, EVALUATIONS, NODES, PENDING, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes, order
+from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.light_term import marble_factor
 from symrender.quadrature.node_rows import (
     BASE,
@@ -53,7 +54,6 @@ from symrender.quadrature.node_rows import (
     VIEW,
     WEIGHT,
     densities,
-    light_nodes,
     sines,
     whole_vectors,
 )

@@ -151,7 +151,8 @@ def radiance(
         )
         if disk is not None and p[DISK_RADIUS] > 0.0:
             cosine, gleam = disk_term(
-                i, int(lit[i]), qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2], step, view, work, gauss
+                i, int(lit[i]), qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2], step, shading[2] != 0.0, view,
+                work, gauss,
             )  # fmt: skip
         for a in range(3):
             albedo = factor * (view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a])
