@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.roots import quadratic_roots
-from symrender.chambers.work import NODES, Work
+from symrender.chambers.work import NODES
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_curves import (
     ALONG,
@@ -87,12 +87,12 @@ def radial_log(log_rho: float) -> float:
 
 
 @jitable
-def arc_point(curve: int, t: float, work: Work) -> tuple[float, float, float, float, float]:
+def arc_point(curve: int, t: float, disk: Array) -> tuple[float, float, float, float, float]:
     """(a, b, da/dt, db/dt, Z) at parameter t of a curve, -1 the circle; Z > 0 where the point is the true one."""
     if curve < 0:
         c, s = math.cos(t), math.sin(t)
         return c, s, -s, c, 1.0
-    row = work.disk[CURVES + curve]
+    row = disk[CURVES + curve]
     if row[BOUNDS] == CONE:
         c, s = math.cos(t), math.sin(t)
         k = ALONG
@@ -114,24 +114,24 @@ def arc_point(curve: int, t: float, work: Work) -> tuple[float, float, float, fl
 
 
 @jitable
-def corners(curve: int, n: int, work: Work, out: Array) -> tuple[int, bool]:
+def corners(curve: int, n: int, disk: Array, out: Array) -> tuple[int, bool]:
     """Parameters at which a curve meets the others and the circle, ascending in ``out``; (count, whether it closes)."""
     count = 0
     if curve < 0:
         for j in range(n):
-            row = work.disk[CURVES + j]
+            row = disk[CURVES + j]
             for k in range(int(row[MEETS])):
                 count = insert(out, count, row[ON_CIRCLE + k])
         return count, True
-    row = work.disk[CURVES + curve]
+    row = disk[CURVES + curve]
     if row[BOUNDS] == CONE:
         for k in range(int(row[MEETS])):
             count = insert_angle(out, count, row[ON_CONE + k])
         for j in range(n):
             if j != curve:
-                count = pulled_roots(row, work.disk[CURVES + j], out, count)
+                count = pulled_roots(row, disk[CURVES + j], out, count)
         return count, True
-    a0, b0, da, db, _ = arc_point(curve, 0.0, work)
+    a0, b0, da, db, _ = arc_point(curve, 0.0, disk)
     half2 = 1.0 - a0 * a0 - b0 * b0
     if not half2 > 0.0:
         return 0, False
@@ -140,7 +140,7 @@ def corners(curve: int, n: int, work: Work, out: Array) -> tuple[int, bool]:
     count = 2
     for j in range(n):
         if j != curve:
-            o = work.disk[CURVES + j]
+            o = disk[CURVES + j]
             found, r1, r2 = quadratic_roots(
                 o[3] * da * da + 2.0 * o[4] * da * db + o[5] * db * db,
                 0.5 * (o[1] * da + o[2] * db) + o[3] * a0 * da + o[4] * (a0 * db + b0 * da) + o[5] * b0 * db,
@@ -154,17 +154,17 @@ def corners(curve: int, n: int, work: Work, out: Array) -> tuple[int, bool]:
 
 
 @jitable
-def arc_side(curve: int, t: float, n: int, work: Work) -> float:
+def arc_side(curve: int, t: float, n: int, disk: Array) -> float:
     """0 unless t lies on the boundary of what is seen; else the sense, +1 or -1, in which the boundary runs there."""
-    a, b, da, db, z = arc_point(curve, t, work)
+    a, b, da, db, z = arc_point(curve, t, disk)
     if not z > 0.0 or (curve >= 0 and a * a + b * b >= 1.0):
         return 0.0
     for j in range(n):
-        if j != curve and curve_level(work.disk[CURVES + j], a, b) < 0.0:
+        if j != curve and curve_level(disk[CURVES + j], a, b) < 0.0:
             return 0.0
     if curve < 0:
         return 1.0
-    row = work.disk[CURVES + curve]
+    row = disk[CURVES + curve]
     # the level rises into what is seen, which lies to the left
     ga, gb = row[1] + 2.0 * (row[3] * a + row[4] * b), row[2] + 2.0 * (row[4] * a + row[5] * b)
     return math.copysign(1.0, da * gb - db * ga)
@@ -189,7 +189,7 @@ def place_piece(
 
 
 @jitable
-def bend(m: int, curve: int, work: Work, b: Array) -> None:
+def bend(m: int, curve: int, disk: Array, b: Array) -> None:
     """Points (a, b) of the first ``m`` nodes of a circle (``curve`` -1) or cone in ACROSS; SHARE times a db - b da.
 
     Sines and cosines of TURN, up to ``ARC``/2, by their series.
@@ -215,7 +215,7 @@ def bend(m: int, curve: int, work: Work, b: Array) -> None:
         b[ACROSS + i], b[ACROSS + NODES + i] = c0 * c - s0 * s, s0 * c + c0 * s
     if curve < 0:
         return
-    row = work.disk[CURVES + curve]
+    row = disk[CURVES + curve]
     x0, x1, x2 = row[ALONG], row[ALONG + 1], row[ALONG + 2]
     y0, y1, y2 = row[ALONG + 3], row[ALONG + 4], row[ALONG + 5]
     z0, z1, z2 = row[ALONG + 6], row[ALONG + 7], row[ALONG + 8]
@@ -229,10 +229,10 @@ def bend(m: int, curve: int, work: Work, b: Array) -> None:
 
 
 @jitable
-def stretch(m: int, curve: int, middle: float, work: Work, b: Array) -> None:
+def stretch(m: int, curve: int, middle: float, disk: Array, b: Array) -> None:
     """The same of the nodes of a line, which has one arc."""
     m = min(m, NODES)
-    a0, b0, da, db, _ = arc_point(curve, middle, work)
+    a0, b0, da, db, _ = arc_point(curve, middle, disk)
     for i in range(m):
         t = b[TURN + i]
         b[ACROSS + i], b[ACROSS + NODES + i] = a0 + t * da, b0 + t * db
@@ -258,18 +258,18 @@ def boundary_sums(
 @jitable
 def arc_term(
     p: Array, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, work: Work, gauss: Array,
+    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, disk: Array, b: Array, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``work.disk`` hides.
+    """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``disk`` hides.
 
     The disk's centre is at offset y. Without ``gleaming`` the second is 0.
     """
     nodes, inner = fitting(step, ARC_LOG), fitting(step, radial_log(log_rho))
     cosine, gleam = 0.0, 0.0
-    turns, b = work.disk[EVENTS], work.nodes
+    turns = disk[EVENTS]
     m = 0
     for curve in range(-1, n):
-        count, closed = corners(curve, n, work, turns)
+        count, closed = corners(curve, n, disk, turns)
         arcs = count if closed else count - 1
         if closed and count == 0:
             turns[0] = 0.0
@@ -279,7 +279,7 @@ def arc_term(
             high = turns[arc + 1] if arc + 1 < count else turns[0] + 2.0 * math.pi
             if high - low < 1e-14:
                 continue
-            sense = arc_side(curve, 0.5 * (low + high), n, work)
+            sense = arc_side(curve, 0.5 * (low + high), n, disk)
             if sense == 0.0:
                 continue
             pieces = math.ceil((high - low) / ARC) if closed else 1
@@ -293,8 +293,8 @@ def arc_term(
             for piece in range(pieces):
                 m = place_piece(m, low + length * piece, length, sense, nodes, b, gauss)
             if closed:
-                bend(whole_vectors(m - first), curve, work, b[first:])
+                bend(whole_vectors(m - first), curve, disk, b[first:])
             else:
-                stretch(whole_vectors(m - first), curve, 0.5 * (low + high), work, b[first:])
+                stretch(whole_vectors(m - first), curve, 0.5 * (low + high), disk, b[first:])
     d, h = boundary_sums(m, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, inner, phong, shininess, gleaming, b, gauss)
     return (cosine + d) / math.pi, (gleam + h) / math.pi

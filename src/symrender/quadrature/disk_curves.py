@@ -25,7 +25,7 @@ from symrender.chambers.penumbra import (
 )
 from symrender.chambers.walls import SHAPE_INDEX, SIDE
 from symrender.chambers.work import CASTERS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import FLOOR_PRESENT
 
 Array = npt.NDArray[np.float64]
@@ -255,7 +255,7 @@ def add_cone(
     return CUTS
 
 
-@jitable
+@inlined
 def disk_curves(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
 ) -> int:  # fmt: skip

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from symrender.chambers.labels import PARTLY
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_arcs import arc_term
 from symrender.quadrature.disk_chords import chord_term
 from symrender.quadrature.disk_curves import BALL, BOUNDS, CURVES, TERMINATOR, disk_curves
@@ -43,19 +43,20 @@ def disk_log(distance: float, radius: float, phong: bool, shininess: float) -> f
 @jitable
 def cut_or_whole(
     p: Array, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, work: Work, gauss: Array,
+    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, disk: Array, b: Array,
+    gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``work.disk`` hides."""
     if n > 0:
         return arc_term(
-            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming, work, gauss
+            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming, disk, b, gauss
         )  # fmt: skip
     return whole_disk(
-        p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, disk_level(step, log_rho), work.nodes, gauss
+        p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, disk_level(step, log_rho), b, gauss
     )  # fmt: skip
 
 
-@jitable
+@inlined
 def disk_term(
     i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
     vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: Array,
@@ -88,12 +89,12 @@ def disk_term(
     beyond = opened and (banded or not lifted)
     if lifted or banded:
         cosine, gleam = cut_or_whole(
-            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming and not beyond, work,
-            gauss,
+            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming and not beyond,
+            work.disk, work.nodes, gauss,
         )  # fmt: skip
     if beyond:
         _, gleam = cut_or_whole(
-            p, n - 1 if banded else n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, True, work,
-            gauss,
+            p, n - 1 if banded else n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, True,
+            work.disk, work.nodes, gauss,
         )  # fmt: skip
     return cosine, gleam

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from symrender.chambers.labels import DARK, GLINT, PARTLY
 from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
 from symrender.chambers.work import NODES, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_points import COSINES, GLEAMS, clear_sums, highlights
 from symrender.quadrature.disk_term import disk_log, disk_term
 from symrender.quadrature.gauss import DISK_STARTS, disk_level
@@ -181,7 +181,7 @@ def add_disk(m: int, p: Array, ks: float, opened: bool, b: Array) -> None:
         b[SUM + 2 * NODES + i] += blue * (b[FACTOR + 2 * NODES + i] * clear + shining)
 
 
-@jitable
+@inlined
 def cut_disk(i: int, row: Array, state: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
     """Add to SUM what disk light ``i`` adds to a piece from which it is partly hidden, node by node."""
     b, p = work.nodes, view.points[i]
@@ -196,7 +196,7 @@ def cut_disk(i: int, row: Array, state: int, step: int, ks: float, view: View, w
             b[SUM + a * NODES + q] += p[3 + a] * (b[FACTOR + a * NODES + q] * cosine + ks * gleam)
 
 
-@jitable
+@inlined
 def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
     """Add to SUM what disk light ``i`` adds, by the labels of the nodes' cells; pieces follow each other.
 

@@ -177,7 +177,7 @@ def arc_gradient(
     start, within = nodes * (nodes - 1) // 2, inner * (inner - 1) // 2
     turns = work.disk[EVENTS]
     for curve in range(-1, n):
-        count, closed = corners(curve, n, work, turns)
+        count, closed = corners(curve, n, work.disk, turns)
         arcs = count if closed else count - 1
         if closed and count == 0:
             turns[0] = 0.0
@@ -187,14 +187,14 @@ def arc_gradient(
             high = turns[arc + 1] if arc + 1 < count else turns[0] + 2.0 * math.pi
             if high - low < 1e-14:
                 continue
-            sense = arc_side(curve, 0.5 * (low + high), n, work)
+            sense = arc_side(curve, 0.5 * (low + high), n, work.disk)
             if sense == 0.0:
                 continue
             pieces = math.ceil((high - low) / ARC) if closed else 1
             length = (high - low) / pieces
             for piece in range(pieces):
                 for q in range(nodes):
-                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + q]), work)
+                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + q]), work.disk)
                     along = length * gauss[1, start + q] / math.pi
                     weight = sense * along * (a * db - b * da)
                     for r in range(inner):
