@@ -83,7 +83,9 @@ def radial_log(log_rho: float) -> float:
 
     Of the points x of an ellipse about [-1, 1], 2x - 1 is nearest to it for the real one: cosh r' = 2 cosh r - 1.
     """
-    return 2.0 * math.asinh(math.sqrt(2.0) * math.sinh(0.5 * log_rho))
+    far = math.exp(log_rho)
+    x = far + 1.0 / far - 1.0
+    return math.log(x + math.sqrt(x * x - 1.0))
 
 
 @jitable

@@ -307,7 +307,7 @@ def disk_curves(
         reach = own[3] + rho
         if (p[0] - own[0]) ** 2 + (p[1] - own[1]) ** 2 + (p[2] - own[2]) ** 2 < reach * reach and n < curves.shape[0]:
             n = add_circle_curve(curves, n, p, own, OWN)
-    if view.floor[FLOOR_PRESENT] != 0.0 and abs(p[2]) < rho * math.hypot(e1z, e2z) and n < curves.shape[0]:
+    if view.floor[FLOOR_PRESENT] != 0.0 and abs(p[2]) < rho * math.sqrt(e1z * e1z + e2z * e2z) and n < curves.shape[0]:
         up = 1.0 if (qz if j >= 0 else work.geo[SIDE]) >= 0.0 else -1.0
         row = curves[n]
         row[0], row[1], row[2], row[BOUNDS] = up * p[2], up * rho * e1z, up * rho * e2z, LINE
@@ -316,7 +316,7 @@ def disk_curves(
         n += 1
     n1, n2 = nx * e1x + ny * e1y + nz * e1z, nx * e2x + ny * e2y + nz * e2z
     lift = yx * nx + yy * ny + yz * nz
-    if abs(lift) < rho * math.hypot(n1, n2) and n < curves.shape[0]:
+    if abs(lift) < rho * math.sqrt(n1 * n1 + n2 * n2) and n < curves.shape[0]:
         row = curves[n]
         row[0], row[1], row[2], row[BOUNDS] = lift, rho * n1, rho * n2, TERMINATOR
         row[3] = row[4] = row[5] = 0.0

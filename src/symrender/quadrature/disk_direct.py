@@ -95,8 +95,12 @@ def direct_kernel(
             state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
             if state == DARK:
                 continue
-            d0, s0 = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, shine, view, work, table)
-            d, s = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step + 1, shine, view, work, table)
+            d = s = d0 = s0 = 0.0
+            for finer in range(2):
+                d0, s0 = d, s
+                d, s = mean_over_disk(
+                    i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step + finer, shine, view, work, table
+                )  # fmt: skip
             change = 0.0
             for c in range(3):
                 lambert, shine = view.shading[1] * albedo[k, c] * p[3 + c], view.shading[2] * p[3 + c]
