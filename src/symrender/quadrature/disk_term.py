@@ -21,7 +21,7 @@ from symrender.quadrature.disk_arcs import arc_term
 from symrender.quadrature.disk_chords import chord_term
 from symrender.quadrature.disk_curves import BALL, BOUNDS, CURVES, TERMINATOR, disk_curves
 from symrender.quadrature.disk_points import whole_disk
-from symrender.quadrature.gauss import disk_level
+from symrender.quadrature.gauss import DISK_DEGREES, LEVELS, disk_level
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -41,13 +41,19 @@ def disk_log(distance: float, radius: float, phong: bool, shininess: float) -> f
 
 
 @jitable
+def served(step: int, log_rho: float) -> bool:
+    """Whether a rule of the whole disk is as good as ``step`` asks; the boundary's rule goes further."""
+    return bool((DISK_DEGREES[-1] + 1) * log_rho >= LEVELS[step])
+
+
+@jitable
 def cut_or_whole(
     p: Array, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
     step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, disk: Array, b: Array,
     gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``work.disk`` hides."""
-    if n > 0:
+    if n > 0 or not served(step, log_rho):
         return arc_term(
             p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming, disk, b, gauss
         )  # fmt: skip

@@ -16,7 +16,7 @@ from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
 from symrender.chambers.work import NODES, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_points import COSINES, GLEAMS, clear_sums, highlights
-from symrender.quadrature.disk_term import disk_log, disk_term
+from symrender.quadrature.disk_term import disk_log, disk_term, served
 from symrender.quadrature.gauss import DISK_STARTS, disk_level
 from symrender.quadrature.node_rows import (
     BASE,
@@ -110,13 +110,14 @@ def point_light(m: int, b: Array, p: Array, phong: bool, shininess: float, ks: f
 def piece_level(
     row: Array, p: Array, phong: bool, shininess: float, gleaming: bool, step: int, b: Array
 ) -> int:  # fmt: skip
-    """The disk rule of a piece under a whole disk: that of its nearest node, the highest one."""
+    """The disk rule of a piece under a whole disk: that of its nearest node, the highest one; -1 where none serves."""
     nearest = math.inf
     first = int(row[FIRST])
     for q in range(first, first + int(row[COUNT])):
         x, y, z = p[0] - b[PLACE + q], p[1] - b[PLACE + NODES + q], p[2] - b[PLACE + 2 * NODES + q]
         nearest = min(nearest, x * x + y * y + z * z)
-    return disk_level(step, disk_log(math.sqrt(nearest), p[DISK_RADIUS], phong, shininess if gleaming else 0.0))
+    log_rho = disk_log(math.sqrt(nearest), p[DISK_RADIUS], phong, shininess if gleaming else 0.0)
+    return disk_level(step, log_rho) if served(step, log_rho) else -1
 
 
 @jitable
@@ -183,7 +184,7 @@ def add_disk(m: int, p: Array, ks: float, opened: bool, b: Array) -> None:
 
 @inlined
 def cut_disk(i: int, row: Array, state: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
-    """Add to SUM what disk light ``i`` adds to a piece from which it is partly hidden, node by node."""
+    """Add to SUM what disk light ``i`` adds to a piece from which it is partly hidden or which no rule serves."""
     b, p = work.nodes, view.points[i]
     first = int(row[FIRST])
     for q in range(first, first + int(row[COUNT])):
@@ -208,13 +209,15 @@ def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work
     piece = 0
     while piece < pieces:
         state = int(work.lit[int(table[piece, CELL]), i])
-        if state == DARK or state >= PARTLY:
+        rule = -1
+        if state != DARK and state < PARTLY:
+            rule = piece_level(table[piece], p, phong, shininess, gleaming, step, work.nodes)
+        if rule < 0:
             if state != DARK:
                 cut_disk(i, table[piece], state, step, ks, view, work, gauss)
             piece += 1
             continue
         first, start, count = piece, int(table[piece, FIRST]), 0
-        rule = piece_level(table[piece], p, phong, shininess, gleaming, step, work.nodes)
         alike = True
         while alike:
             count += int(table[piece, COUNT])

@@ -25,7 +25,7 @@ from symrender.chambers.work import CASTERS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_arcs import ARC, ARC_LOG, arc_point, arc_side, corners, radial_log
 from symrender.quadrature.disk_curves import BALL, BOUNDS, CONE, CURVES, EVENTS, LINE, TERMINATOR, disk_curves
-from symrender.quadrature.disk_term import disk_log
+from symrender.quadrature.disk_term import disk_log, served
 from symrender.quadrature.gauss import DISK_STARTS, disk_level, fitting
 from symrender.quadrature.light_term import light_term
 from symrender.quadrature.tangent_light import BAR_ROWS, offset_gradient
@@ -173,7 +173,7 @@ def arc_gradient(
 ) -> None:  # fmt: skip
     """Add the part of a disk that none of the first ``n`` curves of ``work.disk`` hides; nodes as in ``arc_term``."""
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    if n == 0:
+    if n == 0 and served(step, log_rho):
         rule = disk_level(step, log_rho)
         for k in range(DISK_STARTS[rule], DISK_STARTS[rule + 1]):
             disk_node(
