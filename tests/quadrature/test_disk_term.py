@@ -38,7 +38,7 @@ def mean(a: SceneArrays, q, normal, view, own: int, step: int = 9) -> tuple[int,
     state = light_state(0, *q, *normal, seen, work)
     if state == DARK:
         return state, np.zeros(2)
-    return state, np.array(disk_term(0, state, *q, *normal, *view, step, seen, work, TABLE))
+    return state, np.array(disk_term(0, state, *q, *normal, *view, step, True, seen, work, TABLE))
 
 
 def random_world(rng: np.random.Generator) -> tuple[SceneArrays, np.ndarray, np.ndarray, np.ndarray, int]:

@@ -74,7 +74,7 @@ class Place:
         state = self.state()
         if state == DARK:
             return np.zeros(2)
-        return np.array(disk_term(0, state, *self.q, *self.n, *self.v, STEP, *self.parts(), GAUSS))
+        return np.array(disk_term(0, state, *self.q, *self.n, *self.v, STEP, True, *self.parts(), GAUSS))
 
     def gradient(self) -> np.ndarray:
         """The table of ``disk_gradient``."""

@@ -13,7 +13,6 @@ from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_qu
 from symrender.chambers.roots import circle_roots, quadratic_roots, quartic_roots
 from symrender.chambers.walls import (
     BALL,
-    BETA_MAX,
     COS,
     DIRECTION,
     FLOOR_CUT,
@@ -82,28 +81,29 @@ def wall_level(i: int, x: float, c: float, s: float, work: Work) -> float:
 
 
 @inlined
+def rim_sines(c: float, s: float, geo: Array) -> tuple[float, float, int, int]:
+    """Part of the line inside the lobe as sines of inner coordinates (low, high), and what bounds it.
+
+    low > high if there is none.
+    """
+    k = geo[RATIO]
+    found, c1, s1, c2, s2 = circle_roots(geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_COS], geo[RIM_SIN], c, s)
+    # the lobe is at most a half space: the line leaves it at most pi beyond where it enters
+    if not found or (s1 > 0.0 and (c1 <= 0.0 or s1 >= k)) or (s1 <= 0.0 and s2 <= 0.0 and not (c1 > 0.0 and c2 < 0.0)):
+        return 1.0, 0.0, RIM_LOW, RIM_HIGH
+    low, high, first, last = 0.0, 1.0, POLE_END, LIMB
+    if s1 > 0.0:
+        low, first = s1 / k, RIM_LOW
+    if c2 > 0.0 and s2 < k:
+        high, last = s2 / k, RIM_HIGH
+    return low, high, first, last
+
+
+@jitable
 def rim_interval(c: float, s: float, geo: Array) -> tuple[float, float, int, int]:
     """Part of the line inside the lobe as inner coordinates (low, high) and what bounds it; low > high if none."""
-    a, b, t = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2] * c, geo[LOBE_BETA + 2] * s
-    disc = (geo[RIM_SIN] - t) * (geo[RIM_SIN] + t)
-    if not disc > 0.0:
-        return 1.0, 0.0, RIM_LOW, RIM_HIGH
-    middle = math.atan2(b, a)
-    half = math.atan2(math.sqrt(disc), geo[RIM_COS])
-    low, high = middle - half, middle + half
-    k = geo[RATIO]
-    first, last = RIM_LOW, RIM_HIGH
-    if low <= 0.0:
-        low, first = 0.0, POLE_END
-    elif low < geo[BETA_MAX]:
-        low = math.asin(min(1.0, math.sin(low) / k))
-    else:
-        return 1.0, 0.0, RIM_LOW, RIM_HIGH
-    if high >= geo[BETA_MAX]:
-        high, last = HALF_PI, LIMB
-    elif high > 0.0:
-        high = math.asin(min(1.0, math.sin(high) / k))
-    return low, high, first, last
+    low, high, first, last = rim_sines(c, s, geo)
+    return math.asin(low), math.asin(high), first, last
 
 
 @inlined
@@ -210,14 +210,15 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array, keep: bool = F
     """
     work.counts[LINES] += 1
     c, s = math.cos(phi), math.sin(phi)
-    low, high, first, last = rim_interval(c, s, work.geo)
+    low_s, high_s, first, last = rim_sines(c, s, work.geo)
     work.counts[CELLS] = 0
-    if not low < high:
+    if not low_s < high_s:
         return 0
+    low, high = math.asin(low_s), math.asin(high_s)
+    low_c, high_c = math.sqrt((1.0 - low_s) * (1.0 + low_s)), math.sqrt((1.0 - high_s) * (1.0 + high_s))
     n = 0
     walls, root_x, root_id = work.walls, work.root_x, work.root_id
     ratio = work.geo[RATIO]
-    low_s, low_c, high_s, high_c = math.sin(low), math.cos(low), math.sin(high), math.cos(high)
     for i in range(min(work.counts[WALLS], walls.shape[0])):
         if walls[i, KIND] == NORMAL:
             found, c1, s1, c2, s2 = circle_roots(

@@ -17,7 +17,7 @@ MAX_WALLS: Final = 512
 MAX_ROOTS: Final = 1024
 NODES: Final = 168
 """Quadrature nodes evaluated together; not a power of two, or their rows would contend for the same cache lines."""
-NODE_ROWS: Final = 25
+NODE_ROWS: Final = 31
 PENDING: Final = 3 * NODES
 """Rows for pieces of lines that wait to be evaluated."""
 

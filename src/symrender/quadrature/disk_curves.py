@@ -15,24 +15,32 @@ import numpy.typing as npt
 from symrender.chambers.penumbra import (
     CLEAR,
     COVERS,
+    CUTS,
     DISK_AXIS,
     DISK_E1,
     DISK_E2,
     DISK_RADIUS,
-    TOUCHES,
-    cover,
+    WITHIN,
+    segment_distance2,
 )
 from symrender.chambers.walls import SHAPE_INDEX, SIDE
 from symrender.chambers.work import CASTERS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import FLOOR_PRESENT
 
 Array = npt.NDArray[np.float64]
 
 # columns: k0 + k1 a + k2 b + k11 a^2 + 2 k12 a b + k22 b^2, what the curve bounds, the index of its ball, the points
-# of a cone's conic as of ``add_generators``
+# of a cone's conic as of ``add_generators``, its points on the disk's circle
 BOUNDS: Final = 6
 ALONG: Final = 8
+MEETS: Final = 17
+"""How many they are: none for curves from ``BALL`` on, which are not asked."""
+ON_CIRCLE: Final = 18
+"""Their angles on the circle ..."""
+ON_CONE: Final = 22
+"""and those of a cone's generators through them."""
+MOST_MEETS: Final = 4
 CONE: Final = 0.0
 """The cone about a ball between Q and the disk."""
 TERMINATOR: Final = 1.0
@@ -50,6 +58,8 @@ EVENTS: Final = 0
 BREAKS: Final = 1
 CURVES: Final = 2
 TURNS: Final = 16
+HALF_TURN: Final = 0.198912367379658
+"""tan(pi/TURNS): half a step between samples of ``trig_roots``."""
 
 
 @jitable
@@ -66,71 +76,106 @@ def insert(values: Array, count: int, value: float) -> int:
 
 
 @jitable
+def quartic_root(
+    q0: float, q1: float, q2: float, q3: float, q4: float, low: float, high: float, rises: bool
+) -> float:  # fmt: skip
+    """The root between ``low`` and ``high``, where the quartic's signs differ: Newton's method in a bracket."""
+    below = q0 + low * (q1 + low * (q2 + low * (q3 + low * q4)))
+    above = q0 + high * (q1 + high * (q2 + high * (q3 + high * q4)))
+    u = 0.5 * (low + high)
+    if below * above < 0.0:
+        u = (low * above - high * below) / (above - below)
+    for _ in range(60):
+        f = q0 + u * (q1 + u * (q2 + u * (q3 + u * q4)))
+        slope = q1 + u * (2.0 * q2 + u * (3.0 * q3 + u * 4.0 * q4))
+        if (f > 0.0) == rises:
+            high = u
+        else:
+            low = u
+        moved = u - f / slope
+        if not low <= moved <= high:
+            moved = 0.5 * (low + high)
+        near = abs(moved - u) < 1e-10
+        u = moved
+        if near:
+            break
+    return u
+
+
+@jitable
+def insert_angle(out: Array, count: int, t: float) -> int:
+    """Insert an angle, taken into [0, 2 pi)."""
+    if t < 0.0:
+        t += 2.0 * math.pi
+    if t >= 2.0 * math.pi:
+        t -= 2.0 * math.pi
+    return insert(out, count, t)
+
+
+@jitable
 def trig_roots(
     k0: float, k1: float, k2: float, k11: float, k12: float, k22: float, out: Array, count: int
 ) -> int:  # fmt: skip
     """Insert the t in [0, 2 pi) with k0 + k1 c + k2 s + k11 c^2 + 2 k12 c s + k22 s^2 = 0, c = cos t, s = sin t.
 
-    Sign changes between samples, and turning points between samples that lie beyond zero; new count of ``out``.
+    Sign changes between samples, and turning points between samples that lie beyond zero; new count of ``out``. Beside
+    a sample t1 the polynomial times (1 + u^2)^2 is a quartic in u = tan((t - t1)/2), of the same sign.
     """
+    if k11 == 0.0 and k12 == 0.0 and k22 == 0.0:
+        size = math.sqrt(k1 * k1 + k2 * k2)
+        if abs(k0) < size:
+            middle, half = math.atan2(k2, k1), math.atan2(math.sqrt((size - k0) * (size + k0)), -k0)
+            count = insert_angle(out, count, middle - half)
+            count = insert_angle(out, count, middle + half)
+        return count
     h1, h2, h3 = 0.9238795325112867, 0.7071067811865476, 0.3826834323650898
     table = (1.0, h1, h2, h3, 0.0, -h3, -h2, -h1, -1.0, -h1, -h2, -h3, 0.0, h3, h2, h1)
     step = 2.0 * math.pi / TURNS
-    t0 = t1 = f0 = f1 = f = middle = 0.0
+    f0 = f1 = 0.0
     for k in range(TURNS + 2):
-        t2 = k * step
         c, s = table[k % TURNS], table[(k + 12) % TURNS]
         f2 = k0 + k1 * c + k2 * s + k11 * c * c + 2.0 * k12 * c * s + k22 * s * s
-        pieces = 0
-        if 0 < k <= TURNS and f1 * f2 < 0.0:
-            pieces = 1
-        elif k > 1 and f0 * f1 > 0.0 and f1 * f2 > 0.0 and abs(f1) < abs(f0) and abs(f1) <= abs(f2):
-            middle = t1 + 0.5 * step * (f0 - f2) / (f0 - 2.0 * f1 + f2)
-            for _ in range(4):
-                c, s = math.cos(middle), math.sin(middle)
-                slope = -k1 * s + k2 * c + (k22 - k11) * 2.0 * c * s + 2.0 * k12 * (c * c - s * s)
-                curvature = -k1 * c - k2 * s + 2.0 * (k22 - k11) * (c * c - s * s) - 8.0 * k12 * c * s
-                if curvature == 0.0:
-                    break
-                move = slope / curvature
-                middle = max(t0, min(t2, middle - move))
-                if abs(move) < 1e-9:
-                    break
-            c, s = math.cos(middle), math.sin(middle)
-            f = k0 + k1 * c + k2 * s + k11 * c * c + 2.0 * k12 * c * s + k22 * s * s
-            if f * f1 < 0.0:
-                pieces = 2
-        for i in range(pieces):
-            if pieces == 1:
-                a, b, fa, fb = t1, t2, f1, f2
-            elif i == 0:
-                a, b, fa, fb = t0, middle, f0, f
+        crosses = 0 < k <= TURNS and f1 * f2 < 0.0
+        turns = k > 1 and f0 * f1 > 0.0 and f1 * f2 > 0.0 and abs(f1) < abs(f0) and abs(f1) <= abs(f2)
+        if crosses or turns:
+            t, c, s = (k - 1) * step, table[(k + TURNS - 1) % TURNS], table[(k + 11) % TURNS]
+            m1, m2 = k1 * c + k2 * s, k2 * c - k1 * s
+            m11 = k11 * c * c + 2.0 * k12 * c * s + k22 * s * s
+            m12 = (k22 - k11) * c * s + k12 * (c - s) * (c + s)
+            m22 = k11 * s * s - 2.0 * k12 * c * s + k22 * c * c
+            q0, q2, q4 = k0 + m1 + m11, 2.0 * (k0 - m11) + 4.0 * m22, k0 - m1 + m11
+            q1, q3 = 2.0 * m2 + 4.0 * m12, 2.0 * m2 - 4.0 * m12
+            if crosses:
+                u = quartic_root(q0, q1, q2, q3, q4, 0.0, HALF_TURN, f2 > 0.0)
+                count = insert_angle(out, count, t + 2.0 * math.atan(u))
             else:
-                a, b, fa, fb = middle, t2, f, f2
-            for _ in range(50):
-                t = (a * fb - b * fa) / (fb - fa)
-                c, s = math.cos(t), math.sin(t)
-                g = k0 + k1 * c + k2 * s + k11 * c * c + 2.0 * k12 * c * s + k22 * s * s
-                move = abs(t - b)
-                if g * fb < 0.0:
-                    a, fa = b, fb
-                else:
-                    fa *= 0.5
-                b, fb = t, g
-                if g == 0.0 or move < 1e-13:
-                    break
-            count = insert(out, count, b % (2.0 * math.pi))
-        t0, f0, t1, f1 = t1, f1, t2, f2
+                u = 0.5 * HALF_TURN * (f0 - f2) / (f0 - 2.0 * f1 + f2)
+                for _ in range(4):
+                    slope = q1 + u * (2.0 * q2 + u * (3.0 * q3 + u * 4.0 * q4))
+                    curvature = 2.0 * q2 + u * (6.0 * q3 + u * 12.0 * q4)
+                    if curvature == 0.0:
+                        break
+                    move = slope / curvature
+                    u = max(-HALF_TURN, min(HALF_TURN, u - move))
+                    if abs(move) < 1e-9:
+                        break
+                if f1 * (q0 + u * (q1 + u * (q2 + u * (q3 + u * q4)))) < 0.0:
+                    for i in range(2):
+                        low, high = (-HALF_TURN, u) if i == 0 else (u, HALF_TURN)
+                        root = quartic_root(q0, q1, q2, q3, q4, low, high, (f1 > 0.0) == (i == 1))
+                        count = insert_angle(out, count, t + 2.0 * math.atan(root))
+        f0, f1 = f1, f2
     return count
 
 
 @jitable
 def add_generators(
-    row: Array, p: Array, qx: float, qy: float, qz: float, ox: float, oy: float, oz: float, radius: float
+    row: Array, p: Array, yx: float, yy: float, yz: float, ox: float, oy: float, oz: float, radius: float
 ) -> None:  # fmt: skip
     """Write the cone about the ball at offset o from Q as points of the disk's plane: columns ``ALONG`` and on.
 
-    (a, b) = (X/Z, Y/Z) with X, Y, Z linear in (1, cos t, sin t), t the angle of a generator about the cone's axis.
+    (a, b) = (X/Z, Y/Z) with X, Y, Z linear in (1, cos t, sin t), t the angle of a generator about the cone's axis. Then
+    the t of the generators that meet the disk's circle; the disk's centre is at offset y.
     """
     far = math.sqrt(ox * ox + oy * oy + oz * oz)
     cx, cy, cz = ox / far, oy / far, oz / far
@@ -144,7 +189,6 @@ def add_generators(
     sine = radius / far
     cosine = math.sqrt(max(0.0, (1.0 - sine) * (1.0 + sine)))
     rho = p[DISK_RADIUS]
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
     height = yx * p[DISK_AXIS] + yy * p[DISK_AXIS + 1] + yz * p[DISK_AXIS + 2]
     y1 = yx * p[DISK_E1] + yy * p[DISK_E1 + 1] + yz * p[DISK_E1 + 2]
     y2 = yx * p[DISK_E2] + yy * p[DISK_E2 + 1] + yz * p[DISK_E2 + 2]
@@ -162,9 +206,56 @@ def add_generators(
         row[ALONG + k] = side * (height * w1 - y1 * along) / rho
         row[ALONG + 3 + k] = side * (height * w2 - y2 * along) / rho
         row[ALONG + 6 + k] = side * along
+    for k in range(int(row[MEETS])):
+        x, y, z = circle_offset(row[ON_CIRCLE + k], p, yx, yy, yz)
+        row[ON_CONE + k] = math.atan2(x * gx + y * gy + z * gz, x * fx + y * fy + z * fz)
 
 
 @jitable
+def circle_offset(t: float, p: Array, yx: float, yy: float, yz: float) -> tuple[float, float, float]:
+    """Offset from Q of a point of the disk's circle; that of its centre is y."""
+    a, b = p[DISK_RADIUS] * math.cos(t), p[DISK_RADIUS] * math.sin(t)
+    return (
+        yx + a * p[DISK_E1] + b * p[DISK_E2],
+        yy + a * p[DISK_E1 + 1] + b * p[DISK_E2 + 1],
+        yz + a * p[DISK_E1 + 2] + b * p[DISK_E2 + 2],
+    )
+
+
+@jitable
+def add_cone(
+    row: Array, p: Array, yx: float, yy: float, yz: float, ox: float, oy: float, oz: float, radius: float
+) -> int:  # fmt: skip
+    """Complete a row that holds the level of the cone about the ball at offset o: what the ball hides of the disk.
+
+    The disk's centre is at offset y. The same as ``cover`` says of a ball that does not touch the disk, by the points
+    in which the cone meets the disk's circle.
+    """
+    row[BOUNDS] = CONE
+    row[MEETS] = trig_roots(row[0], row[1], row[2], row[3], row[4], row[5], row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
+    if row[MEETS] == 0.0 and row[0] + row[1] + row[3] >= 0.0:
+        # the cone misses the circle: it lies within the disk or passes beside it
+        along = ox * p[DISK_AXIS] + oy * p[DISK_AXIS + 1] + oz * p[DISK_AXIS + 2]
+        height = yx * p[DISK_AXIS] + yy * p[DISK_AXIS + 1] + yz * p[DISK_AXIS + 2]
+        if along * height <= 0.0:
+            return CLEAR
+        t, rho = height / along, p[DISK_RADIUS]
+        if t <= 1.0 or (t * ox - yx) ** 2 + (t * oy - yy) ** 2 + (t * oz - yz) ** 2 >= rho * rho:
+            return CLEAR
+        add_generators(row, p, yx, yy, yz, ox, oy, oz, radius)
+        return WITHIN
+    # all lines to the circle that meet the ball meet it before the disk or none does
+    x, y, z = circle_offset(row[ON_CIRCLE] if row[MEETS] > 0.0 else 0.0, p, yx, yy, yz)
+    along = x * ox + y * oy + z * oz
+    if not 0.0 < along < x * x + y * y + z * z:
+        return CLEAR
+    if row[MEETS] == 0.0:
+        return COVERS
+    add_generators(row, p, yx, yy, yz, ox, oy, oz, radius)
+    return CUTS
+
+
+@inlined
 def disk_curves(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
 ) -> int:  # fmt: skip
@@ -186,12 +277,10 @@ def disk_curves(
         if work.casters[c, 0] != i or n + 2 > curves.shape[0]:
             continue
         ball = view.spheres[work.casters[c, 1]]
-        how = cover(qx, qy, qz, p, ball[0], ball[1], ball[2], ball[3])
-        if how == COVERS:
-            return -1
-        if how == CLEAR:
-            continue
         ox, oy, oz = ball[0] - qx, ball[1] - qy, ball[2] - qz
+        reach = ball[3] + rho
+        if segment_distance2(qx, qy, qz, yx, yy, yz, ball[0], ball[1], ball[2]) >= reach * reach:
+            continue
         c2 = ox * ox + oy * oy + oz * oz
         power, m = (c2 - ball[3] * ball[3]) / (c2 * far2), (yx * ox + yy * oy + yz * oz) / (c2 * far2)
         scale = 1.0 / (c2 * far2)
@@ -203,29 +292,35 @@ def disk_curves(
         row[3] = rho * rho * (power - scale * c1 * c1)
         row[4] = -rho * rho * scale * c1 * d1
         row[5] = rho * rho * (power - scale * d1 * d1)
-        row[BOUNDS] = BALL if how == TOUCHES else CONE
         row[BOUNDS + 1] = work.casters[c, 1]
-        add_generators(row, p, qx, qy, qz, ox, oy, oz, ball[3])
-        n += 1
-        if how == TOUCHES:
-            n = add_circle_curve(curves, n, p, ball, EDGE)
+        if (ball[0] - p[0]) ** 2 + (ball[1] - p[1]) ** 2 + (ball[2] - p[2]) ** 2 <= reach * reach:
+            row[BOUNDS] = BALL
+            n = add_circle_curve(curves, n + 1, p, ball, EDGE)
+            continue
+        how = add_cone(row, p, yx, yy, yz, ox, oy, oz, ball[3])
+        if how == COVERS:
+            return -1
+        if how != CLEAR:
+            n += 1
     if j >= 0:
         own = view.spheres[j]
         reach = own[3] + rho
         if (p[0] - own[0]) ** 2 + (p[1] - own[1]) ** 2 + (p[2] - own[2]) ** 2 < reach * reach and n < curves.shape[0]:
             n = add_circle_curve(curves, n, p, own, OWN)
-    if view.floor[FLOOR_PRESENT] != 0.0 and abs(p[2]) < rho * math.hypot(e1z, e2z) and n < curves.shape[0]:
+    if view.floor[FLOOR_PRESENT] != 0.0 and abs(p[2]) < rho * math.sqrt(e1z * e1z + e2z * e2z) and n < curves.shape[0]:
         up = 1.0 if (qz if j >= 0 else work.geo[SIDE]) >= 0.0 else -1.0
         row = curves[n]
         row[0], row[1], row[2], row[BOUNDS] = up * p[2], up * rho * e1z, up * rho * e2z, LINE
         row[3] = row[4] = row[5] = 0.0
+        row[MEETS] = trig_roots(row[0], row[1], row[2], 0.0, 0.0, 0.0, row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
         n += 1
     n1, n2 = nx * e1x + ny * e1y + nz * e1z, nx * e2x + ny * e2y + nz * e2z
     lift = yx * nx + yy * ny + yz * nz
-    if abs(lift) < rho * math.hypot(n1, n2) and n < curves.shape[0]:
+    if abs(lift) < rho * math.sqrt(n1 * n1 + n2 * n2) and n < curves.shape[0]:
         row = curves[n]
         row[0], row[1], row[2], row[BOUNDS] = lift, rho * n1, rho * n2, TERMINATOR
         row[3] = row[4] = row[5] = 0.0
+        row[MEETS] = trig_roots(row[0], row[1], row[2], 0.0, 0.0, 0.0, row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
         n += 1
     return n
 

@@ -12,12 +12,22 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers import labels, penumbra, roots
+from symrender.chambers import work as work_module
 from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE
 from symrender.chambers.work import CASTERS, View, Work, work_arrays
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature import disk_arcs, disk_chords, disk_curves, disk_term, gauss, light_term
+from symrender.quadrature import (
+    disk_arcs,
+    disk_chords,
+    disk_curves,
+    disk_points,
+    disk_term,
+    gauss,
+    light_term,
+    node_rows,
+)
 from symrender.quadrature.disk_term import disk_term as mean_over_disk
 from symrender.quadrature.gauss import LEVELS, gauss_table
 from symrender.quadrature.light_points import light_rows
@@ -66,6 +76,7 @@ def direct_kernel(
     table: Array, direct: Array, error: Array,
 ) -> None:  # fmt: skip
     """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``."""
+    shine = view.shading[2] != 0.0
     for k in range(points.shape[0]):
         qx, qy, qz = points[k, 0], points[k, 1], points[k, 2]
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
@@ -84,8 +95,12 @@ def direct_kernel(
             state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
             if state == DARK:
                 continue
-            d0, s0 = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, view, work, table)
-            d, s = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step + 1, view, work, table)
+            d = s = d0 = s0 = 0.0
+            for finer in range(2):
+                d0, s0 = d, s
+                d, s = mean_over_disk(
+                    i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step + finer, shine, view, work, table
+                )  # fmt: skip
             change = 0.0
             for c in range(3):
                 lambert, shine = view.shading[1] * albedo[k, c] * p[3 + c], view.shading[2] * p[3 + c]
@@ -97,8 +112,8 @@ def direct_kernel(
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
     modules = (
-        labels, penumbra, roots, disk_arcs, disk_chords, disk_curves, disk_term, gauss, light_term,
-        sys.modules[__name__],
+        labels, penumbra, roots, work_module, disk_arcs, disk_chords, disk_curves, disk_points, disk_term, gauss,
+        light_term, node_rows, sys.modules[__name__],
     )  # fmt: skip
     return compiled(direct_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
 

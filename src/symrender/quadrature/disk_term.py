@@ -14,14 +14,14 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
-from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
+from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_arcs import arc_term
 from symrender.quadrature.disk_chords import chord_term
 from symrender.quadrature.disk_curves import BALL, BOUNDS, CURVES, TERMINATOR, disk_curves
-from symrender.quadrature.gauss import DISK_STARTS, disk_level
-from symrender.quadrature.light_term import light_term
+from symrender.quadrature.disk_points import whole_disk
+from symrender.quadrature.gauss import DISK_DEGREES, LEVELS, disk_level
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -41,59 +41,66 @@ def disk_log(distance: float, radius: float, phong: bool, shininess: float) -> f
 
 
 @jitable
-def clear_term(
-    p: Array, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    phong: bool, shininess: float, rule: int, gauss: Array,
-) -> tuple[float, float]:  # fmt: skip
-    """(mean of N.l, mean of s) over the whole disk, whose centre is at offset y from Q."""
-    rho = p[DISK_RADIUS]
-    cosine, gleam = 0.0, 0.0
-    for k in range(DISK_STARTS[rule], DISK_STARTS[rule + 1]):
-        a, b, w = rho * gauss[0, k], rho * gauss[1, k], gauss[2, k]
-        d, s = light_term(
-            yx + a * p[DISK_E1] + b * p[DISK_E2], yy + a * p[DISK_E1 + 1] + b * p[DISK_E2 + 1],
-            yz + a * p[DISK_E1 + 2] + b * p[DISK_E2 + 2], nx, ny, nz, vx, vy, vz, phong, shininess,
-        )  # fmt: skip
-        cosine += w * d
-        gleam += w * s
-    return cosine, gleam
+def served(step: int, log_rho: float) -> bool:
+    """Whether a rule of the whole disk is as good as ``step`` asks; the boundary's rule goes further."""
+    return bool((DISK_DEGREES[-1] + 1) * log_rho >= LEVELS[step])
 
 
 @jitable
+def cut_or_whole(
+    p: Array, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
+    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, disk: Array, b: Array,
+    gauss: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``work.disk`` hides."""
+    if n > 0 or not served(step, log_rho):
+        return arc_term(
+            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming, disk, b, gauss
+        )  # fmt: skip
+    return whole_disk(
+        p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, disk_level(step, log_rho), b, gauss
+    )  # fmt: skip
+
+
+@inlined
 def disk_term(
     i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
-    vz: float, step: int, view: View, work: Work, gauss: Array,
+    vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of V max(0, N.l), mean of V s) over disk ``i`` from Q, whose state is not ``DARK``.
 
-    ``step`` chooses the orders. In scene units: 1 is a light of the disk's colour at the zenith.
+    ``step`` chooses the orders. Without ``gleaming`` the second is 0. In scene units: 1 is a light of the disk's colour
+    at the zenith.
     """
     p = view.points[i]
     phong, shininess = view.shading[4] == PHONG, view.shading[3]
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    log_rho = disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess)
     n = 0 if state < PARTLY else disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
-    if n < 0:
-        return 0.0, 0.0
-    opened = view.shading[6] == OPEN
+    # highlights need not end at the terminator
+    opened = gleaming and view.shading[6] == OPEN
     lifted = yx * nx + yy * ny + yz * nz > 0.0
-    if n == 0:
-        if not (lifted or opened):
-            return 0.0, 0.0
-        rule = disk_level(step, log_rho)
-        cosine, gleam = clear_term(p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, rule, gauss)
-        return (cosine if lifted else 0.0), gleam
-    banded = work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
+    banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
+    if n < 0 or not (lifted or banded or opened):
+        return 0.0, 0.0
+    log_rho = disk_log(
+        math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess if gleaming else 0.0
+    )  # fmt: skip
     for k in range(n):
         if work.disk[CURVES + k, BOUNDS] >= BALL:
-            return chord_term(
+            cosine, gleam = chord_term(
                 p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss
             )
+            return cosine, (gleam if gleaming else 0.0)
     cosine, gleam = 0.0, 0.0
+    beyond = opened and (banded or not lifted)
     if lifted or banded:
-        cosine, gleam = arc_term(p, n, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss)
-    if opened and (banded or not lifted):
-        # highlights do not end at the terminator
-        unbanded = n - 1 if banded else n
-        _, gleam = arc_term(p, unbanded, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss)
+        cosine, gleam = cut_or_whole(
+            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming and not beyond,
+            work.disk, work.nodes, gauss,
+        )  # fmt: skip
+    if beyond:
+        _, gleam = cut_or_whole(
+            p, n - 1 if banded else n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, True,
+            work.disk, work.nodes, gauss,
+        )  # fmt: skip
     return cosine, gleam

@@ -24,6 +24,9 @@ MIDDLE: Final = 4 + BLOCK_LEVELS
 LEVELS: Final = (1.0, 2.7, 4.7, 7.0, 10.0, 13.5, 17.5, 22.0, 27.0, 33.0)
 """Aimed-at error exponents of the successive orders of a piece."""
 
+FALLS: Final = tuple(math.exp(-level) for level in LEVELS)
+"""The error factors of these exponents."""
+
 
 DISK_DEGREES: Final = (1, 3, 5, 7, 11, 15, 19, 27)
 """Degrees of the disk rules: 1, 4, 7, 16, 36, 64, 100 and 196 points."""

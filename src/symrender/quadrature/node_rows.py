@@ -2,7 +2,8 @@
 
 A loop body has no branch and no call, and the rows lie in one flat array at constant distances: only then does the
 compiler see that iterations are independent. Every operation is the scalar one, so a node's value does not depend on
-its neighbours. What has no such form (disk lights, marble, powers that are not whole) is done node by node.
+its neighbours. What has no such form (marble, powers that are not whole) is done node by node. What lights add is in
+``quadrature/light_nodes.py``.
 """
 
 from __future__ import annotations
@@ -12,15 +13,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import DARK, GLINT
-from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import EXPONENT, LOG_NORMALISER
-from symrender.chambers.work import NODES, View, Work
+from symrender.chambers.work import NODES
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.gauss import LEVELS
+from symrender.quadrature.gauss import FALLS
 from symrender.quadrature.light_term import MOST_SQUARED
-from symrender.scene.arrays import PHONG
 
 Array = npt.NDArray[np.float64]
 
@@ -49,7 +46,7 @@ FACTOR = 18 * NODES
 SUM = 21 * NODES
 """Three rows: the radiance."""
 NEAR = 24 * NODES
-"""What a shorter taper weighs by, over what ``WEIGHT`` does."""
+"""What a shorter taper weighs by, over what ``WEIGHT`` does. Rows from 25 on are of ``quadrature/disk_points.py``."""
 
 # columns of ``Work.pieces``: a stretch of a line under one Gauss rule
 CELL = 0
@@ -145,7 +142,7 @@ def densities(m: int, step: int, b: Array, geo: Array) -> None:
     """
     m = min(m, NODES)
     n, log_w = geo[EXPONENT], geo[LOG_NORMALISER]
-    if n <= MOST_WHOLE and n == math.floor(n) and NOISE * n < math.exp(-LEVELS[step]):
+    if n <= MOST_WHOLE and n == math.floor(n) and NOISE * n < FALLS[step]:
         for i in range(m):
             b[BASE + i] = max(0.0, 1.0 - 0.5 * b[CHORD + i])
         powers(m, b, n)
@@ -162,106 +159,3 @@ def densities(m: int, step: int, b: Array, geo: Array) -> None:
         c = -0.5 * b[CHORD + i]
         b[POWER + i] = 0.0 if c <= -1.0 else math.exp(n * math.log1p(c) - log_w)
         b[WEIGHT + i] *= b[POWER + i]
-
-
-@inlined
-def mark_states(m: int, pieces: int, i: int, work: Work) -> bool:
-    """Fill CLEAR and SHINING of light ``i`` from the labels of the nodes' cells; whether any node sees it."""
-    m = min(m, NODES)
-    b, table = work.nodes, work.pieces
-    state = work.lit[int(table[0, CELL]), i]
-    alike = True
-    for piece in range(1, pieces):
-        alike = alike and work.lit[int(table[piece, CELL]), i] == state
-    if alike:
-        clear, shining = 1.0 if state > GLINT else 0.0, 1.0
-        for q in range(m):
-            b[CLEAR + q] = clear
-            b[SHINING + q] = shining
-        return bool(state != DARK)
-    for piece in range(pieces):
-        state = work.lit[int(table[piece, CELL]), i]
-        clear, shining = 1.0 if state > GLINT else 0.0, 0.0 if state == DARK else 1.0
-        first = int(table[piece, FIRST])
-        for q in range(first, first + int(table[piece, COUNT])):
-            b[CLEAR + q] = clear
-            b[SHINING + q] = shining
-    return True
-
-
-@jitable
-def point_light(m: int, b: Array, p: Array, phong: bool, shininess: float, ks: float) -> None:
-    """Add to SUM what a light point ``p`` (a row of ``light_rows``) adds to the marked nodes: see ``light_term``."""
-    m = min(m, NODES)
-    x, y, z, red, green, blue = p[0], p[1], p[2], p[3], p[4], p[5]
-    if ks == 0.0:
-        for i in range(m):
-            lx, ly, lz = x - b[PLACE + i], y - b[PLACE + NODES + i], z - b[PLACE + 2 * NODES + i]
-            dot = lx * b[NORMAL + i] + ly * b[NORMAL + NODES + i] + lz * b[NORMAL + 2 * NODES + i]
-            b[CLEAR + i] *= dot / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-            b[SHINING + i] = 0.0
-    elif phong:
-        for i in range(m):
-            lx, ly, lz = x - b[PLACE + i], y - b[PLACE + NODES + i], z - b[PLACE + 2 * NODES + i]
-            nx, ny, nz = b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i]
-            vx, vy, vz = b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i]
-            inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-            cosine = (lx * nx + ly * ny + lz * nz) * inv
-            mirrored = 2.0 * cosine * (nx * vx + ny * vy + nz * vz) - (lx * vx + ly * vy + lz * vz) * inv
-            b[CLEAR + i] *= cosine
-            b[BASE + i] = min(1.0, max(0.0, mirrored))
-    else:
-        for i in range(m):
-            lx, ly, lz = x - b[PLACE + i], y - b[PLACE + NODES + i], z - b[PLACE + 2 * NODES + i]
-            nx, ny, nz = b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i]
-            inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-            lx, ly, lz = lx * inv, ly * inv, lz * inv
-            hx, hy, hz = lx + b[VIEW + i], ly + b[VIEW + NODES + i], lz + b[VIEW + 2 * NODES + i]
-            half = (hx * nx + hy * ny + hz * nz) / math.sqrt(max(hx * hx + hy * hy + hz * hz, 1e-300))
-            b[CLEAR + i] *= lx * nx + ly * ny + lz * nz
-            b[BASE + i] = min(1.0, max(0.0, half))
-    if ks != 0.0:
-        powers(m, b, shininess)
-        for i in range(m):
-            b[SHINING + i] *= ks * b[POWER + i]
-    for i in range(m):
-        clear, shining = b[CLEAR + i], b[SHINING + i]
-        b[SUM + i] += red * (b[FACTOR + i] * clear + shining)
-        b[SUM + NODES + i] += green * (b[FACTOR + NODES + i] * clear + shining)
-        b[SUM + 2 * NODES + i] += blue * (b[FACTOR + 2 * NODES + i] * clear + shining)
-
-
-@jitable
-def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
-    """The same of disk light ``i``, node by node."""
-    b, table = work.nodes, work.pieces
-    p = view.points[i]
-    for piece in range(pieces):
-        state = int(work.lit[int(table[piece, CELL]), i])
-        if state == DARK:
-            continue
-        first = int(table[piece, FIRST])
-        for q in range(first, first + int(table[piece, COUNT])):
-            cosine, gleam = disk_term(
-                i, state, b[PLACE + q], b[PLACE + NODES + q], b[PLACE + 2 * NODES + q], b[NORMAL + q],
-                b[NORMAL + NODES + q], b[NORMAL + 2 * NODES + q], b[VIEW + q], b[VIEW + NODES + q],
-                b[VIEW + 2 * NODES + q], step, view, work, gauss,
-            )  # fmt: skip
-            if state == GLINT:
-                cosine = 0.0
-            for a in range(3):
-                b[SUM + a * NODES + q] += p[3 + a] * (b[FACTOR + a * NODES + q] * cosine + ks * gleam)
-
-
-@inlined
-def light_nodes(m: int, pieces: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
-    """Add to SUM what every light adds to the first ``m`` nodes, which the first ``pieces`` rows of pieces own.
-
-    FACTOR times the diffuse term and ``ks`` times the highlight.
-    """
-    phong, shininess = view.shading[4] == PHONG, view.shading[3]
-    for i in range(view.points.shape[0]):
-        if view.points[i, DISK_RADIUS] > 0.0:
-            disk_light(i, pieces, step, ks, view, work, gauss)
-        elif mark_states(m, pieces, i, work):
-            point_light(m, work.nodes, view.points[i], phong, shininess, ks)

@@ -33,7 +33,8 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import CELLS, EVALUATIONS, NODES, PENDING, View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes, order
+from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
+from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.light_term import marble_factor
 from symrender.quadrature.node_rows import (
     BASE,
@@ -53,7 +54,6 @@ from symrender.quadrature.node_rows import (
     VIEW,
     WEIGHT,
     densities,
-    light_nodes,
     sines,
     whole_vectors,
 )
@@ -112,7 +112,7 @@ def tail_error(n: int, last: float, before: float, middle: float, size: float, l
     """
     if size == 0.0:
         return 0.0
-    known = 4.0 * size * math.exp(-2.0 * n * log_rho)
+    known = 4.0 * size * math.exp(-2.0 * n * log_rho) if n <= 2 else 0.0
     if n == 1:
         return min(size, known)
     top = max(abs(last), 0.5 * abs(before))
@@ -351,7 +351,7 @@ def integrate_cells(
     kd = view.shading[1]
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    promise, blunt, small = 100.0 * math.exp(-LEVELS[step]), kinked(view), SMALL
+    promise, blunt, small = 100.0 * FALLS[step], kinked(view), SMALL
     for i in range(lights):
         if view.points[i, DISK_RADIUS] > 0.0:
             small = 1.0

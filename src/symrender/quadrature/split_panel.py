@@ -33,7 +33,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, EVALUATIONS, SPOTS, WALLS, View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.split_line import integrate_cells, kinked, lobe_density, tail_error
 
 Array = npt.NDArray[np.float64]
@@ -438,7 +438,7 @@ def evaluate_panel(
     for i in range(view.points.shape[0]):
         if view.points[i, DISK_RADIUS] > 0.0:
             # the rules over a disk light keep to the panel's level and err alike on every line
-            inner += 3.0 * math.exp(-LEVELS[step]) * size
+            inner += 3.0 * FALLS[step] * size
             break
     out[3] = error + inner + 1e-15 * size
     return foreign

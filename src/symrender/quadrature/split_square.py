@@ -14,6 +14,7 @@ from symrender.chambers.work import EVALUATIONS, KEPT, NODES, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
+from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.node_rows import (
     BASE,
     CELL,
@@ -31,7 +32,6 @@ from symrender.quadrature.node_rows import (
     VIEW,
     WEIGHT,
     densities,
-    light_nodes,
     whole_vectors,
 )
 from symrender.quadrature.split_line import SOFT_LOG, tail_error

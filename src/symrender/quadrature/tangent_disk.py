@@ -23,9 +23,9 @@ from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
 from symrender.chambers.tangent_walls import LIGHTS
 from symrender.chambers.work import CASTERS, View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_arcs import ARC, ARC_LOG, arc_point, arc_side, corners
+from symrender.quadrature.disk_arcs import ARC, ARC_LOG, arc_point, arc_side, corners, radial_log
 from symrender.quadrature.disk_curves import BALL, BOUNDS, CONE, CURVES, EVENTS, LINE, TERMINATOR, disk_curves
-from symrender.quadrature.disk_term import disk_log
+from symrender.quadrature.disk_term import disk_log, served
 from symrender.quadrature.gauss import DISK_STARTS, disk_level, fitting
 from symrender.quadrature.light_term import light_term
 from symrender.quadrature.tangent_light import BAR_ROWS, offset_gradient
@@ -173,11 +173,18 @@ def arc_gradient(
 ) -> None:  # fmt: skip
     """Add the part of a disk that none of the first ``n`` curves of ``work.disk`` hides; nodes as in ``arc_term``."""
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    nodes, inner = fitting(step, ARC_LOG), fitting(step, log_rho)
+    if n == 0 and served(step, log_rho):
+        rule = disk_level(step, log_rho)
+        for k in range(DISK_STARTS[rule], DISK_STARTS[rule + 1]):
+            disk_node(
+                gauss[2, k], gauss[0, k], gauss[1, k], first, last, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, view, table
+            )  # fmt: skip
+        return
+    nodes, inner = fitting(step, ARC_LOG), fitting(step, radial_log(log_rho))
     start, within = nodes * (nodes - 1) // 2, inner * (inner - 1) // 2
     turns = work.disk[EVENTS]
     for curve in range(-1, n):
-        count, closed = corners(curve, n, work, turns)
+        count, closed = corners(curve, n, work.disk, turns)
         arcs = count if closed else count - 1
         if closed and count == 0:
             turns[0] = 0.0
@@ -187,14 +194,14 @@ def arc_gradient(
             high = turns[arc + 1] if arc + 1 < count else turns[0] + 2.0 * math.pi
             if high - low < 1e-14:
                 continue
-            sense = arc_side(curve, 0.5 * (low + high), n, work)
+            sense = arc_side(curve, 0.5 * (low + high), n, work.disk)
             if sense == 0.0:
                 continue
             pieces = math.ceil((high - low) / ARC) if closed else 1
             length = (high - low) / pieces
             for piece in range(pieces):
                 for q in range(nodes):
-                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + q]), work)
+                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + q]), work.disk)
                     along = length * gauss[1, start + q] / math.pi
                     weight = sense * along * (a * db - b * da)
                     for r in range(inner):
@@ -227,39 +234,32 @@ def disk_gradient(
     p = view.points[i]
     phong, shininess = view.shading[4] == PHONG, view.shading[3]
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    log_rho = disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess)
+    log_rho = disk_log(
+        math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess if gleaming else 0.0
+    )  # fmt: skip
     n = 0 if state < PARTLY else disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
     if n < 0:
         return 0.0, 0.0, 0.0
     opened = view.shading[6] == OPEN
     lifted = yx * nx + yy * ny + yz * nz > 0.0
     most = 2 if gleaming else 1
-    if n == 0:
-        if lifted or opened:
-            rule = disk_level(step, log_rho)
-            for k in range(DISK_STARTS[rule], DISK_STARTS[rule + 1]):
-                disk_node(
-                    gauss[2, k], gauss[0, k], gauss[1, k], 0 if lifted else 1, most, p, yx, yy, yz, nx, ny, nz, vx, vy,
-                    vz, view, table,
-                )  # fmt: skip
-    else:
-        for k in range(n):
-            if work.disk[CURVES + k, BOUNDS] >= BALL:
-                table[flag, 0] = 1.0
-                return 0.0, 0.0, 0.0
-        banded = work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
-        # highlights do not end at an open terminator
-        beyond = gleaming and opened and (banded or not lifted)
-        if lifted or banded:
-            arc_gradient(
-                p, n, 0, 1 if beyond else most, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss,
-                table,
-            )  # fmt: skip
-        if beyond:
-            unbanded = n - 1 if banded else n
-            arc_gradient(
-                p, unbanded, 1, 2, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss, table
-            )  # fmt: skip
+    for k in range(n):
+        if work.disk[CURVES + k, BOUNDS] >= BALL:
+            table[flag, 0] = 1.0
+            return 0.0, 0.0, 0.0
+    banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
+    # highlights do not end at an open terminator
+    beyond = gleaming and opened and (banded or not lifted)
+    if lifted or banded:
+        arc_gradient(
+            p, n, 0, 1 if beyond else most, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss,
+            table,
+        )  # fmt: skip
+    if beyond:
+        unbanded = n - 1 if banded else n
+        arc_gradient(
+            p, unbanded, 1, 2, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss, table
+        )  # fmt: skip
     cosine, shine = functional(0, table) + NUMBERS, functional(1, table) + NUMBERS
     return table[cosine, 2], table[shine, 2], table[shine, 1]
 

@@ -223,7 +223,7 @@ def lit_sum(
         cosine = lz / math.sqrt(lx * lx + ly * ly + lz * lz)
         if disk is not None and p[DISK_RADIUS] > 0.0:
             cosine, _ = disk_term(
-                i, int(states[i]), qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step, view, work, gauss
+                i, int(states[i]), qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step, False, view, work, gauss
             )  # fmt: skip
         for a in range(3):
             out[a] += p[3 + a] * cosine

@@ -54,7 +54,7 @@ from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.light_term import light_term
 from symrender.quadrature.split_line import SOFT_LOG, cell_order, disk_edge, tail_error
 from symrender.quadrature.tangent_disk import disk_adjoint, disk_gradient, monitor
@@ -151,7 +151,8 @@ def radiance(
         )
         if disk is not None and p[DISK_RADIUS] > 0.0:
             cosine, gleam = disk_term(
-                i, int(lit[i]), qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2], step, view, work, gauss
+                i, int(lit[i]), qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2], step, shading[2] != 0.0, view,
+                work, gauss,
             )  # fmt: skip
         for a in range(3):
             albedo = factor * (view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a])
@@ -420,7 +421,7 @@ def line_adjoint(
     if not nodes:
         return
     least = order(step, SOFT_LOG)
-    promise, size = 100.0 * math.exp(-LEVELS[step]), 0.0
+    promise, size = 100.0 * FALLS[step], 0.0
     ex, ey = c * geo[6] + s * geo[9], c * geo[7] + s * geo[10]
     for cell in range(work.counts[CELLS]):
         if work.cell_side[cell] == HIDDEN:
