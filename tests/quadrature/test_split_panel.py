@@ -6,19 +6,47 @@ import math
 
 import numpy as np
 
-from symrender.chambers.events import SMOOTH
+from symrender.chambers.events import ROOT, SMOOTH
+from symrender.chambers.walls import tangent_lines
 from symrender.quadrature.gauss import LEVELS
-from symrender.quadrature.split_panel import FROM, MAX_FIRST, PANEL_COLUMNS, TO, branch_log, inside, panel_order
+from symrender.quadrature.split_panel import (
+    FROM,
+    MAX_FIRST,
+    PANEL_COLUMNS,
+    TO,
+    branch_sum,
+    ellipse_sum,
+    inside,
+    panel_order,
+)
 
 
 def test_a_circle_through_the_pole_has_no_branch_point() -> None:
-    best, axis = 3.0, np.array([0.0, math.cos(0.4), math.sin(0.4)])
+    best, axis = math.cosh(3.0), (math.cos(0.4), math.sin(0.4))
     ahead = 0.4 + 0.5 * math.pi
     for ratio in (1.0 - 2e-16, 1.0, 1.0 + 2e-16):
-        sine = ratio * math.hypot(axis[1], axis[2])
-        assert branch_log(*axis, sine, ahead + 1e-8, ahead + 1.0, SMOOTH, SMOOTH, best) == best
+        touching = tangent_lines(*axis, ratio * math.hypot(*axis))
+        assert branch_sum(*touching, ahead + 1e-8, ahead + 1.0, SMOOTH, SMOOTH, best) == best
     # one that passes it by is tangent to scan lines nearby
-    assert branch_log(*axis, 1.0 + 1e-6, ahead + 1e-8, ahead + 1.0, SMOOTH, SMOOTH, best) < 0.2
+    passing = tangent_lines(*axis, 1.0 + 1e-6)
+    assert branch_sum(*passing, ahead + 1e-8, ahead + 1.0, SMOOTH, SMOOTH, best) < math.cosh(0.2)
+
+
+def test_an_ellipse_through_a_singularity_is_that_of_the_mapped_coordinate() -> None:
+    a, b = -0.3, 1.1
+    maps = {
+        (SMOOTH, SMOOTH): lambda w: w,
+        (ROOT, SMOOTH): lambda w: w**0.5,
+        (SMOOTH, ROOT): lambda w: 1.0 - (1.0 - w) ** 0.5,
+    }
+    rng = np.random.default_rng(3)
+    for x, y in rng.uniform(-2.0, 2.0, (50, 2)).tolist():
+        for kinds, mapped in maps.items():
+            w = mapped(complex((x - a) / (b - a), y / (b - a)))
+            assert math.isclose(ellipse_sum(x, y, a, b, *kinds), abs(w) + abs(w - 1.0), rel_tol=1e-12)
+        # two roots: the nearer one decides, so both ends are alike
+        mirrored = ellipse_sum(a + b - x, y, a, b, ROOT, ROOT)
+        assert math.isclose(ellipse_sum(x, y, a, b, ROOT, ROOT), mirrored, rel_tol=1e-12)
 
 
 def test_a_first_look_takes_few_lines() -> None:
