@@ -1,0 +1,428 @@
+"""One sphere of a lobe on a lattice of directions, without walls: quicker than walls where two digits are enough.
+
+About the lobe's axis m a direction is (theta, phi), phi counted from the sphere's centre. The circle of the sphere's
+disc covers on each theta an arc |phi| <= A(theta), so a rule on the unit square (q, x) in which q runs over the thetas
+that meet the disc and the cone, and x over the arc, has no direction that misses. Both maps are algebraic: with
+v = 1 - cos theta and s its part beyond the nearest direction, q is the share below s of the density (1 + n s/5)^-5,
+close to the lobe's, and x runs evenly in tan(phi/4). The nodes are a rank-1 lattice ((i + 1/2)/N, (z i + 1/2)/N mod 1)
+(Sloan and Joe, Lattice Methods for Multiple Integration, 1994) of eight cosets, each a lattice of its own.
+
+Whatever the walls would have cut is asked of every node: horizon, floor, spheres in front, texture, terminators and
+shadows, as factors 0 or 1. An integrand that jumps along curves is met to N^-3/4. The error stated is what the eight
+means scatter by, times ``STUDENT``, and ``MISSED`` nodes at the sphere's highest radiance for what no node may have
+seen. Where a tolerance asks for more than ``MOST`` nodes, and for spheres that look tiny, exact disk lights and
+needles, the rule declines, and the walls do it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.chart import casts, shadow_in_view
+from symrender.chambers.labels import texture_side
+from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.walls import (
+    EXPONENT,
+    FACING,
+    LOG_NORMALISER,
+    POINT,
+    POLE,
+    RATIO,
+    RIM_COS,
+    RIM_SIN,
+    SIDE,
+    SURFACE_NORMAL,
+)
+from symrender.chambers.work import EVALUATIONS, NODES, View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.light_term import marble_factor
+from symrender.quadrature.node_rows import (
+    BASE,
+    CLEAR,
+    FACTOR,
+    INNER,
+    NEAR,
+    NORMAL,
+    PLACE,
+    POWER,
+    SHINING,
+    SUM,
+    VIEW,
+    WEIGHT,
+    point_light,
+    powers,
+)
+from symrender.scene.arrays import CHECKER, CUT, EYE, FLOOR_PRESENT, MARBLE, PHONG, STRIPES
+
+Array = npt.NDArray[np.float64]
+
+LEAST: Final = 32
+MOST: Final = 2048
+GENERATORS: Final = (7, 19, 11, 71, 45, 151, 493)
+"""z of the lattices of 32 to 512 nodes: of those whose cosets are good, the one whose nodes lie farthest apart."""
+COSETS: Final = 8
+BATCH: Final = 128
+"""Nodes evaluated together."""
+STUDENT: Final = 6.0
+"""A normal mean of eight strays by more than 5.4 times its estimated deviation in one of a thousand cases."""
+MISSED: Final = 2.0
+SMALLEST: Final = 1e-4
+"""Sine of a sphere's angular radius below which the arc's formula has lost digits."""
+SHARPEST: Final = 1e6
+"""Exponent above which the lobe's power has."""
+PLANES: Final = 40
+"""Most texture planes whose product tells a side; with more the side is asked of every node."""
+
+# what ``aim_lattice`` leaves in the row ``NEAR``: the axis, the frame across it, and the numbers of the two maps
+AXIS: Final = NEAR
+TOWARDS: Final = NEAR + 3
+ASIDE: Final = NEAR + 6
+FIRST: Final = NEAR + 9
+"""1 - cos theta of the nearest direction."""
+REST: Final = NEAR + 10
+RATE: Final = NEAR + 11
+REACH: Final = NEAR + 12
+"""Share of the density's whole mass that lies within the last direction."""
+LEVEL: Final = NEAR + 13
+"""Weight of a node of a lattice of one, where the density is highest and the arc a whole turn."""
+VERSINES: Final = NEAR + 14
+"""1 - cos of the angle to the centre and of the sphere's angular radius."""
+SINE_BETA: Final = NEAR + 16
+CELL: Final = NEAR + 18
+"""No node of a lattice of one weighs more."""
+FAR: Final = NEAR + 19
+"""Vector to the centre, then its squared length less the squared radius."""
+SUMS: Final = NEAR + 24
+"""Sums of the cosets, of three channels."""
+
+
+@jitable
+def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
+    """Set the lattice up for sphere ``j`` under geo's lobe; no more than this share of the lobe meets the sphere.
+
+    Negative if the rule declines. Writes geo's pole and ratio and the row ``NEAR``.
+    """
+    geo, b = work.geo, work.nodes
+    n = geo[EXPONENT]
+    mx, my, mz = lobe[0], lobe[1], lobe[2]
+    sphere = view.spheres[j]
+    dx, dy, dz = sphere[0] - geo[POINT], sphere[1] - geo[POINT + 1], sphere[2] - geo[POINT + 2]
+    dist = math.sqrt(dx * dx + dy * dy + dz * dz)
+    k = min(sphere[3] / dist, 1.0 - 1e-15)
+    gx, gy, gz = dx / dist, dy / dist, dz / dist
+    geo[POLE], geo[POLE + 1], geo[POLE + 2], geo[RATIO] = gx, gy, gz, k
+    if k < SMALLEST or n > SHARPEST:
+        return -1.0
+    if gx * geo[SURFACE_NORMAL] + gy * geo[SURFACE_NORMAL + 1] + gz * geo[SURFACE_NORMAL + 2] <= -k:
+        return 0.0
+    # beta to the centre, alpha of the disc; nothing is taken by an inverse function
+    vb = 0.5 * ((gx - mx) ** 2 + (gy - my) ** 2 + (gz - mz) ** 2)
+    cb, sb = 1.0 - vb, math.sqrt(max(0.0, vb * (2.0 - vb)))
+    ca = math.sqrt((1.0 - k) * (1.0 + k))
+    va = k * k / (1.0 + ca)
+    last = geo[RIM_SIN] ** 2 / (1.0 + geo[RIM_COS])
+    first = 0.0
+    if vb > va:
+        sine, cosine = sb * ca - cb * k, cb * ca + sb * k
+        first = sine * sine / (1.0 + cosine) if cosine > 0.0 else 1.0 - cosine
+    if first >= last:
+        return 0.0
+    sine, cosine = sb * ca + cb * k, cb * ca - sb * k
+    if sine > 0.0:
+        last = min(last, sine * sine / (1.0 + cosine) if cosine > 0.0 else 1.0 - cosine)
+    if not first < last:
+        return 0.0
+    tx, ty, tz = gx - cb * mx, gy - cb * my, gz - cb * mz
+    if sb < 1e-9:
+        tx, ty, tz = (0.0, mz, -my) if abs(mx) < 0.6 else (-mz, 0.0, mx)
+    across = 1.0 / math.sqrt(tx * tx + ty * ty + tz * tz)
+    tx, ty, tz = tx * across, ty * across, tz * across
+    rest = 1.0 - first
+    span = (last - first) / rest
+    rate = max(0.2 * n, 0.01 / span)
+    end = (1.0 + rate * span) ** 2
+    reach = 1.0 - 1.0 / (end * end)
+    top = math.exp(n * math.log1p(-first) - geo[LOG_NORMALISER])
+    # dv dphi cos^n theta/W = top (1 - s)^n rest ds dphi; of a full turn, dphi = 8 dx/(1 + tan^2(phi/4))
+    b[AXIS], b[AXIS + 1], b[AXIS + 2] = mx, my, mz
+    b[TOWARDS], b[TOWARDS + 1], b[TOWARDS + 2] = tx, ty, tz
+    b[ASIDE], b[ASIDE + 1], b[ASIDE + 2] = my * tz - mz * ty, mz * tx - mx * tz, mx * ty - my * tx
+    b[FIRST], b[REST], b[RATE], b[REACH] = first, rest, rate, reach
+    b[LEVEL] = top * rest * reach / (4.0 * rate) * 8.0
+    b[VERSINES], b[VERSINES + 1] = vb, va
+    b[SINE_BETA] = sb
+    b[FAR], b[FAR + 1], b[FAR + 2], b[FAR + 3] = dx, dy, dz, (dist - sphere[3]) * (dist + sphere[3])
+    # sin A <= k/sin beta where the axis is outside the disc and the opposite direction too
+    wide = vb <= va or k >= sb
+    b[CELL] = b[LEVEL] * (1.0 if wide else 0.4143 * k / sb)
+    ring = -math.expm1((n + 1.0) * math.log1p(-span)) if span < 1.0 else 1.0
+    return float(2.0 * math.pi * top * rest * ring / (n + 1.0) * (1.0 if wide else 0.5 * k / sb))
+
+
+@jitable
+def place_lattice(m: int, start: int, size: int, generator: int, radius: float, view: View, work: Work) -> None:
+    """Fill WEIGHT, PLACE, NORMAL and VIEW of ``m`` nodes of a lattice of ``size`` from its node ``start`` on."""
+    m = min(m, BATCH)
+    geo, b = work.geo, work.nodes
+    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
+    mx, my, mz = b[AXIS], b[AXIS + 1], b[AXIS + 2]
+    tx, ty, tz = b[TOWARDS], b[TOWARDS + 1], b[TOWARDS + 2]
+    ux, uy, uz = b[ASIDE], b[ASIDE + 1], b[ASIDE + 2]
+    first, rest, rate, reach = b[FIRST], b[REST], b[RATE], b[REACH]
+    vb, va, sb = b[VERSINES], b[VERSINES + 1], b[SINE_BETA]
+    dx, dy, dz, power = b[FAR], b[FAR + 1], b[FAR + 2], b[FAR + 3]
+    sx, sy, sz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
+    flat, fx, fy, fz = geo[FACING + 3], geo[FACING], geo[FACING + 1], geo[FACING + 2]
+    side = geo[SIDE] if view.floor[FLOOR_PRESENT] != 0.0 else 0.0
+    level, step, z = b[LEVEL] / size, 1.0 / size, float(generator)
+    inverse = 1.0 / radius
+    for i in range(m):
+        e = float(start + i)
+        below = 1.0 - (e + 0.5) * step * reach
+        root = math.sqrt(below)
+        y = 1.0 / math.sqrt(root)
+        s = (y - 1.0) / rate
+        v = first + rest * s
+        ct, st = 1.0 - v, math.sqrt(v * (2.0 - v))
+        # sin^2(A/2) of the arc, then tan(A/4)
+        whole = st * sb
+        half = min(1.0, max(0.0, 0.5 * (whole - (v + vb - va - v * vb)) / max(whole, 1e-300)))
+        arc = math.sqrt(half) / (1.0 + math.sqrt(1.0 - half))
+        x = (e * z + 0.5) * step
+        # adding and taking away 1.5 * 2^52 rounds to a whole number
+        t = 2.0 * (x - ((x + 6755399441055744.0) - 6755399441055744.0)) * arc
+        d = 1.0 / (1.0 + t * t)
+        ch, sh = (1.0 - t * t) * d, 2.0 * t * d
+        along, aside = st * (1.0 - 2.0 * sh * sh), st * 2.0 * sh * ch
+        wx = ct * mx + along * tx + aside * ux
+        wy = ct * my + along * ty + aside * uy
+        wz = ct * mz + along * tz + aside * uz
+        near = wx * dx + wy * dy + wz * dz
+        far = near - math.sqrt(max(0.0, near * near - power))
+        nx, ny, nz = (far * wx - dx) * inverse, (far * wy - dy) * inverse, (far * wz - dz) * inverse
+        qz = pz + far * wz
+        seen = 1.0 if wx * sx + wy * sy + wz * sz > 0.0 else 0.0
+        seen = seen if qz * side >= 0.0 else 0.0
+        b[BASE + i] = 1.0 - s
+        b[WEIGHT + i] = level * y / below * arc * d * seen * (flat + wx * fx + wy * fy + wz * fz)
+        b[PLACE + i], b[PLACE + NODES + i], b[PLACE + 2 * NODES + i] = px + far * wx, py + far * wy, qz
+        b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = nx, ny, nz
+        b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = -wx, -wy, -wz
+    powers(m, b, geo[EXPONENT])
+    for i in range(m):
+        b[WEIGHT + i] *= b[POWER + i]
+    if view.shading[5] == EYE:
+        ox, oy, oz = view.eye[0], view.eye[1], view.eye[2]
+        for i in range(m):
+            vx, vy, vz = ox - b[PLACE + i], oy - b[PLACE + NODES + i], oz - b[PLACE + 2 * NODES + i]
+            inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
+            b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = vx * inv, vy * inv, vz * inv
+
+
+@jitable
+def hide_nodes(m: int, j: int, own: int, view: View, work: Work) -> None:
+    """WEIGHT 0 where another sphere is in front of sphere ``j``."""
+    m = min(m, BATCH)
+    geo, b = work.geo, work.nodes
+    px, py, pz, k = geo[POINT], geo[POINT + 1], geo[POINT + 2], geo[RATIO]
+    for h in range(view.spheres.shape[0]):
+        if h in (j, own):
+            continue
+        ox, oy, oz = view.spheres[h, 0] - px, view.spheres[h, 1] - py, view.spheres[h, 2] - pz
+        d2 = ox * ox + oy * oy + oz * oz
+        dist, r2 = math.sqrt(d2), view.spheres[h, 3] ** 2
+        k2 = min(1.0, view.spheres[h, 3] / dist)
+        # the two discs are apart: the cosine of the sum of their radii
+        both = math.sqrt((1.0 - k) * (1.0 + k) * (1.0 - k2) * (1.0 + k2)) - k * k2
+        if ox * geo[POLE] + oy * geo[POLE + 1] + oz * geo[POLE + 2] <= dist * both:
+            continue
+        for i in range(m):
+            lx, ly, lz = b[PLACE + i] - px, b[PLACE + NODES + i] - py, b[PLACE + 2 * NODES + i] - pz
+            l2, dot = lx * lx + ly * ly + lz * lz, lx * ox + ly * oy + lz * oz
+            ex, ey, ez = lx - ox, ly - oy, lz - oz
+            clear = 0.0 if dot * dot > l2 * (d2 - r2) else 1.0
+            clear = clear if dot > 0.0 else 1.0
+            clear = clear if dot < l2 else 1.0
+            b[WEIGHT + i] *= clear if ex * ex + ey * ey + ez * ez >= r2 else 0.0
+
+
+@jitable
+def tint_nodes(m: int, j: int, view: View, work: Work) -> None:
+    """FACTOR of the nodes: kd times the albedo."""
+    m = min(m, BATCH)
+    b, sphere = work.nodes, view.spheres[j]
+    kind, ku, kv, dark = int(sphere[7]), sphere[8], sphere[9], sphere[10]
+    for i in range(m):
+        b[INNER + i] = 1.0
+    if kind == MARBLE:
+        for i in range(m):
+            b[INNER + i] = marble_factor(b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i], ku, kv)
+    elif kind in (CHECKER, STRIPES):
+        down = kv if kind == CHECKER else 1.0
+        planes = ku % 2.0 == 0.0 and ku > 0.0 and down % 1.0 == 0.0 and down > 0.0 and 0.5 * ku + down <= PLANES
+        if planes:
+            # the sides of meridians and parallels, turned from one to the next
+            c, s = -1.0, 0.0
+            c1, s1 = math.cos(2.0 * math.pi / ku), math.sin(2.0 * math.pi / ku)
+            for _ in range(int(0.5 * ku)):
+                for i in range(m):
+                    b[INNER + i] *= c * b[NORMAL + NODES + i] - s * b[NORMAL + i]
+                c, s = c * c1 - s * s1, s * c1 + c * s1
+            c1, s1 = math.cos(math.pi / down), math.sin(math.pi / down)
+            c, s = c1, s1
+            for _ in range(int(down) - 1):
+                for i in range(m):
+                    b[INNER + i] *= b[NORMAL + 2 * NODES + i] - c
+                c, s = c * c1 - s * s1, s * c1 + c * s1
+            # the field that begins at -pi and at the upper pole is bright
+            sign = 1.0 if int(0.5 * ku) % 2 == 1 else -1.0
+            for i in range(m):
+                b[INNER + i] = 1.0 if sign * b[INNER + i] >= 0.0 else dark
+        else:
+            for i in range(m):
+                bright = texture_side(view.spheres, j, b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i])
+                b[INNER + i] = 1.0 if bright == 1 else dark
+    red, green, blue = view.shading[1] * sphere[4], view.shading[1] * sphere[5], view.shading[1] * sphere[6]
+    for i in range(m):
+        f = b[INNER + i]
+        b[FACTOR + i], b[FACTOR + NODES + i], b[FACTOR + 2 * NODES + i] = f * red, f * green, f * blue
+
+
+@jitable
+def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
+    """Fill CLEAR and SHINING of light point ``l`` on sphere ``j``; False where no node that P may see is met by it."""
+    m = min(m, BATCH)
+    geo, b = work.geo, work.nodes
+    x, y, z = view.points[l, 0], view.points[l, 1], view.points[l, 2]
+    if view.floor[FLOOR_PRESENT] != 0.0 and geo[SIDE] * z < 0.0:
+        return False
+    sphere = view.spheres[j]
+    lx, ly, lz = x - sphere[0], y - sphere[1], z - sphere[2]
+    far, k = math.sqrt(lx * lx + ly * ly + lz * lz), geo[RATIO]
+    if far <= sphere[3]:
+        return False
+    open_light = view.shading[6] != CUT and view.shading[2] > 0.0
+    if not open_light:
+        # the caps of normals that P sees, N.p >= k, and that the light does are apart
+        facing = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / far
+        lit = sphere[3] / far
+        if facing <= k * lit - math.sqrt((1.0 - k) * (1.0 + k) * (1.0 - lit) * (1.0 + lit)):
+            return False
+    for i in range(m):
+        ax, ay, az = x - b[PLACE + i], y - b[PLACE + NODES + i], z - b[PLACE + 2 * NODES + i]
+        dot = ax * b[NORMAL + i] + ay * b[NORMAL + NODES + i] + az * b[NORMAL + 2 * NODES + i]
+        b[CLEAR + i] = 1.0 if dot > 0.0 else 0.0
+        b[SHINING + i] = 1.0
+    if not open_light:
+        for i in range(m):
+            b[SHINING + i] = b[CLEAR + i]
+    for h in range(view.spheres.shape[0]):
+        if h == j:
+            continue
+        caster = view.spheres[h]
+        cx, cy, cz, r2 = caster[0], caster[1], caster[2], caster[3] * caster[3]
+        if (cx - x) ** 2 + (cy - y) ** 2 + (cz - z) ** 2 <= r2:
+            return False
+        if not (casts(x, y, z, caster, sphere) and shadow_in_view(-lx, -ly, -lz, caster, sphere, geo)):
+            continue
+        for i in range(m):
+            qx, qy, qz = b[PLACE + i], b[PLACE + NODES + i], b[PLACE + 2 * NODES + i]
+            ax, ay, az = x - qx, y - qy, z - qz
+            fx, fy, fz = cx - qx, cy - qy, cz - qz
+            a2, dot = ax * ax + ay * ay + az * az, ax * fx + ay * fy + az * fz
+            clear = 0.0 if dot * dot > a2 * (fx * fx + fy * fy + fz * fz - r2) else 1.0
+            clear = clear if dot > 0.0 else 1.0
+            clear = clear if dot < a2 else 1.0
+            b[CLEAR + i] *= clear
+            b[SHINING + i] *= clear
+    return True
+
+
+@jitable
+def scatter(size: int, j: int, own: int, view: View, work: Work) -> float:
+    """Sums of the cosets of the lattice of ``size`` in ``SUMS``; the deviation of their total, of the worst channel."""
+    b, shading = work.nodes, view.shading
+    for c in range(3 * COSETS):
+        b[SUMS + c] = 0.0
+    generator, smaller = 0, size
+    while smaller > LEAST:
+        generator += 1
+        smaller //= 2
+    start = 0
+    red, green, blue = (
+        shading[0] * shading[7] - shading[10],
+        shading[0] * shading[8] - shading[11],
+        shading[0] * shading[9] - shading[12],
+    )
+    while start < size:
+        m = min(BATCH, size - start)
+        place_lattice(m, start, size, GENERATORS[generator], view.spheres[j, 3], view, work)
+        hide_nodes(m, j, own, view, work)
+        tint_nodes(m, j, view, work)
+        for i in range(m):
+            b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
+        for l in range(view.points.shape[0]):
+            if mark_nodes(m, l, j, view, work):
+                point_light(m, b, view.points[l], shading[4] == PHONG, shading[3], shading[2])
+        for i in range(m):
+            w = b[WEIGHT + i]
+            b[SUM + i] *= w
+            b[SUM + NODES + i] *= w
+            b[SUM + 2 * NODES + i] *= w
+        for c in range(3 * COSETS):
+            found = 0.0
+            for i in range(c % COSETS, m, COSETS):
+                found += b[SUM + (c // COSETS) * NODES + i]
+            b[SUMS + c] += found
+        start += m
+        work.counts[EVALUATIONS] += m
+    worst = 0.0
+    for a in range(3):
+        mean = 0.0
+        for c in range(COSETS):
+            mean += b[SUMS + COSETS * a + c] / COSETS
+        apart = 0.0
+        for c in range(COSETS):
+            apart += (b[SUMS + COSETS * a + c] - mean) ** 2
+        worst = max(worst, apart)
+    return math.sqrt(worst * COSETS / (COSETS - 1.0))
+
+
+@jitable
+def lattice_sum(
+    j: int, own: int, tol: float, mass: float, bright: float, limit: int, view: View, work: Work, value: Array
+) -> float:  # fmt: skip
+    """Add to ``value`` what sphere ``j`` adds, as ``split_chart`` does; the error, or negative if the rule declines.
+
+    ``mass`` is what ``aim_lattice`` returned and ``bright`` bounds the radiance less the background;
+    ``limit`` is the most evaluations.
+    """
+    if mass * bright < 0.1 * tol:
+        return float(mass * bright)
+    b = work.nodes
+    unseen = MISSED * bright * b[CELL]
+    if unseen > 0.5 * tol * MOST:
+        return -1.0
+    for l in range(view.points.shape[0]):
+        if view.points[l, DISK_RADIUS] > 0.0:
+            return -1.0
+    size = LEAST
+    while unseen > 0.5 * tol * size:
+        size *= 2
+    while size <= MOST and work.counts[EVALUATIONS] + size <= limit:
+        error = STUDENT * scatter(size, j, own, view, work) + unseen / size
+        if error <= tol:
+            for a in range(3):
+                for c in range(COSETS):
+                    value[a] += b[SUMS + COSETS * a + c]
+            return float(error)
+        # an integrand that jumps along curves
+        need = size * (error / tol) ** (4.0 / 3.0)
+        size *= 2
+        while size < need and size <= MOST:
+            size *= 2
+    return -1.0
