@@ -1,4 +1,4 @@
-"""One sphere of a lobe on a lattice of directions, without walls: quicker than walls where two digits are enough.
+"""One sphere of a lobe on a lattice of directions, without walls: quicker where two digits are enough.
 
 About the lobe's axis m a direction is (theta, phi), phi counted from the sphere's centre. The circle of the sphere's
 disc covers on each theta an arc |phi| <= A(theta), so a rule on the unit square (q, x) in which q runs over the thetas
@@ -9,8 +9,9 @@ close to the lobe's, and x runs evenly in tan(phi/4). The nodes are a rank-1 lat
 
 Whatever the walls would have cut is asked of every node: horizon, floor, spheres in front, texture, terminators and
 shadows, as factors 0 or 1. An integrand that jumps along curves is met to N^-3/4. The error stated is what the eight
-means scatter by, times ``STUDENT``, and ``MISSED`` nodes at the sphere's highest radiance for what no node may have
-seen. Where a tolerance asks for more than ``MOST`` nodes, and for spheres that look tiny, exact disk lights and
+means scatter by, times ``STUDENT``, and for what no node may have seen ``MISSED`` nodes at the sphere's highest
+radiance: a disc between nodes has at most the area of one and a half, and nothing fills it with every light at its
+brightest. Where a tolerance asks for more than ``MOST`` nodes, and for spheres that look tiny, exact disk lights and
 needles, the rule declines, and the walls do it.
 """
 
@@ -179,13 +180,13 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
     flat, fx, fy, fz = geo[FACING + 3], geo[FACING], geo[FACING + 1], geo[FACING + 2]
     side = geo[SIDE] if view.floor[FLOOR_PRESENT] != 0.0 else 0.0
     level, step, z = b[LEVEL] / size, 1.0 / size, float(generator)
-    inverse = 1.0 / radius
+    inverse, inverse_rate = 1.0 / radius, 1.0 / rate
     for i in range(m):
         e = float(start + i)
         below = 1.0 - (e + 0.5) * step * reach
         root = math.sqrt(below)
         y = 1.0 / math.sqrt(root)
-        s = (y - 1.0) / rate
+        s = (y - 1.0) * inverse_rate
         v = first + rest * s
         ct, st = 1.0 - v, math.sqrt(v * (2.0 - v))
         # sin^2(A/2) of the arc, then tan(A/4)
@@ -208,7 +209,7 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
         seen = 1.0 if wx * sx + wy * sy + wz * sz > 0.0 else 0.0
         seen = seen if qz * side >= 0.0 else 0.0
         b[BASE + i] = 1.0 - s
-        b[WEIGHT + i] = level * y / below * arc * d * seen * (flat + wx * fx + wy * fy + wz * fz)
+        b[WEIGHT + i] = level * (y * y) * (y * y) * y * arc * d * seen * (flat + wx * fx + wy * fy + wz * fz)
         b[PLACE + i], b[PLACE + NODES + i], b[PLACE + 2 * NODES + i] = px + far * wx, py + far * wy, qz
         b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = nx, ny, nz
         b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = -wx, -wy, -wz
