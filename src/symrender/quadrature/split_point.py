@@ -51,6 +51,7 @@ from symrender.quadrature import (
     disk_curves,
     disk_term,
     floor_conics,
+    lattice_nodes,
     lattice_sphere,
     light_term,
     node_rows,
@@ -303,8 +304,9 @@ def _kernel() -> Any:
     modules = (
         chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, tangencies,
         walls, work,
-        disk_arcs, disk_chords, disk_curves, disk_term, floor_conics, gauss_module, lattice_sphere, light_term,
-        node_rows, split_grid_module, split_line, split_panel, split_setup, split_square, sys.modules[__name__],
+        disk_arcs, disk_chords, disk_curves, disk_term, floor_conics, gauss_module, lattice_nodes,
+        lattice_sphere, light_term, node_rows,
+        split_grid_module, split_line, split_panel, split_setup, split_square, sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
