@@ -57,6 +57,30 @@ def test_degenerate_scenes_are_finite_and_as_good_as_they_say(name: str) -> None
     assert (difference <= error + slack)[given].all()
 
 
+@pytest.mark.parametrize("name", DEGENERATE)
+def test_uncounted_truth_is_as_good_as_it_says(name: str) -> None:
+    loose, tight = true(scene_of(name), tol=1e-2, counts=False), true(scene_of(name), tol=1e-4, budget=100_000)
+    given = tight.layer("status") != UNSUPPORTED
+    assert (given == (loose.layer("status") != UNSUPPORTED)).all()
+    assert np.isfinite(loose.radiance).all()
+    away = np.abs(loose.radiance - tight.radiance).max(axis=-1)
+    assert (away <= loose.layer("error") + tight.layer("error"))[given].all()
+
+
+def test_counting_can_be_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    counted, free = (truth("gloss", size=24, tol=1e-2, threads=1, counts=counts) for counts in (True, False))
+    assert counted.radiance.max() > 0.1
+    assert not np.array_equal(counted.radiance, free.radiance)
+    away = np.abs(counted.radiance - free.radiance).max(axis=-1)
+    assert (away <= counted.layer("error") + free.layer("error")).all()
+    assert (free.layer("chambers") < counted.layer("chambers")).sum() > 50
+    asked = ["truth", "chapter8", "--size", "4", "--no-counts", "--layers", "error,crossings", "-o", str(tmp_path)]
+    assert main(asked) == 2
+    assert "crossings cannot be written without counts" in capsys.readouterr().err
+    with pytest.raises(OptionError, match="counts"):
+        truth("chapter8", size=4, counts=1)  # type: ignore[arg-type]
+
+
 def test_two_spheres_around_the_eye_leave_no_value_and_say_so(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -124,7 +124,7 @@ def render(
     """
     loaded = load(scene)
     width, height = image_size(size)
-    limits = {} if max_pixels is None else {"max_pixels": max_pixels}
+    limits: dict[str, Any] = {} if max_pixels is None else {"max_pixels": max_pixels}
     settings = Settings(
         width=width,
         height=height,

@@ -27,8 +27,8 @@ class Settings:
     ``lobe`` is K of K rings x K sectors (K x K samples for a sampler). ``disk`` is ``"KxK"``, the centroids of the
     disk light's K x K strata, or ``"exact"``. ``normalised`` divides by the closed-form integral of the weight
     instead of the sum of the weights met. ``tol`` and ``budget`` are what the split rule aims at and the most
-    evaluations it may make, a pixel. ``threads`` 0 takes the processors this process may use, ``tile`` 0 measures a
-    tile's side.
+    evaluations it may make, a pixel; without ``counts`` it need not count what chambers it meets. ``threads`` 0 takes
+    the processors this process may use, ``tile`` 0 measures a tile's side.
     """
 
     width: int = 256
@@ -47,6 +47,7 @@ class Settings:
     tile: int = 0
     tol: float = 1e-6
     budget: int = 1_000_000
+    counts: bool = True
     max_pixels: int = MAX_PIXELS
 
     def __post_init__(self) -> None:
@@ -74,6 +75,8 @@ class Settings:
             value = getattr(self, name)
             if value not in get_args(choices):
                 raise OptionError(f"{name}: must be one of {', '.join(get_args(choices))}, got {value!r}")
+        if type(self.counts) is not bool:
+            raise OptionError(f"counts: must be true or false, got {self.counts!r}")
         if self.width * self.height > self.max_pixels:
             gib = self.width * self.height * 10 * 8 / 2**30
             raise OptionError(
@@ -105,6 +108,7 @@ def split_settings(
     budget: int,
     threads: int,
     tile: int,
+    counts: bool = True,
     max_pixels: int = MAX_PIXELS,
 ) -> Settings:
     """Settings of an image of ``image_size(size)`` whose values, or derivatives, the split rule makes alone."""
@@ -120,6 +124,7 @@ def split_settings(
         aa=aa,
         threads=threads,
         tile=tile,
+        counts=counts,
         max_pixels=max_pixels,
     )
 

@@ -36,6 +36,7 @@ def truth(
     disk: str = "2x2",
     aa: Antialias = "analytic",
     budget: int = 1_000_000,
+    counts: bool = True,
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -49,11 +50,13 @@ def truth(
     radiance over the channels, which is the lobe's weight times that of gloss; ``status`` (h, w) as in ``STATUS``;
     ``evaluations``, ``chambers`` and ``crossings`` (h, w): shaded hits, different chambers and walls met. A pixel
     that missed its tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its
-    centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. ``threads``, ``tile`` and ``cluster``
+    centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. Without ``counts`` spheres are done on
+    lattices of directions where that is good enough, quicker at loose tolerances, and ``chambers`` and ``crossings``
+    leave these out. ``threads``, ``tile`` and ``cluster``
     change no byte. Choose it whenever an image is to be trusted, ``render`` when it is to be quick.
     """
     loaded = load(scene)
-    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile)
+    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts)
     job = truth_job(loaded, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
         return true_image(crew, job, loaded)

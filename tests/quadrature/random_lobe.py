@@ -30,13 +30,14 @@ class RandomLobe:
     theta_max: float
     tol: float
 
-    def split(self, tol: float, max_evaluations: int = 1_000_000) -> SplitResult:
-        """The split rule's answer."""
+    def split(self, tol: float, max_evaluations: int = 1_000_000, *, walled: bool = True) -> SplitResult:
+        """The split rule's answer, with spheres on lattices where not ``walled``."""
         surface = np.array([self.surface])
         d = self.incoming[None]
         return gloss_points(
-            self.arrays, self.point[None], self.normal[None], d, surface, tol, max_evaluations=max_evaluations
-        )
+            self.arrays, self.point[None], self.normal[None], d, surface, tol, max_evaluations=max_evaluations,
+            walled=walled,
+        )  # fmt: skip
 
     def brute(self, rings: int) -> Array:
         """Midpoints of ``rings`` x 2 ``rings`` directions."""

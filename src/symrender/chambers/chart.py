@@ -296,9 +296,10 @@ def casts(lx: float, ly: float, lz: float, caster: Array, receiver: Array) -> bo
         return True
     if a - caster[3] > b + receiver[3]:
         return False
-    cosine = (ax * bx + ay * by + az * bz) / (a * b)
-    reach = math.asin(caster[3] / a) + math.asin(receiver[3] / b)
-    return math.acos(max(-1.0, min(1.0, cosine))) < reach
+    # less than asin(p) + asin(q) apart, by the cosine of that sum
+    p, q = caster[3] / a, receiver[3] / b
+    apart = math.sqrt((1.0 - p) * (1.0 + p) * (1.0 - q) * (1.0 + q)) - p * q
+    return bool(ax * bx + ay * by + az * bz > a * b * apart)
 
 
 @jitable

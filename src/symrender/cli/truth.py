@@ -46,6 +46,9 @@ def truth(
     layers: Annotated[
         str, typer.Option(metavar="NAME,...", help=f"Layers to write as pictures too: {', '.join(LAYERS)}.")
     ] = "",
+    counts: Annotated[
+        bool, typer.Option(help="Count chambers and crossings; without, loose tolerances are met sooner.")
+    ] = True,
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -74,9 +77,12 @@ def truth(
     wanted = [name for name in layers.split(",") if name]
     if unknown := sorted(set(wanted) - set(LAYERS)):
         raise OptionError(f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}")
+    if uncounted := sorted({"chambers", "crossings"}.intersection(() if counts else wanted)):
+        raise OptionError(f"layers: {uncounted[0]} cannot be written without counts")
     settings = split_settings(
-        parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, max_pixels=max_pixels
-    )
+        parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
+        max_pixels=max_pixels,
+    )  # fmt: skip
     chosen = scene_with(scene, define)
     if not quiet:
         from symrender.scene.warnings import warnings

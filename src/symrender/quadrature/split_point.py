@@ -52,6 +52,8 @@ from symrender.quadrature import (
     disk_points,
     disk_term,
     floor_conics,
+    lattice_nodes,
+    lattice_sphere,
     light_nodes,
     light_term,
     node_rows,
@@ -64,6 +66,7 @@ from symrender.quadrature import gauss as gauss_module
 from symrender.quadrature import split_grid as split_grid_module
 from symrender.quadrature.floor_conics import CONIC_COLUMNS
 from symrender.quadrature.gauss import gauss_table
+from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.split_grid import split_grid
@@ -185,7 +188,7 @@ def sphere_bound(j: int, view: View, geo: Array) -> float:
 def gloss_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, work: Work, gauss: Array,
     panels: Array, spans: Array, ids: Ints, events: Array, scratch: Array, tol: float, bound: float,
-    max_evaluations: int, gloss: Array, error: Array, evaluations: Ints, status: Ints, chambers: Ints,
+    max_evaluations: int, walled: bool, gloss: Array, error: Array, evaluations: Ints, status: Ints, chambers: Ints,
     crossings: Ints, conics: Array, states: Array, grid_stack: Array,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
@@ -227,6 +230,15 @@ def gloss_kernel(
         for j in range(view.spheres.shape[0]):
             if j == own:
                 continue
+            if not walled:
+                mass = aim_lattice(j, lobe, view, work)
+                if mass >= 0.0:
+                    spare = max(0.5 * (tol - total), 0.05 * tol)
+                    bright = sphere_bound(j, view, geo)
+                    e = lattice_sum(j, own, spare, mass, bright, max_evaluations, view, work, value)
+                    if e >= 0.0:
+                        total += e
+                        continue
             sphere_chart(j, own, lobe, view, work)
             k = geo[RATIO]
             # all of the shape, at the lobe's largest density on it
@@ -294,9 +306,9 @@ def _kernel() -> Any:
     modules = (
         chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, tangencies,
         walls, work,
-        disk_arcs, disk_chords, disk_curves, disk_points, disk_term, floor_conics, gauss_module, light_nodes,
-        light_term, node_rows, split_grid_module, split_line, split_panel, split_setup, split_square,
-        sys.modules[__name__],
+        disk_arcs, disk_chords, disk_curves, disk_points, disk_term, floor_conics, gauss_module, lattice_nodes,
+        lattice_sphere, light_nodes, light_term, node_rows, split_grid_module, split_line, split_panel, split_setup,
+        split_square, sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
@@ -351,6 +363,7 @@ def gloss_points(
     disk_order: int = 2,
     max_evaluations: int = 1_000_000,
     scratch: SplitWork | None = None,
+    walled: bool = True,
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
@@ -359,8 +372,9 @@ def gloss_points(
     ``points`` (N, 3) on surfaces, unit ``normals`` (N, 3), unit ``incoming`` (N, 3) directions of travel towards the
     points, ``surface`` (N,) hit classes (1 the floor, 2 + j sphere j), whose lobe is used. ``tol`` is absolute,
     in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids, 0
-    integrates it. Deterministic; choose it whenever an error is wanted with the value, or more than two digits. Points
-    inside a sphere are ``UNSUPPORTED``.
+    integrates it. Where not ``walled``, a sphere is done on a lattice of directions as far as that is good enough:
+    quicker at loose tolerances, and ``chambers`` and ``crossings`` then leave it out. Deterministic; choose it whenever
+    an error is wanted with the value, or more than two digits. Points inside a sphere are ``UNSUPPORTED``.
     """
     lights = light_rows(arrays, disk_order)
     view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
@@ -377,7 +391,7 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights), int(max_evaluations), gloss, error, *counts, s.conics, s.states,
+        radiance_bound(arrays, lights), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics, s.states,
         s.grid_stack,
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

@@ -77,6 +77,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
                 settings.disk_order,
                 settings.budget,
                 own.scratch,
+                walled=settings.counts,
             )
             layers["gloss"][pixels] = found.gloss
             layers["radiance"][pixels] += weights[surface] * found.gloss

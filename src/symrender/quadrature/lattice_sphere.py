@@ -1,0 +1,289 @@
+"""One sphere of a lobe on a lattice of directions, without walls: quicker where two digits are enough.
+
+About the lobe's axis m a direction is (theta, phi), phi counted from the sphere's centre. The circle of the sphere's
+disc covers on each theta an arc |phi| <= A(theta), so a rule on the unit square (q, x) in which q runs over the thetas
+that meet the disc and the cone, and x over the arc, has no direction that misses. Both maps are algebraic: with
+v = 1 - cos theta and s its part beyond the nearest direction, q is the share below s of the density (1 + n s/5)^-5,
+close to the lobe's, and x runs evenly in tan(phi/4). The nodes are a rank-1 lattice ((i + 1/2)/N, (z i + 1/2)/N mod 1)
+(Sloan and Joe, Lattice Methods for Multiple Integration, 1994) of eight cosets, each a lattice of its own.
+
+Whatever the walls would have cut is asked of every node: horizon, floor, spheres in front, texture, terminators and
+shadows, as factors 0 or 1. An integrand that jumps along curves is met to N^-3/4. The error stated is what the eight
+means scatter by, times ``STUDENT``, and for what no node may have seen ``MISSED`` nodes at the sphere's highest
+radiance: a disc between nodes has at most the area of one and a half, and nothing fills it with every light at its
+brightest. Where a tolerance asks for more than ``MOST`` nodes, and for spheres that look tiny, exact disk lights and
+needles, the rule declines, and the walls do it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.walls import (
+    EXPONENT,
+    FACING,
+    LOG_NORMALISER,
+    POINT,
+    POLE,
+    RATIO,
+    RIM_COS,
+    RIM_SIN,
+    SIDE,
+    SURFACE_NORMAL,
+)
+from symrender.chambers.work import EVALUATIONS, NODES, View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.lattice_nodes import BATCH, hide_nodes, mark_nodes, tint_nodes
+from symrender.quadrature.light_nodes import point_light
+from symrender.quadrature.node_rows import BASE, NEAR, NORMAL, PLACE, POWER, SUM, VIEW, WEIGHT, powers
+from symrender.scene.arrays import EYE, FLOOR_PRESENT, PHONG
+
+Array = npt.NDArray[np.float64]
+
+LEAST: Final = 32
+MOST: Final = 4096
+GENERATORS: Final = (7, 19, 11, 71, 45, 151, 493, 1625)
+"""z of the lattices of 32 to 4096 nodes: of those whose cosets are good, the one whose nodes lie farthest apart."""
+COSETS: Final = 8
+STUDENT: Final = 6.0
+"""A normal mean of eight strays by more than 5.4 times its estimated deviation in one of a thousand cases."""
+MISSED: Final = 1.0
+SMALLEST: Final = 1e-4
+"""Sine of a sphere's angular radius below which the arc's formula has lost digits."""
+SHARPEST: Final = 1e6
+"""Exponent above which the lobe's power has."""
+
+# what ``aim_lattice`` leaves in the row ``NEAR``: the axis, the frame across it, and the numbers of the two maps
+AXIS: Final = NEAR
+TOWARDS: Final = NEAR + 3
+ASIDE: Final = NEAR + 6
+FIRST: Final = NEAR + 9
+"""1 - cos theta of the nearest direction."""
+REST: Final = NEAR + 10
+RATE: Final = NEAR + 11
+REACH: Final = NEAR + 12
+"""Share of the density's whole mass that lies within the last direction."""
+LEVEL: Final = NEAR + 13
+"""Weight of a node of a lattice of one, where the density is highest and the arc a whole turn."""
+VERSINES: Final = NEAR + 14
+"""1 - cos of the angle to the centre and of the sphere's angular radius."""
+SINE_BETA: Final = NEAR + 16
+CELL: Final = NEAR + 18
+"""No node of a lattice of one weighs more."""
+FAR: Final = NEAR + 19
+"""Vector to the centre, then its squared length less the squared radius."""
+SUMS: Final = NEAR + 24
+"""Sums of the cosets, of three channels."""
+
+
+@jitable
+def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
+    """Set the lattice up for sphere ``j`` under geo's lobe; no more than this share of the lobe meets the sphere.
+
+    Negative if the rule declines. Writes geo's pole and ratio and the row ``NEAR``.
+    """
+    geo, b = work.geo, work.nodes
+    n = geo[EXPONENT]
+    mx, my, mz = lobe[0], lobe[1], lobe[2]
+    sphere = view.spheres[j]
+    dx, dy, dz = sphere[0] - geo[POINT], sphere[1] - geo[POINT + 1], sphere[2] - geo[POINT + 2]
+    dist = math.sqrt(dx * dx + dy * dy + dz * dz)
+    k = min(sphere[3] / dist, 1.0 - 1e-15)
+    gx, gy, gz = dx / dist, dy / dist, dz / dist
+    geo[POLE], geo[POLE + 1], geo[POLE + 2], geo[RATIO] = gx, gy, gz, k
+    if k < SMALLEST or n > SHARPEST:
+        return -1.0
+    if gx * geo[SURFACE_NORMAL] + gy * geo[SURFACE_NORMAL + 1] + gz * geo[SURFACE_NORMAL + 2] <= -k:
+        return 0.0
+    # beta to the centre, alpha of the disc; nothing is taken by an inverse function
+    vb = 0.5 * ((gx - mx) ** 2 + (gy - my) ** 2 + (gz - mz) ** 2)
+    cb, sb = 1.0 - vb, math.sqrt(max(0.0, vb * (2.0 - vb)))
+    ca = math.sqrt((1.0 - k) * (1.0 + k))
+    va = k * k / (1.0 + ca)
+    last = geo[RIM_SIN] ** 2 / (1.0 + geo[RIM_COS])
+    first = 0.0
+    if vb > va:
+        sine, cosine = sb * ca - cb * k, cb * ca + sb * k
+        first = sine * sine / (1.0 + cosine) if cosine > 0.0 else 1.0 - cosine
+    if first >= last:
+        return 0.0
+    sine, cosine = sb * ca + cb * k, cb * ca - sb * k
+    if sine > 0.0:
+        last = min(last, sine * sine / (1.0 + cosine) if cosine > 0.0 else 1.0 - cosine)
+    if not first < last:
+        return 0.0
+    tx, ty, tz = gx - cb * mx, gy - cb * my, gz - cb * mz
+    if sb < 1e-9:
+        tx, ty, tz = (0.0, mz, -my) if abs(mx) < 0.6 else (-mz, 0.0, mx)
+    across = 1.0 / math.sqrt(tx * tx + ty * ty + tz * tz)
+    tx, ty, tz = tx * across, ty * across, tz * across
+    rest = 1.0 - first
+    span = (last - first) / rest
+    rate = max(0.2 * n, 0.01 / span)
+    end = (1.0 + rate * span) ** 2
+    reach = 1.0 - 1.0 / (end * end)
+    top = math.exp(n * math.log1p(-first) - geo[LOG_NORMALISER])
+    # dv dphi cos^n theta/W = top (1 - s)^n rest ds dphi; of a full turn, dphi = 8 dx/(1 + tan^2(phi/4))
+    b[AXIS], b[AXIS + 1], b[AXIS + 2] = mx, my, mz
+    b[TOWARDS], b[TOWARDS + 1], b[TOWARDS + 2] = tx, ty, tz
+    b[ASIDE], b[ASIDE + 1], b[ASIDE + 2] = my * tz - mz * ty, mz * tx - mx * tz, mx * ty - my * tx
+    b[FIRST], b[REST], b[RATE], b[REACH] = first, rest, rate, reach
+    b[LEVEL] = top * rest * reach / (4.0 * rate) * 8.0
+    b[VERSINES], b[VERSINES + 1] = vb, va
+    b[SINE_BETA] = sb
+    b[FAR], b[FAR + 1], b[FAR + 2], b[FAR + 3] = dx, dy, dz, (dist - sphere[3]) * (dist + sphere[3])
+    # sin A <= k/sin beta where the axis is outside the disc and the opposite direction too
+    wide = vb <= va or k >= sb
+    b[CELL] = b[LEVEL] * (1.0 if wide else 0.4143 * k / sb)
+    ring = -math.expm1((n + 1.0) * math.log1p(-span)) if span < 1.0 else 1.0
+    return float(2.0 * math.pi * top * rest * ring / (n + 1.0) * (1.0 if wide else 0.5 * k / sb))
+
+
+@jitable
+def place_lattice(m: int, start: int, size: int, generator: int, radius: float, view: View, work: Work) -> None:
+    """Fill WEIGHT, PLACE, NORMAL and VIEW of ``m`` nodes of a lattice of ``size`` from its node ``start`` on."""
+    m = min(m, BATCH)
+    geo, b = work.geo, work.nodes
+    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
+    mx, my, mz = b[AXIS], b[AXIS + 1], b[AXIS + 2]
+    tx, ty, tz = b[TOWARDS], b[TOWARDS + 1], b[TOWARDS + 2]
+    ux, uy, uz = b[ASIDE], b[ASIDE + 1], b[ASIDE + 2]
+    first, rest, rate, reach = b[FIRST], b[REST], b[RATE], b[REACH]
+    vb, va, sb = b[VERSINES], b[VERSINES + 1], b[SINE_BETA]
+    dx, dy, dz, power = b[FAR], b[FAR + 1], b[FAR + 2], b[FAR + 3]
+    sx, sy, sz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
+    flat, fx, fy, fz = geo[FACING + 3], geo[FACING], geo[FACING + 1], geo[FACING + 2]
+    side = geo[SIDE] if view.floor[FLOOR_PRESENT] != 0.0 else 0.0
+    level, step, z = b[LEVEL] / size, 1.0 / size, float(generator)
+    inverse, inverse_rate = 1.0 / radius, 1.0 / rate
+    for i in range(m):
+        e = float(start + i)
+        below = 1.0 - (e + 0.5) * step * reach
+        root = math.sqrt(below)
+        y = 1.0 / math.sqrt(root)
+        s = (y - 1.0) * inverse_rate
+        v = first + rest * s
+        ct, st = 1.0 - v, math.sqrt(v * (2.0 - v))
+        # sin^2(A/2) of the arc, then tan(A/4)
+        whole = st * sb
+        half = min(1.0, max(0.0, 0.5 * (whole - (v + vb - va - v * vb)) / max(whole, 1e-300)))
+        arc = math.sqrt(half) / (1.0 + math.sqrt(1.0 - half))
+        x = (e * z + 0.5) * step
+        # adding and taking away 1.5 * 2^52 rounds to a whole number
+        t = 2.0 * (x - ((x + 6755399441055744.0) - 6755399441055744.0)) * arc
+        d = 1.0 / (1.0 + t * t)
+        ch, sh = (1.0 - t * t) * d, 2.0 * t * d
+        along, aside = st * (1.0 - 2.0 * sh * sh), st * 2.0 * sh * ch
+        wx = ct * mx + along * tx + aside * ux
+        wy = ct * my + along * ty + aside * uy
+        wz = ct * mz + along * tz + aside * uz
+        near = wx * dx + wy * dy + wz * dz
+        far = near - math.sqrt(max(0.0, near * near - power))
+        nx, ny, nz = (far * wx - dx) * inverse, (far * wy - dy) * inverse, (far * wz - dz) * inverse
+        qz = pz + far * wz
+        seen = 1.0 if wx * sx + wy * sy + wz * sz > 0.0 else 0.0
+        seen = seen if qz * side >= 0.0 else 0.0
+        b[BASE + i] = 1.0 - s
+        b[WEIGHT + i] = level * (y * y) * (y * y) * y * arc * d * seen * (flat + wx * fx + wy * fy + wz * fz)
+        b[PLACE + i], b[PLACE + NODES + i], b[PLACE + 2 * NODES + i] = px + far * wx, py + far * wy, qz
+        b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = nx, ny, nz
+        b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = -wx, -wy, -wz
+    powers(m, b, geo[EXPONENT])
+    for i in range(m):
+        b[WEIGHT + i] *= b[POWER + i]
+    if view.shading[5] == EYE:
+        ox, oy, oz = view.eye[0], view.eye[1], view.eye[2]
+        for i in range(m):
+            vx, vy, vz = ox - b[PLACE + i], oy - b[PLACE + NODES + i], oz - b[PLACE + 2 * NODES + i]
+            inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
+            b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = vx * inv, vy * inv, vz * inv
+
+
+@jitable
+def scatter(size: int, j: int, own: int, view: View, work: Work) -> float:
+    """Sums of the cosets of the lattice of ``size`` in ``SUMS``; the deviation of their total, of the worst channel."""
+    b, shading = work.nodes, view.shading
+    for c in range(3 * COSETS):
+        b[SUMS + c] = 0.0
+    generator, smaller = 0, size
+    while smaller > LEAST:
+        generator += 1
+        smaller //= 2
+    start = 0
+    red, green, blue = (
+        shading[0] * shading[7] - shading[10],
+        shading[0] * shading[8] - shading[11],
+        shading[0] * shading[9] - shading[12],
+    )
+    while start < size:
+        m = min(BATCH, size - start)
+        place_lattice(m, start, size, GENERATORS[generator], view.spheres[j, 3], view, work)
+        hide_nodes(m, j, own, view, work)
+        tint_nodes(m, j, view, work)
+        for i in range(m):
+            b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
+        for l in range(view.points.shape[0]):
+            if mark_nodes(m, l, j, view, work):
+                point_light(m, b, view.points[l], shading[4] == PHONG, shading[3], shading[2])
+        for i in range(m):
+            w = b[WEIGHT + i]
+            b[SUM + i] *= w
+            b[SUM + NODES + i] *= w
+            b[SUM + 2 * NODES + i] *= w
+        for c in range(3 * COSETS):
+            found = 0.0
+            for i in range(c % COSETS, m, COSETS):
+                found += b[SUM + (c // COSETS) * NODES + i]
+            b[SUMS + c] += found
+        start += m
+        work.counts[EVALUATIONS] += m
+    worst = 0.0
+    for a in range(3):
+        mean = 0.0
+        for c in range(COSETS):
+            mean += b[SUMS + COSETS * a + c] / COSETS
+        apart = 0.0
+        for c in range(COSETS):
+            apart += (b[SUMS + COSETS * a + c] - mean) ** 2
+        worst = max(worst, apart)
+    return math.sqrt(worst * COSETS / (COSETS - 1.0))
+
+
+@jitable
+def lattice_sum(
+    j: int, own: int, tol: float, mass: float, bright: float, limit: int, view: View, work: Work, value: Array
+) -> float:  # fmt: skip
+    """Add to ``value`` what sphere ``j`` adds, as ``split_chart`` does; the error, or negative if the rule declines.
+
+    ``mass`` is what ``aim_lattice`` returned and ``bright`` bounds the radiance less the background;
+    ``limit`` is the most evaluations.
+    """
+    if mass * bright < 0.1 * tol:
+        return float(mass * bright)
+    b = work.nodes
+    unseen = MISSED * bright * b[CELL]
+    if unseen > tol * MOST:
+        return -1.0
+    for l in range(view.points.shape[0]):
+        if view.points[l, DISK_RADIUS] > 0.0:
+            return -1.0
+    size = LEAST
+    while size <= MOST and work.counts[EVALUATIONS] + size <= limit:
+        astray = STUDENT * scatter(size, j, own, view, work)
+        error = astray + unseen / size
+        if error <= tol:
+            for a in range(3):
+                for c in range(COSETS):
+                    value[a] += b[SUMS + COSETS * a + c]
+            return float(error)
+        # what jumps along curves is met to N^-3/4: the first size at which that promises enough, if any does
+        while size <= MOST and error > tol:
+            size *= 2
+            astray *= 0.5946035575013605
+            error = astray + unseen / size
+    return -1.0
