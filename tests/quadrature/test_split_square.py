@@ -46,8 +46,9 @@ def change(conics: np.ndarray, which: np.ndarray, low: float, high: float, work:
 def test_the_first_change_of_rows_is_found(quadratics: tuple[tuple[float, ...], ...], expected: float) -> None:
     conics, which = rows_of(*quadratics)
     work = work_arrays(2, 1)
-    _, before = split_square.row_pieces(0.05, 0.0, 1.0, which, len(which), conics, work)
-    _, after = split_square.row_pieces(0.95, 0.0, 1.0, which, len(which), conics, work)
+    rows = work.walls, work.geo, work.quartic, work.root_x, work.root_id
+    _, before = split_square.row_pieces(0.05, 0.0, 1.0, which, len(which), conics, *rows)
+    _, after = split_square.row_pieces(0.95, 0.0, 1.0, which, len(which), conics, *rows)
     assert before != after
     assert abs(change(conics, which, 0.05, 0.95, work) - expected) <= 2e-12
 

@@ -48,6 +48,7 @@ from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, MARBLE, STRIPES
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 
 @jitable
@@ -92,12 +93,13 @@ def set_lens(geo: Array) -> None:
         geo[LENS_COS], geo[LENS_COS + 1], geo[LENS_COS + 2] = c, s, widest - 1e-9
 
 
-@inlined
-def add_normal(work: Work, ax: float, ay: float, az: float, level: float, tag: int, shape: int) -> None:
+@jitable
+def add_normal(
+    walls: Array, counts: Ints, geo: Array, ax: float, ay: float, az: float, level: float, tag: int, shape: int
+) -> None:  # fmt: skip
     """Append the circle a.N = level on the charted sphere, if it can cross its visible part inside the lobe."""
     if not abs(level) < 1.0:
         return
-    geo = work.geo
     # component along the visible pole -c
     a0 = -(ax * geo[POLE] + ay * geo[POLE + 1] + az * geo[POLE + 2])
     a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
@@ -107,17 +109,18 @@ def add_normal(work: Work, ax: float, ay: float, az: float, level: float, tag: i
     if apart * level + across < geo[LENS_COS + 2]:
         return
     a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
-    work.counts[WALLS] = add_circle(work.walls, work.counts[WALLS], NORMAL, a0, a1, a2, level, tag, shape)
+    counts[WALLS] = add_circle(walls, counts[WALLS], NORMAL, a0, a1, a2, level, tag, shape)
 
 
-@inlined
-def add_direction(work: Work, ax: float, ay: float, az: float, cosine: float, tag: int, shape: int) -> None:
+@jitable
+def add_direction(
+    walls: Array, counts: Ints, geo: Array, ax: float, ay: float, az: float, cosine: float, tag: int, shape: int
+) -> None:  # fmt: skip
     """Append the circle w.a = cosine on the sphere of directions."""
-    geo = work.geo
     a0 = ax * geo[POLE] + ay * geo[POLE + 1] + az * geo[POLE + 2]
     a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
     a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
-    work.counts[WALLS] = add_circle(work.walls, work.counts[WALLS], DIRECTION, a0, a1, a2, cosine, tag, shape)
+    counts[WALLS] = add_circle(walls, counts[WALLS], DIRECTION, a0, a1, a2, cosine, tag, shape)
 
 
 @inlined
@@ -126,23 +129,24 @@ def texture_walls(sphere: Array, work: Work, shape: int) -> None:
     kind = int(sphere[7])
     if kind != CHECKER and kind != STRIPES and kind != MARBLE:
         return
+    walls, counts, geo = work.walls, work.counts, work.geo
     ku, kv = sphere[8], sphere[9]
     if kind == MARBLE:
         if ku != math.floor(ku):
-            add_normal(work, 0.0, 1.0, 0.0, 0.0, TEXTURE_EDGE, shape)
+            add_normal(walls, counts, geo, 0.0, 1.0, 0.0, 0.0, TEXTURE_EDGE, shape)
         return
     if ku > 0.0:
         for i in range(math.floor(ku) + 1):
             if work.counts[WALLS] > work.walls.shape[0]:
                 return
             a = 2.0 * math.pi * i / ku - math.pi
-            add_normal(work, -math.sin(a), math.cos(a), 0.0, 0.0, TEXTURE_EDGE, shape)
+            add_normal(walls, counts, geo, -math.sin(a), math.cos(a), 0.0, 0.0, TEXTURE_EDGE, shape)
     if kind == CHECKER:
         i = 1
         while i < kv:
             if work.counts[WALLS] > work.walls.shape[0]:
                 return
-            add_normal(work, 0.0, 0.0, 1.0, math.cos(math.pi * i / kv), TEXTURE_EDGE, shape)
+            add_normal(walls, counts, geo, 0.0, 0.0, 1.0, math.cos(math.pi * i / kv), TEXTURE_EDGE, shape)
             i += 1
 
 
@@ -152,7 +156,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
 
     P must be outside every sphere but its own.
     """
-    geo = work.geo
+    walls, counts, geo = work.walls, work.counts, work.geo
     sphere = view.spheres[j]
     r = sphere[3]
     px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
@@ -171,10 +175,10 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
 
     # the plane through P that bounds what its surface can see cuts the sphere in a circle
     nx, ny, nz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
-    add_normal(work, nx, ny, nz, -(nx * dx + ny * dy + nz * dz) / r, HORIZON, -1)
+    add_normal(walls, counts, geo, nx, ny, nz, -(nx * dx + ny * dy + nz * dz) / r, HORIZON, -1)
     floor = view.floor[FLOOR_PRESENT] != 0.0
     if floor:
-        add_normal(work, 0.0, 0.0, 1.0, -sphere[2] / r, FLOOR_CUT, -1)
+        add_normal(walls, counts, geo, 0.0, 0.0, 1.0, -sphere[2] / r, FLOOR_CUT, -1)
 
     # spheres in front
     power = (dist - r) * (dist + r)
@@ -195,10 +199,20 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
             continue
         work.occluders[work.counts[OCCLUDERS]] = i
         work.counts[OCCLUDERS] += 1
-        add_direction(work, ox / d2, oy / d2, oz / d2, math.sqrt((1.0 - k2) * (1.0 + k2)), SILHOUETTE, i)
+        add_direction(
+            walls,
+            counts,
+            geo,
+            ox / d2,
+            oy / d2,
+            oz / d2,
+            math.sqrt((1.0 - k2) * (1.0 + k2)),
+            SILHOUETTE,
+            i,
+        )
         if crossing and apart > 0.0:
             level = (apart * apart + r * r - s[3] * s[3]) / (2.0 * apart * r)
-            add_normal(work, ux / apart, uy / apart, uz / apart, level, SILHOUETTE, i)
+            add_normal(walls, counts, geo, ux / apart, uy / apart, uz / apart, level, SILHOUETTE, i)
 
     texture_walls(sphere, work, j)
 
@@ -213,7 +227,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
             continue
         if work.counts[WALLS] > work.walls.shape[0]:
             break
-        add_normal(work, lx / far, ly / far, lz / far, r / far, TERMINATOR, i)
+        add_normal(walls, counts, geo, lx / far, ly / far, lz / far, r / far, TERMINATOR, i)
         if not glint:
             # the visible cap may lie wholly behind the terminator
             facing = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / far
@@ -238,7 +252,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
 @jitable
 def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     """Fill ``work`` for the floor seen from geo's point, which is off the floor: polar about the nadir."""
-    geo = work.geo
+    walls, counts, geo = work.walls, work.counts, work.geo
     px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
     geo[POLE], geo[POLE + 1], geo[POLE + 2] = 0.0, 0.0, -geo[SIDE]
     geo[RADIUS], geo[RATIO], geo[SHAPE_INDEX] = 0.0, 1.0, -1.0
@@ -247,7 +261,17 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     geo[BRIGHT] = UNBOUNDED
     set_frame(geo, lobe[0], lobe[1], lobe[2])
     work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = work.counts[KEPT] = 0
-    add_direction(work, geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2], 0.0, HORIZON, -1)
+    add_direction(
+        walls,
+        counts,
+        geo,
+        geo[SURFACE_NORMAL],
+        geo[SURFACE_NORMAL + 1],
+        geo[SURFACE_NORMAL + 2],
+        0.0,
+        HORIZON,
+        -1,
+    )
     for i in range(view.spheres.shape[0]):
         s = view.spheres[i]
         if i == own or geo[SIDE] * s[2] <= -s[3]:
@@ -257,7 +281,17 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
         k = min(1.0, s[3] / far)
         work.occluders[work.counts[OCCLUDERS]] = i
         work.counts[OCCLUDERS] += 1
-        add_direction(work, ox / far, oy / far, oz / far, math.sqrt((1.0 - k) * (1.0 + k)), SILHOUETTE, i)
+        add_direction(
+            walls,
+            counts,
+            geo,
+            ox / far,
+            oy / far,
+            oz / far,
+            math.sqrt((1.0 - k) * (1.0 + k)),
+            SILHOUETTE,
+            i,
+        )
         if abs(s[2]) < s[3] and work.counts[WALLS] < work.walls.shape[0]:
             row = work.walls[work.counts[WALLS]]
             row[0], row[6], row[7], row[MET_COLUMN] = BALL, SILHOUETTE, i, 0.0

@@ -154,18 +154,18 @@ def add_crossing(
     along = w0 * geo[LOBE_BETA + 1] + w1 * geo[LOBE_BETA + 2]
     if not along > (geo[RIM_COS] - 1e-9) * math.sqrt(size2):
         return n
-    if not hides and normal:
-        a, r = -x0, geo[RADIUS]
-        qx = geo[CENTER] + r * (a * geo[POLE] + x1 * geo[E1] + x2 * geo[E2])
-        qy = geo[CENTER + 1] + r * (a * geo[POLE + 1] + x1 * geo[E1 + 1] + x2 * geo[E2 + 1])
-        qz = geo[CENTER + 2] + r * (a * geo[POLE + 2] + x1 * geo[E1 + 2] + x2 * geo[E2 + 2])
+    if not hides:
+        if normal:
+            a, r = -x0, geo[RADIUS]
+            qx = geo[CENTER] + r * (a * geo[POLE] + x1 * geo[E1] + x2 * geo[E2])
+            qy = geo[CENTER + 1] + r * (a * geo[POLE + 1] + x1 * geo[E1 + 1] + x2 * geo[E2 + 1])
+            qz = geo[CENTER + 2] + r * (a * geo[POLE + 2] + x1 * geo[E1 + 2] + x2 * geo[E2 + 2])
+        else:
+            r = geo[HEIGHT] / x0
+            qx = geo[POINT] + r * (x1 * geo[E1] + x2 * geo[E2])
+            qy = geo[POINT + 1] + r * (x1 * geo[E1 + 1] + x2 * geo[E2 + 1])
+            qz = 0.0
         if is_hidden(qx, qy, qz, view, work):
-            return n
-    elif not hides:
-        r = geo[HEIGHT] / x0
-        qx = geo[POINT] + r * (x1 * geo[E1] + x2 * geo[E2])
-        qy = geo[POINT + 1] + r * (x1 * geo[E1 + 1] + x2 * geo[E2 + 1])
-        if is_hidden(qx, qy, 0.0, view, work):
             return n
     return add_event(events, n, math.atan2(x2, x1), low, high, CROSSING)
 
@@ -254,41 +254,42 @@ def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, h
     """Add the azimuths of all closed-form crossings inside the lobe to ``events``; new count."""
     geo, walls = work.geo, work.walls
     count = min(work.counts[WALLS], walls.shape[0])
-    m0, m1 = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2]
+    floor = geo[SHAPE_INDEX] < 0.0
     for i in range(count):
         one = walls[i]
         kind = int(one[KIND])
-        if kind == NORMAL:
-            n = along_circle(one, one, m0, m1, 0.0, geo[RIM_SIN], True, view, work, events, n, low, high)
-        elif kind == DIRECTION:
-            n = circle_crossings(
-                m0, m1, 0.0, geo[RIM_COS], one[1], one[2], one[3], one[COS], False, True, view, work, events, n, low,
-                high,
-            )  # fmt: skip
-        for j in range(i):
-            other = walls[j]
-            also = int(other[KIND])
-            hides = not (
-                (one[TAG] == TEXTURE_EDGE or one[TAG] == TERMINATOR or one[TAG] == SHADOW_EDGE)
-                and (other[TAG] == TEXTURE_EDGE or other[TAG] == TERMINATOR or other[TAG] == SHADOW_EDGE)
-            )
+        for j in range(-1, i):
+            # the rim comes first
+            other = one if j < 0 else walls[j]
+            also, hides = DIRECTION, True
+            b0, b1, b2, cosine, sine = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_COS], geo[RIM_SIN]
+            if j >= 0:
+                also = int(other[KIND])
+                b0, b1, b2, cosine, sine = other[1], other[2], other[3], other[COS], other[SIN]
+                hides = not (
+                    (one[TAG] == TEXTURE_EDGE or one[TAG] == TERMINATOR or one[TAG] == SHADOW_EDGE)
+                    and (other[TAG] == TEXTURE_EDGE or other[TAG] == TERMINATOR or other[TAG] == SHADOW_EDGE)
+                )
             if kind <= NORMAL and also == kind:
                 n = circle_crossings(
-                    one[1], one[2], one[3], one[COS], other[1], other[2], other[3], other[COS], kind == NORMAL, hides,
-                    view, work, events, n, low, high,
+                    one[1], one[2], one[3], one[COS], b0, b1, b2, cosine, kind == NORMAL, hides, view, work, events, n,
+                    low, high,
                 )  # fmt: skip
-            elif kind == NORMAL and also == DIRECTION:
-                n = along_circle(
-                    one, one, other[1], other[2], other[3], other[SIN], hides, view, work, events, n, low, high
-                )
+                continue
+            # along which of the two, and whether the other one is a cone of directions
+            row, wall = one, other
+            if kind == NORMAL and also == DIRECTION:
+                pass
             elif kind == DIRECTION and also == NORMAL:
-                n = along_circle(
-                    other, other, one[1], one[2], one[3], one[SIN], hides, view, work, events, n, low, high
-                )
-            elif kind in (SHADOW, BALL) and (also == NORMAL or (also == DIRECTION and geo[SHAPE_INDEX] < 0.0)):
-                n = along_circle(other, one, 0.0, 0.0, 0.0, -1.0, hides, view, work, events, n, low, high)
-            elif also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and geo[SHAPE_INDEX] < 0.0)):
-                n = along_circle(one, other, 0.0, 0.0, 0.0, -1.0, hides, view, work, events, n, low, high)
+                row, wall = other, one
+                b0, b1, b2, sine = one[1], one[2], one[3], one[SIN]
+            elif kind in (SHADOW, BALL) and j >= 0 and (also == NORMAL or (also == DIRECTION and floor)):
+                row, wall, sine = other, one, -1.0
+            elif also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and floor)):
+                sine = -1.0
+            else:
+                continue
+            n = along_circle(row, wall, b0, b1, b2, sine, hides, view, work, events, n, low, high)
     return n
 
 

@@ -42,7 +42,7 @@ ROOT = 1.0
 """An event of this kind leaves a square root on one side."""
 
 
-@inlined
+@jitable
 def add_event(events: Array, n: int, phi: float, low: float, high: float, kind: float) -> int:
     """Insert an azimuth, reduced to (low, high), in order; equal ones merge and keep the stronger kind."""
     turn = 2.0 * math.pi

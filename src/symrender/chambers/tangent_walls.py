@@ -45,7 +45,7 @@ from symrender.chambers.walls import (
     TEXTURE_EDGE,
 )
 from symrender.chambers.work import WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import CHECKER, KU, KV, TEXTURE
 
 Array = npt.NDArray[np.float64]
@@ -231,7 +231,7 @@ def along_line(bar: Array, here: Array) -> float:
     return slope
 
 
-@jitable
+@inlined
 def rim_gradient(here: Array, work: Work, lobe: Array, bar: Array, own: Array) -> None:
     """Gradients of w.m - cos(theta_max): ``bar`` in Q, N, w, the rest added to the zeroed columns ``own``."""
     for a in range(3):
@@ -347,7 +347,7 @@ def on_a_parallel(here: Array, sphere: Array) -> bool:
     return bool(abs(number - math.floor(number + 0.5)) < 1e-9 * (1.0 + number))
 
 
-@jitable
+@inlined
 def condition_of(i: int, here: Array, hidden: bool, work: Work) -> int:
     """The condition a wall stands for; of coinciding ones, the one that changes what is seen, -1 if none is known.
 

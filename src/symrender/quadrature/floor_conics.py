@@ -124,16 +124,15 @@ def may_cross(row: Array, x: float, y: float, half: float) -> bool:
 
 
 @inlined
-def conic_roots(row: Array, y: float, x0: float, x1: float, work: Work) -> int:
-    """Where the line y = const meets a conic, or the edges of a penumbra inside its cone, into ``work.quartic``.
+def conic_roots(row: Array, y: float, x0: float, x1: float, walls: Array, geo: Array, edges: Array) -> int:
+    """Where the line y = const meets a conic, or the edges of a penumbra inside its cone, into ``edges``.
 
     Returns how many; those of a conic may lie beyond x0..x1.
     """
-    edges = work.quartic
     if row[SOFT] > 0.0:
         outer = int(row[SOFT]) - 1
-        found = edge_search(work.walls[outer], x0, x1, math.nan, y, work.geo, edges)
-        found += edge_search(work.walls[outer + 1], x0, x1, math.nan, y, work.geo, edges[found:])
+        found = edge_search(walls[outer], x0, x1, math.nan, y, geo, edges)
+        found += edge_search(walls[outer + 1], x0, x1, math.nan, y, geo, edges[found:])
         return found
     found, edges[0], edges[1] = quadratic_roots(row[0], row[1] * y + row[3], row[2] * y * y + 2.0 * row[4] * y + row[5])
     return found

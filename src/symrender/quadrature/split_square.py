@@ -38,6 +38,7 @@ from symrender.quadrature.split_line import SOFT_LOG, tail_error
 from symrender.quadrature.split_panel import azimuth
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 EAST = SINE
 NORTH = COSINE
@@ -56,7 +57,7 @@ BRANCHES = 16
 """Most roots of one conic on a line."""
 
 
-@inlined
+@jitable
 def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array) -> bool:
     """Whether the floor point (x, y) from the foot is in the lobe and seen; ``states`` of its lights, 0 unlit."""
     geo = work.geo
@@ -162,21 +163,21 @@ def taper_rows(m: int, reach: float, b: Array) -> None:
         b[WEIGHT + i] *= decay(b[BASE + i])
 
 
-@inlined
+@jitable
 def row_pieces(
-    y: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Array, work: Work
+    y: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Array, walls: Array, geo: Array,
+    roots: Array, ends: Array, ids: Ints,
 ) -> tuple[int, int]:  # fmt: skip
     """Pieces of the line y = const between x0 and x1; their number and the signature of their order.
 
-    ``work.root_x`` gets their ends, one more than pieces, ``work.root_id`` the wall at the lower end of each.
+    ``ends`` gets their ends, one more than pieces, ``ids`` the wall at the lower end of each; ``roots`` is scratch.
     """
-    ends, ids = work.root_x, work.root_id
     n = 1
     ends[0], ids[0] = x0, -1
     for i in range(crossings):
-        found = conic_roots(conics[int(crossing[i])], y, x0, x1, work)
+        found = conic_roots(conics[int(crossing[i])], y, x0, x1, walls, geo, roots)
         for j in range(found):
-            x = work.quartic[j]
+            x = roots[j]
             if x0 < x < x1 and n < ends.shape[0] - 1:
                 p = n
                 while p > 0 and ends[p - 1] > x:
@@ -218,12 +219,13 @@ def change_of_rows(
 
     Neighbours that change places are followed until the first two of them meet; anything else is found by halving.
     """
+    walls, geo, roots, ends, ids = work.walls, work.geo, work.quartic, work.root_x, work.root_id
     near, far = work.row_gaps[0], work.row_gaps[1]
-    many, before = row_pieces(low, x0, x1, crossing, crossings, conics, work)
+    many, before = row_pieces(low, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
     for i in range(1, many):
         work.row_names[i] = work.root_id[i]
     note_gaps(many, many, near, work)
-    n, _ = row_pieces(high, x0, x1, crossing, crossings, conics, work)
+    n, _ = row_pieces(high, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
     note_gaps(many, n, far, work)
     # as in the Illinois method, an end that stays twice counts half
     weight, kept = 1.0, 0
@@ -237,7 +239,7 @@ def change_of_rows(
                 share = min(share, near[i] / (near[i] - weight * far[i]))
         if share < 1.0:
             middle = low + min(0.999, max(0.001, share)) * (high - low)
-        n, found = row_pieces(middle, x0, x1, crossing, crossings, conics, work)
+        n, found = row_pieces(middle, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
         if found == before:
             low = middle
             note_gaps(many, n, near, work)
@@ -305,13 +307,14 @@ def strip_integral(
         out[t] = 0.0
     for t in range(6):
         sums[t] = 0.0
+    walls, geo, roots, ends, ids = work.walls, work.geo, work.quartic, work.root_x, work.root_id
     rows, lit, side = work.nodes, work.lit, work.cell_side
     work.counts[KEPT] = 0
     m, placed = 0, 0
     for q in range(n):
         y, slope = azimuth(gauss[0, base + q], a, b, kind_a, kind_b)
         slope *= gauss[1, base + q]
-        pieces, found = row_pieces(y, x0, x1, crossing, crossings, conics, work)
+        pieces, found = row_pieces(y, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
         if found != signature:
             return y
         for piece in range(pieces):
@@ -371,6 +374,7 @@ def cut_square(
     where two conics meet, which is where the order of their roots changes; strips that miss ``room`` are halved.
     ``span`` is the length over which the integrand is tame.
     """
+    walls, geo, roots, ends, ids = work.walls, work.geo, work.quartic, work.root_x, work.root_id
     x1, y1 = x0 + size, y0 + size
     cuts, kinds, point, part = scratch[0], scratch[1], scratch[2], scratch[3]
     stack = scratch[4:]
@@ -392,8 +396,8 @@ def cut_square(
         a, b, kind_a, kind_b, depth, level = row[0], row[1], row[2], row[3], row[4], int(row[5])
         room_left = top + 2 < stack.shape[0]
         inset = 1e-9 * (b - a)
-        pieces, signature = row_pieces(a + inset, x0, x1, crossing, crossings, conics, work)
-        _, other = row_pieces(b - inset, x0, x1, crossing, crossings, conics, work)
+        pieces, signature = row_pieces(a + inset, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
+        _, other = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
         x = 0.7 * span / (b - a)
         more = level - step
         lines = min(MAX_ORDER, max(3 + 2 * more, nodes(level, math.log(x + math.sqrt(1.0 + x * x)))))
@@ -409,7 +413,7 @@ def cut_square(
                 error += bound * (b - a) / size
                 continue
             cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)
-            beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, work)
+            beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
             # two conics that meet change places; an edge of a penumbra may open a piece like a square root
             kind = SMOOTH if beyond == pieces else ROOT
         elif part[6] <= room or not room_left or strips > MAX_STRIPS:

@@ -316,7 +316,7 @@ def scan_row(
     k = 0
     for i in range(crossings):
         c = int(crossing[i])
-        found = conic_roots(conics[c], y, x0, x1, work)
+        found = conic_roots(conics[c], y, x0, x1, work.walls, work.geo, work.quartic)
         for j in range(found):
             x = work.quartic[j]
             if x0 < x < x1 and k < roots.shape[0] - 1:

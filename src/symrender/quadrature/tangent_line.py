@@ -52,7 +52,7 @@ from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
 from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, SHAPE_INDEX, SIDE, STRIP, TAG, TEXTURE_EDGE
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.light_term import light_term
@@ -89,7 +89,7 @@ def log_density(here: Array, lobe: Array, geo: Array) -> tuple[float, float, flo
     return 1.0 - versine, log, math.exp(geo[GEO_EXPONENT] * log - geo[GEO_LOG_NORMALISER])
 
 
-@jitable
+@inlined
 def set_view(here: Array, view: View, geo: Array) -> float:
     """Direction a highlight at this place is seen along, into its row; the distance to the eye, 0 if the ray's own."""
     if view.shading[5] != FROM_EYE:
@@ -123,7 +123,7 @@ def vein(n: Array, ku: float, kv: float) -> tuple[float, float, float, float, fl
     return 0.55 + 0.225 * (1.0 + math.sin(wave)), -n[1] * turn, n[0] * turn, fall, slope * u, by_kv
 
 
-@jitable
+@inlined
 def radiance(
     side: int, lit: npt.NDArray[np.uint8], step: int, here: Array, view: View, work: Work, gauss: Array,
     disk: Array | None, out: Array
@@ -162,7 +162,7 @@ def radiance(
         out[a] += ambient * shading[7 + a] - shading[10 + a]
 
 
-@jitable
+@inlined
 def node_adjoint(
     weight: float, slope_k: float, cosine: float, log: float, cell: int, step: int, lobe: Array, view: View,
     work: Work, gauss: Array, disk: Array | None, here: Array, adjoint: Array,
@@ -307,7 +307,7 @@ def wall_adjoint(
                 adjoint[c, k] += weight * own[k]
 
 
-@jitable
+@inlined
 def walls_adjoint(
     c: float, s: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array,
     disk: Array | None, here: Array, own: Array, moving: Array, adjoint: Array,
@@ -364,7 +364,7 @@ def walls_adjoint(
             wall_adjoint(wall // 4, TEXTURE_EDGE, -scale, above, lobe, view, work, here, own, adjoint, 3, 4)
 
 
-@jitable
+@inlined
 def soft_cell(cell: int, view: View, work: Work) -> bool:
     """Whether a cell of the scanned line ends at a wall of a disk light and is partly lit."""
     if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
@@ -405,7 +405,7 @@ def piece_adjoint(
     return whole, tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, 0.0)
 
 
-@jitable
+@inlined
 def line_adjoint(
     phi: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None,
     here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,

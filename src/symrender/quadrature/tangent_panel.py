@@ -28,7 +28,7 @@ from symrender.chambers.tangent_walls import (
 )
 from symrender.chambers.walls import COS, DIRECTION, FLOOR_CUT, KIND, NORMAL, SHAPE_INDEX, TAG, TEXTURE_EDGE
 from symrender.chambers.work import CELLS, EVALUATIONS, WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.split_panel import (
     FOREIGN,
@@ -95,7 +95,7 @@ def contract(adjoint: Array, tangents: Array, out: Array, sign: float) -> None:
             out[p, c] += sign * total
 
 
-@jitable
+@inlined
 def panel_adjoint(
     p: Array, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array,
     here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,
