@@ -105,7 +105,7 @@ def test_an_even_sphere_fills_its_share_of_the_lobe(exponent: float) -> None:
         run = lambda tol: gloss_points(a, point, normal, d, np.ones(1, np.int64), tol, walled=False)  # noqa: E731, B023
         found = finest(run, share)
         assert found.evaluations[0] >= 32
-        assert np.abs(found.gloss[0] - share * np.array([1.0, 0.5, 0.25])).max() <= 2e-3 * share
+        assert np.abs(found.gloss[0] - share * np.array([1.0, 0.5, 0.25])).max() <= 6e-3 * share
     assert len(shares) >= 4
     assert aside @ m == pytest.approx(0.0)
 
@@ -242,9 +242,9 @@ def test_the_floor_hides_what_is_below_it() -> None:
     place_point(*(row[0] for row in given[:3]), lobe, geo)
     lobe_setup(4.0, 1.4, 1e-9, 1.0, geo)
     assert aim_lattice(1, lobe, view, s.work) > 0.0
-    scatter(2048, 1, 0, view, s.work)
+    scatter(1024, 1, 0, view, s.work)
     found = s.work.nodes[SUMS : SUMS + 3 * COSETS].reshape(3, COSETS).sum(axis=1)
-    assert np.abs(found - tight.gloss[0]).max() <= 5e-3 * tight.gloss.max()
+    assert np.abs(found - tight.gloss[0]).max() <= 8e-3 * tight.gloss.max()
 
 
 def test_stated_errors_hold() -> None:
