@@ -141,6 +141,8 @@ def test_two_runs_on_one_output(tmp_path: Path, capfd: pytest.CaptureFixture[str
     with begin(tmp_path) as process:
         assert process.stderr is not None
         process.stderr.readline()
+        # held, so that it cannot be done before the others have asked
+        process.send_signal(signal.SIGSTOP)
         for flags in ([], ["--resume"], ["--restart"], ["--force"]):
             assert main([*COMMAND, "--out", str(tmp_path), *flags]) == 2
             assert "another run is writing this output" in capfd.readouterr().err

@@ -57,7 +57,7 @@ BRANCHES = 16
 """Most roots of one conic on a line."""
 
 
-@jitable
+@inlined
 def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array) -> bool:
     """Whether the floor point (x, y) from the foot is in the lobe and seen; ``states`` of its lights, 0 unlit."""
     geo = work.geo

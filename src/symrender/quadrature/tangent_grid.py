@@ -33,7 +33,7 @@ from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
 from symrender.chambers.walls import HEIGHT, POINT, SURFACE_NORMAL
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.floor_conics import SOFT, conic_roots, floor_conics, may_cross, square_cuts
 from symrender.quadrature.gauss import MAX_ORDER, order, step_of
@@ -207,7 +207,7 @@ def grid_density(x: float, y: float, lobe: Array, geo: Array) -> tuple[float, fl
     return density * h * inv * inv * inv, 1.0 - versine, log
 
 
-@jitable
+@inlined
 def lit_sum(
     x: float, y: float, step: int, states: Array, view: View, work: Work, gauss: Array, disk: Array | None, out: Array
 ) -> None:  # fmt: skip
@@ -229,7 +229,7 @@ def lit_sum(
             out[a] += p[3 + a] * cosine
 
 
-@jitable
+@inlined
 def grid_node(
     x: float, y: float, weight: float, step: int, states: Array, lobe: Array, view: View, work: Work, gauss: Array,
     disk: Array | None, half: Array, here: Array, adjoint: Array,
@@ -307,11 +307,9 @@ def grid_node(
         out[GRID] += 2.0 * g / floor[FLOOR_CELL]
 
 
-@jitable
-def scan_row(
-    y: float, x0: float, x1: float, crossings: int, lobe: Array, view: View, work: Work, conics: Array, table: Array
-) -> tuple[int, int]:
-    """Roots of the crossing conics on a line of a square, in order, into ``table``; their number and a signature."""
+@inlined
+def row_roots(y: float, x0: float, x1: float, crossings: int, work: Work, conics: Array, table: Array) -> int:
+    """Roots of the crossing conics on a line of a square, in order, into ``table``; their number."""
     roots, which, crossing = table[_ROOTS], table[_WHICH], table[_CROSSING]
     k = 0
     for i in range(crossings):
@@ -326,6 +324,16 @@ def scan_row(
                     p -= 1
                 roots[p], which[p] = x, c
                 k += 1
+    return k
+
+
+@jitable
+def scan_row(
+    y: float, x0: float, x1: float, crossings: int, lobe: Array, view: View, work: Work, conics: Array, table: Array
+) -> tuple[int, int]:
+    """As ``row_roots``, and a signature of the line's structure."""
+    k = row_roots(y, x0, x1, crossings, work, conics, table)
+    roots, which = table[_ROOTS], table[_WHICH]
     below, above = table[_BELOW], table[_ABOVE]
     signature = 1469598103934665603
     left = x0
@@ -349,7 +357,7 @@ def scan_row(
     return k, signature
 
 
-@jitable
+@inlined
 def row_adjoint(
     y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, span: float, reach: float,
     lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array,
@@ -472,7 +480,7 @@ def strip_adjoint(
         s, c = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
         y = a + (b - a) * s * s
         slope = sign * gauss[1, base + q] * (b - a) * math.pi * s * c
-        k, _ = scan_row(y, x0, x1, crossings, lobe, view, work, conics, table)
+        k = row_roots(y, x0, x1, crossings, work, conics, table)
         row_adjoint(
             y, slope, x0, x1, k, nx, step, span, reach, lobe, view, work, conics, what, gauss, disk, table, half, here,
             own, nodes, adjoint,

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined
 
 Array = npt.NDArray[np.float64]
 
@@ -16,7 +16,7 @@ BAR_ROWS: Final = 5
 """Gradients of the cosine in the light's place and in N, of the highlight in the light's place, in N, in the view."""
 
 
-@jitable
+@inlined
 def offset_gradient(
     ox: float, oy: float, oz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, phong: bool,
     shininess: float, gleaming: bool, bar: Array,
