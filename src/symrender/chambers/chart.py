@@ -43,7 +43,7 @@ from symrender.chambers.walls import (
     add_circle,
     add_shadow,
 )
-from symrender.chambers.work import CASTERS, KEPT, OCCLUDERS, WALLS, View, Work
+from symrender.chambers.work import CASTERS, OCCLUDERS, WALLS, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, MARBLE, STRIPES
 
@@ -171,7 +171,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
     geo[LIMB_TANGENT] = math.sqrt((1.0 - k) / (1.0 + k))
     set_frame(geo, lobe[0], lobe[1], lobe[2])
     set_lens(geo)
-    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = work.counts[KEPT] = 0
+    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
 
     # the plane through P that bounds what its surface can see cuts the sphere in a circle
     nx, ny, nz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
@@ -260,7 +260,7 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     geo[HEIGHT] = abs(pz)
     geo[BRIGHT] = UNBOUNDED
     set_frame(geo, lobe[0], lobe[1], lobe[2])
-    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = work.counts[KEPT] = 0
+    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
     add_direction(
         walls,
         counts,

@@ -39,7 +39,7 @@ from symrender.chambers.walls import (
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import CELLS, KEPT, LINES, SIGNATURE, WALLS, View, Work
+from symrender.chambers.work import CELLS, LINES, WALLS, View, Work
 from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
@@ -175,38 +175,13 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
     return n
 
 
-@inlined
-def labels_hold(n: int, low: float, high: float, first: int, last: int, work: Work) -> bool:
-    """Whether the line's ``n`` roots are those, in the order, of the line labelled last; then its cells are placed."""
-    if work.counts[KEPT] != n + 1 or work.kept_id[n] != first or work.kept_id[n + 1] != last:
-        return False
-    start = low
-    for i in range(n + 1):
-        end = high if i == n else work.root_x[i]
-        if (i < n and work.kept_id[i] != work.root_id[i]) or (end - start > THIN) != (work.kept_cell[i] >= 0):
-            return False
-        start = end
-    start, cells = low, 0
-    for i in range(n + 1):
-        end = high if i == n else work.root_x[i]
-        if work.kept_cell[i] == cells:
-            work.cell_from[cells] = start
-            cells += 1
-        if work.kept_cell[i] >= 0:
-            work.cell_to[cells - 1] = end
-        start = end
-    work.counts[CELLS] = cells
-    return True
-
-
 @jitable
-def scan_line(phi: float, view: View, work: Work, scratch: Array, keep: bool = False) -> int:
+def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     """Cells of the line phi = const inside the lobe; returns the line's signature, equal for equal structure.
 
     Fills ``cell_from``, ``cell_to``, ``cell_wall`` (the wall below each cell; one more entry closes the last),
     ``cell_side`` and ``lit``; ``counts[CELLS]`` is their number. Neighbours with the same label are one cell.
-    ``scratch`` is (4,). ``keep`` takes the labels of the line scanned before where the same walls come in the same
-    order: for lines between which no event lies, such as a wall that runs along a line.
+    ``scratch`` is (4,).
     """
     work.counts[LINES] += 1
     c, s = math.cos(phi), math.sin(phi)
@@ -247,9 +222,6 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array, keep: bool = F
                 root_x[k] = x
                 root_id[k] = 4 * i + b
                 n += 1
-    if keep and labels_hold(n, low, high, first, last, work):
-        return int(work.counts[SIGNATURE])
-    work.kept_id[n], work.kept_id[n + 1] = first, last
     cells = 0
     start, wall = low, first
     lights = view.points.shape[0]
@@ -260,7 +232,6 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array, keep: bool = F
     side = HIDDEN
     for i in range(n + 1):
         end = high if i == n else work.root_x[i]
-        work.kept_cell[i] = -1
         if end - start > THIN:
             same = True
             if side == HIDDEN and changed < SEVERAL and changed > SILHOUETTE and changed != FLOOR_CUT:
@@ -304,13 +275,11 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array, keep: bool = F
                 work.cell_wall[cells] = wall
                 work.cell_side[cells] = side
                 cells += 1
-            work.kept_cell[i] = cells - 1
             changed = NOTHING
         start = end
         if i == n:
             break
         wall = work.root_id[i]
-        work.kept_id[i] = wall
         tag = int(work.walls[wall // 4, TAG])
         now = int(work.walls[wall // 4, LIGHT]) if tag == SHADOW_EDGE else int(work.walls[wall // 4, SHAPE])
         if changed == NOTHING or (changed == tag and which == now):
@@ -330,6 +299,5 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array, keep: bool = F
                 signature = (signature ^ lit[i, l]) * 1099511628211
     signature = (signature ^ (last + 8)) * 1099511628211
     if not seen:
-        signature = 0
-    work.counts[KEPT], work.counts[SIGNATURE] = (n + 1 if n < work.root_x.shape[0] else 0), signature
+        return 0
     return signature

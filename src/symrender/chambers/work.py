@@ -42,8 +42,6 @@ class Work(NamedTuple):
     walls: Array
     root_x: Array
     root_id: Ints
-    kept_id: Ints
-    kept_cell: Ints
     row_names: Ints
     row_gaps: Array
     cell_from: Array
@@ -76,10 +74,6 @@ EVALUATIONS: Final = 5
 CHAMBERS: Final = 6
 CROSSINGS: Final = 7
 SPOTS: Final = 8
-KEPT: Final = 9
-"""Stretches of the line whose labels are kept, 0 if none are; whoever overwrites labels, or changes walls, sets it."""
-SIGNATURE: Final = 10
-"""Of that line."""
 
 
 def work_arrays(spheres: int, points: int) -> Work:
@@ -89,8 +83,6 @@ def work_arrays(spheres: int, points: int) -> Work:
         walls=np.zeros((MAX_WALLS, WALL_COLUMNS)),
         root_x=np.zeros(MAX_ROOTS),
         root_id=np.zeros(MAX_ROOTS, np.int64),
-        kept_id=np.zeros(MAX_ROOTS + 2, np.int64),
-        kept_cell=np.zeros(MAX_ROOTS + 2, np.int64),
         row_names=np.zeros(MAX_ROOTS, np.int64),
         row_gaps=np.zeros((2, MAX_ROOTS)),
         cell_from=np.zeros(MAX_ROOTS + 2),
@@ -100,7 +92,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         lit=np.zeros((MAX_ROOTS + 2, max(1, points)), np.uint8),
         occluders=np.zeros(max(1, spheres), np.int64),
         casters=np.zeros((max(1, spheres * points), 2), np.int64),
-        counts=np.zeros(11, np.int64),
+        counts=np.zeros(9, np.int64),
         labels=np.zeros(1024, np.int64),
         bernstein=np.zeros(5),
         stack=np.zeros((64, 7)),

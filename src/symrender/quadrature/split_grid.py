@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
-from symrender.chambers.work import EVALUATIONS, KEPT, NODES, View, Work
+from symrender.chambers.work import EVALUATIONS, NODES, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
@@ -141,7 +141,6 @@ def smooth_block(
     work.counts[EVALUATIONS] += n * n
     b, row = work.nodes, work.pieces[0]
     row[CELL], row[FIRST], row[COUNT] = 0, 0, n * n
-    work.counts[KEPT] = 0
     for i in range(states.shape[0]):
         work.lit[0, i] = int(states[i])
     for q in range(n):

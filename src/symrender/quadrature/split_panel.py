@@ -389,7 +389,7 @@ def evaluate_panel(
             thin += sliver_bound(first, events[e - 1, 0], work.geo)
         if q == n:
             break
-        found = scan_line(phi, view, work, scratch, q > 0 and inside == 0)
+        found = scan_line(phi, view, work, scratch)
         if q == 0:
             signature = found
         elif found != signature and foreign != foreign:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
 from symrender.chambers.walls import FACING, HEIGHT, POINT, RIM_COS
-from symrender.chambers.work import EVALUATIONS, KEPT, NODES, View, Work
+from symrender.chambers.work import EVALUATIONS, NODES, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
@@ -309,7 +309,6 @@ def strip_integral(
         sums[t] = 0.0
     walls, geo, roots, ends, ids = work.walls, work.geo, work.quartic, work.root_x, work.root_id
     rows, lit, side = work.nodes, work.lit, work.cell_side
-    work.counts[KEPT] = 0
     m, placed = 0, 0
     for q in range(n):
         y, slope = azimuth(gauss[0, base + q], a, b, kind_a, kind_b)
