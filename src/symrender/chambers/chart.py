@@ -200,16 +200,8 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
         work.occluders[work.counts[OCCLUDERS]] = i
         work.counts[OCCLUDERS] += 1
         add_direction(
-            walls,
-            counts,
-            geo,
-            ox / d2,
-            oy / d2,
-            oz / d2,
-            math.sqrt((1.0 - k2) * (1.0 + k2)),
-            SILHOUETTE,
-            i,
-        )
+            walls, counts, geo, ox / d2, oy / d2, oz / d2, math.sqrt((1.0 - k2) * (1.0 + k2)), SILHOUETTE, i
+        )  # fmt: skip
         if crossing and apart > 0.0:
             level = (apart * apart + r * r - s[3] * s[3]) / (2.0 * apart * r)
             add_normal(walls, counts, geo, ux / apart, uy / apart, uz / apart, level, SILHOUETTE, i)
@@ -262,16 +254,8 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     set_frame(geo, lobe[0], lobe[1], lobe[2])
     work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
     add_direction(
-        walls,
-        counts,
-        geo,
-        geo[SURFACE_NORMAL],
-        geo[SURFACE_NORMAL + 1],
-        geo[SURFACE_NORMAL + 2],
-        0.0,
-        HORIZON,
-        -1,
-    )
+        walls, counts, geo, geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2], 0.0, HORIZON, -1
+    )  # fmt: skip
     for i in range(view.spheres.shape[0]):
         s = view.spheres[i]
         if i == own or geo[SIDE] * s[2] <= -s[3]:
@@ -282,16 +266,8 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
         work.occluders[work.counts[OCCLUDERS]] = i
         work.counts[OCCLUDERS] += 1
         add_direction(
-            walls,
-            counts,
-            geo,
-            ox / far,
-            oy / far,
-            oz / far,
-            math.sqrt((1.0 - k) * (1.0 + k)),
-            SILHOUETTE,
-            i,
-        )
+            walls, counts, geo, ox / far, oy / far, oz / far, math.sqrt((1.0 - k) * (1.0 + k)), SILHOUETTE, i
+        )  # fmt: skip
         if abs(s[2]) < s[3] and work.counts[WALLS] < work.walls.shape[0]:
             row = work.walls[work.counts[WALLS]]
             row[0], row[6], row[7], row[MET_COLUMN] = BALL, SILHOUETTE, i, 0.0

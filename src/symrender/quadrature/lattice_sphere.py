@@ -40,7 +40,19 @@ from symrender.chambers.work import EVALUATIONS, NODES, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.lattice_nodes import BATCH, hide_nodes, mark_nodes, tint_nodes
 from symrender.quadrature.light_nodes import point_light
-from symrender.quadrature.node_rows import BASE, NEAR, NORMAL, PLACE, POWER, SUM, VIEW, WEIGHT, powers
+from symrender.quadrature.node_rows import (
+    BASE,
+    NEAR,
+    NORMAL,
+    PLACE,
+    POWER,
+    SUM,
+    VIEW,
+    WEIGHT,
+    begin_sums,
+    powers,
+    views_to,
+)
 from symrender.scene.arrays import EYE, FLOOR_PRESENT, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -198,11 +210,7 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
     for i in range(m):
         b[WEIGHT + i] *= b[POWER + i]
     if view.shading[5] == EYE:
-        ox, oy, oz = view.eye[0], view.eye[1], view.eye[2]
-        for i in range(m):
-            vx, vy, vz = ox - b[PLACE + i], oy - b[PLACE + NODES + i], oz - b[PLACE + 2 * NODES + i]
-            inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
-            b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = vx * inv, vy * inv, vz * inv
+        views_to(m, view.eye, b)
 
 
 @jitable
@@ -216,18 +224,12 @@ def scatter(size: int, j: int, own: int, view: View, work: Work) -> float:
         generator += 1
         smaller //= 2
     start = 0
-    red, green, blue = (
-        shading[0] * shading[7] - shading[10],
-        shading[0] * shading[8] - shading[11],
-        shading[0] * shading[9] - shading[12],
-    )
     while start < size:
         m = min(BATCH, size - start)
         place_lattice(m, start, size, GENERATORS[generator], view.spheres[j, 3], view, work)
         hide_nodes(m, j, own, view, work)
         tint_nodes(m, j, view, work)
-        for i in range(m):
-            b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
+        begin_sums(m, shading[0], shading, b)
         for l in range(view.points.shape[0]):
             if mark_nodes(m, l, j, view, work):
                 point_light(m, b, view.points[l], shading[4] == PHONG, shading[3], shading[2])

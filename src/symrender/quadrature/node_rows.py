@@ -68,6 +68,30 @@ def whole_vectors(m: int) -> int:
 
 
 @inlined
+def views_to(m: int, eye: Array, b: Array) -> None:
+    """VIEW of the first ``m`` nodes: unit vectors from PLACE to the eye."""
+    m = min(m, NODES)
+    ox, oy, oz = eye[0], eye[1], eye[2]
+    for i in range(m):
+        vx, vy, vz = ox - b[PLACE + i], oy - b[PLACE + NODES + i], oz - b[PLACE + 2 * NODES + i]
+        inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
+        b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = vx * inv, vy * inv, vz * inv
+
+
+@inlined
+def begin_sums(m: int, ambient: float, shading: Array, b: Array) -> None:
+    """SUM of the first ``m`` nodes before any light: ambient light less the background."""
+    m = min(m, NODES)
+    red, green, blue = (
+        ambient * shading[7] - shading[10],
+        ambient * shading[8] - shading[11],
+        ambient * shading[9] - shading[12],
+    )
+    for i in range(m):
+        b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
+
+
+@inlined
 def sines(m: int, b: Array) -> None:
     """SINE and COSINE of INNER, in [0, pi/2], by their series: within 3e-16."""
     m = min(m, NODES)

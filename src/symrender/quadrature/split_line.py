@@ -53,8 +53,10 @@ from symrender.quadrature.node_rows import (
     SUM,
     VIEW,
     WEIGHT,
+    begin_sums,
     densities,
     sines,
+    views_to,
     whole_vectors,
 )
 from symrender.scene.arrays import EYE, MARBLE
@@ -254,11 +256,7 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
         b[CHORD + i] = d0 * d0 + d1 * d1 + d2 * d2
         b[WEIGHT + i] *= flat + cb * lift + sb * lean
     if view.shading[5] == EYE:
-        ox, oy, oz = view.eye[0], view.eye[1], view.eye[2]
-        for i in range(m):
-            vx, vy, vz = ox - b[PLACE + i], oy - b[PLACE + NODES + i], oz - b[PLACE + 2 * NODES + i]
-            inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
-            b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = vx * inv, vy * inv, vz * inv
+        views_to(m, view.eye, b)
     else:
         for i in range(m):
             sb, cb = b[SINE + i], b[COSINE + i]
@@ -275,13 +273,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
     b, shading = work.nodes, view.shading
     j = int(work.geo[SHAPE_INDEX])
     ambient = 0.0 if j < 0 and work.geo[SIDE] < 0.0 else shading[0]
-    red, green, blue = (
-        ambient * shading[7] - shading[10],
-        ambient * shading[8] - shading[11],
-        ambient * shading[9] - shading[12],
-    )
-    for i in range(m):
-        b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
+    begin_sums(m, ambient, shading, b)
     if j >= 0 and view.spheres[j, 7] == MARBLE:
         for i in range(m):
             vein = marble_factor(
