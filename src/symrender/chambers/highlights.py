@@ -28,7 +28,6 @@ from symrender.chambers.walls import (
     GAMMA_MAX,
     HEIGHT,
     LEAST,
-    LOBE_BETA,
     LOG_NORMALISER,
     POINT,
     RADIUS,
@@ -356,6 +355,6 @@ def piece_strip(phi: float, start: float, stop: float, c: float, s: float, view:
         if varies >= math.pi:
             narrowest = min(narrowest, 0.02 * length)
             continue
-        turns = 2.0 if view.shading[4] == PHONG else 1.0
-        narrowest = min(narrowest, TAME / math.sqrt(max(view.shading[3], 1e-9)) / max(1e-300, turns * own + speed * slope))
+        rise = (2.0 if view.shading[4] == PHONG else 1.0) * own + speed * slope
+        narrowest = min(narrowest, TAME / math.sqrt(max(view.shading[3], 1e-9)) / max(1e-300, rise))
     return narrowest

@@ -62,6 +62,7 @@ class Work(NamedTuple):
     highlights: Array
     boxes: Array
     frame: Array
+    circles: Array
     nodes: Array
     pieces: Array
 
@@ -103,6 +104,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         quadric=np.zeros((6, 5)),
         disk=np.zeros((2 * spheres + 8, 64)),
         frame=np.zeros((3, 3)),
+        circles=np.zeros((2, WALL_COLUMNS)),
         nodes=np.zeros(NODE_ROWS * NODES),
         pieces=np.zeros((NODES + PENDING, 9)),
         spots=np.zeros((max(1, 3 * points), 2)),

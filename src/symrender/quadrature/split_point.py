@@ -24,6 +24,7 @@ from symrender.chambers import (
     place,
     roots,
     tangencies,
+    traces,
     walls,
     work,
 )
@@ -306,7 +307,7 @@ def gloss_kernel(
 def _kernel() -> Any:
     modules = (
         chart, crossing_module, events, highlights, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, tangencies,
-        walls, work,
+        traces, walls, work,
         disk_arcs, disk_chords, disk_curves, disk_points, disk_term, floor_conics, gauss_module, lattice_nodes,
         lattice_sphere, light_nodes, light_term, node_rows, split_grid_module, split_line, split_panel, split_setup,
         split_square, sys.modules[__name__],

@@ -415,7 +415,6 @@ def line_adjoint(
     The nodes are those of ``integrate_cells``. ``adjoint`` is (4, columns): a row a channel and ``ONE_SIDED``.
     ``nodes`` and ``moving``, of ``what_moves``, tell what need not be visited.
     """
-    geo = work.geo
     c, s = math.cos(phi), math.sin(phi)
     walls_adjoint(c, s, weight, step, lobe, view, work, gauss, disk, here, own, moving, adjoint)
     if not nodes:
