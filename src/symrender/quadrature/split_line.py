@@ -132,10 +132,20 @@ def tail_error(n: int, last: float, before: float, middle: float, size: float, l
 
 @jitable
 def kinked(view: View) -> bool:
-    """Whether highlights end so bluntly that coefficients fall no faster than their ends say: these have no walls."""
+    """Whether highlights end so bluntly that coefficients fall no faster than their ends say.
+
+    Of a light point these ends are walls, at which whole powers are smooth; of a disk they are none.
+    """
     shading = view.shading
     ends = shading[4] == PHONG or shading[5] == EYE or shading[6] != CUT
-    return bool(shading[2] > 0.0 and shading[3] < BLUNT and ends)
+    if not (shading[2] > 0.0 and shading[3] < BLUNT and ends):
+        return False
+    if shading[3] != math.floor(shading[3]):
+        return True
+    disks = False
+    for i in range(view.points.shape[0]):
+        disks = disks or view.points[i, DISK_RADIUS] > 0.0
+    return disks
 
 
 @inlined

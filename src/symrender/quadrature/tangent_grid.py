@@ -40,6 +40,7 @@ from symrender.quadrature.gauss import MAX_ORDER, order, step_of
 from symrender.quadrature.split_grid import (
     LEAVES,
     MAX_BLOCK_ORDER,
+    MOST_SQUARES,
     SMALLEST,
     block_bound,
     block_level,
@@ -670,9 +671,9 @@ def replay_grid(
     if not moving_conics(count, nodes, moves, view, what) and not nodes:
         return 0.0
     px, py = geo[POINT] - floor[FLOOR_OFFSET], geo[POINT + 1] - floor[FLOOR_OFFSET + 1]
-    ci, cj = math.floor(px / cell), math.floor(py / cell)
+    whole, reach, far, east, north, beyond = grid_reach(REPLAY_REACH, lobe, view, work)
+    ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
-    whole, reach, far = grid_reach(REPLAY_REACH, view, geo)
     passes, before = 0, math.inf
     while True:
         level = block_level(far / cell)
@@ -704,8 +705,9 @@ def replay_grid(
             for c in range(4):
                 shorter[p, c] = longer[p, c]
         passes, before = passes + 1, error + change
-        reach = far = 2.0 * reach
+        reach = far = min(2.0 * reach, MOST_SQUARES * cell)
     for p in range(moves.shape[0]):
         for c in range(4):
             value[p, c] += longer[p, c]
-    return error + change
+    # slopes in places and exponents are larger than what they are of
+    return error + change + beyond * (10.0 + geo[GEO_EXPONENT])
