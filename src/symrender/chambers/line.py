@@ -40,7 +40,7 @@ from symrender.chambers.walls import (
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import CELLS, LINES, WALLS, View, Work
+from symrender.chambers.work import CELLS, LABOUR, WALLS, View, Work
 from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
@@ -184,7 +184,7 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     ``cell_side`` and ``lit``; ``counts[CELLS]`` is their number. Neighbours with the same label are one cell.
     ``scratch`` is (4,).
     """
-    work.counts[LINES] += 1
+    work.counts[LABOUR] += 1
     c, s = math.cos(phi), math.sin(phi)
     low_s, high_s, first, last = rim_sines(c, s, work.geo)
     work.counts[CELLS] = 0

@@ -285,6 +285,36 @@ def solve_trace(
     return note_trace(psi, row, other, beyond, hides, view, work, events, n, low, high)
 
 
+@jitable
+def passes_lobe(row: Array, beyond: bool, view: View, work: Work) -> bool:
+    """Whether the curve of a wall may pass through the lobe: one of its samples is no farther than their spacing."""
+    geo = work.geo
+    rim = math.atan2(geo[RIM_SIN], geo[RIM_COS])
+    nearest, widest = math.inf, 0.0
+    x0, y0, z0, known = 0.0, 0.0, 0.0, False
+    for k in range(SAMPLES + 1):
+        qx, qy, qz, there = edge_place(2.0 * math.pi * k / SAMPLES, row, beyond, view, work)
+        if not there:
+            if known:
+                # it ends somewhere before here
+                return True
+            continue
+        dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
+        inv = 1.0 / math.sqrt(max(1e-300, dx * dx + dy * dy + dz * dz))
+        dx, dy, dz = dx * inv, dy * inv, dz * inv
+        along = 0.0
+        for a in range(3):
+            axis = geo[LOBE_BETA + 1] * geo[POLE + a] + geo[LOBE_BETA + 2] * geo[E1 + a]
+            along += axis * (dx if a == 0 else dy if a == 1 else dz)
+        nearest = min(nearest, math.acos(max(-1.0, min(1.0, along))) - rim)
+        if known:
+            widest = max(widest, math.acos(max(-1.0, min(1.0, dx * x0 + dy * y0 + dz * z0))))
+        elif k > 0:
+            return True
+        x0, y0, z0, known = dx, dy, dz, True
+    return nearest < widest
+
+
 @inlined
 def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
     """Add the crossings of curves that can be walked along with all walls no closed form has them with; new count.
@@ -302,6 +332,9 @@ def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, h
         walked = kind == BALL or (kind == SHADOW and int(one[TAG]) == SHADOW_EDGE)
         if not walked or (kind == SHADOW and not edge_frame(one, view, work)):
             continue
+        near, beyond = passes_lobe(one, False, view, work), sides == 2 and passes_lobe(one, True, view, work)
+        if not (near or beyond):
+            continue
         for j in range(-1, count):
             if j < 0:
                 # the floor's rim is a circle of directions, for which there is a closed form
@@ -316,5 +349,6 @@ def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, h
                 int(one[TAG]) == SHADOW_EDGE and (int(walls[j, TAG]) in (TEXTURE_EDGE, TERMINATOR, SHADOW_EDGE))
             )
             for side in range(sides):
-                n = trace_pair(i, j, side == 1, hides, view, work, events, n, low, high)
+                if near if side == 0 else beyond:
+                    n = trace_pair(i, j, side == 1, hides, view, work, events, n, low, high)
     return n

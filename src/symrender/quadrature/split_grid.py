@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
-from symrender.chambers.work import CASTERS, EVALUATIONS, NODES, OCCLUDERS, View, Work
+from symrender.chambers.work import CASTERS, EVALUATIONS, LABOUR, NODES, OCCLUDERS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
@@ -245,7 +245,8 @@ def grid_once(
             error += bound
             continue
         ratio = span / side
-        if work.counts[EVALUATIONS] > max_evaluations:
+        work.counts[LABOUR] += 1
+        if is_spent(work):
             error += bound
             continue
         quarter = ratio < 0.8
@@ -329,7 +330,7 @@ def split_grid(
         if not whole:
             for t in range(3):
                 change = max(change, 3.0 * abs(out[t] - out[3 + t]))
-        out_of_budget = 4 * work.counts[EVALUATIONS] > max_evaluations
+        out_of_budget = 4 * (work.counts[EVALUATIONS] + work.counts[LABOUR]) > max_evaluations
         if out_of_budget and change > 0.3 * tol:
             # two tapers that still disagree tell less, and there is no third one
             change *= 4.0

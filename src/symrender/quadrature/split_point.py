@@ -45,7 +45,17 @@ from symrender.chambers.walls import (
     RIM_SIN,
     SIDE,
 )
-from symrender.chambers.work import CHAMBERS, CROSSINGS, EVALUATIONS, MAX_ROOTS, View, Work, work_arrays
+from symrender.chambers.work import (
+    CHAMBERS,
+    CROSSINGS,
+    EVALUATIONS,
+    MAX_ROOTS,
+    View,
+    Work,
+    begin_counts,
+    is_spent,
+    work_arrays,
+)
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature import (
     disk_arcs,
@@ -203,8 +213,7 @@ def gloss_kernel(
     # a rounded base errs by so much more as its power is higher
     powers = ROUNDED * view.shading[3] if view.shading[2] > 0.0 else 0.0
     for i in range(points.shape[0]):
-        for c in range(work.counts.shape[0]):
-            work.counts[c] = 0
+        begin_counts(max_evaluations, work)
         place_point(points[i], normals[i], incoming[i], lobe, geo)
         own = surface[i] - 2
         n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], NARROWEST)
@@ -318,7 +327,7 @@ def gloss_kernel(
         crossings[i] = work.counts[CROSSINGS]
         status[i] = MET
         if total > tol:
-            status[i] = CAPPED if bad == 0 or evaluations[i] > max_evaluations else NEAR_TANGENT
+            status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT
 
 
 @functools.lru_cache(maxsize=1)
