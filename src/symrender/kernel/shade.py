@@ -42,6 +42,16 @@ def power() -> Function:
     return Function("power", (x, n), block.statements, "x^n; products alone where n is whole and small", inline=True)
 
 
+def wave_sign(block: Block, phase: sp.Expr) -> sp.Symbol:
+    """Write the sign of sin(pi phase): the parity of its floor and, as of no rounded sine, 0 at whole phases."""
+    phase = block.let("phase", phase)
+    number = block.let("number", sp.floor(phase))
+    sign = block.let("sign", 1 - 2 * sp.Mod(number, 2))
+    with block.when(sp.Eq(phase, number)):
+        block.set(sign, sp.Integer(0))
+    return sign
+
+
 def texture_factor() -> Function:
     """What a sphere's texture multiplies its colour by, at a unit outward normal."""
     j, normal = whole("j"), vec3("n")
@@ -65,7 +75,7 @@ def texture_factor() -> Function:
         block.set(side, im)
     with block.otherwise():
         u, _ = texture.chart(normal)
-        block.set(side, texture.wave(u, ku))
+        block.set(side, wave_sign(block, u * ku))
     with block.when(sp.Eq(kind, at.CHECKER)):
         polar_steps = block.count("polar_steps", sp.floor(kv))
         with block.when(sp.And(sp.Eq(polar_steps, kv), kv <= MAX_TEXTURE_DEGREE)):
@@ -78,7 +88,7 @@ def texture_factor() -> Function:
             block.set(side, side * current)
         with block.otherwise():
             _, v = texture.chart(Vec3(normal.x, normal.y, sp.Max(-1, sp.Min(1, normal.z))))
-            block.set(side, side * texture.wave(v, kv))
+            block.set(side, side * wave_sign(block, v * kv))
     with block.when(side >= 0):
         block.leave(sp.Integer(1))
     block.leave(SPHERES[j, at.DARK])
@@ -147,8 +157,6 @@ def light_factors() -> Function:
     normal, view, to_light, model = vec3("n"), vec3("v"), vec3("d"), real("model")
     block = Block()
     distance = block.let("distance", sp.sqrt(norm2(to_light)))
-    with block.when(sp.Eq(distance, 0)):
-        block.leave(sp.Integer(0), sp.Integer(0), sp.Integer(0))
     light_dir = block.let_vector("l", to_light / distance)
     cosine = block.let("cosine", shading.lambert(normal, light_dir))
     with block.when(sp.Eq(model, at.PHONG)):
@@ -174,6 +182,8 @@ def direct() -> Function:
     sums = [block.let(f"{kind}_{c}", sp.Integer(0)) for kind in ("diffuse", "gleam") for c in "rgb"]
     with block.loop("light", POINTS.length) as light:
         to_light = block.let_vector("d", row_vector(POINTS, light, 0) - q)
+        with block.when(sp.Eq(norm2(to_light), 0)):
+            block.next()
         (hidden,) = block.call("blocked", (q, to_light, leaves, side, SPHERES, FLOOR), "hidden")
         with block.when(sp.Eq(hidden, 1)):
             block.next()

@@ -75,10 +75,11 @@ def disk_term(
     p = view.points[i]
     phong, shininess = view.shading[4] == PHONG, view.shading[3]
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    n = 0 if state < PARTLY else disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    if state >= PARTLY:
+        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
     # highlights need not end at the terminator
     opened = gleaming and view.shading[6] == OPEN
-    lifted = yx * nx + yy * ny + yz * nz > 0.0
     banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
     if n < 0 or not (lifted or banded or opened):
         return 0.0, 0.0

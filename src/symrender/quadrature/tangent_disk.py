@@ -237,11 +237,12 @@ def disk_gradient(
     log_rho = disk_log(
         math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess if gleaming else 0.0
     )  # fmt: skip
-    n = 0 if state < PARTLY else disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    if state >= PARTLY:
+        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
     if n < 0:
         return 0.0, 0.0, 0.0
     opened = view.shading[6] == OPEN
-    lifted = yx * nx + yy * ny + yz * nz > 0.0
     most = 2 if gleaming else 1
     for k in range(n):
         if work.disk[CURVES + k, BOUNDS] >= BALL:
