@@ -77,6 +77,9 @@ def texture_factor() -> Function:
         u, _ = texture.chart(normal)
         block.set(side, wave_sign(block, u * ku))
     with block.when(sp.Eq(kind, at.CHECKER)):
+        # at a pole the wave is 0, its polynomial is not
+        with block.when(sp.Or(normal.z >= 1, normal.z <= -1)):
+            block.leave(sp.Integer(1))
         polar_steps = block.count("polar_steps", sp.floor(kv))
         with block.when(sp.And(sp.Eq(polar_steps, kv), kv <= MAX_TEXTURE_DEGREE)):
             previous, current = block.let("previous", sp.Integer(-1)), block.let("current", sp.Integer(0))
@@ -121,33 +124,34 @@ def blocked() -> Function:
     Every other sphere hides it where the open segment meets the sphere; the floor where the ends lie on different
     sides of it; the shape itself where the light is on the other side of its own surface.
     """
-    q, to_light, leaves, side = vec3("q"), vec3("d"), whole("leaves"), real("side")
+    q, light, leaves, side = vec3("q"), vec3("l"), whole("leaves"), real("side")
     block = Block()
-    light_z = block.let("light_z", q.z + to_light.z)
-    with block.when(sp.Eq(leaves, at.FLOOR)), block.when(light_z <= 0):
+    with block.when(sp.Eq(leaves, at.FLOOR)), block.when(light.z <= 0):
         block.leave(sp.Integer(1))
-    with block.otherwise(), block.when(sp.And(sp.Eq(FLOOR[at.FLOOR_PRESENT], 1), q.z * light_z < 0)):
+    with block.otherwise(), block.when(sp.And(sp.Eq(FLOOR[at.FLOOR_PRESENT], 1), q.z * light.z < 0)):
         block.leave(sp.Integer(1))
+    to_light = block.let_vector("d", light - q)
     with block.loop("k", SPHERES.length) as k:
-        offset = block.let_vector("o", q - row_vector(SPHERES, k, at.CENTER))
+        center = row_vector(SPHERES, k, at.CENTER)
+        offset = block.let_vector("o", q - center)
         radius = block.let("radius", SPHERES[k, at.RADIUS])
         with block.when(sp.Eq(leaves, at.FIRST_SPHERE + k)):
-            with block.when(intersection.power(offset + to_light, radius) * side < 0):
+            with block.when(intersection.power(light - center, radius) * side < 0):
                 block.leave(sp.Integer(1))
             block.next()
         a, b, c = intersection.segment_coefficients(offset, to_light, radius)
         slope, inside = block.lets({"slope": b, "inside": c})
         with block.when(sp.Or(slope < 0, inside < 0)):
-            length2 = block.let("length2", a)
-            with block.when(intersection.segment_meets(length2, slope, inside)):
+            length2, end = block.lets({"length2": a, "end": intersection.power(light - center, radius)})
+            with block.when(intersection.segment_meets(length2, slope, inside, end)):
                 block.leave(sp.Integer(1))
     block.leave(sp.Integer(0))
-    parameters = (*q.parts, *to_light.parts, leaves, side, SPHERES, FLOOR)
+    parameters = (*q.parts, *light.parts, leaves, side, SPHERES, FLOOR)
     return Function(
         "blocked",
         parameters,
         block.statements,
-        "1 where the segment from q along d to a light is blocked, else 0",
+        "1 where the segment from q to a light point is blocked, else 0",
         inline=True,
     )
 
@@ -181,10 +185,11 @@ def direct() -> Function:
     block = Block()
     sums = [block.let(f"{kind}_{c}", sp.Integer(0)) for kind in ("diffuse", "gleam") for c in "rgb"]
     with block.loop("light", POINTS.length) as light:
-        to_light = block.let_vector("d", row_vector(POINTS, light, 0) - q)
+        place = row_vector(POINTS, light, 0)
+        to_light = block.let_vector("d", place - q)
         with block.when(sp.Eq(norm2(to_light), 0)):
             block.next()
-        (hidden,) = block.call("blocked", (q, to_light, leaves, side, SPHERES, FLOOR), "hidden")
+        (hidden,) = block.call("blocked", (q, place, leaves, side, SPHERES, FLOOR), "hidden")
         with block.when(sp.Eq(hidden, 1)):
             block.next()
         factors = (normal, view, to_light, SHADING[4])
