@@ -60,6 +60,9 @@ CURVES: Final = 2
 TURNS: Final = 16
 FLUSH: Final = 1e-14
 """A terminator within this share of the disk from the floor's line is that line."""
+EDGE_ON: Final = 1e-5
+"""A disk whose plane passes Q within this share of its radius is cut by chords: generators of a cone that meet the
+disk are then so near each other that rounding moves their ends by 1e-16 over that share."""
 HALF_TURN: Final = 0.198912367379658
 """tan(pi/TURNS): half a step between samples of ``trig_roots``."""
 
@@ -344,6 +347,12 @@ def add_circle_curve(curves: Array, n: int, p: Array, ball: Array, bounds: float
     row[2] = 2.0 * rho * (x * p[DISK_E2] + y * p[DISK_E2 + 1] + z * p[DISK_E2 + 2])
     row[3], row[4], row[5], row[BOUNDS] = rho * rho, 0.0, rho * rho, bounds
     return n + 1
+
+
+@inlined
+def elevation(p: Array, yx: float, yy: float, yz: float) -> float:
+    """How far Q is from the plane of a disk whose centre is at offset y, in radii of the disk."""
+    return float(abs(yx * p[DISK_AXIS] + yy * p[DISK_AXIS + 1] + yz * p[DISK_AXIS + 2]) / p[DISK_RADIUS])
 
 
 @jitable
