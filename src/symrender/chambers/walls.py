@@ -99,6 +99,8 @@ BRIGHT: Final = 39
 UNBOUNDED: Final = 1e30
 FACING: Final = 43
 """A vector, then a number: every direction w of the lobe counts with the number plus the vector times w."""
+LEAST: Final = 47
+"""No highlight that can hold less than this of a lobe is looked for."""
 GEO_COLUMNS: Final = 48
 
 COINCIDENT: Final = 1e-11

@@ -59,6 +59,8 @@ class Work(NamedTuple):
     quadric: Array
     disk: Array
     spots: Array
+    highlights: Array
+    boxes: Array
     frame: Array
     nodes: Array
     pieces: Array
@@ -74,6 +76,7 @@ EVALUATIONS: Final = 5
 CHAMBERS: Final = 6
 CROSSINGS: Final = 7
 SPOTS: Final = 8
+HIGHLIGHTS: Final = 9
 
 
 def work_arrays(spheres: int, points: int) -> Work:
@@ -92,7 +95,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         lit=np.zeros((MAX_ROOTS + 2, max(1, points)), np.uint8),
         occluders=np.zeros(max(1, spheres), np.int64),
         casters=np.zeros((max(1, spheres * points), 2), np.int64),
-        counts=np.zeros(9, np.int64),
+        counts=np.zeros(10, np.int64),
         labels=np.zeros(1024, np.int64),
         bernstein=np.zeros(5),
         stack=np.zeros((64, 7)),
@@ -103,4 +106,6 @@ def work_arrays(spheres: int, points: int) -> Work:
         nodes=np.zeros(NODE_ROWS * NODES),
         pieces=np.zeros((NODES + PENDING, 9)),
         spots=np.zeros((max(1, 3 * points), 2)),
+        highlights=np.zeros((max(16, 8 * points), 4)),
+        boxes=np.zeros((96, 4)),
     )

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.highlights import piece_strip
 from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import (
@@ -59,7 +60,7 @@ from symrender.quadrature.node_rows import (
     views_to,
     whole_vectors,
 )
-from symrender.scene.arrays import EYE, MARBLE
+from symrender.scene.arrays import CUT, EYE, MARBLE, PHONG
 
 Array = npt.NDArray[np.float64]
 
@@ -82,8 +83,10 @@ Under a disk light it is all of it: the rules over the disk err alike on every n
 """
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
-BLUNT = 2.0
-"""Shininess below which the end of a highlight is felt."""
+BLUNT = 6.0
+"""Shininess below which the end of a highlight is felt, where it has one among what is lit and seen."""
+NEAR_LIGHT = 2.0
+"""Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""
 SOFT_LOG = 1.5
 """log rho, in the mapped coordinate, of a cell in which a disk light is partly hidden."""
 
@@ -130,13 +133,21 @@ def tail_error(n: int, last: float, before: float, middle: float, size: float, l
 @jitable
 def kinked(view: View) -> bool:
     """Whether highlights end so bluntly that coefficients fall no faster than their ends say: these have no walls."""
-    return bool(view.shading[2] > 0.0 and view.shading[3] < BLUNT)
+    shading = view.shading
+    ends = shading[4] == PHONG or shading[5] == EYE or shading[6] != CUT
+    return bool(shading[2] > 0.0 and shading[3] < BLUNT and ends)
 
 
 @inlined
-def cell_log(length: float, distance: float, ex: float, ey: float, points: Array, geo: Array) -> float:
+def cell_log(
+    start: float, stop: float, phi: float, c: float, s: float, view: View, work: Work
+) -> float:  # fmt: skip
     """log rho of the Bernstein ellipse of a cell through the edge of the strip where its integrand is tame."""
+    geo, points = work.geo, view.points
+    length, distance = stop - start, 0.5 * math.pi - stop
+    strip = min(geo[STRIP], piece_strip(phi, start, stop, c, s, view, work))
     if geo[SHAPE_INDEX] < 0.0:
+        ex, ey = c * geo[E1] + s * geo[E2], c * geo[E1 + 1] + s * geo[E2 + 1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
         best = math.inf
         height = geo[HEIGHT]
@@ -152,23 +163,44 @@ def cell_log(length: float, distance: float, ex: float, ey: float, points: Array
             # beyond the horizon the line comes back from behind, where the light may be near
             low, high = low - math.pi, high - math.pi
             best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
-        x = 2.0 * geo[STRIP] / length
+        x = 2.0 * strip / length
         log_rho = math.log(x + math.sqrt(1.0 + x * x))
         if best < math.inf:
             log_rho = min(log_rho, math.log(best + math.sqrt(max(1e-12, best * best - 1.0))))
         return log_rho
     near = geo[STRIP + 2]
-    h = min(geo[STRIP], math.sqrt(near * near + distance * distance))
-    x = 2.0 * h / length
-    return math.log(x + math.sqrt(1.0 + x * x))
+    x = 2.0 * min(strip, math.sqrt(near * near + distance * distance)) / length
+    log_rho = math.log(x + math.sqrt(1.0 + x * x))
+    j, k = int(geo[SHAPE_INDEX]), geo[RATIO]
+    for i in range(points.shape[0]):
+        lx, ly, lz = points[i, 0] - geo[CENTER], points[i, 1] - geo[CENTER + 1], points[i, 2] - geo[CENTER + 2]
+        far2, radius = lx * lx + ly * ly + lz * lz, view.spheres[j, 3]
+        if not radius * radius < far2 < NEAR_LIGHT * radius * radius:
+            continue
+        # |Q - L|^2 = 0 at the angle gamma +- i depth at the centre
+        along = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2])
+        across = lx * (c * geo[E1] + s * geo[E2]) + ly * (c * geo[E1 + 1] + s * geo[E2 + 1])
+        across += lz * (c * geo[E1 + 2] + s * geo[E2 + 2])
+        size = math.sqrt(along * along + across * across)
+        if size == 0.0:
+            continue
+        ratio = max(1.0, (radius * radius + far2) / (2.0 * radius * size))
+        cg, sg = along / size, across / size
+        scale = max(1e-9, 1.0 - 2.0 * k * cg + k * k)
+        x = math.atan2(sg, cg - k)
+        y = math.log(ratio + math.sqrt(ratio * ratio - 1.0)) * abs(1.0 - k * cg) / scale
+        low, high = start - x, stop - x
+        best = (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length
+        log_rho = min(log_rho, math.log(best + math.sqrt(max(1e-12, best * best - 1.0))))
+    return log_rho
 
 
 @jitable
 def cell_order(
-    length: float, distance: float, step: int, ex: float, ey: float, points: Array, geo: Array
+    start: float, stop: float, step: int, phi: float, c: float, s: float, view: View, work: Work
 ) -> int:  # fmt: skip
     """Gauss nodes of a cell where two successive steps are compared; above ``MAX_ORDER`` it must be cut."""
-    return order(step, cell_log(length, distance, ex, ey, points, geo))
+    return order(step, cell_log(start, stop, phi, c, s, view, work))
 
 
 @inlined
@@ -338,7 +370,6 @@ def integrate_cells(
     geo, b, table = work.geo, work.nodes, work.pieces
     c, s = math.cos(phi), math.sin(phi)
     j = int(geo[SHAPE_INDEX])
-    ex, ey = c * geo[E1] + s * geo[E2], c * geo[E1 + 1] + s * geo[E2 + 1]
     lights = view.points.shape[0]
     kd = view.shading[1]
     least = order(step, SOFT_LOG)
@@ -364,7 +395,7 @@ def integrate_cells(
                 continue
             row = table[NODES + top - 1]
             start, stop = row[START], row[STOP]
-            log_rho = cell_log(stop - start, 0.5 * math.pi - stop, ex, ey, view.points, geo)
+            log_rho = cell_log(start, stop, phi, c, s, view, work)
             n = order(step, log_rho) if row[WARY] != 0.0 else nodes(step, CAUTION * log_rho)
             if row[SOFT] != 0.0:
                 n = max(n + (n + 1) // 2, least)

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from symrender.chambers.crossings import all_events
 from symrender.chambers.events import ROOT, SMOOTH, crossing, line_range
+from symrender.chambers.highlights import find_highlights, highlight_end, highlights_between
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import scan_line
 from symrender.chambers.penumbra import DISK_RADIUS
@@ -58,7 +59,9 @@ BOUND = 13
 """What the panel can hold at most."""
 MEAN = 14
 """What the panel it was cut from held per radian, 0 while nobody looked."""
-PANEL_COLUMNS = 15
+GLARE = 15
+"""1 where a highlight may be felt: a look at a few lines is then no estimate."""
+PANEL_COLUMNS = 16
 
 LINE = 32
 PANEL = 40
@@ -138,6 +141,11 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
     if kind_a == ROOT or kind_b == ROOT:
         x *= 0.7
     best = math.sqrt(1.0 + x * x)
+    x = highlights_between(a, b, work) / half
+    if x < best:
+        if kind_a == ROOT or kind_b == ROOT:
+            x *= 0.7
+        best = min(best, math.sqrt(1.0 + x * x))
     for i in range(work.counts[SPOTS]):
         away = work.spots[i, 0] - 0.5 * (a + b)
         away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
@@ -186,6 +194,7 @@ def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: 
         p[INSIDE] = p[SETTLED] = 0.0
         p[FOREIGN] = math.nan
         p[MEAN] = 0.0
+        p[GLARE] = 1.0 if highlights_between(a, b, work) < math.inf else 0.0
         p[LOG_RHO] = panel_log(work, a, b, kind_a, kind_b)
     return n + 1
 
@@ -355,7 +364,7 @@ def evaluate_panel(
     """
     a, b, ka, kb = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
     n = panel_order(step, p[LOG_RHO])
-    if step == 1 and p[INSIDE] > 0.0:
+    if step == 1 and p[INSIDE] > 0.0 and p[GLARE] == 0.0:
         # kinks decide, not how far off the integrand is tame between them
         n = min(n, MAX_KINKED)
     base = n * (n - 1) // 2
@@ -508,6 +517,7 @@ def split_chart(
     bound = SAFETY * panel_bound(low, high, work.geo)
     if bound < 0.1 * tol:
         return bound, 0
+    find_highlights(tol, low, high, scratch[24:27], view, work)
     m = all_events(view, work, events, low, high)
     n = 0
     start = 0
@@ -562,11 +572,11 @@ def split_chart(
             held = p[ERROR]
             if step < 0:
                 held = 10.0 * p[MEAN] * width
-                if p[INSIDE] > 0.0 or held > 3.0 * share:
+                if p[INSIDE] > 0.0 or held > 3.0 * share or p[GLARE] != 0.0:
                     need = 1
             if p[INSIDE] == 0.0 and need > 0:
                 # a first estimate is ten times what the panel holds
-                aim = LEVELS[max(0, step)] + math.log(held / share) + 0.5 - (2.3 if step <= 0 else 0.0)
+                aim = LEVELS[max(0, step)] + math.log(max(held, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
                 while need + 1 < len(LEVELS) and LEVELS[need] < aim:
                     need += 1
             if need >= len(LEVELS) or (step >= 0 and panel_order(need, p[LOG_RHO]) >= MAX_ORDER):
@@ -575,7 +585,7 @@ def split_chart(
                         rough_panel(p, view, work, gauss, scratch)
                     p[SETTLED] = 1.0
                     continue
-                middle = 0.5 * (p[FROM] + p[TO])
+                middle = highlight_end(p[FROM], p[TO], work)
                 right, kind = p[TO], p[KIND_TO]
                 left, left_kind = p[FROM], p[KIND_FROM]
                 add_panel(panels, i, left, middle, left_kind, SMOOTH, work)

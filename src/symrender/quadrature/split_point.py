@@ -15,6 +15,7 @@ import numpy.typing as npt
 from symrender.chambers import (
     chart,
     events,
+    highlights,
     labels,
     line,
     lobe_mass,
@@ -304,7 +305,7 @@ def gloss_kernel(
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
     modules = (
-        chart, crossing_module, events, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, tangencies,
+        chart, crossing_module, events, highlights, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, tangencies,
         walls, work,
         disk_arcs, disk_chords, disk_curves, disk_points, disk_term, floor_conics, gauss_module, lattice_nodes,
         lattice_sphere, light_nodes, light_term, node_rows, split_grid_module, split_line, split_panel, split_setup,

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from symrender.chambers.walls import BETA_MAX, E1, E2, HEIGHT, LOBE_BETA, POINT, RATIO, SIDE, STRIP, SURFACE_NORMAL
 from symrender.chambers.work import SPOTS, View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.quadrature.split_line import NEAR_LIGHT
 from symrender.scene.arrays import EYE, FLOOR_BRIGHT, FLOOR_DARK, KU, KV, MARBLE, TEXTURE
 
 Array = npt.NDArray[np.float64]
@@ -63,14 +64,36 @@ def sphere_strips(j: int, n: float, view: View, work: Work) -> None:
         vein = 3.0 / (view.spheres[j, KU] + 6.6 * view.spheres[j, KV])
         geo[STRIP], geo[STRIP + 1] = min(geo[STRIP], vein), min(geo[STRIP + 1], vein)
     geo[STRIP + 2] = 0.9 * math.acosh(1.0 / k)
+    radius = view.spheres[j, 3]
+    for i in range(view.points.shape[0]):
+        p, center = view.points[i], view.spheres[j]
+        x, y, z = p[0] - center[0], p[1] - center[1], p[2] - center[2]
+        far2 = x * x + y * y + z * z
+        if radius * radius < far2 < NEAR_LIGHT * radius * radius:
+            # |Q - L|^2 = 0 at azimuths +- i acosh(sqrt(a^2 - b^2)/c), at the nearest
+            along = -2.0 * radius * (x * geo[POLE] + y * geo[POLE + 1] + z * geo[POLE + 2])
+            u = x * geo[E1] + y * geo[E1 + 1] + z * geo[E1 + 2]
+            v = x * geo[E2] + y * geo[E2 + 1] + z * geo[E2 + 2]
+            across, level = 2.0 * radius * math.hypot(u, v), radius * radius + far2
+            if across > 0.0:
+                ratio = math.sqrt(max(0.0, (level - along) * (level + along))) / across
+                add_spot_at(math.atan2(v, u), math.acosh(max(1.0, ratio)), work)
 
 
 @inlined
 def add_spot(x: float, y: float, depth: float, work: Work) -> None:
     """Note that the floor's integrand is tame only so far off the real azimuths towards (x, y) from the foot."""
-    geo, k = work.geo, work.counts[SPOTS]
-    if k < work.spots.shape[0] and x * x + y * y > 0.0:
-        work.spots[k, 0] = math.atan2(x * geo[E2] + y * geo[E2 + 1], x * geo[E1] + y * geo[E1 + 1])
+    geo = work.geo
+    if x * x + y * y > 0.0:
+        add_spot_at(math.atan2(x * geo[E2] + y * geo[E2 + 1], x * geo[E1] + y * geo[E1 + 1]), depth, work)
+
+
+@inlined
+def add_spot_at(phi: float, depth: float, work: Work) -> None:
+    """Note that the chart's integrand is tame only so far off the real azimuth ``phi``."""
+    k = work.counts[SPOTS]
+    if k < work.spots.shape[0]:
+        work.spots[k, 0] = phi
         work.spots[k, 1] = depth
         work.counts[SPOTS] += 1
 

@@ -422,7 +422,6 @@ def line_adjoint(
         return
     least = order(step, SOFT_LOG)
     promise, size = 100.0 * FALLS[step], 0.0
-    ex, ey = c * geo[6] + s * geo[9], c * geo[7] + s * geo[10]
     for cell in range(work.counts[CELLS]):
         if work.cell_side[cell] == HIDDEN:
             continue
@@ -431,12 +430,12 @@ def line_adjoint(
         end = stop
         halvings = 0
         while a < stop:
-            n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+            n = cell_order(a, end, step, phi, c, s, view, work)
             if soft:
                 n = max(n + (n + 1) // 2, least)
             while n > MAX_ORDER:
                 end = a + 0.5 * (end - a)
-                n = cell_order(end - a, 0.5 * math.pi - end, step, ex, ey, view.points, geo)
+                n = cell_order(a, end, step, phi, c, s, view, work)
                 if soft:
                     n = max(n + (n + 1) // 2, least)
             whole, miss = piece_adjoint(
