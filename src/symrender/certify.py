@@ -261,10 +261,11 @@ class _Chart:
         for light, _ in of.lights:
             to = [x - y for x, y in zip(light, q, strict=True)]
             cosine = _dot(to, normal)
-            if light[2] <= 0 or (cosine <= 0 and not opened):
+            apart = _dot(own := [x - y for x, y in zip(light, self.center, strict=True)], own) - self.r * self.r
+            if light[2] < 0 or apart < 0 or (cosine <= 0 and not opened):
                 states.append(0)
                 continue
-            state: int | None = 2 if cosine > 0 else (1 if cosine <= 0 else None)
+            state: int | None = 2 if cosine > 0 else (1 if cosine <= 0 and apart >= 0 else None)
             for h, (center, radius) in enumerate(of.balls):
                 if h != self.j and state != 0:
                     met = _blocked(q, to, center, radius)
@@ -284,7 +285,7 @@ class _Chart:
         if s[at.TEXTURE] == at.CHECKER:
             v = normal[2].max(arb(-1)).min(arb(1)).acos() / arb.pi()
             sign = sign * (v * float(s[at.KV])).sin_pi()
-        return True if sign > 0 else (False if sign < 0 else None)
+        return True if sign >= 0 else (False if sign < 0 else None)
 
     def radiance(self, phi: Any, psi: Any, label: tuple[Any, ...], *, weighted: bool = True) -> list[Any]:
         """Radiance less background, ``weighted`` by lobe density and measure, at balls or complex balls.

@@ -136,8 +136,9 @@ def test_normals_are_unit_and_face_the_ray() -> None:
         assert raw_worst > worst or distance < 50
 
 
+_A, _B, _C = sp.symbols("a b c", real=True)
 MEETS: Callable[..., bool] = sp.lambdify(
-    sp.symbols("a b c", real=True), intersection.segment_meets(*sp.symbols("a b c", real=True)), "math"
+    (_A, _B, _C), intersection.segment_meets(_A, _B, _C, _A + 2 * _B + _C), "math"
 )
 
 

@@ -18,12 +18,10 @@ STEPS = 2000
 def test_against_a_walk_along_the_segment(form: str) -> None:
     random = np.random.default_rng(17)
     if form == "meets":
-        decide = sp.lambdify((A, B, C), intersection.segment_meets(A, B, C), "math")
+        rule = intersection.segment_meets
     else:
-        crosses = sp.lambdify((A, B, C, END), intersection.segment_crosses(A, B, C, END), "math")
-
-        def decide(a: float, b: float, c: float) -> bool:
-            return bool(crosses(a, b, c, a + 2 * b + c))
+        rule = intersection.segment_crosses
+    decide = sp.lambdify((A, B, C, END), rule(A, B, C, END), "math")
 
     seen: Counter[tuple[bool, str]] = Counter()
     for _ in range(2500):
@@ -37,7 +35,7 @@ def test_against_a_walk_along_the_segment(form: str) -> None:
         met = bool(inside.any() and not inside.all())
         to_center, segment = start - center, end - start
         a, b, c = segment @ segment, to_center @ segment, to_center @ to_center - radius**2
-        assert bool(decide(a, b, c)) == met
+        assert bool(decide(a, b, c, a + 2 * b + c)) == met
         line = b * b >= a * c and c > 0 and a + 2 * b + c > 0
         place = "beyond the light" if line and a + b < 0 else "behind" if line and b > 0 else "else"
         seen[met, place] += 1

@@ -242,7 +242,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
             continue
         lx, ly, lz = view.points[i, 0] - sphere[0], view.points[i, 1] - sphere[1], view.points[i, 2] - sphere[2]
         far = math.sqrt(lx * lx + ly * ly + lz * lz)
-        if far <= r:
+        if lx * lx + ly * ly + lz * lz < r * r:
             continue
         if work.counts[WALLS] > work.walls.shape[0]:
             break
@@ -251,14 +251,14 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
         if not glint:
             # the visible cap may lie wholly behind the terminator
             facing = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / far
-            if math.acos(max(-1.0, min(1.0, facing))) - geo[GAMMA_MAX] > math.acos(r / far):
+            if math.acos(max(-1.0, min(1.0, facing))) - geo[GAMMA_MAX] > math.acos(min(1.0, r / far)):
                 continue
         for h in range(view.spheres.shape[0]):
             if h == j:
                 continue
             s = view.spheres[h]
             if casts(view.points[i, 0], view.points[i, 1], view.points[i, 2], s, sphere) and shadow_in_view(
-                -lx, -ly, -lz, s, sphere, geo
+                -lx, -ly, -lz, s, sphere, glint, geo
             ):
                 work.casters[work.counts[CASTERS], 0] = i
                 work.casters[work.counts[CASTERS], 1] = h
@@ -342,11 +342,14 @@ def casts(lx: float, ly: float, lz: float, caster: Array, receiver: Array) -> bo
 
 
 @jitable
-def shadow_in_view(ux: float, uy: float, uz: float, caster: Array, receiver: Array, geo: Array) -> bool:
+def shadow_in_view(
+    ux: float, uy: float, uz: float, caster: Array, receiver: Array, behind: bool, geo: Array
+) -> bool:  # fmt: skip
     """Whether a shadow on the charted sphere can reach its visible cap N.p >= k; ``u`` is its centre minus the light.
 
-    With e the shadow's axis, the part of N across e lies within sin(a) (|u| + R)/R of where the axis passes; the part
-    along e faces the light.
+    With e the shadow's axis and a its half-angle, the part of N across e lies within tan(a) (|u| + R)/R of where the
+    axis passes. Where the surface faces the light N.e is at most sin(a); ``behind`` asks for shadows beyond the
+    terminator too, where it has no bound.
     """
     gx, gy, gz = receiver[0] - caster[0], receiver[1] - caster[1], receiver[2] - caster[2]
     ex, ey, ez = ux - gx, uy - gy, uz - gz
@@ -363,11 +366,15 @@ def shadow_in_view(ux: float, uy: float, uz: float, caster: Array, receiver: Arr
     px, py, pz = -geo[POLE], -geo[POLE + 1], -geo[POLE + 2]
     facing = -(ex * px + ey * py + ez * pz)
     h = math.sqrt(hx * hx + hy * hy + hz * hz)
+    low, high = min(1.0, max(0.0, h - reach)), min(1.0, h + reach)
+    longest, shortest = math.sqrt((1.0 - low) * (1.0 + low)), math.sqrt((1.0 - high) * (1.0 + high))
+    along_axis = 1.0 if behind else caster[3] / dist
+    # -N.e lies in [shortest, longest] or, away from the light, in [-along_axis, -shortest]
     if facing > 0.0:
-        low = max(0.0, h - reach)
-        depth = facing * math.sqrt(max(0.0, 1.0 - low * low))
+        depth = facing * longest
+    elif shortest <= along_axis:
+        depth = -facing * min(along_axis, longest)
     else:
-        high = min(1.0, h + reach)
-        depth = facing * math.sqrt(1.0 - high * high)
+        depth = facing * shortest
     across = reach * math.sqrt(max(0.0, 1.0 - facing * facing))
     return bool(hx * px + hy * py + hz * pz + across + depth > geo[RATIO])

@@ -15,7 +15,7 @@ from symrender.chambers.penumbra import CLEAR, COVERS, DISK_E1, DISK_E2, DISK_RA
 from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE, SURFACE_NORMAL
 from symrender.chambers.work import CASTERS, OCCLUDERS, View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, STRIPES
+from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, KU, KV, STRIPES, TEXTURE
 
 Array = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
@@ -45,15 +45,16 @@ def segment_meets(
 @inlined
 def texture_side(spheres: Array, j: int, nx: float, ny: float, nz: float) -> int:
     """1 on the bright side of a checker's or a stripe's sign (ties bright), 0 on the dark side; 1 elsewhere."""
-    kind = int(spheres[j, 7])
+    kind = int(spheres[j, TEXTURE])
     if kind != CHECKER and kind != STRIPES:
         return 1
-    # the sign of sin(pi x) is the parity of floor(x)
-    fields = math.floor((math.atan2(ny, nx) + math.pi) / (2.0 * math.pi) * spheres[j, 8])
+    # the sign of sin(pi x) is the parity of floor(x), and a tie where x is whole, as it is everywhere if ku or kv is 0
+    x = (math.atan2(ny, nx) + math.pi) / (2.0 * math.pi) * spheres[j, KU]
+    y = 0.5
     if kind == CHECKER:
-        # near the lower pole, where acos is pi, the field is the last one
-        fields += math.floor(min(math.acos(max(-1.0, min(1.0, nz))) / math.pi, 1.0 - 1e-15) * spheres[j, 9])
-    return 1 if fields % 2 == 0 else 0
+        y = math.acos(max(-1.0, min(1.0, nz))) / math.pi * spheres[j, KV]
+    fields = math.floor(x) + math.floor(y)
+    return 1 if fields % 2 == 0 or x == math.floor(x) or y == math.floor(y) else 0
 
 
 @inlined
@@ -74,6 +75,18 @@ def is_hidden(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
     return False
 
 
+@inlined
+def floor_hides(z: float, qz: float, j: int, view: View, geo: Array) -> bool:
+    """Whether the floor hides a light at height ``z`` from Q, a point of sphere ``j`` or, -1, of the floor itself.
+
+    The floor is lit on its upper side, by what is above it. A sphere's point is lit by what is not on the other side
+    of the floor, and what lies in the floor's plane is on neither.
+    """
+    if j < 0:
+        return bool(not z > 0.0 or geo[SIDE] < 0.0)
+    return bool(view.floor[FLOOR_PRESENT] != 0.0 and qz * z < 0.0)
+
+
 @jitable
 def disk_state(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
@@ -82,15 +95,11 @@ def disk_state(
     j = int(work.geo[SHAPE_INDEX])
     p = view.points[i]
     rho = p[DISK_RADIUS]
-    if j < 0 and work.geo[SIDE] < 0.0:
+    rise = rho * math.hypot(p[DISK_E1 + 2], p[DISK_E2 + 2])
+    # the floor cuts the disk, or hides all of it or nothing
+    partly = view.floor[FLOOR_PRESENT] != 0.0 and abs(p[2]) < rise
+    if floor_hides(rise if partly else p[2], 0.0 if partly else qz, j, view, work.geo):
         return DARK
-    partly = False
-    if view.floor[FLOOR_PRESENT] != 0.0:
-        rise = rho * math.hypot(p[DISK_E1 + 2], p[DISK_E2 + 2])
-        if abs(p[2]) < rise:
-            partly = True
-        elif (qz if j >= 0 else work.geo[SIDE]) * p[2] < 0.0:
-            return DARK
     lift = (p[0] - qx) * nx + (p[1] - qy) * ny + (p[2] - qz) * nz
     tilt = rho * math.hypot(
         nx * p[DISK_E1] + ny * p[DISK_E1 + 1] + nz * p[DISK_E1 + 2],
@@ -131,10 +140,7 @@ def light_state(
         return disk_state(i, qx, qy, qz, nx, ny, nz, view, work)
     j = int(work.geo[SHAPE_INDEX])
     ax, ay, az = view.points[i, 0], view.points[i, 1], view.points[i, 2]
-    if j < 0 and work.geo[SIDE] < 0.0:
-        return DARK
-    height = qz if j >= 0 else work.geo[SIDE]
-    if view.floor[FLOOR_PRESENT] != 0.0 and height * az < 0.0:
+    if floor_hides(az, qz, j, view, work.geo):
         return DARK
     lx, ly, lz = ax - qx, ay - qy, az - qz
     state = LIT

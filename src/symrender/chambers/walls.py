@@ -184,6 +184,9 @@ def add_shadow(
         return count + 1
     ex, ey, ez = ux - gx, uy - gy, uz - gz
     dist2 = ex * ex + ey * ey + ez * ez
+    if dist2 == 0.0:
+        # a light at the occluder's centre: any axis, for there is no edge
+        ex, dist2 = 1e-100, 1e-200
     inv = 1.0 / math.sqrt(dist2)
     ex, ey, ez = ex * inv, ey * inv, ez * inv
     if abs(ex) < 0.6:

@@ -192,7 +192,7 @@ def _shaded(
     )
     ambient = tuple(ka * table.symbols[f"ambient.{c}"] for c in "rgb")
     a, b, c = intersection.segment_coefficients(q - BLOCKER, LIGHT - q, BLOCKER_RADIUS)
-    blocks = intersection.segment_meets(a, b, c)
+    blocks = intersection.segment_meets(a, b, c, intersection.power(LIGHT - BLOCKER, BLOCKER_RADIUS))
     parts = (met, depth, tuple(s.list), guards, ambient, tuple(one.list), light_guards, light)
     return Case(shape, *parts, blockers, blocks, behind)
 

@@ -45,20 +45,20 @@ def segment_coefficients(to_center: Vec3, segment: Vec3, radius: sp.Expr) -> tup
     return norm2(segment), dot(to_center, segment), power(to_center, radius)
 
 
-def segment_meets(a: sp.Expr, b: sp.Expr, c: sp.Expr) -> sp.Basic:
-    """Whether a s^2 + 2 b s + c has a root in 0 < s < 1, without computing one.
+def segment_meets(a: sp.Expr, b: sp.Expr, c: sp.Expr, end: sp.Expr) -> sp.Basic:
+    """Whether the segment 0 < s < 1 meets the sphere, on which a s^2 + 2 b s + c = 0, without computing a root.
 
-    Either the ends lie on different sides, or both lie outside and the nearest point of the line is inside the
-    segment and inside (or on) the sphere.
+    ``end`` = a + 2 b + c is the power of the segment's end, which that sum would tell but for rounding.
+    Either the ends lie on different sides, or neither lies inside and the nearest point of the line is inside the
+    segment and inside (or on) the sphere. Both ends may lie on the sphere: the chord between them is in its way.
     """
-    end = a + 2 * b + c
     return sp.Or(
         sp.And(c < 0, end > 0),
         sp.And(c > 0, end < 0),
-        sp.And(c > 0, end > 0, b < 0, a + b > 0, b**2 >= a * c),
+        sp.And(c >= 0, end >= 0, b < 0, a + b > 0, b**2 >= a * c),
     )
 
 
 def segment_crosses(a: sp.Expr, b: sp.Expr, c: sp.Expr, end: sp.Expr) -> sp.Basic:
-    """``segment_meets`` in fewer comparisons, with ``end`` = a + 2 b + c, the power of the segment's end."""
-    return sp.Or(c * end < 0, sp.And(c > 0, end > 0, b < 0, a + b > 0, b**2 >= a * c))
+    """``segment_meets`` in fewer comparisons."""
+    return sp.Or(c * end < 0, sp.And(c >= 0, end >= 0, b < 0, a + b > 0, b**2 >= a * c))

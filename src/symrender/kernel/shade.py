@@ -42,6 +42,16 @@ def power() -> Function:
     return Function("power", (x, n), block.statements, "x^n; products alone where n is whole and small", inline=True)
 
 
+def wave_sign(block: Block, phase: sp.Expr) -> sp.Symbol:
+    """Write the sign of sin(pi phase): the parity of its floor and, as of no rounded sine, 0 at whole phases."""
+    phase = block.let("phase", phase)
+    number = block.let("number", sp.floor(phase))
+    sign = block.let("sign", 1 - 2 * sp.Mod(number, 2))
+    with block.when(sp.Eq(phase, number)):
+        block.set(sign, sp.Integer(0))
+    return sign
+
+
 def texture_factor() -> Function:
     """What a sphere's texture multiplies its colour by, at a unit outward normal."""
     j, normal = whole("j"), vec3("n")
@@ -65,8 +75,11 @@ def texture_factor() -> Function:
         block.set(side, im)
     with block.otherwise():
         u, _ = texture.chart(normal)
-        block.set(side, texture.wave(u, ku))
+        block.set(side, wave_sign(block, u * ku))
     with block.when(sp.Eq(kind, at.CHECKER)):
+        # at a pole the wave is 0, its polynomial is not
+        with block.when(sp.Or(normal.z >= 1, normal.z <= -1)):
+            block.leave(sp.Integer(1))
         polar_steps = block.count("polar_steps", sp.floor(kv))
         with block.when(sp.And(sp.Eq(polar_steps, kv), kv <= MAX_TEXTURE_DEGREE)):
             previous, current = block.let("previous", sp.Integer(-1)), block.let("current", sp.Integer(0))
@@ -78,7 +91,7 @@ def texture_factor() -> Function:
             block.set(side, side * current)
         with block.otherwise():
             _, v = texture.chart(Vec3(normal.x, normal.y, sp.Max(-1, sp.Min(1, normal.z))))
-            block.set(side, side * texture.wave(v, kv))
+            block.set(side, side * wave_sign(block, v * kv))
     with block.when(side >= 0):
         block.leave(sp.Integer(1))
     block.leave(SPHERES[j, at.DARK])
@@ -111,33 +124,34 @@ def blocked() -> Function:
     Every other sphere hides it where the open segment meets the sphere; the floor where the ends lie on different
     sides of it; the shape itself where the light is on the other side of its own surface.
     """
-    q, to_light, leaves, side = vec3("q"), vec3("d"), whole("leaves"), real("side")
+    q, light, leaves, side = vec3("q"), vec3("l"), whole("leaves"), real("side")
     block = Block()
-    light_z = block.let("light_z", q.z + to_light.z)
-    with block.when(sp.Eq(leaves, at.FLOOR)), block.when(light_z <= 0):
+    with block.when(sp.Eq(leaves, at.FLOOR)), block.when(light.z <= 0):
         block.leave(sp.Integer(1))
-    with block.otherwise(), block.when(sp.And(sp.Eq(FLOOR[at.FLOOR_PRESENT], 1), q.z * light_z < 0)):
+    with block.otherwise(), block.when(sp.And(sp.Eq(FLOOR[at.FLOOR_PRESENT], 1), q.z * light.z < 0)):
         block.leave(sp.Integer(1))
+    to_light = block.let_vector("d", light - q)
     with block.loop("k", SPHERES.length) as k:
-        offset = block.let_vector("o", q - row_vector(SPHERES, k, at.CENTER))
+        center = row_vector(SPHERES, k, at.CENTER)
+        offset = block.let_vector("o", q - center)
         radius = block.let("radius", SPHERES[k, at.RADIUS])
         with block.when(sp.Eq(leaves, at.FIRST_SPHERE + k)):
-            with block.when(intersection.power(offset + to_light, radius) * side < 0):
+            with block.when(intersection.power(light - center, radius) * side < 0):
                 block.leave(sp.Integer(1))
             block.next()
         a, b, c = intersection.segment_coefficients(offset, to_light, radius)
         slope, inside = block.lets({"slope": b, "inside": c})
         with block.when(sp.Or(slope < 0, inside < 0)):
-            length2 = block.let("length2", a)
-            with block.when(intersection.segment_meets(length2, slope, inside)):
+            length2, end = block.lets({"length2": a, "end": intersection.power(light - center, radius)})
+            with block.when(intersection.segment_meets(length2, slope, inside, end)):
                 block.leave(sp.Integer(1))
     block.leave(sp.Integer(0))
-    parameters = (*q.parts, *to_light.parts, leaves, side, SPHERES, FLOOR)
+    parameters = (*q.parts, *light.parts, leaves, side, SPHERES, FLOOR)
     return Function(
         "blocked",
         parameters,
         block.statements,
-        "1 where the segment from q along d to a light is blocked, else 0",
+        "1 where the segment from q to a light point is blocked, else 0",
         inline=True,
     )
 
@@ -147,8 +161,6 @@ def light_factors() -> Function:
     normal, view, to_light, model = vec3("n"), vec3("v"), vec3("d"), real("model")
     block = Block()
     distance = block.let("distance", sp.sqrt(norm2(to_light)))
-    with block.when(sp.Eq(distance, 0)):
-        block.leave(sp.Integer(0), sp.Integer(0), sp.Integer(0))
     light_dir = block.let_vector("l", to_light / distance)
     cosine = block.let("cosine", shading.lambert(normal, light_dir))
     with block.when(sp.Eq(model, at.PHONG)):
@@ -173,8 +185,11 @@ def direct() -> Function:
     block = Block()
     sums = [block.let(f"{kind}_{c}", sp.Integer(0)) for kind in ("diffuse", "gleam") for c in "rgb"]
     with block.loop("light", POINTS.length) as light:
-        to_light = block.let_vector("d", row_vector(POINTS, light, 0) - q)
-        (hidden,) = block.call("blocked", (q, to_light, leaves, side, SPHERES, FLOOR), "hidden")
+        place = row_vector(POINTS, light, 0)
+        to_light = block.let_vector("d", place - q)
+        with block.when(sp.Eq(norm2(to_light), 0)):
+            block.next()
+        (hidden,) = block.call("blocked", (q, place, leaves, side, SPHERES, FLOOR), "hidden")
         with block.when(sp.Eq(hidden, 1)):
             block.next()
         factors = (normal, view, to_light, SHADING[4])

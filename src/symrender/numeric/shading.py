@@ -40,15 +40,17 @@ def inside_sphere(sphere: Array, point: Vector) -> float:
 
 @inlined
 def sphere_blocks(sphere: Array, q: Vector, light: Vector) -> bool:
-    """Whether the open segment from q to the light point meets the sphere's surface."""
+    """Whether the open segment from q to the light point meets the sphere's surface, or is a chord of it."""
     f = (q[0] - sphere[0], q[1] - sphere[1], q[2] - sphere[2])
     d = minus(light, q)
     toward = -dot(f, d)
     power_of_q = dot(f, f) - sphere[3] * sphere[3]
-    if power_of_q <= 0.0:
-        return (power_of_q < 0.0 or toward > 0.0) and inside_sphere(sphere, light) < 0.0
+    if power_of_q < 0.0:
+        return inside_sphere(sphere, light) < 0.0
     if toward <= 0.0:
         return False
+    if power_of_q == 0.0:
+        return inside_sphere(sphere, light) <= 0.0
     length = dot(d, d)
     if toward >= length:
         return inside_sphere(sphere, light) > 0.0
@@ -98,8 +100,7 @@ def light_terms(
         if world.shading[4] == BLINN:
             h = along(l, 1.0, v)
             square = dot(h, h)
-            if square > 0.0:
-                base = max(0.0, dot(n, h) / math.sqrt(square))
+            base = max(0.0, dot(n, h) / math.sqrt(square)) if square > 0.0 else 0.0
         else:
             base = max(0.0, 2.0 * cosine * dot(n, v) - dot(l, v))
     highlight = base > 0.0 or (base == 0.0 and shininess == 0.0)

@@ -139,8 +139,8 @@ def sees(
         albedo = sphere_albedo(world.spheres[own - FIRST_SPHERE], n)
         if inside:
             n = (-n[0], -n[1], -n[2])
-    if world.shading[5] == EYE:
-        v = unit((eye[0] - q[0], eye[1] - q[1], eye[2] - q[2]))
-    else:
-        v = (-d[0], -d[1], -d[2])
+    v = (-d[0], -d[1], -d[2])
+    to_eye = (eye[0] - q[0], eye[1] - q[1], eye[2] - q[2])
+    if world.shading[5] == EYE and dot(to_eye, to_eye) > 0.0:
+        v = unit(to_eye)
     return direct_light(world, own, inside, q, n, v, albedo, key, sample, 1), own, distance

@@ -1,4 +1,4 @@
-"""A cut disk by chords: the slower rule, for a ball that touches the disk itself.
+"""A cut disk by chords: the slower rule, for a ball that touches the disk itself and for disks seen edge-on.
 
 Chords run along the gradient of the first curve; along a chord every curve is met at the roots of a quadratic, and
 what lies between two roots is asked of the geometry. Between the chords through corners (curve and circle) and the

@@ -58,6 +58,11 @@ EVENTS: Final = 0
 BREAKS: Final = 1
 CURVES: Final = 2
 TURNS: Final = 16
+FLUSH: Final = 1e-14
+"""A terminator within this share of the disk from the floor's line is that line."""
+EDGE_ON: Final = 1e-5
+"""A disk whose plane passes Q within this share of its radius is cut by chords: generators of a cone that meet the
+disk are then so near each other that rounding moves their ends by 1e-16 over that share."""
 HALF_TURN: Final = 0.198912367379658
 """tan(pi/TURNS): half a step between samples of ``trig_roots``."""
 
@@ -258,10 +263,11 @@ def add_cone(
 @inlined
 def disk_curves(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
-) -> int:  # fmt: skip
-    """List the curves that cut disk ``i`` as seen from Q in ``work.disk``; their number, -1 where all is hidden.
+) -> tuple[int, bool]:  # fmt: skip
+    """List the curves that cut disk ``i`` as seen from Q in ``work.disk``: their number, -1 where all is hidden.
 
-    A point above the terminator has a positive level of the ``TERMINATOR`` curve, which is present only where it cuts.
+    Then whether what they leave is above the terminator where no ``TERMINATOR`` curve, the last one, says otherwise: a
+    point above it has a positive level of that curve. At a point of the floor the terminator is the floor's line.
     """
     p = view.points[i]
     rho = p[DISK_RADIUS]
@@ -299,7 +305,7 @@ def disk_curves(
             continue
         how = add_cone(row, p, yx, yy, yz, ox, oy, oz, ball[3])
         if how == COVERS:
-            return -1
+            return -1, False
         if how != CLEAR:
             n += 1
     if j >= 0:
@@ -307,6 +313,9 @@ def disk_curves(
         reach = own[3] + rho
         if (p[0] - own[0]) ** 2 + (p[1] - own[1]) ** 2 + (p[2] - own[2]) ** 2 < reach * reach and n < curves.shape[0]:
             n = add_circle_curve(curves, n, p, own, OWN)
+    n1, n2 = nx * e1x + ny * e1y + nz * e1z, nx * e2x + ny * e2y + nz * e2z
+    lift = yx * nx + yy * ny + yz * nz
+    lifted, flush = lift > 0.0, False
     if view.floor[FLOOR_PRESENT] != 0.0 and abs(p[2]) < rho * math.sqrt(e1z * e1z + e2z * e2z) and n < curves.shape[0]:
         up = 1.0 if (qz if j >= 0 else work.geo[SIDE]) >= 0.0 else -1.0
         row = curves[n]
@@ -314,15 +323,17 @@ def disk_curves(
         row[3] = row[4] = row[5] = 0.0
         row[MEETS] = trig_roots(row[0], row[1], row[2], 0.0, 0.0, 0.0, row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
         n += 1
-    n1, n2 = nx * e1x + ny * e1y + nz * e1z, nx * e2x + ny * e2y + nz * e2z
-    lift = yx * nx + yy * ny + yz * nz
-    if abs(lift) < rho * math.sqrt(n1 * n1 + n2 * n2) and n < curves.shape[0]:
+        apart = abs(lift - nz * p[2]) + rho * (abs(n1 - nz * e1z) + abs(n2 - nz * e2z))
+        if abs(nz) > 0.5 and apart < FLUSH * rho * math.sqrt(e1z * e1z + e2z * e2z):
+            # two curves in one place would both bound what is seen, or neither
+            lifted, flush = nz * up > 0.0, True
+    if not flush and abs(lift) < rho * math.sqrt(n1 * n1 + n2 * n2) and n < curves.shape[0]:
         row = curves[n]
         row[0], row[1], row[2], row[BOUNDS] = lift, rho * n1, rho * n2, TERMINATOR
         row[3] = row[4] = row[5] = 0.0
         row[MEETS] = trig_roots(row[0], row[1], row[2], 0.0, 0.0, 0.0, row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
         n += 1
-    return n
+    return n, lifted
 
 
 @jitable
@@ -336,6 +347,12 @@ def add_circle_curve(curves: Array, n: int, p: Array, ball: Array, bounds: float
     row[2] = 2.0 * rho * (x * p[DISK_E2] + y * p[DISK_E2 + 1] + z * p[DISK_E2 + 2])
     row[3], row[4], row[5], row[BOUNDS] = rho * rho, 0.0, rho * rho, bounds
     return n + 1
+
+
+@inlined
+def elevation(p: Array, yx: float, yy: float, yz: float) -> float:
+    """How far Q is from the plane of a disk whose centre is at offset y, in radii of the disk."""
+    return float(abs(yx * p[DISK_AXIS] + yy * p[DISK_AXIS + 1] + yz * p[DISK_AXIS + 2]) / p[DISK_RADIUS])
 
 
 @jitable

@@ -76,7 +76,7 @@ def direct_kernel(
     table: Array, direct: Array, error: Array,
 ) -> None:  # fmt: skip
     """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``."""
-    shine = view.shading[2] != 0.0
+    ks = view.shading[2]
     for k in range(points.shape[0]):
         qx, qy, qz = points[k, 0], points[k, 1], points[k, 2]
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
@@ -99,11 +99,11 @@ def direct_kernel(
             for finer in range(2):
                 d0, s0 = d, s
                 d, s = mean_over_disk(
-                    i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step + finer, shine, view, work, table
+                    i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step + finer, ks != 0.0, view, work, table
                 )  # fmt: skip
             change = 0.0
             for c in range(3):
-                lambert, shine = view.shading[1] * albedo[k, c] * p[3 + c], view.shading[2] * p[3 + c]
+                lambert, shine = view.shading[1] * albedo[k, c] * p[3 + c], ks * p[3 + c]
                 direct[k, c] += lambert * d + shine * s
                 change = max(change, lambert * abs(d - d0) + shine * abs(s - s0))
             error[k] += change + 1e-15

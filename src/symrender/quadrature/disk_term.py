@@ -3,7 +3,7 @@
 (1/(pi rho^2)) int_disk V(x) (max(0, N.l), s) dA, l = unit(x - Q). Where nothing cuts the disk the integrand is
 analytic in x and a rule of low degree will do. Otherwise the disk is cut at its curves (``quadrature/disk_curves.py``)
 and integrated along the boundary of what is left (``quadrature/disk_arcs.py``), or along chords where a ball touches
-the disk (``quadrature/disk_chords.py``).
+the disk or it is seen edge-on (``quadrature/disk_chords.py``).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_arcs import arc_term
 from symrender.quadrature.disk_chords import chord_term
-from symrender.quadrature.disk_curves import BALL, BOUNDS, CURVES, TERMINATOR, disk_curves
+from symrender.quadrature.disk_curves import BALL, BOUNDS, CURVES, EDGE_ON, TERMINATOR, disk_curves, elevation
 from symrender.quadrature.disk_points import whole_disk
 from symrender.quadrature.gauss import DISK_DEGREES, LEVELS, disk_level
 from symrender.scene.arrays import OPEN, PHONG
@@ -75,18 +75,20 @@ def disk_term(
     p = view.points[i]
     phong, shininess = view.shading[4] == PHONG, view.shading[3]
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    n = 0 if state < PARTLY else disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    if state >= PARTLY:
+        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
     # highlights need not end at the terminator
     opened = gleaming and view.shading[6] == OPEN
-    lifted = yx * nx + yy * ny + yz * nz > 0.0
     banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
     if n < 0 or not (lifted or banded or opened):
         return 0.0, 0.0
     log_rho = disk_log(
         math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess if gleaming else 0.0
     )  # fmt: skip
+    edge_on = elevation(p, yx, yy, yz) < EDGE_ON
     for k in range(n):
-        if work.disk[CURVES + k, BOUNDS] >= BALL:
+        if edge_on or work.disk[CURVES + k, BOUNDS] >= BALL:
             cosine, gleam = chord_term(
                 p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss
             )

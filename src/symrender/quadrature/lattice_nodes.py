@@ -105,13 +105,13 @@ def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
     sphere = view.spheres[j]
     lx, ly, lz = x - sphere[0], y - sphere[1], z - sphere[2]
     far, k = math.sqrt(lx * lx + ly * ly + lz * lz), geo[RATIO]
-    if far <= sphere[3]:
+    if lx * lx + ly * ly + lz * lz < sphere[3] * sphere[3]:
         return False
     open_light = view.shading[6] != CUT and view.shading[2] > 0.0
     if not open_light:
         # the caps of normals that P sees, N.p >= k, and that the light does are apart
         facing = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / far
-        lit = sphere[3] / far
+        lit = min(1.0, sphere[3] / far)
         if facing <= k * lit - math.sqrt((1.0 - k) * (1.0 + k) * (1.0 - lit) * (1.0 + lit)):
             return False
     for i in range(m):
@@ -127,9 +127,9 @@ def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
             continue
         caster = view.spheres[h]
         cx, cy, cz, r2 = caster[0], caster[1], caster[2], caster[3] * caster[3]
-        if (cx - x) ** 2 + (cy - y) ** 2 + (cz - z) ** 2 <= r2:
+        if (cx - x) ** 2 + (cy - y) ** 2 + (cz - z) ** 2 < r2:
             return False
-        if not (casts(x, y, z, caster, sphere) and shadow_in_view(-lx, -ly, -lz, caster, sphere, geo)):
+        if not (casts(x, y, z, caster, sphere) and shadow_in_view(-lx, -ly, -lz, caster, sphere, open_light, geo)):
             continue
         for i in range(m):
             qx, qy, qz = b[PLACE + i], b[PLACE + NODES + i], b[PLACE + 2 * NODES + i]

@@ -24,7 +24,17 @@ from symrender.chambers.tangent_walls import LIGHTS
 from symrender.chambers.work import CASTERS, View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_arcs import ARC, ARC_LOG, arc_point, arc_side, corners, radial_log
-from symrender.quadrature.disk_curves import BALL, BOUNDS, CONE, CURVES, EVENTS, LINE, TERMINATOR, disk_curves
+from symrender.quadrature.disk_curves import (
+    BALL,
+    BOUNDS,
+    CONE,
+    CURVES,
+    EVENTS,
+    LINE,
+    TERMINATOR,
+    disk_curves,
+    elevation,
+)
 from symrender.quadrature.disk_term import disk_log, served
 from symrender.quadrature.gauss import DISK_STARTS, disk_level, fitting
 from symrender.quadrature.light_term import light_term
@@ -46,6 +56,9 @@ NUMBERS: Final = 5
 """in the disk's radius and in the shininess; in the last column its value."""
 BALLS: Final = 6
 """From here on two rows a sphere: in its centre, and in its radius."""
+
+EDGE_ON_MOVING: Final = 1e-9
+"""A disk as edge-on as that has no derivative here: the arcs of its cones are lost to rounding (``EDGE_ON``)."""
 
 
 @jitable
@@ -224,8 +237,9 @@ def disk_gradient(
 ) -> tuple[float, float, float]:  # fmt: skip
     """Gradients of both means of ``disk_term`` into ``table``; the means, and the highlight's slope in shininess.
 
-    ``table`` is (``disk_rows``, 3). Without ``gleaming`` only those of the cosine. Where a ball touches the disk itself
-    nothing is differentiated and the first number of the last row, which the caller clears, becomes 1.
+    ``table`` is (``disk_rows``, 3). Without ``gleaming`` only those of the cosine. Where a ball touches the disk
+    itself, or it is seen edge-on, nothing is differentiated and the first number of the last row, which the caller
+    clears, becomes 1.
     """
     flag = table.shape[0] - 1
     for row in range(BAR_ROWS, flag):
@@ -237,14 +251,16 @@ def disk_gradient(
     log_rho = disk_log(
         math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess if gleaming else 0.0
     )  # fmt: skip
-    n = 0 if state < PARTLY else disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    if state >= PARTLY:
+        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
     if n < 0:
         return 0.0, 0.0, 0.0
     opened = view.shading[6] == OPEN
-    lifted = yx * nx + yy * ny + yz * nz > 0.0
     most = 2 if gleaming else 1
+    edge_on = elevation(p, yx, yy, yz) < EDGE_ON_MOVING
     for k in range(n):
-        if work.disk[CURVES + k, BOUNDS] >= BALL:
+        if edge_on or work.disk[CURVES + k, BOUNDS] >= BALL:
             table[flag, 0] = 1.0
             return 0.0, 0.0, 0.0
     banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
