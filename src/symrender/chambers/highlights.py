@@ -51,8 +51,8 @@ LAST = 2
 STRIP = 3
 """How far off the real azimuths the integrand stays tame."""
 
-TAME = 1.5
-"""A highlight of width w is tame to this times w beside the real line: it grows there by no more than a factor 3."""
+TAME = 2.0
+"""A highlight of width w is tame to this times w beside the real line: it grows there by no more than a factor 8."""
 RESOLVED = 2.5
 """Boxes over which the highlight's angle varies by so many of its widths are halved no further."""
 NEGLIGIBLE = 0.02

@@ -18,6 +18,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
 from symrender.chambers.work import CASTERS, EVALUATIONS, LABOUR, NODES, OCCLUDERS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
@@ -43,6 +44,20 @@ SMALLEST = 1e-6
 """Side of the smallest part of a square, in squares."""
 SMALLEST_CUT = 0.05
 """The same where walls cross it: they are cut in closed form, and quarters help little."""
+
+
+@inlined
+def light_beyond(distance: float, view: View, geo: Array) -> float:
+    """No floor point so far from the foot gets more from all lights together."""
+    light = 0.0
+    for i in range(view.points.shape[0]):
+        p = view.points[i]
+        rise = max(0.0, p[2] + p[DISK_RADIUS])
+        x, y = p[0] - geo[POINT], p[1] - geo[POINT + 1]
+        apart = max(0.0, distance - math.sqrt(x * x + y * y) - p[DISK_RADIUS])
+        if rise > 0.0:
+            light += max(p[3], p[4], p[5]) * rise / math.sqrt(rise * rise + apart * apart)
+    return light
 
 
 @jitable
@@ -75,11 +90,13 @@ def grid_reach(
     reach = min(wanted, MOST_SQUARES * cell)
     beyond = 0.0
     if reach < max(3.0 * h, 2.0 * near):
-        gap = max(0.0, math.atan2(reach, h) - geo[LOBE_BETA])
-        beyond = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * point_light(view)
+        # all of it lies beyond the farther of the two, and below the horizon
+        begin = max(reach, near)
+        gap = max(math.atan2(begin, h) - geo[LOBE_BETA], geo[LOBE_BETA] - 0.5 * math.pi)
+        beyond = lobe_density(4.0 * math.sin(0.5 * max(0.0, gap)) ** 2, geo) * light_beyond(begin, view, geo)
         # no more than all of it, nor than the squares at the ends of every stretch of a row that do not cancel
         stretches = 1.0 + work.counts[OCCLUDERS] + work.counts[CASTERS]
-        far = math.sqrt(h * h + reach * reach)
+        far = math.sqrt(h * h + begin * begin)
         beyond *= min(2.0 * math.pi * h / far, 3.0 * stretches * cell * h / (far * far))
     return False, reach, reach, 0.0, 0.0, beyond
 

@@ -60,12 +60,14 @@ BOUND = 13
 MEAN = 14
 """What the panel it was cut from held per radian, 0 while nobody looked."""
 GLARE = 15
-"""1 where a highlight may be felt: a look at a few lines is then no estimate."""
+"""1 where a highlight may be felt that a few lines may miss."""
 PANEL_COLUMNS = 16
 
 LINE = 32
 PANEL = 40
 """Where the sums of a line and of a panel lie in the scratch array."""
+FEW_LINES = 0.4
+"""Share of a panel for which the highlights felt in it must be tame if one line is to see them."""
 MAX_FIRST = 3
 """Most lines of a panel's first estimate."""
 MUCH = 40.0
@@ -194,7 +196,7 @@ def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: 
         p[INSIDE] = p[SETTLED] = 0.0
         p[FOREIGN] = math.nan
         p[MEAN] = 0.0
-        p[GLARE] = 1.0 if highlights_between(a, b, work) < math.inf else 0.0
+        p[GLARE] = 1.0 if highlights_between(a, b, work) < FEW_LINES * (b - a) else 0.0
         p[LOG_RHO] = panel_log(work, a, b, kind_a, kind_b)
     return n + 1
 

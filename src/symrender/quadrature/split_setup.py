@@ -24,7 +24,7 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import SPOTS, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.split_line import NEAR_LIGHT
-from symrender.scene.arrays import EYE, FLOOR_BRIGHT, FLOOR_DARK, KU, KV, MARBLE, TEXTURE
+from symrender.scene.arrays import FLOOR_BRIGHT, FLOOR_DARK, KU, KV, MARBLE, TEXTURE
 
 Array = npt.NDArray[np.float64]
 
@@ -112,23 +112,22 @@ def add_spot_at(phi: float, depth: float, work: Work) -> None:
 
 @inlined
 def floor_spots(view: View, work: Work) -> None:
-    """Azimuths at which a light or its highlight on the floor is near.
+    """Azimuths at which a light is near the floor.
 
     A light at height z over a place rho from the foot is at distance 0 of floor points of azimuth
-    phi +- i asinh(z / rho), at the nearest; a highlight of exponent s is 1/sqrt(s) of that wide. On the line in which
+    phi +- i asinh(z / rho), at the nearest. On the line in which
     the point's own horizon meets the floor distances vanish at azimuths of their own, atan((t +- i d) / p).
     """
-    geo, shading = work.geo, view.shading
+    geo = work.geo
     nx, ny = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1]
     tilt = math.sqrt(nx * nx + ny * ny)
-    sharp = 1.5 / math.sqrt(max(2.25, shading[3])) if shading[2] > 0.0 else 1.0
     for i in range(view.points.shape[0]):
         x, y, z = view.points[i, 0] - geo[POINT], view.points[i, 1] - geo[POINT + 1], view.points[i, 2]
         rho = math.sqrt(x * x + y * y)
         if not z > 0.0:
             continue
         slope = z / max(rho, 1e-9 * z)
-        add_spot(x, y, sharp * math.log(slope + math.sqrt(1.0 + slope * slope)), work)
+        add_spot(x, y, math.log(slope + math.sqrt(1.0 + slope * slope)), work)
         if tilt > 1e-9 and geo[SURFACE_NORMAL + 2] != 0.0:
             p = geo[SURFACE_NORMAL + 2] * geo[HEIGHT] / tilt
             across = (nx * x + ny * y) / tilt - p
@@ -136,15 +135,6 @@ def floor_spots(view: View, work: Work) -> None:
             phi = math.atan2(ny, nx) + 0.5 * math.atan2(2.0 * u, 1.0 - u * u - v * v) + (math.pi if p < 0.0 else 0.0)
             depth = 0.25 * math.log((u * u + (v + 1.0) ** 2) / max(u * u + (v - 1.0) ** 2, 1e-300))
             add_spot(math.cos(phi), math.sin(phi), depth, work)
-        if sharp < 1.0 and shading[5] == EYE and view.eye[2] > 0.0:
-            # the mirror image of the light in the floor, as the eye sees it
-            share = view.eye[2] / (view.eye[2] + z)
-            ex, ey = view.eye[0] - geo[POINT], view.eye[1] - geo[POINT + 1]
-            sx, sy = ex + share * (x - ex), ey + share * (y - ey)
-            far = math.sqrt((x - sx) ** 2 + (y - sy) ** 2 + z * z)
-            near = math.sqrt((ex - sx) ** 2 + (ey - sy) ** 2 + view.eye[2] ** 2)
-            away = math.sqrt(sx * sx + sy * sy)
-            add_spot(sx, sy, min(1.0, sharp / max(away * (1.0 / far + 1.0 / near), 1e-9)), work)
 
 
 @inlined
