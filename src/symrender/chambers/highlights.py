@@ -24,12 +24,14 @@ from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.place import surface_point
 from symrender.chambers.walls import (
     BETA_MAX,
+    E1,
     EXPONENT,
     GAMMA_MAX,
     HEIGHT,
     LEAST,
     LOG_NORMALISER,
     POINT,
+    POLE,
     RADIUS,
     RATIO,
     RIM_COS,
@@ -50,9 +52,14 @@ LAST = 2
 """Azimuths between which it is felt."""
 STRIP = 3
 """How far off the real azimuths the integrand stays tame."""
+INNERMOST = 4
+OUTERMOST = 5
+"""Inner coordinates between which it is felt."""
 
 TAME = 2.0
 """A highlight of width w is tame to this times w beside the real line: it grows there by no more than a factor 8."""
+UNRESOLVED = 24.0
+"""A piece of a line over which it varies by so many of its widths is halved whatever its slopes."""
 RESOLVED = 2.5
 """Boxes over which the highlight's angle varies by so many of its widths are halved no further."""
 NEGLIGIBLE = 0.02
@@ -85,8 +92,8 @@ def least_angle(
 ) -> tuple[float, float, float]:  # fmt: skip
     """The highlight's angle within ``reach`` of Q, where N turns by at most ``turn``: (lower bound, variation, slope).
 
-    ``variation`` bounds how far the angle differs from its value at Q, ``slope`` how it changes per unit of distance
-    beside N's own turn. The lower bound is pi where ``specular_terminator: cut`` leaves no highlight.
+    ``variation`` bounds how far the angle differs from its value at Q, ``slope`` tells how it changes per unit of
+    distance beside N's own turn. The lower bound is pi where ``specular_terminator: cut`` leaves no highlight.
     """
     geo, p, shading = work.geo, view.points[l], view.shading
     lx, ly, lz = p[0] - qx, p[1] - qy, p[2] - qz
@@ -103,11 +110,11 @@ def least_angle(
     facing = nx * lx + ny * ly + nz * lz
     if shading[6] == CUT and math.acos(max(-1.0, min(1.0, facing))) - turn - angle_of(a) > 0.5 * math.pi:
         return math.pi, 0.0, 0.0
-    near = 1.0 / max(far_l - spread, 1e-3 * far_l) + 1.0 / max(far_v - reach, 1e-3 * far_v)
+    near = 1.0 / far_l + 1.0 / far_v
     if shading[4] == PHONG:
         rx, ry, rz = 2.0 * facing * nx - lx, 2.0 * facing * ny - ly, 2.0 * facing * nz - lz
         varies = 2.0 * turn + angle_of(a) + angle_of(b)
-        length, slope = 1.0, near
+        slope = near
         ax, ay, az = vx, vy, vz
     else:
         rx, ry, rz = lx + vx, ly + vy, lz + vz
@@ -115,7 +122,7 @@ def least_angle(
         if not a + b < length:
             return 0.0, math.pi, 0.0
         varies = turn + math.asin((a + b) / length)
-        slope = near / (length - 0.9 * (a + b))
+        slope = near / length * (1.0 + (a + b) / length)
         ax, ay, az = nx, ny, nz
     cx, cy, cz = ry * az - rz * ay, rz * ax - rx * az, rx * ay - ry * ax
     angle = math.atan2(math.sqrt(cx * cx + cy * cy + cz * cz), rx * ax + ry * ay + rz * az)
@@ -123,14 +130,16 @@ def least_angle(
 
 
 @inlined
-def lobe_share(qx: float, qy: float, qz: float, reach: float, lobe: Array, work: Work) -> float:
+def lobe_share(qx: float, qy: float, qz: float, reach: float, work: Work) -> float:
     """No more than this share of the lobe meets what lies within ``reach`` of Q; 0 outside the lobe."""
     geo = work.geo
     dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
     far = math.sqrt(dx * dx + dy * dy + dz * dz)
     if not reach < far:
         return 1.0
-    along = (dx * lobe[0] + dy * lobe[1] + dz * lobe[2]) / far
+    along = geo[LOBE_BETA + 1] * (dx * geo[POLE] + dy * geo[POLE + 1] + dz * geo[POLE + 2])
+    along += geo[LOBE_BETA + 2] * (dx * geo[E1] + dy * geo[E1 + 1] + dz * geo[E1 + 2])
+    along /= far
     theta = math.acos(max(-1.0, min(1.0, along))) - math.asin(reach / far)
     if theta <= 0.0:
         density = math.exp(-geo[LOG_NORMALISER])
@@ -154,7 +163,7 @@ def is_felt(l: int, angle: float, share: float, view: View, work: Work) -> bool:
 
 
 @jitable
-def note_highlight(l: int, first: float, last: float, strip: float, work: Work) -> None:
+def note_highlight(l: int, first: float, last: float, low: float, high: float, strip: float, work: Work) -> None:
     """Add azimuths to ``Work.highlights``: to a row of this light that they touch and that is as narrow, if any is.
 
     The last row takes what has no room, whatever its light.
@@ -167,15 +176,17 @@ def note_highlight(l: int, first: float, last: float, strip: float, work: Work) 
         if (touches and alike) or i + 1 == rows.shape[0]:
             row[FIRST], row[LAST] = min(row[FIRST], first), max(row[LAST], last)
             row[STRIP] = min(row[STRIP], strip)
+            row[INNERMOST], row[OUTERMOST] = min(row[INNERMOST], low), max(row[OUTERMOST], high)
             return
     row = rows[count]
     row[LIGHT_POINT], row[FIRST], row[LAST], row[STRIP] = l, first, last, strip
+    row[INNERMOST], row[OUTERMOST] = low, high
     work.counts[HIGHLIGHTS] = count + 1
 
 
 @inlined
 def box_bounds(
-    l: int, a: float, b: float, u: float, v: float, lobe: Array, view: View, work: Work
+    l: int, a: float, b: float, u: float, v: float, view: View, work: Work
 ) -> tuple[bool, bool, float]:  # fmt: skip
     """(felt, resolved, strip) of azimuths a..b and, on a sphere, angles u..v at its centre; of the floor, inner ones.
 
@@ -205,7 +216,7 @@ def box_bounds(
         qx, qy, qz, nx, ny, nz = surface_point(x, c, s, geo)
         turn, radius, own = 0.0, 1.0, 0.0
         reach = math.sqrt(0.25 * (last - near) ** 2 + (last * half) ** 2)
-    share = lobe_share(qx, qy, qz, reach, lobe, work)
+    share = lobe_share(qx, qy, qz, reach, work)
     if share == 0.0:
         return False, True, 0.0
     angle, varies, slope = least_angle(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
@@ -239,11 +250,8 @@ def far_floor(l: int, near: float, wide: float, view: View, work: Work) -> tuple
 
 
 @jitable
-def find_highlights(tol: float, low: float, high: float, lobe: Array, view: View, work: Work) -> None:
-    """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance, and geo's ``LEAST``.
-
-    ``lobe`` is the mirror direction.
-    """
+def find_highlights(tol: float, low: float, high: float, view: View, work: Work) -> None:
+    """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance, and geo's ``LEAST``."""
     geo, shading, boxes = work.geo, view.shading, work.boxes
     work.counts[HIGHLIGHTS] = 0
     geo[LEAST] = math.inf
@@ -264,11 +272,15 @@ def find_highlights(tol: float, low: float, high: float, lobe: Array, view: View
             top -= 1
             looked += 1
             a, b, u, v = boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3]
-            felt, resolved, strip = box_bounds(l, a, b, u, v, lobe, view, work)
+            felt, resolved, strip = box_bounds(l, a, b, u, v, view, work)
             if not felt:
                 continue
             if resolved or looked > MOST_BOXES or top + 2 > boxes.shape[0]:
-                note_highlight(l, a, b, strip if resolved else 0.1 * (b - a), work)
+                if not floor:
+                    k = geo[RATIO]
+                    u = math.atan2(math.sin(u), math.cos(u) - k)
+                    v = math.atan2(math.sin(v), max(1e-15, math.cos(v) - k))
+                note_highlight(l, a, b, u, v, strip if resolved else 0.1 * (b - a), work)
                 continue
             across = math.sin(min(v, 0.5 * math.pi)) * (b - a)
             if floor:
@@ -328,7 +340,9 @@ def piece_strip(phi: float, start: float, stop: float, c: float, s: float, view:
     for i in range(work.counts[HIGHLIGHTS]):
         row = rows[i]
         l = int(row[LIGHT_POINT])
-        if not row[FIRST] <= phi <= row[LAST] or length < 1e-12 or l == seen:
+        if not row[FIRST] <= phi <= row[LAST] or stop < row[INNERMOST] or start > row[OUTERMOST]:
+            continue
+        if length < 1e-12 or l == seen:
             continue
         seen = l
         middle = start + 0.5 * length
@@ -355,9 +369,9 @@ def piece_strip(phi: float, start: float, stop: float, c: float, s: float, view:
             speed = h / (cs * cs)
         qx, qy, qz, nx, ny, nz = surface_point(middle, c, s, geo)
         angle, varies, slope = least_angle(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
-        if not is_felt(l, angle, 1.0, view, work):
+        if not is_felt(l, angle, lobe_share(qx, qy, qz, reach, work), view, work):
             continue
-        if varies >= math.pi:
+        if varies * math.sqrt(view.shading[3]) > UNRESOLVED:
             narrowest = min(narrowest, 0.02 * length)
             continue
         rise = (2.0 if view.shading[4] == PHONG else 1.0) * own + speed * slope

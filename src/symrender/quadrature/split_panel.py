@@ -523,7 +523,7 @@ def split_chart(
     bound = SAFETY * panel_bound(low, high, work.geo)
     if bound < 0.1 * tol:
         return bound, 0
-    find_highlights(tol, low, high, scratch[24:27], view, work)
+    find_highlights(tol, low, high, view, work)
     m = all_events(view, work, events, low, high)
     n = 0
     start = 0
