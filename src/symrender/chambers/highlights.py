@@ -29,6 +29,7 @@ from symrender.chambers.walls import (
     GAMMA_MAX,
     HEIGHT,
     LEAST,
+    LOBE_BETA,
     LOG_NORMALISER,
     POINT,
     POLE,
