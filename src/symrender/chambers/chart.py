@@ -15,6 +15,7 @@ from symrender.chambers.walls import (
     BETA_MAX,
     BRIGHT,
     CENTER,
+    CLIPPED,
     DIRECTION,
     E1,
     E2,
@@ -148,6 +149,7 @@ def add_gleam_edge(i: int, blinn: bool, view: View, work: Work) -> None:
         row[8 + a] = view.points[i, a]
         row[11 + a] = view.eye[a] if shading[5] == EYE else work.geo[POINT + a]
     row[14] = 1.0 if phong else 0.0
+    work.geo[CLIPPED] = 1.0
 
 
 @inlined
@@ -195,6 +197,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
     geo[RADIUS], geo[RATIO], geo[SHAPE_INDEX] = r, k, j
     geo[BETA_MAX], geo[GAMMA_MAX] = math.asin(k), math.acos(k)
     geo[BRIGHT] = UNBOUNDED
+    geo[CLIPPED] = 0.0
     geo[LIMB_TANGENT] = math.sqrt((1.0 - k) / (1.0 + k))
     set_frame(geo, lobe[0], lobe[1], lobe[2])
     set_lens(geo)
@@ -279,6 +282,7 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     geo[BETA_MAX] = geo[GAMMA_MAX] = 0.5 * math.pi
     geo[HEIGHT] = abs(pz)
     geo[BRIGHT] = UNBOUNDED
+    geo[CLIPPED] = 0.0
     set_frame(geo, lobe[0], lobe[1], lobe[2])
     work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
     add_direction(

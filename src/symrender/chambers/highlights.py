@@ -25,6 +25,7 @@ from symrender.chambers.place import surface_point
 from symrender.chambers.walls import (
     BETA_MAX,
     E1,
+    E2,
     EXPONENT,
     GAMMA_MAX,
     HEIGHT,
@@ -36,7 +37,6 @@ from symrender.chambers.walls import (
     RADIUS,
     RATIO,
     RIM_COS,
-    RIM_SIN,
     SHAPE_INDEX,
     SIDE,
 )
@@ -56,17 +56,28 @@ STRIP = 3
 INNERMOST = 4
 OUTERMOST = 5
 """Inner coordinates between which it is felt."""
+ALONG = 6
+"""How far off the line it stays tame along a scan line."""
+
+KEY = 7
+"""Octaves of both strips."""
 
 TAME = 2.0
 """A highlight of width w is tame to this times w beside the real line: it grows there by no more than a factor 8."""
-UNRESOLVED = 24.0
-"""A piece of a line over which it varies by so many of its widths is halved whatever its slopes."""
-RESOLVED = 2.5
-"""Boxes over which the highlight's angle varies by so many of its widths are halved no further."""
+RESOLVED = 4.0
+"""Boxes over which the highlight's angle varies by no more than so many of its widths are halved no further."""
+DOUBTED = 1.0
+"""The same where only the bound, not the middle, says that it is felt."""
+COARSEST = 0.6
+"""Nor do they vary by more than this chord: slopes are taken at their middles."""
 NEGLIGIBLE = 0.02
 """Share of the tolerance that all highlights left out may hold together."""
 MOST_BOXES = 3000
 """Boxes looked at for one light; what is left then is taken to be bright."""
+NARROW = 0.08
+"""Strips below which node counts are chosen by the highlight; wider ones are made sure to be seen, no more."""
+SPACING = 1.05
+"""Gauss nodes of a piece are no farther apart than pi/2 of its length over their number, 3 widths."""
 FAR = 4.0
 """So many times farther than light and viewer the floor is looked at as a whole."""
 
@@ -81,20 +92,14 @@ def chord_of(step: float, distance: float) -> float:
 
 
 @inlined
-def angle_of(chord: float) -> float:
-    """Angle whose chord this is."""
-    return 2.0 * math.asin(min(1.0, 0.5 * chord))
-
-
-@jitable
-def least_angle(
+def chord_about(
     l: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, reach: float, turn: float, view: View,
     work: Work,
-) -> tuple[float, float, float]:  # fmt: skip
-    """The highlight's angle within ``reach`` of Q, where N turns by at most ``turn``: (lower bound, variation, slope).
+) -> tuple[float, float]:  # fmt: skip
+    """(chord, variation): chord of the highlight's angle at Q, and how far it differs about Q.
 
-    ``variation`` bounds how far the angle differs from its value at Q, ``slope`` tells how it changes per unit of
-    distance beside N's own turn. The lower bound is pi where ``specular_terminator: cut`` leaves no highlight.
+    ``variation`` holds within ``reach`` of Q where N turns by at most ``turn``. Where ``specular_terminator: cut``
+    leaves no highlight the chord is 2.
     """
     geo, p, shading = work.geo, view.points[l], view.shading
     lx, ly, lz = p[0] - qx, p[1] - qy, p[2] - qz
@@ -102,32 +107,50 @@ def least_angle(
         vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
     else:
         vx, vy, vz = geo[POINT] - qx, geo[POINT + 1] - qy, geo[POINT + 2] - qz
-    far_l = max(1e-300, math.sqrt(lx * lx + ly * ly + lz * lz))
-    far_v = max(1e-300, math.sqrt(vx * vx + vy * vy + vz * vz))
-    lx, ly, lz = lx / far_l, ly / far_l, lz / far_l
-    vx, vy, vz = vx / far_v, vy / far_v, vz / far_v
-    spread = reach + p[DISK_RADIUS]
-    a, b = chord_of(spread, far_l), chord_of(reach, far_v)
+    far_l = math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
+    far_v = math.sqrt(max(1e-300, vx * vx + vy * vy + vz * vz))
+    by_l, by_v = 1.0 / far_l, 1.0 / far_v
+    lx, ly, lz = lx * by_l, ly * by_l, lz * by_l
+    vx, vy, vz = vx * by_v, vy * by_v, vz * by_v
+    a, b = chord_of(reach + p[DISK_RADIUS], far_l), chord_of(reach, far_v)
     facing = nx * lx + ny * ly + nz * lz
-    if shading[6] == CUT and math.acos(max(-1.0, min(1.0, facing))) - turn - angle_of(a) > 0.5 * math.pi:
-        return math.pi, 0.0, 0.0
-    near = 1.0 / far_l + 1.0 / far_v
+    if shading[6] == CUT and facing + turn + a < 0.0:
+        return 2.0, 0.0
     if shading[4] == PHONG:
-        rx, ry, rz = 2.0 * facing * nx - lx, 2.0 * facing * ny - ly, 2.0 * facing * nz - lz
-        varies = 2.0 * turn + angle_of(a) + angle_of(b)
-        slope = near
-        ax, ay, az = vx, vy, vz
+        dx, dy, dz = 2.0 * facing * nx - lx - vx, 2.0 * facing * ny - ly - vy, 2.0 * facing * nz - lz - vz
+        varies = 2.0 * turn + a + b
     else:
-        rx, ry, rz = lx + vx, ly + vy, lz + vz
-        length = math.sqrt(rx * rx + ry * ry + rz * rz)
-        if not a + b < length:
-            return 0.0, math.pi, 0.0
-        varies = turn + math.asin((a + b) / length)
-        slope = near / length * (1.0 + (a + b) / length)
-        ax, ay, az = nx, ny, nz
-    cx, cy, cz = ry * az - rz * ay, rz * ax - rx * az, rx * ay - ry * ax
-    angle = math.atan2(math.sqrt(cx * cx + cy * cy + cz * cz), rx * ax + ry * ay + rz * az)
-    return max(0.0, angle - varies), varies, slope
+        hx, hy, hz = lx + vx, ly + vy, lz + vz
+        inv = 1.0 / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
+        t = (a + b) * inv
+        if not t < 1.0:
+            return 0.0, math.inf
+        dx, dy, dz = hx * inv - nx, hy * inv - ny, hz * inv - nz
+        varies = turn + t * (1.0 + 0.4142135623730951 * t * t)
+    return math.sqrt(dx * dx + dy * dy + dz * dz), varies
+
+
+@inlined
+def slope_towards(
+    l: int, qx: float, qy: float, qz: float, ux: float, uy: float, uz: float, view: View, work: Work
+) -> float:  # fmt: skip
+    """How fast h, or the mirror image of l against v, turns at Q along the unit vector u, at most."""
+    geo, p = work.geo, view.points[l]
+    lx, ly, lz = p[0] - qx, p[1] - qy, p[2] - qz
+    if view.shading[5] == EYE:
+        vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
+    else:
+        vx, vy, vz = geo[POINT] - qx, geo[POINT + 1] - qy, geo[POINT + 2] - qz
+    by_l = 1.0 / math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
+    by_v = 1.0 / math.sqrt(max(1e-300, vx * vx + vy * vy + vz * vz))
+    lx, ly, lz = lx * by_l, ly * by_l, lz * by_l
+    vx, vy, vz = vx * by_v, vy * by_v, vz * by_v
+    ul, uv = ux * lx + uy * ly + uz * lz, ux * vx + uy * vy + uz * vz
+    turns = by_l * math.sqrt(max(0.0, 1.0 - ul * ul)) + by_v * math.sqrt(max(0.0, 1.0 - uv * uv))
+    if view.shading[4] == PHONG:
+        return turns
+    hx, hy, hz = lx + vx, ly + vy, lz + vz
+    return turns / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
 
 
 @inlined
@@ -136,62 +159,66 @@ def lobe_share(qx: float, qy: float, qz: float, reach: float, work: Work) -> flo
     geo = work.geo
     dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
     far = math.sqrt(dx * dx + dy * dy + dz * dz)
-    if not reach < far:
-        return 1.0
-    along = geo[LOBE_BETA + 1] * (dx * geo[POLE] + dy * geo[POLE + 1] + dz * geo[POLE + 2])
-    along += geo[LOBE_BETA + 2] * (dx * geo[E1] + dy * geo[E1 + 1] + dz * geo[E1 + 2])
-    along /= far
-    theta = math.acos(max(-1.0, min(1.0, along))) - math.asin(reach / far)
-    if theta <= 0.0:
-        density = math.exp(-geo[LOG_NORMALISER])
-    elif theta > math.atan2(geo[RIM_SIN], geo[RIM_COS]) + 1e-9:
+    chord = chord_of(reach, far)
+    inv = 1.0 / max(far, 1e-300)
+    x = (dx * geo[POLE] + dy * geo[POLE + 1] + dz * geo[POLE + 2]) * inv - geo[LOBE_BETA + 1]
+    y = (dx * geo[E1] + dy * geo[E1 + 1] + dz * geo[E1 + 2]) * inv - geo[LOBE_BETA + 2]
+    z = (dx * geo[E2] + dy * geo[E2 + 1] + dz * geo[E2 + 2]) * inv
+    chord = max(0.0, math.sqrt(x * x + y * y + z * z) - chord)
+    versine = 0.5 * chord * chord
+    if versine > 1.0 - geo[RIM_COS] + 1e-9:
         return 0.0
-    else:
-        half = math.sin(0.5 * theta)
-        density = math.exp(geo[EXPONENT] * math.log1p(-min(1.0 - 1e-15, 2.0 * half * half)) - geo[LOG_NORMALISER])
+    density = math.exp(geo[EXPONENT] * math.log1p(-min(1.0 - 1e-15, versine)) - geo[LOG_NORMALISER])
     half = math.sin(0.5 * geo[BETA_MAX])
     return float(min(1.0, density * 4.0 * math.pi * half * half))
 
 
 @inlined
-def is_felt(l: int, angle: float, share: float, view: View, work: Work) -> bool:
-    """Whether a highlight at no less than this angle, over this share of the lobe, may matter."""
+def is_felt(l: int, chord: float, share: float, view: View, work: Work) -> bool:
+    """Whether a highlight at no less than this chord of its angle, over this share of the lobe, may matter."""
     p, shading = view.points[l], view.shading
-    if angle >= 0.5 * math.pi and shading[3] > 0.0:
+    square = chord * chord
+    if square >= 2.0 and shading[3] > 0.0:
         return False
+    # cos^s of the angle is (1 - square/2)^s
     held = shading[2] * max(p[3], p[4], p[5]) * share
-    return bool(held * math.exp(-0.5 * shading[3] * angle * angle) > work.geo[LEAST])
+    return bool(held * math.exp(-0.5 * shading[3] * square) > work.geo[LEAST])
 
 
 @jitable
-def note_highlight(l: int, first: float, last: float, low: float, high: float, strip: float, work: Work) -> None:
+def note_highlight(
+    l: int, first: float, last: float, low: float, high: float, strip: float, along: float, work: Work
+) -> None:  # fmt: skip
     """Add azimuths to ``Work.highlights``: to a row of this light that they touch and that is as narrow, if any is.
 
     The last row takes what has no room, whatever its light.
     """
     rows, count = work.highlights, work.counts[HIGHLIGHTS]
+    # strips of one octave; of a chain of ever narrower ones the last would stand for all
+    key = math.floor(1.4426950408889634 * math.log(strip)) + 4096.0 * math.floor(1.4426950408889634 * math.log(along))
     for i in range(count):
         row = rows[i]
         touches = first <= row[LAST] + 1e-12 and last >= row[FIRST] - 1e-12
-        alike = row[LIGHT_POINT] == l and 0.5 * row[STRIP] <= strip <= 2.0 * row[STRIP]
+        alike = row[LIGHT_POINT] == l and row[KEY] == key
         if (touches and alike) or i + 1 == rows.shape[0]:
             row[FIRST], row[LAST] = min(row[FIRST], first), max(row[LAST], last)
-            row[STRIP] = min(row[STRIP], strip)
+            row[STRIP], row[ALONG] = min(row[STRIP], strip), min(row[ALONG], along)
             row[INNERMOST], row[OUTERMOST] = min(row[INNERMOST], low), max(row[OUTERMOST], high)
             return
     row = rows[count]
     row[LIGHT_POINT], row[FIRST], row[LAST], row[STRIP] = l, first, last, strip
-    row[INNERMOST], row[OUTERMOST] = low, high
+    row[INNERMOST], row[OUTERMOST], row[ALONG], row[KEY] = low, high, along, key
     work.counts[HIGHLIGHTS] = count + 1
 
 
 @inlined
 def box_bounds(
     l: int, a: float, b: float, u: float, v: float, view: View, work: Work
-) -> tuple[bool, bool, float]:  # fmt: skip
-    """(felt, resolved, strip) of azimuths a..b and, on a sphere, angles u..v at its centre; of the floor, inner ones.
+) -> tuple[bool, bool, float, float]:  # fmt: skip
+    """(felt, resolved, strip, along) of azimuths a..b and, on a sphere, angles u..v at its centre; on the floor, inner
+    coordinates.
 
-    ``strip`` is in azimuth.
+    ``strip`` is how far off real azimuths it stays tame, ``along`` how far off real inner coordinates.
     """
     geo = work.geo
     wide = TAME / math.sqrt(max(view.shading[3], 1e-9))
@@ -206,6 +233,8 @@ def box_bounds(
         turn = math.sqrt(0.25 * (v - u) ** 2 + (across * half) ** 2)
         reach = radius * turn
         own = 1.0 / radius
+        sb = k * math.sin(x)
+        rate = 1.0 - k * math.cos(x) / math.sqrt(max(1e-300, (1.0 - sb) * (1.0 + sb)))
     else:
         h = geo[HEIGHT]
         near, last = h * math.tan(u), h * math.tan(v) if v < 1.5707 else math.inf
@@ -216,21 +245,40 @@ def box_bounds(
         x = math.atan2(r, h)
         qx, qy, qz, nx, ny, nz = surface_point(x, c, s, geo)
         turn, radius, own = 0.0, 1.0, 0.0
+        rate = (h * h + r * r) / h
         reach = math.sqrt(0.25 * (last - near) ** 2 + (last * half) ** 2)
     share = lobe_share(qx, qy, qz, reach, work)
     if share == 0.0:
-        return False, True, 0.0
-    angle, varies, slope = least_angle(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
-    if not is_felt(l, angle, share, view, work):
-        return False, True, 0.0
-    if varies * math.sqrt(view.shading[3]) > RESOLVED:
-        return True, False, 0.0
+        return False, True, 0.0, 0.0
+    chord, varies = chord_about(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
+    if not is_felt(l, max(0.0, chord - varies), share, view, work):
+        return False, True, 0.0, 0.0
+    widths = RESOLVED if is_felt(l, chord, share, view, work) else DOUBTED
+    if varies > COARSEST or varies * math.sqrt(view.shading[3]) > widths:
+        return True, False, 0.0, 0.0
     turns = (2.0 if view.shading[4] == PHONG else 1.0) * own
-    return True, True, wide / max(1e-300, across * radius * (turns + slope))
+    ex, ey, ez = (
+        c * geo[E1] + s * geo[E2],
+        c * geo[E1 + 1] + s * geo[E2 + 1],
+        c * geo[E1 + 2] + s * geo[E2 + 2],
+    )
+    fx, fy, fz = (
+        c * geo[E2] - s * geo[E1],
+        c * geo[E2 + 1] - s * geo[E1 + 1],
+        c * geo[E2 + 2] - s * geo[E1 + 2],
+    )
+    if geo[SHAPE_INDEX] >= 0.0:
+        # along the meridian: across N in the plane of e and the pole
+        cg, sg = math.cos(0.5 * (u + v)), math.sin(0.5 * (u + v))
+        ex, ey, ez = cg * ex + sg * geo[POLE], cg * ey + sg * geo[POLE + 1], cg * ez + sg * geo[POLE + 2]
+    aside = slope_towards(l, qx, qy, qz, fx, fy, fz, view, work)
+    inward = slope_towards(l, qx, qy, qz, ex, ey, ez, view, work)
+    strip = wide / max(1e-300, across * radius * (turns + aside))
+    return True, True, strip, wide / max(1e-300, rate * radius * (turns + inward))
 
 
 @inlined
-def far_floor(l: int, near: float, wide: float, view: View, work: Work) -> tuple[bool, bool, float]:
+def far_floor(l: int, near: float, wide: float, view: View, work: Work) -> tuple[bool, bool, float, float]:
     """The same of all of the floor beyond ``near`` from the foot."""
     geo, p, shading = work.geo, view.points[l], view.shading
     if shading[5] == EYE:
@@ -241,13 +289,13 @@ def far_floor(l: int, near: float, wide: float, view: View, work: Work) -> tuple
     light = math.hypot(p[0] - geo[POINT], p[1] - geo[POINT + 1]) + rho
     eye = math.hypot(ex, ey)
     if near < FAR * max(max(light, eye), max(abs(p[2]) + rho, abs(ez))):
-        return True, False, 0.0
+        return True, False, 0.0, 0.0
     if shading[4] == PHONG:
         # l and v are nearly one, and level
-        return False, True, 0.0
+        return False, True, 0.0, 0.0
     # both are within asin(1/4) of the way back, whose sum is longer than 1.8
     rise = ((abs(p[2]) + rho) / (near - light) + abs(ez) / (near - eye)) / 1.8
-    return is_felt(l, math.acos(min(1.0, rise)), 1.0, view, work), True, wide
+    return is_felt(l, math.sqrt(2.0 * (1.0 - min(1.0, rise))), 1.0, view, work), True, wide, wide
 
 
 @jitable
@@ -273,7 +321,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
             top -= 1
             looked += 1
             a, b, u, v = boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3]
-            felt, resolved, strip = box_bounds(l, a, b, u, v, view, work)
+            felt, resolved, strip, along = box_bounds(l, a, b, u, v, view, work)
             if not felt:
                 continue
             if resolved or looked > MOST_BOXES or top + 2 > boxes.shape[0]:
@@ -281,16 +329,18 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                     k = geo[RATIO]
                     u = math.atan2(math.sin(u), math.cos(u) - k)
                     v = math.atan2(math.sin(v), max(1e-15, math.cos(v) - k))
-                note_highlight(l, a, b, u, v, strip if resolved else 0.1 * (b - a), work)
+                if not resolved:
+                    strip, along = 0.1 * (b - a), 0.1 * (v - u)
+                note_highlight(l, a, b, u, v, strip, along, work)
                 continue
             across = math.sin(min(v, 0.5 * math.pi)) * (b - a)
             if floor:
                 # lengths on the floor; the outermost box is cut down to where it is far
-                along = math.tan(v) - math.tan(u) if v < 1.5707 else math.inf
+                depth = math.tan(v) - math.tan(u) if v < 1.5707 else math.inf
                 across = math.tan(v) * (b - a) if v < 1.5707 else 0.0
             else:
-                along = v - u
-            if across > along:
+                depth = v - u
+            if across > depth:
                 middle = 0.5 * (a + b)
                 boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3] = middle, b, u, v
                 boxes[top + 1, 0], boxes[top + 1, 1], boxes[top + 1, 2], boxes[top + 1, 3] = a, middle, u, v
@@ -302,14 +352,27 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
 
 
 @inlined
-def highlights_between(a: float, b: float, work: Work) -> float:
-    """The narrowest strip of tameness of the highlights felt between two azimuths, inf where there are none."""
-    narrowest = math.inf
+def nearest_sum(a: float, b: float, first: float, last: float, y: float) -> float:
+    """rho + 1/rho over 2 of the Bernstein ellipse of a..b through the nearest of the places first..last, y off."""
+    x = min(max(0.5 * (a + b), first), last)
+    return (math.sqrt((x - a) ** 2 + y * y) + math.sqrt((x - b) ** 2 + y * y)) / (b - a)
+
+
+@inlined
+def highlights_between(a: float, b: float, work: Work) -> tuple[float, float]:
+    """Of highlights felt between two azimuths: the smallest ``nearest_sum`` of narrow ones, and the narrowest strip.
+
+    Both are inf where there are none.
+    """
+    nearest, narrowest = math.inf, math.inf
     rows = work.highlights
     for i in range(work.counts[HIGHLIGHTS]):
-        if rows[i, FIRST] < b and rows[i, LAST] > a:
-            narrowest = min(narrowest, rows[i, STRIP])
-    return narrowest
+        row = rows[i]
+        if row[FIRST] < b and row[LAST] > a:
+            narrowest = min(narrowest, row[STRIP])
+            if row[STRIP] < NARROW:
+                nearest = min(nearest, nearest_sum(a, b, row[FIRST], row[LAST], row[STRIP]))
+    return nearest, narrowest
 
 
 @inlined
@@ -328,53 +391,21 @@ def highlight_end(a: float, b: float, work: Work) -> float:
     return found
 
 
-@jitable
-def piece_strip(phi: float, start: float, stop: float, c: float, s: float, view: View, work: Work) -> float:
-    """How far off the real line the highlights felt on a piece of a scan line stay tame; inf if there are none.
-
-    ``start`` and ``stop`` are inner coordinates of the line (c, s) at azimuth ``phi``.
-    """
-    geo, rows = work.geo, work.highlights
-    narrowest = math.inf
-    length = stop - start
-    seen = -1
+@inlined
+def piece_highlights(phi: float, start: float, stop: float, work: Work) -> tuple[float, float]:
+    """The same of those felt on start..stop of the scan line at azimuth ``phi``."""
+    nearest, narrowest = math.inf, math.inf
+    rows = work.highlights
     for i in range(work.counts[HIGHLIGHTS]):
         row = rows[i]
-        l = int(row[LIGHT_POINT])
-        if not row[FIRST] <= phi <= row[LAST] or stop < row[INNERMOST] or start > row[OUTERMOST]:
-            continue
-        if length < 1e-12 or l == seen:
-            continue
-        seen = l
-        middle = start + 0.5 * length
-        k = geo[RATIO]
-        if geo[SHAPE_INDEX] >= 0.0:
-            # gamma's slope grows along the line
-            st = k * math.sin(stop)
-            rate = 1.0 - k * math.cos(stop) / math.sqrt(max(1e-300, (1.0 - st) * (1.0 + st)))
-            turn = rate * 0.5 * length
-            reach, speed = geo[RADIUS] * turn, geo[RADIUS] * rate
-            own = rate
-            if rate <= 0.0:
-                continue
-        else:
-            h = geo[HEIGHT]
-            if stop > 1.5707:
-                # far away it is left to the cell's own rule, whose lights' distances tell as much
-                continue
-            near, last = h * math.tan(start), h * math.tan(stop)
-            middle = math.atan2(0.5 * (near + last), h)
-            turn, own = 0.0, 0.0
-            reach = 0.5 * (last - near)
-            cs = math.cos(stop)
-            speed = h / (cs * cs)
-        qx, qy, qz, nx, ny, nz = surface_point(middle, c, s, geo)
-        angle, varies, slope = least_angle(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
-        if not is_felt(l, angle, lobe_share(qx, qy, qz, reach, work), view, work):
-            continue
-        if varies * math.sqrt(view.shading[3]) > UNRESOLVED:
-            narrowest = min(narrowest, 0.02 * length)
-            continue
-        rise = (2.0 if view.shading[4] == PHONG else 1.0) * own + speed * slope
-        narrowest = min(narrowest, TAME / math.sqrt(max(view.shading[3], 1e-9)) / max(1e-300, rise))
-    return narrowest
+        if row[FIRST] <= phi <= row[LAST] and stop >= row[INNERMOST] and start <= row[OUTERMOST]:
+            narrowest = min(narrowest, row[ALONG])
+            if row[ALONG] < NARROW:
+                nearest = min(nearest, nearest_sum(start, stop, row[INNERMOST], row[OUTERMOST], row[ALONG]))
+    return nearest, narrowest
+
+
+@inlined
+def seeing(length: float, strip: float) -> int:
+    """Gauss nodes of a piece of which one at least lies within 1.6 widths of any highlight whose strip is this."""
+    return math.ceil(min(1e6, SPACING * length / strip))

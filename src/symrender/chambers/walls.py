@@ -104,7 +104,9 @@ FACING: Final = 43
 """A vector, then a number: every direction w of the lobe counts with the number plus the vector times w."""
 LEAST: Final = 47
 """No highlight that can hold less than this of a lobe is looked for."""
-GEO_COLUMNS: Final = 48
+CLIPPED: Final = 48
+"""1 where highlights begin at walls of their own: a line may then see none beside one that does."""
+GEO_COLUMNS: Final = 49
 
 COINCIDENT: Final = 1e-11
 """Two circles whose axes and levels differ by less are one wall."""

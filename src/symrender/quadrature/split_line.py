@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.highlights import piece_strip
+from symrender.chambers.highlights import piece_highlights, seeing
 from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import (
@@ -151,11 +151,15 @@ def kinked(view: View) -> bool:
 @inlined
 def cell_log(
     start: float, stop: float, phi: float, c: float, s: float, view: View, work: Work
-) -> float:  # fmt: skip
-    """log rho of the Bernstein ellipse of a cell through the edge of the strip where its integrand is tame."""
+) -> tuple[float, int]:  # fmt: skip
+    """log rho of the Bernstein ellipse of a cell through the edge of the strip where its integrand is tame.
+
+    Then the nodes that no highlight felt there can pass between.
+    """
     geo, points = work.geo, view.points
     length, distance = stop - start, 0.5 * math.pi - stop
-    strip = min(geo[STRIP], piece_strip(phi, start, stop, c, s, view, work))
+    highlight, narrowest = piece_highlights(phi, start, stop, work)
+    least = seeing(length, narrowest)
     if geo[SHAPE_INDEX] < 0.0:
         ex, ey = c * geo[E1] + s * geo[E2], c * geo[E1 + 1] + s * geo[E2 + 1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
@@ -173,14 +177,15 @@ def cell_log(
             # beyond the horizon the line comes back from behind, where the light may be near
             low, high = low - math.pi, high - math.pi
             best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
-        x = 2.0 * strip / length
+        best = min(best, highlight)
+        x = 2.0 * geo[STRIP] / length
         log_rho = math.log(x + math.sqrt(1.0 + x * x))
         if best < math.inf:
             log_rho = min(log_rho, math.log(best + math.sqrt(max(1e-12, best * best - 1.0))))
-        return log_rho
+        return log_rho, least
     near = geo[STRIP + 2]
-    x = 2.0 * min(strip, math.sqrt(near * near + distance * distance)) / length
-    log_rho = math.log(x + math.sqrt(1.0 + x * x))
+    x = 2.0 * min(geo[STRIP], math.sqrt(near * near + distance * distance)) / length
+    best = min(highlight, math.sqrt(1.0 + x * x))
     j, k = int(geo[SHAPE_INDEX]), geo[RATIO]
     for i in range(points.shape[0]):
         lx, ly, lz = points[i, 0] - geo[CENTER], points[i, 1] - geo[CENTER + 1], points[i, 2] - geo[CENTER + 2]
@@ -200,9 +205,8 @@ def cell_log(
         x = math.atan2(sg, cg - k)
         y = math.log(ratio + math.sqrt(ratio * ratio - 1.0)) * abs(1.0 - k * cg) / scale
         low, high = start - x, stop - x
-        best = (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length
-        log_rho = min(log_rho, math.log(best + math.sqrt(max(1e-12, best * best - 1.0))))
-    return log_rho
+        best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
+    return math.log(best + math.sqrt(max(1e-12, best * best - 1.0))), least
 
 
 @jitable
@@ -210,7 +214,8 @@ def cell_order(
     start: float, stop: float, step: int, phi: float, c: float, s: float, view: View, work: Work
 ) -> int:  # fmt: skip
     """Gauss nodes of a cell where two successive steps are compared; above ``MAX_ORDER`` it must be cut."""
-    return order(step, cell_log(start, stop, phi, c, s, view, work))
+    log_rho, least = cell_log(start, stop, phi, c, s, view, work)
+    return max(least, order(step, log_rho))
 
 
 @inlined
@@ -405,8 +410,8 @@ def integrate_cells(
                 continue
             row = table[NODES + top - 1]
             start, stop = row[START], row[STOP]
-            log_rho = cell_log(start, stop, phi, c, s, view, work)
-            n = order(step, log_rho) if row[WARY] != 0.0 else nodes(step, CAUTION * log_rho)
+            log_rho, fewest = cell_log(start, stop, phi, c, s, view, work)
+            n = max(fewest, order(step, log_rho) if row[WARY] != 0.0 else nodes(step, CAUTION * log_rho))
             if row[SOFT] != 0.0:
                 n = max(n + (n + 1) // 2, least)
             if n > MAX_ORDER and top < PENDING and not is_spent(work):

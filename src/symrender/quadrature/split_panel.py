@@ -15,13 +15,14 @@ import numpy.typing as npt
 
 from symrender.chambers.crossings import all_events
 from symrender.chambers.events import ROOT, SMOOTH, crossing, line_range
-from symrender.chambers.highlights import find_highlights, highlight_end, highlights_between
+from symrender.chambers.highlights import find_highlights, highlight_end, highlights_between, seeing
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import scan_line
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import (
     BETA_MAX,
     BRIGHT,
+    CLIPPED,
     KIND,
     LOBE_BETA,
     MET_COLUMN,
@@ -60,14 +61,12 @@ BOUND = 13
 MEAN = 14
 """What the panel it was cut from held per radian, 0 while nobody looked."""
 GLARE = 15
-"""1 where a highlight may be felt that a few lines may miss."""
+"""Lines that no highlight felt in the panel can pass between."""
 PANEL_COLUMNS = 16
 
 LINE = 32
 PANEL = 40
 """Where the sums of a line and of a panel lie in the scratch array."""
-FEW_LINES = 0.4
-"""Share of a panel for which the highlights felt in it must be tame if one line is to see them."""
 MAX_FIRST = 3
 """Most lines of a panel's first estimate."""
 MUCH = 40.0
@@ -143,11 +142,11 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
     if kind_a == ROOT or kind_b == ROOT:
         x *= 0.7
     best = math.sqrt(1.0 + x * x)
-    x = highlights_between(a, b, work) / half
-    if x < best:
-        if kind_a == ROOT or kind_b == ROOT:
-            x *= 0.7
-        best = min(best, math.sqrt(1.0 + x * x))
+    highlight, _ = highlights_between(a, b, work)
+    if kind_a == ROOT or kind_b == ROOT:
+        # its excess over 1 is the square of what lies off the line
+        highlight = 1.0 + 0.5 * (highlight - 1.0)
+    best = min(best, highlight)
     for i in range(work.counts[SPOTS]):
         away = work.spots[i, 0] - 0.5 * (a + b)
         away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
@@ -196,7 +195,10 @@ def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: 
         p[INSIDE] = p[SETTLED] = 0.0
         p[FOREIGN] = math.nan
         p[MEAN] = 0.0
-        p[GLARE] = 1.0 if highlights_between(a, b, work) < FEW_LINES * (b - a) else 0.0
+        _, narrowest = highlights_between(a, b, work)
+        p[GLARE] = seeing(b - a, narrowest)
+        if work.geo[CLIPPED] != 0.0 and narrowest < math.inf:
+            p[GLARE] = max(p[GLARE], MAX_KINKED)
         p[LOG_RHO] = panel_log(work, a, b, kind_a, kind_b)
     return n + 1
 
@@ -367,9 +369,10 @@ def evaluate_panel(
     """
     a, b, ka, kb = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
     n = panel_order(step, p[LOG_RHO])
-    if step == 1 and p[INSIDE] > 0.0 and p[GLARE] == 0.0:
+    if step == 1 and p[INSIDE] > 0.0:
         # kinks decide, not how far off the integrand is tame between them
         n = min(n, MAX_KINKED)
+    n = min(MAX_ORDER, max(n, int(p[GLARE])))
     base = n * (n - 1) // 2
     line = scratch[LINE : LINE + 6]
     for i in range(6):
@@ -578,14 +581,18 @@ def split_chart(
             held = p[ERROR]
             if step < 0:
                 held = 10.0 * p[MEAN] * width
-                if p[INSIDE] > 0.0 or held > 3.0 * share or p[GLARE] != 0.0:
+                if p[INSIDE] > 0.0 or held > 3.0 * share or p[GLARE] > MAX_FIRST:
                     need = 1
             if p[INSIDE] == 0.0 and need > 0:
                 # a first estimate is ten times what the panel holds
                 aim = LEVELS[max(0, step)] + math.log(max(held, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
                 while need + 1 < len(LEVELS) and LEVELS[need] < aim:
                     need += 1
-            if need >= len(LEVELS) or (step >= 0 and panel_order(need, p[LOG_RHO]) >= MAX_ORDER):
+            if (
+                need >= len(LEVELS)
+                or p[GLARE] > MAX_ORDER
+                or (step >= 0 and panel_order(need, p[LOG_RHO]) >= MAX_ORDER)
+            ):
                 if n >= panels.shape[0] or width < 1e-9:
                     if step < 0:
                         rough_panel(p, view, work, gauss, scratch)

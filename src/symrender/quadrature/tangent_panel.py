@@ -33,6 +33,7 @@ from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
 from symrender.quadrature.split_panel import (
     FOREIGN,
     FROM,
+    GLARE,
     KIND_FROM,
     KIND_TO,
     LOG_RHO,
@@ -104,7 +105,7 @@ def panel_adjoint(
     for row in range(adjoint.shape[0]):
         for k in range(adjoint.shape[1]):
             adjoint[row, k] = 0.0
-    n = min(MAX_ORDER, order(step, p[LOG_RHO]) + (1 if step > 0 else 0))
+    n = min(MAX_ORDER, max(int(p[GLARE]), order(step, p[LOG_RHO]) + (1 if step > 0 else 0)))
     base = n * (n - 1) // 2
     signature = 0
     for q in range(n):
