@@ -50,7 +50,7 @@ def _codes(type: Type) -> list[str]:
 def _flatten(type: Type, value: Any, given: list[Any]) -> None:
     match type:
         case Scalar():
-            given.append(value)
+            given.append(int(value) if type == B1 else value)
         case Array():
             given.append(value.__array_interface__["data"][0])
             given.extend(value.shape)
