@@ -1,8 +1,8 @@
 """Kernels translated to LLVM IR give Numba's bits, in no more time, over the gallery; and no index leaves its axis.
 
-Lobe integrals of floor points and sphere normals, truth images with direct light of exact disks, and their gradients, with
-the disk lights' 2 x 2 rule and exactly: one process a compiler, rounds interleaved. Cold compilation is told too, the
-index checks are a third build.
+Lobe integrals of floor points and sphere normals, truth images with the direct light of exact disks, and their
+gradients, with the disk lights' 2 x 2 rule and exactly: one process a compiler, rounds interleaved. ``--checked`` adds
+a build in which every index is checked.
 
     python benchmarks/translated_kernels_equal_numba.py [--quick] [--checked]
 """
@@ -132,7 +132,9 @@ def main() -> None:
 
     quick = "--quick" in sys.argv
     points = QUICK_POINTS if quick else POINTS
-    report = Report("translated_kernels_equal_numba", "Translated kernels give Numba's bits in at most 1.05 of its time.")
+    report = Report(
+        "translated_kernels_equal_numba", "Translated kernels give Numba's bits in at most 1.05 of its time."
+    )
     modes = ["numba", "llvm", *(["checked"] if "--checked" in sys.argv else [])]
     compared = signal = unequal = 0
     ratios: dict[str, list[float]] = {}

@@ -232,12 +232,14 @@ class Expressions(Calls):
         return slot
 
     def _tuple_slice(self, value: Value, node: ast.Slice) -> Value:
-        bounds = [None if part is None else _folded(part) for part in (node.lower, node.upper)]
-        if node.step is not None or any(b is None and p is not None for b, p in zip(bounds, (node.lower, node.upper), strict=True)):
+        parts = (node.lower, node.upper)
+        bounds = [None if part is None else _folded(part) for part in parts]
+        unknown = any(part is not None and bound is None for part, bound in zip(parts, bounds, strict=True))
+        if node.step is not None or unknown:
             raise self.refuse("a slice of a tuple whose bounds are not literals")
         items = self.items(value)[slice(*bounds)]
-        parts = tuple(part for item in items for part in item.parts)
-        return Value(Tuple(tuple(item.type for item in items)), parts)
+        operands = tuple(part for item in items for part in item.parts)
+        return Value(Tuple(tuple(item.type for item in items)), operands)
 
     def indices(self, node: ast.expr) -> list[Index]:
         """Indices and slices of a subscript."""

@@ -88,7 +88,7 @@ class Kernel:
                 raise
             return self._fallback(error)
 
-    def _fallback(self, error: Exception | None) -> Any:
+    def _fallback(self, error: Exception | None) -> Callable[..., Any]:
         from symrender.jit.fallback import dispatcher
 
         if error is not None:
@@ -99,7 +99,8 @@ class Kernel:
                 sources = closure_texts(self.function.__module__)
             self._numba = dispatcher(self.function, sources, self.options)
         self.by_numba = True
-        return self._numba
+        made: Callable[..., Any] = self._numba
+        return made
 
     def _list_path(self, directory: Path, types: tuple[Type, ...], checked: bool) -> Path:
         name = (self.function.__module__, self.function.__qualname__)
@@ -119,7 +120,9 @@ class Kernel:
             try:
                 head, _, code = content.partition(b"\n")
                 known = json.loads(head)
-                made = Loaded(loaded(code), types, result_of(known["result"]), tuple(Site(*each) for each in known["sites"]))
+                made = Loaded(
+                    loaded(code), types, result_of(known["result"]), tuple(Site(*each) for each in known["sites"])
+                )
             except Exception as error:  # whatever an unusable entry does, compiling again is right
                 _log.info("kernel cache: entry not usable: %r", error)
                 continue
