@@ -81,7 +81,7 @@ def between(x: float, y: float) -> bool:
 
 
 def logic(x: float, y: float) -> int:
-    if x > 0.0 and y > 0.0 or not x < y:
+    if (x > 0.0 and y > 0.0) or not x < y:
         return 1
     return 2 if (x == x and y == y) or x > 1.0 else 3
 

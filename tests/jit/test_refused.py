@@ -1,5 +1,6 @@
 """What lies outside the subset is refused with file, line and reason, and left to Numba; indices can be checked."""
 
+# ruff: noqa: RET503
 from __future__ import annotations
 
 import logging
@@ -36,7 +37,7 @@ def unmarked(x: float) -> float:
 
 def two_kinds(x: float) -> Any:
     y = x if x > 0.0 else (x, x)
-    return y
+    return y  # noqa: RET504
 
 
 def no_value(x: float) -> float:  # type: ignore[return]

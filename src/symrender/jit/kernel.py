@@ -37,6 +37,9 @@ MODES: Final = ("auto", "llvm", "numba", "checked")
 _LISTS: Final = 8
 """Lists of dependencies kept for one kernel: switching between versions of the sources does not compile again."""
 
+_USUAL_SECONDS: Final = 10.0
+"""Told where nothing was compiled here before; a small kernel takes less."""
+
 _log = logging.getLogger("symrender")
 
 
@@ -132,7 +135,10 @@ class Kernel:
 
     def _compile(self, types: tuple[Type, ...], checked: bool) -> Callable[..., Any]:
         name = self.function.__name__
-        _log.info("kernel %s: compiling, about 10 s", name)
+        directory, _ = cache_directory()
+        lists = None if directory is None else self._list_path(directory, types, checked)
+        last = [] if lists is None else _names_in(lists)
+        _log.info("compiling kernel %s: about %.0f s", name, last[0]["seconds"] if last else _USUAL_SECONDS)
         begun = time.perf_counter()
         made = translated(self.function, types, checked=checked)
         try:
@@ -143,19 +149,19 @@ class Kernel:
         self.misses += 1
         seconds = time.perf_counter() - begun
         _log.info("kernel %s: %d functions compiled in %.1f s", name, made.functions, seconds)
-        directory, _ = cache_directory()
-        if directory is not None:
-            self._write(self._list_path(directory, types, checked), made, code)
+        if lists is not None:
+            self._write(lists, made, code, seconds)
         return Loaded(entry, types, made.result, made.sites)
 
-    def _write(self, lists: Path, made: Translation, code: bytes) -> None:
-        names = {"texts": sorted(made.texts), "globals": sorted(map(list, made.constants))}
+    def _write(self, lists: Path, made: Translation, code: bytes, seconds: float) -> None:
+        names: dict[str, Any] = {"texts": sorted(made.texts), "globals": sorted(map(list, made.constants))}
         state = _state(names)
         if state is None:
             return
         head = {"result": result_named(made.result), "sites": [[s.file, s.line, s.reason] for s in made.sites]}
         write_entry(_code_path(lists, state), json.dumps(head).encode() + b"\n" + code)
-        kept = [names, *(each for each in _names_in(lists) if each != names)][:_LISTS]
+        others = [each for each in _names_in(lists) if any(each[key] != names[key] for key in names)]
+        kept = [names | {"seconds": seconds}, *others][:_LISTS]
         write_entry(lists, json.dumps(kept).encode())
 
 
@@ -182,7 +188,7 @@ def _state(names: dict[str, Any]) -> str | None:
         if module not in sys.modules or not hasattr(sys.modules[module], name):
             return None
         parts.append(digest_of(getattr(sys.modules[module], name)))
-    return _digest((names, parts))
+    return _digest((names["texts"], names["globals"], parts))
 
 
 @functools.lru_cache(maxsize=1)
