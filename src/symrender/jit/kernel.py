@@ -21,7 +21,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, Final
 
-from symrender.jit.call import Loaded
+from symrender.jit.call import Loaded, flatten
 from symrender.jit.closure import closure_texts
 from symrender.jit.entries import cache_directory, read_entry, write_entry
 from symrender.jit.machine import loaded, machine_code, machine_name
@@ -62,30 +62,36 @@ class Kernel:
         self.function, self.sources, self.options = function, sources, options
         self.hits = self.misses = 0
         self.by_numba = False
-        self._made: dict[tuple[Type, ...], Callable[..., Any]] = {}
+        self._made: dict[tuple[Any, ...], Callable[..., Any]] = {}
+        self._loaded: dict[tuple[tuple[Type, ...], bool], Loaded] = {}
         self._lock = threading.Lock()
         self._numba: Any = None
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the kernel."""
-        try:
-            types = tuple(map(type_of, arguments))
-        except Refused as error:
-            return self._fallback(error)(*arguments)
-        made = self._made.get(types)
+        key: list[Any] = []
+        given: list[Any] = []
+        for argument in arguments:
+            flatten(argument, key, given)
+        kinds = tuple(key)
+        made = self._made.get(kinds)
         if made is None:
             with self._lock:
-                made = self._made.get(types) or self._make(types)
-                self._made[types] = made
-        return made(*arguments)
+                made = self._made.get(kinds) or self._make(arguments)
+                self._made[kinds] = made
+        return made.run(given) if isinstance(made, Loaded) else made(*arguments)
 
-    def _make(self, types: tuple[Type, ...]) -> Callable[..., Any]:
+    def _make(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         chosen = mode()
         if chosen == "numba" or self.options.get("fastmath"):
             return self._fallback(None)
         checked = chosen == "checked"
         try:
-            return self._read(types, checked) or self._compile(types, checked)
+            types = tuple(map(type_of, arguments))
+            # np.float64 and float are one type
+            if (types, checked) not in self._loaded:
+                self._loaded[types, checked] = self._read(types, checked) or self._compile(types, checked)
+            return self._loaded[types, checked]
         except Refused as error:
             if chosen != "auto":
                 raise
@@ -109,7 +115,7 @@ class Kernel:
         name = (self.function.__module__, self.function.__qualname__)
         return directory / f"{_digest((name, types, checked, machine_name(), _translator()))}.list"
 
-    def _read(self, types: tuple[Type, ...], checked: bool) -> Callable[..., Any] | None:
+    def _read(self, types: tuple[Type, ...], checked: bool) -> Loaded | None:
         """Machine code from the disk whose dependencies are as they are now, else None."""
         directory, _ = cache_directory()
         if directory is None:
@@ -133,7 +139,7 @@ class Kernel:
             return made
         return None
 
-    def _compile(self, types: tuple[Type, ...], checked: bool) -> Callable[..., Any]:
+    def _compile(self, types: tuple[Type, ...], checked: bool) -> Loaded:
         name = self.function.__name__
         directory, _ = cache_directory()
         lists = None if directory is None else self._list_path(directory, types, checked)
