@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symrender import kernel_cache
+from symrender.jit import entries
 from symrender.kernel_cache import compiled, load_module, read_entry, write_entry
 
 SOURCE = """
@@ -27,21 +27,21 @@ VALUES = np.arange(7.0)
 
 @pytest.fixture
 def directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    kernel_cache._private_directory.cache_clear()
+    entries._private_directory.cache_clear()
     monkeypatch.setenv("SYMRENDER_CACHE", str(tmp_path / "kernels"))
     yield tmp_path / "kernels"
-    kernel_cache._private_directory.cache_clear()
+    entries._private_directory.cache_clear()
 
 
 def run(text: str = SOURCE) -> tuple[float, int]:
     """Value and cache hits of a fresh dispatcher."""
     kernel = compiled(load_module(text).total, sources=[text])
-    return kernel(VALUES, 0.5), sum(kernel.stats.cache_hits.values())
+    return kernel(VALUES, 0.5), kernel.hits
 
 
 def test_a_hundred_corruptions(directory: Path) -> None:
     assert run() == (24.5, 0) and run() == (24.5, 1)
-    (entry,) = directory.iterdir()
+    (entry,) = directory.glob("*.kernel")
     whole, random_ = entry.read_bytes(), random.Random(20250611)
     for trial in range(100):
         data = bytearray(whole)
@@ -80,14 +80,14 @@ def test_an_entry_others_could_have_written_is_never_unpickled(
     import builtins
 
     run()
-    (entry,) = directory.iterdir()
+    (entry,) = directory.glob("*.kernel")
     write_entry(entry, pickle.dumps(Trap()))
     entry.chmod(0o622)
     assert run() == (24.5, 0) and not hasattr(builtins, "sprung")
     write_entry(entry, pickle.dumps(Trap()))
-    real = kernel_cache.os.getuid()
+    real = entries.os.getuid()
     with monkeypatch.context() as patch:
-        patch.setattr(kernel_cache.os, "getuid", lambda: real + 1)
+        patch.setattr(entries.os, "getuid", lambda: real + 1)
         assert read_entry(entry) is None
     entry.write_bytes(pickle.dumps(Trap()))
     assert run() == (24.5, 0) and not hasattr(builtins, "sprung")
@@ -101,5 +101,5 @@ def test_eight_cold_processes(directory: Path) -> None:
     )
     running = [subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE) for _ in range(8)]
     assert [process.communicate(timeout=240)[0] for process in running] == [b"24.5\n" * 3] * 8
-    assert [path.suffix for path in directory.iterdir()] == [".kernel"], "no temporary file is left"
+    assert sorted(path.suffix for path in directory.iterdir()) == [".kernel", ".list"], "no temporary file"
     assert run() == (24.5, 1)

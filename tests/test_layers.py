@@ -14,6 +14,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "limits", "version"),
+    ("jit",),
     ("scene", "image", "settings", "kernel_cache", "output", "png", "exr", "npz", "srgb", "views"),
     ("numeric", "expression"),
     ("chambers",),

@@ -1,8 +1,8 @@
 """Kernels: which functions they may call, how one is compiled, and modules made of generated text.
 
-A kernel and all it calls are translated to LLVM IR and compiled by llvmlite (``symrender.jit``, ``docs/kernels.md``); the
-machine code is kept on disk, privately, under a key made of everything it was made of. Kernels are serial, release the
-GIL and keep strict IEEE arithmetic: the flags that drop NaN are refused.
+A kernel and all it calls are translated to LLVM IR and compiled by llvmlite (``symrender.jit``, ``docs/kernels.md``);
+the machine code is kept on disk, privately, under a key made of everything it was made of. Kernels are serial, release
+the GIL and keep strict IEEE arithmetic: the flags that drop NaN are refused.
 """
 
 from __future__ import annotations

@@ -1,21 +1,19 @@
-"""Load Numba as a command needs it."""
+"""Say what is compiled, as a command needs it."""
 
 from __future__ import annotations
 
-import importlib
+import logging
 import sys
 
 
-def load_compiler() -> None:
-    """Import Numba without SciPy, which it loads, where installed, for linear algebra inside kernels.
+def announce_compilation() -> None:
+    """On a terminal, print a line on standard error when a kernel is compiled: which, and about how long it takes.
 
-    No kernel of ours has any, and the import takes a fifth of a small render. Only a command may do this: it has its
-    process to itself.
+    Only a command may do this: it has its process to itself.
     """
-    if "numba" in sys.modules or "scipy.linalg" in sys.modules:
-        return
-    sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
-    try:
-        importlib.import_module("numba.np.arraymath")
-    finally:
-        del sys.modules["scipy.linalg"]
+    log = logging.getLogger("symrender")
+    if sys.stderr.isatty() and not log.handlers:
+        handler = logging.StreamHandler()
+        handler.setFormatter(logging.Formatter("%(message)s"))
+        log.addHandler(handler)
+        log.setLevel(logging.INFO)

@@ -47,10 +47,12 @@ def probe(
         raise OptionError("point: all points need the same number of coordinates")
     chosen = scene_with(scene, define)
 
+    from symrender.cli._compiler import announce_compilation
     from symrender.gradient import STATUS as GRADIENT_STATUS
     from symrender.probe import probe as probe_points
     from symrender.truth import STATUS
 
+    announce_compilation()
     names = [name.strip() for name in wrt.split(",") if name.strip()]
     found = probe_points(
         chosen,

@@ -105,10 +105,12 @@ def truth(
         journal=journal,
     )
 
+    from symrender.cli._compiler import announce_compilation
     from symrender.fill import Crew
     from symrender.truth import true_image, truth_job, verdict
     from symrender.views import false_color
 
+    announce_compilation()
     job = truth_job(chosen, settings)
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance, Crew(means, (job,), advance) as crew:
         image = true_image(crew, job, chosen)

@@ -1,7 +1,7 @@
 """Numbers: operators, comparisons, conversions, as Numba's strict NumPy error model has them.
 
-Integers wrap; ``//`` and ``%`` round towards minus infinity; dividing an integer by 0 gives 0; a whole literal exponent is
-done by repeated squaring; ``max(a, b)`` is ``b if b > a else a``.
+Integers wrap; ``//`` and ``%`` round towards minus infinity; dividing an integer by 0 gives 0; a whole literal exponent
+is done by repeated squaring; ``max(a, b)`` is ``b if b > a else a``.
 """
 
 from __future__ import annotations

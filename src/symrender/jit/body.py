@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import struct
-from typing import Protocol
+from typing import Any, Protocol
 
 from symrender.jit.refused import Refused
-from symrender.jit.types import Type, Value, parts_of
+from symrender.jit.types import Scalar, Type, Value, parts_of
 
 
 class Module(Protocol):
@@ -16,6 +16,15 @@ class Module(Protocol):
 
     def runtime(self, name: str) -> str:
         """Name of a helper written in LLVM IR, or of an external function."""
+
+    def attribute(self, holder: Any, name: str) -> Value:
+        """Attribute of a module."""
+
+    def constant(self, value: Any) -> Value:
+        """A Python object as a value."""
+
+    def table(self, kind: Scalar, operands: list[str]) -> str | None:
+        """Name of a constant array of these numbers, None where one of them is not constant."""
 
     def check_site(self, file: str, line: int, reason: str) -> int:
         """Number under which a failed check of this place is reported."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from symrender.jit.program import Site
 from symrender.jit.refused import Refused
-from symrender.jit.types import B1, F8, U8, Array, Bundle, Nothing, Scalar, Tuple, Type, parts_of
+from symrender.jit.types import B1, F8, U8, Bundle, Nothing, Scalar, Tuple, Type, parts_of
 
 
 class Loaded:
@@ -25,10 +25,14 @@ class Loaded:
         self._slots = len(codes) + len(parts_of(result))
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run the kernel; with checks, an index beyond an axis raises IndexError with file and line."""
+        """Run the kernel for arguments of its types."""
         given: list[Any] = []
-        for type, argument in zip(self.types, arguments, strict=True):
-            _flatten(type, argument, given)
+        for argument in arguments:
+            flatten(argument, [], given)
+        return self.run(given)
+
+    def run(self, given: list[Any]) -> Any:
+        """Run the kernel for flat arguments; a check that fails raises IndexError with file and line."""
         block = np.zeros(self._slots, np.int64)
         self._given.pack_into(block.data, 0, *given)
         failed = self.entry(block.ctypes.data)
@@ -47,18 +51,27 @@ def _codes(type: Type) -> list[str]:
     return ["q"] * len(parts_of(type))
 
 
-def _flatten(type: Type, value: Any, given: list[Any]) -> None:
-    match type:
-        case Scalar():
-            given.append(value)
-        case Array():
-            given.append(value.__array_interface__["data"][0])
-            given.extend(value.shape)
-            if not type.contiguous:
-                given.extend(value.strides)
-        case Tuple(items=items) | Bundle(items=items):
-            for item, part in zip(items, value, strict=True):
-                _flatten(item, part, given)
+def flatten(value: Any, key: list[Any], given: list[Any]) -> None:
+    """Append what fills an argument's slots to ``given``, and to ``key`` what tells its type apart from others.
+
+    This runs at every call, for every array of a named tuple: it asks no more than it must.
+    """
+    kind = type(value)
+    if kind is np.ndarray:
+        flags = value.flags
+        key += (value.dtype, value.ndim, flags.c_contiguous, flags.aligned)
+        given.append(value.__array_interface__["data"][0])
+        given.extend(value.shape)
+        if not flags.c_contiguous:
+            given.extend(value.strides)
+    elif isinstance(value, tuple):
+        key += (kind, len(value))
+        for item in value:
+            flatten(item, key, given)
+    else:
+        key.append(kind)
+        if value is not None:
+            given.append(int(value) if kind is bool or kind is np.bool_ else value)
 
 
 def _result(type: Type, slots: Any) -> tuple[Any, Any]:

@@ -84,7 +84,7 @@ class Calls(Places):
             case math.isnan, [value]:
                 (x,) = self.convert(self.number(value), F8).parts
                 return Value(B1, (self.op(f"fcmp uno double {x}, {x}"),))
-            case (math.isinf | math.isfinite), [value]:
+            case ((math.isinf | math.isfinite), [value]):
                 (x,) = self.absolute(self.convert(self.number(value), F8)).parts
                 kind = "oeq" if callee is math.isinf else "olt"
                 return Value(B1, (self.op(f"fcmp {kind} double {x}, {literal(math.inf).parts[0]}"),))

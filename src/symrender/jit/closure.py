@@ -1,4 +1,4 @@
-"""Texts of a module and of all it imports of its package: what a kernel in it can depend on, found without running it."""
+"""Texts of a module and of all it imports of its package: what a kernel in it can depend on, found in the texts."""
 
 from __future__ import annotations
 

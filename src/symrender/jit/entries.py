@@ -1,8 +1,8 @@
 """Entries on disk: files that belong to this user, whole or ignored.
 
-Compiled code is executed by its reader, so the directory (``$SYMRENDER_CACHE``, else ``$XDG_CACHE_HOME/symrender``, else
-``~/.cache/symrender``) must belong to this user and be writable by nobody else. An entry starts with the SHA-256 of its
-content; one that is truncated, altered, foreign or unreadable is as good as none.
+Compiled code is executed by its reader, so the directory (``$SYMRENDER_CACHE``, else ``$XDG_CACHE_HOME/symrender``,
+else ``~/.cache/symrender``) must belong to this user and be writable by nobody else. An entry starts with the SHA-256
+of its content; one that is truncated, altered, foreign or unreadable is as good as none.
 """
 
 from __future__ import annotations

@@ -61,12 +61,22 @@ class Expressions(Calls):
             case ast.Attribute(value=base, attr=name):
                 return self._attribute(self.evaluate(base), name)
             case ast.Tuple(elts=items):
-                values = [self.evaluate(item) for item in items]
+                values = self._listed(items)
                 parts = tuple(part for value in values for part in value.parts)
                 return Value(Tuple(tuple(value.type for value in values)), parts)
             case ast.Call():
                 return self._call(node)
         raise self.refuse(f"{type(node).__name__} is outside the subset")
+
+    def _listed(self, nodes: list[ast.expr]) -> list[Value]:
+        """Values of the items of a tuple or of arguments; a starred one is unpacked."""
+        values = []
+        for node in nodes:
+            if isinstance(node, ast.Starred):
+                values += self.items(self.evaluate(node.value))
+            else:
+                values.append(self.evaluate(node))
+        return values
 
     def variable(self, node: ast.Name) -> Value:
         """Value of a local or global name."""
@@ -232,12 +242,14 @@ class Expressions(Calls):
         return slot
 
     def _tuple_slice(self, value: Value, node: ast.Slice) -> Value:
-        bounds = [None if part is None else _folded(part) for part in (node.lower, node.upper)]
-        if node.step is not None or any(b is None and p is not None for b, p in zip(bounds, (node.lower, node.upper), strict=True)):
+        parts = (node.lower, node.upper)
+        bounds = [None if part is None else _folded(part) for part in parts]
+        unknown = any(part is not None and bound is None for part, bound in zip(parts, bounds, strict=True))
+        if node.step is not None or unknown:
             raise self.refuse("a slice of a tuple whose bounds are not literals")
         items = self.items(value)[slice(*bounds)]
-        parts = tuple(part for item in items for part in item.parts)
-        return Value(Tuple(tuple(item.type for item in items)), parts)
+        operands = tuple(part for item in items for part in item.parts)
+        return Value(Tuple(tuple(item.type for item in items)), operands)
 
     def indices(self, node: ast.expr) -> list[Index]:
         """Indices and slices of a subscript."""
@@ -263,7 +275,7 @@ class Expressions(Calls):
         callee = self.evaluate(node.func)
         if not isinstance(callee.type, Static):
             raise self.refuse(f"{shown(callee.type)} is called")
-        arguments = [self.evaluate(argument) for argument in node.args]
+        arguments = self._listed(node.args)
         names = {}
         for keyword in node.keywords:
             if keyword.arg is None:

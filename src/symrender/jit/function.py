@@ -42,7 +42,9 @@ class Function(Expressions):
 
     module: Whole
 
-    def __init__(self, module: Whole, function: FunctionType, types: tuple[Type, ...], symbol: str, inline: bool) -> None:
+    def __init__(
+        self, module: Whole, function: FunctionType, types: tuple[Type, ...], symbol: str, inline: bool
+    ) -> None:
         self.function, self.types, self.symbol, self.inline = function, types, symbol, inline
         self.source = module.source(function)
         self.module = module
@@ -105,8 +107,8 @@ class Function(Expressions):
         match node:
             case ast.Expr(value=ast.Constant()) | ast.Pass():
                 return
-            case ast.Expr(value=value):
-                self.evaluate(value)
+            case ast.Expr(value=alone):
+                self.evaluate(alone)
             case ast.Assign(targets=targets, value=expression):
                 value = self.evaluate(expression)
                 for target in targets:
@@ -170,7 +172,7 @@ class Function(Expressions):
             case ast.Name():
                 self.assign_variable(target, value)
             case ast.Tuple(elts=targets):
-                items = self.items(value)
+                items = self.unpacked(value, len(targets))
                 if len(items) != len(targets):
                     raise self.refuse(f"{len(items)} values for {len(targets)} names")
                 for part, item in zip(targets, items, strict=True):
@@ -354,7 +356,9 @@ class Function(Expressions):
         target = self.module.specialised(callee, tuple(value.type for value in arguments))
         self.callees.append(target)
         listed = ", ".join(
-            f"{part} {operand}" for value in arguments for part, operand in zip(parts_of(value.type), value.parts, strict=True)
+            f"{part} {operand}"
+            for value in arguments
+            for part, operand in zip(parts_of(value.type), value.parts, strict=True)
         )
         result = target.result or NOTHING
         kind, call = _returned(result), f"call fastcc {_returned(result)} @{target.symbol}({listed})"

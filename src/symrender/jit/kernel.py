@@ -21,7 +21,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, Final
 
-from symrender.jit.call import Loaded
+from symrender.jit.call import Loaded, flatten
 from symrender.jit.closure import closure_texts
 from symrender.jit.entries import cache_directory, read_entry, write_entry
 from symrender.jit.machine import loaded, machine_code, machine_name
@@ -36,6 +36,9 @@ MODES: Final = ("auto", "llvm", "numba", "checked")
 
 _LISTS: Final = 8
 """Lists of dependencies kept for one kernel: switching between versions of the sources does not compile again."""
+
+_USUAL_SECONDS: Final = 10.0
+"""Told where nothing was compiled here before; a small kernel takes less."""
 
 _log = logging.getLogger("symrender")
 
@@ -59,36 +62,42 @@ class Kernel:
         self.function, self.sources, self.options = function, sources, options
         self.hits = self.misses = 0
         self.by_numba = False
-        self._made: dict[tuple[Type, ...], Callable[..., Any]] = {}
+        self._made: dict[tuple[Any, ...], Callable[..., Any]] = {}
+        self._loaded: dict[tuple[tuple[Type, ...], bool], Loaded] = {}
         self._lock = threading.Lock()
         self._numba: Any = None
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the kernel."""
-        try:
-            types = tuple(map(type_of, arguments))
-        except Refused as error:
-            return self._fallback(error)(*arguments)
-        made = self._made.get(types)
+        key: list[Any] = []
+        given: list[Any] = []
+        for argument in arguments:
+            flatten(argument, key, given)
+        kinds = tuple(key)
+        made = self._made.get(kinds)
         if made is None:
             with self._lock:
-                made = self._made.get(types) or self._make(types)
-                self._made[types] = made
-        return made(*arguments)
+                made = self._made.get(kinds) or self._make(arguments)
+                self._made[kinds] = made
+        return made.run(given) if isinstance(made, Loaded) else made(*arguments)
 
-    def _make(self, types: tuple[Type, ...]) -> Callable[..., Any]:
+    def _make(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         chosen = mode()
         if chosen == "numba" or self.options.get("fastmath"):
             return self._fallback(None)
         checked = chosen == "checked"
         try:
-            return self._read(types, checked) or self._compile(types, checked)
+            types = tuple(map(type_of, arguments))
+            # np.float64 and float are one type
+            if (types, checked) not in self._loaded:
+                self._loaded[types, checked] = self._read(types, checked) or self._compile(types, checked)
+            return self._loaded[types, checked]
         except Refused as error:
             if chosen != "auto":
                 raise
             return self._fallback(error)
 
-    def _fallback(self, error: Exception | None) -> Any:
+    def _fallback(self, error: Exception | None) -> Callable[..., Any]:
         from symrender.jit.fallback import dispatcher
 
         if error is not None:
@@ -99,13 +108,14 @@ class Kernel:
                 sources = closure_texts(self.function.__module__)
             self._numba = dispatcher(self.function, sources, self.options)
         self.by_numba = True
-        return self._numba
+        made: Callable[..., Any] = self._numba
+        return made
 
     def _list_path(self, directory: Path, types: tuple[Type, ...], checked: bool) -> Path:
         name = (self.function.__module__, self.function.__qualname__)
         return directory / f"{_digest((name, types, checked, machine_name(), _translator()))}.list"
 
-    def _read(self, types: tuple[Type, ...], checked: bool) -> Callable[..., Any] | None:
+    def _read(self, types: tuple[Type, ...], checked: bool) -> Loaded | None:
         """Machine code from the disk whose dependencies are as they are now, else None."""
         directory, _ = cache_directory()
         if directory is None:
@@ -119,7 +129,9 @@ class Kernel:
             try:
                 head, _, code = content.partition(b"\n")
                 known = json.loads(head)
-                made = Loaded(loaded(code), types, result_of(known["result"]), tuple(Site(*each) for each in known["sites"]))
+                made = Loaded(
+                    loaded(code), types, result_of(known["result"]), tuple(Site(*each) for each in known["sites"])
+                )
             except Exception as error:  # whatever an unusable entry does, compiling again is right
                 _log.info("kernel cache: entry not usable: %r", error)
                 continue
@@ -127,9 +139,12 @@ class Kernel:
             return made
         return None
 
-    def _compile(self, types: tuple[Type, ...], checked: bool) -> Callable[..., Any]:
+    def _compile(self, types: tuple[Type, ...], checked: bool) -> Loaded:
         name = self.function.__name__
-        _log.info("kernel %s: compiling, about 10 s", name)
+        directory, _ = cache_directory()
+        lists = None if directory is None else self._list_path(directory, types, checked)
+        last = [] if lists is None else _names_in(lists)
+        _log.info("compiling kernel %s: about %.0f s", name, last[0]["seconds"] if last else _USUAL_SECONDS)
         begun = time.perf_counter()
         made = translated(self.function, types, checked=checked)
         try:
@@ -140,19 +155,19 @@ class Kernel:
         self.misses += 1
         seconds = time.perf_counter() - begun
         _log.info("kernel %s: %d functions compiled in %.1f s", name, made.functions, seconds)
-        directory, _ = cache_directory()
-        if directory is not None:
-            self._write(self._list_path(directory, types, checked), made, code)
+        if lists is not None:
+            self._write(lists, made, code, seconds)
         return Loaded(entry, types, made.result, made.sites)
 
-    def _write(self, lists: Path, made: Translation, code: bytes) -> None:
-        names = {"texts": sorted(made.texts), "globals": sorted(map(list, made.constants))}
+    def _write(self, lists: Path, made: Translation, code: bytes, seconds: float) -> None:
+        names: dict[str, Any] = {"texts": sorted(made.texts), "globals": sorted(map(list, made.constants))}
         state = _state(names)
         if state is None:
             return
         head = {"result": result_named(made.result), "sites": [[s.file, s.line, s.reason] for s in made.sites]}
         write_entry(_code_path(lists, state), json.dumps(head).encode() + b"\n" + code)
-        kept = [names, *(each for each in _names_in(lists) if each != names)][:_LISTS]
+        others = [each for each in _names_in(lists) if any(each[key] != names[key] for key in names)]
+        kept = [names | {"seconds": seconds}, *others][:_LISTS]
         write_entry(lists, json.dumps(kept).encode())
 
 
@@ -179,7 +194,7 @@ def _state(names: dict[str, Any]) -> str | None:
         if module not in sys.modules or not hasattr(sys.modules[module], name):
             return None
         parts.append(digest_of(getattr(sys.modules[module], name)))
-    return _digest((names, parts))
+    return _digest((names["texts"], names["globals"], parts))
 
 
 @functools.lru_cache(maxsize=1)

@@ -62,6 +62,14 @@ class Places(Arithmetic):
                     return [self.element(value, [literal(k)]) for k in range(length)]
         raise self.refuse(f"{shown(value.type)} cannot be unpacked: its length is not known")
 
+    def unpacked(self, value: Value, count: int) -> list[Value]:
+        """Values of the items of a tuple, or of an array that has ``count``."""
+        if not isinstance(value.type, Array):
+            return self.items(value)
+        if self.module.checked:
+            self.check(self.op(f"icmp eq i64 {value.parts[1]}, {count}"), "an array of another length is unpacked")
+        return [self.element(value, [literal(k)]) for k in range(count)]
+
     def bundled(self, value: Value, index: int) -> Value:
         """Item of a named tuple that the caller holds; it never changes while the kernel runs."""
         assert isinstance(value.type, Bundle)
@@ -246,8 +254,13 @@ class Places(Arithmetic):
                 raise self.refuse("an array of several axes assigned to one")
             if self.module.checked:
                 self.check(self.op(f"icmp eq i64 {view.parts[1]}, {value.parts[1]}"), "an array of another length")
-        with Counted(self, view.parts[1]) as k:
-            index: list[Index] = [Value(I8, (k,))]
+            if view.type.contiguous and value.type == view.type:
+                # what is copied may overlap
+                size = self.times(view.parts[1], str(size_of(view.type.element)))
+                self.copy(view.parts[0], value.parts[0], size)
+                return
+        with Counted(self, view.parts[1]) as counter:
+            index: list[Index] = [Value(I8, (counter,))]
             self.put(view, index, self.element(value, index) if isinstance(value.type, Array) else value)
 
     def copy(self, target: str, source: str, size: str) -> None:
@@ -276,10 +289,10 @@ class Places(Arithmetic):
                     return Value(Tuple((I8,) * n), lengths)
                 if name == "ndim":
                     return literal(n)
-                total = "1"
-                for length in lengths:
-                    total = self.times(total, length)
-                return Value(I8, (total,))
+                product = "1"
+                for each in lengths:
+                    product = self.times(product, each)
+                return Value(I8, (product,))
         raise self.refuse(f"{shown(value.type)} has no attribute {name}")
 
     def _at(self, base: str, offset: int) -> str:

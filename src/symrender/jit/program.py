@@ -1,4 +1,4 @@
-"""The whole of a kernel: every function it reaches, once for each list of argument types, and the constants they read."""
+"""The whole of a kernel: every function it reaches, once for each list of argument types, and their constants."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Translation:
     """LLVM IR of a kernel, the type of its result, and what it was made of.
 
     ``texts``: SHA-256 of the text of every module a function comes from; ``constants``: a digest of the value of every
-    global that was read, by module and name; ``sites``: the checks of a build with checks, in the order of their numbers.
+    global that was read, by module and name; ``sites``: the checks of a build with checks, by their numbers.
     """
 
     text: str
@@ -133,15 +133,15 @@ class Program:
 
     def constant(self, value: Any) -> Value:
         """A Python object as a value."""
+        if isinstance(value, np.bool_ | bool):
+            return literal(bool(value))
+        if isinstance(value, np.uint64):
+            return Value(U8, (str(int(value)),))
+        if isinstance(value, np.signedinteger | int):
+            return literal(int(value))
         match value:
             case None:
                 return Value(NOTHING)
-            case bool() | np.bool_():
-                return literal(bool(value))
-            case np.uint64():
-                return Value(U8, (str(int(value)),))
-            case int() | np.signedinteger():
-                return literal(int(value))
             case float():
                 return literal(float(value))
             case tuple():
@@ -197,7 +197,8 @@ class Program:
                 else:
                     helpers.append(line)
         parts = [
-            *declared, *self._tables, *helpers, *(each.text for each in reached.values()), self._border(entry), _ATTRIBUTES,
+            *declared, *self._tables, *helpers, *(each.text for each in reached.values()), self._border(entry),
+            _ATTRIBUTES,
         ]  # fmt: skip
         result = entry.result or NOTHING
         return Translation("\n".join(parts), result, self.texts, self.constants, tuple(self.sites), len(reached))

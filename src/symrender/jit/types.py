@@ -1,8 +1,8 @@
 """The types a kernel's values may have, and the LLVM parts each is held in.
 
 A value is flat: an array is its address, its lengths and, unless rows follow each other without a gap, its strides; a
-tuple is the parts of its items. Only what has a place of its own in memory (a named tuple given to the kernel, a record)
-is an address.
+tuple is the parts of its items. Only what has a place of its own in memory (a named tuple given to the kernel, a
+record) is an address.
 """
 
 from __future__ import annotations
@@ -196,13 +196,13 @@ def _field_of(dtype: np.dtype[Any]) -> Element | Record | Block:
 
 def type_of(value: Any) -> Type:
     """Type of an argument given from Python."""
+    if isinstance(value, np.bool_ | bool):
+        return B1
+    if isinstance(value, np.uint64):
+        return U8
+    if isinstance(value, np.signedinteger | int):
+        return I8
     match value:
-        case bool() | np.bool_():
-            return B1
-        case np.uint64():
-            return U8
-        case int() | np.signedinteger():
-            return I8
         case float():
             return F8
         case np.ndarray():

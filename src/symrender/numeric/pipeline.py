@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -90,15 +89,8 @@ def trace(
 
 @lru_cache(maxsize=2)
 def _kernel(name: str) -> Any:
-    """Compiled function of ``tile``; its sources are every text its code and constants come from."""
+    """Compiled function of ``tile``."""
     from symrender.numeric import tile
 
-    package = resources.files("symrender")
-    texts = [
-        file.read_text("utf-8")
-        for file in sorted((package / "numeric").iterdir(), key=lambda file: file.name)
-        if file.name.endswith(".py")
-    ]
-    texts.append((package / "scene" / "arrays.py").read_text("utf-8"))
     # the kernels only borrow arrays; counting references to them would cost more than the arithmetic
-    return compiled(getattr(tile, name), sources=texts, _nrt=False)
+    return compiled(getattr(tile, name), _nrt=False)

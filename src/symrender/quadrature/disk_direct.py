@@ -3,31 +3,17 @@
 from __future__ import annotations
 
 import functools
-import inspect
 import math
-import sys
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers import labels, penumbra, roots
-from symrender.chambers import work as work_module
 from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE
 from symrender.chambers.work import CASTERS, View, Work, work_arrays
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature import (
-    disk_arcs,
-    disk_chords,
-    disk_curves,
-    disk_points,
-    disk_term,
-    gauss,
-    light_term,
-    node_rows,
-)
 from symrender.quadrature.disk_term import disk_term as mean_over_disk
 from symrender.quadrature.gauss import LEVELS, gauss_table
 from symrender.quadrature.light_points import light_rows
@@ -111,11 +97,7 @@ def direct_kernel(
 
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
-    modules = (
-        labels, penumbra, roots, work_module, disk_arcs, disk_chords, disk_curves, disk_points, disk_term, gauss,
-        light_term, node_rows, sys.modules[__name__],
-    )  # fmt: skip
-    return compiled(direct_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
+    return compiled(direct_kernel, _nrt=False)
 
 
 def disk_direct(

@@ -3,32 +3,13 @@
 from __future__ import annotations
 
 import functools
-import inspect
 import math
-import sys
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers import (
-    chart,
-    events,
-    highlights,
-    labels,
-    line,
-    lobe_mass,
-    penumbra,
-    penumbra_walls,
-    place,
-    roots,
-    tangencies,
-    traces,
-    walls,
-    work,
-)
-from symrender.chambers import crossings as crossing_module
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share, facing_mass
 from symrender.chambers.penumbra import DISK_RADIUS
@@ -57,26 +38,6 @@ from symrender.chambers.work import (
     work_arrays,
 )
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature import (
-    disk_arcs,
-    disk_chords,
-    disk_curves,
-    disk_points,
-    disk_term,
-    floor_conics,
-    lattice_nodes,
-    lattice_sphere,
-    light_nodes,
-    light_term,
-    mirror,
-    node_rows,
-    split_line,
-    split_panel,
-    split_setup,
-    split_square,
-)
-from symrender.quadrature import gauss as gauss_module
-from symrender.quadrature import split_grid as split_grid_module
 from symrender.quadrature.floor_conics import CONIC_COLUMNS
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
@@ -332,16 +293,8 @@ def gloss_kernel(
 
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
-    modules = (
-        chart, crossing_module, events, highlights, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots,
-        tangencies,
-        traces, walls, work,
-        disk_arcs, disk_chords, disk_curves, disk_points, disk_term, floor_conics, gauss_module, lattice_nodes,
-        lattice_sphere, light_nodes, light_term, mirror, node_rows, split_grid_module, split_line, split_panel,
-        split_setup, split_square, sys.modules[__name__],
-    )  # fmt: skip
-    # nothing is allocated inside, so reference counting would only cost: it triples the time
-    return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)
+    # nothing is allocated inside, so reference counting would only cost: Numba's triples the time
+    return compiled(gloss_kernel, _nrt=False)
 
 
 @dataclass(frozen=True)

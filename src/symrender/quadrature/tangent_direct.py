@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -108,9 +107,7 @@ def direct_gradient_kernel(
 
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
-    package = Path(__file__).resolve().parent.parent
-    files = [path for folder in ("chambers", "quadrature") for path in sorted((package / folder).glob("*.py"))]
-    return compiled(direct_gradient_kernel, sources=[path.read_text() for path in files], _nrt=False)
+    return compiled(direct_gradient_kernel, _nrt=False)
 
 
 def direct_gradients(

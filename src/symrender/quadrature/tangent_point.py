@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -346,11 +345,7 @@ def gradient_kernel(
 
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
-    package = Path(__file__).resolve().parent.parent
-    files = [path for folder in ("chambers", "quadrature") for path in sorted((package / folder).glob("*.py"))]
-    # what makes direct light is no part of a lobe's
-    files = [path for path in files if not path.stem.endswith("_direct")]
-    return compiled(gradient_kernel, sources=[path.read_text() for path in files], _nrt=False)
+    return compiled(gradient_kernel, _nrt=False)
 
 
 def tangent_work(parameters: int, lights: int, spheres: int, disks: bool) -> TangentWork:

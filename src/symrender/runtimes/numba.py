@@ -43,15 +43,11 @@ def emitted(recipe: Callable[[], str], name: str) -> str:
 @cache
 def kernel(text: str, name: str) -> Any:
     """Function ``name`` of an emitted module, compiled; everything it calls is compiled with it."""
-    import numba
-
     module = kernel_cache.load_module(text)
-    # the kernels only borrow arrays; counting references to them would cost more than the arithmetic
-    options = {"nogil": True, "error_model": "numpy", "_nrt": False}
     for called in module.CALLED:
         function = getattr(module, called)
         if inspect.isfunction(function):
-            setattr(module, called, numba.njit(forceinline=called in module.INLINE, **options)(function))
+            kernel_cache.jitable(function, inline=called in module.INLINE)
     return kernel_cache.compiled(getattr(module, name), sources=[text], _nrt=False)
 
 
