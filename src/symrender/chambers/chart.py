@@ -20,8 +20,11 @@ from symrender.chambers.walls import (
     E2,
     FLOOR_CUT,
     GAMMA_MAX,
+    GLEAM_EDGE,
     HEIGHT,
+    HIGHLIGHT,
     HORIZON,
+    KIND,
     LENS_COS,
     LIMB_TANGENT,
     LOBE_BETA,
@@ -33,10 +36,12 @@ from symrender.chambers.walls import (
     RATIO,
     RIM_COS,
     RIM_SIN,
+    SHAPE,
     SHAPE_INDEX,
     SIDE,
     SILHOUETTE,
     SURFACE_NORMAL,
+    TAG,
     TERMINATOR,
     TEXTURE_EDGE,
     UNBOUNDED,
@@ -45,10 +50,13 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import CASTERS, OCCLUDERS, WALLS, View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, MARBLE, STRIPES
+from symrender.scene.arrays import CHECKER, CUT, EYE, FLOOR_PRESENT, MARBLE, PHONG, STRIPES
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+
+FELT_END = 10.0
+"""Shininess from which on the end of a highlight, a zero of that order, is not felt."""
 
 
 @jitable
@@ -121,6 +129,25 @@ def add_direction(
     a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
     a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
     counts[WALLS] = add_circle(walls, counts[WALLS], DIRECTION, a0, a1, a2, cosine, tag, shape)
+
+
+@inlined
+def add_gleam_edge(i: int, blinn: bool, view: View, work: Work) -> None:
+    """Append where the highlight of light point ``i`` begins if that is felt; ``blinn``: whether Blinn's has an end."""
+    shading = view.shading
+    phong = shading[4] == PHONG
+    if not (phong or blinn) or not shading[2] > 0.0 or not 0.0 < shading[3] < FELT_END:
+        return
+    n = work.counts[WALLS]
+    work.counts[WALLS] += 1
+    if n >= work.walls.shape[0]:
+        return
+    row = work.walls[n]
+    row[KIND], row[TAG], row[SHAPE], row[MET_COLUMN] = GLEAM_EDGE, HIGHLIGHT, i, 0.0
+    for a in range(3):
+        row[8 + a] = view.points[i, a]
+        row[11 + a] = view.eye[a] if shading[5] == EYE else work.geo[POINT + a]
+    row[14] = 1.0 if phong else 0.0
 
 
 @inlined
@@ -220,6 +247,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
         if work.counts[WALLS] > work.walls.shape[0]:
             break
         add_normal(walls, counts, geo, lx / far, ly / far, lz / far, r / far, TERMINATOR, i)
+        add_gleam_edge(i, glint or view.shading[5] == EYE, view, work)
         if not glint:
             # the visible cap may lie wholly behind the terminator
             facing = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / far
@@ -283,6 +311,7 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
             continue
         if view.points[i, 2] <= 0.0:
             continue
+        add_gleam_edge(i, view.shading[5] == EYE and view.eye[2] <= 0.0, view, work)
         ux, uy, uz = px - view.points[i, 0], py - view.points[i, 1], -view.points[i, 2]
         for h in range(view.spheres.shape[0]):
             s = view.spheres[h]

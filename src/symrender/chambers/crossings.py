@@ -3,7 +3,8 @@
 Two circles of one sphere meet where ``x = u a + v b +- w (a x b)``. Every other wall of a sphere's chart is a quadratic
 form of the hit point, and every wall of the floor's chart a quadratic form of the direction; along a circle
 ``x(t) = p + q cos t + r sin t`` either becomes a quartic in tan(t/2). A shadow edge against another one, or against a
-cone of directions on a sphere, has no such form: the scan lines that disagree tell of it (``quadrature/split_panel``).
+cone of directions on a sphere, has no such form: these are traced (``chambers/traces.py``). What neither finds, the
+scan lines that disagree tell of (``quadrature/split_panel.py``).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from symrender.chambers.events import CROSSING, add_event, chart_events, close_e
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.roots import quartic_roots
 from symrender.chambers.tangencies import tangencies
+from symrender.chambers.traces import LIMB_ROW, RIM_ROW, set_circles, trace_crossings
 from symrender.chambers.walls import (
     BALL,
     CENTER,
@@ -33,7 +35,6 @@ from symrender.chambers.walls import (
     RADIUS,
     RATIO,
     RIM_COS,
-    RIM_SIN,
     SHADOW,
     SHADOW_EDGE,
     SHAPE_INDEX,
@@ -258,14 +259,14 @@ def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, h
     for i in range(count):
         one = walls[i]
         kind = int(one[KIND])
-        for j in range(-1, i):
-            # the rim comes first
-            other = one if j < 0 else walls[j]
-            also, hides = DIRECTION, True
-            b0, b1, b2, cosine, sine = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_COS], geo[RIM_SIN]
+        for j in range(-2, i):
+            # the limb and the rim come first; circles at the limb are among ``chart_events``
+            if j == -2 and (floor or kind != SHADOW):
+                continue
+            other = walls[j] if j >= 0 else work.circles[LIMB_ROW if j == -2 else RIM_ROW]
+            also, hides = int(other[KIND]), True
+            b0, b1, b2, cosine, sine = other[1], other[2], other[3], other[COS], other[SIN]
             if j >= 0:
-                also = int(other[KIND])
-                b0, b1, b2, cosine, sine = other[1], other[2], other[3], other[COS], other[SIN]
                 hides = not (
                     (one[TAG] == TEXTURE_EDGE or one[TAG] == TERMINATOR or one[TAG] == SHADOW_EDGE)
                     and (other[TAG] == TEXTURE_EDGE or other[TAG] == TERMINATOR or other[TAG] == SHADOW_EDGE)
@@ -283,7 +284,7 @@ def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, h
             elif kind == DIRECTION and also == NORMAL:
                 row, wall = other, one
                 b0, b1, b2, sine = one[1], one[2], one[3], one[SIN]
-            elif kind in (SHADOW, BALL) and j >= 0 and (also == NORMAL or (also == DIRECTION and floor)):
+            elif kind in (SHADOW, BALL) and (also == NORMAL or (also == DIRECTION and floor)):
                 row, wall, sine = other, one, -1.0
             elif also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and floor)):
                 sine = -1.0
@@ -295,8 +296,10 @@ def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, h
 
 @inlined
 def all_events(view: View, work: Work, events: Array, low: float, high: float) -> int:
-    """Closed-form events between low and high, with both ends, ascending; columns azimuth, kind. Their number."""
+    """Events between low and high, with both ends, ascending; columns azimuth, kind. Their number."""
+    set_circles(work)
     n = chart_events(work, events, low, high) - 1
     n = chart_crossings(view, work, events, n, low, high)
     n = tangencies(view, work, events, n, low, high)
+    n = trace_crossings(view, work, events, n, low, high)
     return int(close_events(events, n, high))

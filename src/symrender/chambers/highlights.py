@@ -28,7 +28,6 @@ from symrender.chambers.walls import (
     GAMMA_MAX,
     HEIGHT,
     LEAST,
-    LOBE_BETA,
     LOG_NORMALISER,
     POINT,
     RADIUS,
@@ -156,13 +155,16 @@ def is_felt(l: int, angle: float, share: float, view: View, work: Work) -> bool:
 
 @jitable
 def note_highlight(l: int, first: float, last: float, strip: float, work: Work) -> None:
-    """Add azimuths to ``Work.highlights``, to a row of this light that they touch if there is one."""
+    """Add azimuths to ``Work.highlights``: to a row of this light that they touch and that is as narrow, if any is.
+
+    The last row takes what has no room, whatever its light.
+    """
     rows, count = work.highlights, work.counts[HIGHLIGHTS]
     for i in range(count):
         row = rows[i]
-        if (row[LIGHT_POINT] == l and first <= row[LAST] + 1e-12 and last >= row[FIRST] - 1e-12) or (
-            i + 1 == rows.shape[0]
-        ):
+        touches = first <= row[LAST] + 1e-12 and last >= row[FIRST] - 1e-12
+        alike = row[LIGHT_POINT] == l and 0.5 * row[STRIP] <= strip <= 2.0 * row[STRIP]
+        if (touches and alike) or i + 1 == rows.shape[0]:
             row[FIRST], row[LAST] = min(row[FIRST], first), max(row[LAST], last)
             row[STRIP] = min(row[STRIP], strip)
             return
@@ -322,11 +324,13 @@ def piece_strip(phi: float, start: float, stop: float, c: float, s: float, view:
     geo, rows = work.geo, work.highlights
     narrowest = math.inf
     length = stop - start
+    seen = -1
     for i in range(work.counts[HIGHLIGHTS]):
         row = rows[i]
-        if not row[FIRST] <= phi <= row[LAST] or length < 1e-12:
-            continue
         l = int(row[LIGHT_POINT])
+        if not row[FIRST] <= phi <= row[LAST] or length < 1e-12 or l == seen:
+            continue
+        seen = l
         middle = start + 0.5 * length
         k = geo[RATIO]
         if geo[SHAPE_INDEX] >= 0.0:
@@ -356,6 +360,6 @@ def piece_strip(phi: float, start: float, stop: float, c: float, s: float, view:
         if varies >= math.pi:
             narrowest = min(narrowest, 0.02 * length)
             continue
-        turns = 2.0 if view.shading[4] == PHONG else 1.0
-        narrowest = min(narrowest, TAME / math.sqrt(max(view.shading[3], 1e-9)) / max(1e-300, turns * own + speed * slope))
+        rise = (2.0 if view.shading[4] == PHONG else 1.0) * own + speed * slope
+        narrowest = min(narrowest, TAME / math.sqrt(max(view.shading[3], 1e-9)) / max(1e-300, rise))
     return narrowest

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, HIDDEN, is_hidden, light_state, texture_side
-from symrender.chambers.penumbra_walls import penumbra_level, penumbra_roots
+from symrender.chambers.penumbra_walls import edge_value, penumbra_roots
 from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_quartic, surface_point
 from symrender.chambers.roots import circle_roots, quadratic_roots, quartic_roots
 from symrender.chambers.walls import (
@@ -18,6 +18,7 @@ from symrender.chambers.walls import (
     FLOOR_CUT,
     FLOOR_LINE,
     HEIGHT,
+    HIGHLIGHT,
     KIND,
     LIGHT,
     LIMB_TANGENT,
@@ -39,7 +40,7 @@ from symrender.chambers.walls import (
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import CELLS, LINES, WALLS, View, Work
+from symrender.chambers.work import CELLS, LABOUR, WALLS, View, Work
 from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
@@ -60,8 +61,8 @@ def wall_level(i: int, x: float, c: float, s: float, work: Work) -> float:
     geo = work.geo
     row = work.walls[i]
     kind = int(row[KIND])
-    if kind == PENUMBRA:
-        return penumbra_level(row, x, c, s, geo)
+    if kind >= PENUMBRA:
+        return edge_value(row, x, c, s, geo)
     if geo[SHAPE_INDEX] >= 0.0:
         sb = geo[RATIO] * math.sin(x)
         if kind == DIRECTION:
@@ -142,7 +143,7 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
             if low < x < high:
                 out[b] = x
         return 2
-    if kind == PENUMBRA:
+    if kind >= PENUMBRA:
         return penumbra_roots(i, c, s, low, high, work, out)
     if kind == SHADOW and sphere:
         top = geo[LIMB_TANGENT]
@@ -183,7 +184,7 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     ``cell_side`` and ``lit``; ``counts[CELLS]`` is their number. Neighbours with the same label are one cell.
     ``scratch`` is (4,).
     """
-    work.counts[LINES] += 1
+    work.counts[LABOUR] += 1
     c, s = math.cos(phi), math.sin(phi)
     low_s, high_s, first, last = rim_sines(c, s, work.geo)
     work.counts[CELLS] = 0
@@ -239,7 +240,12 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
             if changed != NOTHING:
                 qx, qy, qz, nx, ny, nz = surface_point(0.5 * (start + end), c, s, work.geo)
                 before = side
-                if changed == TEXTURE_EDGE:
+                if changed == HIGHLIGHT and cells > 0:
+                    # what is felt of a light changes here, not what it is
+                    same = False
+                    for l in range(lights):
+                        lit[cells, l] = lit[cells - 1, l]
+                elif changed == TEXTURE_EDGE:
                     side = texture_side(view.spheres, j, nx, ny, nz)
                     same = side == before
                 elif changed in (TERMINATOR, SHADOW_EDGE):

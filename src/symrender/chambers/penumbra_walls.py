@@ -20,6 +20,7 @@ from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_qu
 from symrender.chambers.roots import quartic_roots
 from symrender.chambers.walls import (
     GAMMA_MAX,
+    GLEAM_EDGE,
     HEIGHT,
     KIND,
     LIMB_TANGENT,
@@ -35,7 +36,7 @@ from symrender.chambers.walls import (
     add_shadow,
 )
 from symrender.chambers.work import CASTERS, WALLS, View, Work
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import CUT
 
 Array = npt.NDArray[np.float64]
@@ -167,11 +168,32 @@ def penumbra_level(row: Array, x: float, c: float, s: float, geo: Array) -> floa
 
 
 @jitable
+def highlight_level(row: Array, x: float, c: float, s: float, geo: Array) -> float:
+    """Level of a ``GLEAM_EDGE`` at inner coordinate ``x`` of the line (c, s): N.(l + v) of unit vectors, or r.v."""
+    qx, qy, qz, nx, ny, nz = surface_point(x, c, s, geo)
+    lx, ly, lz, vx, vy, vz = row[8] - qx, row[9] - qy, row[10] - qz, row[11] - qx, row[12] - qy, row[13] - qz
+    far_l = 1.0 / math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
+    far_v = 1.0 / math.sqrt(max(1e-300, vx * vx + vy * vy + vz * vz))
+    nl, nv = (nx * lx + ny * ly + nz * lz) * far_l, (nx * vx + ny * vy + nz * vz) * far_v
+    if row[14] != 0.0:
+        return float(2.0 * nl * nv - (lx * vx + ly * vy + lz * vz) * far_l * far_v)
+    return float(nl + nv)
+
+
+@inlined
+def edge_value(row: Array, x: float, c: float, s: float, geo: Array) -> float:
+    """Level of a wall whose roots are searched: a penumbra's edge or a highlight's."""
+    if row[KIND] == GLEAM_EDGE:
+        return highlight_level(row, x, c, s, geo)
+    return penumbra_level(row, x, c, s, geo)
+
+
+@jitable
 def penumbra_root(row: Array, a: float, b: float, fa: float, fb: float, c: float, s: float, geo: Array) -> float:
     """The zero of the level in the bracket (a, b), whose values there differ in sign (Illinois)."""
     for _ in range(60):
         x = (a * fb - b * fa) / (fb - fa)
-        f = penumbra_level(row, x, c, s, geo)
+        f = edge_value(row, x, c, s, geo)
         step = abs(x - b)
         if f * fb < 0.0:
             a, fa = b, fb
@@ -218,7 +240,7 @@ def bracket(row: Array, c: float, s: float, work: Work) -> tuple[float, float]:
 
 @jitable
 def edge_search(row: Array, a: float, b: float, c: float, s: float, geo: Array, out: Array) -> int:
-    """Zeros of a penumbra's edge on a line between a and b, ascending in ``out`` (4,); their number.
+    """Zeros of a penumbra's or a highlight's edge on a line between a and b, ascending in ``out`` (4,); their number.
 
     Sign changes between samples, and turning points between samples that lie beyond zero.
     """
@@ -227,7 +249,7 @@ def edge_search(row: Array, a: float, b: float, c: float, s: float, geo: Array, 
     for k in range(SAMPLES + 1):
         u = math.sin(HALF_PI * k / SAMPLES)
         x2 = a + (b - a) * u * u
-        f2 = penumbra_level(row, x2, c, s, geo)
+        f2 = edge_value(row, x2, c, s, geo)
         if k > 0 and f1 * f2 < 0.0:
             if n < 4:
                 out[n] = penumbra_root(row, x1, x2, f1, f2, c, s, geo)
@@ -242,7 +264,7 @@ def edge_search(row: Array, a: float, b: float, c: float, s: float, geo: Array, 
                 x = middle - 0.5 * ((middle - left) * p - (middle - right) * q) / (p - q)
                 if not left < x < right or abs(x - middle) < 1e-9:
                     break
-                f = penumbra_level(row, x, c, s, geo)
+                f = edge_value(row, x, c, s, geo)
                 if f * fm < 0.0:
                     if n + 1 < 4:
                         out[n] = penumbra_root(row, left, x, fl, f, c, s, geo)
@@ -273,7 +295,10 @@ def penumbra_roots(i: int, c: float, s: float, low: float, high: float, work: Wo
     """
     row = work.walls[i]
     geo = work.geo
-    a, b = bracket(row, c, s, work)
+    if row[KIND] == GLEAM_EDGE:
+        a, b = 0.0, HALF_PI * (1.0 - 1e-12)
+    else:
+        a, b = bracket(row, c, s, work)
     if not (a < b and a < high and b > low):
         return 0
     n = edge_search(row, a, b, c, s, geo, out)

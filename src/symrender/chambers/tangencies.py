@@ -10,7 +10,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.events import ROOT, SMOOTH, add_event, within_lobe
+from symrender.chambers.events import CROSSING, ROOT, SMOOTH, add_event, within_lobe
 from symrender.chambers.walls import (
     BALL,
     CENTER,
@@ -31,6 +31,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import WALLS, View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.scene.arrays import CUT
 
 Array = npt.NDArray[np.float64]
 
@@ -55,6 +56,16 @@ def floor_tangencies(row: Array, geo: Array, events: Array, n: int, low: float, 
         bx = row[20] * row[17] - row[11] * row[9] - row[15] * row[13]
         by = row[20] * row[18] - row[11] * row[10] - row[15] * row[14]
         free = row[20] * row[19] - row[11] * row[11] - row[15] * row[15]
+    if int(row[KIND]) != BALL:
+        # where the edge runs off to the floor's horizon
+        level, even = 0.5 * (axx + ayy), 0.5 * (axx - ayy)
+        size = math.sqrt(even * even + axy * axy)
+        if abs(level) < size:
+            middle, offset = 0.5 * math.atan2(axy, even), 0.5 * math.acos(-level / size)
+            for branch in range(4):
+                phi = middle + (offset if branch % 2 == 0 else -offset) + (0.0 if branch < 2 else math.pi)
+                if within_lobe(phi, 0.5 * math.pi, geo):
+                    n = add_event(events, n, phi, low, high, CROSSING)
     xx, xy, yy = bx * bx - axx * free, bx * by - axy * free, by * by - ayy * free
     level, even = 0.5 * (xx + yy), 0.5 * (xx - yy)
     size = math.sqrt(even * even + xy * xy)
@@ -73,7 +84,7 @@ def floor_tangencies(row: Array, geo: Array, events: Array, n: int, low: float, 
 
 @jitable
 def edge_turn(
-    psi: float, light: Array, geo: Array, frame: Array
+    psi: float, light: Array, beyond: bool, geo: Array, frame: Array
 ) -> tuple[float, float, float, float, bool]:  # fmt: skip
     """Where a ray along a shadow's edge meets the charted sphere, as of P: (turn, x, y, z, faces P).
 
@@ -91,7 +102,8 @@ def edge_turn(
     square = b * b - far2 + geo[RADIUS] * geo[RADIUS]
     if not square > 0.0:
         return math.nan, 0.0, 0.0, 0.0, False
-    root = math.sqrt(square)
+    # where the ray enters the sphere, or where it leaves it
+    root = -math.sqrt(square) if beyond else math.sqrt(square)
     t = -b - root
     slope = change * t / root
     x, y, z, dx, dy, facing = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -110,7 +122,7 @@ def edge_turn(
 
 @jitable
 def sphere_tangencies(
-    light: Array, caster: Array, geo: Array, frame: Array, events: Array, n: int, low: float, high: float
+    light: Array, caster: Array, beyond: bool, geo: Array, frame: Array, events: Array, n: int, low: float, high: float
 ) -> int:  # fmt: skip
     """Azimuths at which a scan line of the charted sphere touches the shadow of ``caster``: no closed form.
 
@@ -135,16 +147,16 @@ def sphere_tangencies(
     frame[1, 0], frame[1, 1], frame[1, 2] = fx, fy, fz
     frame[2, 0], frame[2, 1], frame[2, 2] = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
     step = 2.0 * math.pi / RAYS
-    before, _, _, _, seen_before = edge_turn(0.0, light, geo, frame)
+    before, _, _, _, seen_before = edge_turn(0.0, light, beyond, geo, frame)
     for k in range(1, RAYS + 1):
-        turn, x, y, z, seen = edge_turn(k * step, light, geo, frame)
+        turn, x, y, z, seen = edge_turn(k * step, light, beyond, geo, frame)
         left, right, fa, fb = (k - 1) * step, k * step, before, turn
         if (fa != fa) != (fb != fb):
             # the edge leaves the sphere's lit side between the two: look up to there
             hit, miss, last = (right, left, fb) if fa != fa else (left, right, fa)
             for _ in range(30):
                 psi = 0.5 * (hit + miss)
-                f, _, _, _, _ = edge_turn(psi, light, geo, frame)
+                f, _, _, _, _ = edge_turn(psi, light, beyond, geo, frame)
                 if f == f:
                     hit, last = psi, f
                 else:
@@ -157,7 +169,7 @@ def sphere_tangencies(
             f, faces = math.nan, False
             for _ in range(60):
                 psi = (left * fb - right * fa) / (fb - fa)
-                f, x, y, z, faces = edge_turn(psi, light, geo, frame)
+                f, x, y, z, faces = edge_turn(psi, light, beyond, geo, frame)
                 if f != f:
                     break
                 moved = abs(psi - right)
@@ -188,7 +200,10 @@ def tangencies(view: View, work: Work, events: Array, n: int, low: float, high: 
             if kind in (SHADOW, BALL, PENUMBRA):
                 n = floor_tangencies(row, geo, events, n, low, high)
         elif kind == SHADOW and row[TAG] == SHADOW_EDGE:
-            n = sphere_tangencies(
-                view.points[int(row[LIGHT])], view.spheres[int(row[SHAPE])], geo, work.frame, events, n, low, high
-            )
+            # light from behind matters where terminators are open to highlights
+            for side in range(2 if view.shading[6] != CUT and view.shading[2] > 0.0 else 1):
+                n = sphere_tangencies(
+                    view.points[int(row[LIGHT])], view.spheres[int(row[SHAPE])], side == 1, geo, work.frame, events, n,
+                    low, high,
+                )  # fmt: skip
     return n

@@ -38,6 +38,9 @@ FLOOR_LINE: Final = 4
 """Straight line on the floor."""
 PENUMBRA: Final = 5
 """An edge of what a sphere hides of a disk light; columns as in ``chambers/penumbra_walls.py``."""
+GLEAM_EDGE: Final = 6
+"""Where a highlight begins: its base, which is clipped at 0, is 0. Columns 8.. hold the light point, the viewer's place
+and 1 for Phong's base."""
 WALL_COLUMNS: Final = 45
 
 KIND: Final = 0

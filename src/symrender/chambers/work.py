@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.walls import GEO_COLUMNS, WALL_COLUMNS
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -62,6 +63,7 @@ class Work(NamedTuple):
     highlights: Array
     boxes: Array
     frame: Array
+    circles: Array
     nodes: Array
     pieces: Array
 
@@ -71,12 +73,29 @@ WALLS: Final = 0
 OCCLUDERS: Final = 1
 CASTERS: Final = 2
 CELLS: Final = 3
-LINES: Final = 4
+LABOUR: Final = 4
+"""Lines scanned, blocks looked at and disks cut: each is about as dear as a few evaluations."""
 EVALUATIONS: Final = 5
 CHAMBERS: Final = 6
 CROSSINGS: Final = 7
 SPOTS: Final = 8
 HIGHLIGHTS: Final = 9
+LIMIT: Final = 10
+"""The most evaluations and labour together; whatever refines asks ``is_spent``."""
+
+
+@inlined
+def is_spent(work: Work) -> bool:
+    """Whether the point's budget is used up: nothing is refined any more, and what is left undone is an error."""
+    return bool(work.counts[EVALUATIONS] + work.counts[LABOUR] > work.counts[LIMIT])
+
+
+@jitable
+def begin_counts(limit: int, work: Work) -> None:
+    """Set all counts to 0, and the point's budget."""
+    for c in range(work.counts.shape[0]):
+        work.counts[c] = 0
+    work.counts[LIMIT] = limit
 
 
 def work_arrays(spheres: int, points: int) -> Work:
@@ -95,7 +114,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         lit=np.zeros((MAX_ROOTS + 2, max(1, points)), np.uint8),
         occluders=np.zeros(max(1, spheres), np.int64),
         casters=np.zeros((max(1, spheres * points), 2), np.int64),
-        counts=np.zeros(10, np.int64),
+        counts=np.zeros(11, np.int64),
         labels=np.zeros(1024, np.int64),
         bernstein=np.zeros(5),
         stack=np.zeros((64, 7)),
@@ -103,9 +122,10 @@ def work_arrays(spheres: int, points: int) -> Work:
         quadric=np.zeros((6, 5)),
         disk=np.zeros((2 * spheres + 8, 64)),
         frame=np.zeros((3, 3)),
+        circles=np.zeros((2, WALL_COLUMNS)),
         nodes=np.zeros(NODE_ROWS * NODES),
         pieces=np.zeros((NODES + PENDING, 9)),
         spots=np.zeros((max(1, 3 * points), 2)),
-        highlights=np.zeros((max(16, 8 * points), 4)),
+        highlights=np.zeros((64 + 8 * points, 4)),
         boxes=np.zeros((96, 4)),
     )

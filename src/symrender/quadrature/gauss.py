@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 MAX_ORDER: Final = 24
 
-BLOCK_LEVELS: Final = 11
+BLOCK_LEVELS: Final = 14
 """Blocks of a checker are 2^k squares wide, k below this."""
 
 MIDDLE: Final = 4 + BLOCK_LEVELS

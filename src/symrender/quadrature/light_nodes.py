@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, GLINT, PARTLY
 from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
-from symrender.chambers.work import NODES, View, Work
+from symrender.chambers.work import LABOUR, NODES, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_points import COSINES, GLEAMS, clear_sums, highlights
 from symrender.quadrature.disk_term import disk_log, disk_term, served
@@ -37,6 +37,9 @@ from symrender.quadrature.node_rows import (
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]
+
+DISK_LABOUR = 8
+"""What a disk cut at one node costs, in evaluations."""
 
 
 @inlined
@@ -187,6 +190,7 @@ def cut_disk(i: int, row: Array, state: int, step: int, ks: float, view: View, w
     """Add to SUM what disk light ``i`` adds to a piece from which it is partly hidden or which no rule serves."""
     b, p = work.nodes, view.points[i]
     first = int(row[FIRST])
+    work.counts[LABOUR] += DISK_LABOUR * int(row[COUNT])
     for q in range(first, first + int(row[COUNT])):
         cosine, gleam = disk_term(
             i, state, b[PLACE + q], b[PLACE + NODES + q], b[PLACE + 2 * NODES + q], b[NORMAL + q],

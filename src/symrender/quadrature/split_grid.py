@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
-from symrender.chambers.work import EVALUATIONS, NODES, View, Work
+from symrender.chambers.work import CASTERS, EVALUATIONS, LABOUR, NODES, OCCLUDERS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
@@ -35,6 +35,8 @@ MAX_BLOCK_ORDER = 12
 FIRST_REACH = 18.0
 """Squares from the foot of a point whose lobe holds endless squares, before their error asks for more."""
 MOST_REACH = 200.0
+MOST_SQUARES = 2.0 ** (BLOCK_LEVELS - 2) - 2.0
+"""So many squares on every side are all that a block can hold."""
 LEAVES = 30.0
 """Blocks that share the tolerance; most err far less than their share."""
 SMALLEST = 1e-6
@@ -44,22 +46,42 @@ SMALLEST_CUT = 0.05
 
 
 @jitable
-def grid_reach(squares: float, view: View, geo: Array) -> tuple[bool, float, float]:
-    """Whether the lobe ends within ``MOST_REACH``, the taper's reach, and how far from the foot squares matter.
+def grid_reach(
+    squares: float, lobe: Array, view: View, work: Work
+) -> tuple[bool, float, float, float, float, float]:  # fmt: skip
+    """(whole, reach, half-width, x, y, beyond): what of the endless squares is looked at, about (x, y) from the foot.
 
-    ``squares`` is the taper's least reach in squares; it is infinite where the lobe ends.
+    ``whole`` says that it is all that the lobe sees; else it lies about the foot and is tapered to ``reach``, at least
+    ``squares`` squares, and ``beyond`` bounds the deviation that no block can reach, in units of ``value``.
     """
+    geo = work.geo
     h, cell = geo[HEIGHT], view.floor[FLOOR_CELL]
-    steepest = geo[LOBE_BETA] + math.atan2(geo[RIM_SIN], geo[RIM_COS])
-    if steepest < 1.5707 and h * math.tan(steepest) < MOST_REACH * cell:
-        return True, math.inf, h * math.tan(steepest)
+    half = math.atan2(geo[RIM_SIN], geo[RIM_COS])
+    steepest, least = geo[LOBE_BETA] + half, geo[LOBE_BETA] - half
+    if steepest < 1.5707:
+        wide = 0.5 * h * (math.tan(steepest) - math.tan(least))
+        if wide < MOST_REACH * cell:
+            # the longer axis of the lobe's ellipse lies towards its axis
+            away = 0.5 * h * (math.tan(steepest) + math.tan(least))
+            across = math.sqrt(lobe[0] * lobe[0] + lobe[1] * lobe[1])
+            scale = away / across if across > 0.0 else 0.0
+            return True, math.inf, wide, scale * lobe[0], scale * lobe[1], 0.0
     # the taper must not end before the lobe has well begun
-    near = h * math.tan(max(0.0, geo[LOBE_BETA] - math.atan2(geo[RIM_SIN], geo[RIM_COS])))
+    near = h * math.tan(min(1.5707, max(0.0, least)))
     if geo[SURFACE_NORMAL + 2] > 0.0:
         tilt = math.sqrt(geo[SURFACE_NORMAL] ** 2 + geo[SURFACE_NORMAL + 1] ** 2)
         near = max(near, geo[SURFACE_NORMAL + 2] * h / max(tilt, 1e-300))
-    reach = max(squares * cell, 3.0 * h, min(4.0 * near, 10.0 * MOST_REACH * cell))
-    return False, reach, reach
+    wanted = max(squares * cell, 3.0 * h, 4.0 * near)
+    reach = min(wanted, MOST_SQUARES * cell)
+    beyond = 0.0
+    if reach < max(3.0 * h, 2.0 * near):
+        gap = max(0.0, math.atan2(reach, h) - geo[LOBE_BETA])
+        beyond = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * point_light(view)
+        # no more than all of it, nor than the squares at the ends of every stretch of a row that do not cancel
+        stretches = 1.0 + work.counts[OCCLUDERS] + work.counts[CASTERS]
+        far = math.sqrt(h * h + reach * reach)
+        beyond *= min(2.0 * math.pi * h / far, 3.0 * stretches * cell * h / (far * far))
+    return False, reach, reach, 0.0, 0.0, beyond
 
 
 @jitable
@@ -102,7 +124,7 @@ def point_light(view: View) -> float:
 
 @jitable
 def block_bound(
-    x: float, y: float, side: float, reach: float, light: float, lobe: Array, geo: Array
+    x: float, y: float, side: float, reach: float, light: float, lobe: Array, points: Array, geo: Array
 ) -> tuple[float, float, float]:
     """What a block can hold at most, the length over which its integrand is tame, and its distance from the foot."""
     h = geo[HEIGHT]
@@ -122,6 +144,12 @@ def block_bound(
     # and none is seen under more than its area at its nearest, or half a sphere
     solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
     span = 2.0 * near * min(0.6, 1.4 / math.sqrt(geo[EXPONENT] + 1e-9))
+    for i in range(points.shape[0]):
+        # light varies over its distance from the block, which its place on the floor bounds from below
+        lx, ly, lz = points[i, 0] - geo[POINT] - xc, points[i, 1] - geo[POINT + 1] - yc, points[i, 2]
+        if lz > 0.0:
+            apart = max(0.0, math.sqrt(lx * lx + ly * ly) - 1.4143 * half)
+            span = min(span, 1.2 * math.sqrt(apart * apart + lz * lz))
     if reach < math.inf and foot > 0.2 * reach:
         span = min(span, 0.3 * reach)
     return lobe_density(chord * chord, geo) * solid * light, span, foot
@@ -212,12 +240,13 @@ def grid_once(
         top -= 1
         x, y, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
         half = 0.5 * side
-        bound, span, near = block_bound(x, y, side, reach, light, lobe, geo)
+        bound, span, near = block_bound(x, y, side, reach, light, lobe, view.points, geo)
         if bound <= aim / (1.0 + near / cell):
             error += bound
             continue
         ratio = span / side
-        if work.counts[EVALUATIONS] > max_evaluations:
+        work.counts[LABOUR] += 1
+        if is_spent(work):
             error += bound
             continue
         quarter = ratio < 0.8
@@ -285,9 +314,9 @@ def split_grid(
     count = floor_conics(own, lobe, view, work, conics)
     if count > conics.shape[0]:
         return math.inf
-    whole, reach, far = grid_reach(FIRST_REACH, view, geo)
+    whole, reach, far, east, north, beyond = grid_reach(FIRST_REACH, lobe, view, work)
     px, py = geo[POINT] - view.floor[FLOOR_OFFSET], geo[POINT + 1] - view.floor[FLOOR_OFFSET + 1]
-    ci, cj = math.floor(px / cell), math.floor(py / cell)
+    ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     out, best = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]
     aim, found = tol / LEAVES, math.inf
     for _ in range(8):
@@ -301,7 +330,7 @@ def split_grid(
         if not whole:
             for t in range(3):
                 change = max(change, 3.0 * abs(out[t] - out[3 + t]))
-        out_of_budget = 4 * work.counts[EVALUATIONS] > max_evaluations
+        out_of_budget = 4 * (work.counts[EVALUATIONS] + work.counts[LABOUR]) > max_evaluations
         if out_of_budget and change > 0.3 * tol:
             # two tapers that still disagree tell less, and there is no third one
             change *= 4.0
@@ -309,10 +338,10 @@ def split_grid(
             found = error + change
             for t in range(3):
                 best[t] = out[t]
-        if error + change <= tol or out_of_budget:
+        if error + change + beyond <= tol or out_of_budget:
             break
         if change > 0.3 * tol and reach < MOST_REACH * cell:
-            reach = far = 2.0 * reach
+            reach = far = min(2.0 * reach, MOST_SQUARES * cell)
         elif error > 0.7 * tol:
             aim *= max(0.05, 0.4 * tol / error)
         else:
@@ -321,4 +350,4 @@ def split_grid(
     sign = 1.0 if (ci + cj) % 2 == 0 else -1.0
     for t in range(3):
         value[t] += sign * best[t]
-    return found
+    return found + beyond

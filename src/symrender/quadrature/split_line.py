@@ -32,7 +32,7 @@ from symrender.chambers.walls import (
     TAG,
     TERMINATOR,
 )
-from symrender.chambers.work import CELLS, EVALUATIONS, NODES, PENDING, View, Work
+from symrender.chambers.work import CELLS, EVALUATIONS, NODES, PENDING, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
 from symrender.quadrature.light_nodes import light_nodes
@@ -132,10 +132,20 @@ def tail_error(n: int, last: float, before: float, middle: float, size: float, l
 
 @jitable
 def kinked(view: View) -> bool:
-    """Whether highlights end so bluntly that coefficients fall no faster than their ends say: these have no walls."""
+    """Whether highlights end so bluntly that coefficients fall no faster than their ends say.
+
+    Of a light point these ends are walls, at which whole powers are smooth; of a disk they are none.
+    """
     shading = view.shading
     ends = shading[4] == PHONG or shading[5] == EYE or shading[6] != CUT
-    return bool(shading[2] > 0.0 and shading[3] < BLUNT and ends)
+    if not (shading[2] > 0.0 and shading[3] < BLUNT and ends):
+        return False
+    if shading[3] != math.floor(shading[3]):
+        return True
+    disks = False
+    for i in range(view.points.shape[0]):
+        disks = disks or view.points[i, DISK_RADIUS] > 0.0
+    return disks
 
 
 @inlined
@@ -399,7 +409,7 @@ def integrate_cells(
             n = order(step, log_rho) if row[WARY] != 0.0 else nodes(step, CAUTION * log_rho)
             if row[SOFT] != 0.0:
                 n = max(n + (n + 1) // 2, least)
-            if n > MAX_ORDER and top < PENDING:
+            if n > MAX_ORDER and top < PENDING and not is_spent(work):
                 middle = start + 0.5 * (stop - start)
                 row[START] = middle
                 top = stack_piece(top, int(row[CELL]), start, middle, row[HALVINGS], row[WARY], row[SOFT], work)
@@ -429,7 +439,8 @@ def integrate_cells(
             row = table[piece]
             n, start, stop = int(row[COUNT]), row[START], row[STOP]
             held, miss = piece_error(row, b, blunt, gauss)
-            if n > 1 and miss > promise * (held + small * (size + whole)) and top + 2 <= PENDING:
+            tame = miss <= promise * (held + small * (size + whole))
+            if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
                 if n <= max(step, 4) and row[WARY] == 0.0:
                     top = stack_piece(top, int(row[CELL]), start, stop, row[HALVINGS], 1.0, row[SOFT], work)

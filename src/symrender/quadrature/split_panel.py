@@ -32,7 +32,7 @@ from symrender.chambers.walls import (
     TANGENT,
     tangent_lines,
 )
-from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, EVALUATIONS, SPOTS, WALLS, View, Work
+from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, SPOTS, WALLS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.split_line import integrate_cells, kinked, lobe_density, tail_error
@@ -269,7 +269,7 @@ def split_span(
         if ls == rs:
             continue
         span = right - left
-        if span < max(1e-8 * width, 1e-12) or top + 3 >= spans.shape[0]:
+        if span < max(1e-8 * width, 1e-12) or top + 3 >= spans.shape[0] or is_spent(work):
             middle = 0.5 * (left + right)
             if start_signature != 0:
                 n = add_panel(panels, n, start, middle, start_kind, ROOT, work)
@@ -360,7 +360,8 @@ def evaluate_panel(
 
     ``out`` also gets its size in [4] and in [5] how many of the ``many`` events
     lie inside. A panel of one structure is analytic and its error is read off the fall of its Legendre coefficients;
-    with a kink inside they fall slowly, and the last ones themselves are the error.
+    with a kink inside they fall slowly, and the last ones themselves are the error. Where the budget ends first the
+    error is inf, and what the panel held before stands.
     """
     a, b, ka, kb = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
     n = panel_order(step, p[LOG_RHO])
@@ -405,6 +406,9 @@ def evaluate_panel(
             foreign = phi
         if p[STEP] < 0.0 or found != signature:
             note_chambers(work)
+        if is_spent(work):
+            out[3] = math.inf
+            return math.nan
         integrate_cells(phi, step, view, work, gauss, line)
         peak = max(peak, line[5])
         w = gauss[1, base + q] * slope
@@ -532,7 +536,7 @@ def split_chart(
         total, accepted, open_panels = 0.0, 0.0, 0
         for i in range(n):
             total += panels[i, ERROR]
-        if SAFETY * total <= tol or work.counts[EVALUATIONS] > max_evaluations:
+        if SAFETY * total <= tol or is_spent(work):
             break
         share = 0.5 * tol / (SAFETY * max(1, n))
         for i in range(n):
@@ -592,6 +596,8 @@ def split_chart(
                 n = add_panel(panels, n, middle, right, SMOOTH, kind, work)
                 continue
             foreign = evaluate_panel(p, need, view, work, gauss, events, m, out, scratch)
+            if out[3] == math.inf:
+                break
             p[5], p[6], p[7] = out[0], out[1], out[2]
             p[STEP] = need
             p[ERROR] = out[3]

@@ -24,6 +24,7 @@ from symrender.chambers import (
     place,
     roots,
     tangencies,
+    traces,
     walls,
     work,
 )
@@ -44,7 +45,17 @@ from symrender.chambers.walls import (
     RIM_SIN,
     SIDE,
 )
-from symrender.chambers.work import CHAMBERS, CROSSINGS, EVALUATIONS, MAX_ROOTS, View, Work, work_arrays
+from symrender.chambers.work import (
+    CHAMBERS,
+    CROSSINGS,
+    EVALUATIONS,
+    MAX_ROOTS,
+    View,
+    Work,
+    begin_counts,
+    is_spent,
+    work_arrays,
+)
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature import (
     disk_arcs,
@@ -57,6 +68,7 @@ from symrender.quadrature import (
     lattice_sphere,
     light_nodes,
     light_term,
+    mirror,
     node_rows,
     split_line,
     split_panel,
@@ -70,6 +82,7 @@ from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import lobe_scale
+from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
 from symrender.quadrature.split_grid import split_grid
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
@@ -106,6 +119,8 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 MAX_PANELS: Final = 4000
+ROUNDED: Final = 4e-16
+"""Relative error of the base of a highlight."""
 FLAT: Final = 1e-7
 """Cosine of theta_max below which the rim's cone is taken to be a plane: its quadratic could not be told from one."""
 
@@ -195,18 +210,25 @@ def gloss_kernel(
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
     lobe = scratch[24:27]
     geo = work.geo
+    # a rounded base errs by so much more as its power is higher
+    powers = ROUNDED * view.shading[3] if view.shading[2] > 0.0 else 0.0
     for i in range(points.shape[0]):
-        for c in range(work.counts.shape[0]):
-            work.counts[c] = 0
+        begin_counts(max_evaluations, work)
         place_point(points[i], normals[i], incoming[i], lobe, geo)
         own = surface[i] - 2
-        n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], 1e-5)
+        n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], NARROWEST)
         value = gloss[i]
         if inside_another(points[i], own, view.spheres):
             value[0] = value[1] = value[2] = 0.0
             error[i] = math.inf
             status[i] = UNSUPPORTED
             evaluations[i] = chambers[i] = crossings[i] = 0
+            continue
+        if lobes[surface[i], 1] == 0.0:
+            largest = mirror_value(own, lobe, view, work, gauss, scratch[28:31], value)
+            error[i] = largest + (1e-15 + powers) * max(abs(value[0]), abs(value[1]), abs(value[2])) + 1e-15
+            evaluations[i], chambers[i], crossings[i] = work.counts[EVALUATIONS], 1, 0
+            status[i] = MET if error[i] <= tol else CAPPED
             continue
         total = lobe_setup(n, theta_max, tol, bound, geo) * bound
         brdf = view.shading[UNITS] == BRDF_NORMALISED
@@ -290,26 +312,33 @@ def gloss_kernel(
                         )  # fmt: skip
                         for a in range(3):
                             value[a] += scratch[16 + a] * scratch[20 + a]
+        if lobes[surface[i], 1] < NARROWEST:
+            # between a mirror and a lobe still wider
+            total += mirror_value(own, lobe, view, work, gauss, scratch[28:31], scratch[31:34])
+            total += largest_gap(value, scratch[31:34])
+            for a in range(3):
+                value[a] = scratch[31 + a]
         # nothing in the scene is brighter than the bound, so no error is larger
         largest = max(abs(value[0]), abs(value[1]), abs(value[2]))
-        total = min(total + 1e-15 * (1.0 + largest), bound + largest)
+        total = min(total + 1e-15 + (1e-15 + powers) * largest, bound + largest)
         error[i] = total
         evaluations[i] = work.counts[EVALUATIONS]
         chambers[i] = work.counts[CHAMBERS]
         crossings[i] = work.counts[CROSSINGS]
         status[i] = MET
         if total > tol:
-            status[i] = CAPPED if bad == 0 or evaluations[i] > max_evaluations else NEAR_TANGENT
+            status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT
 
 
 @functools.lru_cache(maxsize=1)
 def _kernel() -> Any:
     modules = (
-        chart, crossing_module, events, highlights, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots, tangencies,
-        walls, work,
+        chart, crossing_module, events, highlights, labels, line, lobe_mass, penumbra, penumbra_walls, place, roots,
+        tangencies,
+        traces, walls, work,
         disk_arcs, disk_chords, disk_curves, disk_points, disk_term, floor_conics, gauss_module, lattice_nodes,
-        lattice_sphere, light_nodes, light_term, node_rows, split_grid_module, split_line, split_panel, split_setup,
-        split_square, sys.modules[__name__],
+        lattice_sphere, light_nodes, light_term, mirror, node_rows, split_grid_module, split_line, split_panel,
+        split_setup, split_square, sys.modules[__name__],
     )  # fmt: skip
     # nothing is allocated inside, so reference counting would only cost: it triples the time
     return compiled(gloss_kernel, sources=[inspect.getsource(module) for module in modules], _nrt=False)

@@ -8,7 +8,19 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.walls import BETA_MAX, E1, E2, HEIGHT, LOBE_BETA, POINT, RATIO, SIDE, STRIP, SURFACE_NORMAL
+from symrender.chambers.walls import (
+    BETA_MAX,
+    E1,
+    E2,
+    HEIGHT,
+    LOBE_BETA,
+    POINT,
+    POLE,
+    RATIO,
+    SIDE,
+    STRIP,
+    SURFACE_NORMAL,
+)
 from symrender.chambers.work import SPOTS, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.split_line import NEAR_LIGHT

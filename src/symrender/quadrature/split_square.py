@@ -10,7 +10,7 @@ import numpy.typing as npt
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
 from symrender.chambers.walls import FACING, HEIGHT, POINT, RIM_COS
-from symrender.chambers.work import EVALUATIONS, NODES, View, Work
+from symrender.chambers.work import EVALUATIONS, LABOUR, NODES, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
@@ -51,6 +51,8 @@ MORE_LEVELS = 3
 """How many levels finer than asked, each of two lines and a node more, a strip may become before it is halved."""
 MAX_STRIPS = 200
 """Strips evaluated in a square; beyond, those that miss stand as they are."""
+ROW_LABOUR = 2
+"""What looking for the ends of a strip costs for each conic, in evaluations."""
 MAX_LINES = 16
 """Lines beyond which a strip is halved."""
 BRANCHES = 16
@@ -391,6 +393,7 @@ def cut_square(
     while top > 0:
         top -= 1
         strips += 1
+        work.counts[LABOUR] += ROW_LABOUR * (2 + crossings)
         row = stack[top]
         a, b, kind_a, kind_b, depth, level = row[0], row[1], row[2], row[3], row[4], int(row[5])
         room_left = top + 2 < stack.shape[0]
@@ -407,7 +410,7 @@ def cut_square(
                 view, work, conics, gauss, states, point, part,
             )  # fmt: skip
         if foreign == foreign:
-            if b - a < 1e-9 * size or not room_left or strips > MAX_STRIPS:
+            if b - a < 1e-9 * size or not room_left or strips > MAX_STRIPS or is_spent(work):
                 # too thin to matter, or walls that rounding moves about: all it can hold is its error
                 error += bound * (b - a) / size
                 continue
@@ -415,7 +418,7 @@ def cut_square(
             beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
             # two conics that meet change places; an edge of a penumbra may open a piece like a square root
             kind = SMOOTH if beyond == pieces else ROOT
-        elif part[6] <= room or not room_left or strips > MAX_STRIPS:
+        elif part[6] <= room or not room_left or strips > MAX_STRIPS or is_spent(work):
             for t in range(6):
                 out[t] += part[t]
             error += part[6]

@@ -32,7 +32,7 @@ from symrender.chambers.tangent_walls import (
 from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
 from symrender.chambers.walls import HEIGHT, POINT, SURFACE_NORMAL
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
-from symrender.chambers.work import CASTERS, EVALUATIONS, OCCLUDERS, View, Work
+from symrender.chambers.work import CASTERS, EVALUATIONS, LABOUR, OCCLUDERS, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.floor_conics import SOFT, conic_roots, floor_conics, may_cross, square_cuts
@@ -40,6 +40,7 @@ from symrender.quadrature.gauss import MAX_ORDER, order, step_of
 from symrender.quadrature.split_grid import (
     LEAVES,
     MAX_BLOCK_ORDER,
+    MOST_SQUARES,
     SMALLEST,
     block_bound,
     block_level,
@@ -574,7 +575,9 @@ def replay_once(
         top -= 1
         x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
         bound, span, near = block_bound(x0, y0, side, reach, light, lobe, geo)
-        if bound <= 0.01 * aim / (1.0 + near / cell) or work.counts[EVALUATIONS] > max_evaluations:
+        work.counts[LABOUR] += 1
+        ran_out = work.counts[EVALUATIONS] + work.counts[LABOUR] > max_evaluations
+        if bound <= 0.01 * aim / (1.0 + near / cell) or ran_out:
             # a derivative may be larger than what is differentiated, by the inverse of its lengths
             error += 100.0 * contrast * bound
             continue
@@ -670,9 +673,9 @@ def replay_grid(
     if not moving_conics(count, nodes, moves, view, what) and not nodes:
         return 0.0
     px, py = geo[POINT] - floor[FLOOR_OFFSET], geo[POINT + 1] - floor[FLOOR_OFFSET + 1]
-    ci, cj = math.floor(px / cell), math.floor(py / cell)
+    whole, reach, far, east, north, beyond = grid_reach(REPLAY_REACH, lobe, view, work)
+    ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
-    whole, reach, far = grid_reach(REPLAY_REACH, view, geo)
     passes, before = 0, math.inf
     while True:
         level = block_level(far / cell)
@@ -688,7 +691,7 @@ def replay_grid(
             for p in range(moves.shape[0]):
                 for c in range(3):
                     change = max(change, 3.0 * abs(longer[p, c] - shorter[p, c]))
-        ran_out = work.counts[EVALUATIONS] > max_evaluations
+        ran_out = work.counts[EVALUATIONS] + work.counts[LABOUR] > max_evaluations
         if ran_out and error + change > before:
             # what the last reach gave stands
             error, change = before, 0.0
@@ -704,8 +707,9 @@ def replay_grid(
             for c in range(4):
                 shorter[p, c] = longer[p, c]
         passes, before = passes + 1, error + change
-        reach = far = 2.0 * reach
+        reach = far = min(2.0 * reach, MOST_SQUARES * cell)
     for p in range(moves.shape[0]):
         for c in range(4):
             value[p, c] += longer[p, c]
-    return error + change
+    # slopes in places and exponents are larger than what they are of
+    return error + change + beyond * (10.0 + geo[GEO_EXPONENT])

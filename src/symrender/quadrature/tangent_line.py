@@ -51,7 +51,7 @@ from symrender.chambers.tangent_walls import DARK as DARK_COLUMN
 from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
 from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, SHAPE_INDEX, SIDE, STRIP, TAG, TEXTURE_EDGE
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
-from symrender.chambers.work import CELLS, EVALUATIONS, View, Work
+from symrender.chambers.work import CELLS, EVALUATIONS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, order
@@ -415,7 +415,6 @@ def line_adjoint(
     The nodes are those of ``integrate_cells``. ``adjoint`` is (4, columns): a row a channel and ``ONE_SIDED``.
     ``nodes`` and ``moving``, of ``what_moves``, tell what need not be visited.
     """
-    geo = work.geo
     c, s = math.cos(phi), math.sin(phi)
     walls_adjoint(c, s, weight, step, lobe, view, work, gauss, disk, here, own, moving, adjoint)
     if not nodes:
@@ -433,15 +432,16 @@ def line_adjoint(
             n = cell_order(a, end, step, phi, c, s, view, work)
             if soft:
                 n = max(n + (n + 1) // 2, least)
-            while n > MAX_ORDER:
+            while n > MAX_ORDER and not is_spent(work):
                 end = a + 0.5 * (end - a)
                 n = cell_order(a, end, step, phi, c, s, view, work)
                 if soft:
                     n = max(n + (n + 1) // 2, least)
+            n = min(n, MAX_ORDER)
             whole, miss = piece_adjoint(
                 a, end, n, c, s, weight, soft, cell, step, lobe, view, work, gauss, disk, here, adjoint
             )  # fmt: skip
-            if n > 4 and halvings < MAX_HALVINGS and miss > promise * (size + whole):
+            if n > 4 and halvings < MAX_HALVINGS and miss > promise * (size + whole) and not is_spent(work):
                 # less tame than it looks, as where a ball leaves the part of a disk above the terminator: taken back
                 piece_adjoint(a, end, n, c, s, -weight, soft, cell, step, lobe, view, work, gauss, disk, here, adjoint)
                 halvings += 1

@@ -43,7 +43,7 @@ from symrender.chambers.tangent_walls import (
     what_moves,
 )
 from symrender.chambers.walls import BETA_MAX, LOBE_BETA, POLE, RADIUS, RATIO, SIDE
-from symrender.chambers.work import EVALUATIONS, MAX_WALLS, View, Work
+from symrender.chambers.work import EVALUATIONS, MAX_WALLS, View, Work, begin_counts
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.light_points import light_rows
@@ -242,8 +242,7 @@ def gradient_kernel(
     t = tangent_work
     count = t.moves.shape[0]
     for i in range(points.shape[0]):
-        for c in range(work.counts.shape[0]):
-            work.counts[c] = 0
+        begin_counts(max_evaluations, work)
         place_point(points[i], normals[i], incoming[i], lobe, geo)
         own = surface[i] - FIRST_SPHERE
         n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], 1e-5)

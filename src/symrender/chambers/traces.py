@@ -1,0 +1,354 @@
+"""Crossings of two walls of which neither is a circle of the chart: one is walked along, the other's level solved.
+
+The edge of a shadow from a light point is swept by rays along the shadow's cone, a ball's circle on the floor by an
+angle. Along such a curve the level of any other wall is smooth: it is sampled, sign changes are solved (Illinois), and
+where it turns back towards zero between samples the turning point is looked at, so that two roots close to each other
+are found too.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.events import CROSSING, add_event, within_lobe
+from symrender.chambers.labels import is_hidden
+from symrender.chambers.line import wall_level
+from symrender.chambers.place import surface_point
+from symrender.chambers.walls import (
+    BALL,
+    CENTER,
+    COS,
+    DIRECTION,
+    E1,
+    E2,
+    HEIGHT,
+    KIND,
+    LIGHT,
+    LOBE_BETA,
+    NORMAL,
+    POINT,
+    POLE,
+    RADIUS,
+    RATIO,
+    RIM_COS,
+    RIM_SIN,
+    SHADOW,
+    SHADOW_EDGE,
+    SHAPE,
+    SHAPE_INDEX,
+    SIN,
+    TAG,
+    TERMINATOR,
+    TEXTURE_EDGE,
+)
+from symrender.chambers.work import WALLS, View, Work
+from symrender.kernel_cache import inlined, jitable
+from symrender.scene.arrays import CUT
+
+Array = npt.NDArray[np.float64]
+
+SAMPLES = 24
+"""Places along a curve between which the other wall's level is followed."""
+RIM_ROW = 0
+LIMB_ROW = 1
+"""Rows of ``Work.circles``: the lobe's rim as a circle of directions, the limb as one of normals."""
+
+
+@jitable
+def set_circles(work: Work) -> None:
+    """Write the rim and the limb as wall rows."""
+    geo = work.geo
+    rim, limb = work.circles[RIM_ROW], work.circles[LIMB_ROW]
+    rim[KIND], rim[1], rim[2], rim[3] = DIRECTION, geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0
+    rim[COS], rim[SIN] = geo[RIM_COS], geo[RIM_SIN]
+    limb[KIND], limb[1], limb[2], limb[3] = NORMAL, 1.0, 0.0, 0.0
+    # just inside, so that its places count as seen
+    limb[COS] = min(1.0, geo[RATIO] + 1e-12)
+    limb[SIN] = math.sqrt((1.0 - limb[COS]) * (1.0 + limb[COS]))
+
+
+@inlined
+def edge_frame(row: Array, view: View, work: Work) -> bool:
+    """Fill ``Work.frame`` for the rays along a shadow's edge; whether the light is outside the caster."""
+    frame = work.frame
+    light, caster = view.points[int(row[LIGHT])], view.spheres[int(row[SHAPE])]
+    far2 = 0.0
+    for a in range(3):
+        frame[0, a] = caster[a] - light[a]
+        far2 += frame[0, a] * frame[0, a]
+    if not far2 > caster[3] * caster[3]:
+        return False
+    far = math.sqrt(far2)
+    sine = caster[3] / far
+    cosine = math.sqrt((1.0 - sine) * (1.0 + sine))
+    ex, ey, ez = frame[0, 0] / far, frame[0, 1] / far, frame[0, 2] / far
+    if abs(ex) < 0.6:
+        fx, fy, fz = 0.0, ez, -ey
+    else:
+        fx, fy, fz = -ez, 0.0, ex
+    scale = sine / math.sqrt(fx * fx + fy * fy + fz * fz)
+    fx, fy, fz = fx * scale, fy * scale, fz * scale
+    frame[0, 0], frame[0, 1], frame[0, 2] = ex * cosine, ey * cosine, ez * cosine
+    frame[1, 0], frame[1, 1], frame[1, 2] = fx, fy, fz
+    frame[2, 0], frame[2, 1], frame[2, 2] = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+    return True
+
+
+@inlined
+def edge_place(psi: float, row: Array, beyond: bool, view: View, work: Work) -> tuple[float, float, float, bool]:
+    """Place at angle ``psi`` of a shadow's edge or a ball's circle, and whether there is one.
+
+    A sphere is met twice, the second time ``beyond`` the light's side.
+    """
+    geo, frame = work.geo, work.frame
+    c, s = math.cos(psi), math.sin(psi)
+    if int(row[KIND]) == BALL:
+        size2 = row[1] * row[1] + row[2] * row[2] - row[3]
+        size = math.sqrt(max(0.0, size2))
+        along, across = row[1] + size * c, row[2] + size * s
+        x = geo[POINT] + along * geo[E1] + across * geo[E2]
+        y = geo[POINT + 1] + along * geo[E1 + 1] + across * geo[E2 + 1]
+        return x, y, 0.0, size2 > 0.0
+    light = view.points[int(row[LIGHT])]
+    ux = frame[0, 0] + c * frame[1, 0] + s * frame[2, 0]
+    uy = frame[0, 1] + c * frame[1, 1] + s * frame[2, 1]
+    uz = frame[0, 2] + c * frame[1, 2] + s * frame[2, 2]
+    if geo[SHAPE_INDEX] < 0.0:
+        if not uz * light[2] < 0.0:
+            return 0.0, 0.0, 0.0, False
+        t = -light[2] / uz
+        return light[0] + t * ux, light[1] + t * uy, 0.0, True
+    wx, wy, wz = light[0] - geo[CENTER], light[1] - geo[CENTER + 1], light[2] - geo[CENTER + 2]
+    b = wx * ux + wy * uy + wz * uz
+    square = b * b - (wx * wx + wy * wy + wz * wz) + geo[RADIUS] * geo[RADIUS]
+    if not square > 0.0:
+        return 0.0, 0.0, 0.0, False
+    t = -b + (math.sqrt(square) if beyond else -math.sqrt(square))
+    return light[0] + t * ux, light[1] + t * uy, light[2] + t * uz, t > 0.0
+
+
+@inlined
+def chart_place_of(qx: float, qy: float, qz: float, work: Work) -> tuple[float, float, float]:
+    """(inner coordinate, cos phi, sin phi) of a place of the charted shape; the first is NaN where P cannot see it."""
+    geo = work.geo
+    dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
+    x = dx * geo[E1] + dy * geo[E1 + 1] + dz * geo[E1 + 2]
+    y = dx * geo[E2] + dy * geo[E2 + 1] + dz * geo[E2 + 2]
+    across = math.sqrt(x * x + y * y)
+    c, s = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
+    if geo[SHAPE_INDEX] < 0.0:
+        return math.atan2(across, geo[HEIGHT]), c, s
+    gx, gy, gz = qx - geo[CENTER], qy - geo[CENTER + 1], qz - geo[CENTER + 2]
+    facing = -(gx * dx + gy * dy + gz * dz)
+    # psi is the angle of incidence: its sine is that of the way across, its cosine that of the way along the normal
+    along = dx * geo[POLE] + dy * geo[POLE + 1] + dz * geo[POLE + 2]
+    far = math.sqrt(across * across + along * along)
+    return math.atan2(math.sqrt(max(0.0, (geo[RADIUS] * far) ** 2 - facing * facing)), facing), c, s
+
+
+@inlined
+def along_level(
+    psi: float, row: Array, other: int, beyond: bool, view: View, work: Work
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """(level of wall ``other``, or of the rim for -1, at ``psi`` along ``row``; inner coordinate, cos and sin phi).
+
+    The level is NaN where the curve has no place.
+    """
+    geo = work.geo
+    qx, qy, qz, there = edge_place(psi, row, beyond, view, work)
+    if not there:
+        return math.nan, 0.0, 1.0, 0.0
+    x, c, s = chart_place_of(qx, qy, qz, work)
+    if other < 0:
+        if geo[SHAPE_INDEX] < 0.0:
+            sb, cb = math.sin(x), math.cos(x)
+        else:
+            sb = geo[RATIO] * math.sin(x)
+            cb = math.sqrt(max(0.0, (1.0 - sb) * (1.0 + sb)))
+        level = cb * geo[LOBE_BETA + 1] + sb * c * geo[LOBE_BETA + 2] - geo[RIM_COS]
+    else:
+        level = wall_level(other, x, c, s, work)
+    return level, x, c, s
+
+
+@inlined
+def note_trace(
+    psi: float, row: Array, other: int, beyond: bool, hides: bool, view: View, work: Work, events: Array, n: int,
+    low: float, high: float,
+) -> int:  # fmt: skip
+    """Note the crossing at ``psi`` if it is inside the lobe and seen; new count."""
+    level, x, c, s = along_level(psi, row, other, beyond, view, work)
+    if not (level == level and 0.0 < x < 0.5 * math.pi):
+        return n
+    phi = math.atan2(s, c)
+    geo = work.geo
+    beta = x if geo[SHAPE_INDEX] < 0.0 else math.asin(geo[RATIO] * math.sin(x))
+    if not within_lobe(phi, beta, geo):
+        return n
+    if not hides:
+        qx, qy, qz, _, _, _ = surface_point(x, c, s, geo)
+        if is_hidden(qx, qy, qz, view, work):
+            return n
+    return add_event(events, n, phi, low, high, CROSSING)
+
+
+@jitable
+def trace_pair(
+    i: int, other: int, beyond: bool, hides: bool, view: View, work: Work, events: Array, n: int, low: float,
+    high: float,
+) -> int:  # fmt: skip
+    """Note where wall ``other`` (-1: the rim) crosses the curve of wall ``i``; new count."""
+    row = work.walls[i]
+    step = 2.0 * math.pi / SAMPLES
+    f0, f1 = math.nan, math.nan
+    for k in range(SAMPLES + 3):
+        psi = k * step
+        f2, _, _, _ = along_level(psi, row, other, beyond, view, work)
+        left, right, fa, fb = psi - step, psi, f1, f2
+        if 0 < k <= SAMPLES and (fa != fa) != (fb != fb):
+            # the curve ends between the two: look up to there
+            hit, miss, last = (right, left, fb) if fa != fa else (left, right, fa)
+            for _ in range(30):
+                middle = 0.5 * (hit + miss)
+                f, _, _, _ = along_level(middle, row, other, beyond, view, work)
+                if f == f:
+                    hit, last = middle, f
+                else:
+                    miss = middle
+            if fa != fa:
+                left, fa = hit, last
+            else:
+                right, fb = hit, last
+        if 0 < k <= SAMPLES and fa * fb < 0.0:
+            n = solve_trace(left, right, fa, fb, row, other, beyond, hides, view, work, events, n, low, high)
+        elif k > 1 and f0 * f1 > 0.0 and f1 * f2 > 0.0 and abs(f1) <= abs(f0) and abs(f1) <= abs(f2):
+            # the level turns back short of zero at the samples: its turning point may lie beyond
+            a, m, b, fm = psi - 2.0 * step, psi - step, psi, f1
+            for _ in range(40):
+                u = m + 0.381966 * (b - m) if b - m > m - a else m - 0.381966 * (m - a)
+                f, _, _, _ = along_level(u, row, other, beyond, view, work)
+                if f != f:
+                    break
+                if f * fm < 0.0:
+                    lo, hi = min(u, m), max(u, m)
+                    flo, fhi = (f, fm) if u < m else (fm, f)
+                    # one root between, the other on the far side of u
+                    n = solve_trace(lo, hi, flo, fhi, row, other, beyond, hides, view, work, events, n, low, high)
+                    if u < m:
+                        fl, _, _, _ = along_level(a, row, other, beyond, view, work)
+                        n = solve_trace(a, u, fl, f, row, other, beyond, hides, view, work, events, n, low, high)
+                    else:
+                        fr, _, _, _ = along_level(b, row, other, beyond, view, work)
+                        n = solve_trace(u, b, f, fr, row, other, beyond, hides, view, work, events, n, low, high)
+                    break
+                if abs(f) < abs(fm):
+                    if u < m:
+                        b = m
+                    else:
+                        a = m
+                    m, fm = u, f
+                elif u < m:
+                    a = u
+                else:
+                    b = u
+                if b - a < 1e-7:
+                    break
+        f0, f1 = f1, f2
+    return n
+
+
+@jitable
+def solve_trace(
+    left: float, right: float, fa: float, fb: float, row: Array, other: int, beyond: bool, hides: bool, view: View,
+    work: Work, events: Array, n: int, low: float, high: float,
+) -> int:  # fmt: skip
+    """Note the one crossing between two places whose levels differ in sign (Illinois); new count."""
+    if not fa * fb < 0.0:
+        return n
+    psi = right
+    for _ in range(60):
+        psi = (left * fb - right * fa) / (fb - fa)
+        f, _, _, _ = along_level(psi, row, other, beyond, view, work)
+        if f != f:
+            return n
+        moved = abs(psi - right)
+        if f * fb < 0.0:
+            left, fa = right, fb
+        else:
+            fa *= 0.5
+        right, fb = psi, f
+        if f == 0.0 or moved < 1e-14:
+            break
+    return note_trace(psi, row, other, beyond, hides, view, work, events, n, low, high)
+
+
+@jitable
+def passes_lobe(row: Array, beyond: bool, view: View, work: Work) -> bool:
+    """Whether the curve of a wall may pass through the lobe: one of its samples is no farther than their spacing."""
+    geo = work.geo
+    rim = math.atan2(geo[RIM_SIN], geo[RIM_COS])
+    nearest, widest = math.inf, 0.0
+    x0, y0, z0, known = 0.0, 0.0, 0.0, False
+    for k in range(SAMPLES + 1):
+        qx, qy, qz, there = edge_place(2.0 * math.pi * k / SAMPLES, row, beyond, view, work)
+        if not there:
+            if known:
+                # it ends somewhere before here
+                return True
+            continue
+        dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
+        inv = 1.0 / math.sqrt(max(1e-300, dx * dx + dy * dy + dz * dz))
+        dx, dy, dz = dx * inv, dy * inv, dz * inv
+        along = 0.0
+        for a in range(3):
+            axis = geo[LOBE_BETA + 1] * geo[POLE + a] + geo[LOBE_BETA + 2] * geo[E1 + a]
+            along += axis * (dx if a == 0 else dy if a == 1 else dz)
+        nearest = min(nearest, math.acos(max(-1.0, min(1.0, along))) - rim)
+        if known:
+            widest = max(widest, math.acos(max(-1.0, min(1.0, dx * x0 + dy * y0 + dz * z0))))
+        elif k > 0:
+            return True
+        x0, y0, z0, known = dx, dy, dz, True
+    return nearest < widest
+
+
+@inlined
+def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
+    """Add the crossings of curves that can be walked along with all walls no closed form has them with; new count.
+
+    On a sphere these are shadow edges with each other, with cones of directions and with the rim; on the floor shadow
+    edges and balls with each other. Edges of penumbrae are met here, but not walked along.
+    """
+    walls = work.walls
+    count = min(work.counts[WALLS], walls.shape[0])
+    sphere = work.geo[SHAPE_INDEX] >= 0.0
+    sides = 2 if sphere and view.shading[6] != CUT and view.shading[2] > 0.0 else 1
+    for i in range(count):
+        one = walls[i]
+        kind = int(one[KIND])
+        walked = kind == BALL or (kind == SHADOW and int(one[TAG]) == SHADOW_EDGE)
+        if not walked or (kind == SHADOW and not edge_frame(one, view, work)):
+            continue
+        near, beyond = passes_lobe(one, False, view, work), sides == 2 and passes_lobe(one, True, view, work)
+        if not (near or beyond):
+            continue
+        for j in range(-1, count):
+            if j < 0:
+                # the floor's rim is a circle of directions, for which there is a closed form
+                wanted = sphere
+            else:
+                also = int(walls[j, KIND])
+                both = also == BALL or (also == SHADOW and int(walls[j, TAG]) == SHADOW_EDGE)
+                wanted = j != i and (not both or j < i) and (also > DIRECTION or sphere) and also != NORMAL
+            if not wanted:
+                continue
+            hides = j < 0 or not (
+                int(one[TAG]) == SHADOW_EDGE and (int(walls[j, TAG]) in (TEXTURE_EDGE, TERMINATOR, SHADOW_EDGE))
+            )
+            for side in range(sides):
+                if near if side == 0 else beyond:
+                    n = trace_pair(i, j, side == 1, hides, view, work, events, n, low, high)
+    return n

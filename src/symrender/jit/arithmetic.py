@@ -1,0 +1,256 @@
+"""Numbers: operators, comparisons, conversions, as Numba's strict NumPy error model has them.
+
+Integers wrap; ``//`` and ``%`` round towards minus infinity; dividing an integer by 0 gives 0; a whole literal exponent is
+done by repeated squaring; ``max(a, b)`` is ``b if b > a else a``.
+"""
+
+from __future__ import annotations
+
+import ast
+from typing import Final
+
+from symrender.jit.body import Body, double, whole
+from symrender.jit.types import B1, F8, I8, U8, Array, Element, Scalar, Tuple, Type, Value, join, shown
+
+TRUE: Final = Value(B1, ("true",))
+FALSE: Final = Value(B1, ("false",))
+
+_FLOAT: Final = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
+_INT: Final = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul"}
+_BITS: Final = {ast.BitAnd: "and", ast.BitOr: "or", ast.BitXor: "xor", ast.LShift: "shl", ast.RShift: "ashr"}
+_COMPARE: Final[dict[type[ast.cmpop], tuple[str, str]]] = {
+    ast.Eq: ("oeq", "eq"), ast.NotEq: ("une", "ne"), ast.Lt: ("olt", "lt"),
+    ast.LtE: ("ole", "le"), ast.Gt: ("ogt", "gt"), ast.GtE: ("oge", "ge"),
+}  # fmt: skip
+_MOST_SQUARED: Final = 0x10000
+
+
+def literal(number: bool | int | float) -> Value:
+    """Value of a number in the text."""
+    if isinstance(number, bool):
+        return TRUE if number else FALSE
+    if isinstance(number, int):
+        return Value(I8, (str((number + 2**63) % 2**64 - 2**63),))
+    return Value(F8, (double(number),))
+
+
+class Arithmetic(Body):
+    """What is done with numbers."""
+
+    def number(self, value: Value) -> Value:
+        """The value, a truth value as a whole number."""
+        if not isinstance(value.type, Scalar):
+            raise self.refuse(f"a number is wanted, not {shown(value.type)}")
+        return self.convert(value, I8) if value.type == B1 else value
+
+    def convert(self, value: Value, type: Type) -> Value:
+        """The value in a wider type, or the same."""
+        if value.type == type:
+            return value
+        match value.type, type:
+            case Scalar(), Scalar():
+                return self._scalar(value, type)
+            case Array(), Array() if value.type.contiguous and not type.contiguous:
+                strides = self.strides(value)
+                return Value(type, (*value.parts, *strides))
+            case Tuple(), Tuple() if len(value.type.items) == len(type.items):
+                pairs = zip(self.items(value), type.items, strict=True)
+                return Value(type, tuple(part for item, wanted in pairs for part in self.convert(item, wanted).parts))
+        raise self.refuse(f"{shown(value.type)} cannot become {shown(type)}")
+
+    def items(self, value: Value) -> list[Value]:
+        """Values of a tuple's items."""
+        raise NotImplementedError
+
+    def strides(self, value: Value) -> list[str]:
+        """Bytes between neighbours along each axis of an array."""
+        raise NotImplementedError
+
+    def _scalar(self, value: Value, type: Scalar) -> Value:
+        (operand,) = value.parts
+        known = whole(operand)
+        match value.type, type:
+            case _, _ if value.type == B1 and operand in ("true", "false"):
+                return self._scalar(literal(int(operand == "true")), type)
+            case _, _ if value.type == I8 and type == F8 and known is not None:
+                return literal(float(known))
+            case _, _ if {value.type, type} == {I8, U8}:
+                return Value(type, (operand,))
+        if type == B1:
+            return self.truth(value)
+        if value.type == F8:
+            return Value(type, (self.op(f"{'fptosi' if type == I8 else 'fptoui'} double {operand} to i64"),))
+        if type == F8:
+            assert isinstance(value.type, Scalar)
+            kind = "sitofp" if value.type == I8 else "uitofp"
+            return Value(F8, (self.op(f"{kind} {value.type.llvm} {operand} to double"),))
+        return Value(type, (self.op(f"zext i1 {operand} to i64"),))
+
+    def truth(self, value: Value) -> Value:
+        """Whether a number is not 0."""
+        (operand,) = value.parts or ("",)
+        if value.type == B1:
+            return value
+        if value.type == F8:
+            return Value(B1, (self.op(f"fcmp une double {operand}, 0.0"),))
+        if value.type in (I8, U8):
+            return Value(B1, (self.op(f"icmp ne i64 {operand}, 0"),))
+        raise self.refuse(f"{shown(value.type)} is no condition")
+
+    def alike(self, a: Value, b: Value) -> tuple[Value, Value]:
+        """Both as numbers of the wider type."""
+        a, b = self.number(a), self.number(b)
+        if {a.type, b.type} == {U8, F8}:
+            return self.convert(a, F8), self.convert(b, F8)
+        if a.type != b.type and U8 in (a.type, b.type):
+            raise self.refuse("uint64 meets int64: convert one of them")
+        wide = join(a.type, b.type)
+        return self.convert(a, wide), self.convert(b, wide)
+
+    def binary(self, op: ast.operator, a: Value, b: Value) -> Value:
+        """``a op b`` of numbers."""
+        kind = type(op)
+        if kind is ast.Pow:
+            return self.power(a, b)
+        if kind in _BITS:
+            return self._bitwise(kind, a, b)
+        a, b = self.alike(a, b)
+        if kind is ast.Div:
+            a, b = self.convert(a, F8), self.convert(b, F8)
+        (x,), (y,) = a.parts, b.parts
+        if kind in (ast.FloorDiv, ast.Mod):
+            return self._divided(kind is ast.FloorDiv, a, b)
+        if a.type == F8 and kind in _FLOAT:
+            return Value(F8, (self.op(f"{_FLOAT[kind]} double {x}, {y}"),))
+        if kind in _INT:
+            m, n = whole(x), whole(y)
+            if m is not None and n is not None and a.type == I8:
+                return literal(m + n if kind is ast.Add else m - n if kind is ast.Sub else m * n)
+            return Value(a.type, (self.op(f"{_INT[kind]} i64 {x}, {y}"),))
+        raise self.refuse(f"operator {kind.__name__} is outside the subset")
+
+    def _bitwise(self, kind: type[ast.operator], a: Value, b: Value) -> Value:
+        name = _BITS[kind]
+        if a.type == b.type == B1 and kind in (ast.BitAnd, ast.BitOr, ast.BitXor):
+            return Value(B1, (self.op(f"{name} i1 {a.parts[0]}, {b.parts[0]}"),))
+        a, b = self.alike(a, b)
+        if a.type == F8:
+            raise self.refuse("bits of a float")
+        if a.type == U8 and kind is ast.RShift:
+            name = "lshr"
+        return Value(a.type, (self.op(f"{name} i64 {a.parts[0]}, {b.parts[0]}"),))
+
+    def _divided(self, quotient: bool, a: Value, b: Value) -> Value:
+        (x,), (y,) = a.parts, b.parts
+        if a.type == F8:
+            name = self.module.runtime("float_floordiv" if quotient else "float_mod")
+            return Value(F8, (self.op(f"call double {name}(double {x}, double {y})"),))
+        if a.type == U8:
+            raise self.refuse("// and % of uint64")
+        if (whole(y) or 0) > 0:
+            rest = self.op(f"srem i64 {x}, {y}")
+            low = self.op(f"icmp slt i64 {rest}, 0")
+            if quotient:
+                cut = self.op(f"sdiv i64 {x}, {y}")
+                less = self.op(f"sub i64 {cut}, 1")
+                return Value(I8, (self.op(f"select i1 {low}, i64 {less}, i64 {cut}"),))
+            more = self.op(f"add i64 {rest}, {y}")
+            return Value(I8, (self.op(f"select i1 {low}, i64 {more}, i64 {rest}"),))
+        name = self.module.runtime("int_floordiv" if quotient else "int_mod")
+        return Value(I8, (self.op(f"call i64 {name}(i64 {x}, i64 {y})"),))
+
+    def power(self, a: Value, b: Value) -> Value:
+        """``a ** b``."""
+        a, b = self.number(a), self.number(b)
+        exponent = whole(b.parts[0]) if b.type == I8 else None
+        if exponent is not None and abs(exponent) <= _MOST_SQUARED:
+            return self._whole_power(a, exponent)
+        if a.type == F8 and b.type == I8:
+            name = self.module.runtime("float_power")
+            return Value(F8, (self.op(f"call double {name}(double {a.parts[0]}, i64 {b.parts[0]})"),))
+        if b.type != F8:
+            raise self.refuse(f"{shown(a.type)} ** {shown(b.type)} is outside the subset")
+        a = self.convert(a, F8)
+        name = self.module.runtime("llvm.pow.f64")
+        return Value(F8, (self.op(f"call double {name}(double {a.parts[0]}, double {b.parts[0]})"),))
+
+    def _whole_power(self, a: Value, exponent: int) -> Value:
+        if a.type != F8 and exponent < 0:
+            raise self.refuse("a negative power of a whole number")
+        kind = "fmul double" if a.type == F8 else "mul i64"
+        result, factor = ("1.0" if a.type == F8 else "1"), a.parts[0]
+        left = abs(exponent)
+        while left:
+            if left & 1:
+                result = self.op(f"{kind} {result}, {factor}")
+            left >>= 1
+            if left:
+                factor = self.op(f"{kind} {factor}, {factor}")
+        if exponent < 0:
+            result = self.op(f"fdiv double 1.0, {result}")
+        return Value(a.type, (result,))
+
+    def compare(self, op: ast.cmpop, a: Value, b: Value) -> Value:
+        """``a op b`` of numbers, a truth value."""
+        if type(op) not in _COMPARE:
+            raise self.refuse(f"comparison {type(op).__name__} is outside the subset")
+        by_float, by_int = _COMPARE[type(op)]
+        a, b = self.alike(a, b)
+        if a.type == F8:
+            return Value(B1, (self.op(f"fcmp {by_float} double {a.parts[0]}, {b.parts[0]}"),))
+        if by_int not in ("eq", "ne"):
+            by_int = ("u" if a.type == U8 else "s") + by_int
+        return Value(B1, (self.op(f"icmp {by_int} i64 {a.parts[0]}, {b.parts[0]}"),))
+
+    def negative(self, value: Value) -> Value:
+        """``-value``."""
+        value = self.number(value)
+        (operand,) = value.parts
+        if value.type == F8:
+            return Value(F8, (self.op(f"fneg double {operand}"),))
+        known = whole(operand)
+        if known is not None:
+            return literal(-known)
+        return Value(value.type, (self.op(f"sub i64 0, {operand}"),))
+
+    def extreme(self, op: ast.cmpop, values: list[Value]) -> Value:
+        """``max`` (``op`` Gt) or ``min`` (Lt) from left to right: the later one only where it is really beyond."""
+        best = self.number(values[0])
+        for value in values[1:]:
+            best, value = self.alike(best, value)
+            (beyond,) = self.compare(op, value, best).parts
+            assert isinstance(best.type, Scalar)
+            kind = best.type.llvm
+            best = Value(best.type, (self.op(f"select i1 {beyond}, {kind} {value.parts[0]}, {kind} {best.parts[0]}"),))
+        return best
+
+    def absolute(self, value: Value) -> Value:
+        """``abs(value)``."""
+        value = self.number(value)
+        (operand,) = value.parts
+        if value.type == F8:
+            return Value(F8, (self.op(f"call double {self.module.runtime('llvm.fabs.f64')}(double {operand})"),))
+        (minus,) = self.negative(value).parts
+        low = self.op(f"icmp slt i64 {operand}, 0")
+        return Value(value.type, (self.op(f"select i1 {low}, i64 {minus}, i64 {operand}"),))
+
+    def read_number(self, element: Element, address: str, remark: str = "") -> Value:
+        """The number at an address."""
+        raw = self.op(f"load {element.llvm}, ptr {address}{remark}")
+        if element.scalar == B1:
+            return Value(B1, (self.op(f"icmp ne i8 {raw}, 0"),))
+        if element.llvm in ("i8", "i32"):
+            kind = "zext" if element.name.startswith("u") else "sext"
+            raw = self.op(f"{kind} {element.llvm} {raw} to i64")
+        return Value(element.scalar, (raw,))
+
+    def write_number(self, element: Element, address: str, value: Value) -> None:
+        """Store a number, converted as an assignment to an array's element converts it."""
+        if not isinstance(value.type, Scalar):
+            raise self.refuse(f"{shown(value.type)} stored in an array of {element.name}")
+        (operand,) = self.convert(value, element.scalar).parts
+        if element.scalar == B1:
+            operand = self.op(f"zext i1 {operand} to i8")
+        elif element.llvm in ("i8", "i32"):
+            operand = self.op(f"trunc i64 {operand} to {element.llvm}")
+        self.do(f"store {element.llvm} {operand}, ptr {address}")
