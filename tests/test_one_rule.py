@@ -188,9 +188,8 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
                 bright = texture_side(a.spheres, own, *n)
                 assert factor == (1.0 if bright else a.spheres[own, at.DARK]), a.spheres[own]
                 met["dark field"] += factor < 1
-        program = np.array(
-            FORMULAS.direct(*q, *n, *v, *albedo, leaves, 1.0, a.spheres, a.floor, view.points, a.shading)
-        )
+        scene = (a.spheres, a.floor, view.points, a.shading)
+        program = np.array(FORMULAS.direct(*q, *n, *v, *albedo, leaves, 1.0, *scene))
         world = make_world(a, 1)
         numeric = np.array(direct_light(world, leaves, False, tuple(q), tuple(n), tuple(v), tuple(albedo), KEY, 0, 1))
         lobe = by_the_lobe(own, q, n, v, albedo, work, view)
@@ -203,9 +202,7 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
             assert np.abs(program - lattice).max() < 1e-12, told
             met["on a lattice"] += 1
         if own >= 0:
-            program = np.array(
-                FORMULAS.direct(*q, *-n, *-v, *albedo, leaves, -1.0, a.spheres, a.floor, view.points, a.shading)
-            )
+            program = np.array(FORMULAS.direct(*q, *-n, *-v, *albedo, leaves, -1.0, *scene))
             within = direct_light(world, leaves, True, tuple(q), tuple(-n), tuple(-v), tuple(albedo), KEY, 0, 1)
             assert np.abs(program - np.array(within)).max() < 1e-12, told
             met["lit from within"] += bool((program > a.shading[0] * a.shading[7:10] + 1e-9).any())
