@@ -7,7 +7,6 @@ random scenes and where conditions hold with equality.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 
 import numpy as np
@@ -16,7 +15,7 @@ import pytest
 from emitted import FORMULAS
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import is_hidden, light_state, texture_side
-from symrender.chambers.walls import LOG_NORMALISER, POINT, RIM_COS, RIM_SIN, SIDE, SURFACE_NORMAL
+from symrender.chambers.walls import POINT, RIM_COS, RIM_SIN, SIDE, SURFACE_NORMAL
 from symrender.chambers.work import View, Work, work_arrays
 from symrender.numeric.random import pixel_key
 from symrender.numeric.shading import direct_light
@@ -102,7 +101,9 @@ def lit_point(a: SceneArrays, rng: np.random.Generator) -> tuple[int, Array, Arr
     return own, a.spheres[own, :3] + a.spheres[own, 3] * normal, normal
 
 
-def seen_from(own: int, q: Array, n: Array, a: SceneArrays, rng: np.random.Generator) -> tuple[Array, Work, View] | None:
+def seen_from(
+    own: int, q: Array, n: Array, a: SceneArrays, rng: np.random.Generator
+) -> tuple[Array, Work, View] | None:
     """The view along which q is seen from a point P, and P's chart of its shape; None where P does not see it."""
     place = q + unit(n + 0.7 * unit(rng.normal(size=3))) * 10 ** rng.uniform(-1, 0.5)
     if (place - q) @ n <= 0 or (((place - a.spheres[:, :3]) ** 2).sum(axis=1) <= a.spheres[:, 3] ** 2).any():
@@ -187,7 +188,8 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
                 bright = texture_side(a.spheres, own, *n)
                 assert factor == (1.0 if bright else a.spheres[own, at.DARK]), a.spheres[own]
                 met["dark field"] += factor < 1
-        program = np.array(FORMULAS.direct(*q, *n, *v, *albedo, leaves, 1.0, a.spheres, a.floor, view.points, a.shading))
+        scene = (a.spheres, a.floor, view.points, a.shading)
+        program = np.array(FORMULAS.direct(*q, *n, *v, *albedo, leaves, 1.0, *scene))
         world = make_world(a, 1)
         numeric = np.array(direct_light(world, leaves, False, tuple(q), tuple(n), tuple(v), tuple(albedo), KEY, 0, 1))
         lobe = by_the_lobe(own, q, n, v, albedo, work, view)
@@ -200,9 +202,7 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
             assert np.abs(program - lattice).max() < 1e-12, told
             met["on a lattice"] += 1
         if own >= 0:
-            program = np.array(
-                FORMULAS.direct(*q, *-n, *-v, *albedo, leaves, -1.0, a.spheres, a.floor, view.points, a.shading)
-            )
+            program = np.array(FORMULAS.direct(*q, *-n, *-v, *albedo, leaves, -1.0, *scene))
             within = direct_light(world, leaves, True, tuple(q), tuple(-n), tuple(-v), tuple(albedo), KEY, 0, 1)
             assert np.abs(program - np.array(within)).max() < 1e-12, told
             met["lit from within"] += bool((program > a.shading[0] * a.shading[7:10] + 1e-9).any())

@@ -137,9 +137,7 @@ def test_normals_are_unit_and_face_the_ray() -> None:
 
 
 _A, _B, _C = sp.symbols("a b c", real=True)
-MEETS: Callable[..., bool] = sp.lambdify(
-    (_A, _B, _C), intersection.segment_meets(_A, _B, _C, _A + 2 * _B + _C), "math"
-)
+MEETS: Callable[..., bool] = sp.lambdify((_A, _B, _C), intersection.segment_meets(_A, _B, _C, _A + 2 * _B + _C), "math")
 
 
 def _segment(q: np.ndarray, l: np.ndarray, radius: float) -> tuple[list[mpmath.mpf], mpmath.mpf]:

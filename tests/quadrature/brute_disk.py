@@ -23,7 +23,10 @@ def integrand(a: SceneArrays, q, normal, view, own: int, disk, points):
             continue
         f = q - s[:3]
         t = np.clip(-(offset @ f) / (offset**2).sum(-1), 0, 1)
-        clear &= ((f + t[:, None] * offset) ** 2).sum(-1) >= s[3] ** 2
+        met = ((f + t[:, None] * offset) ** 2).sum(-1) < s[3] ** 2
+        if f @ f < s[3] ** 2:
+            met = ((points - s[:3]) ** 2).sum(-1) >= s[3] ** 2
+        clear &= ~met
     if a.shading[4] == 1:
         base = 2 * cosine * (normal @ view) - l @ view
     else:

@@ -89,7 +89,8 @@ def test_a_ball_hides_what_the_literal_question_says() -> None:
         work.casters[0] = 0, 0
         # a normal towards the light: no terminator
         normal = (p[0, :3] - q) / np.linalg.norm(p[0, :3] - q)
-        n = disk_curves(0, *q, *normal, view, work)
+        n, lifted = disk_curves(0, *q, *normal, view, work)
+        assert lifted or n < 0
         how = cover(*q, p[0], *ball[0, :4])
         seen[how] += 1
         row = work.disk[CURVES]

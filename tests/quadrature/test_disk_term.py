@@ -18,7 +18,7 @@ from symrender.quadrature.gauss import DISK_DEGREES, DISK_STARTS, gauss_table
 from symrender.quadrature.light_points import disk_frame, light_rows
 from symrender.quadrature.split_point import gloss_points
 from symrender.quadrature.split_setup import MET
-from symrender.scene.arrays import SceneArrays, scene_arrays
+from symrender.scene.arrays import OPEN, SceneArrays, scene_arrays
 from symrender.scene.load import load
 
 from . import brute_disk
@@ -76,12 +76,101 @@ def test_cut_disks_against_polar_brute_force() -> None:
         state, found = mean(a, q, normal, view, own)
         if state < PARTLY:
             continue
-        light = a.lights[0]
-        frame = disk_frame(light[1:4], light[8:11])
-        coarse, fine = (brute_disk.means(a, q, normal, view, own, light, *frame, n) for n in (40, 80))
         cut += 1
-        # kinks in azimuth leave the midpoint rule an error of order 3/2 and an erratic sign
-        assert np.abs(found - fine).max() <= 6 * np.abs(fine - coarse).max() + 2e-3, (state, own)
+        against_brute_force(a, q, normal, view, own, found)
+
+
+def against_brute_force(a: SceneArrays, q, normal, view, own: int, found: np.ndarray) -> None:
+    """The means found, against those by polar quadrature.
+
+    Kinks in azimuth leave its midpoint rule an error of order 3/2 and an erratic sign.
+    """
+    light = a.lights[0]
+    frame = disk_frame(light[1:4], light[8:11])
+    coarse, fine = (brute_disk.means(a, q, normal, view, own, light, *frame, n) for n in (40, 80))
+    assert np.abs(found - fine).max() <= 6 * np.abs(fine - coarse).max() + 2e-3, (found, fine, own)
+
+
+def test_disks_through_the_floor() -> None:
+    """At a point of the floor the disk's terminator is the floor's line: one chord, which bounds once."""
+    rng = np.random.default_rng(6)
+    seen = {"floor": 0, "floor, below": 0, "floor, open": 0, "sphere": 0}
+    while min(seen.values()) < 5:
+        a, q, normal, view, own = random_world(rng)
+        a.lights[0, 3], a.lights[0, 4], a.shading[3] = rng.uniform(-0.5, 0.5), rng.uniform(0.5, 2), rng.choice([0, 2])
+        state, found = mean(a, q, normal, view, own)
+        if state < PARTLY:
+            continue
+        against_brute_force(a, q, normal, view, own, found)
+        seen["sphere"] += own >= 0
+        if own < 0 and found[0] > 0:
+            seen["floor"] += 1
+            seen["floor, below"] += a.lights[0, 3] < 0
+            seen["floor, open"] += a.shading[6] == OPEN and found[1] > 0.01
+
+
+def test_half_a_disk_over_the_floor_in_closed_form() -> None:
+    """A disk whose axis lies in the floor and points at q: over the half above, N.l has a mean in closed form.
+
+    At distance h the mean of max(0, z)/sqrt(h^2 + r^2) over the disk is (2/(pi rho^2)) int r^2/sqrt(h^2 + r^2) dr.
+    """
+    a = scene_arrays(load("penumbra"))
+    a = replace(a, spheres=a.spheres[:0])
+    for h, rho in ((2.0, 0.5), (1.0, 0.9), (3.0, 2.0)):
+        a.lights[0, 1:4], a.lights[0, 4], a.lights[0, 8:11] = (h, 0, 0), rho, (0, 0, 0)
+        state, found = mean(a, np.zeros(3), np.array([0, 0, 1.0]), np.array([0, 0, 1.0]), -1)
+        assert state >= PARTLY
+        integral = 0.5 * (rho * math.hypot(h, rho) - h * h * math.asinh(rho / h))
+        assert found[0] == pytest.approx(2 * integral / (math.pi * rho**2), abs=1e-8)
+
+
+def test_disks_seen_edge_on() -> None:
+    """Cones about balls cut the plane of such a disk in pairs of lines, or in what is all but that."""
+    rng = np.random.default_rng(0)
+    cut: dict[float, int] = dict.fromkeys((0.0, 1e-14, 1e-12, 1e-8, 1e-5, 1e-3), 0)
+    while min(cut.values()) < 4:
+        a, q, normal, view, own = random_world(rng)
+        light = a.lights[0]
+        a.shading[3] = 2.0
+        away = light[1:4] - q
+        far = math.sqrt(away @ away)
+        axis = np.cross(away, rng.normal(size=3))
+        raised = float(rng.choice(list(cut)))
+        axis = axis / math.sqrt(axis @ axis) + raised * away / far
+        light[8:11], light[4] = light[1:4] + axis, min(light[4], 0.6 * far)
+        ball = int(rng.integers(len(a.spheres)))
+        if ball == own:
+            continue
+        a.spheres[ball, :3] = q + rng.uniform(0.2, 0.8) * away + rng.normal(size=3) * 0.3 * light[4]
+        if any(((q - s[:3]) ** 2).sum() < s[3] ** 2 for k, s in enumerate(a.spheres) if k != own):
+            continue
+        state, found = mean(a, q, normal, view, own)
+        if state < PARTLY:
+            continue
+        against_brute_force(a, q, normal, view, own, found)
+        cut[raised] += 1
+
+
+def test_disks_seen_from_within_a_ball() -> None:
+    """A camera in a ball sees by the light in it; gloss claims nothing there, direct light does."""
+    rng = np.random.default_rng(2)
+    lit = partly = 0
+    while min(lit, partly) < 5:
+        a, q, normal, view, own = random_world(rng)
+        around = (int(rng.integers(len(a.spheres))) + 1) if own < 0 else own + 1
+        around %= len(a.spheres)
+        if around == own:
+            continue
+        a.spheres[around, :3], a.spheres[around, 3] = q + 0.3 * rng.normal(size=3), rng.uniform(1, 3)
+        a.lights[0, 1:4] = q + np.abs(rng.normal(size=3)) * rng.choice([0.3, 1.0])
+        a.lights[0, 4], a.shading[3] = rng.uniform(0.1, 0.8), 2.0
+        state, found = mean(a, q, normal, view, own)
+        if math.dist(q, a.spheres[around, :3]) >= a.spheres[around, 3] or state < PARTLY:
+            continue
+        against_brute_force(a, q, normal, view, own, found)
+        away = math.dist(a.lights[0, 1:4], a.spheres[around, :3])
+        lit += found[0] > 0.05
+        partly += abs(away - a.spheres[around, 3]) < a.lights[0, 4]
 
 
 def test_steps_converge_to_rounding_in_a_penumbra() -> None:
@@ -162,3 +251,22 @@ def test_direct_light_of_a_disk_is_within_its_error_and_near_many_points() -> No
     assert (tight.max(axis=1) > 0.1).sum() > 20
     assert (np.abs(loose - tight).max(axis=1) <= error + 1e-13).all()
     assert error.max() < 1e-3
+
+
+@pytest.mark.parametrize("dark", [1, 2])
+def test_channels_batches_and_order_change_no_bit_of_direct_light(dark: int) -> None:
+    a, points = seen_points("penumbra", 30)
+    albedo = np.full((60, 3), 0.5)
+    white, _ = disk_direct(a, *points, albedo, 1e-6)
+    a.lights[:, 5 + dark] = 0.0
+    whole, error = disk_direct(a, *points, albedo, 1e-6)
+    kept = [c for c in range(3) if c != dark]
+    assert (white[:, dark] > 0.1).sum() > 20 and (whole[:, dark] == 0.0).all()
+    assert (whole[:, kept] == white[:, kept]).all()
+    order = np.random.default_rng(1).permutation(60)
+    turned = disk_direct(a, *(x[order] for x in points), albedo, 1e-6)
+    assert (turned[0] == whole[order]).all() and (turned[1] == error[order]).all()
+    for k in range(0, 60, 7):
+        part = slice(k, k + 7)
+        alone = disk_direct(a, *(x[part] for x in points), albedo[part], 1e-6)
+        assert (alone[0] == whole[part]).all() and (alone[1] == error[part]).all()

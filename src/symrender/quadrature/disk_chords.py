@@ -105,7 +105,12 @@ def shown(
             continue
         if bounds == BALL:
             ball = view.spheres[int(row[BOUNDS + 1])]
-            if segment_distance2(qx, qy, qz, x, y, z, ball[0], ball[1], ball[2]) < ball[3] * ball[3]:
+            fx, fy, fz = qx - ball[0], qy - ball[1], qz - ball[2]
+            if fx * fx + fy * fy + fz * fz < ball[3] * ball[3]:
+                # from within a ball all that is within is seen
+                if (fx + x) ** 2 + (fy + y) ** 2 + (fz + z) ** 2 >= ball[3] * ball[3]:
+                    return False, above
+            elif segment_distance2(qx, qy, qz, x, y, z, ball[0], ball[1], ball[2]) < ball[3] * ball[3]:
                 return False, above
             continue
         level = curve_level(row, a, b)
