@@ -32,6 +32,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "hessian",
         "fit",
         "signed_view",
+        "silhouettes",
         "units",
         "fill",
         "finite",
@@ -41,6 +42,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "provenance",
     ),
     ("studies", "simulator", "sequences"),
+    ("report",),
     ("chapter",),
     ("cli", "__init__"),
 )

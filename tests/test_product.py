@@ -21,7 +21,7 @@ FOREIGN = {
 }
 PUBLIC = {
     *("load", "render", "truth", "probe", "gradient", "hessian", "fit", "expression", "compare", "read_image"),
-    *("simulator", "Fit", "Hessian", "Image", "Pair", "Scene", "SymrenderError", "__version__"),
+    *("simulator", "report", "Report", "Fit", "Hessian", "Image", "Pair", "Scene", "SymrenderError", "__version__"),
 }
 
 

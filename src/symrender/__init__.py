@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from symrender.ledger.compare import compare
     from symrender.probe import probe
     from symrender.render import Pair, render
+    from symrender.report.build import Report, report
     from symrender.scene.load import load
     from symrender.scene.scene import Scene
     from symrender.simulator.build import simulator
@@ -41,6 +42,7 @@ _HOMES = {
     "Hessian": "symrender.hessian",
     "Image": "symrender.image",
     "Pair": "symrender.render",
+    "Report": "symrender.report.build",
     "Scene": "symrender.scene.scene",
     "SymrenderError": "symrender.errors",
     "compare": "symrender.ledger.compare",
@@ -52,6 +54,7 @@ _HOMES = {
     "read_image": "symrender.image",
     "probe": "symrender.probe",
     "render": "symrender.render",
+    "report": "symrender.report.build",
     "simulator": "symrender.simulator.build",
     "truth": "symrender.truth",
 }
@@ -61,6 +64,7 @@ __all__ = [
     "Hessian",
     "Image",
     "Pair",
+    "Report",
     "Scene",
     "SymrenderError",
     "__version__",
@@ -73,6 +77,7 @@ __all__ = [
     "probe",
     "read_image",
     "render",
+    "report",
     "simulator",
     "truth",
 ]

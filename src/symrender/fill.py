@@ -12,6 +12,7 @@ from typing import Self
 from symrender.journal import PATIENCE, Entry, Journal, Start
 from symrender.ledger.ledger import Timing
 from symrender.scene.arrays import Array
+from symrender.silhouettes import smooth
 from symrender.tiles import Progress, Threads, Workers, measured_side, tiles
 from symrender.units import Job, Tile, blocks, prepared
 
@@ -62,6 +63,11 @@ class Crew:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._stack.__exit__(kind, error, at)
 
+    @property
+    def workers(self) -> Workers:
+        """Who does the work, while the crew is open."""
+        return self._workers
+
     def fill(self, job: Job) -> tuple[dict[str, Array], Timing]:
         """The layers of the image ``job`` describes, and what they cost, earlier sessions included."""
         layers = job.empty_layers()
@@ -86,6 +92,8 @@ class Crew:
         if done and self._progress is not None:
             self._progress(done, len(all_tiles), job.kind)
         self._workers.run(job, layers, work, finished)
+        if job.settings.silhouettes > 1:
+            evaluations += smooth(job, layers, self._workers)
         return layers, Timing(left.seconds + time.perf_counter() - begun, evaluations)
 
     def succeeded(self) -> None:

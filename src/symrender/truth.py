@@ -37,6 +37,7 @@ def truth(
     aa: Antialias = "analytic",
     budget: int = 1_000_000,
     counts: bool = True,
+    silhouettes: int = 1,
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -52,11 +53,22 @@ def truth(
     that missed its tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its
     centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. Without ``counts`` spheres are done on
     lattices of directions where that is good enough, quicker at loose tolerances, and ``chambers`` and ``crossings``
-    leave these out. ``threads``, ``tile`` and ``cluster``
-    change no byte. Choose it whenever an image is to be trusted, ``render`` when it is to be quick.
+    leave these out. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its
+    centre alone. ``threads``, ``tile`` and ``cluster`` change no byte. Choose it whenever an image is to be trusted,
+    ``render`` when it is to be quick.
     """
     loaded = load(scene)
-    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts)
+    settings = split_settings(
+        size,
+        tol=tol,
+        disk=disk,
+        aa=aa,
+        budget=budget,
+        threads=threads,
+        tile=tile,
+        counts=counts,
+        silhouettes=silhouettes,
+    )
     job = truth_job(loaded, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
         return true_image(crew, job, loaded)
