@@ -32,8 +32,8 @@ def test_json_and_a_size_that_fits(tmp_path: Path, capsys: pytest.CaptureFixture
     arguments = ["demo", "gloss", "--size", "128", "--tol", "0.01", "--lobe", "1", "--seconds", "1e-6", "--json"]
     assert main([*arguments, "-o", str(tmp_path), "--silhouettes", "1"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told["size"] == [48, 48] and told["judgement"]["missed"] == 0
-    assert read_image(tmp_path / "numeric.exr").width == 48
+    assert told["size"] == [32, 32] and told["judgement"]["missed"] == 0
+    assert read_image(tmp_path / "numeric.exr").width == 32
 
 
 def test_existing_files_are_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,7 +18,7 @@ AXE = """async (page) => {
   const { violations } = await axe.run(document, { resultTypes: ['violations'] });
   return violations.map((v) => [v.impact, v.id, v.nodes.map((n) => n.html.slice(0, 90))]);
 }"""
-PIXEL = """(name) => { const c = report.stage.sheet(name); return [...c.getContext('2d').getImageData(20, 26, 1, 1).data]; }"""
+PIXEL = "(name) => [...report.stage.sheet(name).getContext('2d').getImageData(20, 26, 1, 1).data]"
 
 
 @pytest.fixture(scope="module")

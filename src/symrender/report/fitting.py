@@ -49,10 +49,11 @@ def fitting(job: Job, workers: Workers, hit_class: Array, seconds: float) -> tup
     asked, each = job.settings, _ROOM * seconds_each(job, workers)
     points = asked.silhouettes**2 if asked.silhouettes > 1 else 0
     along = int(edges(hit_class).sum()) * points
-    for share in _SHARES:
+    shares = [s for s in _SHARES if s == 1 or s * min(asked.width, asked.height) >= SMALLEST]
+    for share in shares:
         settings = replace(asked, width=int(share * asked.width), height=int(share * asked.height))
         expected = each * (settings.width * settings.height + share * along)
-        if expected <= seconds or min(settings.width, settings.height) < 2 * SMALLEST:
+        if expected <= seconds:
             break
     return settings, expected
 
