@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.scene.arrays import Array
-from symrender.tiles import Workers
+from symrender.tiles import Progress, Workers, spread
 from symrender.units import Job, Tile
 
 _LONGEST: Final = 16
@@ -34,7 +34,7 @@ def edges(hit_class: Array) -> npt.NDArray[np.bool_]:
     return found
 
 
-def smooth(job: Job, layers: dict[str, Array], workers: Workers) -> int:
+def smooth(job: Job, layers: dict[str, Array], workers: Workers, progress: Progress | None = None) -> int:
     """Replace the pixels at edges of the finished ``layers`` of ``job``; returns the evaluations that took.
 
     Radiance, its parts and its error become means, of which the error still bounds the worst channel; status,
@@ -46,13 +46,16 @@ def smooth(job: Job, layers: dict[str, Array], workers: Workers) -> int:
     fine = replace(job, settings=larger)
     points = fine.empty_layers()
     work = [(k * x0, k * y, k * x1, k * (y + 1)) for y, x0, x1 in _runs(chosen)]
-    spent = 0
+    spent = done = 0
 
     def finished(_: Tile, evaluations: int, __: float) -> None:
-        nonlocal spent
+        nonlocal spent, done
         spent += evaluations
+        done += 1
+        if progress is not None:
+            progress(done, len(work), f"{job.kind}, silhouettes")
 
-    workers.run(fine, points, work, finished)
+    workers.run(fine, points, spread(work, k), finished)
     _gather(layers, points, chosen, k)
     return spent
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symrender.cli._browser import open_page
-from symrender.cli._means import Threads, ended_by_signals
+from symrender.cli._means import PreviewOption, SilhouettesOption, Threads, ended_by_signals, shown_in
 from symrender.cli._options import (
     DEFAULT_SCENE,
     Define,
@@ -46,13 +46,14 @@ def demo(
     estimators: Annotated[
         Estimators, typer.Option(help="best: follow the lobe; chapter: the source chapter's, which starve.")
     ] = "best",
-    silhouettes: Annotated[int, typer.Option(help="K of the K x K points of a pixel at a silhouette.")] = 3,
+    silhouettes: SilhouettesOption = 3,
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids.")] = "2x2",
     seed: Annotated[int, typer.Option(help="Seed of the sampler.")] = 7,
     threads: Threads = 0,
     define: Define = None,
     out: Annotated[str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")] = "out",
     open_: Annotated[bool, typer.Option("--open", help="Open the report in the browser.")] = False,
+    preview: PreviewOption = "",
     force: Force = False,
     json: Json = False,
     quiet: Quiet = False,
@@ -92,7 +93,9 @@ def demo(
 
     settings = demo_settings(parse_size(size), lobe, estimators, silhouettes, disk, seed, threads)
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance:
-        made = make(chosen, settings, tol=tol, seconds=seconds, progress=advance, finished=finished)
+        made = make(
+            chosen, settings, tol=tol, seconds=seconds, progress=advance, preview=shown_in(preview), finished=finished
+        )
         strip(made).save(folder / "pictures.png", force=True)
         simulator = _simulator(chosen, folder / "simulator.html")
         command = shlex.join(["symrender", "demo", scene, *_told(size, seconds, tol, lobe, estimators, define)])

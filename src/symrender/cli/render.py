@@ -13,12 +13,15 @@ import typer
 from symrender.cli._means import (
     Cluster,
     InsecureCluster,
+    PreviewOption,
     Restart,
     Resume,
+    SilhouettesOption,
     Threads,
     Tile,
     ended_by_signals,
     means_of,
+    shown_in,
 )
 from symrender.cli._options import (
     DEFAULT_SCENE,
@@ -61,6 +64,7 @@ def render(
     tol: Annotated[float, typer.Option(help="Error asked of chambers, scene radiance.")] = 1e-3,
     budget: Annotated[int, typer.Option(help="Most evaluations a pixel of chambers.")] = 1_000_000,
     seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
+    silhouettes: SilhouettesOption = 1,
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -73,6 +77,7 @@ def render(
     views: Annotated[
         bool, typer.Option("--views", help="Also write gloss and hit-class pictures of each render.")
     ] = False,
+    preview: PreviewOption = "",
     force: Force = False,
     json: Json = False,
     quiet: Quiet = False,
@@ -107,6 +112,7 @@ def render(
         aa=aa,
         tol=tol,
         budget=budget,
+        silhouettes=silhouettes,
         seed=seed,
         threads=threads,
         tile=tile,
@@ -151,7 +157,7 @@ def render(
     with (
         ended_by_signals(),
         progress(progress_mode, quiet=quiet) as advance,
-        Crew(means, jobs, advance) as crew,
+        Crew(means, jobs, advance, preview=shown_in(preview)) as crew,
         _older_files_named(folder, _file_names(names, views=views), written),
     ):
         for name in _file_names(names, views=views):

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from symrender.errors import OptionError
 from symrender.fill import Crew, Means
 from symrender.image import Image
+from symrender.preview import Preview
 from symrender.render import Pair, carry_out, plan
 from symrender.report.fitting import fitting
 from symrender.report.judgement import Judgement, judge
@@ -81,6 +82,7 @@ def demo(
     tol: float,
     seconds: float,
     progress: Progress | None = None,
+    preview: Preview | None = None,
     finished: Finished | None = None,
 ) -> Demo:
     """Make the pair ``settings`` describe and the truth to ``tol`` in at most about ``seconds`` more.
@@ -107,7 +109,7 @@ def demo(
         silhouettes=settings.silhouettes,
     )
     job = truth_job(scene, true_settings)
-    with Crew(means, (*jobs, job), progress) as crew:
+    with Crew(means, (*jobs, job), progress, preview=preview) as crew:
         pair = carry_out(crew, jobs, scene, finished)
         assert pair.symbolic is not None
         taken, expected = fitting(job, crew.workers, pair.symbolic.layer("hit_class"), seconds)
