@@ -14,7 +14,20 @@ PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "limits", "version"),
-    ("scene", "image", "settings", "kernel_cache", "output", "png", "exr", "npz", "srgb", "views"),
+    (
+        "scene",
+        "image",
+        "settings",
+        "kernel_cache",
+        "output",
+        "png",
+        "exr",
+        "npz",
+        "srgb",
+        "views",
+        "picture",
+        "tonemap",
+    ),
     ("numeric", "expression"),
     ("chambers",),
     ("quadrature",),

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from symrender.report.build import Report, report
     from symrender.scene.load import load
     from symrender.scene.scene import Scene
+    from symrender.sequences.film import animate
     from symrender.simulator.build import simulator
     from symrender.truth import truth
 
@@ -45,6 +46,7 @@ _HOMES = {
     "Report": "symrender.report.build",
     "Scene": "symrender.scene.scene",
     "SymrenderError": "symrender.errors",
+    "animate": "symrender.sequences.film",
     "compare": "symrender.ledger.compare",
     "expression": "symrender.expression.integrand",
     "fit": "symrender.fit",
@@ -68,6 +70,7 @@ __all__ = [
     "Scene",
     "SymrenderError",
     "__version__",
+    "animate",
     "compare",
     "expression",
     "fit",

@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from symrender import png
 from symrender.errors import OutputError
-from symrender.image import NON_FINITE_COLOR
 from symrender.output import check_target, write_bytes
+from symrender.picture import NON_FINITE_COLOR
 from symrender.scene.arrays import Array
 from symrender.srgb import encode_srgb
 from symrender.units import Tile

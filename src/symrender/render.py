@@ -30,7 +30,6 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +81,7 @@ class Pair:
             for name, image in (("numeric", self.numeric), ("symbolic", self.symbolic))
             if image is not None
         ]
-        return f"{''.join(figures)}<pre>{escape(self.ledger.text())}</pre>"
+        return "".join(figures) + self.ledger._repr_html_()
 
 
 def render(

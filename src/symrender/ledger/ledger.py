@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from html import escape
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,7 +15,7 @@ from symrender.ledger.compare import Comparison, compare
 from symrender.ledger.lobe_widths import LobeWidths, lobe_widths
 from symrender.ledger.starvation import starvation
 from symrender.ledger.statistics import Difference
-from symrender.ledger.tables import number, plain_table, rich_table
+from symrender.ledger.tables import html_table, number, plain_table, rich_table
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -103,6 +104,10 @@ class Ledger:
             *(rich_table(rows, title) for title, rows in self.tables()),
             *(Text(f"note: {note}", style="yellow") for note in self.notes),
         )
+
+    def _repr_html_(self) -> str:
+        tables = "".join(html_table(rows, title) for title, rows in self.tables())
+        return tables + "".join(f"<p>note: {escape(note)}</p>" for note in self.notes)
 
     def as_json(self) -> dict[str, Any]:
         """Plain data; an infinite width is null."""

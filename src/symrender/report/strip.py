@@ -8,9 +8,9 @@ import numpy as np
 
 from symrender.ledger.pictures import absolute_difference
 from symrender.ledger.tables import number
+from symrender.picture import Picture
 from symrender.report.demo import Demo
 from symrender.srgb import encode_srgb
-from symrender.views import Picture
 
 _GAP: Final = 6
 _STRIP: Final = 40
