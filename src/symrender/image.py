@@ -18,8 +18,9 @@ from symrender.errors import ImageError, NonFiniteError
 from symrender.limits import MAX_PIXELS
 from symrender.output import write_bytes
 from symrender.picture import DIVERGING, NON_FINITE_COLOR, SEQUENTIAL, Picture, color_map
+from symrender.settings import Tonemap
 from symrender.srgb import clipped_pixels, encode_srgb
-from symrender.tonemap import Tonemap, exposed
+from symrender.tonemap import exposed
 
 Array = npt.NDArray[np.float64]
 

@@ -17,6 +17,7 @@ Nodes = Literal["midpoint", "barycentre", "gauss"]
 Partition = Literal["equal_angle", "equal_solid_angle", "equal_weight"]
 Antialias = Literal["analytic", "none"]
 Estimators = Literal["best", "chapter"]
+Tonemap = Literal["clip", "reinhard", "aces"]
 
 ESTIMATORS: Final[Mapping[Estimators, Mapping[str, Any]]] = {
     "best": {"numeric": "importance", "partition": "equal_weight", "nodes": "barycentre"},

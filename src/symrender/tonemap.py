@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Final, Literal, get_args
+from typing import Any, Final, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
+from symrender.settings import Tonemap
 
 Array = npt.NDArray[np.float64]
-Tonemap = Literal["clip", "reinhard", "aces"]
-
 MAX_STOPS: Final = 64.0
 """Largest exposure, stops."""
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symrender.cli._browser import open_page
+from symrender.cli._console import Patient
 from symrender.cli._means import PreviewOption, SilhouettesOption, Threads, ended_by_signals, shown_in
 from symrender.cli._options import (
     DEFAULT_SCENE,
@@ -82,9 +83,11 @@ def demo(
     from symrender.report.demo import demo as make
     from symrender.report.strip import strip
 
+    told = Patient()
+
     def say(text: str) -> None:
         if not quiet and not json:
-            typer.echo(f"{time.perf_counter() - begun:6.1f} s  {text}")
+            told(f"{time.perf_counter() - begun:6.1f} s  {text}")
 
     def finished(name: str, image: Image) -> None:
         image.save(folder / f"{name}.png", force=True)
@@ -101,6 +104,7 @@ def demo(
         command = shlex.join(["symrender", "demo", scene, *_told(size, seconds, tol, lobe, estimators, define)])
         page = page_of(made, simulator=simulator, command=command)
         page.save(folder / "report.html", force=True)
+    told.end()
     if json:
         import json as json_module
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib.metadata
+import math
 import os
 import platform
+import re
 import sys
 from pathlib import Path
 
@@ -13,13 +15,6 @@ import typer
 from symrender.cli._options import Json
 
 _CORE = ("numpy", "sympy", "numba", "llvmlite", "pydantic", "PyYAML", "typer", "rich", "pillow", "OpenEXR")
-_EXTRAS = {
-    "certify": ("python-flint",),
-    "dist": ("distributed",),
-    "notebook": ("nbformat", "jupytext", "nbclient", "matplotlib"),
-    "flip": ("flip-evaluator",),
-    "gpu": ("numba-cuda",),
-}
 _FEATURES = ("sse4_2", "avx", "avx2", "fma", "avx512f", "asimd", "sve")
 
 
@@ -36,7 +31,8 @@ def doctor(json: Json = False) -> None:
         "threads": f"{_usable()} usable of {os.cpu_count()}",
         "kernel cache": _cache(),
         **{name: _version(name) for name in _CORE},
-        **{f"extra {name}": ", ".join(f"{p} {_version(p)}" for p in packages) for name, packages in _EXTRAS.items()},
+        "arithmetic": _arithmetic(),
+        **{f"extra {name}": ", ".join(f"{p} {_version(p)}" for p in packages) for name, packages in extras().items()},
         "terminal": f"{sys.stdout.encoding}, {'colour' if sys.stdout.isatty() else 'not a terminal'}",
     }
     if json:
@@ -46,6 +42,22 @@ def doctor(json: Json = False) -> None:
     else:
         width = max(map(len, facts))
         typer.echo("\n".join(f"{name.ljust(width)}  {fact}" for name, fact in facts.items()))
+
+
+def extras() -> dict[str, list[str]]:
+    """The packages of every extra, as the installed metadata list them."""
+    listed: dict[str, list[str]] = {}
+    for line in importlib.metadata.requires("symrender") or ():
+        found = re.fullmatch(r"([A-Za-z0-9._-]+)(?:\[[^]]*])?[^;]*;\s*extra\s*==\s*['\"]([\w-]+)['\"]", line)
+        if found and found[1] != "symrender":
+            listed.setdefault(found[2], []).append(found[1])
+    return listed
+
+
+def _arithmetic() -> str:
+    """Whether doubles are rounded as the figures of symrender assume."""
+    exact = (0.1 + 0.2 == 0.30000000000000004, 2.0**-1074 > 0.0, 1.0 + 2.0**-53 == 1.0, math.sqrt(2.0) ** 2 != 2.0)
+    return "IEEE doubles, gradual underflow, round to even" if all(exact) else "NOT IEEE doubles: distrust every figure"
 
 
 def _version(package: str) -> str:

@@ -23,10 +23,12 @@ from symrender.cli._means import (
 from symrender.cli._options import (
     DEFAULT_SCENE,
     Define,
+    Exposure,
     Force,
     Json,
     Quiet,
     SceneArgument,
+    TonemapOption,
     parse_size,
     scene_files,
     scene_with,
@@ -62,6 +64,8 @@ def truth(
     max_pixels: Annotated[int, typer.Option(help="Most pixels accepted.")] = MAX_PIXELS,
     define: Define = None,
     out: Annotated[str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")] = "out",
+    exposure: Exposure = 0.0,
+    tonemap: TonemapOption = "clip",
     preview: PreviewOption = "",
     force: Force = False,
     json: Json = False,
@@ -122,7 +126,7 @@ def truth(
     ):
         image = true_image(crew, job, chosen)
         for name in names[:3]:
-            image.save(folder / name, force=force)
+            image.save(folder / name, force=force, exposure=exposure, tonemap=tonemap)
         for name in wanted:
             false_color(image, name).save(folder / f"truth_{name}.png", force=force)
         crew.succeeded()
