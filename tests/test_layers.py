@@ -13,7 +13,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "limits", "version"),
+    ("errors", "limits", "version", "install"),
     (
         "scene",
         "image",
@@ -61,6 +61,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("report",),
     ("chapter",),
     ("cli", "__init__"),
+    ("__main__",),
 )
 LAYER_OF = {part: number for number, parts in enumerate(LAYERS) for part in parts}
 SLOW = ("numba", "llvmlite", "sympy", "mpmath", "OpenEXR", "scipy")

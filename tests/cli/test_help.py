@@ -10,7 +10,7 @@ import pytest
 
 from symrender.cli import main
 from symrender.cli._application import OPTION_PANELS, PANELS, verbs
-from symrender.cli.doctor import extras
+from symrender.install import extras, remedy
 
 
 def test_every_verb_stands_under_one_heading() -> None:
@@ -55,9 +55,8 @@ def test_a_choice_like_no_other_is_not_guessed(capsys: pytest.CaptureFixture[str
 
 def test_faults_of_a_scene_stand_one_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene = tmp_path / "scene.yaml"
-    text = (
-        "camera: {eye: [0, 0, 1]}\nspheres:\n  - {name: A, raduis: 1, center: [0, 0, 1]}\n  - {name: B, radius: -1}\n"
-    )
+    spheres = "  - {name: A, raduis: 1, center: [0, 0, 1]}\n  - {name: B, radius: -1}\n"
+    text = f"camera: {{eye: [0, 0, 1]}}\nspheres:\n{spheres}"
     scene.write_text(text)
     assert main(["params", str(scene)]) == 2
     lines = capsys.readouterr().err.splitlines()
@@ -71,6 +70,8 @@ def test_doctor_knows_every_extra(capsys: pytest.CaptureFixture[str]) -> None:
     project = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text("utf-8"))["project"]
     declared = set(project["optional-dependencies"])
     assert set(extras()) == declared
+    assert remedy("flip").startswith("pip install 'flip-evaluator>=")
+    assert "nbformat" in remedy("chapter") and "symrender" not in remedy("chapter")
     assert main(["doctor"]) == 0
     out = capsys.readouterr().out
     assert all(f"extra {name} " in out for name in declared) and "IEEE doubles" in out

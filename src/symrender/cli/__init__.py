@@ -76,7 +76,7 @@ def _report(error: Exception) -> int:
     usage = getattr(error, "format_message", None)
     if usage is not None:
         # without a command the help has been printed, and there is nothing to add
-        return _fail(usage() + _nearest_choice(error), 2) if usage() else 2
+        return _fail(usage() + _nearest_choice(usage()), 2) if usage() else 2
     return _fail(f"a fault in symrender: {type(error).__name__}: {error}; --debug shows where", _FAULT)
 
 
@@ -93,12 +93,11 @@ def _fail(message: str, code: int) -> int:
     return code
 
 
-def _nearest_choice(error: Exception) -> str:
+def _nearest_choice(message: str) -> str:
     """What a value that is none of an option's choices may have meant."""
-    choices = getattr(getattr(getattr(error, "param", None), "type", None), "choices", None)
-    found = re.match(r"'(.*?)' is not one of", str(getattr(error, "message", "")))
-    if choices is None or found is None:
+    found = re.search(r"'([^']*)' is not one of ('.*')", message)
+    if found is None:
         return ""
     from symrender.scene.nearest import did_you_mean
 
-    return did_you_mean(found[1], map(str, choices))
+    return did_you_mean(found[1], re.findall(r"'(.*?)'", found[2]))

@@ -13,6 +13,7 @@ from pathlib import Path
 import typer
 
 from symrender.cli._options import Json
+from symrender.install import extras
 
 _CORE = ("numpy", "sympy", "numba", "llvmlite", "pydantic", "PyYAML", "typer", "rich", "pillow", "OpenEXR")
 _FEATURES = ("sse4_2", "avx", "avx2", "fma", "avx512f", "asimd", "sve")
@@ -32,7 +33,7 @@ def doctor(json: Json = False) -> None:
         "kernel cache": _cache(),
         **{name: _version(name) for name in _CORE},
         "arithmetic": _arithmetic(),
-        **{f"extra {name}": ", ".join(f"{p} {_version(p)}" for p in packages) for name, packages in extras().items()},
+        **{f"extra {name}": _listed(packages) for name, packages in extras().items()},
         "terminal": f"{sys.stdout.encoding}, {'colour' if sys.stdout.isatty() else 'not a terminal'}",
     }
     if json:
@@ -44,20 +45,15 @@ def doctor(json: Json = False) -> None:
         typer.echo("\n".join(f"{name.ljust(width)}  {fact}" for name, fact in facts.items()))
 
 
-def extras() -> dict[str, list[str]]:
-    """The packages of every extra, as the installed metadata list them."""
-    listed: dict[str, list[str]] = {}
-    for line in importlib.metadata.requires("symrender") or ():
-        found = re.fullmatch(r"([A-Za-z0-9._-]+)(?:\[[^]]*])?[^;]*;\s*extra\s*==\s*['\"]([\w-]+)['\"]", line)
-        if found and found[1] != "symrender":
-            listed.setdefault(found[2], []).append(found[1])
-    return listed
-
-
 def _arithmetic() -> str:
     """Whether doubles are rounded as the figures of symrender assume."""
     exact = (0.1 + 0.2 == 0.30000000000000004, 2.0**-1074 > 0.0, 1.0 + 2.0**-53 == 1.0, math.sqrt(2.0) ** 2 != 2.0)
     return "IEEE doubles, gradual underflow, round to even" if all(exact) else "NOT IEEE doubles: distrust every figure"
+
+
+def _listed(requirements: list[str]) -> str:
+    names = [re.split(r"[<>=!~ ]", requirement)[0] for requirement in requirements]
+    return ", ".join(f"{name} {_version(name)}" for name in names)
 
 
 def _version(package: str) -> str:
