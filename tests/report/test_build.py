@@ -75,7 +75,7 @@ def test_nothing_is_loaded(made: tuple[Report, Path]) -> None:
 
 def test_a_picture_of_the_four_says_what_it_shows(made: tuple[Report, Path]) -> None:
     picture = strip(made[0].demo)
-    assert picture.pixels.shape[1] > 4 * 300 and "symbolic, 16 directions: " in picture.caption
+    assert picture.pixels.shape[1] > 4 * 256 and "symbolic, 16 directions: " in picture.caption
 
 
 def test_a_report_is_short_in_a_console_and_whole_in_a_notebook(made: tuple[Report, Path]) -> None:

@@ -13,7 +13,7 @@ from symrender.srgb import encode_srgb
 
 _GAP: Final = 6
 _STRIP: Final = 40
-_SIDE: Final = 300
+_SIDE: Final = 256
 """Pictures smaller than this are enlarged to it."""
 
 
