@@ -11,7 +11,7 @@ DOCS := $(VENV)/.docs
 .DELETE_ON_ERROR:
 
 render: $(BASE)
-	$(VENV)/bin/symrender render --out out --force
+	$(VENV)/bin/symrender demo --out out --force
 
 test: lint types
 	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || test "$$(id -u)" != 0 \

@@ -17,7 +17,8 @@ import pytest
 from symrender import exr, npz
 from symrender.errors import ImageError, NonFiniteError, OutputError
 from symrender.image import Image, read_image
-from symrender.views import CLASSES, colors, false_color, gloss_view, hit_class_view
+from symrender.picture import CLASSES, colors
+from symrender.views import false_color, gloss_view, hit_class_view
 
 RNG = np.random.default_rng(20)
 

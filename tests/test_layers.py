@@ -13,9 +13,22 @@ import pytest
 PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 
 LAYERS: tuple[tuple[str, ...], ...] = (
-    ("errors", "limits", "version"),
+    ("errors", "limits", "version", "install"),
     ("jit",),
-    ("scene", "image", "settings", "kernel_cache", "output", "png", "exr", "npz", "srgb", "views"),
+    (
+        "scene",
+        "image",
+        "settings",
+        "kernel_cache",
+        "output",
+        "png",
+        "exr",
+        "npz",
+        "srgb",
+        "views",
+        "picture",
+        "tonemap",
+    ),
     ("numeric", "expression"),
     ("chambers",),
     ("quadrature",),
@@ -33,6 +46,10 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "hessian",
         "fit",
         "signed_view",
+        "silhouettes",
+        "preview",
+        "notebook",
+        "first_use",
         "units",
         "fill",
         "finite",
@@ -42,8 +59,10 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "provenance",
     ),
     ("studies", "simulator", "sequences"),
+    ("report",),
     ("chapter",),
     ("cli", "__init__"),
+    ("__main__",),
 )
 LAYER_OF = {part: number for number, parts in enumerate(LAYERS) for part in parts}
 SLOW = ("numba", "llvmlite", "sympy", "mpmath", "OpenEXR", "scipy")

@@ -21,7 +21,19 @@ FOREIGN = {
 }
 PUBLIC = {
     *("load", "render", "truth", "probe", "gradient", "hessian", "fit", "expression", "compare", "read_image"),
-    *("simulator", "Fit", "Hessian", "Image", "Pair", "Scene", "SymrenderError", "__version__"),
+    *(
+        "simulator",
+        "animate",
+        "report",
+        "Report",
+        "Fit",
+        "Hessian",
+        "Image",
+        "Pair",
+        "Scene",
+        "SymrenderError",
+        "__version__",
+    ),
 }
 
 

@@ -20,7 +20,7 @@ from symrender.render import render
 from symrender.scene.arrays import Array
 from symrender.scene.load import load
 from symrender.settings import Settings
-from symrender.tiles import LARGEST, Threads, measured_side, thread_count, tiles
+from symrender.tiles import LARGEST, Threads, measured_side, spread, thread_count, tiles
 from symrender.units import Job, Tile, TileKernel
 
 SIZE = 40
@@ -187,3 +187,27 @@ def test_progress_reaches_its_total_on_the_calling_thread(tile: int) -> None:
         total = len(list(tiles(SIZE, SIZE, tile)))
         assert steps == [(k + 1, total) for k in range(total)]
     assert {name for *_, name in seen} == {threading.current_thread().name}
+
+
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(st.integers(1, 90), st.integers(1, 90), st.integers(1, 20))
+def test_spread_tiles_are_the_same_tiles(width: int, height: int, side: int) -> None:
+    work = list(tiles(width, height, side))
+    assert sorted(spread(work, side)) == sorted(work)
+    assert spread(work[::-1], side) == spread(work, side), "an order of their own"
+
+
+def test_from_a_tenth_on_what_is_done_foretells_the_rest() -> None:
+    # dear tiles below a horizon, dearest in one corner: rows from the top would foretell ten times too little
+    def cost(tile: Tile) -> float:
+        x, y = tile[0] / 256, tile[1] / 256
+        return 0.02 if y < 0.5 else 1 + 6 * (x > 0.5 and y > 0.75)
+
+    order = spread(list(tiles(256, 256, 22)), 22)
+    spent = np.cumsum([cost(tile) for tile in order])
+    done = np.arange(1, len(order) + 1)
+    late = done >= 0.1 * len(order)
+    foretold = spent / done * len(order)
+    assert len(order) == 144 and (np.maximum(foretold / spent[-1], spent[-1] / foretold)[late] < 1.5).all()
+    rows = np.cumsum([cost(tile) for tile in tiles(256, 256, 22)])
+    assert (rows / done * len(order))[late].min() < 0.2 * rows[-1], "the order is what does it"

@@ -31,8 +31,10 @@ if TYPE_CHECKING:
     from symrender.ledger.compare import compare
     from symrender.probe import probe
     from symrender.render import Pair, render
+    from symrender.report.build import Report, report
     from symrender.scene.load import load
     from symrender.scene.scene import Scene
+    from symrender.sequences.film import animate
     from symrender.simulator.build import simulator
     from symrender.truth import truth
 
@@ -41,8 +43,10 @@ _HOMES = {
     "Hessian": "symrender.hessian",
     "Image": "symrender.image",
     "Pair": "symrender.render",
+    "Report": "symrender.report.build",
     "Scene": "symrender.scene.scene",
     "SymrenderError": "symrender.errors",
+    "animate": "symrender.sequences.film",
     "compare": "symrender.ledger.compare",
     "expression": "symrender.expression.integrand",
     "fit": "symrender.fit",
@@ -52,6 +56,7 @@ _HOMES = {
     "read_image": "symrender.image",
     "probe": "symrender.probe",
     "render": "symrender.render",
+    "report": "symrender.report.build",
     "simulator": "symrender.simulator.build",
     "truth": "symrender.truth",
 }
@@ -61,9 +66,11 @@ __all__ = [
     "Hessian",
     "Image",
     "Pair",
+    "Report",
     "Scene",
     "SymrenderError",
     "__version__",
+    "animate",
     "compare",
     "expression",
     "fit",
@@ -73,6 +80,7 @@ __all__ = [
     "probe",
     "read_image",
     "render",
+    "report",
     "simulator",
     "truth",
 ]

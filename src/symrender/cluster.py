@@ -34,6 +34,7 @@ from urllib.parse import urlsplit
 
 from symrender import version
 from symrender.errors import OptionError, Unsupported
+from symrender.install import remedy
 from symrender.scene.arrays import Array
 from symrender.scene.printable import printable
 from symrender.tiles import Finished, next_of
@@ -356,6 +357,6 @@ def _library() -> Any:
         import cryptography  # noqa: F401 - distributed needs it for the certificates of a local cluster
         import distributed
     except ImportError:
-        raise Unsupported("cluster: needs dask.distributed; install it with: pip install 'symrender[dist]'") from None
+        raise Unsupported(f"cluster: needs dask.distributed; install it with: {remedy('dist')}") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     return distributed

@@ -9,10 +9,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from symrender.first_use import first_use
 from symrender.journal import PATIENCE, Entry, Journal, Start
 from symrender.ledger.ledger import Timing
+from symrender.notebook import in_notebook, notebook_preview, notebook_progress
+from symrender.preview import Preview
 from symrender.scene.arrays import Array
-from symrender.tiles import Progress, Threads, Workers, measured_side, tiles
+from symrender.silhouettes import smooth
+from symrender.tiles import Progress, Threads, Workers, measured_side, spread, tiles
 from symrender.units import Job, Tile, blocks, prepared
 
 
@@ -39,13 +43,22 @@ class Means:
 class Crew:
     """Workers and a journal, open for the jobs of one run; use it in a ``with`` statement.
 
-    ``workers`` are used if given, and outlive it; else those ``means`` describes are hired for the run.
+    ``workers`` are used if given, and outlive it; else those ``means`` describes are hired for the run. In a notebook
+    the cell shows progress and the unfinished picture unless ``progress`` or ``preview`` say otherwise.
     """
 
     def __init__(
-        self, means: Means, jobs: tuple[Job, ...], progress: Progress | None = None, workers: Workers | None = None
+        self,
+        means: Means,
+        jobs: tuple[Job, ...],
+        progress: Progress | None = None,
+        workers: Workers | None = None,
+        preview: Preview | None = None,
     ) -> None:
-        self._means, self._jobs, self._progress, self._given = means, jobs, progress, workers
+        self._means, self._jobs, self._given = means, jobs, workers
+        shown = progress is None and in_notebook()
+        self.progress = notebook_progress() if shown else progress
+        self._preview = notebook_preview() if shown and preview is None else preview
         self._stack = ExitStack()
         self._journal: Journal | None = None
 
@@ -62,30 +75,44 @@ class Crew:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._stack.__exit__(kind, error, at)
 
+    @property
+    def workers(self) -> Workers:
+        """Who does the work, while the crew is open."""
+        return self._workers
+
     def fill(self, job: Job) -> tuple[dict[str, Array], Timing]:
         """The layers of the image ``job`` describes, and what they cost, earlier sessions included."""
         layers = job.empty_layers()
         left = self._take_over(job, layers)
-        prepared(job)
+        with first_use(job.kind, self.progress):
+            prepared(job)
         side = left.side or self._means.tile or measured_side(self._workers, job, layers)
-        all_tiles = list(tiles(job.settings.width, job.settings.height, side))
+        all_tiles = spread(list(tiles(job.settings.width, job.settings.height, side)), side)
         work = [tile for tile in all_tiles if tile not in left.tiles]
-        evaluations, done = left.evaluations, len(all_tiles) - len(work)
+        standing = [tile for tile in all_tiles if tile in left.tiles]
+        open_tiles = dict.fromkeys(work)
+        evaluations, done = left.evaluations, len(standing)
         begun = time.perf_counter()
 
         def finished(tile: Tile, spent: int, _: float) -> None:
             nonlocal evaluations, done
             evaluations += spent
             done += 1
+            standing.append(tile)
+            del open_tiles[tile]
             if self._journal is not None:
                 age = left.seconds + time.perf_counter() - begun
                 self._journal.append(Entry(job.kind, tile, side, spent, age, blocks(layers, tile)))
-            if self._progress is not None:
-                self._progress(done, len(all_tiles), job.kind)
+            if self.progress is not None:
+                self.progress(done, len(all_tiles), job.kind)
+            if self._preview is not None:
+                self._preview(job.kind, layers, standing, list(open_tiles))
 
-        if done and self._progress is not None:
-            self._progress(done, len(all_tiles), job.kind)
+        if done and self.progress is not None:
+            self.progress(done, len(all_tiles), job.kind)
         self._workers.run(job, layers, work, finished)
+        if job.settings.silhouettes > 1:
+            evaluations += smooth(job, layers, self._workers, self.progress)
         return layers, Timing(left.seconds + time.perf_counter() - begun, evaluations)
 
     def succeeded(self) -> None:

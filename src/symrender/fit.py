@@ -14,6 +14,7 @@ import numpy.typing as npt
 from symrender.errors import OptionError
 from symrender.gradient import gradient
 from symrender.image import Image
+from symrender.ledger.tables import html_table
 from symrender.scene.load import load
 from symrender.scene.moves import components
 from symrender.scene.parameters import get, parameters
@@ -76,6 +77,12 @@ class Fit:
         width = max(map(len, self.values))
         lines += [f"{name:{width}}  {value:.10g} +- {self.deviations[name]:.1g}" for name, value in self.values.items()]
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = [("parameter", "value", "one standard deviation")]
+        rows += [(name, f"{value:.10g}", f"{self.deviations[name]:.1g}") for name, value in self.values.items()]
+        ended = f"{'converged' if self.converged else 'not converged'}: {self.reason}"
+        return html_table(rows, f"fit, {ended}; RMS residual {self.residual:.2e} in scene radiance")
 
 
 def fit(

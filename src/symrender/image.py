@@ -17,7 +17,10 @@ from symrender import exr, npz, png
 from symrender.errors import ImageError, NonFiniteError
 from symrender.limits import MAX_PIXELS
 from symrender.output import write_bytes
+from symrender.picture import DIVERGING, NON_FINITE_COLOR, SEQUENTIAL, Picture, color_map
+from symrender.settings import Tonemap
 from symrender.srgb import clipped_pixels, encode_srgb
+from symrender.tonemap import exposed
 
 Array = npt.NDArray[np.float64]
 
@@ -28,9 +31,6 @@ META_KEYS: Final = (
     *("estimator", "units", "convention"),
 )
 """Metadata a render carries; every value is text, ``settings`` is JSON, ``scene`` the whole scene as YAML."""
-NON_FINITE_COLOR: Final = (255, 0, 255)
-"""What a NaN or an infinity is painted as on a screen, sRGB."""
-
 _META_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,59}")
 _READERS: Final = {".exr": exr.decode, ".png": png.decode, ".npz": npz.decode}
 
@@ -104,11 +104,12 @@ class Image:
     def __repr__(self) -> str:
         return f"Image({self.width}x{self.height}, layers: {', '.join(self.layers)})"
 
-    def save(self, path: str | Path, *, force: bool = True) -> Saved:
+    def save(self, path: str | Path, *, force: bool = True, exposure: float = 0.0, tonemap: Tonemap = "clip") -> Saved:
         """Write the image whole or not at all; the extension says how.
 
         ``.exr`` every layer in 32-bit float with the metadata; ``.npz`` every layer in exact float64 with the
-        metadata; ``.png`` the radiance, clipped to [0, 1] and sRGB encoded in 8 bits, with the metadata as text.
+        metadata; ``.png`` the radiance, times 2^``exposure``, tone mapped, clipped to [0, 1] and sRGB encoded in
+        8 bits, with the metadata as text. What holds values is never exposed.
         ``force=False`` refuses to replace an existing file. Raises ``ImageError`` for another extension or a value
         float32 cannot hold, ``NonFiniteError`` for NaN in a PNG, ``OutputError`` when the file cannot be written.
         """
@@ -121,8 +122,9 @@ class Image:
                 data = npz.encode(self.layers, self.meta)
             case ".png":
                 _require_finite(self.radiance)
-                clipped = clipped_pixels(self.radiance)
-                data = png.encode(encode_srgb(self.radiance), self.meta)
+                light = exposed(self.radiance, exposure, tonemap)
+                clipped = clipped_pixels(light)
+                data = png.encode(encode_srgb(light), self.meta)
             case other:
                 raise ImageError(f"{target}: must end in .exr, .npz or .png, got {other!r}")
         write_bytes(target, data, force=force)
@@ -153,13 +155,49 @@ class Image:
         text += f", {clipped} pixels clipped to the screen's range" if clipped else ""
         return text + (f", {bad} non-finite pixels in magenta" if bad else "")
 
+    @property
+    def signed(self) -> bool:
+        """Whether the values are a derivative, of both signs, and no light."""
+        return self.meta.get("method") == "gradient"
+
+    def view(
+        self,
+        layer: str = "radiance",
+        *,
+        exposure: float = 0.0,
+        tonemap: Tonemap = "clip",
+        scale: float | None = None,
+    ) -> Picture:
+        """A layer as a picture that says what its colours mean.
+
+        Light (h, w, 3) is exposed by stops, tone mapped (``tonemap.py``) and sRGB encoded. A derivative is blue below
+        zero, white at zero, red above, mean of the channels, to +-``scale`` (default: the 99th percentile of what is
+        not zero). A layer (h, w) goes from dark violet at its least to yellow at ``scale`` (default: its largest).
+        """
+        array = self.layer(layer)
+        finite = np.where(np.isfinite(array), array, 0.0)
+        if self.signed and layer in ("radiance", "direct", "gloss"):
+            values = array.mean(axis=-1) if array.ndim == 3 else array
+            sizes = np.abs(values[np.isfinite(values) & (values != 0)])
+            reach = scale if scale is not None else float(np.percentile(sizes, 99.0)) if sizes.size else 1.0
+            name = self.meta.get("parameter", "a parameter")
+            caption = f"d {layer} / d {name}: blue -{reach:.3g}, white 0, red +{reach:.3g}"
+            return Picture(color_map(values, -reach, reach, DIVERGING), caption)
+        if array.ndim == 2:
+            low, high = float(finite.min()), scale if scale is not None else float(finite.max())
+            caption = f"{layer}: dark violet {low:.4g} to yellow {high:.4g}"
+            return Picture(color_map(array, low, high, SEQUENTIAL), caption)
+        pixels = encode_srgb(exposed(finite, exposure, tonemap))
+        pixels[~np.isfinite(array).all(axis=-1)] = NON_FINITE_COLOR
+        return Picture(pixels, f"{layer} x 2^{exposure:g}, {tonemap}, sRGB")
+
     def _repr_png_(self) -> bytes:
-        shown = encode_srgb(np.nan_to_num(self.radiance, nan=0.0, posinf=0.0, neginf=0.0))
-        shown[~np.isfinite(self.radiance).all(axis=-1)] = NON_FINITE_COLOR
-        return png.encode(shown, self.meta)
+        return png.encode(self.view().pixels, self.meta)
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> tuple[dict[str, Any], dict[str, Any]]:
         alt = self.alt_text()
+        if self.signed:
+            alt = self.view().caption
         return {"image/png": self._repr_png_(), "text/plain": f"{self!r}\n{alt}"}, {"image/png": {"alt": alt}}
 
 

@@ -27,6 +27,8 @@ MAX_LIGHT_POINTS: Final = 65_536
 """Most points all disk lights together are replaced by under a K x K rule."""
 MAX_PIXELS: Final = 1 << 28
 """Most pixels in an image, unless ``max_pixels`` says otherwise."""
+MAX_SILHOUETTES: Final = 8
+"""Largest K of the K x K points of a pixel beside another shape."""
 MAX_LOBE: Final = 4096
 """Largest K of the K x K lobe strata."""
 MAX_DISK: Final = 256

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from symrender.certify import Enclosure
 from symrender.certify import certify as enclose
 from symrender.errors import OptionError, SceneError
+from symrender.ledger.tables import html_table
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
@@ -59,6 +60,17 @@ class Probe:
     gradient_status: Mapping[str, Ints] = field(default_factory=dict)
     enclosures: tuple[Enclosure, ...] = ()
     convention: str = "lobe_average"
+
+    def _repr_html_(self) -> str:
+        names = ("met", "capped", "near-tangent", "unsupported")
+        rows: list[tuple[str, ...]] = [("point", "red", "green", "blue", "error", "status", "evaluations", "chambers")]
+        rows += [
+            (str(k), *(f"{x:.12g}" for x in gloss), f"{error:.1g}", names[status], str(spent), str(met))
+            for k, (gloss, error, status, spent, met) in enumerate(
+                zip(self.gloss, self.error, self.status, self.evaluations, self.chambers, strict=True)
+            )
+        ]
+        return html_table(rows, f"lobe integral, {self.convention}")
 
 
 def probe(

@@ -30,15 +30,16 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import Any
 
 from symrender.errors import OptionError
 from symrender.fill import Crew, Means
 from symrender.finite import check_finite
+from symrender.first_use import first_use
 from symrender.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
+from symrender.preview import preview_file
 from symrender.provenance import provenance
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
@@ -80,7 +81,7 @@ class Pair:
             for name, image in (("numeric", self.numeric), ("symbolic", self.symbolic))
             if image is not None
         ]
-        return f"{''.join(figures)}<pre>{escape(self.ledger.text())}</pre>"
+        return "".join(figures) + self.ledger._repr_html_()
 
 
 def render(
@@ -98,11 +99,13 @@ def render(
     aa: Antialias = "analytic",
     tol: float = 1e-3,
     budget: int = 1_000_000,
+    silhouettes: int = 1,
     seed: int = 7,
     threads: int = 0,
     tile: int = 0,
     max_pixels: int | None = None,
     progress: Progress | None = None,
+    preview: str | Path | None = None,
     cluster: str = "",
     insecure_cluster: bool = False,
 ) -> Pair:
@@ -118,6 +121,8 @@ def render(
     texture over the pixel (``analytic``) or read it at the centre (``none``). ``seed``: of the samplers. ``threads``:
     0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile, 0 to measure
     one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes (``cluster.py``).
+    ``preview``: a PNG file that shows each image while it is made. ``silhouettes``: K of the K x K points whose mean a
+    pixel beside another shape is, 1 for its centre alone.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j). Raises SceneError, OptionError, and NonFiniteError naming the pixels.
@@ -139,13 +144,15 @@ def render(
         aa=aa,
         tol=float(tol),
         budget=budget,
+        silhouettes=silhouettes,
         seed=seed,
         threads=threads,
         tile=tile,
         **limits,
     )
     jobs = plan(loaded, settings)
-    with Crew(Means(threads, tile, cluster, insecure_cluster), jobs, progress) as crew:
+    shown = None if preview is None else preview_file(preview)
+    with Crew(Means(threads, tile, cluster, insecure_cluster), jobs, progress, preview=shown) as crew:
         return carry_out(crew, jobs, loaded)
 
 
@@ -169,7 +176,8 @@ def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene, finished: Finished 
     with second_beside(jobs) as second_compiled:
         for job in jobs:
             if images:
-                second_compiled()
+                with first_use(job.kind, crew.progress, whole=False):
+                    second_compiled()
             images[job.side], timings[job.side] = _one(crew, job, scene)
             if finished is not None:
                 finished(job.side, images[job.side])

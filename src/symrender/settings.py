@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal, get_args
 
 from symrender.errors import OptionError
-from symrender.limits import MAX_DISK, MAX_LOBE, MAX_PIXELS, MAX_THREADS, MIN_TOLERANCE
+from symrender.limits import MAX_DISK, MAX_LOBE, MAX_PIXELS, MAX_SILHOUETTES, MAX_THREADS, MIN_TOLERANCE
 
 Sampler = Literal["jittered", "independent", "importance", "sobol", "none"]
 Symbolic = Literal["strata", "chambers", "none"]
@@ -15,6 +16,14 @@ Weights = Literal["exact", "midpoint"]
 Nodes = Literal["midpoint", "barycentre", "gauss"]
 Partition = Literal["equal_angle", "equal_solid_angle", "equal_weight"]
 Antialias = Literal["analytic", "none"]
+Estimators = Literal["best", "chapter"]
+Tonemap = Literal["clip", "reinhard", "aces"]
+
+ESTIMATORS: Final[Mapping[Estimators, Mapping[str, Any]]] = {
+    "best": {"numeric": "importance", "partition": "equal_weight", "nodes": "barycentre"},
+    "chapter": {"numeric": "jittered", "partition": "equal_angle", "nodes": "midpoint"},
+}
+"""The settings of estimators that follow the lobe, and of the source chapter's."""
 
 EXACT_DISK: Final = 0
 """``Settings.disk_order`` of the exactly integrated disk."""
@@ -28,7 +37,8 @@ class Settings:
     disk light's K x K strata, or ``"exact"``. ``normalised`` divides by the closed-form integral of the weight
     instead of the sum of the weights met. ``tol`` and ``budget`` are what the split rule aims at and the most
     evaluations it may make, a pixel; without ``counts`` it need not count what chambers it meets. ``threads`` 0 takes
-    the processors this process may use, ``tile`` 0 measures a tile's side.
+    the processors this process may use, ``tile`` 0 measures a tile's side. ``silhouettes`` is K of the K x K points
+    whose mean a pixel beside another shape is, 1 for its centre alone.
     """
 
     width: int = 256
@@ -48,6 +58,7 @@ class Settings:
     tol: float = 1e-6
     budget: int = 1_000_000
     counts: bool = True
+    silhouettes: int = 1
     max_pixels: int = MAX_PIXELS
 
     def __post_init__(self) -> None:
@@ -59,6 +70,7 @@ class Settings:
             ("threads", 0, MAX_THREADS),
             ("tile", 0, 1 << 31),
             ("budget", 1, 1 << 62),
+            ("silhouettes", 1, MAX_SILHOUETTES),
             ("max_pixels", 1, 1 << 62),
         ):
             value = getattr(self, name)
@@ -81,6 +93,11 @@ class Settings:
             gib = self.width * self.height * 10 * 8 / 2**30
             raise OptionError(
                 f"size: {self.width} x {self.height} pixels need {gib:.3g} GiB and exceed max_pixels {self.max_pixels}"
+            )
+        if self.silhouettes > 1 and self.width * self.height * self.silhouettes**2 > MAX_PIXELS:
+            raise OptionError(
+                f"silhouettes: {self.width} x {self.height} pixels of {self.silhouettes} x {self.silhouettes} points "
+                f"exceed {MAX_PIXELS}; choose fewer of either"
             )
         if type(self.tol) is not float or not math.isfinite(self.tol) or not 0 < self.tol <= 1:
             raise OptionError(f"tol: must be a number in (0, 1], got {self.tol!r}")
@@ -109,6 +126,7 @@ def split_settings(
     threads: int,
     tile: int,
     counts: bool = True,
+    silhouettes: int = 1,
     max_pixels: int = MAX_PIXELS,
 ) -> Settings:
     """Settings of an image of ``image_size(size)`` whose values, or derivatives, the split rule makes alone."""
@@ -125,6 +143,7 @@ def split_settings(
         threads=threads,
         tile=tile,
         counts=counts,
+        silhouettes=silhouettes,
         max_pixels=max_pixels,
     )
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from symrender.image import Image
-from symrender.views import DIVERGING, Picture, color_map
+from symrender.picture import DIVERGING, Picture, color_map
 
 LONGEST: Final = 256
 """Pictures smaller than this are enlarged by a whole factor, so that a pixel stays a square."""

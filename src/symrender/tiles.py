@@ -19,7 +19,7 @@ from symrender.scene.arrays import Array
 from symrender.units import Job, Tile, TileKernel, prepared
 
 Progress = Callable[[int, int, str], None]
-"""``progress(done, total, label)``, called from the thread that renders."""
+"""``progress(done, total, label)``, called from the thread that renders; 0 of 0 while something is compiled."""
 Finished = Callable[[Tile, int, float], None]
 """``finished(tile, evaluations, seconds)``, called from the thread that renders once a tile stands in the layers."""
 
@@ -27,9 +27,10 @@ LONGEST: Final = 0.2
 """Seconds a tile should take at most."""
 LARGEST: Final = 128
 """Largest side of a tile whose side was measured, pixels."""
+_PLASTIC: Final = (0.7548776662466927, 0.5698402909980532)
 _PROBE = 4
 _ROUNDS = 3
-_SHARE = 16
+_SHARE = 64
 _T = TypeVar("_T")
 
 
@@ -51,6 +52,16 @@ def tiles(width: int, height: int, side: int) -> Iterator[Tile]:
             yield x, y, min(x + side, width), min(y + side, height)
 
 
+def spread(work: Sequence[Tile], side: int) -> list[Tile]:
+    """The tiles of an image of tiles of ``side``, so ordered that whatever is done is spread evenly over it.
+
+    So the share that is done foretells the time of the rest, and an unfinished picture shows all of the image: tiles
+    in the order of x a + y b modulo 1, with a and b powers of the plastic number, fill a plane evenly from the first.
+    """
+    a, b = _PLASTIC
+    return sorted(work, key=lambda tile: (tile[0] // side * a + tile[1] // side * b) % 1)
+
+
 def thread_count(threads: int) -> int:
     """``threads``, or for 0 the processors this process may use."""
     if threads:
@@ -61,7 +72,8 @@ def thread_count(threads: int) -> int:
 def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> int:
     """Side whose dearest tile should take half of ``LONGEST``, from nine small tiles spread over the image.
 
-    Never so large that a worker would have fewer than sixteen tiles, for the last ones to end together.
+    Never so large that a worker would have fewer than sixty-four tiles, for the first ones to foretell the time of the
+    rest and the last ones to end together.
     """
     width, height = job.settings.width, job.settings.height
     probes = [

@@ -16,6 +16,7 @@ import numpy as np
 from symrender.fill import Crew, Means
 from symrender.finite import check_finite
 from symrender.image import Image
+from symrender.preview import preview_file
 from symrender.provenance import provenance
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.scene.load import load
@@ -37,11 +38,13 @@ def truth(
     aa: Antialias = "analytic",
     budget: int = 1_000_000,
     counts: bool = True,
+    silhouettes: int = 1,
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
     insecure_cluster: bool = False,
     progress: Progress | None = None,
+    preview: str | Path | None = None,
 ) -> Image:
     """Image of ``scene`` with an ``error`` and a ``status`` layer.
 
@@ -52,13 +55,26 @@ def truth(
     that missed its tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its
     centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. Without ``counts`` spheres are done on
     lattices of directions where that is good enough, quicker at loose tolerances, and ``chambers`` and ``crossings``
-    leave these out. ``threads``, ``tile`` and ``cluster``
-    change no byte. Choose it whenever an image is to be trusted, ``render`` when it is to be quick.
+    leave these out. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its
+    centre alone. ``threads``, ``tile`` and ``cluster`` change no byte. ``preview``: a PNG
+    file that shows the image while it is made. Choose it whenever an image is to be trusted,
+    ``render`` when it is to be quick.
     """
     loaded = load(scene)
-    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts)
+    settings = split_settings(
+        size,
+        tol=tol,
+        disk=disk,
+        aa=aa,
+        budget=budget,
+        threads=threads,
+        tile=tile,
+        counts=counts,
+        silhouettes=silhouettes,
+    )
     job = truth_job(loaded, settings)
-    with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
+    shown = None if preview is None else preview_file(preview)
+    with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress, preview=shown) as crew:
         return true_image(crew, job, loaded)
 
 

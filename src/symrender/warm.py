@@ -6,18 +6,17 @@ yet, the second is compiled by a process of its own while this one compiles the 
 
 from __future__ import annotations
 
-import hashlib
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 from symrender import kernel_cache
+from symrender.first_use import compiled_mark
 from symrender.settings import Settings
 from symrender.tiles import thread_count
-from symrender.units import KINDS, Job, code_digest, compute
+from symrender.units import KINDS, Job, compute
 
 _SIDE = 4
 """Pixels a side of the picture that compiles all of a kernel: it sees a floor and spheres with lobes."""
@@ -29,8 +28,7 @@ def second_beside(jobs: Sequence[Job]) -> Iterator[Callable[[], object]]:
 
     Only where the cache holds the kernels of neither job and a processor is free; else there is nothing to wait for.
     """
-    directory, _ = kernel_cache.cache_directory()
-    marks = [] if directory is None else [_mark(directory, job.kind) for job in jobs]
+    marks = [mark for job in jobs if (mark := compiled_mark(job.kind)) is not None]
     missing = [mark for mark in marks if kernel_cache.read_entry(mark) is None]
     if len(missing) == 2 and thread_count(0) > 1:
         words = [sys.executable, "-m", "symrender.warm", jobs[1].kind, jobs[1].settings.disk]
@@ -43,13 +41,6 @@ def second_beside(jobs: Sequence[Job]) -> Iterator[Callable[[], object]]:
             process.wait()
     else:
         yield lambda: None
-    for mark in missing:
-        kernel_cache.write_entry(mark, b"")
-
-
-def _mark(directory: Path, kind: str) -> Path:
-    """Cache entry that says the kernel of this kind, of this very code, has been compiled here before."""
-    return directory / f"{hashlib.sha256(f'{sys.version} {code_digest()} {kind}'.encode()).hexdigest()}.compiled"
 
 
 def compile_kind(kind: str, disk: str) -> None:

@@ -110,7 +110,7 @@ def test_a_notebook_is_valid_and_always_the_same(name: str) -> None:
     read = nbformat.reads(first, as_version=4)
     nbformat.validate(read)
     assert len({c.id for c in read.cells}) == len(read.cells) == len(cell.parts) + 1
-    assert "%pip install" in read.cells[1].source and "numpy" not in read.cells[1].source
+    assert "pip install '.[notebook]'" in read.cells[1].source and "numpy" not in read.cells[1].source
     assert read.metadata.colab == {"provenance": []}
 
 

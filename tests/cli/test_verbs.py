@@ -100,7 +100,7 @@ def test_options_are_the_python_keywords() -> None:
     assert set(keywords) - {"progress", "scene"} <= options
     defaults = {name: p.default for name, p in inspect.signature(verb).parameters.items()}
     for name, parameter in keywords.items():
-        if name not in ("progress", "size", "max_pixels"):
+        if name not in ("progress", "size", "max_pixels", "preview"):
             assert defaults[name] == parameter.default, name
     assert defaults["size"] == str(keywords["size"].default)
 

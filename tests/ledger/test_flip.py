@@ -18,7 +18,7 @@ GREY = Image({"radiance": np.full((4, 5, 3), 0.25)})
 
 def test_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "flip_evaluator", None)
-    with pytest.raises(OptionError, match=r"pip install 'symrender\[flip\]'"):
+    with pytest.raises(OptionError, match=r"pip install 'flip-evaluator"):
         flip(GREY, GREY)
 
 

@@ -152,7 +152,7 @@ def test_what_cannot_be_encoded_is_refused_before_anything_is_rendered(
         with pytest.raises(OptionError, match="rate: must be a number in"):
             animate(orbit(SCENE, 2), maker, tmp_path / "a", rate=rate, video="none")
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(Unsupported, match=r"pip install 'symrender\[video\]'"):
+    with pytest.raises(Unsupported, match=r"pip install 'imageio-ffmpeg"):
         animate(orbit(SCENE, 2), maker, tmp_path / "a")
     assert not (tmp_path / "a").exists()
     animate(orbit(SCENE, 2), maker, tmp_path / "a", video="none")

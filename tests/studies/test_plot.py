@@ -52,7 +52,7 @@ def test_without_matplotlib_one_line_says_what_to_install(monkeypatch: pytest.Mo
     for name in [m for m in sys.modules if m.split(".")[0] == "matplotlib"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(OptionError, match=r"pip install 'symrender\[notebook\]'"):
+    with pytest.raises(OptionError, match=r"pip install 'matplotlib"):
         drawn(toy(), "png")
 
 

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 from symrender.chapter.lab import Cell, Output, Part
 from symrender.errors import CellError, OptionError
+from symrender.install import remedy
 
 _INK: Final = "#757575"
 _LOOK: Final = {
@@ -109,7 +110,7 @@ def _drawing() -> Iterator[Any]:
         import matplotlib
         from matplotlib import pyplot
     except ImportError:
-        raise OptionError("lab: Matplotlib is not installed: pip install 'symrender[notebook]'") from None
+        raise OptionError(f"lab: Matplotlib is not installed: {remedy('notebook')}") from None
     open_before = set(pyplot.get_fignums())
     backend = pyplot.get_backend()
     with matplotlib.rc_context():

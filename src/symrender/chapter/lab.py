@@ -14,13 +14,15 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from symrender.errors import OptionError
+from symrender.install import remedy
 
 _OPENING: Final = re.compile(r"^# %%( \[markdown\])?[ \t]*$")
 _INSTALL: Final = """\
 try:
     import symrender  # noqa: F401
-except ImportError:
-    %pip install -q "symrender[notebook]"
+except ImportError as missing:
+    words = "in a clone: pip install '.[notebook]'; of a wheel: pip install 'FILE.whl[notebook]'"
+    raise ImportError(f"symrender is not installed; {words}") from missing
 """
 
 
@@ -96,7 +98,7 @@ def notebook(cell: Cell) -> Any:
     try:
         from nbformat import v4
     except ImportError:
-        raise OptionError("lab: nbformat is not installed: pip install 'symrender[notebook]'") from None
+        raise OptionError(f"lab: nbformat is not installed: {remedy('notebook')}") from None
     title, *rest = cell.parts
     parts = (title, Part("code", _INSTALL.rstrip("\n"), 0), *rest)
     cells = []

@@ -9,6 +9,7 @@ from typing import Any
 
 from symrender.chapter.lab import Cell, Output, execute, load, names, notebook
 from symrender.errors import OptionError
+from symrender.install import remedy
 from symrender.output import check_target, make_folder, write_bytes
 
 INDEX = "README.md"
@@ -46,7 +47,7 @@ def text(book: Any) -> str:
     try:
         import nbformat
     except ImportError:
-        raise OptionError("lab: nbformat is not installed: pip install 'symrender[notebook]'") from None
+        raise OptionError(f"lab: nbformat is not installed: {remedy('notebook')}") from None
     written: str = nbformat.writes(book)
     return written + "\n"
 

@@ -6,12 +6,13 @@ Files that begin with an underscore hold what verbs share. Nothing slow is impor
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Sequence
 
 from symrender.cli._deadline import ends_in_time
 from symrender.cli._signals import interruptible
-from symrender.errors import SymrenderError
+from symrender.errors import SceneError, SymrenderError
 
 _INTERRUPTED = 130
 _OUTPUT_FAILED = 74
@@ -63,6 +64,9 @@ def _cut_short(number: int) -> None:
 
 
 def _report(error: Exception) -> int:
+    if isinstance(error, SceneError):
+        # one fault of a scene a line
+        return max(_fail(line, error.exit_code) for line in str(error).splitlines() or [""])
     if isinstance(error, SymrenderError):
         return _fail(str(error), error.exit_code)
     if isinstance(error, MemoryError):
@@ -72,7 +76,7 @@ def _report(error: Exception) -> int:
     usage = getattr(error, "format_message", None)
     if usage is not None:
         # without a command the help has been printed, and there is nothing to add
-        return _fail(usage(), 2) if usage() else 2
+        return _fail(usage() + _nearest_choice(usage()), 2) if usage() else 2
     return _fail(f"a fault in symrender: {type(error).__name__}: {error}; --debug shows where", _FAULT)
 
 
@@ -87,3 +91,13 @@ def _fail(message: str, code: int) -> int:
 
     print(f"ERROR {printable(' '.join(message.split()), 400)}", file=sys.stderr)
     return code
+
+
+def _nearest_choice(message: str) -> str:
+    """What a value that is none of an option's choices may have meant."""
+    found = re.search(r"'([^']*)' is not one of ('.*')", message)
+    if found is None:
+        return ""
+    from symrender.scene.nearest import did_you_mean
+
+    return did_you_mean(found[1], re.findall(r"'(.*?)'", found[2]))

@@ -16,6 +16,42 @@ EXIT_CODES = (
 )
 
 
+PANELS = {
+    "Draw": ("demo", "render", "truth", "gradient", "animate", "sweep"),
+    "Ask": ("probe", "expression", "fit", "study"),
+    "Look": ("info", "view", "compare", "simulator", "chapter", "lab"),
+    "Know": ("scenes", "params", "doctor", "cite"),
+}
+"""The verbs by what one wants, as the help groups them."""
+OPTION_PANELS = {
+    "Estimators": (
+        *("lobe", "numeric", "normalised", "symbolic", "weights", "nodes", "partition", "disk", "aa", "tol", "budget"),
+        *("seed", "silhouettes", "estimators"),
+    ),
+    "How the work is done": (
+        *(
+            "threads",
+            "tile",
+            "cluster",
+            "insecure_cluster",
+            "resume",
+            "restart",
+            "max_pixels",
+            "progress_mode",
+            "preview",
+        ),
+    ),
+    "What is written": ("out", "force", "views", "exposure", "tonemap", "layers", "video", "rate", "open_"),
+    "What is printed": ("json", "quiet"),
+}
+"""Options many verbs have, as their help groups them."""
+
+
+def panel_of(verb: str) -> str:
+    """The heading a verb stands under."""
+    return next(name for name, members in PANELS.items() if verb in members)
+
+
 def verbs() -> list[str]:
     """Names of the commands: the modules of this folder without a leading underscore."""
     return sorted(m.name for m in pkgutil.iter_modules(symrender.cli.__path__) if not m.name.startswith("_"))
@@ -43,10 +79,29 @@ def application() -> Any:
         Example: symrender render gloss --size 256 --out pictures
         """
 
-    for name in verbs():
+    for name in sorted(verbs(), key=_order):
         module = importlib.import_module(f"symrender.cli.{name}")
-        app.command(name, epilog=EXIT_CODES)(getattr(module, name))
-    return typer.main.get_command(app)
+        app.command(name, epilog=EXIT_CODES, rich_help_panel=panel_of(name))(getattr(module, name))
+    command: Any = typer.main.get_command(app)
+    for verb in command.commands.values():
+        _group_options(verb)
+    return command
+
+
+def _order(verb: str) -> tuple[int, int]:
+    panels = list(PANELS)
+    panel = panel_of(verb)
+    return panels.index(panel), PANELS[panel].index(verb)
+
+
+def _group_options(verb: Any) -> None:
+    """Give the options of a verb with many of them their headings."""
+    if len(verb.params) < 14:
+        return
+    for parameter in verb.params:
+        panel = next((name for name, members in OPTION_PANELS.items() if parameter.name in members), None)
+        if panel is not None:
+            parameter.rich_help_panel = panel
 
 
 def _version(wanted: bool) -> None:

@@ -14,6 +14,26 @@ import typer
 from symrender.ledger.tables import plain_table, rich_table
 
 
+class Patient:
+    """Prints lines while files are written, and lets a reader that goes away cost the lines, not the files."""
+
+    def __init__(self) -> None:
+        self._lost: BrokenPipeError | None = None
+
+    def __call__(self, text: str) -> None:
+        """Print a line."""
+        if self._lost is None:
+            try:
+                typer.echo(text)
+            except BrokenPipeError as error:
+                self._lost = error
+
+    def end(self) -> None:
+        """The files stand: raise what was met, if the reader has gone."""
+        if self._lost is not None:
+            raise self._lost
+
+
 def show_table(title: str, rows: Sequence[Sequence[str]]) -> None:
     """Print a table whose first row is its header."""
     if sys.stdout.isatty():

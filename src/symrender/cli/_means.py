@@ -17,6 +17,7 @@ from symrender.errors import OptionError
 if TYPE_CHECKING:
     from symrender.fill import Means
     from symrender.journal import Start
+    from symrender.preview import Preview
 
 Threads = Annotated[int, typer.Option(help="Worker threads; 0 takes the processors this process may use.")]
 Tile = Annotated[int, typer.Option(help="Side of a tile, pixels; 0 measures one; changes no byte of the image.")]
@@ -37,6 +38,13 @@ InsecureCluster = Annotated[
     typer.Option(
         "--insecure-cluster", help="Accept a scheduler on another machine without TLS: anyone there may listen."
     ),
+]
+
+PreviewOption = Annotated[
+    str, typer.Option("--preview", metavar="FILE", help="A .png that shows the picture while it is made.")
+]
+SilhouettesOption = Annotated[
+    int, typer.Option("--silhouettes", help="K of the K x K points of a pixel at a silhouette; 1: its centre.")
 ]
 
 
@@ -66,3 +74,10 @@ def ended_by_signals() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def shown_in(file: str) -> Preview | None:
+    """The preview ``--preview`` asks for, None for none."""
+    from symrender.preview import preview_file
+
+    return preview_file(file) if file else None

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from symrender.errors import OptionError, SceneError
+from symrender.settings import Tonemap
 
 if TYPE_CHECKING:
     from symrender.scene.scene import Scene
 
 DEFAULT_SCENE = "gloss"
+IMAGES = (".exr", ".npz", ".png")
+"""Endings of files that carry the scene they were made of."""
 _SIZE = re.compile(r"([0-9]{1,10})(?:[xX]([0-9]{1,10}))?")
 
 
@@ -39,7 +42,7 @@ def _parameter_names(ctx: typer.Context, incomplete: str) -> list[str]:
 SceneArgument = Annotated[
     str,
     typer.Argument(
-        help="Gallery name or path of a .yaml, .toml or .json file.",
+        help="Gallery name, path of a .yaml, .toml or .json file, or an image of ours: its scene.",
         autocompletion=_scene_names,
     ),
 ]
@@ -58,13 +61,40 @@ Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a tabl
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace existing files (never an input).")]
 
+Exposure = Annotated[float, typer.Option("--exposure", help="Stops by which pictures are brightened; never values.")]
+TonemapOption = Annotated[Tonemap, typer.Option("--tonemap", help="How pictures hold light beyond 1.")]
+
 
 def scene_with(source: str, changes: list[str] | None) -> Scene:
-    """The scene named ``source`` with ``-D`` changes applied; values are read as YAML, so 64, [3, -3, 2], eye."""
-    from symrender.scene.load import load
+    """The scene named ``source`` with ``-D`` changes applied; values are read as YAML, so 64, [3, -3, 2], eye.
 
-    scene = load(source)
+    An image file that carries its scene is that scene.
+    """
+    from symrender.scene.load import load, parse
+
+    if Path(source).suffix.lower() in IMAGES:
+        scene = parse(_recipe(source)[0], source)
+    else:
+        scene = load(source)
     return scene.replace(dict(_change(text) for text in changes)) if changes else scene
+
+
+def settings_of(source: str) -> dict[str, Any]:
+    """The settings an image file ``source`` was made with; none for any other scene."""
+    return _recipe(source)[1] if Path(source).suffix.lower() in IMAGES else {}
+
+
+def _recipe(source: str) -> tuple[str, dict[str, Any]]:
+    from symrender.cli._console import native_output_hidden
+    from symrender.errors import ImageError
+    from symrender.image import read_image
+
+    with native_output_hidden():
+        image = read_image(source)
+    try:
+        return image.recipe()
+    except ImageError as error:
+        raise ImageError(f"{source}: {error}") from None
 
 
 def scene_files(source: str) -> list[Path]:

@@ -11,7 +11,7 @@ from typing import Literal
 
 ProgressMode = Literal["auto", "json", "none"]
 Progress = Callable[[int, int, str], None]
-"""Called with (done, total, label) as work advances."""
+"""Called with (done, total, label) as work advances; 0 of 0 while something is compiled."""
 
 
 @contextmanager
@@ -34,6 +34,8 @@ def _json_lines(start: float) -> Progress:
     firsts: dict[str, tuple[int, float]] = {}
 
     def advance(done: int, total: int, label: str) -> None:
+        if not total:
+            return
         now = time.monotonic()
         before, begun = firsts.setdefault(label, (done, now))
         remaining = round((now - begun) / (done - before) * (total - done), 3) if done > before else None
@@ -56,6 +58,7 @@ def _bar() -> Iterator[Progress]:
     from rich.progress import Progress as Bar
 
     tasks: dict[str, TaskID] = {}
+    waited: list[TaskID] = []
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),
@@ -69,6 +72,11 @@ def _bar() -> Iterator[Progress]:
     with Bar(*columns, console=Console(stderr=True), transient=True, redirect_stdout=above) as bar:
 
         def advance(done: int, total: int, label: str) -> None:
+            if total and waited:
+                bar.remove_task(waited.pop())
+            if not total:
+                waited.append(bar.add_task(label, total=None))
+                return
             if label not in tasks:
                 tasks[label] = bar.add_task(label, total=total)
             bar.update(tasks[label], completed=done, total=total)

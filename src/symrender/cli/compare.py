@@ -66,7 +66,7 @@ def _pictures(
     from symrender.ledger.flip import flip
     from symrender.ledger.pictures import absolute_difference, side_by_side, signed_difference
     from symrender.output import check_target, make_folder
-    from symrender.views import SEQUENTIAL, Picture, color_map
+    from symrender.picture import SEQUENTIAL, Picture, color_map
 
     a, b = read_image(reference), read_image(test)
     pictures = {

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import importlib.metadata
+import math
 import os
 import platform
+import re
 import sys
 from pathlib import Path
 
 import typer
 
 from symrender.cli._options import Json
+from symrender.install import extras
 
 _CORE = ("numpy", "sympy", "numba", "llvmlite", "pydantic", "PyYAML", "typer", "rich", "pillow", "OpenEXR")
-_EXTRAS = {
-    "certify": ("python-flint",),
-    "dist": ("distributed",),
-    "notebook": ("nbformat", "jupytext", "nbclient", "matplotlib"),
-    "flip": ("flip-evaluator",),
-    "gpu": ("numba-cuda",),
-}
 _FEATURES = ("sse4_2", "avx", "avx2", "fma", "avx512f", "asimd", "sve")
 
 
@@ -36,7 +32,8 @@ def doctor(json: Json = False) -> None:
         "threads": f"{_usable()} usable of {os.cpu_count()}",
         "kernel cache": _cache(),
         **{name: _version(name) for name in _CORE},
-        **{f"extra {name}": ", ".join(f"{p} {_version(p)}" for p in packages) for name, packages in _EXTRAS.items()},
+        "arithmetic": _arithmetic(),
+        **{f"extra {name}": _listed(packages) for name, packages in extras().items()},
         "terminal": f"{sys.stdout.encoding}, {'colour' if sys.stdout.isatty() else 'not a terminal'}",
     }
     if json:
@@ -46,6 +43,17 @@ def doctor(json: Json = False) -> None:
     else:
         width = max(map(len, facts))
         typer.echo("\n".join(f"{name.ljust(width)}  {fact}" for name, fact in facts.items()))
+
+
+def _arithmetic() -> str:
+    """Whether doubles are rounded as the figures of symrender assume."""
+    exact = (0.1 + 0.2 == 0.30000000000000004, 2.0**-1074 > 0.0, 1.0 + 2.0**-53 == 1.0, math.sqrt(2.0) ** 2 != 2.0)
+    return "IEEE doubles, gradual underflow, round to even" if all(exact) else "NOT IEEE doubles: distrust every figure"
+
+
+def _listed(requirements: list[str]) -> str:
+    names = [re.split(r"[<>=!~ ]", requirement)[0] for requirement in requirements]
+    return ", ".join(f"{name} {_version(name)}" for name in names)
 
 
 def _version(package: str) -> str:

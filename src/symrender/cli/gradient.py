@@ -65,7 +65,7 @@ def gradient(
     Writes for every parameter NAME gradient_NAME.png (blue falls, red rises, with a legend), .exr and .npz, with the
     layers radiance, direct, gloss, error and status.
 
-    Example: symrender gradient gloss --wrt spheres.B.center,floor.lobe.exponent --size 64 --out pictures
+    Example: symrender gradient gloss --wrt floor.lobe.exponent --size 32 --tol 1e-3 --out pictures
     """
     from symrender.errors import OptionError
     from symrender.gradient import file_stem

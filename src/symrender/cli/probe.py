@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from symrender.cli._console import show_json
 from symrender.cli._means import Threads
 from symrender.cli._options import Define, Json, SceneArgument, scene_with
+
+if TYPE_CHECKING:
+    from symrender.scene.scene import Scene
 
 
 def probe(
@@ -103,6 +108,8 @@ def probe(
                 f"{text}: {gloss} +- {row['error']:.2g}  {row['status']}, {row['evaluations']} "
                 f"evaluations, {row['chambers']} chambers, {row['crossings']} crossings, {found.convention}"
             )
+            if row["status"] == "unsupported":
+                typer.echo(f"  no value: {_why(chosen, surface, row['point'])}")
             if certify:
                 bounds = " ".join(f"[{a:.6g}, {b:.6g}]" for a, b in zip(row["low"], row["high"], strict=True))
                 typer.echo(f"  proved: {bounds}; the value is {'inside' if row['enclosed'] else 'OUTSIDE'}")
@@ -111,3 +118,16 @@ def probe(
                 typer.echo(f"  d/d {name}: {value} +- {found_slope['error']:.2g}  {found_slope['status']}")
     if (found.status != 0).any() or not all(row.get("enclosed", True) for row in rows):
         raise typer.Exit(4)
+
+
+def _why(scene: Scene, surface: str, point: Sequence[float]) -> str:
+    """Which sphere holds a point that sees nothing."""
+    place = tuple([*point, 0.0][:3])
+    own = next((sphere for sphere in scene.spheres if f"spheres.{sphere.name}" == surface), None)
+    if own is not None:
+        place = tuple(c + own.radius * n for c, n in zip(own.center, place, strict=True))
+    holding = [s.name for s in scene.spheres if s is not own and math.dist(place, s.center) < s.radius]
+    if not holding:
+        return "no rule covers this point"
+    at = ", ".join(f"{x:.6g}" for x in place)
+    return f"({at}) is inside {' and '.join(f'spheres.{name}' for name in holding)}, and nothing is seen from there"

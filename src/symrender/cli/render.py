@@ -5,31 +5,39 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symrender.cli._console import Patient
 from symrender.cli._means import (
     Cluster,
     InsecureCluster,
+    PreviewOption,
     Restart,
     Resume,
+    SilhouettesOption,
     Threads,
     Tile,
     ended_by_signals,
     means_of,
+    shown_in,
 )
 from symrender.cli._options import (
     DEFAULT_SCENE,
     Define,
+    Exposure,
     Force,
     Json,
     Quiet,
     SceneArgument,
+    TonemapOption,
     parse_size,
     scene_files,
     scene_with,
+    settings_of,
 )
 from symrender.cli._progress import ProgressMode, progress
 from symrender.errors import SymrenderError
@@ -39,12 +47,14 @@ from symrender.settings import Antialias, Nodes, Partition, Sampler, Settings, S
 
 if TYPE_CHECKING:
     from symrender.image import Image
+    from symrender.settings import Tonemap
 
 Land = Callable[[str, str], None]
 """``land(file, remark)``, called once that file stands."""
 
 
 def render(
+    ctx: typer.Context,
     scene: SceneArgument = DEFAULT_SCENE,
     size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "512",
     lobe: Annotated[int, typer.Option(help="K of the K rings x K sectors (K x K samples) of a lobe.")] = 4,
@@ -61,6 +71,7 @@ def render(
     tol: Annotated[float, typer.Option(help="Error asked of chambers, scene radiance.")] = 1e-3,
     budget: Annotated[int, typer.Option(help="Most evaluations a pixel of chambers.")] = 1_000_000,
     seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
+    silhouettes: SilhouettesOption = 1,
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -73,6 +84,9 @@ def render(
     views: Annotated[
         bool, typer.Option("--views", help="Also write gloss and hit-class pictures of each render.")
     ] = False,
+    exposure: Exposure = 0.0,
+    tonemap: TonemapOption = "clip",
+    preview: PreviewOption = "",
     force: Force = False,
     json: Json = False,
     quiet: Quiet = False,
@@ -90,28 +104,32 @@ def render(
     A run longer than two seconds keeps what it has finished in render.journal beside them, until they are written;
     --resume continues it after any interruption.
 
+    An image of ours in place of SCENE is made again: its scene and its settings, but for the options given.
+
     Example: symrender render gloss --size 640x480 --lobe 8 -D floor.lobe.exponent=64 --out pictures
     """
     width, height = image_size(parse_size(size))
-    settings = Settings(
-        width=width,
-        height=height,
-        lobe=lobe,
-        numeric=numeric,
-        normalised=normalised,
-        symbolic=symbolic,
-        weights=weights,
-        nodes=nodes,
-        partition=partition,
-        disk=disk,
-        aa=aa,
-        tol=tol,
-        budget=budget,
-        seed=seed,
-        threads=threads,
-        tile=tile,
-        max_pixels=max_pixels,
-    )
+    asked = {
+        "width": width,
+        "height": height,
+        "lobe": lobe,
+        "numeric": numeric,
+        "normalised": normalised,
+        "symbolic": symbolic,
+        "weights": weights,
+        "nodes": nodes,
+        "partition": partition,
+        "disk": disk,
+        "aa": aa,
+        "tol": tol,
+        "budget": budget,
+        "silhouettes": silhouettes,
+        "seed": seed,
+        "threads": threads,
+        "tile": tile,
+        "max_pixels": max_pixels,
+    }
+    settings = Settings(**as_made(asked, settings_of(scene), ctx))
     chosen = scene_with(scene, define)
     if not quiet:
         from symrender.scene.warnings import warnings
@@ -142,26 +160,31 @@ def render(
         journal=journal,
     )
     written: dict[str, str] = {}
+    say = Patient()
 
     def land(file: str, remark: str) -> None:
         written[file] = remark
         if not json and not quiet:
-            typer.echo(f"wrote {folder / file}{f' ({remark})' if remark else ''}")
+            say(f"wrote {folder / file}{f' ({remark})' if remark else ''}")
 
     with (
         ended_by_signals(),
         progress(progress_mode, quiet=quiet) as advance,
-        Crew(means, jobs, advance) as crew,
+        Crew(means, jobs, advance, preview=shown_in(preview)) as crew,
         _older_files_named(folder, _file_names(names, views=views), written),
     ):
         for name in _file_names(names, views=views):
             remove_leftovers(folder / name)
         pair = carry_out(
-            crew, jobs, chosen, lambda side, image: _write(side, image, folder, land, views=views, force=force)
+            crew,
+            jobs,
+            chosen,
+            lambda side, image: _write(side, image, folder, land, views=views, force=force, look=(exposure, tonemap)),
         )
         if pair.numeric is not None and pair.symbolic is not None:
             _write_difference(pair.numeric, pair.symbolic, folder, land, force=force)
         crew.succeeded()
+    say.end()
     if json:
         import json as json_module
 
@@ -174,6 +197,17 @@ def render(
             Console().print(pair.ledger)
         else:
             typer.echo(pair.ledger.text())
+
+
+def as_made(asked: dict[str, Any], made: dict[str, Any], ctx: typer.Context) -> dict[str, Any]:
+    """The settings ``asked`` for, with those an image was ``made`` with where no option says otherwise."""
+
+    def given(name: str) -> bool:
+        source = ctx.get_parameter_source("size" if name in ("width", "height") else name)
+        return source is not None and source.name != "DEFAULT"
+
+    decisive = {field.name for field in fields(Settings)} - {"threads", "tile", "max_pixels"}
+    return asked | {name: value for name, value in made.items() if name in decisive and not given(name)}
 
 
 def _file_names(sides: list[str], *, views: bool) -> list[str]:
@@ -194,7 +228,9 @@ def _older_files_named(folder: Path, names: list[str], written: Mapping[str, str
         raise
 
 
-def _write(side: str, image: Image, folder: Path, land: Land, *, views: bool, force: bool) -> None:
+def _write(
+    side: str, image: Image, folder: Path, land: Land, *, views: bool, force: bool, look: tuple[float, Tonemap]
+) -> None:
     """Write the files of one pipeline; ``land`` is told each, with what its picture leaves out or means."""
     from concurrent.futures import ThreadPoolExecutor
 
@@ -204,7 +240,7 @@ def _write(side: str, image: Image, folder: Path, land: Land, *, views: bool, fo
     with ThreadPoolExecutor(1) as pool:
         whole = pool.submit(image.save, folder / f"{side}.exr", force=force)
         try:
-            saved = image.save(folder / f"{side}.png", force=force)
+            saved = image.save(folder / f"{side}.png", force=force, exposure=look[0], tonemap=look[1])
             land(f"{side}.png", f"{saved.clipped} of {image.width * image.height} pixels clipped")
             if views:
                 for file, view in (("gloss", gloss_view(image)), ("hit_class", hit_class_view(image))):

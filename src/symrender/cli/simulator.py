@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from symrender.cli._browser import open_page
 from symrender.cli._options import DEFAULT_SCENE, Define, Force, Quiet, SceneArgument, scene_files, scene_with
 
 
@@ -17,6 +18,7 @@ def simulator(
         bool, typer.Option("--serve", help="Serve the page on this machine instead of writing it.")
     ] = False,
     port: Annotated[int, typer.Option(help="Port to serve on; 0 takes a free one.", min=0, max=65535)] = 0,
+    open_: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
     define: Define = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -41,3 +43,5 @@ def simulator(
     made.save(out, force=force)
     if not quiet:
         typer.echo(f"wrote {out} ({len(made.html.encode()) / 1000:.0f} kB)")
+    if open_:
+        open_page(out)

@@ -11,6 +11,7 @@ import typer
 from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, parse_size, scene_files, scene_with
 from symrender.cli._progress import ProgressMode, progress
 from symrender.errors import OptionError
+from symrender.install import remedy
 from symrender.output import check_target, make_folder, write_bytes
 from symrender.settings import Nodes, Partition, Weights
 
@@ -122,9 +123,7 @@ def _folder(out: str, kind: Kind, source: str, *, drawn: bool, force: bool) -> P
         import importlib.util
 
         if importlib.util.find_spec("matplotlib") is None:
-            raise OptionError(
-                "plot: Matplotlib is not installed: pip install 'symrender[notebook]', or --no-plot for tables alone"
-            )
+            raise OptionError(f"plot: Matplotlib is not installed: {remedy('notebook')}, or --no-plot for tables alone")
     folder = make_folder(out)
     names = [_table_name(kind, k) for k in range(_TABLES[kind])] + [f"{kind}.json"]
     names += [f"{kind}.svg", f"{kind}.png"] if drawn else []

@@ -10,20 +10,25 @@ from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
     InsecureCluster,
+    PreviewOption,
     Restart,
     Resume,
+    SilhouettesOption,
     Threads,
     Tile,
     ended_by_signals,
     means_of,
+    shown_in,
 )
 from symrender.cli._options import (
     DEFAULT_SCENE,
     Define,
+    Exposure,
     Force,
     Json,
     Quiet,
     SceneArgument,
+    TonemapOption,
     parse_size,
     scene_files,
     scene_with,
@@ -49,6 +54,7 @@ def truth(
     counts: Annotated[
         bool, typer.Option(help="Count chambers and crossings; without, loose tolerances are met sooner.")
     ] = True,
+    silhouettes: SilhouettesOption = 1,
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -58,6 +64,9 @@ def truth(
     max_pixels: Annotated[int, typer.Option(help="Most pixels accepted.")] = MAX_PIXELS,
     define: Define = None,
     out: Annotated[str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")] = "out",
+    exposure: Exposure = 0.0,
+    tonemap: TonemapOption = "clip",
+    preview: PreviewOption = "",
     force: Force = False,
     json: Json = False,
     quiet: Quiet = False,
@@ -81,7 +90,7 @@ def truth(
         raise OptionError(f"layers: {uncounted[0]} cannot be written without counts")
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
-        max_pixels=max_pixels,
+        silhouettes=silhouettes, max_pixels=max_pixels,
     )  # fmt: skip
     chosen = scene_with(scene, define)
     if not quiet:
@@ -112,10 +121,14 @@ def truth(
 
     announce_compilation()
     job = truth_job(chosen, settings)
-    with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance, Crew(means, (job,), advance) as crew:
+    with (
+        ended_by_signals(),
+        progress(progress_mode, quiet=quiet) as advance,
+        Crew(means, (job,), advance, preview=shown_in(preview)) as crew,
+    ):
         image = true_image(crew, job, chosen)
         for name in names[:3]:
-            image.save(folder / name, force=force)
+            image.save(folder / name, force=force, exposure=exposure, tonemap=tonemap)
         for name in wanted:
             false_color(image, name).save(folder / f"truth_{name}.png", force=force)
         crew.succeeded()

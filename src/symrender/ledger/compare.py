@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy.typing as npt
 from symrender.errors import ImageError, OptionError
 from symrender.image import Image, read_image
 from symrender.ledger.statistics import Array, Difference, Mask, difference
-from symrender.ledger.tables import number, plain_table
+from symrender.ledger.tables import html_table, number, plain_table
 
 Comparable = Image | npt.NDArray[Any] | str | Path
 
@@ -86,6 +87,11 @@ class Comparison:
         lines += [f"  note: {note}" for note in self.notes]
         lines.append("PASS" if self.passed else f"FAILURE: {'; '.join(self.reasons)}")
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        last = "passed" if self.passed else f"failed: {'; '.join(self.reasons)}"
+        title = f"{self.test} against {self.reference}, layer {self.layer}, {self.width} x {self.height}: {last}"
+        return html_table(self.rows(), title) + "".join(f"<p>note: {escape(note)}</p>" for note in self.notes)
 
     def as_json(self) -> dict[str, Any]:
         """Plain data of the whole comparison."""

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from symrender.errors import ImageError, OptionError
 from symrender.image import Image
+from symrender.install import remedy
 from symrender.srgb import encode_srgb
 
 
@@ -42,7 +43,7 @@ def flip(reference: Image, test: Image, *, kind: Literal["LDR", "HDR"] = "LDR") 
     try:
         import flip_evaluator
     except ImportError:
-        raise OptionError("FLIP is not installed: pip install 'symrender[flip]'") from None
+        raise OptionError(f"FLIP is not installed: {remedy('flip')}") from None
     seen = (x, y) if kind == "HDR" else tuple(encode_srgb(array) / 255 for array in (x, y))
     first, second = (np.ascontiguousarray(array, dtype=np.float32) for array in seen)
     result, mean, parameters = flip_evaluator.evaluate(first, second, kind, inputsRGB=True, applyMagma=False)

@@ -6,14 +6,16 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from html import escape
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from symrender.image import Image
 from symrender.ledger.compare import Comparison, compare
 from symrender.ledger.lobe_widths import LobeWidths, lobe_widths
+from symrender.ledger.starvation import starvation
 from symrender.ledger.statistics import Difference
-from symrender.ledger.tables import number, plain_table, rich_table
+from symrender.ledger.tables import html_table, number, plain_table, rich_table
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -44,13 +46,15 @@ class Ledger:
     """Costs of both pipelines, their differences layer by layer, and the widths of the lobes.
 
     ``comparisons`` maps a layer to symbolic (test) against numeric (reference): neither is the truth, so a
-    difference bounds neither error; it is empty when only one pipeline ran. ``convention`` is the units of the lobes.
+    difference bounds neither error; it is empty when only one pipeline ran. ``convention`` is the units of the lobes;
+    ``notes`` are what a reader of the figures should know: rules that starve.
     """
 
     pipelines: tuple[Pipeline, ...]
     comparisons: Mapping[str, Comparison]
     lobes: tuple[LobeWidths, ...]
     convention: str = "not stated"
+    notes: tuple[str, ...] = ()
 
     @property
     def flips(self) -> int | None:
@@ -89,12 +93,21 @@ class Ledger:
         blocks = []
         for title, rows in self.tables():
             blocks += [title, *(f"  {line}" for line in plain_table(rows))]
+        blocks += [f"note: {note}" for note in self.notes]
         return "\n".join(blocks)
 
     def __rich__(self) -> Group:
         from rich.console import Group
+        from rich.text import Text
 
-        return Group(*(rich_table(rows, title) for title, rows in self.tables()))
+        return Group(
+            *(rich_table(rows, title) for title, rows in self.tables()),
+            *(Text(f"note: {note}", style="yellow") for note in self.notes),
+        )
+
+    def _repr_html_(self) -> str:
+        tables = "".join(html_table(rows, title) for title, rows in self.tables())
+        return tables + "".join(f"<p>note: {escape(note)}</p>" for note in self.notes)
 
     def as_json(self) -> dict[str, Any]:
         """Plain data; an infinite width is null."""
@@ -102,6 +115,7 @@ class Ledger:
             "pipelines": [asdict(p) for p in self.pipelines],
             "convention": self.convention,
             "flips": self.flips,
+            "notes": list(self.notes),
             "comparisons": {layer: c.as_json() for layer, c in self.comparisons.items()},
             "lobes": [
                 {k: None if isinstance(v, float) and math.isinf(v) else v for k, v in asdict(w).items()}
@@ -139,8 +153,11 @@ def ledger(
         shared = [layer for layer in COMPARED if layer in numeric.layers and layer in symbolic.layers]
         comparisons = {layer: compare(numeric, symbolic, layer=layer) for layer in shared}
     stated = {image.meta.get("convention", "not stated") for _, image, _ in sides if image is not None}
-    widths = tuple(lobe_widths(*lobe) for lobe in lobes)
-    return Ledger(pipelines, MappingProxyType(comparisons), widths, " and ".join(sorted(stated)) or "not stated")
+    listed = tuple(lobes)
+    widths = tuple(lobe_widths(*lobe) for lobe in listed)
+    units = " and ".join(sorted(stated)) or "not stated"
+    notes = starvation(numeric, symbolic, listed)
+    return Ledger(pipelines, MappingProxyType(comparisons), widths, units, notes)
 
 
 def _row(layer: str, over: str, d: Difference) -> tuple[str, ...]:

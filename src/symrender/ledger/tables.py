@@ -35,3 +35,18 @@ def rich_table(rows: Sequence[Sequence[str]], title: str) -> Table:
     for row in rows[1:]:
         table.add_row(*(escape(cell) for cell in row))
     return table
+
+
+def html_table(rows: Sequence[Sequence[str]], title: str) -> str:
+    """The same table for a notebook, in its own colours; the first row is the header."""
+    from html import escape
+
+    def cells(row: Sequence[str], kind: str) -> str:
+        return "".join(
+            f'<{kind} style="text-align:{"right" if k else "left"}">{escape(cell)}</{kind}>'
+            for k, cell in enumerate(row)
+        )
+
+    body = "".join(f"<tr>{cells(row, 'td')}</tr>" for row in rows[1:])
+    caption = f'<caption style="text-align:left;caption-side:top">{escape(title)}</caption>'
+    return f"<table>{caption}<thead><tr>{cells(rows[0], 'th')}</tr></thead><tbody>{body}</tbody></table>"

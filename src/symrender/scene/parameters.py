@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 from pydantic.fields import FieldInfo
@@ -30,6 +31,21 @@ class Parameter:
     description: str
 
 
+class Parameters(tuple[Parameter, ...]):
+    """The parameters of a scene: a tuple, shown as a table in a notebook."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{name}</th>" for name in ("name", "value", "unit", "lowest", "highest", ""))
+        rows = (
+            f'<tr><td style="text-align:left"><code>{p.name}</code></td><td>{p.value:.10g}</td><td>{p.unit}</td>'
+            f'<td>{p.low:g}</td><td>{p.high:g}</td><td style="text-align:left">{escape(p.description)}</td></tr>'
+            for p in self
+        )
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+
+
 def _walk(prefix: str, info: FieldInfo | None, value: Any, description: str) -> Iterator[Parameter]:
     if isinstance(value, Part):
         for key, field in type(value).model_fields.items():
@@ -44,9 +60,9 @@ def _walk(prefix: str, info: FieldInfo | None, value: Any, description: str) -> 
         yield Parameter(prefix, value, bounds.unit, bounds.low, bounds.high, description)
 
 
-def parameters(scene: Scene) -> tuple[Parameter, ...]:
+def parameters(scene: Scene) -> Parameters:
     """The real numbers of ``scene`` in the order of its fields, by dotted name (``spheres.B.center.x``)."""
-    return tuple(_walk("", None, scene, ""))
+    return Parameters(_walk("", None, scene, ""))
 
 
 def get(scene: Scene, name: str) -> Any:

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.image import Image
+from symrender.picture import DIVERGING, Picture, color_map
 from symrender.srgb import encode_srgb
-from symrender.views import DIVERGING, Picture, color_map
 
 MAX_SHEET: Final = 400
 """Most frames on a sheet; of more, evenly spaced ones are shown."""

@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from symrender.errors import OptionError, OutputError, Unsupported
+from symrender.install import remedy
 from symrender.output import check_target, write_bytes
 
 Container = Literal["mp4", "webm", "none"]
@@ -74,6 +75,6 @@ def _encoder() -> Any:
         imageio_ffmpeg.get_ffmpeg_exe()
     except (ImportError, RuntimeError):
         raise Unsupported(
-            "video: needs imageio-ffmpeg; install it with: pip install 'symrender[video]', or ask for --video none"
+            f"video: needs imageio-ffmpeg; install it with: {remedy('video')}, or ask for --video none"
         ) from None
     return imageio_ffmpeg

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 from symrender.errors import Unsupported
 from symrender.limits import MAX_SIMULATOR_LIGHT_POINTS, MAX_SIMULATOR_LOBE, MAX_SIMULATOR_SPHERES
 from symrender.output import write_bytes
+from symrender.picture import CLASSES, SEQUENTIAL
 from symrender.scene import arrays as at
 from symrender.scene.light import DiskLight
 from symrender.scene.load import load
@@ -27,7 +28,6 @@ from symrender.simulator.columns import entries
 from symrender.simulator.presets import glossy, presets
 from symrender.simulator.state import State
 from symrender.version import VERSION
-from symrender.views import CLASSES, SEQUENTIAL
 
 if TYPE_CHECKING:
     from symrender.kernel.program import Program
@@ -55,6 +55,9 @@ class Simulator:
     def save(self, path: str | Path, *, force: bool = True) -> None:
         """Write the page; ``OutputError`` when it cannot be written."""
         write_bytes(path, self.html.encode(), force=force)
+
+    def __repr__(self) -> str:
+        return f"Simulator({self.name}, {len(self.html) / 1000:.0f} kB of HTML)"
 
     def _repr_html_(self) -> str:
         return (

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from symrender.errors import OptionError
+from symrender.install import remedy
 from symrender.studies.convergence import Convergence, Point
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def figure(found: Convergence) -> Figure:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise OptionError("plot: Matplotlib is not installed: pip install 'symrender[notebook]'") from None
+        raise OptionError(f"plot: Matplotlib is not installed: {remedy('notebook')}") from None
     page = Figure(figsize=(15.5, 7.6), layout="constrained", facecolor="white")
     left, right = page.subplots(1, 2, sharey=True)
     looks = _looks(found.points)

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.image import Image
+from symrender.picture import Picture
 from symrender.srgb import encode_srgb
-from symrender.views import Picture
 
 Bytes = npt.NDArray[np.uint8]
 

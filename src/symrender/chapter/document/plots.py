@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from symrender.errors import OptionError
+from symrender.install import remedy
 
 INK: Final = "#010101"
 QUIET: Final = "#020202"
@@ -64,7 +65,7 @@ def _figure() -> tuple[Any, Any]:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise OptionError("chapter: Matplotlib is not installed: pip install 'symrender[chapter]'") from None
+        raise OptionError(f"chapter: Matplotlib is not installed: {remedy('chapter')}") from None
     figure = Figure(figsize=_SIZE, layout="constrained")
     return figure, figure.subplots()
 

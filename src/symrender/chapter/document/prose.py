@@ -23,6 +23,7 @@ from typing import Any, Final
 from symrender.chapter.document.figures import Figure, Measured, shown
 from symrender.chapter.document.references import Reference
 from symrender.errors import OptionError
+from symrender.install import remedy
 
 MATH: Final = re.compile(r"\$\$(.+?)\$\$|\$([^$\n](?:[^$]*?[^$\s])?)\$", re.DOTALL)
 HOLE: Final = re.compile(r"@\{([^}:]+)(?::([^}]*))?\}")
@@ -163,7 +164,7 @@ def mathml(latex: str, *, block: bool = False) -> str:
     try:
         from latex2mathml.converter import convert
     except ImportError:
-        raise OptionError("chapter: latex2mathml is not installed: pip install 'symrender[chapter]'") from None
+        raise OptionError(f"chapter: latex2mathml is not installed: {remedy('chapter')}") from None
     made: str = convert(latex.strip(), display="block" if block else "inline")
     for pattern, repair in _REPAIRS:
         made = pattern.sub(repair, made)

@@ -12,6 +12,7 @@ from symrender.chapter.document.measure.claims import brdf_albedo
 from symrender.chapter.document.pictures import strip
 from symrender.chapter.document.plots import Curve, linear
 from symrender.chapter.document.tables import study_table
+from symrender.picture import SEQUENTIAL, color_map
 from symrender.quadrature.strata import rings, rule
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
@@ -21,7 +22,6 @@ from symrender.studies.pitfalls import pitfalls
 from symrender.studies.report import Study
 from symrender.studies.subject import Subject, subject
 from symrender.studies.timing import timing
-from symrender.views import SEQUENTIAL, color_map
 
 _LOBES: Final = (2, 4, 8)
 _FINE: Final[dict[str, Any]] = {"partition": "equal_weight", "nodes": "barycentre"}

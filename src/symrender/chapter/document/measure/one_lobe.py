@@ -14,6 +14,7 @@ from symrender.chapter.document.lobe_disc import Disc, Lobe
 from symrender.chapter.document.pictures import element
 from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import table
+from symrender.picture import SEQUENTIAL, color_map
 from symrender.probe import Probe, probe
 from symrender.quadrature.strata import rings, rule
 from symrender.runtimes import numba
@@ -24,7 +25,6 @@ from symrender.srgb import encode_srgb
 from symrender.studies.lobe_rays import LobeRays
 from symrender.studies.power_law import fit_power_law
 from symrender.studies.subject import Subject, reference, subject
-from symrender.views import SEQUENTIAL, color_map
 
 _SCENE: Final = "gloss"
 _POINT: Final = (0.18, -2.66)

@@ -13,6 +13,7 @@ from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import table
 from symrender.expression.integrand import expression
 from symrender.gradient import gradient
+from symrender.picture import DIVERGING, color_map
 from symrender.probe import probe
 from symrender.quadrature.strata import rings, rule
 from symrender.runtimes import numba
@@ -24,7 +25,6 @@ from symrender.scene.scene import Scene
 from symrender.studies.lobe_rays import LobeRays
 from symrender.studies.report import Cell
 from symrender.studies.subject import subject
-from symrender.views import DIVERGING, color_map
 
 _SCENE: Final = "gloss"
 _NAME: Final = "spheres.B.center.x"

@@ -1,0 +1,15 @@
+"""Open a page that was written in the user's browser."""
+
+from __future__ import annotations
+
+import webbrowser
+from pathlib import Path
+
+import typer
+
+
+def open_page(path: Path) -> None:
+    """Show ``path`` in the browser; where there is none, say what to open."""
+    address = path.resolve().as_uri()
+    if not webbrowser.open(address):
+        typer.echo(f"no browser was found; open {address}", err=True)

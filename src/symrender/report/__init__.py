@@ -1,0 +1,1 @@
+"""Report: a pair of renders judged by the truth, as one offline page."""

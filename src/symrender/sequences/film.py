@@ -1,0 +1,57 @@
+"""``animate``: a scene that changes, or is gone round, as pictures and a video, in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from symrender.errors import OptionError
+from symrender.fill import Means
+from symrender.scene.load import load
+from symrender.scene.scene import Scene
+from symrender.sequences.animate import animate as draw
+from symrender.sequences.makers import Rendered
+from symrender.sequences.orbit import orbit as around
+from symrender.sequences.over import frames, parse_over
+from symrender.sequences.video import Container
+from symrender.settings import ESTIMATORS, Settings, image_size
+from symrender.tiles import Progress
+
+
+def animate(
+    scene: Scene | str | Path | Mapping[str, Any],
+    folder: str | Path,
+    *,
+    over: str = "",
+    orbit: int = 0,
+    pipeline: Literal["symbolic", "numeric"] = "symbolic",
+    size: int | tuple[int, int] = (320, 240),
+    lobe: int = 8,
+    disk: str = "2x2",
+    seed: int = 7,
+    silhouettes: int = 1,
+    video: Container = "mp4",
+    rate: float = 24.0,
+    threads: int = 0,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> list[dict[str, Any]]:
+    """Draw ``scene`` as a value changes (``over``) or as the camera goes round (``orbit``); one row of figures a frame.
+
+    ``over``: ``"floor.lobe.exponent=8:512:24:log"``, 24 values from 8 to 512, a frame each. ``orbit``: frames of one
+    turn. ``folder`` receives the frames as PNG and, unless ``video`` is ``none``, a film of ``rate`` frames a second
+    (extra ``video``). The estimators follow the lobe. The rest is as in ``render``.
+    """
+    if bool(over) == bool(orbit):
+        raise OptionError("over, orbit: give exactly one of them")
+    chosen = load(scene)
+    width, height = image_size(size)
+    sides = {"numeric": "none"} if pipeline == "symbolic" else {"symbolic": "none"}
+    named: dict[str, Any] = {**ESTIMATORS["best"], **sides}
+    settings = Settings(
+        width=width, height=height, lobe=lobe, disk=disk, seed=seed, silhouettes=silhouettes, threads=threads, **named
+    )
+    drawn = around(chosen, orbit) if orbit else frames(chosen, parse_over(over))
+    means = Means(threads)
+    return draw(drawn, Rendered(settings), folder, video=video, rate=rate, means=means, force=force, progress=progress)

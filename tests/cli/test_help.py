@@ -1,0 +1,91 @@
+"""Help is grouped, wrong choices are met with the nearest right one, faults stand one a line."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from symrender.cli import main
+from symrender.cli._application import OPTION_PANELS, PANELS, verbs
+from symrender.install import extras, remedy
+
+
+def test_every_verb_stands_under_one_heading() -> None:
+    listed = [verb for members in PANELS.values() for verb in members]
+    assert sorted(listed) == verbs()
+
+
+def test_the_help_has_its_headings() -> None:
+    shown = subprocess.run([sys.executable, "-m", "symrender", "--help"], capture_output=True, text=True)
+    assert shown.returncode == 0
+    places = [shown.stdout.index(f"─ {heading} ─") for heading in PANELS]
+    assert places == sorted(places)
+
+
+def test_the_help_of_a_verb_with_many_options_is_grouped(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["render", "--help"])
+    out = capsys.readouterr().out
+    places = [out.index(f"─ {heading} ─") for heading in OPTION_PANELS]
+    assert places == sorted(places)
+    assert out.index("--numeric") < out.index("─ How the work is done ─") < out.index("--threads")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        (["render", "--partition", "equal_wieght"], "did you mean 'equal_weight'"),
+        (["render", "--numeric", "importence"], "did you mean 'importance'"),
+        (["truth", "--aa", "analitic"], "did you mean 'analytic'"),
+    ],
+)
+def test_a_wrong_choice_is_met_with_the_nearest(
+    arguments: list[str], meant: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    assert meant in capsys.readouterr().err
+
+
+def test_a_choice_like_no_other_is_not_guessed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["render", "--numeric", "zzz"]) == 2
+    assert "did you mean" not in capsys.readouterr().err
+
+
+def test_faults_of_a_scene_stand_one_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "scene.yaml"
+    spheres = "  - {name: A, raduis: 1, center: [0, 0, 1]}\n  - {name: B, radius: -1}\n"
+    text = f"camera: {{eye: [0, 0, 1]}}\nspheres:\n{spheres}"
+    scene.write_text(text)
+    assert main(["params", str(scene)]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) > 2 and all(line.startswith(f"ERROR {scene}:") for line in lines)
+    assert any(":3: spheres[0].raduis" in line and "did you mean 'radius'" in line for line in lines)
+
+
+def test_doctor_knows_every_extra(capsys: pytest.CaptureFixture[str]) -> None:
+    import tomllib
+
+    project = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text("utf-8"))["project"]
+    declared = set(project["optional-dependencies"])
+    assert set(extras()) == declared
+    assert remedy("flip").startswith("pip install 'flip-evaluator>=")
+    assert "nbformat" in remedy("chapter") and "symrender" not in remedy("chapter")
+    assert main(["doctor"]) == 0
+    out = capsys.readouterr().out
+    assert all(f"extra {name} " in out for name in declared) and "IEEE doubles" in out
+
+
+def test_a_reader_that_leaves_costs_no_file(tmp_path: Path) -> None:
+    words = ["render", "gloss", "--size", "64", "--lobe", "1", "--out", str(tmp_path)]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "symrender", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None and process.stderr is not None
+    process.stdout.close()
+    assert process.wait(120) == 74
+    with process.stderr as said:
+        assert "Traceback" not in said.read()
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"numeric.png", "numeric.exr", "symbolic.png", "symbolic.exr", "difference.png"}
