@@ -2,7 +2,7 @@
 
 A direction of a chart is (t, phi). On a sphere's chart t is the angle of incidence at the hit, in which everything is
 smooth up to the limb; on the lobe's chart t^2 is the share of the lobe nearer its axis. A label tells pieces apart on
-which the integrand is smooth; 0 is nothing to see.
+which the integrand is smooth; it is even where there is nothing to see.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ import math
 from typing import Final
 
 import numpy as np
-from numba import njit
 
+from .compile import kernel
 from .light import Vector, beyond, dot, lit, nearest, outward_normal
 from .world import (
     ACROSS,
@@ -58,7 +58,7 @@ def sphere_chart(world: World, lobe: Array, j: int) -> Array:
     return chart
 
 
-@njit
+@kernel
 def direction(lobe: Array, chart: Array, t: float, phi: float) -> tuple[Vector, float, float]:
     """Unit direction, and cosine and sine of its angle to the chart's axis."""
     if chart[0] == 0.0:
@@ -77,7 +77,7 @@ def direction(lobe: Array, chart: Array, t: float, phi: float) -> tuple[Vector, 
     return d, z, x
 
 
-@njit
+@kernel
 def on_sphere(w: World, chart: Array, t: float, phi: float, z: float, x: float) -> tuple[Vector, Vector]:
     """Place and normal of a sphere's chart: the triangle of eye, centre and hit has the angles psi, t - psi, pi - t."""
     s = w.spheres[int(chart[0]) - 1]
@@ -91,18 +91,18 @@ def on_sphere(w: World, chart: Array, t: float, phi: float, z: float, x: float) 
     return (s[0] + s[3] * n[0], s[1] + s[3] * n[1], s[2] + s[3] * n[2]), n
 
 
-@njit
-def hidden(w: World, own: int, shape: int, o: Vector, q: Vector) -> bool:
-    """Whether anything but the two surfaces stands between o and q."""
-    if w.floor[0] != 0.0 and own != 0 and o[2] * q[2] < 0.0:
-        return True
+@kernel
+def between(w: World, own: int, shape: int, o: Vector, q: Vector) -> int:
+    """0 where nothing but the two surfaces stands between o and q, else a number that tells what does."""
+    found = 1 if w.floor[0] != 0.0 and own != 0 and o[2] * q[2] < 0.0 else 0
     for i in range(w.spheres.shape[0]):
+        found *= 2
         if own != 1 + i and shape != 1 + i and beyond(w.spheres[i], o, q):
-            return True
-    return False
+            found += 1
+    return found
 
 
-@njit
+@kernel
 def look(
     w: World,
     lobe: Array,
@@ -123,54 +123,53 @@ def look(
     o = (lobe[PLACE], lobe[PLACE + 1], lobe[PLACE + 2])
     own, n = int(lobe[SURFACE]), lobe[EXPONENT]
     cosine = dot(d, (lobe[NORMAL], lobe[NORMAL + 1], lobe[NORMAL + 2]))
-    weight = 1.0
+    above = 1 if cosine > 0.0 else 0
     if chart[0] == 0.0:
         shape, inside, distance = nearest(w, own, o, d)
-        if cosine <= 0.0:
-            return 0
+        case = 8 * (2 + shape) + (4 if d[2] > 0.0 else 0) + (2 if inside else 0) + above
+        if above == 0 or (shape > 0 and not inside and charted[shape - 1]) or (shape == 0 and d[2] > 0.0):
+            return 2 * case
         weight = t / math.pi
         if lobe[BRDF] != 0.0:
             weight *= (n + 2.0) / (n + 1.0) * lobe[MASS] * cosine
-        if shape > 0 and not inside and charted[shape - 1]:
-            return 0
         if shape < 0:
             for c in range(3):
                 rgb[c] = weight * w.rules[BACKGROUND + c]
-            return 1
+            return 2 * case + 1
         if shape == 0:
-            if d[2] > 0.0:
-                return 0
             q, normal = (o[0] + distance * d[0], o[1] + distance * d[1], 0.0), (0.0, 0.0, 1.0)
         else:
             s = w.spheres[shape - 1]
             normal = outward_normal(s, o, d, inside)
             q = (s[0] + s[3] * normal[0], s[1] + s[3] * normal[1], s[2] + s[3] * normal[2])
-    else:
-        shape, inside = int(chart[0]), False
-        q, normal = on_sphere(w, chart, t, phi, z, x)
-        m = (d[0] - lobe[MIRROR], d[1] - lobe[MIRROR + 1], d[2] - lobe[MIRROR + 2])
-        depth = 0.5 * dot(m, m)
-        shut = cosine <= 0.0 or depth > lobe[HEIGHT] or depth >= 1.0 or hidden(w, own, shape, o, q)
-        if not shut and whole:
-            weight = math.exp(n * math.log1p(-depth)) if n > 0.0 else 1.0
-            if lobe[BRDF] != 0.0:
-                weight *= (n + 2.0) * cosine / (2.0 * math.pi)
-            else:
-                weight *= (n + 1.0) / (2.0 * math.pi * lobe[MASS])
-            weight *= chart[10] * chart[10] * math.sin(t) * (math.cos(t) / z if z > 0.0 else 1.0)
-        label = lit(w, shape, inside, q, normal, d, on_disk, bases, rgb, whole and not shut)
-        if shut:
-            return 0
+        label = lit(w, shape, inside, q, normal, d, on_disk, bases, rgb, whole)
         for c in range(3):
             rgb[c] *= weight
-        return label * _MIX + 2 + shape
-    label = lit(w, shape, inside, q, normal, d, on_disk, bases, rgb, whole)
-    for c in range(3):
-        rgb[c] *= weight
-    return (label * _MIX + 2 + shape) * 2 + inside
+        return 2 * (label * _MIX + case) + 1
+    shape = int(chart[0])
+    q, normal = on_sphere(w, chart, t, phi, z, x)
+    m = (d[0] - lobe[MIRROR], d[1] - lobe[MIRROR + 1], d[2] - lobe[MIRROR + 2])
+    depth = 0.5 * dot(m, m)
+    rim = 2 if depth <= lobe[HEIGHT] and depth < 1.0 else 0
+    wall = between(w, own, shape, o, q)
+    shut = above == 0 or rim == 0 or wall != 0
+    label = lit(w, shape, False, q, normal, d, on_disk, bases, rgb, whole and not shut)
+    case = 4 * wall + rim + above
+    if shut:
+        return 2 * case
+    if whole:
+        weight = math.exp(n * math.log1p(-depth)) if n > 0.0 else 1.0
+        if lobe[BRDF] != 0.0:
+            weight *= (n + 2.0) * cosine / (2.0 * math.pi)
+        else:
+            weight *= (n + 1.0) / (2.0 * math.pi * lobe[MASS])
+        weight *= chart[10] * chart[10] * math.sin(t) * (math.cos(t) / z if z > 0.0 else 1.0)
+        for c in range(3):
+            rgb[c] *= weight
+    return 2 * (label * _MIX + case) + 1
 
 
-@njit
+@kernel
 def place_of(w: World, lobe: Array, chart: Array, t: float, phi: float) -> tuple[bool, Vector]:
     """Where the direction meets what the chart is of (of the lobe's: the floor), whatever hides it."""
     d, z, x = direction(lobe, chart, t, phi)
@@ -183,7 +182,7 @@ def place_of(w: World, lobe: Array, chart: Array, t: float, phi: float) -> tuple
     return True, (o[0] + s * d[0], o[1] + s * d[1], 0.0)
 
 
-@njit
+@kernel
 def gap(sphere: Array, q: Vector, light: Vector) -> float:
     """How far the segment stays off the sphere, in radii; negative where it meets it."""
     f = (q[0] - sphere[0], q[1] - sphere[1], q[2] - sphere[2])

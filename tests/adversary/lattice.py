@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numba import njit
 
+from .compile import kernel
 from .light import Vector, dot, seen, unit
 from .places import PEAK, across, peaks
 from .world import (
@@ -46,7 +46,7 @@ class Estimate:
     looks: int
 
 
-@njit
+@kernel
 def density(w: World, lobe: Array, hats: Array, shares: Array, caps: Array, d: Vector) -> float:
     """Density of the mixture per solid angle at the unit direction d: lobe, discs, hats in this order."""
     m = (d[0] - lobe[MIRROR], d[1] - lobe[MIRROR + 1], d[2] - lobe[MIRROR + 2])
@@ -74,7 +74,7 @@ def density(w: World, lobe: Array, hats: Array, shares: Array, caps: Array, d: V
     return total
 
 
-@njit
+@kernel
 def drawn(lobe: Array, hats: Array, caps: Array, part: int, a: float, b: float) -> Vector:
     """The direction of component ``part`` that (a, b) of the unit square stands for."""
     turn = 2.0 * math.pi * b
@@ -99,7 +99,7 @@ def drawn(lobe: Array, hats: Array, caps: Array, part: int, a: float, b: float) 
     return unit((p * e[0] + q * f[0] + z * c[0], p * e[1] + q * f[1] + z * c[1], p * e[2] + q * f[2] + z * c[2]))
 
 
-@njit
+@kernel
 def replicate(
     w: World, lobe: Array, hats: Array, shares: Array, caps: Array, count: int, shift: Array, value: Array
 ) -> int:
@@ -206,7 +206,9 @@ def lattice_value(world: World, lobe: Array, count: int, seed: int) -> Estimate:
             values[k] = np.mean([mirror_value(world, lobe, row) for row in points[: min(count, 256)]], axis=0)
         return _summed(values, REPLICATES * count)
     hats, caps = hats_of(world, lobe), discs_of(world, lobe)
-    shares = np.concatenate([[1.0], np.full(len(caps), 1.0 / max(1, len(caps))), np.full(len(hats), 1.0 / max(1, len(hats)))])
+    shares = np.concatenate(
+        [[1.0], np.full(len(caps), 1.0 / max(1, len(caps))), np.full(len(hats), 1.0 / max(1, len(hats)))]
+    )
     shares /= shares.sum()
     values, looks = np.empty((REPLICATES, 3)), 0
     for k in range(REPLICATES):

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from .compile import kernel
 from .world import (
     AMBIENT,
     CHECKER,
@@ -33,12 +33,12 @@ _MIX = 1000003
 _EVEN = 1e-300
 
 
-@njit
+@kernel
 def dot(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit
+@kernel
 def unit(a: Vector) -> Vector:
     size = math.sqrt(dot(a, a))
     if size == 0.0:
@@ -46,7 +46,7 @@ def unit(a: Vector) -> Vector:
     return (a[0] / size, a[1] / size, a[2] / size)
 
 
-@njit
+@kernel
 def beyond(sphere: Array, a: Vector, b: Vector) -> bool:
     """Whether the open segment from a to b meets the surface of the sphere."""
     radius = sphere[3]
@@ -70,35 +70,34 @@ def beyond(sphere: Array, a: Vector, b: Vector) -> bool:
     return dot(l, l) <= radius * radius
 
 
-@njit
-def sees_light(w: World, shape: int, inside: bool, q: Vector, light: Vector) -> bool:
-    """Whether a light point reaches q on ``shape`` (0 floor, 1 + j sphere j), met from ``inside`` or not."""
-    if w.floor[0] != 0.0:
-        if shape == 0:
-            if light[2] <= 0.0:
-                return False
-        elif q[2] * light[2] < 0.0:
-            return False
+@kernel
+def blockers(w: World, shape: int, inside: bool, q: Vector, light: Vector) -> int:
+    """0 where a light point reaches q on ``shape`` (0 floor, 1 + j sphere j), met from ``inside`` or not; else a
+    number that tells what stands between them, all of it."""
+    found = 0
+    if w.floor[0] != 0.0 and ((shape == 0 and light[2] <= 0.0) or (shape != 0 and q[2] * light[2] < 0.0)):
+        found = 1
     for j in range(w.spheres.shape[0]):
         sphere = w.spheres[j]
+        found *= 2
         if shape == 1 + j:
             g = (light[0] - sphere[0], light[1] - sphere[1], light[2] - sphere[2])
             level = dot(g, g) - sphere[3] * sphere[3]
             if (inside and level > 0.0) or (not inside and level < 0.0):
-                return False
+                found += 1
         elif beyond(sphere, q, light):
-            return False
-    return True
+            found += 1
+    return found
 
 
-@njit
+@kernel
 def wave(x: float) -> float:
     """sin(pi x), 0 at whole numbers."""
     r = x - 2.0 * math.floor(0.5 * x)
     return 0.0 if r == 0.0 or r == 1.0 else math.sin(math.pi * r)
 
 
-@njit
+@kernel
 def albedo(w: World, shape: int, q: Vector, n: Vector) -> tuple[float, float, float, int]:
     """Albedo where the outward normal is n, and the field of the texture."""
     if shape == 0:
@@ -130,7 +129,7 @@ def albedo(w: World, shape: int, q: Vector, n: Vector) -> tuple[float, float, fl
     return s[4] * factor, s[5] * factor, s[6] * factor, field
 
 
-@njit
+@kernel
 def base_of(w: World, q: Vector, n: Vector, v: Vector, light: Vector) -> tuple[float, float]:
     """N.l and what the highlight is a power of, before it is cut; -2 where a direction is missing."""
     d = (light[0] - q[0], light[1] - q[1], light[2] - q[2])
@@ -145,11 +144,11 @@ def base_of(w: World, q: Vector, n: Vector, v: Vector, light: Vector) -> tuple[f
     return cosine, (dot(n, h) / size if size > 0.0 else -2.0)
 
 
-@njit
+@kernel
 def term(
     w: World, shape: int, inside: bool, q: Vector, n: Vector, v: Vector, light: Vector
 ) -> tuple[int, float, float, float]:
-    """Label (0 dark), diffuse cosine, base of the highlight (negative where none) and the base uncut."""
+    """Label (even where dark), diffuse cosine, base of the highlight (negative where none) and the base uncut."""
     cosine, raw = base_of(w, q, n, v, light)
     diffuse = max(0.0, cosine)
     base = -1.0
@@ -157,12 +156,16 @@ def term(
         base = max(0.0, raw)
         if base == 0.0 and w.rules[SHININESS] != 0.0:
             base = -1.0
-    if (diffuse <= 0.0 and base < 0.0) or not sees_light(w, shape, inside, q, light):
-        return 0, 0.0, -1.0, raw
-    return 1 + (2 if base >= 0.0 else 0) + (4 if cosine > 0.0 else 0), diffuse, base, raw
+    side = (2 if base >= 0.0 else 0) + (4 if cosine > 0.0 else 0)
+    if diffuse <= 0.0 and base < 0.0:
+        return side, 0.0, -1.0, raw
+    between = blockers(w, shape, inside, q, light)
+    if between != 0:
+        return side + 8 * between, 0.0, -1.0, raw
+    return 1 + side, diffuse, base, raw
 
 
-@njit
+@kernel
 def view_of(w: World, q: Vector, d: Vector) -> Vector:
     """Direction a highlight at q is seen from, by a ray along d."""
     if w.rules[FROM_EYE] != 0.0:
@@ -170,7 +173,7 @@ def view_of(w: World, q: Vector, d: Vector) -> Vector:
     return (-d[0], -d[1], -d[2])
 
 
-@njit
+@kernel
 def disk_place(disk: Array, a: float, b: float) -> Vector:
     """The point of a disk that (a, b) of the unit square stands for, evenly."""
     r = math.sqrt(a)
@@ -182,13 +185,13 @@ def disk_place(disk: Array, a: float, b: float) -> Vector:
     )
 
 
-@njit
+@kernel
 def power(base: float, shininess: float) -> float:
     """base^shininess for base >= 0, with 0^0 = 1."""
     return 1.0 if shininess == 0.0 else base**shininess
 
 
-@njit
+@kernel
 def lit(
     w: World,
     shape: int,
@@ -224,7 +227,7 @@ def lit(
             continue
         code, diffuse, base, bases[k] = term(w, shape, inside, q, n, v, place)
         label = label * _MIX + code
-        if whole and code != 0:
+        if whole and code % 2 == 1:
             s = p[KS] * power(base, p[SHININESS]) if base >= 0.0 and p[KS] > 0.0 else 0.0
             k_d = p[KD] * diffuse
             rgb[0] += row[at] * (k_d * r + s)
@@ -233,7 +236,7 @@ def lit(
     return label
 
 
-@njit
+@kernel
 def nearest(w: World, own: int, o: Vector, d: Vector) -> tuple[int, bool, float]:
     """What a ray from shape ``own`` meets first: shape (-1 nothing), whether from inside, distance."""
     best, from_inside, distance = -1, False, math.inf
@@ -265,7 +268,7 @@ def nearest(w: World, own: int, o: Vector, d: Vector) -> tuple[int, bool, float]
     return best, from_inside, distance
 
 
-@njit
+@kernel
 def outward_normal(sphere: Array, o: Vector, d: Vector, inside: bool) -> Vector:
     """Outward unit normal where the ray meets the sphere."""
     f = (o[0] - sphere[0], o[1] - sphere[1], o[2] - sphere[2])
@@ -277,7 +280,7 @@ def outward_normal(sphere: Array, o: Vector, d: Vector, inside: bool) -> Vector:
     return unit((l[0] + root * d[0], l[1] + root * d[1], l[2] + root * d[2]))
 
 
-@njit
+@kernel
 def seen(w: World, own: int, o: Vector, d: Vector, on_disk: Array, bases: Array, rgb: Array) -> None:
     """Radiance along a ray from shape ``own``, literally."""
     shape, inside, t = nearest(w, own, o, d)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from .compile import kernel
 from .light import Vector, base_of, dot, nearest, outward_normal, unit, view_of
 from .world import EYE, FROM_EYE, MIRROR, PLACE, SHININESS, SURFACE, Array, World
 
@@ -14,7 +14,7 @@ PEAK = 9
 """Columns of a peak: direction, then two vectors across it that span one standard width."""
 
 
-@njit
+@kernel
 def brightest(center: Vector, radius: float, viewer: Vector, light: Vector) -> Vector:
     """Outward normal of the sphere's point that mirrors the light to the viewer; both stand outside."""
     a = unit((viewer[0] - center[0], viewer[1] - center[1], viewer[2] - center[2]))
@@ -34,7 +34,7 @@ def brightest(center: Vector, radius: float, viewer: Vector, light: Vector) -> V
     return n
 
 
-@njit
+@kernel
 def base_along(w: World, shape: int, inside: bool, o: Vector, d: Vector, light: Vector) -> float:
     """Base of the highlight where the ray meets ``shape``, whatever hides it; -2 where it misses."""
     if shape == 0:
@@ -56,13 +56,13 @@ def base_along(w: World, shape: int, inside: bool, o: Vector, d: Vector, light: 
     return base_of(w, q, n, view_of(w, q, d), light)[1]
 
 
-@njit
+@kernel
 def tilted(d: Vector, e: Vector, f: Vector, x: float, y: float) -> Vector:
     """The direction d + x e + y f."""
     return unit((d[0] + x * e[0] + y * f[0], d[1] + x * e[1] + y * f[1], d[2] + x * e[2] + y * f[2]))
 
 
-@njit
+@kernel
 def across(d: Vector) -> tuple[Vector, Vector]:
     """Two unit vectors that make a frame with d."""
     a = (1.0, 0.0, 0.0) if abs(d[0]) < 0.6 else (0.0, 1.0, 0.0)
@@ -70,7 +70,7 @@ def across(d: Vector) -> tuple[Vector, Vector]:
     return e, (d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0])
 
 
-@njit
+@kernel
 def widths(w: World, shape: int, o: Vector, d: Vector, light: Vector, scale: float, row: Array) -> bool:
     """Fill ``row`` with a peak about d; False where nothing like a peak is there. ``scale``: an angle d may tilt by."""
     e, f = across(d)
@@ -104,7 +104,7 @@ def widths(w: World, shape: int, o: Vector, d: Vector, light: Vector, scale: flo
     return True
 
 
-@njit
+@kernel
 def peaks(w: World, lobe: Array, lights: Array) -> Array:
     """Peaks (k, PEAK) of the highlights of ``lights`` (q, 3) on everything the lobe can see from outside."""
     o = (lobe[PLACE], lobe[PLACE + 1], lobe[PLACE + 2])

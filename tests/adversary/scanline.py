@@ -11,9 +11,9 @@ import math
 from typing import Final
 
 import numpy as np
-from numba import njit
 
 from .chart import direction, gap, look, place_of
+from .compile import kernel
 from .light import Vector
 from .world import EXPONENT, MIRROR, PLACE, SHININESS, SURFACE, THETA_MAX, Array, World
 
@@ -34,11 +34,11 @@ KRONROD: Final = np.concatenate([_KRONROD[:7], _KRONROD[::-1]])
 GAUSS: Final = np.concatenate([_GAUSS[:7], _GAUSS[::-1]])
 _CUT = 1e-12
 _DEEP = 16
-_MOST = 4000
+_MOST = 400
 _SHARP = 4.0
 
 
-@njit
+@kernel
 def embedded(values: Array, length: float, total: Array) -> float:
     """Kronrod's sum of 15 rows into ``total``; returns the error of its worst channel, as QUADPACK estimates it."""
     worst = 0.0
@@ -59,7 +59,7 @@ def embedded(values: Array, length: float, total: Array) -> float:
     return worst
 
 
-@njit
+@kernel
 def base_at(
     w: World, lobe: Array, chart: Array, charted: Array, t: float, phi: float, k: int,
     on_disk: Array, bases: Array, rgb: Array,
@@ -70,7 +70,7 @@ def base_at(
     return bases[k]
 
 
-@njit
+@kernel
 def top(
     w: World, lobe: Array, chart: Array, charted: Array, low: float, high: float, phi: float, k: int,
     on_disk: Array, bases: Array, rgb: Array,
@@ -92,14 +92,14 @@ def top(
     return 0.5 * (low + high)
 
 
-@njit
+@kernel
 def bent(before: float, here: float, after: float, step: float, power: float) -> float:
     """Standard width of a peak here^power whose base was looked at a step to either side; 0 for none."""
     curve = (2.0 * here - before - after) / (step * step)
     return math.sqrt(here / (power * curve)) if curve > 0.0 and here > 0.0 else 0.0
 
 
-@njit
+@kernel
 def along_chart(lobe: Array, chart: Array, phi: float, c: Vector) -> float:
     """The t of a line at which it comes nearest to the direction c, or -1."""
     e = (
@@ -107,13 +107,11 @@ def along_chart(lobe: Array, chart: Array, phi: float, c: Vector) -> float:
         math.cos(phi) * chart[5] + math.sin(phi) * chart[8],
         math.cos(phi) * chart[6] + math.sin(phi) * chart[9],
     )
-    angle = math.atan2(
-        e[0] * c[0] + e[1] * c[1] + e[2] * c[2], chart[1] * c[0] + chart[2] * c[1] + chart[3] * c[2]
-    )
+    angle = math.atan2(e[0] * c[0] + e[1] * c[1] + e[2] * c[2], chart[1] * c[0] + chart[2] * c[1] + chart[3] * c[2])
     return tilt_to_t(lobe, chart, angle)
 
 
-@njit
+@kernel
 def tilt_to_t(lobe: Array, chart: Array, angle: float) -> float:
     """The t at an angle to the chart's axis, or -1 outside the chart."""
     if angle < 0.0:
@@ -128,7 +126,7 @@ def tilt_to_t(lobe: Array, chart: Array, angle: float) -> float:
     return math.sqrt(s) if s < 1.0 else -1.0
 
 
-@njit
+@kernel
 def special(
     w: World, lobe: Array, chart: Array, charted: Array, phi: float, t: Array, seen: Array, ends: Array, more: Array,
     on_disk: Array, bases: Array, rgb: Array,
@@ -198,7 +196,7 @@ def special(
     return count
 
 
-@njit
+@kernel
 def slivers(
     w: World, lobe: Array, chart: Array, i: int, light: Vector, phi: float, t: Array, gaps: Array, more: Array,
     count: int, room: int,
@@ -232,7 +230,7 @@ def slivers(
     return count
 
 
-@njit
+@kernel
 def line(
     w: World, lobe: Array, chart: Array, charted: Array, phi: float, cells: int, tol: float, on_disk: Array, out: Array
 ) -> tuple[float, int]:
@@ -268,7 +266,13 @@ def line(
             pieces += 1
         if labels[i] == labels[i + 1]:
             continue
-        stack_t[0, 0], stack_t[0, 1], stack_l[0, 0], stack_l[0, 1], depth = at[i], at[i + 1], labels[i], labels[i + 1], 1
+        stack_t[0, 0], stack_t[0, 1], stack_l[0, 0], stack_l[0, 1], depth = (
+            at[i],
+            at[i + 1],
+            labels[i],
+            labels[i + 1],
+            1,
+        )
         while depth > 0 and pieces < _MOST - 1:
             depth -= 1
             a, b, l_a, l_b = stack_t[depth, 0], stack_t[depth, 1], stack_l[depth, 0], stack_l[depth, 1]
@@ -285,12 +289,15 @@ def line(
             stack_t[depth + 1, 0], stack_t[depth + 1, 1] = a, m
             stack_l[depth + 1, 0], stack_l[depth + 1, 1] = l_a, l_m
             depth += 2
-    error = 0.0 if pieces < _MOST - 1 else 1.0
+    if pieces >= _MOST - 1:
+        out[:] = 0.0
+        return math.inf, looks
+    error = 0.0
     cuts[pieces] = high
     out[:] = 0.0
     values, part = np.empty((15, 3)), np.empty(3)
     for i in range(pieces):
-        if cut_labels[i] == 0:
+        if cut_labels[i] % 2 == 0:
             continue
         stack_t[0, 0], stack_t[0, 1], stack_l[0, 0], depth = cuts[i], cuts[i + 1], 0, 1
         while depth > 0:
@@ -314,7 +321,7 @@ def line(
     return error, looks
 
 
-@njit
+@kernel
 def axis_turn(chart: Array, c: Vector) -> float:
     """The phi of the line through the direction c."""
     return math.atan2(
@@ -322,7 +329,7 @@ def axis_turn(chart: Array, c: Vector) -> float:
     )
 
 
-@njit
+@kernel
 def separation(chart: Array, c: Vector) -> float:
     """Angle between the chart's axis and the unit direction c."""
     x = (chart[2] * c[2] - chart[3] * c[1], chart[3] * c[0] - chart[1] * c[2], chart[1] * c[1] - chart[2] * c[0])

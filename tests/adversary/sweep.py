@@ -11,9 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from .chart import lobe_chart, look, sphere_chart
+from .compile import kernel
 from .lattice import mirror_value
 from .light import Vector
 from .scanline import TICKS, axis_turn, base_at, bent, embedded, line, separation, top
@@ -33,10 +33,8 @@ class Swept:
     looks: int
 
 
-@njit
-def seeds(
-    w: World, lobe: Array, chart: Array, charted: Array, cells: int, offset: float, on_disk: Array
-) -> Array:
+@kernel
+def seeds(w: World, lobe: Array, chart: Array, charted: Array, cells: int, offset: float, on_disk: Array) -> Array:
     """Where panels end first, in [0, 2 pi): even steps, tangencies, peaks and their flanks."""
     found, count = np.empty(3000), 0
     for k in range(8):
@@ -66,7 +64,7 @@ def seeds(
     return np.unique(out)
 
 
-@njit
+@kernel
 def circle(chart: Array, c: Vector, half: float, found: Array, count: int) -> int:
     """Add the line through a circle's centre and those that touch it."""
     turn, apart = axis_turn(chart, c), separation(chart, c)
@@ -80,7 +78,7 @@ def circle(chart: Array, c: Vector, half: float, found: Array, count: int) -> in
     return count
 
 
-@njit
+@kernel
 def flanks(turn: float, width: float, found: Array, count: int) -> int:
     """Add a peak and places to either side of it."""
     for k in (0.0, 1.5, 5.0, 15.0):
@@ -90,7 +88,7 @@ def flanks(turn: float, width: float, found: Array, count: int) -> int:
     return count
 
 
-@njit
+@kernel
 def highlights(
     w: World, lobe: Array, chart: Array, charted: Array, cells: int, on_disk: Array, found: Array, count: int
 ) -> int:
@@ -124,7 +122,7 @@ def highlights(
     return count
 
 
-@njit
+@kernel
 def climb(
     w: World, lobe: Array, chart: Array, charted: Array, t: float, phi: float, dt: float, dphi: float, high: float,
     k: int, on_disk: Array, bases: Array, rgb: Array,
@@ -155,7 +153,7 @@ def climb(
     return phi, width if width > 0.0 else 0.01
 
 
-@njit
+@kernel
 def panel(
     w: World, lobe: Array, chart: Array, charted: Array, a: float, b: float, cells: int, tol: float, on_disk: Array,
     values: Array, out: Array,
@@ -167,12 +165,14 @@ def panel(
         error, spent = line(w, lobe, chart, charted, phi, cells, tol, on_disk, values[k])
         own = max(own, error)
         looks += spent
+        if own == math.inf:
+            return own, own, looks
     return embedded(values, b - a, out), own * (b - a), looks
 
 
-@njit
+@kernel
 def sweep_chart(
-    w: World, lobe: Array, chart: Array, charted: Array, cells: int, offset: float, tol: float, most: int,
+    w: World, lobe: Array, chart: Array, charted: Array, cells: int, offset: float, tol: float, most: int, most_looks: int,
     on_disk: Array, value: Array,
 ) -> tuple[float, int, int]:  # fmt: skip
     """Sweep one chart; adds to ``value``, returns the error, the lines and the looks."""
@@ -193,8 +193,10 @@ def sweep_chart(
         sums += misses[count]
         looks += spent
         count += 1
+        if sums[0] == math.inf or looks > most_looks:
+            return math.inf, 15 * count, looks
     lines = 15 * count
-    while sums[0] > tol and lines + 30 <= most and count < room - 1:
+    while sums[0] > tol and lines + 30 <= most and count < room - 1 and looks < most_looks:
         worst = np.argmax(misses[:count, 0])
         a, b = ends[worst, 0], ends[worst, 1]
         m = 0.5 * (a + b)
@@ -230,7 +232,16 @@ def charts_of(world: World, lobe: Array) -> tuple[list[Array], Array]:
     return charts, charted
 
 
-def swept_value(world: World, lobe: Array, tol: float, *, turn: float = 0.1, cells: int = 48, most: int = 3000) -> Swept:
+def swept_value(
+    world: World,
+    lobe: Array,
+    tol: float,
+    *,
+    turn: float = 0.1,
+    cells: int = 48,
+    most: int = 3000,
+    most_looks: int = 3_000_000,
+) -> Swept:
     """The lobe integral of point lights by one sweep of every chart."""
     on_disk = np.empty(0)
     if len(world.disks):
@@ -241,7 +252,7 @@ def swept_value(world: World, lobe: Array, tol: float, *, turn: float = 0.1, cel
     value, doubt, lines, looks = np.zeros(3), 0.0, 0, 0
     for chart in charts:
         e, n, l = sweep_chart(
-            world, lobe, chart, charted, cells, turn, tol / len(charts), most, on_disk, value
+            world, lobe, chart, charted, cells, turn, tol / len(charts), most, most_looks, on_disk, value
         )
         doubt, lines, looks = doubt + e, lines + n, looks + l
     return Swept(value, doubt + 1e-14 * float(np.abs(value).max()), lines, looks)
