@@ -28,6 +28,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "render",
         "tiles",
         "truth",
+        "verify",
         "gradient",
         "hessian",
         "fit",

@@ -23,6 +23,7 @@ from symrender.scene.scene import Scene
 from symrender.settings import Antialias, Settings, split_settings
 from symrender.tiles import Progress
 from symrender.units import Job
+from symrender.verify import check_share, verified
 
 STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}
 """What the numbers of a status layer mean."""
@@ -41,6 +42,7 @@ def truth(
     tile: int = 0,
     cluster: str = "",
     insecure_cluster: bool = False,
+    verify: float = 0.0,
     progress: Progress | None = None,
 ) -> Image:
     """Image of ``scene`` with an ``error`` and a ``status`` layer.
@@ -53,13 +55,16 @@ def truth(
     centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. Without ``counts`` spheres are done on
     lattices of directions where that is good enough, quicker at loose tolerances, and ``chambers`` and ``crossings``
     leave these out. ``threads``, ``tile`` and ``cluster``
-    change no byte. Choose it whenever an image is to be trusted, ``render`` when it is to be quick.
+    change no byte. ``verify`` is a share of the pixels, drawn at random, that brute force makes again
+    (``verify.py``); what it says is the metadata ``verified``. Choose it whenever an image is to be trusted, ``render`` when it is to be quick.
     """
     loaded = load(scene)
     settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts)
+    check_share(verify)
     job = truth_job(loaded, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
-        return true_image(crew, job, loaded)
+        image = true_image(crew, job, loaded)
+    return verified(image, loaded, settings, verify, threads) if verify else image
 
 
 def truth_job(scene: Scene, settings: Settings) -> Job:

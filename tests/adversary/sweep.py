@@ -172,8 +172,8 @@ def panel(
 
 @kernel
 def sweep_chart(
-    w: World, lobe: Array, chart: Array, charted: Array, cells: int, offset: float, tol: float, most: int, most_looks: int,
-    on_disk: Array, value: Array,
+    w: World, lobe: Array, chart: Array, charted: Array, cells: int, offset: float, tol: float, most: int,
+    most_looks: int, on_disk: Array, value: Array,
 ) -> tuple[float, int, int]:  # fmt: skip
     """Sweep one chart; adds to ``value``, returns the error, the lines and the looks."""
     start = seeds(w, lobe, chart, charted, cells, offset, on_disk)

@@ -31,7 +31,7 @@ EYE: Final = 13
 RULES: Final = 16
 
 # columns of a lobe: where it stands, its normal and mirror direction, its law, the surface it leaves (0 the floor,
-# 1 + j sphere j), whether in BRDF units, 1 - cos theta_max, 1 - cos^(n+1) theta_max, a frame across the mirror direction
+# 1 + j sphere j), whether in BRDF units, 1 - cos theta_max, 1 - cos^(n+1) theta_max, two directions across the mirror's
 PLACE: Final = 0
 NORMAL: Final = 3
 MIRROR: Final = 6
