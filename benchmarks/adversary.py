@@ -13,6 +13,7 @@ import multiprocessing as mp
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from adversary.case import Case, read_cases
 from adversary.families import FAMILIES, generate
-from adversary.judge import Verdict, judge, summed
+from adversary.judge import Verdict, is_beyond, judge, summed
+from adversary.shrink import shrunk
 
 
 def serve(pipe: Connection) -> None:
@@ -48,10 +50,12 @@ class Worker:
         self.warm = False
 
     def give(self, case: Case) -> None:
+        """Start on a case."""
         self.case, self.begun = case, time.perf_counter()
         self.pipe.send(case)
 
     def end(self) -> None:
+        """End the process, whatever it is at."""
         self.process.kill()
         self.process.join()
 
@@ -131,6 +135,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=1e9, help="stop giving out cases after these")
     parser.add_argument("--hang", type=float, default=120.0, help="seconds after which a case is a hang")
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--shrink", action="store_true", help="with --found: reduce contradictions to minimal scenes")
     parser.add_argument("--found", type=Path, help="folder to write contradictions to")
     options = parser.parse_args()
     if options.quick:
@@ -158,15 +163,18 @@ def main() -> None:
             if v.called == "beyond" or v.overspent:
                 what = "beyond" if v.called == "beyond" else "overspent"
                 print(
-                    f"{what} {case.name}[{v.index}] {case.surface} {case.disk}: {v.value} +- {v.stated:.3g} ({v.status}, "
-                    f"{v.evaluations} of {case.budget}), {v.opinion.value} +- {v.opinion.doubt.max():.2g} by {v.opinion.method}, "
-                    f"ratio {v.ratio:.3g}",
+                    f"{what} {case.name}[{v.index}] {case.surface} {case.disk}: {v.value} +- {v.stated:.3g} "
+                    f"({v.status}, {v.evaluations} of {case.budget}), {v.opinion.value} "
+                    f"+- {v.opinion.doubt.max():.2g} by {v.opinion.method}, ratio {v.ratio:.3g}",
                     file=sys.stderr,
                     flush=True,
                 )
                 if options.found:
                     name = f"{what}_{case.family}_{case.seed}_{v.index}.json".replace(" ", "_")
                     (options.found / name).write_text(json.dumps(told(v), indent=1), "utf-8")
+                    if options.shrink and what == "beyond":
+                        smallest = shrunk(replace(case, points=[case.points[v.index]]), is_beyond)
+                        (options.found / f"min_{name}").write_text(smallest.text(), "utf-8")
     head: tuple[str, ...] = ()
     table = []
     for family, verdicts in rows.items():

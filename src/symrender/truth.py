@@ -56,7 +56,8 @@ def truth(
     lattices of directions where that is good enough, quicker at loose tolerances, and ``chambers`` and ``crossings``
     leave these out. ``threads``, ``tile`` and ``cluster``
     change no byte. ``verify`` is a share of the pixels, drawn at random, that brute force makes again
-    (``verify.py``); what it says is the metadata ``verified``. Choose it whenever an image is to be trusted, ``render`` when it is to be quick.
+    (``verify.py``); what it says is the metadata ``verified``. Choose truth whenever an image is to be trusted,
+    ``render`` when it is to be quick.
     """
     loaded = load(scene)
     settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts)

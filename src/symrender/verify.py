@@ -6,7 +6,8 @@ replicates its standard error. A pixel contradicts the image where some channel 
 plus Student's quantile times the standard error, plus what samples may have missed altogether: a part of the lobe that
 none of N samples met holds, but for a chance delta, less than ln(1/delta)/N of it, and no radiance exceeds what all
 lights together can bring. The direct light of whole disks is drawn too coarsely for that, so it is left out and the
-receipt says that ``of`` the image only the reflection was verified. The chances of a false alarm, over all pixels and channels, sum to ``FALSE_ALARMS``.
+receipt says that ``of`` the image only the reflection was verified. The chances of a false alarm, over all pixels and
+channels, sum to ``FALSE_ALARMS``.
 """
 
 from __future__ import annotations
@@ -66,7 +67,8 @@ class Receipt:
         where = f" at {', '.join(map(str, self.at))}" if self.at else ""
         half, most = self.power
         return (
-            f"verified {self.of} of {self.verified_pixels} pixels by brute force: {self.contradicted} contradicted{where}; "
+            f"verified {self.of} of {self.verified_pixels} pixels by brute force: "
+            f"{self.contradicted} contradicted{where}; "
             f"errors of {half:.2g} of the image's RMS would have been seen in half of them, {most:.2g} in nine tenths"
         )
 
@@ -133,7 +135,7 @@ def verify(layers: Mapping[str, Array], scene: Scene, settings: Settings, share:
 
 
 def brightest(arrays: SceneArrays) -> Array:
-    """A bound (3,) of the radiance that anything in the scene sends, scene units: every light full on, white, at once."""
+    """A bound (3,) of the radiance that anything sends, scene units: every light full on a white surface, at once."""
     s = arrays.shading
     lit = s[0] * s[at.AMBIENT : at.AMBIENT + 3] + (s[1] + s[2]) * arrays.lights[:, 5:8].sum(axis=0)
     bound: Array = np.maximum(lit, s[at.BACKGROUND : at.BACKGROUND + 3])

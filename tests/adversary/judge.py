@@ -22,6 +22,8 @@ from .world import EXPONENT, MIRROR, SHININESS, THETA_MAX, Array, World, lobe_of
 SIGMAS: Final = 5.0
 """Standard errors of 16 shifts taken as the doubt of a lattice: t with 15 degrees beyond 5 is 1.6e-4, and a second,
 fresh and longer lattice is asked before anything is called beyond, which makes 3e-8 a channel."""
+UNSEEN: Final = 10.0
+"""A dark part of the lobe that none of N looks met is smaller than this over N, but for a chance of e^-10."""
 FINEST: Final = 3e-9
 """What lines are trusted to, relative to the value: in symmetric scenes two sweeps may share an error below it."""
 SPENT: Final = 2.0
@@ -154,7 +156,8 @@ def _finer(one: Opinion, other: Opinion) -> Opinion:
 def by_lattice(world: World, lobe: Array, count: int, seed: int) -> Opinion:
     """An opinion by lattices."""
     found = lattice_value(world, lobe, count, seed)
-    return Opinion(found.value, SIGMAS * found.sigma + rounding(world, lobe) * np.abs(found.value), "lattice")
+    rest = UNSEEN / found.looks * np.abs(found.value).max() + rounding(world, lobe) * np.abs(found.value)
+    return Opinion(found.value, SIGMAS * found.sigma + rest, "lattice")
 
 
 def by_lines(world: World, lobe: Array, tol: float, turn: float, cells: int, *, most: int = 3000) -> Opinion | None:
@@ -188,6 +191,11 @@ def _within(opinion: Opinion, claim: Array, stated: float) -> bool:
     return bool((np.abs(claim - opinion.value) <= stated + opinion.doubt).all())
 
 
+def is_beyond(case: Case) -> bool:
+    """Whether any point of a case is beyond its statement."""
+    return any(v.called == "beyond" for v in judge(case))
+
+
 def summed(verdicts: list[Verdict]) -> Mapping[str, float]:
     """What a table says of a family's verdicts."""
     asked = [v for v in verdicts if v.called not in ("refused", "unsupported")]
@@ -197,7 +205,7 @@ def summed(verdicts: list[Verdict]) -> Mapping[str, float]:
         "refused": len(verdicts) - len(asked),
         "signal": sum(v.signal for v in asked),
         "met": sum(v.status == 0 for v in asked),
-        "told": sum(v.told for v in judged),
+        "told": sum(v.told for v in asked),
         "beyond": len(beyond),
         "beyond 1.5x": sum(v.ratio > 1.5 for v in beyond),
         "worst": max((v.ratio for v in beyond), default=0.0),

@@ -93,7 +93,7 @@ def blockers(w: World, shape: int, inside: bool, q: Vector, light: Vector) -> in
 @kernel
 def wave(x: float) -> float:
     """sin(pi x), 0 at whole numbers."""
-    r = x - 2.0 * math.floor(0.5 * x)
+    r = x - 2.0 * np.floor(0.5 * x)
     return 0.0 if r == 0.0 or r == 1.0 else math.sin(math.pi * r)
 
 
@@ -105,7 +105,7 @@ def albedo(w: World, shape: int, q: Vector, n: Vector) -> tuple[float, float, fl
         if f[1] == 0.0:
             return f[2], f[3], f[4], 0
         x, y = (q[0] - f[9]) / f[8], (q[1] - f[10]) / f[8]
-        field = int(math.floor(x)) * 7919 + int(math.floor(y)) + 1 if abs(x) < 1e15 and abs(y) < 1e15 else 1
+        field = np.int64(np.floor(x)) * 7919 + np.int64(np.floor(y)) + 1 if max(abs(x), abs(y)) < 1e15 else 1
         if wave(x) * wave(y) >= 0.0:
             return f[2], f[3], f[4], field
         return f[5], f[6], f[7], field
@@ -121,10 +121,10 @@ def albedo(w: World, shape: int, q: Vector, n: Vector) -> tuple[float, float, fl
             field = 1 if u < 0.5 else 2
         else:
             sign = wave(u * s[8])
-            field = int(math.floor(u * s[8])) + 1
+            field = np.int64(np.floor(u * s[8])) + 1
             if kind == CHECKER:
                 sign *= wave(v * s[9])
-                field += 7919 * int(math.floor(v * s[9]))
+                field += 7919 * np.int64(np.floor(v * s[9]))
             factor = 1.0 if sign >= 0.0 else s[10]
     return s[4] * factor, s[5] * factor, s[6] * factor, field
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from .families import FAMILIES, generate
-from .judge import by_lattice, by_lines, contradicts
+from .judge import UNSEEN, by_lattice, by_lines, contradicts
 from .lattice import REPLICATES, lattice_value
 from .sweep import swept_value
 from .world import lobe_of, world_of
@@ -40,9 +40,9 @@ def test_what_a_ball_on_the_axis_leaves_of_a_white_sky(exponent: float, half: fl
     expected = (1.0 - hidden / whole) * np.array([1.0, 0.5, 0.25])
     lines = swept_value(world, lobe, 1e-10)
     assert np.abs(lines.value - expected).max() <= lines.doubt + 3e-9
-    lattice = lattice_value(world, lobe, 512, 5)
+    lattice = by_lattice(world, lobe, 512, 5)
     # 15 cases of one independent channel, t with 15 degrees: beyond 5 sigma in one run of 400
-    assert (np.abs(lattice.value - expected) <= 5 * lattice.sigma + 1e-12).all()
+    assert (np.abs(lattice.value - expected) <= lattice.doubt).all()
 
 
 def test_brdf_units_under_a_white_sky() -> None:
@@ -56,7 +56,7 @@ def test_brdf_units_under_a_white_sky() -> None:
 
 def test_the_two_methods_agree_and_their_errors_are_what_they_say() -> None:
     """Standardised differences of lattices from lines: their spread is that of Student's t, none is far out."""
-    scores, told = [], 0
+    found: list[float] = []
     for family in FAMILIES:
         for seed in range(1000, 1004):
             case = generate(family, seed)
@@ -68,11 +68,12 @@ def test_the_two_methods_agree_and_their_errors_are_what_they_say() -> None:
                 continue
             lines, lattice = by_lines(world, lobe, 1e-7, 0.3, 48), lattice_value(world, lobe, 512, seed)
             k = int(np.argmax(lattice.value))
-            if lines is None or lattice.sigma[k] == 0.0 or lines.doubt[k] > 0.2 * lattice.sigma[k]:
+            # where lattices may have missed a dark speck altogether, no standard error is claimed
+            least = UNSEEN / lattice.looks * lattice.value[k]
+            if lines is None or lattice.sigma[k] < least or lines.doubt[k] > 0.2 * lattice.sigma[k]:
                 continue
-            told += 1
-            scores.append((lattice.value[k] - lines.value[k]) / lattice.sigma[k])
-    scores = np.array(scores)
+            found.append((lattice.value[k] - lines.value[k]) / lattice.sigma[k])
+    scores, told = np.array(found), len(found)
     assert told >= 20
     # t with REPLICATES - 1 degrees has a standard deviation of 1.07; beyond 7 it is 4e-6, of 60 values 3e-4
     assert REPLICATES == 16 and np.abs(scores).max() < 7
