@@ -26,6 +26,7 @@ from adversary.case import Case, read_cases
 from adversary.families import FAMILIES, generate
 from adversary.judge import Verdict, is_beyond, judge, summed
 from adversary.shrink import shrunk
+from adversary.slopes import judge_slopes
 
 
 def serve(pipe: Connection) -> None:
@@ -129,6 +130,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="small enough for continuous integration")
     parser.add_argument("--cases", type=int, default=50_000, help="cases in all, shared among the families")
     parser.add_argument("--highlights", type=int, default=5_000, help="cases of the family of single highlights")
+    parser.add_argument("--gradients", type=int, default=0, help="derivatives to judge after the values")
     parser.add_argument("--family", default="", help=f"of {', '.join(FAMILIES)}; several with commas")
     parser.add_argument("--seed", type=int, default=0, help="first case of each family")
     parser.add_argument("--file", type=Path, help="cases to judge instead, as JSON")
@@ -160,8 +162,8 @@ def main() -> None:
             continue
         mine += verdicts
         for v in verdicts:
-            if v.called == "beyond" or v.overspent:
-                what = "beyond" if v.called == "beyond" else "overspent"
+            if v.called in ("beyond", "torn") or v.overspent:
+                what = v.called if v.called in ("beyond", "torn") else "overspent"
                 print(
                     f"{what} {case.name}[{v.index}] {case.surface} {case.disk}: {v.value} +- {v.stated:.3g} "
                     f"({v.status}, {v.evaluations} of {case.budget}), {v.opinion.value} "
@@ -187,9 +189,42 @@ def main() -> None:
     report.say(f"{time.perf_counter() - begun:.0f} s with {options.workers} workers.")
     report.claim_number("values beyond 1.5 times their stated error", everything["beyond 1.5x"], 0)
     report.claim_number("values beyond their stated error", everything["beyond"], 5)
+    report.claim_number("values that depend on their neighbours in a batch", everything["torn"], 0)
     report.claim_number("hangs", sum(hangs.values()), 0)
     report.claim_number("budgets not kept within a factor of two", everything["overspent"], 0)
+    if options.gradients:
+        slopes_told(report, options)
     report.leave()
+
+
+def slopes_told(report: Report, options: argparse.Namespace) -> None:
+    """Judge derivatives, two of a case, in this process; lines of point lights tell them, so no exact disks."""
+    families = [family for family in FAMILIES if family not in ("exact", "budget", "mirror")]
+    counts: dict[str, int] = {}
+    worst, asked, k = 0.0, 0, 0
+    begun = time.perf_counter()
+    while asked < options.gradients and time.perf_counter() - begun < options.seconds:
+        case = replace(generate(families[k % len(families)], options.seed + k // len(families)), tol=1e-5)
+        k += 1
+        if case.disk == "exact":
+            continue
+        for slope in judge_slopes(case):
+            asked += 1
+            counts[slope.called] = counts.get(slope.called, 0) + 1
+            if slope.called in ("beyond", "torn"):
+                worst = max(worst, slope.ratio if slope.called == "beyond" else 0.0)
+                print(
+                    f"{slope.called} {case.name} {slope.name} at {case.points[0]} of {case.surface}: {slope.alone} alone, "
+                    f"{slope.together} together, +- {slope.stated}, differences {slope.value} +- {slope.doubt:.2g}",
+                    file=sys.stderr,
+                    flush=True,
+                )
+    report.table(("derivatives", *counts), [[asked, *counts.values()]])
+    report.say(
+        f"{time.perf_counter() - begun:.0f} s; the worst is {worst:.3g} stated errors beyond what differences doubt."
+    )
+    report.claim_number("derivatives beyond three times their stated error", counts.get("beyond", 0), 0)
+    report.claim_number("derivatives that differ asked alone and with others", counts.get("torn", 0), 0)
 
 
 if __name__ == "__main__":

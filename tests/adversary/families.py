@@ -244,7 +244,8 @@ def _scene(rng: Rng, pick: Any) -> Scene:
         "ambient": list(pick("ambient")),
         "background": list(pick("background")),
         "shading": {
-            "model": pick("model"), "ka": pick("ka"), "kd": pick("kd"), "ks": pick("ks"), "shininess": pick("shininess"),
+            "model": pick("model"),
+            "ka": pick("ka"), "kd": pick("kd"), "ks": pick("ks"), "shininess": pick("shininess"),
             "highlight_view": pick("view"), "specular_terminator": pick("terminator"), "lobe_units": pick("units"),
         },
     }  # fmt: skip

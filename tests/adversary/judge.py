@@ -28,6 +28,8 @@ FINEST: Final = 3e-9
 """What lines are trusted to, relative to the value: in symmetric scenes two sweeps may share an error below it."""
 SPENT: Final = 2.0
 """A budget is a promise within this factor."""
+BATCHES: Final = 4
+"""Of so many cases one is asked in the opposite order too: a value depends on its own point alone."""
 SLACK: Final = 1000
 """Evaluations beyond the budget that are not worth a word."""
 
@@ -95,11 +97,27 @@ def judge(case: Case) -> list[Verdict]:
         nothing = Opinion(np.zeros(3), np.zeros(3), str(error))
         return [Verdict(case, 0, np.zeros(3), 0.0, 3, 0, nothing, "refused", time.perf_counter() - begun)]
     seconds = (time.perf_counter() - begun) / len(case.points)
+    if len(case.points) > 1 and case.seed % BATCHES == 0 and (torn := _torn(case, found.gloss, found.error)):
+        return torn
     return [
         verdict(
             case, k, found.gloss[k], float(found.error[k]), int(found.status[k]), int(found.evaluations[k]), seconds
         )
         for k in range(len(case.points))
+    ]
+
+
+def _torn(case: Case, gloss: Array, error: Array) -> list[Verdict]:
+    """Points whose value is another one when they are asked in the opposite order; called ``torn``."""
+    import symrender as sr
+
+    back = sr.probe(
+        case.scene, case.points[::-1], surface=case.surface, tol=case.tol, disk=case.disk, budget=case.budget, threads=1
+    )
+    other = back.gloss[::-1]
+    return [
+        Verdict(case, k, gloss[k], float(error[k]), 0, 0, Opinion(other[k], np.zeros(3), "asked in turn"), "torn", 0.0)
+        for k in np.nonzero((gloss != other).any(axis=1))[0].tolist()
     ]
 
 
@@ -209,6 +227,7 @@ def summed(verdicts: list[Verdict]) -> Mapping[str, float]:
         "beyond": len(beyond),
         "beyond 1.5x": sum(v.ratio > 1.5 for v in beyond),
         "worst": max((v.ratio for v in beyond), default=0.0),
+        "torn": sum(v.called == "torn" for v in asked),
         "overspent": sum(v.overspent for v in asked),
         "slowest s": max((v.seconds for v in verdicts), default=0.0),
     }
