@@ -17,13 +17,27 @@ import numpy as np
 from .case import Case
 from .lattice import lattice_value, mirror_value
 from .sweep import swept_value
-from .world import EXPONENT, MIRROR, SHININESS, THETA_MAX, Array, World, lobe_of, world_of
+from .world import (
+    AMBIENT,
+    BACKGROUND,
+    EXPONENT,
+    EYE,
+    KA,
+    KD,
+    MIRROR,
+    SHININESS,
+    THETA_MAX,
+    Array,
+    World,
+    lobe_of,
+    world_of,
+)
 
 SIGMAS: Final = 5.0
 """Standard errors of 16 shifts taken as the doubt of a lattice: t with 15 degrees beyond 5 is 1.6e-4, and a second,
 fresh and longer lattice is asked before anything is called beyond, which makes 3e-8 a channel."""
 UNSEEN: Final = 10.0
-"""A dark part of the lobe that none of N looks met is smaller than this over N, but for a chance of e^-10."""
+"""A part of the lobe that none of N looks met is smaller than this over N, but for a chance of e^-10."""
 FINEST: Final = 3e-9
 """What lines are trusted to, relative to the value: in symmetric scenes two sweeps may share an error below it."""
 SPENT: Final = 2.0
@@ -140,7 +154,7 @@ def contradicts(world: World, lobe: Array, claim: Array, stated: float, seed: in
     if lobe[THETA_MAX] == 0.0 and not len(world.disks):
         opinion = mirrored(world, lobe)
         return opinion, "honest" if _within(opinion, claim, stated) else "beyond"
-    best = by_lattice(world, lobe, 512, seed)
+    best = by_lattice(world, lobe, 512, seed, careful=False)
     if not len(world.disks):
         first = by_lines(world, lobe, max(0.3 * stated, 1e-10), 0.1, 48)
         if first is not None and not _within(first, claim, stated):
@@ -171,11 +185,18 @@ def _finer(one: Opinion, other: Opinion) -> Opinion:
     return one if one.doubt.max() < other.doubt.max() else other
 
 
-def by_lattice(world: World, lobe: Array, count: int, seed: int) -> Opinion:
-    """An opinion by lattices."""
+def by_lattice(world: World, lobe: Array, count: int, seed: int, *, careful: bool = True) -> Opinion:
+    """An opinion by lattices; a ``careful`` one doubts what no look may have met, others are hints."""
     found = lattice_value(world, lobe, count, seed)
-    rest = UNSEEN / found.looks * np.abs(found.value).max() + rounding(world, lobe) * np.abs(found.value)
-    return Opinion(found.value, SIGMAS * found.sigma + rest, "lattice")
+    rules = world.rules
+    smooth = rules[KA] * rules[AMBIENT:BACKGROUND] + rules[KD] * (
+        world.points[:, 3:].sum(axis=0) + world.disks[:, 9:].sum(axis=0)
+    )
+    # highlights have hats of their own; sky, ambient and diffuse light may hide in a part of the lobe never met
+    most = max(smooth.max(), rules[BACKGROUND:EYE].max()) if careful else 0.0
+    rest = UNSEEN / found.looks * max(most, float(np.abs(found.value).max()))
+    doubt = SIGMAS * found.sigma + rest + rounding(world, lobe) * np.abs(found.value)
+    return Opinion(found.value, doubt, "lattice")
 
 
 def by_lines(world: World, lobe: Array, tol: float, turn: float, cells: int, *, most: int = 3000) -> Opinion | None:

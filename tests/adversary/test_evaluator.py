@@ -70,7 +70,7 @@ def test_the_two_methods_agree_and_their_errors_are_what_they_say() -> None:
             k = int(np.argmax(lattice.value))
             # where lattices may have missed a dark speck altogether, no standard error is claimed
             least = UNSEEN / lattice.looks * lattice.value[k]
-            if lines is None or lattice.sigma[k] < least or lines.doubt[k] > 0.2 * lattice.sigma[k]:
+            if lines is None or lattice.sigma[k] <= least or lines.doubt[k] > 0.2 * lattice.sigma[k]:
                 continue
             found.append((lattice.value[k] - lines.value[k]) / lattice.sigma[k])
     scores, told = np.array(found), len(found)
