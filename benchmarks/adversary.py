@@ -215,7 +215,8 @@ def slopes_told(report: Report, options: argparse.Namespace) -> None:
                 worst = max(worst, slope.ratio if slope.called == "beyond" else 0.0)
                 print(
                     f"{slope.called} {case.name} {slope.name} at {case.points[0]} of {case.surface}: "
-                    f"{slope.alone} alone, {slope.together} together, +- {slope.stated}, differences {slope.value} +- {slope.doubt:.2g}",
+                    f"{slope.alone} alone, {slope.together} together, "
+                    f"+- {slope.stated}, differences {slope.value} +- {slope.doubt:.2g}",
                     file=sys.stderr,
                     flush=True,
                 )
