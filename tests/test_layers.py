@@ -42,6 +42,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
         "render",
         "tiles",
         "truth",
+        "verify",
         "gradient",
         "hessian",
         "fit",

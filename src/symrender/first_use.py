@@ -14,7 +14,7 @@ from symrender import kernel_cache
 from symrender.tiles import Progress
 from symrender.units import code_digest
 
-USUAL: Final = {"numeric": 15.0, "symbolic": 15.0, "truth": 150.0, "gradient": 200.0}
+USUAL: Final = {"numeric": 10.0, "symbolic": 10.0, "truth": 25.0, "gradient": 40.0}
 """Seconds a kind of image takes to compile where none was compiled before, on two processors of 2023."""
 
 

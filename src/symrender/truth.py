@@ -24,6 +24,7 @@ from symrender.scene.scene import Scene
 from symrender.settings import Antialias, Settings, split_settings
 from symrender.tiles import Progress
 from symrender.units import Job
+from symrender.verify import check_share, verified
 
 STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}
 """What the numbers of a status layer mean."""
@@ -43,6 +44,7 @@ def truth(
     tile: int = 0,
     cluster: str = "",
     insecure_cluster: bool = False,
+    verify: float = 0.0,
     progress: Progress | None = None,
     preview: str | Path | None = None,
 ) -> Image:
@@ -57,8 +59,9 @@ def truth(
     lattices of directions where that is good enough, quicker at loose tolerances, and ``chambers`` and ``crossings``
     leave these out. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its
     centre alone. ``threads``, ``tile`` and ``cluster`` change no byte. ``preview``: a PNG
-    file that shows the image while it is made. Choose it whenever an image is to be trusted,
-    ``render`` when it is to be quick.
+    file that shows the image while it is made. ``verify`` is a share of the pixels, drawn at random, that brute force
+    makes again (``verify.py``); what it says is the metadata ``verified``. Choose truth whenever an image is to be
+    trusted, ``render`` when it is to be quick.
     """
     loaded = load(scene)
     settings = split_settings(
@@ -72,10 +75,12 @@ def truth(
         counts=counts,
         silhouettes=silhouettes,
     )
+    check_share(verify)
     job = truth_job(loaded, settings)
     shown = None if preview is None else preview_file(preview)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress, preview=shown) as crew:
-        return true_image(crew, job, loaded)
+        image = true_image(crew, job, loaded)
+    return verified(image, loaded, settings, verify, threads) if verify else image
 
 
 def truth_job(scene: Scene, settings: Settings) -> Job:

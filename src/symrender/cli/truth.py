@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Annotated
 
 import typer
@@ -61,6 +62,9 @@ def truth(
     insecure_cluster: InsecureCluster = False,
     resume: Resume = False,
     restart: Restart = False,
+    verify: Annotated[
+        float, typer.Option(metavar="SHARE", help="Share of the pixels that brute force makes again, drawn at random.")
+    ] = 0.0,
     max_pixels: Annotated[int, typer.Option(help="Most pixels accepted.")] = MAX_PIXELS,
     define: Define = None,
     out: Annotated[str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")] = "out",
@@ -74,7 +78,9 @@ def truth(
         ProgressMode, typer.Option("--progress", help="auto: a bar on a terminal; json: lines on stderr.")
     ] = "auto",
 ) -> None:
-    """Render SCENE so that every pixel is within its stated error; exit 4 if some pixel missed the tolerance.
+    """Render SCENE so that every pixel is within its stated error.
+
+    Exit 4 if some pixel missed the tolerance or is contradicted by --verify.
 
     Writes truth.png, truth.exr (float32) and truth.npz (float64), with error, status, evaluations, chambers and
     crossings as layers beside the radiance. The image is written even if pixels missed their tolerance.
@@ -82,12 +88,14 @@ def truth(
     Example: symrender truth chapter8 --size 128 --tol 1e-8 --layers error,crossings --out pictures
     """
     from symrender.errors import OptionError
+    from symrender.verify import check_share
 
     wanted = [name for name in layers.split(",") if name]
     if unknown := sorted(set(wanted) - set(LAYERS)):
         raise OptionError(f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}")
     if uncounted := sorted({"chambers", "crossings"}.intersection(() if counts else wanted)):
         raise OptionError(f"layers: {uncounted[0]} cannot be written without counts")
+    check_share(verify)
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
         silhouettes=silhouettes, max_pixels=max_pixels,
@@ -116,7 +124,9 @@ def truth(
 
     from symrender.cli._compiler import announce_compilation
     from symrender.fill import Crew
+    from symrender.image import Image
     from symrender.truth import true_image, truth_job, verdict
+    from symrender.verify import verify as brute_force
     from symrender.views import false_color
 
     announce_compilation()
@@ -127,6 +137,9 @@ def truth(
         Crew(means, (job,), advance, preview=shown_in(preview)) as crew,
     ):
         image = true_image(crew, job, chosen)
+        receipt = brute_force(image.layers, chosen, settings, verify, threads) if verify else None
+        if receipt is not None:
+            image = Image(image.layers, {**image.meta, "verified": receipt.json()})
         for name in names[:3]:
             image.save(folder / name, force=force, exposure=exposure, tonemap=tonemap)
         for name in wanted:
@@ -141,11 +154,13 @@ def truth(
             "largest_error": judged.largest,
             "at": judged.worst,
             "convention": image.meta["convention"],
-        }
+        } | ({} if receipt is None else {"verified": asdict(receipt)})
         show_json(report)
     elif not quiet:
         typer.echo(f"{judged.text()}; units of lobes: {image.meta['convention']}")
+        if receipt is not None:
+            typer.echo(receipt.text())
         for name in names:
             typer.echo(f"wrote {folder / name}")
-    if not judged.met:
+    if not judged.met or (receipt is not None and receipt.contradicted):
         raise typer.Exit(4)

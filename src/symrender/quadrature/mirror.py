@@ -146,7 +146,7 @@ def mirror_value(own: int, lobe: Array, view: View, work: Work, gauss: Array, co
     """``mirror_radiance`` by the finest rules into ``value``; how far coarser ones, into ``coarse``, are off."""
     mirror_radiance(own, lobe, view, work, gauss, COARSER, coarse)
     mirror_radiance(own, lobe, view, work, gauss, FINEST, value)
-    return largest_gap(coarse, value)
+    return float(largest_gap(coarse, value))
 
 
 @inlined

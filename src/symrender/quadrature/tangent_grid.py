@@ -574,7 +574,7 @@ def replay_once(
     while top > 0:
         top -= 1
         x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
-        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, geo)
+        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, view.points, geo)
         work.counts[LABOUR] += 1
         ran_out = work.counts[EVALUATIONS] + work.counts[LABOUR] > max_evaluations
         if bound <= 0.01 * aim / (1.0 + near / cell) or ran_out:
@@ -712,4 +712,4 @@ def replay_grid(
         for c in range(4):
             value[p, c] += longer[p, c]
     # slopes in places and exponents are larger than what they are of
-    return error + change + beyond * (10.0 + geo[GEO_EXPONENT])
+    return float(error + change + beyond * (10.0 + geo[GEO_EXPONENT]))

@@ -1,0 +1,254 @@
+"""The judge: what the package says of a case against what the evaluator finds, the cheap way first.
+
+Lattices come first, lines where lattices cannot tell at the stated error, a second sweep and longer lattices where the
+first opinion contradicts. A value is called beyond its statement only where two opinions that share no method, or two
+long lattices that share no shift, both leave it there.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from .case import Case
+from .lattice import lattice_value, mirror_value
+from .sweep import swept_value
+from .world import (
+    AMBIENT,
+    BACKGROUND,
+    EXPONENT,
+    EYE,
+    KA,
+    KD,
+    MIRROR,
+    SHININESS,
+    THETA_MAX,
+    Array,
+    World,
+    lobe_of,
+    world_of,
+)
+
+SIGMAS: Final = 5.0
+"""Standard errors of 16 shifts taken as the doubt of a lattice: t with 15 degrees beyond 5 is 1.6e-4, and a second,
+fresh and longer lattice is asked before anything is called beyond, which makes 3e-8 a channel."""
+UNSEEN: Final = 10.0
+"""A part of the lobe that none of N looks met is smaller than this over N, but for a chance of e^-10."""
+FINEST: Final = 3e-9
+"""What lines are trusted to, relative to the value: in symmetric scenes two sweeps may share an error below it."""
+SPENT: Final = 2.0
+"""A budget is a promise within this factor."""
+BATCHES: Final = 4
+"""Of so many cases one is asked in the opposite order too: a value depends on its own point alone."""
+SLACK: Final = 1000
+"""Evaluations beyond the budget that are not worth a word."""
+
+
+@dataclass(frozen=True)
+class Opinion:
+    """An independent value (3,) and how far it may be off."""
+
+    value: Array
+    doubt: Array
+    method: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One value judged. ``ratio``: how far the value lies off what can be told, over the stated error."""
+
+    case: Case
+    index: int
+    value: Array
+    stated: float
+    status: int
+    evaluations: int
+    opinion: Opinion
+    called: str
+    seconds: float
+
+    @property
+    def off(self) -> float:
+        """The part of the difference that the evaluator's doubt does not explain, worst channel."""
+        return float(max(0.0, (np.abs(self.value - self.opinion.value) - self.opinion.doubt).max()))
+
+    @property
+    def ratio(self) -> float:
+        """``off`` over the stated error."""
+        return self.off / max(self.stated, 1e-300)
+
+    @property
+    def told(self) -> bool:
+        """Whether the evaluator could have told an error of three times the stated one."""
+        return bool(self.opinion.doubt.max() <= 3.0 * self.stated)
+
+    @property
+    def signal(self) -> bool:
+        """Whether there was anything to see."""
+        return bool(np.abs(self.opinion.value).max() > 0.0)
+
+    @property
+    def overspent(self) -> bool:
+        """Whether the budget was not kept."""
+        return self.evaluations > SPENT * self.case.budget + SLACK
+
+
+def judge(case: Case) -> list[Verdict]:
+    """Judge every point of a case; values the package refuses are called ``refused``."""
+    import symrender as sr
+    from symrender.errors import SymrenderError
+
+    begun = time.perf_counter()
+    try:
+        found = sr.probe(
+            case.scene, case.points, surface=case.surface, tol=case.tol, disk=case.disk, budget=case.budget, threads=1
+        )
+    except SymrenderError as error:
+        nothing = Opinion(np.zeros(3), np.zeros(3), str(error))
+        return [Verdict(case, 0, np.zeros(3), 0.0, 3, 0, nothing, "refused", time.perf_counter() - begun)]
+    seconds = (time.perf_counter() - begun) / len(case.points)
+    if len(case.points) > 1 and case.seed % BATCHES == 0 and (torn := _torn(case, found.gloss, found.error)):
+        return torn
+    return [
+        verdict(
+            case, k, found.gloss[k], float(found.error[k]), int(found.status[k]), int(found.evaluations[k]), seconds
+        )
+        for k in range(len(case.points))
+    ]
+
+
+def _torn(case: Case, gloss: Array, error: Array) -> list[Verdict]:
+    """Points whose value is another one when they are asked in the opposite order; called ``torn``."""
+    import symrender as sr
+
+    back = sr.probe(
+        case.scene, case.points[::-1], surface=case.surface, tol=case.tol, disk=case.disk, budget=case.budget, threads=1
+    )
+    other = back.gloss[::-1]
+    return [
+        Verdict(case, k, gloss[k], float(error[k]), 0, 0, Opinion(other[k], np.zeros(3), "asked in turn"), "torn", 0.0)
+        for k in np.nonzero((gloss != other).any(axis=1))[0].tolist()
+    ]
+
+
+def verdict(
+    case: Case, index: int, value: Array, stated: float, status: int, evaluations: int, seconds: float
+) -> Verdict:
+    """Judge what is said of one point."""
+    if status == 3:
+        nothing = Opinion(np.zeros(3), np.zeros(3), "")
+        return Verdict(case, index, value, stated, status, evaluations, nothing, "unsupported", seconds)
+    world, lobe = world_of(case.scene, case.disk), lobe_of(case.scene, case.surface, case.points[index])
+    opinion, called = contradicts(world, lobe, value, stated, case.seed)
+    return Verdict(case, index, value, stated, status, evaluations, opinion, called, seconds)
+
+
+def contradicts(world: World, lobe: Array, claim: Array, stated: float, seed: int) -> tuple[Opinion, str]:
+    """An opinion of a lobe and what it calls a claimed value: ``honest`` or ``beyond``."""
+    if not np.isfinite(claim).all() or not np.isfinite(stated):
+        return Opinion(np.zeros(3), np.zeros(3), "not finite"), "beyond"
+    if lobe[THETA_MAX] == 0.0 and not len(world.disks):
+        opinion = mirrored(world, lobe)
+        return opinion, "honest" if _within(opinion, claim, stated) else "beyond"
+    best = by_lattice(world, lobe, 512, seed, careful=False)
+    if not len(world.disks):
+        first = by_lines(world, lobe, max(0.3 * stated, 1e-10), 0.1, 48)
+        if first is not None and not _within(first, claim, stated):
+            second = by_lines(world, lobe, max(0.05 * stated, 1e-11), 0.77, 97, most=12_000)
+            long = by_lattice(world, lobe, 16_384, seed + 1)
+            if second is not None:
+                apart = np.abs(second.value - first.value)
+                twice = Opinion(second.value, second.doubt + apart, "lines twice")
+                if (np.abs(long.value - twice.value) <= long.doubt + twice.doubt).all():
+                    if not _within(twice, claim, stated):
+                        return twice, "beyond"
+                    best = _finer(twice, best)
+        elif first is not None:
+            best = _finer(first, best)
+    # where the finest opinion so far cannot tell, longer lattices; what they contradict, a longer one has to as well
+    for k, count in enumerate((4096, 16_384)):
+        if _within(best, claim, stated) and best.doubt.max() <= 3.0 * stated:
+            return best, "honest"
+        longer = by_lattice(world, lobe, count, seed + 2 + k)
+        if not _within(longer, claim, stated):
+            last = by_lattice(world, lobe, 131_072, seed + 5)
+            return last, "honest" if _within(last, claim, stated) else "beyond"
+        best = longer if not _within(best, claim, stated) else _finer(longer, best)
+    return best, "honest"
+
+
+def _finer(one: Opinion, other: Opinion) -> Opinion:
+    return one if one.doubt.max() < other.doubt.max() else other
+
+
+def by_lattice(world: World, lobe: Array, count: int, seed: int, *, careful: bool = True) -> Opinion:
+    """An opinion by lattices; a ``careful`` one doubts what no look may have met, others are hints."""
+    found = lattice_value(world, lobe, count, seed)
+    rules = world.rules
+    smooth = rules[KA] * rules[AMBIENT:BACKGROUND] + rules[KD] * (
+        world.points[:, 3:].sum(axis=0) + world.disks[:, 9:].sum(axis=0)
+    )
+    # highlights have hats of their own; sky, ambient and diffuse light may hide in a part of the lobe never met
+    most = max(smooth.max(), rules[BACKGROUND:EYE].max()) if careful else 0.0
+    rest = UNSEEN / found.looks * max(most, float(np.abs(found.value).max()))
+    doubt = SIGMAS * found.sigma + rest + rounding(world, lobe) * np.abs(found.value)
+    return Opinion(found.value, doubt, "lattice")
+
+
+def by_lines(world: World, lobe: Array, tol: float, turn: float, cells: int, *, most: int = 3000) -> Opinion | None:
+    """An opinion by one sweep, or None where lines cannot tell."""
+    found = swept_value(world, lobe, tol, turn=turn, cells=cells, most=most, most_looks=400 * most)
+    if not np.isfinite(found.doubt):
+        return None
+    small = FINEST * np.abs(found.value).max() + rounding(world, lobe) * np.abs(found.value)
+    return Opinion(found.value, found.doubt + small, "lines")
+
+
+def mirrored(world: World, lobe: Array) -> Opinion:
+    """The one direction of a mirror; beside a wall, where the last bits decide, the doubt is the jump."""
+    value = mirror_value(world, lobe, np.empty(0))
+    doubt = 16.0 * rounding(world, lobe) * np.abs(value)
+    for k in range(3):
+        for sign in (1.0, -1.0):
+            near = lobe.copy()
+            near[MIRROR + k] += 1e-12 * sign
+            near[MIRROR:EXPONENT] /= np.linalg.norm(near[MIRROR:EXPONENT])
+            doubt = np.maximum(doubt, np.abs(mirror_value(world, near, np.empty(0)) - value))
+    return Opinion(value, doubt, "mirror")
+
+
+def rounding(world: World, lobe: Array) -> float:
+    """Relative error that doubles leave: high powers multiply what their bases lost."""
+    return 1e-14 + 4e-16 * float(world.rules[SHININESS] + lobe[EXPONENT])
+
+
+def _within(opinion: Opinion, claim: Array, stated: float) -> bool:
+    return bool((np.abs(claim - opinion.value) <= stated + opinion.doubt).all())
+
+
+def is_beyond(case: Case) -> bool:
+    """Whether any point of a case is beyond its statement."""
+    return any(v.called == "beyond" for v in judge(case))
+
+
+def summed(verdicts: list[Verdict]) -> Mapping[str, float]:
+    """What a table says of a family's verdicts."""
+    asked = [v for v in verdicts if v.called not in ("refused", "unsupported")]
+    beyond = [v for v in asked if v.called == "beyond"]
+    return {
+        "values": len(asked),
+        "refused": len(verdicts) - len(asked),
+        "signal": sum(v.signal for v in asked),
+        "met": sum(v.status == 0 for v in asked),
+        "told": sum(v.told for v in asked),
+        "beyond": len(beyond),
+        "beyond 1.5x": sum(v.ratio > 1.5 for v in beyond),
+        "worst": max((v.ratio for v in beyond), default=0.0),
+        "torn": sum(v.called == "torn" for v in asked),
+        "overspent": sum(v.overspent for v in asked),
+        "slowest s": max((v.seconds for v in verdicts), default=0.0),
+    }
