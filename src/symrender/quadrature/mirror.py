@@ -146,10 +146,10 @@ def mirror_value(own: int, lobe: Array, view: View, work: Work, gauss: Array, co
     """``mirror_radiance`` by the finest rules into ``value``; how far coarser ones, into ``coarse``, are off."""
     mirror_radiance(own, lobe, view, work, gauss, COARSER, coarse)
     mirror_radiance(own, lobe, view, work, gauss, FINEST, value)
-    return float(largest_gap(coarse, value))
+    return largest_gap(coarse, value)
 
 
 @inlined
 def largest_gap(a: Array, b: Array) -> float:
     """Largest difference of two colours."""
-    return max(abs(a[0] - b[0]), abs(a[1] - b[1]), abs(a[2] - b[2]))
+    return float(max(abs(a[0] - b[0]), abs(a[1] - b[1]), abs(a[2] - b[2])))
