@@ -299,15 +299,15 @@ def far_floor(l: int, near: float, wide: float, view: View, work: Work) -> tuple
 
 
 @jitable
-def find_highlights(tol: float, low: float, high: float, view: View, work: Work) -> None:
-    """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance, and geo's ``LEAST``."""
+def find_highlights(tol: float, low: float, high: float, view: View, work: Work) -> float:
+    """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance; what those left out may hold."""
     geo, shading, boxes = work.geo, view.shading, work.boxes
     work.counts[HIGHLIGHTS] = 0
     geo[LEAST] = math.inf
     lights = view.points.shape[0]
     floor = geo[SHAPE_INDEX] < 0.0
     if not shading[2] > 0.0 or lights == 0 or (floor and geo[SIDE] < 0.0):
-        return
+        return 0.0
     # slopes in a scene's numbers are larger than values by the inverse of a highlight's width
     geo[LEAST] = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading[3])))
     last = 0.5 * math.pi if floor else geo[GAMMA_MAX]
@@ -349,6 +349,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                 boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3] = a, b, middle, v
                 boxes[top + 1, 0], boxes[top + 1, 1], boxes[top + 1, 2], boxes[top + 1, 3] = a, b, u, middle
             top += 2
+    return float(geo[LEAST] * lights)
 
 
 @inlined
