@@ -1,4 +1,4 @@
-"""Charts of nasty scenes for tests: the kernels' functions in plain Python, on one lobe's shapes one after the other."""
+"""Charts of nasty scenes for tests: kernels in plain Python, on one lobe's shapes one after the other."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from symrender.quadrature.split_point import lobe_setup
 from symrender.quadrature.split_setup import inside_another, place_point
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, FLOOR_PRESENT, scene_arrays
 from symrender.scene.load import load
-from tests.adversary.case import Case
+
+from ..adversary.case import Case
 
 FLOOR_CHART = -1
 Chart = tuple[int, View, Work, float, float, npt.NDArray[np.float64]]

@@ -16,8 +16,9 @@ from symrender.chambers.crossings import all_events
 from symrender.chambers.line import scan_line
 from symrender.chambers.walls import GLEAM_EDGE, KIND, PENUMBRA
 from symrender.chambers.work import CELLS, View, Work
-from tests.adversary.families import generate
-from tests.chambers.charts import charts_of
+
+from ..adversary.families import generate
+from .charts import charts_of
 
 INSIDE = (0.003, 0.1, 0.3, 0.5, 0.7, 0.9, 0.997)
 SEARCHED = (GLEAM_EDGE, PENUMBRA)

@@ -13,8 +13,9 @@ from symrender.chambers.place import surface_point
 from symrender.chambers.walls import BETA_MAX, EXPONENT, LEAST, LOG_NORMALISER, POINT, RIM_COS, SHAPE_INDEX
 from symrender.chambers.work import View, Work
 from symrender.scene.arrays import CUT, EYE, PHONG
-from tests.adversary.families import generate
-from tests.chambers.charts import charts_of
+
+from ..adversary.families import generate
+from .charts import charts_of
 
 
 def chord_at(l: int, q: np.ndarray, n: np.ndarray, view: View, work: Work) -> float:
