@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symrender import kernel_cache
 from symrender.jit import entries
-from symrender.kernel_cache import cache_directory, compiled, inlined, jitable, load_module
+from symrender.jit.entries import cache_directory
+from symrender.kernel_cache import compiled, inlined, jitable, load_module
 
 SOURCE = """
 def total(values, shift):
@@ -73,8 +73,8 @@ def test_damaged_entry_is_compiled_again(directory: Path, damage: str) -> None:
 def test_whole_entry_that_cannot_be_used_is_compiled_again(directory: Path) -> None:
     _run()
     (entry,) = directory.glob("*.kernel")
-    kernel_cache.write_entry(entry, b"not a pickle")
-    assert kernel_cache.read_entry(entry) == b"not a pickle"
+    entries.write_entry(entry, b"not a pickle")
+    assert entries.read_entry(entry) == b"not a pickle"
     assert _run() == (24.5, 0, 1)
 
 
@@ -86,7 +86,7 @@ def test_entry_others_may_write_is_ignored(directory: Path) -> None:
     link = directory / "elsewhere"
     entry.replace(link)
     entry.symlink_to(link)
-    assert kernel_cache.read_entry(link) is not None and kernel_cache.read_entry(entry) is None
+    assert entries.read_entry(link) is not None and entries.read_entry(entry) is None
 
 
 @pytest.mark.parametrize("kind", ["writable by others", "foreign", "file", "below a file", "link"])

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from symrender.jit import entries
-from symrender.kernel_cache import compiled, load_module, read_entry, write_entry
+from symrender.jit.entries import read_entry, write_entry
+from symrender.kernel_cache import compiled, load_module
 
 SOURCE = """
 def total(values, shift):

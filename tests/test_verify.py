@@ -12,6 +12,7 @@ import symrender as sr
 from symrender.errors import OptionError
 from symrender.scene.arrays import scene_arrays
 from symrender.settings import split_settings
+from symrender.silhouettes import edges
 from symrender.verify import FALSE_ALARMS, brightest, student_quantile, verify
 
 pytestmark = pytest.mark.timeout(1200)
@@ -71,6 +72,19 @@ def test_every_convention_is_judged_by_its_own(changes: dict[str, object], disk:
     receipt = json.loads(image.meta["verified"])
     assert receipt["contradicted"] == 0
     assert receipt["of"] == ("radiance - direct" if disk == "exact" else "radiance")
+
+
+def test_a_pixel_at_a_silhouette_is_judged_as_the_mean_that_it_is() -> None:
+    """Its centre alone would contradict it: a mean over two shapes is the value of neither."""
+    scene = sr.load("gloss")
+    image = sr.truth(scene, size=SIZE, tol=1e-4, silhouettes=2, verify=0.3)
+    receipt = json.loads(image.meta["verified"])
+    assert receipt["contradicted"] == 0 and receipt["verified_pixels"] == round(0.3 * SIZE * SIZE)
+    layers = {name: image.layer(name) for name in image.layers}
+    centres = verify(layers, scene, settings(), 0.3)
+    at_edge = edges(image.layer("hit_class"))
+    assert centres.contradicted > 3
+    assert all(at_edge[j, i] for i, j in centres.at)
 
 
 def test_the_receipt_is_the_same_for_any_threads(clean: sr.Image) -> None:

@@ -16,11 +16,10 @@ from collections.abc import Callable, Sequence
 from types import FunctionType, ModuleType
 from typing import Any
 
-from symrender.jit.entries import cache_directory, read_entry, write_entry
 from symrender.jit.kernel import Kernel
 from symrender.jit.marks import inlined, jitable
 
-__all__ = ["cache_directory", "compiled", "inlined", "jitable", "load_module", "read_entry", "write_entry"]
+__all__ = ["compiled", "inlined", "jitable", "load_module"]
 
 
 def compiled(function: Callable[..., Any], *, sources: Sequence[str] | None = None, **options: Any) -> Kernel:

@@ -36,7 +36,6 @@ from typing import Any
 from symrender.errors import OptionError
 from symrender.fill import Crew, Means
 from symrender.finite import check_finite
-from symrender.first_use import first_use
 from symrender.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
 from symrender.preview import preview_file
@@ -173,11 +172,10 @@ def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene, finished: Finished 
     """
     images: dict[str, Image] = {}
     timings: dict[str, Timing] = {}
-    with second_beside(jobs) as second_compiled:
+    with second_beside(jobs, crew.progress) as second_compiled:
         for job in jobs:
             if images:
-                with first_use(job.kind, crew.progress, whole=False):
-                    second_compiled()
+                second_compiled()
             images[job.side], timings[job.side] = _one(crew, job, scene)
             if finished is not None:
                 finished(job.side, images[job.side])

@@ -6,8 +6,9 @@ replicates its standard error. A pixel contradicts the image where some channel 
 plus Student's quantile times the standard error, plus what samples may have missed altogether: a part of the lobe that
 none of N samples met holds, but for a chance delta, less than ln(1/delta)/N of it, and no radiance exceeds what all
 lights together can bring. The direct light of whole disks is drawn too coarsely for that, so it is left out and the
-receipt says that ``of`` the image only the reflection was verified. The chances of a false alarm, over all pixels and
-channels, sum to ``FALSE_ALARMS``.
+receipt says that ``of`` the image only the reflection was verified. A pixel beside another shape that is the mean of
+K x K points is rendered at each of them. The chances of a false alarm, over all pixels and channels, sum to
+``FALSE_ALARMS``.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, scene_arrays
 from symrender.scene.scene import Scene
 from symrender.settings import EXACT_DISK, Settings
+from symrender.silhouettes import edges
 from symrender.tiles import run_threads, thread_count
 
 REPLICATES: Final = 16
@@ -103,12 +105,18 @@ def verify(layers: Mapping[str, Array], scene: Scene, settings: Settings, share:
     pixels = drawn[np.isfinite(stated)]
     allowed_chance = FALSE_ALARMS / (2.0 * 3.0 * max(1, len(pixels)))
     whole_disks = settings.disk_order == EXACT_DISK and bool((arrays.lights[:, 0] == at.DISK).any())
-    means, errors = _opinions(arrays, settings, pixels, threads, reflected=whole_disks)
-    surface = layers["hit_class"].reshape(-1)[pixels].astype(np.int64)
-    unseen = math.log(1.0 / allowed_chance) / (REPLICATES * SIDE**2)
+    k = settings.silhouettes
+    at_edge = edges(layers["hit_class"]).reshape(-1)[pixels] if k > 1 else np.zeros(len(pixels), dtype=np.bool_)
+    means, errors, weights = (np.zeros((len(pixels), n)) for n in (3, 3, 1))
+    for points, chosen in ((1, ~at_edge), (k, at_edge)):
+        if chosen.any():
+            found = _opinions(arrays, settings, pixels[chosen], points, threads, reflected=whole_disks)
+            means[chosen], errors[chosen], weights[chosen] = found
+    # whichever of the points has the part that was missed
+    unseen = np.log(np.where(at_edge, k * k, 1) / allowed_chance) / (REPLICATES * SIDE**2)
     margin = (
         student_quantile(REPLICATES - 1, 0.5 * allowed_chance) * errors
-        + unseen * _weights(arrays)[surface][:, None] * brightest(arrays)
+        + unseen[:, None] * weights * brightest(arrays)
         + _NEVER_FINER * np.abs(means)
     )
     made = layers["radiance"] - layers["direct"] if whole_disks else layers["radiance"]
@@ -167,33 +175,45 @@ def _weights(arrays: SceneArrays) -> Array:
 
 
 def _opinions(
-    arrays: SceneArrays, settings: Settings, pixels: npt.NDArray[np.int64], threads: int, *, reflected: bool
-) -> tuple[Array, Array]:
-    """Mean (N, 3) over replicates of the radiance of pixels, or what is ``reflected`` of it; its standard error."""
-    kernels = [
-        prepare(arrays, replace(settings, numeric="sobol", lobe=SIDE, seed=settings.seed + k, symbolic="none"))
-        for k in range(REPLICATES)
-    ]
-    means, errors = np.empty((len(pixels), 3)), np.empty((len(pixels), 3))
+    arrays: SceneArrays,
+    settings: Settings,
+    pixels: npt.NDArray[np.int64],
+    points: int,
+    threads: int,
+    *,
+    reflected: bool,
+) -> tuple[Array, Array, Array]:
+    """Radiance of pixels, or what is ``reflected`` of it, each the mean of ``points`` x ``points`` points.
+
+    The mean (N, 3) over replicates, its standard error, and how much of their lobes the points add on average (N, 1).
+    """
+    height, width = points * settings.height, points * settings.width
+    finer = replace(settings, width=width, height=height, silhouettes=1, numeric="sobol", lobe=SIDE, symbolic="none")
+    kernels = [prepare(arrays, replace(finer, seed=settings.seed + k)) for k in range(REPLICATES)]
+    surfaces = _weights(arrays)
+    means, errors, weights = (np.empty((len(pixels), n)) for n in (3, 3, 1))
 
     def batch(first: int, _: int, stop: int, __: int, ___: Mapping[str, Array]) -> int:
         # memory is taken only where a pixel is written
-        layers = _room(settings.height, settings.width)
+        layers = _room(height, width)
         values = np.empty((REPLICATES, 3))
         for k in range(first, stop):
-            j, i = divmod(int(pixels[k]), settings.width)
+            j, i = (points * n for n in divmod(int(pixels[k]), settings.width))
+            here = np.s_[j : j + points, i : i + points]
             for row, kernel in zip(values, kernels, strict=True):
-                kernel(i, j, i + 1, j + 1, layers)
-                row[:] = layers["radiance"][j, i] - (layers["direct"][j, i] if reflected else 0.0)
+                kernel(i, j, i + points, j + points, layers)
+                seen = layers["radiance"][here] - (layers["direct"][here] if reflected else 0.0)
+                row[:] = seen.mean(axis=(0, 1))
             means[k] = values.mean(axis=0)
             errors[k] = values.std(axis=0, ddof=1) / math.sqrt(REPLICATES)
+            weights[k] = surfaces[layers["hit_class"][here].astype(np.int64)].mean()
         return 0
 
     # one thread loads or compiles the kernel; several would each do it
     kernels[0](0, 0, 0, 0, _room(1, 1))
     work = [(first, 0, min(first + 4, len(pixels)), 1) for first in range(0, len(pixels), 4)]
     run_threads(batch, {}, work, thread_count(threads), lambda *_: None)
-    return means, errors
+    return means, errors, weights
 
 
 def _room(height: int, width: int) -> dict[str, Array]:

@@ -16,31 +16,13 @@ from .world import lobe_of, world_of
 HERE = Path(__file__).parent
 KNOWN: list[dict[str, Any]] = json.loads((HERE / "known.json").read_text("utf-8"))
 
-OPEN = {
-    "A": "a panel that looks dark at first is taken for dark",
-    "B": "pairs of events left out",
-    "D": "shadows beyond an open terminator",
-    "E": "a checker of frequency 0",
-    "F": "a fine far checker taken for its mean",
-    "G": "a mirror is integrated as a narrow cone",
-    "H": "a light in the floor's plane under an open terminator",
-    "?": "one channel alone is wrong",
-}
-"""Classes of faults that still stand; whoever mends one takes its line out."""
-
 
 def case_of(entry: dict[str, Any]) -> Case:
     return Case(**{k: entry[k] for k in Case.__dataclass_fields__ if k in entry})
 
 
-def marked(entry: dict[str, Any]) -> Any:
-    fault = entry["fault"]
-    marks = [pytest.mark.xfail(strict=True, reason=f"class {fault}: {OPEN[fault]}")] if fault in OPEN else []
-    return pytest.param(entry, marks=marks, id=f"{fault} {entry['what']}")
-
-
 @pytest.mark.timeout(1200)
-@pytest.mark.parametrize("entry", [marked(entry) for entry in KNOWN])
+@pytest.mark.parametrize("entry", KNOWN, ids=lambda entry: f"{entry['fault']} {entry['what']}")
 def test_no_value_is_beyond_its_stated_error(entry: dict[str, Any]) -> None:
     verdicts = judge(case_of(entry))
     assert [v.called for v in verdicts] == ["honest"], [(v.value, v.stated, v.opinion) for v in verdicts]

@@ -150,7 +150,10 @@ def lobe_of(scene: Case, surface: str, point: Any) -> Array:
         place, normal, own, shape = np.array([given[0], given[1], 0.0]), np.array([0.0, 0.0, 1.0]), 0, scene["floor"]
     else:
         index = [f"spheres.{s['name']}" for s in scene["spheres"]].index(surface)
-        shape, own = scene["spheres"][index], 1 + index
+        shape = scene["spheres"][index]
+        # equal spheres are one: what leaves the later leaves the first
+        places = [(*map(float, s["center"]), float(s["radius"])) for s in scene["spheres"]]
+        own = 1 + places.index(places[index])
         normal = _unit(given)
         place = np.array(shape["center"], float) + shape["radius"] * normal
     law = shape["lobe"]

@@ -48,7 +48,7 @@ def differences(scene: Scene, point: tuple, surface: str, name: str, step: float
     at = float(get(scene, name))
 
     def value(x: float) -> np.ndarray:
-        found = probe(scene.replace({name: x}), [point], surface=surface, tol=1e-12)
+        found = probe(scene.replace({name: x}), [point], surface=surface, tol=1e-12, budget=4_000_000)
         assert found.error[0] <= 1e-11
         return found.gloss[0]
 

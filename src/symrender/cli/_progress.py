@@ -72,7 +72,7 @@ def _bar() -> Iterator[Progress]:
     with Bar(*columns, console=Console(stderr=True), transient=True, redirect_stdout=above) as bar:
 
         def advance(done: int, total: int, label: str) -> None:
-            if total and waited:
+            while waited:
                 bar.remove_task(waited.pop())
             if not total:
                 waited.append(bar.add_task(label, total=None))

@@ -76,9 +76,6 @@ def demo(
     for name in FILES:
         check_target(folder / name, force=force, inputs=scene_files(scene))
 
-    from symrender.cli._compiler import announce_compilation
-
-    announce_compilation()
     from symrender.report.build import demo_settings, page_of
     from symrender.report.demo import demo as make
     from symrender.report.strip import strip

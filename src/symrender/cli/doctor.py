@@ -79,7 +79,7 @@ def _processor() -> str:
 
 
 def _cache() -> str:
-    from symrender.kernel_cache import cache_directory
+    from symrender.jit.entries import cache_directory
 
     directory, reason = cache_directory()
     if directory is None:

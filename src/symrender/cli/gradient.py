@@ -98,13 +98,11 @@ def gradient(
         journal=journal,
     )
 
-    from symrender.cli._compiler import announce_compilation
     from symrender.fill import Crew
     from symrender.gradient import STATUS, gradient_images, gradient_job
     from symrender.signed_view import signed_view
     from symrender.truth import verdict
 
-    announce_compilation()
     job = gradient_job(chosen, every, settings)
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance, Crew(means, (job,), advance) as crew:
         images = gradient_images(crew, job, chosen)

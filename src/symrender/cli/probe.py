@@ -52,24 +52,25 @@ def probe(
         raise OptionError("point: all points need the same number of coordinates")
     chosen = scene_with(scene, define)
 
-    from symrender.cli._compiler import announce_compilation
+    from symrender.cli._progress import progress
+    from symrender.first_use import first_use
     from symrender.gradient import STATUS as GRADIENT_STATUS
     from symrender.probe import probe as probe_points
     from symrender.truth import STATUS
 
-    announce_compilation()
     names = [name.strip() for name in wrt.split(",") if name.strip()]
-    found = probe_points(
-        chosen,
-        points,
-        surface=surface,
-        tol=tol,
-        disk=disk,
-        budget=budget,
-        wrt=names,
-        certify=certify,
-        threads=threads,
-    )
+    with progress("auto", quiet=json) as advance, first_use(advance):
+        found = probe_points(
+            chosen,
+            points,
+            surface=surface,
+            tol=tol,
+            disk=disk,
+            budget=budget,
+            wrt=names,
+            certify=certify,
+            threads=threads,
+        )
     rows = [
         {
             "point": p,

@@ -137,11 +137,9 @@ def render(
         for warning in warnings(chosen):
             typer.echo(f"WARNING {warning}", err=True)
 
-    from symrender.cli._compiler import announce_compilation
     from symrender.fill import Crew
     from symrender.render import carry_out, plan
 
-    announce_compilation()
     jobs = plan(chosen, settings)
     names = [job.side for job in jobs]
     folder = make_folder(out)

@@ -122,14 +122,13 @@ def truth(
         journal=journal,
     )
 
-    from symrender.cli._compiler import announce_compilation
     from symrender.fill import Crew
+    from symrender.first_use import first_use
     from symrender.image import Image
     from symrender.truth import true_image, truth_job, verdict
     from symrender.verify import verify as brute_force
     from symrender.views import false_color
 
-    announce_compilation()
     job = truth_job(chosen, settings)
     with (
         ended_by_signals(),
@@ -137,7 +136,8 @@ def truth(
         Crew(means, (job,), advance, preview=shown_in(preview)) as crew,
     ):
         image = true_image(crew, job, chosen)
-        receipt = brute_force(image.layers, chosen, settings, verify, threads) if verify else None
+        with first_use(advance):
+            receipt = brute_force(image.layers, chosen, settings, verify, threads) if verify else None
         if receipt is not None:
             image = Image(image.layers, {**image.meta, "verified": receipt.json()})
         for name in names[:3]:

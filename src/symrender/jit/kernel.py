@@ -28,6 +28,7 @@ from symrender.jit.machine import loaded, machine_code, machine_name
 from symrender.jit.program import Site, Translation, digest_of, translated
 from symrender.jit.refused import Refused
 from symrender.jit.source import module_text
+from symrender.jit.told import about_to_compile
 from symrender.jit.types import Type, result_named, result_of, type_of
 
 MODES: Final = ("auto", "llvm", "numba", "checked")
@@ -144,7 +145,7 @@ class Kernel:
         directory, _ = cache_directory()
         lists = None if directory is None else self._list_path(directory, types, checked)
         last = [] if lists is None else _names_in(lists)
-        _log.info("compiling kernel %s: about %.0f s", name, last[0]["seconds"] if last else _USUAL_SECONDS)
+        about_to_compile(name, last[0]["seconds"] if last else _USUAL_SECONDS)
         begun = time.perf_counter()
         made = translated(self.function, types, checked=checked)
         try:

@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from symrender import kernel_cache
+from symrender.jit.entries import cache_directory, read_entry, write_entry
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _SOURCES = ("expression/*.py", "kernel/*.py", "targets/*.py", "scene/arrays.py", "limits.py")
@@ -24,7 +25,7 @@ _SOURCES = ("expression/*.py", "kernel/*.py", "targets/*.py", "scene/arrays.py",
 @cache
 def emitted(recipe: Callable[[], str], name: str) -> str:
     """Text named ``name`` that ``recipe`` emits, from the cache directory where an entry of this very code exists."""
-    directory, _ = kernel_cache.cache_directory()
+    directory, _ = cache_directory()
     if directory is None:
         return recipe()
     digest = hashlib.sha256(f"{name} {metadata.version('sympy')}".encode())
@@ -32,11 +33,11 @@ def emitted(recipe: Callable[[], str], name: str) -> str:
         for path in sorted(_PACKAGE.glob(pattern)):
             digest.update(path.relative_to(_PACKAGE).as_posix().encode() + path.read_bytes())
     entry = directory / f"{digest.hexdigest()}.text"
-    stored = kernel_cache.read_entry(entry)
+    stored = read_entry(entry)
     if stored is not None:
         return stored.decode()
     text = recipe()
-    kernel_cache.write_entry(entry, text.encode())
+    write_entry(entry, text.encode())
     return text
 
 

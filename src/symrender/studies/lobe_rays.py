@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import segment_meets, texture_side
+from symrender.kernel_cache import compiled
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.lobe_units import is_brdf, lobe_scale
 from symrender.runtimes import image as symbolic
@@ -42,12 +43,10 @@ class LobeRays:
     """Rays of the lobes of one scene."""
 
     def __init__(self, arrays: SceneArrays, disk_order: int) -> None:
-        import numba as compiler
-
         self._arrays, self._order = arrays, disk_order
         self._formulas: Any = numba.plain(numba.image_text())
         self._points = light_points(arrays.lights, disk_order, self._formulas.light_point)
-        self._label = compiler.njit(_label)
+        self._label = compiled(_label)
 
     def frame(self, incoming: Array, normal: Array) -> Array:
         """(u1, u2, m) as rows: the lobe's frame about the mirror direction, that of the strata kernels."""

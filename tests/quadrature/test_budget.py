@@ -1,0 +1,53 @@
+"""A budget is kept by everything that refines, not by shaded nodes alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from symrender.chambers.work import EVALUATIONS, LABOUR
+from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.split_point import gloss_points, split_work
+from symrender.quadrature.split_setup import CAPPED, MET
+from symrender.scene.arrays import FIRST_SPHERE, scene_arrays
+from symrender.scene.load import load
+
+BUDGET = 2000
+POINTS = 24
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "disk", "toil"),
+    [
+        ("gloss", {}, 2, 0.0),
+        ("gloss", {"shading.shininess": 1e5}, 2, 0.0),
+        # squares and disks are work of which little is shading
+        ("gloss", {"floor.texture.cell": 0.003}, 2, 0.5),
+        ("chapter8", {}, 0, 0.8),
+    ],
+)
+def test_no_point_takes_much_more_than_its_budget(name: str, changes: dict, disk: int, toil: float) -> None:
+    a = scene_arrays(load(name).replace(changes))
+    rng = np.random.default_rng(1)
+    normals = rng.normal(size=(POINTS, 3))
+    normals[:, 2] = np.abs(normals[:, 2])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    points = a.spheres[0, :3] + a.spheres[0, 3] * normals
+    incoming = points - a.camera[1:4]
+    incoming /= np.linalg.norm(incoming, axis=1, keepdims=True)
+    towards = (incoming * normals).sum(axis=1, keepdims=True)
+    incoming -= 2.0 * np.maximum(towards, 0.0) * normals
+    scratch = split_work(a, light_rows(a, disk))
+    spent, laboured, capped = [], [], 0
+    for point, normal, ray in zip(points, normals, incoming, strict=True):
+        surface = np.array([FIRST_SPHERE])
+        found = gloss_points(a, point[None], normal[None], ray[None], surface, 1e-12, disk, BUDGET, scratch)
+        counts = scratch.work.counts
+        assert found.evaluations[0] == counts[EVALUATIONS] and found.status[0] in (MET, CAPPED)
+        spent.append(int(counts[EVALUATIONS] + counts[LABOUR]))
+        laboured.append(int(counts[LABOUR]))
+        capped += found.status[0] == CAPPED
+    # what is begun is ended: a row of nodes, a panel's first look
+    assert max(spent) <= 2 * BUDGET
+    assert max(laboured) >= toil * BUDGET
+    assert capped > POINTS // 3
