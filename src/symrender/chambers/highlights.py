@@ -21,9 +21,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.place import surface_point
 from symrender.chambers.walls import (
     BETA_MAX,
+    CENTER,
     E1,
     E2,
     EXPONENT,
@@ -66,7 +66,7 @@ TAME = 2.0
 """A highlight of width w is tame to this times w beside the real line: it grows there by no more than a factor 8."""
 RESOLVED = 4.0
 """Boxes over which the highlight's angle varies by no more than so many of its widths are halved no further."""
-DOUBTED = 1.0
+DOUBTED = 2.0
 """The same where only the bound, not the middle, says that it is felt."""
 COARSEST = 0.6
 """Nor do they vary by more than this chord: slopes are taken at their middles."""
@@ -154,35 +154,34 @@ def slope_towards(
 
 
 @inlined
-def lobe_share(qx: float, qy: float, qz: float, reach: float, work: Work) -> float:
-    """No more than this share of the lobe meets what lies within ``reach`` of Q; 0 outside the lobe."""
+def log_share(qx: float, qy: float, qz: float, reach: float, ample: float, work: Work) -> float:
+    """Logarithm of the share of the lobe that what lies within ``reach`` of Q can meet at most; -inf outside the lobe.
+
+    ``ample`` is the logarithm of the shape's solid angle over the lobe's normaliser.
+    """
     geo = work.geo
     dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
     far = math.sqrt(dx * dx + dy * dy + dz * dz)
-    chord = chord_of(reach, far)
     inv = 1.0 / max(far, 1e-300)
     x = (dx * geo[POLE] + dy * geo[POLE + 1] + dz * geo[POLE + 2]) * inv - geo[LOBE_BETA + 1]
     y = (dx * geo[E1] + dy * geo[E1 + 1] + dz * geo[E1 + 2]) * inv - geo[LOBE_BETA + 2]
     z = (dx * geo[E2] + dy * geo[E2 + 1] + dz * geo[E2 + 2]) * inv
-    chord = max(0.0, math.sqrt(x * x + y * y + z * z) - chord)
+    chord = max(0.0, math.sqrt(x * x + y * y + z * z) - chord_of(reach, far))
     versine = 0.5 * chord * chord
     if versine > 1.0 - geo[RIM_COS] + 1e-9:
-        return 0.0
-    density = math.exp(geo[EXPONENT] * math.log1p(-min(1.0 - 1e-15, versine)) - geo[LOG_NORMALISER])
-    half = math.sin(0.5 * geo[BETA_MAX])
-    return float(min(1.0, density * 4.0 * math.pi * half * half))
+        return -math.inf
+    return float(min(0.0, ample + geo[EXPONENT] * math.log1p(-min(1.0 - 1e-15, versine))))
 
 
 @inlined
-def is_felt(l: int, chord: float, share: float, view: View, work: Work) -> bool:
-    """Whether a highlight at no less than this chord of its angle, over this share of the lobe, may matter."""
-    p, shading = view.points[l], view.shading
+def log_felt(level: float, chord: float, shininess: float) -> float:
+    """By how many powers of e a highlight at no less than this chord of its angle matters; negative where it does not.
+
+    ``level`` is that of the highlight's peak.
+    """
     square = chord * chord
-    if square >= 2.0 and shading[3] > 0.0:
-        return False
     # cos^s of the angle is (1 - square/2)^s
-    held = shading[2] * max(p[3], p[4], p[5]) * share
-    return bool(held * math.exp(-0.5 * shading[3] * square) > work.geo[LEAST])
+    return level - 0.5 * shininess * square if square < 2.0 or shininess == 0.0 else -math.inf
 
 
 @jitable
@@ -213,64 +212,68 @@ def note_highlight(
 
 @inlined
 def box_bounds(
-    l: int, a: float, b: float, u: float, v: float, view: View, work: Work
+    l: int, level: float, ample: float, a: float, b: float, u: float, v: float, view: View, work: Work
 ) -> tuple[bool, bool, float, float]:  # fmt: skip
     """(felt, resolved, strip, along) of azimuths a..b and, on a sphere, angles u..v at its centre; on the floor, inner
     coordinates.
 
-    ``strip`` is how far off real azimuths it stays tame, ``along`` how far off real inner coordinates.
+    ``level`` is the logarithm of the peak over what is negligible, ``ample`` as of ``log_share``; ``strip`` is how far
+    off real azimuths it stays tame, ``along`` how far off real inner coordinates.
     """
-    geo = work.geo
-    wide = TAME / math.sqrt(max(view.shading[3], 1e-9))
+    geo, shininess = work.geo, view.shading[3]
     middle, half = 0.5 * (a + b), 0.5 * (b - a)
     c, s = math.cos(middle), math.sin(middle)
-    if geo[SHAPE_INDEX] >= 0.0:
-        k, radius = geo[RATIO], geo[RADIUS]
-        g = 0.5 * (u + v)
-        x = math.atan2(math.sin(g), math.cos(g) - k)
-        qx, qy, qz, nx, ny, nz = surface_point(x, c, s, geo)
-        across = math.sin(min(v, 0.5 * math.pi))
-        turn = math.sqrt(0.25 * (v - u) ** 2 + (across * half) ** 2)
-        reach = radius * turn
-        own = 1.0 / radius
-        sb = k * math.sin(x)
-        rate = 1.0 - k * math.cos(x) / math.sqrt(max(1e-300, (1.0 - sb) * (1.0 + sb)))
-    else:
-        h = geo[HEIGHT]
-        near, last = h * math.tan(u), h * math.tan(v) if v < 1.5707 else math.inf
-        if last == math.inf:
-            return far_floor(l, near, wide, view, work)
-        across = last
-        r = 0.5 * (near + last)
-        x = math.atan2(r, h)
-        qx, qy, qz, nx, ny, nz = surface_point(x, c, s, geo)
-        turn, radius, own = 0.0, 1.0, 0.0
-        rate = (h * h + r * r) / h
-        reach = math.sqrt(0.25 * (last - near) ** 2 + (last * half) ** 2)
-    share = lobe_share(qx, qy, qz, reach, work)
-    if share == 0.0:
-        return False, True, 0.0, 0.0
-    chord, varies = chord_about(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
-    if not is_felt(l, max(0.0, chord - varies), share, view, work):
-        return False, True, 0.0, 0.0
-    widths = RESOLVED if is_felt(l, chord, share, view, work) else DOUBTED
-    if varies > COARSEST or varies * math.sqrt(view.shading[3]) > widths:
-        return True, False, 0.0, 0.0
-    turns = (2.0 if view.shading[4] == PHONG else 1.0) * own
     ex, ey, ez = (
         c * geo[E1] + s * geo[E2],
         c * geo[E1 + 1] + s * geo[E2 + 1],
         c * geo[E1 + 2] + s * geo[E2 + 2],
     )
+    g = 0.5 * (u + v)
+    cg, sg, r = 0.0, 0.0, 0.0
+    sphere = geo[SHAPE_INDEX] >= 0.0
+    if sphere:
+        radius = geo[RADIUS]
+        cg, sg = math.cos(g), math.sin(g)
+        nx, ny, nz = sg * ex - cg * geo[POLE], sg * ey - cg * geo[POLE + 1], sg * ez - cg * geo[POLE + 2]
+        qx, qy, qz = geo[CENTER] + radius * nx, geo[CENTER + 1] + radius * ny, geo[CENTER + 2] + radius * nz
+        # no less than the sine of v
+        across = min(1.0, sg + 0.5 * (v - u))
+        turn = math.sqrt(0.25 * (v - u) ** 2 + (across * half) ** 2)
+        reach = radius * turn
+    else:
+        h = geo[HEIGHT]
+        if v >= 1.5707:
+            return far_floor(l, level, h * math.tan(u), view, work)
+        near, last = h * math.tan(u), h * math.tan(v)
+        r = 0.5 * (near + last)
+        nx, ny, nz = 0.0, 0.0, 1.0
+        qx, qy, qz = geo[POINT] + r * ex, geo[POINT + 1] + r * ey, 0.0
+        across, turn, radius = last, 0.0, 1.0
+        reach = math.sqrt(0.25 * (last - near) ** 2 + (last * half) ** 2)
+    level += log_share(qx, qy, qz, reach, ample, work)
+    if level < 0.0:
+        return False, True, 0.0, 0.0
+    chord, varies = chord_about(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
+    if log_felt(level, max(0.0, chord - varies), shininess) < 0.0:
+        return False, True, 0.0, 0.0
+    widths = RESOLVED if log_felt(level, chord, shininess) > 0.0 else DOUBTED
+    if varies > COARSEST or varies * math.sqrt(shininess) > widths:
+        return True, False, 0.0, 0.0
     fx, fy, fz = (
         c * geo[E2] - s * geo[E1],
         c * geo[E2 + 1] - s * geo[E1 + 1],
         c * geo[E2 + 2] - s * geo[E1 + 2],
     )
-    if geo[SHAPE_INDEX] >= 0.0:
+    if sphere:
         # along the meridian: across N in the plane of e and the pole
-        cg, sg = math.cos(0.5 * (u + v)), math.sin(0.5 * (u + v))
         ex, ey, ez = cg * ex + sg * geo[POLE], cg * ey + sg * geo[POLE + 1], cg * ez + sg * geo[POLE + 2]
+        turns = (2.0 if view.shading[4] == PHONG else 1.0) / radius
+        # d gamma/d psi where sin(gamma) belongs to sin(psi) = sin(gamma)/|(sin, cos - k)|
+        k = geo[RATIO]
+        rate = (1.0 - 2.0 * k * cg + k * k) / max(1e-300, 1.0 - k * cg)
+    else:
+        turns, rate = 0.0, (geo[HEIGHT] ** 2 + r * r) / geo[HEIGHT]
+    wide = TAME / math.sqrt(max(shininess, 1e-9))
     aside = slope_towards(l, qx, qy, qz, fx, fy, fz, view, work)
     inward = slope_towards(l, qx, qy, qz, ex, ey, ez, view, work)
     strip = wide / max(1e-300, across * radius * (turns + aside))
@@ -278,7 +281,9 @@ def box_bounds(
 
 
 @inlined
-def far_floor(l: int, near: float, wide: float, view: View, work: Work) -> tuple[bool, bool, float, float]:
+def far_floor(
+    l: int, level: float, near: float, view: View, work: Work
+) -> tuple[bool, bool, float, float]:  # fmt: skip
     """The same of all of the floor beyond ``near`` from the foot."""
     geo, p, shading = work.geo, view.points[l], view.shading
     if shading[5] == EYE:
@@ -295,33 +300,39 @@ def far_floor(l: int, near: float, wide: float, view: View, work: Work) -> tuple
         return False, True, 0.0, 0.0
     # both are within asin(1/4) of the way back, whose sum is longer than 1.8
     rise = ((abs(p[2]) + rho) / (near - light) + abs(ez) / (near - eye)) / 1.8
-    return is_felt(l, math.sqrt(2.0 * (1.0 - min(1.0, rise))), 1.0, view, work), True, wide, wide
+    wide = TAME / math.sqrt(max(shading[3], 1e-9))
+    return log_felt(level, math.sqrt(2.0 * (1.0 - min(1.0, rise))), shading[3]) > 0.0, True, wide, wide
 
 
 @jitable
-def find_highlights(tol: float, low: float, high: float, view: View, work: Work) -> None:
-    """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance, and geo's ``LEAST``."""
+def find_highlights(tol: float, low: float, high: float, view: View, work: Work) -> float:
+    """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance; what those left out may hold."""
     geo, shading, boxes = work.geo, view.shading, work.boxes
     work.counts[HIGHLIGHTS] = 0
     geo[LEAST] = math.inf
     lights = view.points.shape[0]
     floor = geo[SHAPE_INDEX] < 0.0
     if not shading[2] > 0.0 or lights == 0 or (floor and geo[SIDE] < 0.0):
-        return
+        return 0.0
     # slopes in a scene's numbers are larger than values by the inverse of a highlight's width
     geo[LEAST] = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading[3])))
     last = 0.5 * math.pi if floor else geo[GAMMA_MAX]
+    ample = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * geo[BETA_MAX])) - geo[LOG_NORMALISER]
     for l in range(lights):
         p = view.points[l]
         if floor and p[2] + p[DISK_RADIUS] <= 0.0 and shading[6] == CUT:
             continue
+        peak = shading[2] * max(p[3], p[4], p[5])
+        if peak <= geo[LEAST]:
+            continue
+        level = math.log(peak / geo[LEAST])
         boxes[0, 0], boxes[0, 1], boxes[0, 2], boxes[0, 3] = low, high, 0.0, last
         top, looked = 1, 0
         while top > 0:
             top -= 1
             looked += 1
             a, b, u, v = boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3]
-            felt, resolved, strip, along = box_bounds(l, a, b, u, v, view, work)
+            felt, resolved, strip, along = box_bounds(l, level, ample, a, b, u, v, view, work)
             if not felt:
                 continue
             if resolved or looked > MOST_BOXES or top + 2 > boxes.shape[0]:
@@ -349,6 +360,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                 boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3] = a, b, middle, v
                 boxes[top + 1, 0], boxes[top + 1, 1], boxes[top + 1, 2], boxes[top + 1, 3] = a, b, u, middle
             top += 2
+    return float(geo[LEAST] * lights)
 
 
 @inlined

@@ -35,7 +35,7 @@ from symrender.scene.arrays import CUT
 
 Array = npt.NDArray[np.float64]
 
-RAYS = 16
+RAYS = 32
 """Rays along a shadow's edge between which its azimuth is looked at for turns."""
 
 
@@ -147,9 +147,9 @@ def sphere_tangencies(
     frame[1, 0], frame[1, 1], frame[1, 2] = fx, fy, fz
     frame[2, 0], frame[2, 1], frame[2, 2] = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
     step = 2.0 * math.pi / RAYS
-    before, _, _, _, seen_before = edge_turn(0.0, light, beyond, geo, frame)
+    before, _, _, _, _ = edge_turn(0.0, light, beyond, geo, frame)
     for k in range(1, RAYS + 1):
-        turn, x, y, z, seen = edge_turn(k * step, light, beyond, geo, frame)
+        turn, x, y, z, _ = edge_turn(k * step, light, beyond, geo, frame)
         left, right, fa, fb = (k - 1) * step, k * step, before, turn
         if (fa != fa) != (fb != fb):
             # the edge leaves the sphere's lit side between the two: look up to there
@@ -165,7 +165,7 @@ def sphere_tangencies(
                 left, fa = hit, last
             else:
                 right, fb = hit, last
-        if fa * fb < 0.0 and (seen or seen_before):
+        if fa * fb < 0.0:
             f, faces = math.nan, False
             for _ in range(60):
                 psi = (left * fb - right * fa) / (fb - fa)
@@ -185,7 +185,7 @@ def sphere_tangencies(
                 phi = math.atan2(y, x)
                 if within_lobe(phi, math.atan2(math.sqrt(x * x + y * y), z), geo):
                     n = add_event(events, n, phi, low, high, ROOT)
-        before, seen_before = turn, seen
+        before = turn
     return n
 
 

@@ -285,6 +285,74 @@ def solve_trace(
     return note_trace(psi, row, other, beyond, hides, view, work, events, n, low, high)
 
 
+@inlined
+def add_contacts(
+    i: int, nx: float, ny: float, nz: float, level: float, vx: float, vy: float, vz: float, view: View, work: Work,
+    events: Array, n: int, low: float, high: float,
+) -> int:  # fmt: skip
+    """Note where ball ``i``, the plane n.x = level and the tangents to the ball from V meet; new count.
+
+    There the ball's outline as of V, a silhouette or a shadow's edge, passes over into the circle in which the ball
+    meets the charted shape: they touch, so that no sign tells of it.
+    """
+    s = view.spheres[i]
+    mx, my, mz = vx - s[0], vy - s[1], vz - s[2]
+    e, g = level - (nx * s[0] + ny * s[1] + nz * s[2]), nx * mx + ny * my + nz * mz
+    size, square = mx * mx + my * my + mz * mz, s[3] * s[3]
+    det = size - g * g
+    if not det > 1e-24 * size:
+        return n
+    b = (square - g * e) / det
+    a = e - b * g
+    rest = (square - (a * a + 2.0 * a * b * g + b * b * size)) / det
+    if not rest > 0.0:
+        return n
+    t = math.sqrt(rest)
+    for _ in range(2):
+        qx = s[0] + a * nx + b * mx + t * (ny * mz - nz * my)
+        qy = s[1] + a * ny + b * my + t * (nz * mx - nx * mz)
+        qz = s[2] + a * nz + b * mz + t * (nx * my - ny * mx)
+        x, c, sn = chart_place_of(qx, qy, qz, work)
+        if 0.0 < x < 0.5 * math.pi:
+            beta = x if work.geo[SHAPE_INDEX] < 0.0 else math.asin(work.geo[RATIO] * math.sin(x))
+            phi = math.atan2(sn, c)
+            if within_lobe(phi, beta, work.geo):
+                n = add_event(events, n, phi, low, high, CROSSING)
+        t = -t
+    return n
+
+
+@inlined
+def contacts(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
+    """Note where outlines of balls that meet the charted shape pass over into the circles in which they do."""
+    geo = work.geo
+    j = int(geo[SHAPE_INDEX])
+    for i in range(view.spheres.shape[0]):
+        s = view.spheres[i]
+        if i == j:
+            continue
+        nx, ny, nz, level = 0.0, 0.0, 1.0, 0.0
+        if j < 0:
+            if not abs(s[2]) < s[3]:
+                continue
+        else:
+            ux, uy, uz = s[0] - geo[CENTER], s[1] - geo[CENTER + 1], s[2] - geo[CENTER + 2]
+            r = geo[RADIUS]
+            apart = math.sqrt(ux * ux + uy * uy + uz * uz)
+            if not abs(s[3] - r) < apart < s[3] + r:
+                continue
+            nx, ny, nz = ux / apart, uy / apart, uz / apart
+            level = nx * geo[CENTER] + ny * geo[CENTER + 1] + nz * geo[CENTER + 2]
+            level += (apart * apart + r * r - s[3] * s[3]) / (2.0 * apart)
+        n = add_contacts(
+            i, nx, ny, nz, level, geo[POINT], geo[POINT + 1], geo[POINT + 2], view, work, events, n, low, high
+        )  # fmt: skip
+        for l in range(view.points.shape[0]):
+            p = view.points[l]
+            n = add_contacts(i, nx, ny, nz, level, p[0], p[1], p[2], view, work, events, n, low, high)
+    return n
+
+
 @jitable
 def passes_lobe(row: Array, beyond: bool, view: View, work: Work) -> bool:
     """Whether the curve of a wall may pass through the lobe: one of its samples is no farther than their spacing."""
@@ -322,6 +390,7 @@ def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, h
     On a sphere these are shadow edges with each other, with cones of directions and with the rim; on the floor shadow
     edges and balls with each other. Edges of penumbrae are met here, but not walked along.
     """
+    n = contacts(view, work, events, n, low, high)
     walls = work.walls
     count = min(work.counts[WALLS], walls.shape[0])
     sphere = work.geo[SHAPE_INDEX] >= 0.0

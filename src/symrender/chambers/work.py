@@ -81,13 +81,13 @@ CROSSINGS: Final = 7
 SPOTS: Final = 8
 HIGHLIGHTS: Final = 9
 LIMIT: Final = 10
-"""The most evaluations and labour together; whatever refines asks ``is_spent``."""
+"""The most evaluations, and the most labour; whatever refines asks ``is_spent``."""
 
 
 @inlined
 def is_spent(work: Work) -> bool:
     """Whether the point's budget is used up: nothing is refined any more, and what is left undone is an error."""
-    return bool(work.counts[EVALUATIONS] + work.counts[LABOUR] > work.counts[LIMIT])
+    return bool(max(work.counts[EVALUATIONS], work.counts[LABOUR]) > work.counts[LIMIT])
 
 
 @jitable

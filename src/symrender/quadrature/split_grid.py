@@ -347,7 +347,7 @@ def split_grid(
         if not whole:
             for t in range(3):
                 change = max(change, 3.0 * abs(out[t] - out[3 + t]))
-        out_of_budget = 4 * (work.counts[EVALUATIONS] + work.counts[LABOUR]) > max_evaluations
+        out_of_budget = 4 * max(work.counts[EVALUATIONS], work.counts[LABOUR]) > max_evaluations
         if out_of_budget and change > 0.3 * tol:
             # two tapers that still disagree tell less, and there is no third one
             change *= 4.0

@@ -526,7 +526,7 @@ def split_chart(
     bound = SAFETY * panel_bound(low, high, work.geo)
     if bound < 0.1 * tol:
         return bound, 0
-    find_highlights(tol, low, high, view, work)
+    left_out = find_highlights(tol, low, high, view, work)
     m = all_events(view, work, events, low, high)
     n = 0
     start = 0
@@ -613,7 +613,7 @@ def split_chart(
             p[INSIDE] = out[5]
             p[FOREIGN] = foreign
             p[MEAN] = out[4] / width
-    error = 0.0
+    error = left_out
     for i in range(work.counts[WALLS]):
         if work.walls[i, MET_COLUMN] != 0.0:
             work.counts[CROSSINGS] += 1

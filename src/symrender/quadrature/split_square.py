@@ -51,7 +51,7 @@ MORE_LEVELS = 3
 """How many levels finer than asked, each of two lines and a node more, a strip may become before it is halved."""
 MAX_STRIPS = 200
 """Strips evaluated in a square; beyond, those that miss stand as they are."""
-ROW_LABOUR = 2
+ROW_LABOUR = 1
 """What looking for the ends of a strip costs for each conic, in evaluations."""
 MAX_LINES = 16
 """Lines beyond which a strip is halved."""

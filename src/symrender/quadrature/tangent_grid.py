@@ -576,7 +576,7 @@ def replay_once(
         x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
         bound, span, near = block_bound(x0, y0, side, reach, light, lobe, view.points, geo)
         work.counts[LABOUR] += 1
-        ran_out = work.counts[EVALUATIONS] + work.counts[LABOUR] > max_evaluations
+        ran_out = max(work.counts[EVALUATIONS], work.counts[LABOUR]) > max_evaluations
         if bound <= 0.01 * aim / (1.0 + near / cell) or ran_out:
             # a derivative may be larger than what is differentiated, by the inverse of its lengths
             error += 100.0 * contrast * bound
@@ -691,7 +691,7 @@ def replay_grid(
             for p in range(moves.shape[0]):
                 for c in range(3):
                     change = max(change, 3.0 * abs(longer[p, c] - shorter[p, c]))
-        ran_out = work.counts[EVALUATIONS] + work.counts[LABOUR] > max_evaluations
+        ran_out = max(work.counts[EVALUATIONS], work.counts[LABOUR]) > max_evaluations
         if ran_out and error + change > before:
             # what the last reach gave stands
             error, change = before, 0.0
