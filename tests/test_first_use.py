@@ -38,10 +38,10 @@ def fresh(text: str = TEXT) -> Kernel:
 def test_it_is_said_once(empty_cache: Path) -> None:
     said: list[tuple[int, int, str]] = []
     for _ in range(2):
-        with first_use(lambda *heard: said.append(heard)):
+        with first_use("sums", lambda *heard: said.append(heard)):
             kernel = fresh()
             assert kernel(np.ones(3)) == kernel(np.ones(3)) == 3.0
-    assert said == [(0, 0, "compiling total, once: about 10 s")]
+    assert said == [(0, 0, "compiling sums (total), once: about 15 s")]
 
 
 def test_the_time_is_what_it_took_here_last(empty_cache: Path) -> None:
@@ -49,25 +49,25 @@ def test_the_time_is_what_it_took_here_last(empty_cache: Path) -> None:
     fresh()(np.ones(3))
     for machine_code in (empty_cache / "cache").glob("*.kernel"):
         machine_code.unlink()
-    with first_use(lambda done, total, label: said.append(label)):
+    with first_use("sums", lambda done, total, label: said.append(label)):
         fresh()(np.ones(3))
-    assert said == ["compiling total, once: about 0 s"]
+    assert said == ["compiling sums (total), once: about 0 s"]
 
 
 def test_what_failed_is_said_again(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SYMRENDER_COMPILER", "llvm")
     said: list[str] = []
     for _ in range(2):
-        with pytest.raises(Refused), first_use(lambda done, total, label: said.append(label)):
+        with pytest.raises(Refused), first_use("sums", lambda done, total, label: said.append(label)):
             fresh(TEXT.replace("return result", "return {}"))(np.ones(3))
     assert len(said) == 2
 
 
 def test_nobody_is_told_outside(empty_cache: Path) -> None:
     said: list[str] = []
-    with first_use(lambda done, total, label: said.append(label)):
+    with first_use("sums", lambda done, total, label: said.append(label)):
         pass
-    with first_use(None):
+    with first_use("sums", None):
         assert fresh()(np.ones(2)) == 2.0
     assert not said
 

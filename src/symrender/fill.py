@@ -84,7 +84,7 @@ class Crew:
         """The layers of the image ``job`` describes, and what they cost, earlier sessions included."""
         layers = job.empty_layers()
         left = self._take_over(job, layers)
-        with first_use(self.progress):
+        with first_use(job.kind, self.progress):
             prepared(job)
         side = left.side or self._means.tile or measured_side(self._workers, job, layers)
         all_tiles = spread(list(tiles(job.settings.width, job.settings.height, side)), side)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
+from adversary.case import Case
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.events import line_range
 from symrender.chambers.work import View, Work, begin_counts, work_arrays
@@ -17,8 +18,6 @@ from symrender.quadrature.split_point import lobe_setup
 from symrender.quadrature.split_setup import inside_another, place_point
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, FLOOR_PRESENT, scene_arrays
 from symrender.scene.load import load
-
-from ..adversary.case import Case
 
 FLOOR_CHART = -1
 Chart = tuple[int, View, Work, float, float, npt.NDArray[np.float64]]

@@ -11,13 +11,13 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from adversary.families import generate
 from symrender.chambers import crossings, traces
 from symrender.chambers.crossings import all_events
 from symrender.chambers.line import scan_line
 from symrender.chambers.walls import GLEAM_EDGE, KIND, PENUMBRA
 from symrender.chambers.work import CELLS, View, Work
 
-from ..adversary.families import generate
 from .charts import charts_of
 
 INSIDE = (0.003, 0.1, 0.3, 0.5, 0.7, 0.9, 0.997)

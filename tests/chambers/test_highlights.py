@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from adversary.families import generate
 from symrender.chambers import highlights
 from symrender.chambers.highlights import FIRST, HIGHLIGHTS, LAST, chord_about, find_highlights
 from symrender.chambers.place import surface_point
@@ -14,7 +15,6 @@ from symrender.chambers.walls import BETA_MAX, EXPONENT, LEAST, LOG_NORMALISER, 
 from symrender.chambers.work import View, Work
 from symrender.scene.arrays import CUT, EYE, PHONG
 
-from ..adversary.families import generate
 from .charts import charts_of
 
 

@@ -26,7 +26,9 @@ RAYS = ("numeric/test_rays.py",)
 BOTH = ("runtimes/test_image.py", "runtimes/test_anchor.py")
 UNITS = ("quadrature/test_lobe_units.py",)
 KNOWN = ("adversary/test_recorded.py",)
-MIRROR = ("test_truth.py", "runtimes/test_anchor.py", *KNOWN)
+TRACES = ("chambers/test_events_are_complete.py",)
+GLEAMS = ("chambers/test_highlights.py", *KNOWN)
+MIRROR = ("quadrature/test_mirror.py",)
 FAULTS = (
     Fault("intersection", "numeric/rays.py", "discriminant = radius * radius - dot(l, l)",
           "discriminant = toward * toward - power", RAYS, "the discriminant that cancels for far spheres"),
@@ -129,22 +131,22 @@ FAULTS = (
           "a setting that decides the image left out of the key"),
     Fault("output", "output.py", "if temporary.read_bytes() != data:", "if False:", ("test_output.py",),
           "a failing disk believed"),
-    Fault("highlights", "chambers/highlights.py", "if not is_felt(l, max(0.0, chord - varies), share, view, work):",
-          "if not is_felt(l, chord, share, view, work):", KNOWN, "a highlight judged by the middle of its box"),
-    Fault("highlights", "chambers/highlights.py", "geo[LEAST] = NEGLIGIBLE * tol /", "geo[LEAST] = 1e4 * tol /", KNOWN,
+    Fault("highlights", "chambers/highlights.py", "if log_felt(level, max(0.0, chord - varies), shininess) < 0.0:",
+          "if log_felt(level, chord, shininess) < 0.0:", GLEAMS, "a highlight judged by the middle of its box"),
+    Fault("highlights", "chambers/highlights.py", "geo[LEAST] = NEGLIGIBLE * tol /", "geo[LEAST] = 1e9 * tol /", KNOWN,
           "highlights above the tolerance left out"),
     Fault("events", "chambers/traces.py", "wanted = j != i and (not both or j < i)", "wanted = j != i and not both",
-          KNOWN, "pairs of traced curves left out"),
-    Fault("events", "chambers/traces.py", "                wanted = sphere\n", "                wanted = False\n",
-          KNOWN, "traced curves that cross the rim left out"),
-    Fault("checker", "quadrature/split_grid.py", "beyond = lobe_density(", "beyond = 0.0 * lobe_density(", KNOWN,
-          "a far checker no block reaches taken for its mean"),
+          TRACES, "pairs of traced curves left out"),
+    Fault("events", "chambers/traces.py", "    n = contacts(view, work, events, n, low, high)\n", "", TRACES,
+          "outlines that pass over into circles left out"),
+    Fault("checker", "quadrature/split_grid.py", "if wide < MOST_REACH * cell:", "if wide < 0.0:", KNOWN,
+          "far squares looked for about the foot, not where the lobe is"),
     Fault("mirror", "quadrature/mirror.py", "if 0.0 < t < nearest:", "if 0.0 < t:", MIRROR,
           "a mirror that shows the last sphere, not the first"),
     Fault("mirror", "quadrature/mirror.py", "% 2 == 0\n", "% 2 == 1\n", MIRROR, "dark squares for bright in a mirror"),
     Fault("mirror", "quadrature/split_point.py", "total += largest_gap(value, scratch[31:34])", "total += 0.0",
-          MIRROR, "a lobe that is nearly a mirror, stated as one"),
-    Fault("budget", "chambers/work.py", "work.counts[EVALUATIONS] + work.counts[LABOUR] >",
+          ("test_truth.py",), "a lobe that is nearly a mirror, stated as one"),
+    Fault("budget", "chambers/work.py", "max(work.counts[EVALUATIONS], work.counts[LABOUR]) >",
           "work.counts[EVALUATIONS] >", ("quadrature/test_budget.py",), "work that is not shading left uncounted"),
     Fault("budget", "quadrature/split_point.py", "status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT",
           "status[i] = NEAR_TANGENT", ("quadrature/test_budget.py", "quadrature/test_split_point.py"),

@@ -38,16 +38,15 @@ def test_no_point_takes_much_more_than_its_budget(name: str, changes: dict, disk
     towards = (incoming * normals).sum(axis=1, keepdims=True)
     incoming -= 2.0 * np.maximum(towards, 0.0) * normals
     scratch = split_work(a, light_rows(a, disk))
-    spent, laboured, capped = [], [], 0
+    laboured, capped = [], 0
     for point, normal, ray in zip(points, normals, incoming, strict=True):
         surface = np.array([FIRST_SPHERE])
         found = gloss_points(a, point[None], normal[None], ray[None], surface, 1e-12, disk, BUDGET, scratch)
         counts = scratch.work.counts
         assert found.evaluations[0] == counts[EVALUATIONS] and found.status[0] in (MET, CAPPED)
-        spent.append(int(counts[EVALUATIONS] + counts[LABOUR]))
+        # what is begun is ended: a row of nodes, a panel's first look
+        assert counts[EVALUATIONS] <= 1.5 * BUDGET and counts[LABOUR] <= 1.5 * BUDGET
         laboured.append(int(counts[LABOUR]))
         capped += found.status[0] == CAPPED
-    # what is begun is ended: a row of nodes, a panel's first look
-    assert max(spent) <= 2 * BUDGET
     assert max(laboured) >= toil * BUDGET
     assert capped > POINTS // 3

@@ -72,7 +72,7 @@ def index(cells: list[Cell]) -> str:
         "# The laboratory\n\n"
         "Notebooks that run from top to bottom on their own, in Jupyter or in Colab, in any order. Each ends with what "
         "it expects to have found; were it not so, an assertion would say which. The first run on a machine compiles "
-        "kernels, which takes minutes where derivatives are asked for; they are kept.\n\n"
+        "kernels, which takes up to half a minute each; they are kept.\n\n"
     )
     return head + "\n".join(rows) + "\n"
 

@@ -59,7 +59,7 @@ def probe(
     from symrender.truth import STATUS
 
     names = [name.strip() for name in wrt.split(",") if name.strip()]
-    with progress("auto", quiet=json) as advance, first_use(advance):
+    with progress("auto", quiet=json) as advance, first_use("probe", advance):
         found = probe_points(
             chosen,
             points,

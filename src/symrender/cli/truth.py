@@ -136,7 +136,7 @@ def truth(
         Crew(means, (job,), advance, preview=shown_in(preview)) as crew,
     ):
         image = true_image(crew, job, chosen)
-        with first_use(advance):
+        with first_use("verify", advance):
             receipt = brute_force(image.layers, chosen, settings, verify, threads) if verify else None
         if receipt is not None:
             image = Image(image.layers, {**image.meta, "verified": receipt.json()})

@@ -38,7 +38,7 @@ MODES: Final = ("auto", "llvm", "numba", "checked")
 _LISTS: Final = 8
 """Lists of dependencies kept for one kernel: switching between versions of the sources does not compile again."""
 
-_USUAL_SECONDS: Final = 10.0
+_USUAL_SECONDS: Final = 15.0
 """Told where nothing was compiled here before; a small kernel takes less."""
 
 _log = logging.getLogger("symrender")
