@@ -212,7 +212,7 @@ def sky_alone(world: World, lobe: Array) -> Opinion | None:
     """
     place, normal, mirror = lobe[PLACE:NORMAL], lobe[NORMAL:MIRROR], lobe[MIRROR:EXPONENT]
     half, exponent = float(lobe[THETA_MAX]), float(lobe[EXPONENT])
-    if lobe[BRDF] != 0.0:
+    if lobe[BRDF] != 0.0 or half == 0.0:
         return None
     for j, sphere in enumerate(world.spheres):
         away = sphere[:3] - place
