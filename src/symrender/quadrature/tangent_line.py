@@ -49,7 +49,7 @@ from symrender.chambers.tangent_walls import (
 )
 from symrender.chambers.tangent_walls import DARK as DARK_COLUMN
 from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
-from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, SHAPE_INDEX, SIDE, STRIP, TAG, TEXTURE_EDGE
+from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, RIM_COS, SHAPE_INDEX, SIDE, STRIP, TAG, TEXTURE_EDGE
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
@@ -87,6 +87,15 @@ def log_density(here: Array, lobe: Array, geo: Array) -> tuple[float, float, flo
         return 0.0, 0.0, 0.0
     log = math.log1p(-versine)
     return 1.0 - versine, log, math.exp(geo[GEO_EXPONENT] * log - geo[GEO_LOG_NORMALISER])
+
+
+@inlined
+def rim_density(geo: Array) -> float:
+    """The lobe's density on its rim; a rim in the plane across the axis rounds to either side of it."""
+    n, cosine = geo[GEO_EXPONENT], geo[RIM_COS]
+    if n == 0.0:
+        return math.exp(-geo[GEO_LOG_NORMALISER])
+    return math.exp(n * math.log(cosine) - geo[GEO_LOG_NORMALISER]) if cosine > 0.0 else 0.0
 
 
 @inlined
@@ -334,7 +343,7 @@ def walls_adjoint(
         if not x > 0.0:
             continue
         measure, _ = chart_place(x, c, s, geo, here)
-        density = log_density(here, lobe, geo)[2]
+        density = rim_density(geo) if wall < 0 else log_density(here, lobe, geo)[2]
         set_view(here, view, geo)
         work.counts[EVALUATIONS] += 2
         radiance(side_above, work.lit[min(cell, cells - 1)], step, here, view, work, gauss, disk, above)
