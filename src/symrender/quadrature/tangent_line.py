@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import DARK as UNLIT
 from symrender.chambers.labels import GLINT, HIDDEN, PARTLY
-from symrender.chambers.line import LIMB, POLE_END
+from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.tangent_walls import (
     AMBIENT,
@@ -373,9 +373,20 @@ def walls_adjoint(
             wall_adjoint(wall // 4, TEXTURE_EDGE, -scale, above, lobe, view, work, here, own, adjoint, 3, 4)
 
 
+@jitable
+def blunt_rim(geo: Array) -> bool:
+    """Whether the slope of the lobe's density ends with a broken power, or has no bound, at the rim."""
+    n = geo[GEO_EXPONENT]
+    return bool(0.0 < n < 2.0 and n != 1.0 and geo[RIM_COS] < 0.1)
+
+
 @inlined
 def soft_cell(cell: int, view: View, work: Work) -> bool:
-    """Whether a cell of the scanned line ends at a wall of a disk light and is partly lit."""
+    """Whether a cell's integrand ends with a broken power: at a wall of a disk light, or at a blunt lobe's rim."""
+    if blunt_rim(work.geo) and (
+        work.cell_wall[cell] in (RIM_LOW, RIM_HIGH) or work.cell_wall[cell + 1] in (RIM_LOW, RIM_HIGH)
+    ):
+        return True
     if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
         for i in range(view.points.shape[0]):
             if work.lit[cell, i] >= PARTLY:

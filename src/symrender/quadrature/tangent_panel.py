@@ -46,7 +46,7 @@ from symrender.quadrature.split_panel import (
     panel_log,
     split_span,
 )
-from symrender.quadrature.tangent_line import BAR, RADIANCE, line_adjoint, log_density, radiance, set_view
+from symrender.quadrature.tangent_line import BAR, RADIANCE, blunt_rim, line_adjoint, log_density, radiance, set_view
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -62,6 +62,8 @@ ROUNDING = 3e-12
 1e-14 there, and the slope is an inverse square root of the distance from it, so that cutting makes it worse."""
 MISSED = VALUE
 """Column that holds, while panels are replayed, the error of the panel that one is a half of; 0 if it is none."""
+CANCELLED = 1e-15
+"""Rounding of a derivative over the sum of what moves it: rims and densities sweep much that cancels."""
 SUMS = 6
 """Adjoints kept of a panel: its own, four of its coefficients across the lines, and that of the line at hand."""
 LINE_SUM = SUMS - 1
@@ -161,10 +163,11 @@ def panel_misses(
     most = 0.0
     for p in range(tangents.shape[0]):
         for c in range(3):
-            last = before = middle = lower = 0.0
+            last = before = middle = lower = moved = 0.0
             for k in range(tangents.shape[1]):
                 t = tangents[p, k]
                 if t != 0.0:
+                    moved += abs(sums[0, c, k] * t)
                     last += sums[1, c, k] * t
                     before += sums[2, c, k] * t
                     middle += sums[3, c, k] * t
@@ -176,6 +179,7 @@ def panel_misses(
                 tail = max(tail, abs(last), 0.5 * abs(before))
             misses[p, c] = max(abs(high_order[p, c] - low_order[p, c]), tail)
             most = max(most, misses[p, c])
+            misses[p, c] += CANCELLED * moved
     return most
 
 
@@ -320,7 +324,7 @@ def replay_chart(
     n = cut_odd_ends(panels, n, view, work, scratch)
     for i in range(n):
         panels[i, MISSED] = 0.0
-    spent, blunt = 0.0, kinked(view)
+    spent, blunt = 0.0, kinked(view) or blunt_rim(work.geo)
     i = 0
     while i < n:
         # most panels err far less than their share and leave the rest to those that follow
