@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from adversary.families import generate
 from symrender.chambers.chart import set_frame
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
@@ -17,7 +18,6 @@ from symrender.quadrature.gauss import gauss_table
 from symrender.scene.load import load
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene
-from adversary.families import generate
 
 OBLIQUE = {"camera": {"type": "look_at", "eye": (3.0, -3.0, 2.0)}}
 CASES = [

@@ -93,7 +93,9 @@ NEEDLE: Final = 2.0
 LIKELY: Final = 0.1
 """What highlights left out hold, over the bound of it."""
 
-SAFETY: Final = 4.0
+AIM: Final = 2.0
+"""Panels are refined until so many times the sum of their errors is within the tolerance."""
+SAFETY: Final = 3.0
 """Error reported over the change between the last two orders, summed over panels."""
 
 
@@ -254,7 +256,7 @@ def gradient_rim(
         rim = max(rim, abs(moves[p, RIM]))
     at_rim = u * cosine**n * bound
     trim = n >= NEEDLE and at_rim * rim <= 1e-3 * tol
-    share = lobe_setup(n, theta_max, tol / (u * fastest) if trim else 0.0, bound, geo)
+    share = lobe_setup(n, theta_max, 3.0 * tol / (u * fastest) if trim else 0.0, bound, geo)
     is_cut = geo[RIM_COS] > cosine + FLAT
     steep = math.sqrt(shininess) + (n * geo[RIM_SIN] / max(geo[RIM_COS], FLAT) if is_cut else 0.0)
     most = 0.0
@@ -277,7 +279,7 @@ def room_left(tol: float, tail: float, error: Array) -> float:
     for p in range(error.shape[0]):
         for a in range(3):
             most = max(most, error[p, a])
-    return max(0.6 * ((tol - tail) / SAFETY - most), 0.05 * tol)
+    return max(0.6 * ((tol - tail) / AIM - most), 0.05 * tol)
 
 
 def gradient_kernel(
