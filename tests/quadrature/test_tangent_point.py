@@ -200,7 +200,7 @@ def test_a_lobe_of_constant_radiance_does_not_change() -> None:
     ],
 )
 def test_the_rim_of_a_blunt_lobe_moves(exponent: float, theta_max: float, name: str, tol: float) -> None:
-    """In the plane across the axis rounding once put the rim outside the lobe; and a rim that is felt is not cut off."""
+    """Rounding may put a rim in the plane across the axis outside the lobe; a rim that is felt is not cut off."""
     # the sphere lies across the rim
     scene = ball(**{"spheres.S.center": (0.98, -1.12, 2.18), "floor.lobe.exponent": exponent})
     scene = scene.replace({"floor.lobe.theta_max": theta_max})
@@ -209,7 +209,8 @@ def test_the_rim_of_a_blunt_lobe_moves(exponent: float, theta_max: float, name: 
     expected, change = differences(scene, place, "floor", name, 1e-3)
     assert np.abs(expected).max() > (1e-4 if exponent < 1.0 else 1e-7)
     gap = float(np.abs(found.gradient[name][0] - expected).max())
-    assert gap <= found.gradient_error[name][0] + change + 1e-9
+    # the values' own error over the shortest step
+    assert gap <= found.gradient_error[name][0] + change + 1e-11 / 2.5e-4
 
 
 def test_a_lobe_aimed_at_a_centre_has_a_square_frame() -> None:

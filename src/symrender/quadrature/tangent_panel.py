@@ -314,8 +314,8 @@ def replay_chart(
 
     ``panels`` are those of ``split_chart`` on the same ``work``; ``tangents`` (parameters, columns) is how every
     column moves, ``nodes`` and ``moving`` are those of ``what_moves``; ``low_order``, ``high_order`` and ``misses``
-    (parameters, 4) and ``sums`` (SUMS, 4, columns) are scratch. ``tol`` is absolute, of every derivative. Beyond half of the evaluations left no panel
-    is refined any more: other charts follow.
+    (parameters, 4) and ``sums`` (SUMS, 4, columns) are scratch. ``tol`` is absolute, of every derivative. Beyond half
+    of the evaluations left no panel is refined any more: other charts follow.
     """
     n = panels_in_use(panels)
     most_evaluations = work.counts[EVALUATIONS] + (max_evaluations - work.counts[EVALUATIONS]) // 2
