@@ -12,10 +12,8 @@ from .case import Case
 from .slopes import differences, judge_slope, names_of
 
 KNOWN: list[dict[str, Any]] = json.loads((Path(__file__).parent / "known_gradients.json").read_text("utf-8"))
-OPEN = True
-"""Whether a ball that touches the floor still moves what it covers; whoever mends it takes the mark away."""
 
-# lines of the evaluator are many where a derivative is to be judged
+# the first call compiles the reverse rule, which takes minutes
 pytestmark = pytest.mark.timeout(2400)
 
 
@@ -28,7 +26,6 @@ def test_alone_is_together() -> None:
     assert judge_slope(case, "shading.shininess", names_of(case)).called != "torn"
 
 
-@pytest.mark.xfail(OPEN, strict=True, reason="the ball that touches the floor")
 def test_a_ball_that_covers_the_lobe_moves_nothing() -> None:
     case = case_of(KNOWN[1])
     slope = judge_slope(case, "camera.eye.x", ["camera.eye.x"])

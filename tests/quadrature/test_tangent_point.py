@@ -7,8 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from adversary.families import generate
+from symrender.chambers.chart import set_frame
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
+from symrender.chambers.walls import GEO_COLUMNS, POLE
 from symrender.errors import SceneError, Unsupported
 from symrender.probe import probe
 from symrender.quadrature.gauss import gauss_table
@@ -186,6 +189,65 @@ def test_a_lobe_of_constant_radiance_does_not_change() -> None:
     assert len(found.gradient) == 7
     for name, value in found.gradient.items():
         assert np.abs(value).max() < 1e-12, name
+
+
+@pytest.mark.parametrize("tol", [1e-4, 1e-6, 1e-10])
+@pytest.mark.parametrize(
+    ("exponent", "theta_max", "name"),
+    [
+        *((0.0, math.pi / 2, "spheres.S.radius"), (0.5, math.pi / 2, "camera.eye.x")),
+        *((0.0, 1.5, "floor.lobe.theta_max"), (5.0, 1.5, "floor.lobe.theta_max")),
+    ],
+)
+def test_the_rim_of_a_blunt_lobe_moves(exponent: float, theta_max: float, name: str, tol: float) -> None:
+    """Rounding may put a rim in the plane across the axis outside the lobe; a rim that is felt is not cut off."""
+    # the sphere lies across the rim
+    scene = ball(**{"spheres.S.center": (0.98, -1.12, 2.18), "floor.lobe.exponent": exponent})
+    scene = scene.replace({"floor.lobe.theta_max": theta_max})
+    place = (0.3, -0.2, 0.0)
+    found = probe(scene, [place], tol=tol, wrt=[name])
+    expected, change = differences(scene, place, "floor", name, 1e-3)
+    assert np.abs(expected).max() > (1e-4 if exponent < 1.0 else 1e-7)
+    gap = float(np.abs(found.gradient[name][0] - expected).max())
+    # the values' own error over the shortest step
+    assert gap <= found.gradient_error[name][0] + change + 1e-11 / 2.5e-4
+
+
+def test_a_lobe_aimed_at_a_centre_has_a_square_frame() -> None:
+    """There the frame's second axis was the rounding of a product, which leaned into the first one."""
+    geo = np.zeros(GEO_COLUMNS)
+    rng = np.random.default_rng(5)
+    for size in np.logspace(-16, 0, 200):
+        pole, other = rng.normal(size=(2, 3))
+        pole /= np.linalg.norm(pole)
+        axis = pole + size * other
+        axis /= np.linalg.norm(axis)
+        geo[POLE : POLE + 3] = pole
+        set_frame(geo, *axis)
+        frame = geo[POLE : POLE + 9].reshape(3, 3)
+        assert np.abs(frame @ frame.T - np.eye(3)).max() < 1e-14
+
+
+@pytest.mark.parametrize(("seed", "names"), [(0, ("camera.eye.x", "lights.L0.position.y")), (10, ("camera.eye.x",))])
+def test_what_orders_agree_on_by_chance_is_stated(seed: int, names: tuple[str, ...]) -> None:
+    """Highlights that two orders did not see, or saw alike, were stated to some 1e-7, or to nothing at all."""
+    case = generate("highlight", seed)
+    scene = load(case.scene)
+    both = probe(scene, case.points[:1], surface=case.surface, tol=1e-5, wrt=names)
+    for name in names:
+        expected, change = differences(scene, case.points[0], case.surface, name, 3e-5)
+        alone = probe(scene, case.points[:1], surface=case.surface, tol=1e-5, wrt=[name])
+        for found in (both, alone):
+            gap = float(np.abs(found.gradient[name][0] - expected).max())
+            assert gap <= found.gradient_error[name][0] + 3 * change + 1e-10, name
+
+
+@pytest.mark.parametrize("lobe", [{"mirror": True}, {"exponent": 9.0, "theta_max": 1e-7}])
+def test_a_mirror_has_no_derivative(lobe: dict) -> None:
+    """Its rim is narrower than what rounding leaves of a circle; a cone of 1e-5 stood in for it, and said nothing."""
+    found = probe(ball(**{"floor.lobe": lobe}), [(0.3, -0.2, 0.0)], wrt=["spheres.S.center.x"])
+    assert found.gradient_status["spheres.S.center.x"][0] == 3
+    assert np.isinf(found.gradient_error["spheres.S.center.x"][0])
 
 
 def test_shares_above_a_horizon_change_as_differences_say() -> None:

@@ -73,6 +73,11 @@ def set_frame(geo: Array, mx: float, my: float, mz: float) -> None:
     geo[LOBE_BETA + 2] = math.sin(geo[LOBE_BETA])
     if length > 1e-14:
         fx, fy, fz = ax / length, ay / length, az / length
+        # of nearly parallel m and c the product's own rounding leans towards c
+        lean = fx * cx + fy * cy + fz * cz
+        fx, fy, fz = fx - lean * cx, fy - lean * cy, fz - lean * cz
+        lean = 1.0 / math.sqrt(fx * fx + fy * fy + fz * fz)
+        fx, fy, fz = fx * lean, fy * lean, fz * lean
     elif abs(cx) < 0.6:
         h = math.sqrt(cy * cy + cz * cz)
         fx, fy, fz = 0.0, cz / h, -cy / h

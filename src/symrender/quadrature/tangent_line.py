@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import DARK as UNLIT
 from symrender.chambers.labels import GLINT, HIDDEN, PARTLY
-from symrender.chambers.line import LIMB, POLE_END
+from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.tangent_walls import (
     AMBIENT,
@@ -49,7 +49,7 @@ from symrender.chambers.tangent_walls import (
 )
 from symrender.chambers.tangent_walls import DARK as DARK_COLUMN
 from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
-from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, SHAPE_INDEX, SIDE, STRIP, TAG, TEXTURE_EDGE
+from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, RIM_COS, SHAPE_INDEX, SIDE, STRIP, TAG, TEXTURE_EDGE
 from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
 from symrender.chambers.work import CELLS, EVALUATIONS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
@@ -87,6 +87,15 @@ def log_density(here: Array, lobe: Array, geo: Array) -> tuple[float, float, flo
         return 0.0, 0.0, 0.0
     log = math.log1p(-versine)
     return 1.0 - versine, log, math.exp(geo[GEO_EXPONENT] * log - geo[GEO_LOG_NORMALISER])
+
+
+@inlined
+def rim_density(geo: Array) -> float:
+    """The lobe's density on its rim; a rim in the plane across the axis rounds to either side of it."""
+    n, cosine = geo[GEO_EXPONENT], geo[RIM_COS]
+    if n == 0.0:
+        return math.exp(-geo[GEO_LOG_NORMALISER])
+    return math.exp(n * math.log(cosine) - geo[GEO_LOG_NORMALISER]) if cosine > 0.0 else 0.0
 
 
 @inlined
@@ -334,7 +343,7 @@ def walls_adjoint(
         if not x > 0.0:
             continue
         measure, _ = chart_place(x, c, s, geo, here)
-        density = log_density(here, lobe, geo)[2]
+        density = rim_density(geo) if wall < 0 else log_density(here, lobe, geo)[2]
         set_view(here, view, geo)
         work.counts[EVALUATIONS] += 2
         radiance(side_above, work.lit[min(cell, cells - 1)], step, here, view, work, gauss, disk, above)
@@ -364,9 +373,20 @@ def walls_adjoint(
             wall_adjoint(wall // 4, TEXTURE_EDGE, -scale, above, lobe, view, work, here, own, adjoint, 3, 4)
 
 
+@jitable
+def blunt_rim(geo: Array) -> bool:
+    """Whether the slope of the lobe's density ends with a broken power, or has no bound, at the rim."""
+    n = geo[GEO_EXPONENT]
+    return bool(0.0 < n < 2.0 and n != 1.0 and geo[RIM_COS] < 0.1)
+
+
 @inlined
 def soft_cell(cell: int, view: View, work: Work) -> bool:
-    """Whether a cell of the scanned line ends at a wall of a disk light and is partly lit."""
+    """Whether a cell's integrand ends with a broken power: at a wall of a disk light, or at a blunt lobe's rim."""
+    if blunt_rim(work.geo) and (
+        work.cell_wall[cell] in (RIM_LOW, RIM_HIGH) or work.cell_wall[cell + 1] in (RIM_LOW, RIM_HIGH)
+    ):
+        return True
     if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
         for i in range(view.points.shape[0]):
             if work.lit[cell, i] >= PARTLY:

@@ -27,9 +27,10 @@ from symrender.chambers.tangent_walls import (
     wall_gradient,
 )
 from symrender.chambers.walls import COS, DIRECTION, FLOOR_CUT, KIND, NORMAL, SHAPE_INDEX, TAG, TEXTURE_EDGE
-from symrender.chambers.work import CELLS, EVALUATIONS, WALLS, View, Work
+from symrender.chambers.work import CELLS, EVALUATIONS, WALLS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, order
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.split_line import kinked, tail_error
 from symrender.quadrature.split_panel import (
     FOREIGN,
     FROM,
@@ -45,7 +46,7 @@ from symrender.quadrature.split_panel import (
     panel_log,
     split_span,
 )
-from symrender.quadrature.tangent_line import BAR, RADIANCE, line_adjoint, log_density, radiance, set_view
+from symrender.quadrature.tangent_line import BAR, RADIANCE, blunt_rim, line_adjoint, log_density, radiance, set_view
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -61,6 +62,11 @@ ROUNDING = 3e-12
 1e-14 there, and the slope is an inverse square root of the distance from it, so that cutting makes it worse."""
 MISSED = VALUE
 """Column that holds, while panels are replayed, the error of the panel that one is a half of; 0 if it is none."""
+CANCELLED = 1e-15
+"""Rounding of a derivative over the sum of what moves it: rims and densities sweep much that cancels."""
+SUMS = 6
+"""Adjoints kept of a panel: its own, four of its coefficients across the lines, and that of the line at hand."""
+LINE_SUM = SUMS - 1
 SIDEWAYS = len(LEVELS) - 2
 """Step of the orders along a wall that is a scan line."""
 RADIAL = 1e-12
@@ -99,13 +105,18 @@ def contract(adjoint: Array, tangents: Array, out: Array, sign: float) -> None:
 @inlined
 def panel_adjoint(
     p: Array, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array,
-    here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,
+    here: Array, own: Array, nodes: bool, moving: Array, sums: Array,
 ) -> float:  # fmt: skip
-    """The adjoint (4, columns) of one panel at one order; azimuth of a line of another structure, or NaN."""
-    for row in range(adjoint.shape[0]):
-        for k in range(adjoint.shape[1]):
-            adjoint[row, k] = 0.0
-    n = min(MAX_ORDER, max(int(p[GLARE]), order(step, p[LOG_RHO]) + (1 if step > 0 else 0)))
+    """The adjoint of one panel at one order into sums[0]; azimuth of a line of another structure, or NaN.
+
+    ``sums`` (SUMS, 4, columns) also gets the last Legendre coefficients across the lines and two from the middle.
+    """
+    line = sums[LINE_SUM]
+    for t in range(sums.shape[0]):
+        for row in range(4):
+            for k in range(sums.shape[2]):
+                sums[t, row, k] = 0.0
+    n = panel_lines(p, step)
     base = n * (n - 1) // 2
     signature = 0
     for q in range(n):
@@ -116,9 +127,60 @@ def panel_adjoint(
         elif found != signature:
             return phi
         line_adjoint(
-            phi, gauss[1, base + q] * slope, step, lobe, view, work, gauss, disk, here, own, nodes, moving, adjoint
+            phi, gauss[1, base + q] * slope, step, lobe, view, work, gauss, disk, here, own, nodes, moving, line
         )
+        last, before, middle, lower = (
+            gauss[2, base + q], gauss[3, base + q], gauss[MIDDLE, base + q], gauss[MIDDLE + 1, base + q]
+        )  # fmt: skip
+        for row in range(4):
+            for k in range(sums.shape[2]):
+                t = line[row, k]
+                sums[0, row, k] += t
+                sums[1, row, k] += last * t
+                sums[2, row, k] += before * t
+                sums[3, row, k] += middle * t
+                sums[4, row, k] += lower * t
+                line[row, k] = 0.0
     return math.nan
+
+
+@inlined
+def panel_lines(p: Array, step: int) -> int:
+    """Lines of a panel at one order."""
+    return min(MAX_ORDER, max(int(p[GLARE]), order(step, p[LOG_RHO]) + (1 if step > 0 else 0)))
+
+
+@jitable
+def panel_misses(
+    n: int, log_rho: float, blunt: bool, sums: Array, tangents: Array, low_order: Array, high_order: Array,
+    misses: Array,
+) -> float:  # fmt: skip
+    """Estimated errors of a panel's derivatives at the higher order into ``misses`` (parameters, 4); the largest.
+
+    Two orders agree by chance now and then, most of all where each has few lines: how the coefficients across the lines
+    fall is a second witness, and the worse of the two counts.
+    """
+    most = 0.0
+    for p in range(tangents.shape[0]):
+        for c in range(3):
+            last = before = middle = lower = moved = 0.0
+            for k in range(tangents.shape[1]):
+                t = tangents[p, k]
+                if t != 0.0:
+                    moved += abs(sums[0, c, k] * t)
+                    last += sums[1, c, k] * t
+                    before += sums[2, c, k] * t
+                    middle += sums[3, c, k] * t
+                    lower += sums[4, c, k] * t
+            size = max(abs(high_order[p, c]), abs(low_order[p, c]), abs(last))
+            middle = max(abs(middle), abs(lower)) if n >= 6 else 0.0
+            tail = tail_error(n, last, before, middle, size, log_rho)
+            if blunt:
+                tail = max(tail, abs(last), 0.5 * abs(before))
+            misses[p, c] = max(abs(high_order[p, c] - low_order[p, c]), tail)
+            most = max(most, misses[p, c])
+            misses[p, c] += CANCELLED * moved
+    return most
 
 
 @jitable
@@ -244,15 +306,16 @@ def cut_odd_ends(panels: Array, n: int, view: View, work: Work, scratch: Array) 
 @jitable
 def replay_chart(
     tol: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, panels: Array, spans: Array,
-    ids: Ints, events: Array, scratch: Array, here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,
+    ids: Ints, events: Array, scratch: Array, here: Array, own: Array, nodes: bool, moving: Array, sums: Array,
     tangents: Array, exact: bool, max_evaluations: int, value: Array, error: Array, low_order: Array, high_order: Array,
+    misses: Array,
 ) -> None:  # fmt: skip
     """Add the charted shape's derivatives to ``value`` (parameters, 4), their estimated errors to ``error``.
 
     ``panels`` are those of ``split_chart`` on the same ``work``; ``tangents`` (parameters, columns) is how every
-    column moves, ``nodes`` and ``moving`` are those of ``what_moves``; ``low_order`` and ``high_order``
-    (parameters, 4) are scratch. ``tol`` is absolute, of every derivative. Beyond half of the evaluations left no panel
-    is refined any more: other charts follow.
+    column moves, ``nodes`` and ``moving`` are those of ``what_moves``; ``low_order``, ``high_order`` and ``misses``
+    (parameters, 4) and ``sums`` (SUMS, 4, columns) are scratch. ``tol`` is absolute, of every derivative. Beyond half
+    of the evaluations left no panel is refined any more: other charts follow.
     """
     n = panels_in_use(panels)
     most_evaluations = work.counts[EVALUATIONS] + (max_evaluations - work.counts[EVALUATIONS]) // 2
@@ -261,7 +324,7 @@ def replay_chart(
     n = cut_odd_ends(panels, n, view, work, scratch)
     for i in range(n):
         panels[i, MISSED] = 0.0
-    spent = 0.0
+    spent, blunt = 0.0, kinked(view) or blunt_rim(work.geo)
     i = 0
     while i < n:
         # most panels err far less than their share and leave the rest to those that follow
@@ -274,20 +337,25 @@ def replay_chart(
         for a in range(tangents.shape[0]):
             for c in range(4):
                 low_order[a, c] = 0.0
-        foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, adjoint)
-        contract(adjoint, tangents, low_order, 1.0)
+        foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, sums)
+        contract(sums[0], tangents, low_order, 1.0)
+        for a in range(tangents.shape[0]):
+            for c in range(4):
+                high_order[a, c] = low_order[a, c]
+                misses[a, c] = 0.0
         most = noise = 0.0
         while foreign != foreign:
             step += 1
             for a in range(tangents.shape[0]):
                 for c in range(4):
                     high_order[a, c] = 0.0
-            foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, adjoint)
-            contract(adjoint, tangents, high_order, 1.0)
-            most = largest = 0.0
+            foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, sums)
+            contract(sums[0], tangents, high_order, 1.0)
+            n_lines = panel_lines(p, step)
+            most = panel_misses(n_lines, p[LOG_RHO], blunt, sums, tangents, low_order, high_order, misses)
+            largest = 0.0
             for a in range(tangents.shape[0]):
                 for c in range(3):
-                    most = max(most, abs(high_order[a, c] - low_order[a, c]))
                     largest = max(largest, abs(high_order[a, c]))
             noise = 1e-15 * largest
             if ROOT in (p[KIND_FROM], p[KIND_TO]) and 0.0 < p[MISSED] < 2.0 * most:
@@ -322,8 +390,11 @@ def replay_chart(
             for c in range(4):
                 value[a, c] += high_order[a, c]
             for c in range(3):
-                change = abs(high_order[a, c] - low_order[a, c])
-                error[a, c] += max(change, abs(high_order[a, c])) if foreign == foreign else change
+                if foreign == foreign or is_spent(work):
+                    # lines of several structures, or cut short: of this panel nothing is known but its size
+                    error[a, c] += max(abs(high_order[a, c]), abs(low_order[a, c]), misses[a, c])
+                else:
+                    error[a, c] += misses[a, c]
 
 
 @jitable

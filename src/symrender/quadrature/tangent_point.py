@@ -41,15 +41,16 @@ from symrender.chambers.tangent_walls import (
     adjoint_columns,
     what_moves,
 )
-from symrender.chambers.walls import BETA_MAX, LOBE_BETA, POLE, RADIUS, RATIO, SIDE
+from symrender.chambers.walls import BETA_MAX, LEAST, LOBE_BETA, POLE, RADIUS, RATIO, RIM_COS, RIM_SIN, SIDE
 from symrender.chambers.work import EVALUATIONS, MAX_WALLS, View, Work, begin_counts
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import is_brdf
+from symrender.quadrature.mirror import NARROWEST
 from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import STEP, split_chart
-from symrender.quadrature.split_point import SplitWork, lobe_setup, radiance_bound, split_work
+from symrender.quadrature.split_point import FLAT, SplitWork, lobe_setup, radiance_bound, split_work
 from symrender.quadrature.split_setup import (
     CAPPED,
     MET,
@@ -63,7 +64,7 @@ from symrender.quadrature.tangent_disk import disk_rows
 from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_line import HERE_ROWS
-from symrender.quadrature.tangent_panel import UNUSED, clear_panels, contract, radial_walls, replay_chart
+from symrender.quadrature.tangent_panel import SUMS, UNUSED, clear_panels, contract, radial_walls, replay_chart
 from symrender.scene.arrays import (
     CHECKER,
     FIRST_SPHERE,
@@ -86,7 +87,15 @@ Ints = npt.NDArray[np.int64]
 EVENT: Final = 4
 """The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
 
-SAFETY: Final = 2.0
+NEEDLE: Final = 2.0
+"""Exponent from which on a lobe's far tail falls off in value and slope, and may be cut off."""
+
+LIKELY: Final = 0.1
+"""What highlights left out hold, over the bound of it."""
+
+AIM: Final = 2.0
+"""Panels are refined until so many times the sum of their errors is within the tolerance."""
+SAFETY: Final = 3.0
 """Error reported over the change between the last two orders, summed over panels."""
 
 
@@ -109,12 +118,12 @@ class Tangents(NamedTuple):
 
 
 class TangentWork(NamedTuple):
-    """Scratch of one thread: a place, one wall's and one panel's adjoint, how a chart's columns move, which walls do,
-    two orders."""
+    """Scratch of one thread: a place, one wall's and one panel's adjoints, how a chart's columns move, which walls do,
+    two orders, what was left out."""
 
     here: Array
     own: Array
-    adjoint: Array
+    sums: Array
     moves: Array
     moving: Array
     low: Array
@@ -124,6 +133,8 @@ class TangentWork(NamedTuple):
     square: Array
     shorter: Array
     longer: Array
+    misses: Array
+    beyond: Array
 
 
 @dataclass(frozen=True)
@@ -142,10 +153,10 @@ class GradientResult:
 
 @jitable
 def common_moves(
-    i: int, lobe: Array, n: float, theta_max: float, cut: bool, surface: int, normal: Array, incoming: Array,
+    i: int, lobe: Array, n: float, theta_max: float, surface: int, normal: Array, incoming: Array,
     tangents: Tangents, moves: Array,
 ) -> None:  # fmt: skip
-    """Fill the columns of ``moves`` that do not depend on the chart, for point ``i``."""
+    """Fill the columns of ``moves`` that do not depend on the chart, for point ``i``; the rim is the lobe's own."""
     by_n, by_theta = normaliser_slopes(n, theta_max)
     for p in range(moves.shape[0]):
         row = moves[p]
@@ -172,7 +183,7 @@ def common_moves(
             )
         row[EXPONENT] = dn
         row[LOG_NORMALISER] = by_n * dn + by_theta * dt
-        row[RIM] = 0.0 if cut else -math.sin(theta_max) * dt
+        row[RIM] = -math.sin(theta_max) * dt
         for a in range(4):
             row[SHADING + a] = tangents.shading[p, a]
         lights, spheres = tangents.points.shape[1], tangents.spheres.shape[1]
@@ -220,13 +231,55 @@ def chart_moves(j: int, geo: Array, tangents: Tangents, moves: Array) -> None:
 
 
 @jitable
+def pace(row: Array) -> float:
+    """The fastest motion of a parameter."""
+    most = 0.0
+    for k in range(row.shape[0]):
+        most = max(most, abs(row[k]))
+    return most
+
+
+@jitable
+def gradient_rim(
+    n: float, theta_max: float, tol: float, bound: float, shininess: float, geo: Array, moves: Array, beyond: Array
+) -> float:  # fmt: skip
+    """Set the lobe up for derivatives; ``beyond`` gets what lies beyond its effective rim, a parameter at a time.
+
+    Returns the largest of these errors. A derivative of the share that is cut off may be larger than the share, by the
+    slope of the density's logarithm; blunt lobes and rims that move and are felt stay whole.
+    """
+    u = n + 1.0
+    cosine = max(math.cos(theta_max), 0.0)
+    fastest, rim = 1.0, 0.0
+    for p in range(moves.shape[0]):
+        fastest = max(fastest, pace(moves[p]))
+        rim = max(rim, abs(moves[p, RIM]))
+    at_rim = u * cosine**n * bound
+    trim = n >= NEEDLE and at_rim * rim <= 1e-3 * tol
+    share = lobe_setup(n, theta_max, 3.0 * tol / (u * fastest) if trim else 0.0, bound, geo)
+    is_cut = geo[RIM_COS] > cosine + FLAT
+    steep = math.sqrt(shininess) + (n * geo[RIM_SIN] / max(geo[RIM_COS], FLAT) if is_cut else 0.0)
+    most = 0.0
+    for p in range(moves.shape[0]):
+        beyond[p] = 0.0
+        if share > 0.0:
+            spread = (2.0 - math.log(share)) / u
+            beyond[p] = bound * share * (abs(moves[p, EXPONENT]) * spread + (1.0 + steep) * pace(moves[p]))
+        if is_cut:
+            beyond[p] += at_rim * abs(moves[p, RIM])
+            moves[p, RIM] = 0.0
+        most = max(most, beyond[p])
+    return most
+
+
+@jitable
 def room_left(tol: float, tail: float, error: Array) -> float:
     """What one more shape may add to the errors (parameters, 4) of the shapes before: most of what they left."""
     most = 0.0
     for p in range(error.shape[0]):
         for a in range(3):
             most = max(most, error[p, a])
-    return max(0.6 * ((tol - tail) / SAFETY - most), 0.05 * tol)
+    return max(0.6 * ((tol - tail) / AIM - most), 0.05 * tol)
 
 
 def gradient_kernel(
@@ -244,13 +297,14 @@ def gradient_kernel(
         begin_counts(max_evaluations, work)
         place_point(points[i], normals[i], incoming[i], lobe, geo)
         own = surface[i] - FIRST_SPHERE
-        n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], 1e-5)
-        if inside_another(points[i], own, view.spheres):
+        n, theta_max = lobes[surface[i], 0], lobes[surface[i], 1]
+        # a lobe narrower than its rim's rounding has values, but no slopes
+        if theta_max < NARROWEST or inside_another(points[i], own, view.spheres):
             for p in range(count):
                 error[p, i], status[p, i] = math.inf, UNSUPPORTED
             continue
-        tail = lobe_setup(n, theta_max, 0.1 * tol, bound, geo) * bound
-        common_moves(i, lobe, n, theta_max, tail > 0.0, surface[i], normals[i], incoming[i], tangents, t.moves)
+        common_moves(i, lobe, n, theta_max, surface[i], normals[i], incoming[i], tangents, t.moves)
+        tail = gradient_rim(n, theta_max, tol, bound, view.shading[3], geo, t.moves, t.beyond)
         for p in range(count):
             for c in range(4):
                 t.value[p, c] = t.error[p, c] = 0.0
@@ -280,7 +334,8 @@ def gradient_kernel(
             for a in range(3):
                 t.value[p, a] += row[BACKGROUND + a] * share + view.shading[10 + a] * change
 
-        spent = 0.0
+        spent, left_out = 0.0, 0.0
+        steep = 1.0 + (math.sqrt(view.shading[3]) if view.shading[2] > 0.0 else 0.0)
         for j in range(view.spheres.shape[0] + 1):
             if j == view.spheres.shape[0]:
                 if view.floor[FLOOR_PRESENT] == 0.0 or surface[i] == FLOOR or points[i, 2] == 0.0:
@@ -298,6 +353,7 @@ def gradient_kernel(
                 most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * 2.0 * math.pi * k * k * bound
                 if gap < 1.5 and most * (1.0 + n * math.tan(gap)) < 1e-4 * tol:
                     spent += most
+                    left_out += most * (1.0 + n * math.tan(gap) + 1.0 / max(geo[BETA_MAX], gap))
                     continue
                 sphere_strips(j, n, view, work)
                 chart_moves(j, geo, tangents, t.moves)
@@ -307,26 +363,29 @@ def gradient_kernel(
             clear_panels(panels)
             found, _ = split_chart(
                 max(0.5 * (tol - spent), 0.05 * tol), view, work, gauss, panels, spans, ids, events,
-                scratch, max_evaluations, t.adjoint[0],
+                scratch, max_evaluations, t.sums[0, 0],
             )  # fmt: skip
             spent += found
+            # highlights left out of the value are left out of the derivative, which is larger by their steepness
+            if geo[LEAST] < math.inf:
+                left_out += LIKELY * geo[LEAST] * view.points.shape[0] * steep
             replay_chart(
                 room_left(tol, tail, t.error), lobe, view, work, gauss, disk, panels, spans, ids, events, scratch,
-                t.here, t.own, nodes, t.moving, t.adjoint, t.moves, exact, max_evaluations, t.value, t.error, t.low,
-                t.high,
+                t.here, t.own, nodes, t.moving, t.sums, t.moves, exact, max_evaluations, t.value, t.error, t.low,
+                t.high, t.misses,
             )  # fmt: skip
             if j == view.spheres.shape[0] and view.floor[FLOOR_KIND] == CHECKER and geo[SIDE] > 0.0:
                 # however much was spent before, some is left for the checker
                 most = max(max_evaluations, work.counts[EVALUATIONS] + max_evaluations // 4)
                 off = replay_grid(
                     room_left(tol, tail, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
-                    t.own, nodes, t.adjoint, t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
+                    t.own, nodes, t.sums[0], t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
                 )  # fmt: skip
                 for p in range(count):
                     for a in range(3):
                         t.error[p, a] += off
-            if radial_walls(lobe, view, work, gauss, disk, scratch, t.here, t.own, t.adjoint):
-                contract(t.adjoint, t.moves, t.value, 1.0)
+            if radial_walls(lobe, view, work, gauss, disk, scratch, t.here, t.own, t.sums[0]):
+                contract(t.sums[0], t.moves, t.value, 1.0)
         evaluations[i] = work.counts[EVALUATIONS]
         for p in range(count):
             largest, total = 0.0, 0.0
@@ -334,7 +393,7 @@ def gradient_kernel(
                 gradient[p, i, a] = t.value[p, a]
                 largest = max(largest, abs(t.value[p, a]))
                 total = max(total, t.error[p, a])
-            total = SAFETY * total + tail + 1e-14 * largest
+            total = SAFETY * total + t.beyond[p] + left_out * pace(t.moves[p]) + 1e-14 * largest
             error[p, i] = total
             status[p, i] = MET if total <= tol else CAPPED
             if disk is not None and disk[disk.shape[0] - 1, 0] != 0.0:
@@ -351,10 +410,12 @@ def _kernel() -> Any:
 def tangent_work(parameters: int, lights: int, spheres: int, disks: bool) -> TangentWork:
     """Scratch for ``parameters`` derivatives; ``disks``: whether there are exact disks."""
     columns = adjoint_columns(lights, spheres, disks)
-    here, own, adjoint = np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((4, columns))
-    low, high, value, error, square, shorter, longer = np.zeros((7, parameters, 4))
+    here, own, sums = np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((SUMS, 4, columns))
+    low, high, value, error, square, shorter, longer, misses = np.zeros((8, parameters, 4))
     moves, moving = np.zeros((parameters, columns)), np.zeros(MAX_WALLS + 1)
-    return TangentWork(here, own, adjoint, moves, moving, low, high, value, error, square, shorter, longer)
+    return TangentWork(
+        here, own, sums, moves, moving, low, high, value, error, square, shorter, longer, misses, np.zeros(parameters)
+    )
 
 
 def refuse_unknown(arrays: SceneArrays, moved: dict[str, Array], names: tuple[str, ...]) -> None:

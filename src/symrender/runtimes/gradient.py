@@ -11,7 +11,7 @@ import numpy as np
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
-from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
+from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.quadrature.tangent_direct import direct_gradients
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_point import gloss_gradients, refuse_unknown, tangents_of
@@ -127,10 +127,13 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             moving = [slopes[name][:, pixels[0], pixels[1]] for name in _PLACES]
             surfaces = np.full(len(rows), surface)
             weight = weights[surface]
+            steepest = float(np.abs(weight_moves[:, surface]).max())
+            # where the weight moves, the value's error is a part of the derivative's
+            share = aim if steepest == 0.0 else 0.5 * aim
             result = gloss_gradients(
                 arrays, place, normal, incoming, surfaces,
                 tangents_of(arrays, moved, (moving[0], moving[1], moving[2]), settings.disk_order),
-                aim / weight if weight > 0 else 1.0, settings.disk_order, 4 * settings.budget, own.scratch,
+                share / weight if weight > 0 else 1.0, settings.disk_order, 4 * settings.budget, own.scratch,
             )  # fmt: skip
             evaluations += int(result.evaluations.sum())
             layers["evaluations"][pixels] = result.evaluations
@@ -143,11 +146,13 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
                 if weight_moves[q, surface] != 0.0:
                     if gloss is None:
                         gloss = gloss_points(
-                            arrays, place, normal, incoming, surfaces, settings.tol, settings.disk_order,
+                            arrays, place, normal, incoming, surfaces, share / steepest, settings.disk_order,
                             settings.budget, own.scratch,
                         )  # fmt: skip
                     layers[f"radiance:{name}"][pixels] += weight_moves[q, surface] * gloss.gloss
-                    layers[f"error:{name}"][pixels] += weight_moves[q, surface] * gloss.error
+                    layers[f"error:{name}"][pixels] += abs(weight_moves[q, surface]) * gloss.error
+                    value_status = np.where(gloss.status == NEAR_TANGENT, CAPPED, gloss.status)
+                    layers[f"status:{name}"][pixels] = np.maximum(layers[f"status:{name}"][pixels], value_status)
         return evaluations
 
     return render
