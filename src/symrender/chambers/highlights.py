@@ -72,6 +72,8 @@ COARSEST = 0.6
 """Nor do they vary by more than this chord: slopes are taken at their middles."""
 NEGLIGIBLE = 0.02
 """Share of the tolerance that all highlights left out may hold together."""
+SPECK = -6.2
+"""Logarithm of the share of what is negligible that one box may hold as a whole."""
 MOST_BOXES = 3000
 """Boxes looked at for one light; what is left then is taken to be bright."""
 NARROW = 0.08
@@ -155,9 +157,9 @@ def slope_towards(
 
 @inlined
 def log_share(qx: float, qy: float, qz: float, reach: float, ample: float, work: Work) -> float:
-    """Logarithm of the share of the lobe that what lies within ``reach`` of Q can meet at most; -inf outside the lobe.
+    """Logarithm of the share of the lobe that the shape would fill at the largest density within ``reach`` of Q.
 
-    ``ample`` is the logarithm of the shape's solid angle over the lobe's normaliser.
+    -inf outside the lobe; ``ample`` is the logarithm of the shape's solid angle over the lobe's normaliser.
     """
     geo = work.geo
     dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
@@ -170,7 +172,7 @@ def log_share(qx: float, qy: float, qz: float, reach: float, ample: float, work:
     versine = 0.5 * chord * chord
     if versine > 1.0 - geo[RIM_COS] + 1e-9:
         return -math.inf
-    return float(min(0.0, ample + geo[EXPONENT] * math.log1p(-min(1.0 - 1e-15, versine))))
+    return float(ample + geo[EXPONENT] * math.log1p(-min(1.0 - 1e-15, versine)))
 
 
 @inlined
@@ -212,12 +214,13 @@ def note_highlight(
 
 @inlined
 def box_bounds(
-    l: int, level: float, ample: float, a: float, b: float, u: float, v: float, view: View, work: Work
+    l: int, level: float, ample: float, whole: float, a: float, b: float, u: float, v: float, view: View, work: Work
 ) -> tuple[bool, bool, float, float]:  # fmt: skip
     """(felt, resolved, strip, along) of azimuths a..b and, on a sphere, angles u..v at its centre; on the floor, inner
     coordinates.
 
-    ``level`` is the logarithm of the peak over what is negligible, ``ample`` as of ``log_share``; ``strip`` is how far
+    ``level`` is the logarithm of the peak over what is negligible, ``ample`` as of ``log_share``, ``whole`` that of the
+    shape's solid angle, of which a box is a part; ``strip`` is how far
     off real azimuths it stays tame, ``along`` how far off real inner coordinates.
     """
     geo, shininess = work.geo, view.shading[3]
@@ -250,9 +253,16 @@ def box_bounds(
         qx, qy, qz = geo[POINT] + r * ex, geo[POINT + 1] + r * ey, 0.0
         across, turn, radius = last, 0.0, 1.0
         reach = math.sqrt(0.25 * (last - near) ** 2 + (last * half) ** 2)
-    level += log_share(qx, qy, qz, reach, ample, work)
-    if level < 0.0:
+    share = log_share(qx, qy, qz, reach, ample, work)
+    if level + share < 0.0:
         return False, True, 0.0, 0.0
+    dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
+    far2 = dx * dx + dy * dy + dz * dz
+    angle = math.log(max(1e-300, 4.0 * math.pi * reach * reach / far2)) if 4.0 * reach * reach < far2 else math.inf
+    if level + share - whole + angle < SPECK:
+        # all of the box, however bright: where l is opposite to v a highlight has every angle in one place
+        return False, True, 0.0, 0.0
+    level += min(0.0, share)
     chord, varies = chord_about(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
     if log_felt(level, max(0.0, chord - varies), shininess) < 0.0:
         return False, True, 0.0, 0.0
@@ -317,10 +327,13 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
     # slopes in a scene's numbers are larger than values by the inverse of a highlight's width
     geo[LEAST] = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading[3])))
     last = 0.5 * math.pi if floor else geo[GAMMA_MAX]
-    ample = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * geo[BETA_MAX])) - geo[LOG_NORMALISER]
+    whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * geo[BETA_MAX]))
+    ample = whole - geo[LOG_NORMALISER]
+    boxes_seen = 0
     for l in range(lights):
         p = view.points[l]
-        if floor and p[2] + p[DISK_RADIUS] <= 0.0 and shading[6] == CUT:
+        if floor and p[2] + p[DISK_RADIUS] <= 0.0:
+            # the floor is lit from above
             continue
         peak = shading[2] * max(p[3], p[4], p[5])
         if peak <= geo[LEAST]:
@@ -331,8 +344,9 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
         while top > 0:
             top -= 1
             looked += 1
+            boxes_seen += 1
             a, b, u, v = boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3]
-            felt, resolved, strip, along = box_bounds(l, level, ample, a, b, u, v, view, work)
+            felt, resolved, strip, along = box_bounds(l, level, ample, whole, a, b, u, v, view, work)
             if not felt:
                 continue
             if resolved or looked > MOST_BOXES or top + 2 > boxes.shape[0]:
@@ -360,7 +374,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                 boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3] = a, b, middle, v
                 boxes[top + 1, 0], boxes[top + 1, 1], boxes[top + 1, 2], boxes[top + 1, 3] = a, b, u, middle
             top += 2
-    return float(geo[LEAST] * lights)
+    return float(geo[LEAST] * (lights + math.exp(SPECK) * boxes_seen))
 
 
 @inlined
