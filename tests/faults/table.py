@@ -145,7 +145,7 @@ FAULTS = (
           "a mirror that shows the last sphere, not the first"),
     Fault("mirror", "quadrature/mirror.py", "% 2 == 0\n", "% 2 == 1\n", MIRROR, "dark squares for bright in a mirror"),
     Fault("mirror", "quadrature/split_point.py", "total += largest_gap(value, scratch[31:34])", "total += 0.0",
-          ("test_truth.py",), "a lobe that is nearly a mirror, stated as one"),
+          MIRROR, "a lobe that is nearly a mirror, stated as one"),
     Fault("budget", "chambers/work.py", "max(work.counts[EVALUATIONS], work.counts[LABOUR]) >",
           "work.counts[EVALUATIONS] >", ("quadrature/test_budget.py",), "work that is not shading left uncounted"),
     Fault("budget", "quadrature/split_point.py", "status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT",
