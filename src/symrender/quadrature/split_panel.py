@@ -197,8 +197,9 @@ def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: 
         p[MEAN] = 0.0
         _, narrowest = highlights_between(a, b, work)
         p[GLARE] = seeing(b - a, narrowest)
-        if work.geo[CLIPPED] != 0.0 and narrowest < math.inf:
-            p[GLARE] = max(p[GLARE], MAX_KINKED)
+        if narrowest < math.inf:
+            # a rim or a wall that sweeps over a highlight narrow along the lines hides it within less
+            p[GLARE] = max(p[GLARE], MAX_KINKED if work.geo[CLIPPED] != 0.0 else MAX_FIRST + 1)
         p[LOG_RHO] = panel_log(work, a, b, kind_a, kind_b)
     return n + 1
 
