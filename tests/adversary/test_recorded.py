@@ -11,7 +11,7 @@ import symrender as sr
 
 from .test_known import KNOWN, case_of
 
-UNMET = {"untraced: green alone is wrong", "light at z = 0, open", "mirror shininess 1e+07"}
+UNMET = {"mirror shininess 1e+07"}
 """What is honest, but misses its tolerance."""
 
 

@@ -25,6 +25,8 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 PAGE = ROOT / "docs" / "robustness.md"
 REGION = re.compile(r"(?<=<!-- faults -->\n).*?(?=<!-- /faults -->)", re.DOTALL)
 HEAD = "| kind | file | fault | noticed by |\n| --- | --- | --- | --- |\n"
+_CRASH = re.compile(r'File "[^"]*/tests/(\S+\.py)", line \d+ in (test_\w+)')
+"""Where a crash of the interpreter began, as faulthandler tells it."""
 LIMIT = 900.0
 _PASSED, _FAILED = 0, 1
 
@@ -74,6 +76,8 @@ def run(tests: Sequence[str], folder: Path, limit: float | None) -> tuple[int, s
         timeout=limit,
     )
     line = next((line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))), "")
+    if not line and (crash := _CRASH.search(done.stderr + done.stdout)):
+        return done.returncode, f"{crash[1]}::{crash[2]}"
     return done.returncode, re.sub(r"^(FAILED|ERROR) (tests/)?", "", line).split(" - ")[0]
 
 
