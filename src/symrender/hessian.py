@@ -62,13 +62,15 @@ def hessian(
     if (points is None) == (size is None):
         raise OptionError("points, size: give points of a surface or the size of an image")
 
-    def slopes(changed: Scene) -> Array:
+    def slopes(changed: Scene) -> tuple[Array, Array]:
         if points is not None:
-            found = probe(changed, points, surface=surface, tol=tol, disk=disk, wrt=names).gradient
-            return np.stack([found[name] for name in names])
+            found = probe(changed, points, surface=surface, tol=tol, disk=disk, wrt=names)
+            stated = np.stack([found.gradient_error[name] for name in names])
+            return np.stack([found.gradient[name] for name in names]), stated
         assert size is not None
         images = gradient(changed, names, size=size, tol=tol, disk=disk)
-        return np.stack([images[name].radiance for name in names])
+        stated = np.stack([images[name].layer("error") for name in names])
+        return np.stack([images[name].radiance for name in names]), stated
 
     columns = [_column(loaded, name, slopes) for name in names]
     values = np.stack([value for value, _ in columns], axis=1)
@@ -80,11 +82,16 @@ def hessian(
     return Hessian(names, best, np.minimum(error, flipped_error) + np.minimum(apart, np.maximum(error, flipped_error)))
 
 
-def _column(scene: Scene, name: str, slopes: Callable[[Scene], Array]) -> tuple[Array, Array]:
-    """Derivative of all slopes in one parameter, (Q, ..., 3), and its error (Q, ...)."""
+def _column(scene: Scene, name: str, slopes: Callable[[Scene], tuple[Array, Array]]) -> tuple[Array, Array]:
+    """Derivative of all slopes in one parameter, (Q, ..., 3), and its error (Q, ...).
+
+    ``slopes`` gives them with their errors (Q, ...), which a difference divides by its step: small steps that agree on
+    an error of the slopes are no better for it.
+    """
     value = float(get(scene, name))
     step = FIRST_STEP * max(1.0, abs(value))
     rows: list[Array] = []
+    doubts: list[Array] = []
     best: Array | None = None
     error: Array | None = None
     for _ in range(LEVELS):
@@ -92,17 +99,20 @@ def _column(scene: Scene, name: str, slopes: Callable[[Scene], Array]) -> tuple[
             above, below = (slopes(scene.replace({name: value + s})) for s in (step, -step))
         except SceneError as fault:
             raise Unsupported(f"{name}: no second derivative at the end of its range, {value:g}: {fault}") from None
-        row = [(above - below) / (2.0 * step)]
+        row = [(above[0] - below[0]) / (2.0 * step)]
+        doubt = [(above[1] + below[1]) / (2.0 * step)]
         for k, coarse in enumerate(rows):
-            row.append(row[k] + (row[k] - coarse) / (4.0 ** (k + 1) - 1.0))
-            change = np.maximum(np.abs(row[k + 1] - row[k]), np.abs(row[k + 1] - coarse)).max(axis=-1)
+            share = 1.0 / (4.0 ** (k + 1) - 1.0)
+            row.append(row[k] + (row[k] - coarse) * share)
+            doubt.append((1.0 + share) * doubt[k] + share * doubts[k])
+            change = np.maximum(np.abs(row[k + 1] - row[k]), np.abs(row[k + 1] - coarse)).max(axis=-1) + doubt[k + 1]
             if best is None or error is None:
                 best, error = row[k + 1], change
             else:
                 better = change < error
                 best = np.where(better[..., None], row[k + 1], best)
                 error = np.where(better, change, error)
-        rows = row
+        rows, doubts = row, doubt
         step *= 0.5
     assert best is not None and error is not None
     return best, error
