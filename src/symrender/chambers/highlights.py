@@ -32,6 +32,7 @@ from symrender.chambers.walls import (
     LEAST,
     LOBE_BETA,
     LOG_NORMALISER,
+    PACE,
     POINT,
     POLE,
     RADIUS,
@@ -325,7 +326,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
     if not shading[2] > 0.0 or lights == 0 or (floor and geo[SIDE] < 0.0):
         return 0.0
     # slopes in a scene's numbers are larger than values by the inverse of a highlight's width
-    geo[LEAST] = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading[3])))
+    geo[LEAST] = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading[3])) * geo[PACE])
     last = 0.5 * math.pi if floor else geo[GAMMA_MAX]
     whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * geo[BETA_MAX]))
     ample = whole - geo[LOG_NORMALISER]

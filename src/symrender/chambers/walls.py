@@ -106,7 +106,9 @@ LEAST: Final = 47
 """No highlight that can hold less than this of a lobe is looked for."""
 CLIPPED: Final = 48
 """1 where highlights begin at walls of their own: a line may then see none beside one that does."""
-GEO_COLUMNS: Final = 49
+PACE: Final = 49
+"""How much faster than values a derivative of the chart may change with what is left out; 1 for values."""
+GEO_COLUMNS: Final = 50
 
 COINCIDENT: Final = 1e-11
 """Two circles whose axes and levels differ by less are one wall."""

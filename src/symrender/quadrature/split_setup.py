@@ -14,6 +14,7 @@ from symrender.chambers.walls import (
     E2,
     HEIGHT,
     LOBE_BETA,
+    PACE,
     POINT,
     POLE,
     RATIO,
@@ -51,6 +52,7 @@ def place_point(point: Array, normal: Array, incoming: Array, lobe: Array, geo: 
     for a in range(3):
         lobe[a] /= math.sqrt(size)
     geo[SIDE] = 1.0 if point[2] >= 0.0 else -1.0
+    geo[PACE] = 1.0
 
 
 @jitable

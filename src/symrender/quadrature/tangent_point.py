@@ -41,7 +41,7 @@ from symrender.chambers.tangent_walls import (
     adjoint_columns,
     what_moves,
 )
-from symrender.chambers.walls import BETA_MAX, LEAST, LOBE_BETA, POLE, RADIUS, RATIO, RIM_COS, RIM_SIN, SIDE
+from symrender.chambers.walls import BETA_MAX, LEAST, LOBE_BETA, PACE, POLE, RADIUS, RATIO, RIM_COS, RIM_SIN, SIDE
 from symrender.chambers.work import EVALUATIONS, MAX_WALLS, View, Work, begin_counts
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
@@ -334,6 +334,9 @@ def gradient_kernel(
             for a in range(3):
                 t.value[p, a] += row[BACKGROUND + a] * share + view.shading[10 + a] * change
 
+        fastest = 1.0
+        for p in range(count):
+            fastest = max(fastest, pace(t.moves[p]))
         spent, left_out = 0.0, 0.0
         steep = 1.0 + (math.sqrt(view.shading[3]) if view.shading[2] > 0.0 else 0.0)
         for j in range(view.spheres.shape[0] + 1):
@@ -351,9 +354,10 @@ def gradient_kernel(
                 # all of the shape, at the lobe's largest density on it, and how fast that can change
                 gap = max(0.0, geo[LOBE_BETA] - geo[BETA_MAX])
                 most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * 2.0 * math.pi * k * k * bound
-                if gap < 1.5 and most * (1.0 + n * math.tan(gap)) < 1e-4 * tol:
+                slope = 1.0 + n * math.tan(gap) + 1.0 / max(geo[BETA_MAX], gap)
+                if gap < 1.5 and most * slope * fastest < 1e-4 * tol:
                     spent += most
-                    left_out += most * (1.0 + n * math.tan(gap) + 1.0 / max(geo[BETA_MAX], gap))
+                    left_out += most * slope
                     continue
                 sphere_strips(j, n, view, work)
                 chart_moves(j, geo, tangents, t.moves)
@@ -361,6 +365,9 @@ def gradient_kernel(
             if not nodes and not some:
                 continue
             clear_panels(panels)
+            geo[PACE], geo[LEAST] = 1.0, math.inf
+            for p in range(count):
+                geo[PACE] = max(geo[PACE], pace(t.moves[p]))
             found, _ = split_chart(
                 max(0.5 * (tol - spent), 0.05 * tol), view, work, gauss, panels, spans, ids, events,
                 scratch, max_evaluations, t.sums[0, 0],
