@@ -120,23 +120,19 @@ def edge_turn(
     return x * dy - y * dx, x, y, z, facing > 0.0
 
 
-@jitable
-def sphere_tangencies(
-    light: Array, caster: Array, beyond: bool, geo: Array, frame: Array, events: Array, n: int, low: float, high: float
-) -> int:  # fmt: skip
-    """Azimuths at which a scan line of the charted sphere touches the shadow of ``caster``: no closed form.
-
-    The edge's azimuth turns back there; turns are bracketed by rays along the edge and solved (Illinois).
-    """
+@inlined
+def edge_frame(light: Array, caster: Array, frame: Array) -> bool:
+    """Fill ``frame`` (3, 3) for the rays along a shadow's edge, see ``edge_turn``; whether the light is outside."""
     far2 = 0.0
     for a in range(3):
         frame[0, a] = caster[a] - light[a]
         far2 += frame[0, a] * frame[0, a]
-    sine = caster[3] / math.sqrt(far2)
-    if not sine < 1.0:
-        return n
+    if not far2 > caster[3] * caster[3]:
+        return False
+    far = math.sqrt(far2)
+    sine = caster[3] / far
     cosine = math.sqrt((1.0 - sine) * (1.0 + sine))
-    ex, ey, ez = frame[0, 0] / math.sqrt(far2), frame[0, 1] / math.sqrt(far2), frame[0, 2] / math.sqrt(far2)
+    ex, ey, ez = frame[0, 0] / far, frame[0, 1] / far, frame[0, 2] / far
     if abs(ex) < 0.6:
         fx, fy, fz = 0.0, ez, -ey
     else:
@@ -146,6 +142,19 @@ def sphere_tangencies(
     frame[0, 0], frame[0, 1], frame[0, 2] = ex * cosine, ey * cosine, ez * cosine
     frame[1, 0], frame[1, 1], frame[1, 2] = fx, fy, fz
     frame[2, 0], frame[2, 1], frame[2, 2] = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+    return True
+
+
+@jitable
+def sphere_tangencies(
+    light: Array, caster: Array, beyond: bool, geo: Array, frame: Array, events: Array, n: int, low: float, high: float
+) -> int:  # fmt: skip
+    """Azimuths at which a scan line of the charted sphere touches the shadow of ``caster``: no closed form.
+
+    The edge's azimuth turns back there; turns are bracketed by rays along the edge and solved (Illinois).
+    """
+    if not edge_frame(light, caster, frame):
+        return n
     step = 2.0 * math.pi / RAYS
     before, _, _, _, _ = edge_turn(0.0, light, beyond, geo, frame)
     for k in range(1, RAYS + 1):

@@ -17,6 +17,7 @@ from symrender.chambers.events import CROSSING, add_event, within_lobe
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.line import wall_level
 from symrender.chambers.place import surface_point
+from symrender.chambers.tangencies import edge_frame
 from symrender.chambers.walls import (
     BALL,
     CENTER,
@@ -68,33 +69,6 @@ def set_circles(work: Work) -> None:
     # just inside, so that its places count as seen
     limb[COS] = min(1.0, geo[RATIO] + 1e-12)
     limb[SIN] = math.sqrt((1.0 - limb[COS]) * (1.0 + limb[COS]))
-
-
-@inlined
-def edge_frame(row: Array, view: View, work: Work) -> bool:
-    """Fill ``Work.frame`` for the rays along a shadow's edge; whether the light is outside the caster."""
-    frame = work.frame
-    light, caster = view.points[int(row[LIGHT])], view.spheres[int(row[SHAPE])]
-    far2 = 0.0
-    for a in range(3):
-        frame[0, a] = caster[a] - light[a]
-        far2 += frame[0, a] * frame[0, a]
-    if not far2 > caster[3] * caster[3]:
-        return False
-    far = math.sqrt(far2)
-    sine = caster[3] / far
-    cosine = math.sqrt((1.0 - sine) * (1.0 + sine))
-    ex, ey, ez = frame[0, 0] / far, frame[0, 1] / far, frame[0, 2] / far
-    if abs(ex) < 0.6:
-        fx, fy, fz = 0.0, ez, -ey
-    else:
-        fx, fy, fz = -ez, 0.0, ex
-    scale = sine / math.sqrt(fx * fx + fy * fy + fz * fz)
-    fx, fy, fz = fx * scale, fy * scale, fz * scale
-    frame[0, 0], frame[0, 1], frame[0, 2] = ex * cosine, ey * cosine, ez * cosine
-    frame[1, 0], frame[1, 1], frame[1, 2] = fx, fy, fz
-    frame[2, 0], frame[2, 1], frame[2, 2] = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
-    return True
 
 
 @inlined
@@ -399,7 +373,9 @@ def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, h
         one = walls[i]
         kind = int(one[KIND])
         walked = kind == BALL or (kind == SHADOW and int(one[TAG]) == SHADOW_EDGE)
-        if not walked or (kind == SHADOW and not edge_frame(one, view, work)):
+        if not walked or (
+            kind == SHADOW and not edge_frame(view.points[int(one[LIGHT])], view.spheres[int(one[SHAPE])], work.frame)
+        ):
             continue
         near, beyond = passes_lobe(one, False, view, work), sides == 2 and passes_lobe(one, True, view, work)
         if not (near or beyond):
