@@ -28,12 +28,12 @@ from measure import Report, arguments, median
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 from slow_kind import slow_job
-from symrender import cluster as cluster_module
-from symrender.cluster import Cluster, batch_size, connect
+from symrender.execution import cluster as cluster_module
+from symrender.execution.cluster import Cluster, batch_size, connect
+from symrender.execution.jobs import Done, Job, Tile
+from symrender.execution.tiles import Threads, Workers, tiles
 from symrender.scene.load import load
 from symrender.settings import Settings
-from symrender.tiles import Threads, Workers, tiles
-from symrender.units import Done, Job, Tile
 
 TILE = 2.0
 """Seconds an artificial worker sleeps over a tile."""

@@ -22,11 +22,11 @@ from typing import Any
 
 from measure import Report, arguments
 
-import symrender.fill
+import symrender.execution.fill
 import symrender.numeric.pipeline
 import symrender.runtimes.image
 from symrender.cli import main as symrender_main
-from symrender.units import prepared
+from symrender.execution.jobs import prepared
 
 SLOW = 0.01
 FILES = ("numeric.exr", "symbolic.exr", "numeric.png", "symbolic.png", "difference.png")
@@ -51,7 +51,7 @@ def install_slow_tiles(seconds: float = SLOW) -> None:
     for module in (symrender.numeric.pipeline, symrender.runtimes.image):
         module.prepare = slowed(module.prepare, seconds)  # type: ignore[attr-defined]
     prepared.cache_clear()
-    symrender.fill.Means = functools.partial(symrender.fill.Means, patience=0.0)  # type: ignore[misc,assignment]
+    symrender.execution.fill.Means = functools.partial(symrender.execution.fill.Means, patience=0.0)  # type: ignore[misc,assignment]
 
 
 def child(folder: Path, *extra: str) -> int:

@@ -17,12 +17,12 @@ from collections.abc import Mapping
 
 from measure import Report, arguments
 
-from symrender.cluster import Cluster, connect
+from symrender.execution.cluster import Cluster, connect
+from symrender.execution.jobs import Job, Tile
+from symrender.execution.tiles import Threads, Workers, tiles
 from symrender.scene.arrays import Array
 from symrender.scene.load import load
 from symrender.settings import Settings
-from symrender.tiles import Threads, Workers, tiles
-from symrender.units import Job, Tile
 
 
 def rendered(workers: Workers, job: Job) -> str:

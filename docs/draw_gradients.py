@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from symrender.gradient import gradient
-from symrender.signed_view import signed_view
+from symrender.images.signed_view import signed_view
 
 SIZE = (56, 42)
 WRT = {

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from symrender import units
+from symrender.execution import jobs
+from symrender.execution.jobs import Job, TileKernel
 from symrender.scene.arrays import Array, SceneArrays
 from symrender.settings import Settings
-from symrender.units import Job, TileKernel
 
 
 def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
@@ -29,7 +29,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
 
 def install() -> None:
     """Make the kind ``slow`` known in this process."""
-    units.KINDS["slow"] = units.Kind("slow_kind", (("radiance", 3), ("hit_class", 1)))  # type: ignore[index]
+    jobs.KINDS["slow"] = jobs.Kind("slow_kind", (("radiance", 3), ("hit_class", 1)))  # type: ignore[index]
 
 
 def slow_job(width: int = 24, height: int = 18, milliseconds: int = 0, **settings: object) -> Job:

@@ -12,12 +12,12 @@ import pytest
 
 from symrender import version
 from symrender.errors import NonFiniteError, OptionError, SceneError, SymrenderError
-from symrender.image import Image
+from symrender.execution.jobs import prepared
+from symrender.images.image import Image
 from symrender.numeric import pipeline as numeric
 from symrender.render import Pair, render
 from symrender.runtimes import image as symbolic
 from symrender.scene.load import load
-from symrender.units import prepared
 
 SIZE = 24
 LAYERS = {"radiance", "direct", "gloss", "hit_class"}

@@ -14,10 +14,10 @@ from numeric.conftest import with_parts
 from numeric.test_pipeline import DEGENERATE, LIGHT, LOOK, SPHERE, USUAL
 from runtimes.test_degenerate import TIES
 from runtimes.test_image import layers_of
-from symrender import units
 from symrender.cli import main
 from symrender.errors import NonFiniteError, OptionError
-from symrender.image import Image
+from symrender.execution import jobs
+from symrender.images.image import Image
 from symrender.probe import probe
 from symrender.quadrature.split_setup import UNSUPPORTED
 from symrender.runtimes import image as symbolic
@@ -117,7 +117,7 @@ def test_what_is_not_finite_is_named_and_refused(layer: str, value: float, monke
         return fill
 
     monkeypatch.setattr(truth_kernel, "prepare", broken)
-    units.prepared.cache_clear()
+    jobs.prepared.cache_clear()
     try:
         if layer == "error" and value == math.inf:
             assert true(scene_of("black light"), 5).layer("error")[3, 2] == math.inf
@@ -125,7 +125,7 @@ def test_what_is_not_finite_is_named_and_refused(layer: str, value: float, monke
         with pytest.raises(NonFiniteError, match=r"truth: 1 pixels are not finite: \(2, 3\) on ") as caught:
             true(scene_of("black light"), 5)
     finally:
-        units.prepared.cache_clear()
+        jobs.prepared.cache_clear()
     assert caught.value.exit_code == 3
 
 

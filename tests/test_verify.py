@@ -10,9 +10,9 @@ import pytest
 
 import symrender as sr
 from symrender.errors import OptionError
+from symrender.execution.silhouettes import edges
 from symrender.scene.arrays import scene_arrays
 from symrender.settings import split_settings
-from symrender.silhouettes import edges
 from symrender.verify import FALSE_ALARMS, brightest, student_quantile, verify
 
 pytestmark = pytest.mark.timeout(1200)

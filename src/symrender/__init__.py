@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from symrender.fit import Fit, fit
     from symrender.gradient import gradient
     from symrender.hessian import Hessian, hessian
-    from symrender.image import Image, read_image
+    from symrender.images.image import Image, read_image
     from symrender.ledger.compare import compare
     from symrender.probe import probe
     from symrender.render import Pair, render
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "Fit": "symrender.fit",
     "Hessian": "symrender.hessian",
-    "Image": "symrender.image",
+    "Image": "symrender.images.image",
     "Pair": "symrender.render",
     "Report": "symrender.report.build",
     "Scene": "symrender.scene.scene",
@@ -53,7 +53,7 @@ _HOMES = {
     "gradient": "symrender.gradient",
     "hessian": "symrender.hessian",
     "load": "symrender.scene.load",
-    "read_image": "symrender.image",
+    "read_image": "symrender.images.image",
     "probe": "symrender.probe",
     "render": "symrender.render",
     "report": "symrender.report.build",

@@ -14,9 +14,18 @@
 Exit codes of the command line: 0 success, 1 two images differ, 2 wrong input
 (``SceneError``, ``OptionError``, ``ImageError``, ``Unsupported``), 3 non-finite pixels, 4 image written but
 some pixel missed its tolerance, 70 a fault in symrender, 74 the output could not be written, 130 interrupted.
+
+Where an optional package is missing, the message ends with ``remedy(extra)``.
 """
 
 from __future__ import annotations
+
+import re
+from typing import Final
+
+_REQUIREMENT: Final = re.compile(
+    r"(?P<name>[A-Za-z0-9._-]+)(?:\[(?P<of>[\w,-]+)])?(?P<range>[^;]*);\s*extra\s*==\s*['\"](?P<extra>[\w-]+)['\"]"
+)
 
 
 class SymrenderError(Exception):
@@ -63,3 +72,26 @@ class CellError(SymrenderError):
 
 class Unsupported(SymrenderError):
     """The mathematics does not cover this case; it is refused by name, never dropped."""
+
+
+def extras() -> dict[str, list[str]]:
+    """The requirements of every extra, as the installed metadata list them, with those of extras it includes.
+
+    ``{"flip": ["flip-evaluator>=1.6"]}``.
+    """
+    from importlib.metadata import requires
+
+    found = [match for line in requires("symrender") or () if (match := _REQUIREMENT.fullmatch(line))]
+    listed: dict[str, list[str]] = {}
+    for match in sorted(found, key=lambda match: match["name"] == "symrender"):
+        mine = listed.setdefault(match["extra"], [])
+        if match["name"] == "symrender":
+            mine += [part for other in (match["of"] or "").split(",") for part in listed.get(other, ())]
+        else:
+            mine.append(match["name"] + match["range"].strip())
+    return listed
+
+
+def remedy(extra: str) -> str:
+    """The line that installs what ``extra`` needs, wherever symrender itself came from."""
+    return "pip install " + " ".join(f"'{part}'" for part in extras().get(extra, [f"symrender[{extra}]"]))

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from symrender.errors import OptionError
 from symrender.gradient import gradient
-from symrender.image import Image
+from symrender.images.image import Image
 from symrender.ledger.tables import html_table
 from symrender.scene.load import load
 from symrender.scene.moves import components

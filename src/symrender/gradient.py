@@ -12,17 +12,17 @@ from pathlib import Path
 from typing import Any, Final
 
 from symrender.errors import OptionError
-from symrender.fill import Crew, Means
-from symrender.image import Image
-from symrender.provenance import provenance
+from symrender.execution.fill import Crew, Means
+from symrender.execution.jobs import Job
+from symrender.execution.provenance import provenance
+from symrender.execution.tiles import Progress
+from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.quadrature.tangent_point import EVENT
 from symrender.scene.load import load
 from symrender.scene.moves import moves
 from symrender.scene.scene import Scene
 from symrender.settings import Antialias, Settings, split_settings
-from symrender.tiles import Progress
-from symrender.units import Job
 
 STATUS: Final = {MET: "met", CAPPED: "capped", UNSUPPORTED: "unsupported", EVENT: "one-sided"}
 """What the numbers of a gradient's status layer mean."""

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from symrender.certify import Enclosure
-from symrender.certify import certify as enclose
+from symrender.certify.enclosure import Enclosure
+from symrender.certify.enclosure import certify as enclose
 from symrender.errors import OptionError, SceneError
+from symrender.execution.tiles import run_threads, thread_count
 from symrender.ledger.tables import html_table
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
@@ -21,7 +22,6 @@ from symrender.scene.load import load
 from symrender.scene.moves import moves, tangent_arrays
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
-from symrender.tiles import run_threads, thread_count
 
 if TYPE_CHECKING:
     from symrender.quadrature.tangent_point import GradientResult
@@ -92,7 +92,7 @@ def probe(
     centroids. ``budget``: most evaluations a point. ``wrt``: dotted names of real numbers of the scene, or of vectors
     (all their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
     normal, and ``tol`` holds for derivatives too. Whether the eye really sees a point is not asked.
-    ``certify``: enclose each value by ball arithmetic as well (``certify.py``; floor points, point lights or ``KxK``).
+    ``certify``: enclose each value by ball arithmetic as well (``certify/``; floor points, point lights or ``KxK``).
     ``threads`` work on batches of points, 0 takes the processors at hand; their number changes no bit.
     Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
     """

@@ -16,8 +16,8 @@ kernel
 quadrature
     Rules over the lobe: directions and weights (``quadrature/``).
 image
-    Tiles, on threads or on the machines of a cluster, fill the layers of an ``Image`` (``units.py``, ``tiles.py``,
-    ``cluster.py``); a journal keeps what is finished, so that an interrupted run goes on (``journal.py``, ``fill.py``).
+    Tiles, on threads or on the machines of a cluster, fill the layers of an ``Image`` (``images/``); a journal keeps
+    what is finished, so that an interrupted run goes on (``execution/``).
 ledger
     The two images, compared with their population, their signal and the black image beside every error
     (``ledger/``).
@@ -34,12 +34,15 @@ from pathlib import Path
 from typing import Any
 
 from symrender.errors import OptionError
-from symrender.fill import Crew, Means
-from symrender.finite import check_finite
-from symrender.image import Image
+from symrender.execution.fill import Crew, Means
+from symrender.execution.finite import check_finite
+from symrender.execution.jobs import Job
+from symrender.execution.preview import preview_file
+from symrender.execution.provenance import provenance
+from symrender.execution.tiles import Progress
+from symrender.execution.warm import second_beside
+from symrender.images.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
-from symrender.preview import preview_file
-from symrender.provenance import provenance
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.settings import (
@@ -52,9 +55,6 @@ from symrender.settings import (
     Weights,
     image_size,
 )
-from symrender.tiles import Progress
-from symrender.units import Job
-from symrender.warm import second_beside
 
 Finished = Callable[[str, Image], None]
 """``finished(side, image)``, called as soon as the image of a pipeline stands."""
@@ -119,9 +119,9 @@ def render(
     without bias by the numeric side, integrated by ``chambers``, refused by ``strata``). ``aa``: filter the floor
     texture over the pixel (``analytic``) or read it at the centre (``none``). ``seed``: of the samplers. ``threads``:
     0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile, 0 to measure
-    one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes (``cluster.py``).
-    ``preview``: a PNG file that shows each image while it is made. ``silhouettes``: K of the K x K points whose mean a
-    pixel beside another shape is, 1 for its centre alone.
+    one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes
+    (``execution/cluster.py``). ``preview``: a PNG file that shows each image while it is made. ``silhouettes``: K of
+    the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j). Raises SceneError, OptionError, and NonFiniteError naming the pixels.

@@ -13,17 +13,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from symrender.fill import Crew, Means
-from symrender.finite import check_finite
-from symrender.image import Image
-from symrender.preview import preview_file
-from symrender.provenance import provenance
+from symrender.execution.fill import Crew, Means
+from symrender.execution.finite import check_finite
+from symrender.execution.jobs import Job
+from symrender.execution.preview import preview_file
+from symrender.execution.provenance import provenance
+from symrender.execution.tiles import Progress
+from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.settings import Antialias, Settings, split_settings
-from symrender.tiles import Progress
-from symrender.units import Job
 from symrender.verify import check_share, verified
 
 STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}

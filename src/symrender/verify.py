@@ -23,14 +23,14 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
-from symrender.image import Image
+from symrender.execution.silhouettes import edges
+from symrender.execution.tiles import run_threads, thread_count
+from symrender.images.image import Image
 from symrender.numeric.pipeline import prepare
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, scene_arrays
 from symrender.scene.scene import Scene
 from symrender.settings import EXACT_DISK, Settings
-from symrender.silhouettes import edges
-from symrender.tiles import run_threads, thread_count
 
 REPLICATES: Final = 16
 SIDE: Final = 64

@@ -10,7 +10,7 @@ import pytest
 
 from symrender.cli import main
 from symrender.cli.demo import FILES
-from symrender.image import read_image
+from symrender.images.image import read_image
 
 QUICK = ["--size", "32", "--tol", "0.01", "--lobe", "2"]
 

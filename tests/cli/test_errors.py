@@ -15,7 +15,7 @@ import pytest
 import symrender.cli
 from symrender.cli import main
 from symrender.errors import NonFiniteError, OutputError, SceneError, Unsupported
-from symrender.image import Image
+from symrender.images.image import Image
 
 
 def fails(capfd: pytest.CaptureFixture[str], arguments: list[str], code: int = 2) -> str:

@@ -10,9 +10,9 @@ import PIL.Image
 import pytest
 
 from symrender.cli import main
-from symrender.image import Image, read_image
+from symrender.images.image import Image, read_image
+from symrender.images.srgb import encode_srgb
 from symrender.scene.load import load
-from symrender.srgb import encode_srgb
 
 QUICK = ["--size", "16", "--lobe", "2", "--symbolic", "none", "--quiet"]
 

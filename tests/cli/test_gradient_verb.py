@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from symrender.cli import main
-from symrender.image import read_image
+from symrender.images.image import read_image
 
 
 def test_gradient_writes_pictures_and_layers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from symrender.cli import main
 from symrender.cli._application import OPTION_PANELS, PANELS, verbs
-from symrender.install import extras, remedy
+from symrender.errors import extras, remedy
 
 
 def test_every_verb_stands_under_one_heading() -> None:

@@ -16,7 +16,7 @@ from symrender.cli import main
 
 SLOW = (
     "import functools, sys, time\n"
-    "import symrender.fill, symrender.numeric.pipeline as numeric, symrender.runtimes.image as symbolic\n"
+    "import symrender.execution.fill, symrender.numeric.pipeline as numeric, symrender.runtimes.image as symbolic\n"
     "from symrender.cli import main\n"
     "def slowed(prepare):\n"
     "    def slow_prepare(*values):\n"
@@ -24,7 +24,7 @@ SLOW = (
     "        return lambda *tile: (time.sleep(.05 if tile[2] else 0), kernel(*tile))[1]\n"
     "    return slow_prepare\n"
     "for module in (numeric, symbolic): module.prepare = slowed(module.prepare)\n"
-    "symrender.fill.Means = functools.partial(symrender.fill.Means, patience=0.0)\n"
+    "symrender.execution.fill.Means = functools.partial(symrender.execution.fill.Means, patience=0.0)\n"
     "sys.exit(main())\n"
 )
 COMMAND = ["render", "gloss", "--size", "32", "--tile", "4", "--threads", "2", "--quiet"]

@@ -19,8 +19,8 @@ from symrender.cli import main
 from symrender.cli._application import verbs
 from symrender.cli._progress import progress
 from symrender.errors import NonFiniteError
-from symrender.finite import check_finite
-from symrender.image import Array, Image, read_image
+from symrender.execution.finite import check_finite
+from symrender.images.image import Array, Image, read_image
 from symrender.render import render as render_pair
 from symrender.scene.scene import Scene
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from symrender.errors import ImageError, OptionError
-from symrender.image import Image
+from symrender.images.image import Image
 from symrender.ledger.compare import compare
 
 HEIGHT, WIDTH = 17, 23

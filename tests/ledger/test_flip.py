@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from symrender.errors import ImageError, OptionError
-from symrender.image import Image
+from symrender.images.image import Image
 from symrender.ledger.flip import flip
 
 GREY = Image({"radiance": np.full((4, 5, 3), 0.25)})

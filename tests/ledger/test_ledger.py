@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from symrender.errors import ImageError
-from symrender.image import Image
+from symrender.images.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
 
 RNG = np.random.default_rng(3)

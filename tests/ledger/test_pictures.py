@@ -9,9 +9,9 @@ import PIL.Image
 import pytest
 
 from symrender.errors import ImageError, OptionError
-from symrender.image import Image
+from symrender.images.image import Image
+from symrender.images.srgb import encode_srgb
 from symrender.ledger.pictures import absolute_difference, side_by_side, signed_difference
-from symrender.srgb import encode_srgb
 
 
 def pair(offset: float) -> tuple[Image, Image]:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symrender.image import Image
+from symrender.images.image import Image
 from symrender.ledger.ledger import Timing, ledger
 from symrender.ledger.starvation import SHARE, carrying_rings, starvation
 

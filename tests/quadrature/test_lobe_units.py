@@ -17,7 +17,7 @@ from symrender.errors import SceneError, Unsupported
 from symrender.expression.integrand import expression
 from symrender.expression.lobe import brdf_normaliser, normaliser
 from symrender.gradient import gradient
-from symrender.image import read_image
+from symrender.images.image import read_image
 from symrender.probe import probe
 from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.split_point import MET, gloss_points
@@ -175,7 +175,7 @@ def test_images_of_the_rules_meet_the_truth() -> None:
 
 def test_bounds_of_ball_arithmetic_hold_the_value() -> None:
     pytest.importorskip("flint")
-    from symrender.certify import certify
+    from symrender.certify.enclosure import certify
 
     point = np.array([1.0842336190554618, 0.1442282860697033, 0.0])
     for sky in (0.0, 0.2):

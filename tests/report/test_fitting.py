@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from slow_kind import slow_job
+from symrender.execution.tiles import Threads
 from symrender.report.fitting import fitting, seconds_each
-from symrender.tiles import Threads
 
 FLAT = np.zeros((64, 96))
 STRIPED = np.indices((64, 96))[1] % 2

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from symrender.errors import OptionError, OutputError, Unsupported
-from symrender.fill import Means
+from symrender.execution.fill import Means
 from symrender.gradient import gradient
-from symrender.image import read_image
+from symrender.images.image import read_image
+from symrender.images.srgb import encode_srgb
 from symrender.render import render
 from symrender.scene.load import load
 from symrender.sequences.animate import animate
@@ -24,7 +25,6 @@ from symrender.sequences.over import parse_over
 from symrender.sequences.sheet import MAX_SHEET, contact_sheet
 from symrender.sequences.sweep import sweep
 from symrender.settings import Settings
-from symrender.srgb import encode_srgb
 
 SCENE = load("gloss")
 OVER = parse_over("floor.lobe.exponent=4:64:2,lights.key.radius=0:1:3")

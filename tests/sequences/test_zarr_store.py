@@ -13,7 +13,8 @@ import yaml
 
 from symrender.cli import main
 from symrender.errors import OptionError, OutputError
-from symrender.fill import Means
+from symrender.execution.fill import Means
+from symrender.images.srgb import encode_srgb
 from symrender.render import render
 from symrender.scene.load import load
 from symrender.sequences.makers import Rendered
@@ -21,7 +22,6 @@ from symrender.sequences.over import frames, parse_over
 from symrender.sequences.sweep import sweep
 from symrender.sequences.zarr_store import STORE, ZarrStore
 from symrender.settings import Settings
-from symrender.srgb import encode_srgb
 
 SCENE = load("gloss")
 OVER = parse_over("floor.lobe.exponent=4:64:2,lights.key.radius=0:1:3")

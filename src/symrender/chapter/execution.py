@@ -13,8 +13,7 @@ from types import CodeType
 from typing import Any, Final
 
 from symrender.chapter.lab import Cell, Output, Part
-from symrender.errors import CellError, OptionError
-from symrender.install import remedy
+from symrender.errors import CellError, OptionError, remedy
 
 _INK: Final = "#757575"
 _LOOK: Final = {

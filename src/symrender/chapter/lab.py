@@ -13,8 +13,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from symrender.errors import OptionError
-from symrender.install import remedy
+from symrender.errors import OptionError, remedy
 
 _OPENING: Final = re.compile(r"^# %%( \[markdown\])?[ \t]*$")
 _INSTALL: Final = """\

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from symrender.chapter.lab import Cell, Output, execute, load, names, notebook
-from symrender.errors import OptionError
-from symrender.install import remedy
-from symrender.output import check_target, make_folder, write_bytes
+from symrender.errors import OptionError, remedy
+from symrender.images.output import check_target, make_folder, write_bytes
 
 INDEX = "README.md"
 

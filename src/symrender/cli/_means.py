@@ -15,9 +15,9 @@ from symrender.cli._signals import heard
 from symrender.errors import OptionError
 
 if TYPE_CHECKING:
-    from symrender.fill import Means
-    from symrender.journal import Start
-    from symrender.preview import Preview
+    from symrender.execution.fill import Means
+    from symrender.execution.journal import Start
+    from symrender.execution.preview import Preview
 
 Threads = Annotated[int, typer.Option(help="Worker threads; 0 takes the processors this process may use.")]
 Tile = Annotated[int, typer.Option(help="Side of a tile, pixels; 0 measures one; changes no byte of the image.")]
@@ -52,7 +52,7 @@ def means_of(
     *, threads: int, tile: int, resume: bool, restart: bool, cluster: str, insecure_cluster: bool, journal: Path
 ) -> Means:
     """The options as one value; OptionError when they contradict each other."""
-    from symrender.fill import Means
+    from symrender.execution.fill import Means
 
     if resume and restart:
         raise OptionError("resume, restart: choose one")
@@ -78,6 +78,6 @@ def ended_by_signals() -> Iterator[None]:
 
 def shown_in(file: str) -> Preview | None:
     """The preview ``--preview`` asks for, None for none."""
-    from symrender.preview import preview_file
+    from symrender.execution.preview import preview_file
 
     return preview_file(file) if file else None

@@ -87,7 +87,7 @@ def settings_of(source: str) -> dict[str, Any]:
 def _recipe(source: str) -> tuple[str, dict[str, Any]]:
     from symrender.cli._console import native_output_hidden
     from symrender.errors import ImageError
-    from symrender.image import read_image
+    from symrender.images.image import read_image
 
     with native_output_hidden():
         image = read_image(source)

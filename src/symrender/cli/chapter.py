@@ -29,7 +29,7 @@ def chapter(
     Example: symrender chapter -o chapter8.html
     """
     from symrender.cli._progress import progress
-    from symrender.output import check_target
+    from symrender.images.output import check_target
 
     check_target(out, force=force)
     from symrender.chapter.document.build import chapter as build

@@ -62,11 +62,11 @@ def compare(
 def _pictures(
     reference: Path, test: Path, layer: str, out: str | None, *, force: bool, with_flip: bool
 ) -> float | None:
-    from symrender.image import read_image
+    from symrender.images.image import read_image
+    from symrender.images.output import check_target, make_folder
+    from symrender.images.picture import SEQUENTIAL, Picture, color_map
     from symrender.ledger.flip import flip
     from symrender.ledger.pictures import absolute_difference, side_by_side, signed_difference
-    from symrender.output import check_target, make_folder
-    from symrender.picture import SEQUENTIAL, Picture, color_map
 
     a, b = read_image(reference), read_image(test)
     pictures = {

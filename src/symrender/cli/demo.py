@@ -24,11 +24,11 @@ from symrender.cli._options import (
     scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
-from symrender.output import check_target, make_folder
+from symrender.images.output import check_target, make_folder
 from symrender.settings import Estimators
 
 if TYPE_CHECKING:
-    from symrender.image import Image
+    from symrender.images.image import Image
     from symrender.scene.scene import Scene
 
 FILES = (

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, scene_files, scene_with
-from symrender.output import check_target, write_bytes
+from symrender.images.output import check_target, write_bytes
 
 
 def fit(
@@ -29,7 +29,7 @@ def fit(
 
     Example: symrender fit gloss out/truth.npz --free spheres.B.center,floor.lobe.exponent -D spheres.B.center.x=1.05
     """
-    from symrender.image import read_image
+    from symrender.images.image import read_image
 
     chosen = scene_with(scene, define)
     if out:

@@ -29,8 +29,8 @@ from symrender.cli._options import (
     scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
+from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
-from symrender.output import check_target, make_folder
 from symrender.settings import Antialias, split_settings
 
 
@@ -98,9 +98,9 @@ def gradient(
         journal=journal,
     )
 
-    from symrender.fill import Crew
+    from symrender.execution.fill import Crew
     from symrender.gradient import STATUS, gradient_images, gradient_job
-    from symrender.signed_view import signed_view
+    from symrender.images.signed_view import signed_view
     from symrender.truth import verdict
 
     job = gradient_job(chosen, every, settings)

@@ -22,7 +22,7 @@ def info(
     """
     import numpy as np
 
-    from symrender.image import read_image
+    from symrender.images.image import read_image
 
     with native_output_hidden():
         image = read_image(file)

@@ -53,7 +53,7 @@ def probe(
     chosen = scene_with(scene, define)
 
     from symrender.cli._progress import progress
-    from symrender.first_use import first_use
+    from symrender.execution.first_use import first_use
     from symrender.gradient import STATUS as GRADIENT_STATUS
     from symrender.probe import probe as probe_points
     from symrender.truth import STATUS

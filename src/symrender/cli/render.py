@@ -41,12 +41,12 @@ from symrender.cli._options import (
 )
 from symrender.cli._progress import ProgressMode, progress
 from symrender.errors import SymrenderError
+from symrender.images.output import check_target, make_folder, remove_leftovers
 from symrender.limits import MAX_PIXELS
-from symrender.output import check_target, make_folder, remove_leftovers
 from symrender.settings import Antialias, Nodes, Partition, Sampler, Settings, Symbolic, Weights, image_size
 
 if TYPE_CHECKING:
-    from symrender.image import Image
+    from symrender.images.image import Image
     from symrender.settings import Tonemap
 
 Land = Callable[[str, str], None]
@@ -137,7 +137,7 @@ def render(
         for warning in warnings(chosen):
             typer.echo(f"WARNING {warning}", err=True)
 
-    from symrender.fill import Crew
+    from symrender.execution.fill import Crew
     from symrender.render import carry_out, plan
 
     jobs = plan(chosen, settings)
@@ -232,7 +232,7 @@ def _write(
     """Write the files of one pipeline; ``land`` is told each, with what its picture leaves out or means."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from symrender.views import gloss_view, hit_class_view
+    from symrender.images.views import gloss_view, hit_class_view
 
     # the encoders leave Python to work
     with ThreadPoolExecutor(1) as pool:

@@ -27,7 +27,7 @@ def simulator(
 
     Example: symrender simulator gloss -o gloss.html
     """
-    from symrender.output import check_target
+    from symrender.images.output import check_target
 
     chosen = scene_with(scene, define)
     if not serve:

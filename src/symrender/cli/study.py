@@ -10,9 +10,8 @@ import typer
 
 from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, parse_size, scene_files, scene_with
 from symrender.cli._progress import ProgressMode, progress
-from symrender.errors import OptionError
-from symrender.install import remedy
-from symrender.output import check_target, make_folder, write_bytes
+from symrender.errors import OptionError, remedy
+from symrender.images.output import check_target, make_folder, write_bytes
 from symrender.settings import Nodes, Partition, Weights
 
 if TYPE_CHECKING:

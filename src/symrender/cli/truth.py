@@ -35,8 +35,8 @@ from symrender.cli._options import (
     scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
+from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
-from symrender.output import check_target, make_folder
 from symrender.settings import Antialias, split_settings
 
 LAYERS = ("error", "status", "evaluations", "chambers", "crossings")
@@ -122,12 +122,12 @@ def truth(
         journal=journal,
     )
 
-    from symrender.fill import Crew
-    from symrender.first_use import first_use
-    from symrender.image import Image
+    from symrender.execution.fill import Crew
+    from symrender.execution.first_use import first_use
+    from symrender.images.image import Image
+    from symrender.images.views import false_color
     from symrender.truth import true_image, truth_job, verdict
     from symrender.verify import verify as brute_force
-    from symrender.views import false_color
 
     job = truth_job(chosen, settings)
     with (

@@ -10,7 +10,7 @@ import typer
 from symrender.cli._browser import open_page
 from symrender.cli._console import native_output_hidden
 from symrender.cli._options import Exposure, Force, Quiet, TonemapOption
-from symrender.output import check_target
+from symrender.images.output import check_target
 
 
 def view(
@@ -31,7 +31,7 @@ def view(
 
     Example: symrender view out/truth.exr --layer error --open
     """
-    from symrender.image import read_image
+    from symrender.images.image import read_image
 
     target = Path(out) if out else file.with_name(f"{file.stem}_{layer}.png")
     check_target(target, force=force, inputs=[file])

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import ImageError, OptionError
-from symrender.image import Image, read_image
+from symrender.images.image import Image, read_image
 from symrender.ledger.statistics import Array, Difference, Mask, difference
 from symrender.ledger.tables import html_table, number, plain_table
 

@@ -9,10 +9,9 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from symrender.errors import ImageError, OptionError
-from symrender.image import Image
-from symrender.install import remedy
-from symrender.srgb import encode_srgb
+from symrender.errors import ImageError, OptionError, remedy
+from symrender.images.image import Image
+from symrender.images.srgb import encode_srgb
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from html import escape
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from symrender.image import Image
+from symrender.images.image import Image
 from symrender.ledger.compare import Comparison, compare
 from symrender.ledger.lobe_widths import LobeWidths, lobe_widths
 from symrender.ledger.starvation import starvation

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import ImageError, OptionError
-from symrender.image import Image
-from symrender.picture import DIVERGING, NON_FINITE_COLOR, Picture, color_map
-from symrender.srgb import encode_srgb
+from symrender.images.image import Image
+from symrender.images.picture import DIVERGING, NON_FINITE_COLOR, Picture, color_map
+from symrender.images.srgb import encode_srgb
 
 Array = npt.NDArray[np.float64]
 

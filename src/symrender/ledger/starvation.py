@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any, Final
 
-from symrender.image import Image
+from symrender.images.image import Image
 
 SHARE: Final = 0.99
 """The rings that carry this share of the lobe's weight are said to carry it."""

@@ -12,8 +12,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from symrender.execution.tiles import Progress
+from symrender.images.output import write_bytes
 from symrender.limits import MAX_PIXELS
-from symrender.output import write_bytes
 from symrender.report.demo import Demo, Finished, demo
 from symrender.report.pixels import packed
 from symrender.report.strip import strip
@@ -22,7 +23,6 @@ from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.settings import ESTIMATORS, Estimators, Settings, image_size
 from symrender.simulator.build import escaped
-from symrender.tiles import Progress
 from symrender.truth import STATUS
 from symrender.version import VERSION
 

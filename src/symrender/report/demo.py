@@ -8,17 +8,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from symrender.errors import OptionError
-from symrender.fill import Crew, Means
-from symrender.image import Image
-from symrender.preview import Preview
+from symrender.execution.fill import Crew, Means
+from symrender.execution.jobs import code_digest
+from symrender.execution.preview import Preview
+from symrender.execution.tiles import Progress, thread_count
+from symrender.images.image import Image
 from symrender.render import Pair, carry_out, plan
 from symrender.report.fitting import fitting
 from symrender.report.judgement import Judgement, judge
 from symrender.scene.scene import Scene
 from symrender.settings import Settings, split_settings
-from symrender.tiles import Progress, thread_count
 from symrender.truth import true_image, truth_job
-from symrender.units import code_digest
 
 Finished = Callable[[str, Image], None]
 """``finished(name, image)``, called as soon as ``numeric``, ``symbolic`` or ``truth`` stands."""

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
+from symrender.execution.jobs import Job, Tile
+from symrender.execution.silhouettes import edges
+from symrender.execution.tiles import Workers, area
 from symrender.scene.arrays import Array
 from symrender.settings import Settings
-from symrender.silhouettes import edges
-from symrender.tiles import Workers, area
-from symrender.units import Job, Tile
 
 SMALLEST: Final = 32
 """Side of an image below which none is made smaller, pixels."""

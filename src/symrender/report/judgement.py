@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from symrender.image import Image
+from symrender.images.image import Image
 from symrender.ledger.compare import Comparison, compare
 from symrender.ledger.ledger import Ledger, Pipeline
 

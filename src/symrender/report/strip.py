@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from symrender.picture import Picture
+from symrender.images.picture import Picture
+from symrender.images.srgb import encode_srgb
 from symrender.report.demo import Demo
-from symrender.srgb import encode_srgb
 
 _GAP: Final = 6
 _STRIP: Final = 40

@@ -7,14 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from symrender.fill import Means
-from symrender.output import check_target, make_folder
+from symrender.execution.fill import Means
+from symrender.execution.tiles import Progress
+from symrender.images.output import check_target, make_folder
 from symrender.sequences.makers import Maker, Row
 from symrender.sequences.over import Frame
 from symrender.sequences.sequence import make_frames, replacing
 from symrender.sequences.store import Files
 from symrender.sequences.video import Container, check_video, write_video
-from symrender.tiles import Progress
 
 JOURNAL: Final = "animation.journal"
 

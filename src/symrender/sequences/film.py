@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from symrender.errors import OptionError
-from symrender.fill import Means
+from symrender.execution.fill import Means
+from symrender.execution.tiles import Progress
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.sequences.animate import animate as draw
@@ -16,7 +17,6 @@ from symrender.sequences.orbit import orbit as around
 from symrender.sequences.over import frames, parse_over
 from symrender.sequences.video import Container
 from symrender.settings import ESTIMATORS, Settings, image_size
-from symrender.tiles import Progress
 
 
 def animate(

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from symrender.fill import Crew
-from symrender.image import Image
+from symrender.execution.fill import Crew
+from symrender.execution.jobs import Job
+from symrender.images.image import Image
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
-from symrender.units import Job
 
 Row = dict[str, Any]
 """Column to plain value."""

@@ -14,13 +14,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from symrender.errors import OptionError, OutputError
-from symrender.fill import Crew, Means, workers_of
-from symrender.journal import Journal
-from symrender.output import write_bytes
+from symrender.execution.fill import Crew, Means, workers_of
+from symrender.execution.journal import Journal
+from symrender.execution.tiles import Progress
+from symrender.images.output import write_bytes
 from symrender.sequences.makers import Maker, Row
 from symrender.sequences.over import Frame
 from symrender.sequences.store import Store
-from symrender.tiles import Progress
 
 Finish = Callable[[list[Row]], None]
 """Called with every frame's row once all frames stand, before the journal goes."""

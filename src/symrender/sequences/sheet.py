@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.image import Image
-from symrender.picture import DIVERGING, Picture, color_map
-from symrender.srgb import encode_srgb
+from symrender.images.image import Image
+from symrender.images.picture import DIVERGING, Picture, color_map
+from symrender.images.srgb import encode_srgb
 
 MAX_SHEET: Final = 400
 """Most frames on a sheet; of more, evenly spaced ones are shown."""

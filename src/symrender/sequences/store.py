@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from symrender.image import Image, read_image
-from symrender.output import check_target, remove_leftovers
+from symrender.images.image import Image, read_image
+from symrender.images.output import check_target, remove_leftovers
 from symrender.sequences.over import Frame
 
 

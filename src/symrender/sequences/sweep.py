@@ -8,8 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import Final, Literal
 
-from symrender.fill import Means
-from symrender.output import check_target, make_folder
+from symrender.execution.fill import Means
+from symrender.execution.tiles import Progress
+from symrender.images.output import check_target, make_folder
 from symrender.scene.scene import Scene
 from symrender.sequences.makers import Maker, Row
 from symrender.sequences.over import Axis, frames
@@ -17,7 +18,6 @@ from symrender.sequences.sequence import make_frames, replacing, write_table
 from symrender.sequences.sheet import caption, contact_sheet
 from symrender.sequences.store import Files, Store
 from symrender.sequences.zarr_store import ZarrStore
-from symrender.tiles import Progress
 
 TABLE: Final = "ledgers.csv"
 SHEET: Final = "contact_sheet.png"

@@ -9,9 +9,8 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from symrender.errors import OptionError, OutputError, Unsupported
-from symrender.install import remedy
-from symrender.output import check_target, write_bytes
+from symrender.errors import OptionError, OutputError, Unsupported, remedy
+from symrender.images.output import check_target, write_bytes
 
 Container = Literal["mp4", "webm", "none"]
 _CODECS: Final = {"mp4": "libx264", "webm": "libvpx-vp9"}

@@ -19,8 +19,8 @@ from typing import Any, Final
 import numpy as np
 
 from symrender.errors import OutputError
-from symrender.image import Image
-from symrender.output import make_folder, remove_leftovers, write_bytes
+from symrender.images.image import Image
+from symrender.images.output import make_folder, remove_leftovers, write_bytes
 from symrender.scene.arrays import Array
 from symrender.scene.dump import to_yaml
 from symrender.scene.scene import Scene

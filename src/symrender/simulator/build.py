@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from symrender.errors import Unsupported
+from symrender.images.output import write_bytes
+from symrender.images.picture import CLASSES, SEQUENTIAL
 from symrender.limits import MAX_SIMULATOR_LIGHT_POINTS, MAX_SIMULATOR_LOBE, MAX_SIMULATOR_SPHERES
-from symrender.output import write_bytes
-from symrender.picture import CLASSES, SEQUENTIAL
 from symrender.scene import arrays as at
 from symrender.scene.light import DiskLight
 from symrender.scene.load import load

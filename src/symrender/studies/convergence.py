@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from symrender.errors import OptionError
+from symrender.execution.tiles import Progress
 from symrender.limits import MAX_LOBE, MIN_TOLERANCE
 from symrender.scene.arrays import Array
 from symrender.scene.scene import Scene
@@ -18,7 +19,6 @@ from symrender.studies.estimators import ESTIMATORS, Estimator, Family, chosen
 from symrender.studies.power_law import PowerLaw, fit_power_law
 from symrender.studies.report import Cell, Study, Table
 from symrender.studies.subject import Reference, Subject, Surface, facts, relative_reference, subject
-from symrender.tiles import Progress
 
 TIGHTER: Final = 30.0
 """The truth is asked for at the finest split tolerance over this."""

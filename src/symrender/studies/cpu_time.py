@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from statistics import median
 from typing import Final
 
+from symrender.execution.jobs import TileKernel
+from symrender.execution.tiles import tiles
 from symrender.scene.arrays import Array
-from symrender.tiles import tiles
-from symrender.units import TileKernel
 
 PATIENCE: Final = 3.0
 """A run longer than this many seconds is not repeated."""

@@ -13,7 +13,7 @@ Family = Literal["strata", "samples", "split"]
 
 @dataclass(frozen=True)
 class Estimator:
-    """An estimator of the lobe integral: a kind of kernel (``units.KINDS``) with fixed settings.
+    """An estimator of the lobe integral: a kind of kernel (``jobs.KINDS``) with fixed settings.
 
     Its knob is ``lobe`` (K of K x K directions) for strata and samples, ``tol`` for the split rule.
     """

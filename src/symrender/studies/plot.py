@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from symrender.errors import OptionError
-from symrender.install import remedy
+from symrender.errors import OptionError, remedy
 from symrender.studies.convergence import Convergence, Point
 
 if TYPE_CHECKING:

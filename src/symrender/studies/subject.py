@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
+from symrender.execution.jobs import KINDS, Job, TileKernel
 from symrender.ledger.statistics import Difference, difference
 from symrender.runtimes.image import prepare_sight
 from symrender.scene import arrays as at
@@ -22,7 +23,6 @@ from symrender.scene.scene import Scene
 from symrender.settings import Settings, image_size
 from symrender.studies.cpu_time import filled
 from symrender.studies.report import Cell
-from symrender.units import KINDS, Job, TileKernel
 
 Mask = npt.NDArray[np.bool_]
 Surface = Literal["floor", "all"]
@@ -53,7 +53,7 @@ class Subject:
         return replace(self, scene=self.scene.replace(changes))
 
     def kernel(self, kind: str, **changes: Any) -> TileKernel:
-        """Compiled kernel of ``kind`` (of ``units.KINDS``) under the settings with ``changes``."""
+        """Compiled kernel of ``kind`` (of ``jobs.KINDS``) under the settings with ``changes``."""
         module = importlib.import_module(KINDS[kind].module)
         kernel: TileKernel = module.prepare(self.arrays, replace(self.settings, **changes))
         kernel(0, 0, 0, 0, self.empty_layers(kind))

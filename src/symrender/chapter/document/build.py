@@ -15,9 +15,9 @@ from symrender.chapter.document.effort import FULL, QUICK, Effort
 from symrender.chapter.document.figures import Figure, Measured, figures_of, merged
 from symrender.chapter.document.laboratory import laboratory
 from symrender.chapter.document.page import compose
-from symrender.output import write_bytes
+from symrender.execution.tiles import Progress
+from symrender.images.output import write_bytes
 from symrender.simulator.build import simulator
-from symrender.tiles import Progress
 from symrender.version import VERSION
 
 SUBJECTS: Final = ("scenes", "formulas", "pair", "one_lobe", "limits", "convergence", "mishaps", "claims", "slopes")

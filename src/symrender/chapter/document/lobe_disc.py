@@ -15,10 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chapter.document.pictures import data_uri
+from symrender.images.srgb import encode_srgb
 from symrender.quadrature.strata import Rings
 from symrender.runtimes import numba
 from symrender.scene.arrays import Array, SceneArrays
-from symrender.srgb import encode_srgb
 from symrender.studies.lobe_rays import BEHIND, BELOW, LIGHTS, SHAPE, TEXTURE, LobeRays
 
 _WALLS: Final = {"texture": (0.62, 0.62, 0.62), "shadow": (0.05, 0.05, 0.05), "terminator": (1.0, 0.82, 0.4),

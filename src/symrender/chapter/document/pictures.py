@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from symrender.image import Image
-from symrender.picture import Picture
-from symrender.srgb import encode_srgb
+from symrender.images.image import Image
+from symrender.images.picture import Picture
+from symrender.images.srgb import encode_srgb
 
 Bytes = npt.NDArray[np.uint8]
 

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from symrender.errors import OptionError
-from symrender.install import remedy
+from symrender.errors import OptionError, remedy
 
 INK: Final = "#010101"
 QUIET: Final = "#020202"

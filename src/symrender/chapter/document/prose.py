@@ -22,8 +22,7 @@ from typing import Any, Final
 
 from symrender.chapter.document.figures import Figure, Measured, shown
 from symrender.chapter.document.references import Reference
-from symrender.errors import OptionError
-from symrender.install import remedy
+from symrender.errors import OptionError, remedy
 
 MATH: Final = re.compile(r"\$\$(.+?)\$\$|\$([^$\n](?:[^$]*?[^$\s])?)\$", re.DOTALL)
 HOLE: Final = re.compile(r"@\{([^}:]+)(?::([^}]*))?\}")

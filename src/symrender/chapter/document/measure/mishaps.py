@@ -12,12 +12,12 @@ from symrender.chapter.document.measure.claims import brdf_albedo
 from symrender.chapter.document.pictures import strip
 from symrender.chapter.document.plots import Curve, linear
 from symrender.chapter.document.tables import study_table
-from symrender.picture import SEQUENTIAL, color_map
+from symrender.images.picture import SEQUENTIAL, color_map
+from symrender.images.srgb import encode_srgb
 from symrender.quadrature.strata import rings, rule
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array
-from symrender.srgb import encode_srgb
 from symrender.studies.pitfalls import pitfalls
 from symrender.studies.report import Study
 from symrender.studies.subject import Subject, subject

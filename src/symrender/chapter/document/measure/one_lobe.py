@@ -14,14 +14,14 @@ from symrender.chapter.document.lobe_disc import Disc, Lobe
 from symrender.chapter.document.pictures import element
 from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import table
-from symrender.picture import SEQUENTIAL, color_map
+from symrender.images.picture import SEQUENTIAL, color_map
+from symrender.images.srgb import encode_srgb
 from symrender.probe import Probe, probe
 from symrender.quadrature.strata import rings, rule
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, scene_arrays
 from symrender.scene.load import load
-from symrender.srgb import encode_srgb
 from symrender.studies.lobe_rays import LobeRays
 from symrender.studies.power_law import fit_power_law
 from symrender.studies.subject import Subject, reference, subject

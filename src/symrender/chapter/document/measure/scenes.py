@@ -10,12 +10,12 @@ from symrender.chapter.document.effort import Effort
 from symrender.chapter.document.figures import Measured, figures_of, shown
 from symrender.chapter.document.pictures import element, radiance, strip
 from symrender.chapter.document.tables import table
-from symrender.image import Image
+from symrender.images.image import Image
+from symrender.images.views import gloss_view
 from symrender.render import render
 from symrender.scene import arrays as at
 from symrender.scene.load import load
 from symrender.scene.parameters import get
-from symrender.views import gloss_view
 
 _FINE: Final[dict[str, Any]] = {"numeric": "none", "partition": "equal_weight", "nodes": "barycentre"}
 _EXPONENTS: Final = (1e9, 4096.0, 256.0, 32.0)

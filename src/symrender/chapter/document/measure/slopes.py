@@ -13,7 +13,7 @@ from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import table
 from symrender.expression.integrand import expression
 from symrender.gradient import gradient
-from symrender.picture import DIVERGING, color_map
+from symrender.images.picture import DIVERGING, color_map
 from symrender.probe import probe
 from symrender.quadrature.strata import rings, rule
 from symrender.runtimes import numba

@@ -1,0 +1,1 @@
+"""Certify: the lobe integral enclosed by balls, with no estimate in it."""

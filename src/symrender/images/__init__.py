@@ -1,0 +1,1 @@
+"""Images: named float layers, their files (EXR, PNG, NPZ), pictures made of them, one atomic write."""
