@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from symrender.chapter import lab
+from symrender.chapter.run_cell import execute
 from symrender.scene import gallery
 from symrender.scene.load import load
 
@@ -80,7 +81,7 @@ def test_the_code_of_a_page_runs(page: Path) -> None:
     pytest.importorskip("matplotlib")
     text = page.read_text("utf-8")
     parts = tuple(lab.Part("code", found[1], text[: found.start(1)].count("\n") + 1) for found in RUN.finditer(text))
-    outputs = lab.execute(lab.Cell(page.stem, page.stem, parts))
+    outputs = execute(lab.Cell(page.stem, page.stem, parts))
     assert outputs and "assert " in text
     printed = "".join(output.data for output in outputs if isinstance(output.data, str))
     assert len(printed) > 200
@@ -91,7 +92,7 @@ def test_the_gallery_shows_every_scene() -> None:
     assert len(gallery.names()) > 4
     for name in gallery.names():
         assert f"\n## {name}\n" in text and f"](images/gallery-{name}.png)" in text
-        assert f"\n{gallery.describe(name)}\n" in text
+        assert f"\n{load(name).description}\n" in text
         assert (ROOT / "docs" / "images" / f"gallery-{name}.png").stat().st_size < 100_000
 
 

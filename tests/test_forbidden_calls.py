@@ -8,9 +8,9 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 RUNS_TEXT = {
-    "eval": {"chapter/execution.py"},
-    "exec": {"chapter/execution.py"},
-    "compile": {"chapter/execution.py", "kernel_cache.py"},
+    "eval": {"chapter/run_cell.py"},
+    "exec": {"chapter/run_cell.py"},
+    "compile": {"chapter/run_cell.py", "kernel_cache.py"},
     "pickle.loads": {"jit/fallback.py"},
     "pickle.load": set(),
     "yaml.load": set(),

@@ -10,6 +10,7 @@ import pytest
 
 import symrender
 from symrender.chapter import lab
+from symrender.chapter.run_cell import execute
 from symrender.chapter.write_lab import text
 from symrender.cli import main
 from symrender.errors import CellError, OptionError
@@ -118,7 +119,7 @@ def test_a_notebook_is_valid_and_always_the_same(name: str) -> None:
 def test_a_cell_finds_what_it_expects(name: str) -> None:
     pytest.importorskip("matplotlib")
     cell = lab.load(name)
-    outputs = lab.execute(cell)
+    outputs = execute(cell)
     last = outputs[-1]
     assert last.kind == "text" and isinstance(last.data, str)
     assert last.data.startswith("Expect: ") and re.search(r"\d", last.data) and last.data.endswith(".\n")
@@ -134,12 +135,12 @@ def test_a_failing_cell_names_its_line() -> None:
     pytest.importorskip("matplotlib")
     cell = lab.parsed("cell99", FAILING)
     with pytest.raises(CellError, match=r"^cell99\.py:12: expected: value is three, got 2$") as failure:
-        lab.execute(cell)
+        execute(cell)
     assert failure.value.exit_code == 70
     with pytest.raises(CellError, match=r"^cell99\.py:7: ZeroDivisionError: "):
-        lab.execute(lab.parsed("cell99", FAILING.replace("value = 2", "value = 2 / 0")))
+        execute(lab.parsed("cell99", FAILING.replace("value = 2", "value = 2 / 0")))
     with pytest.raises(CellError, match=r"^cell99\.py:7: SyntaxError: "):
-        lab.execute(lab.parsed("cell99", FAILING.replace("value = 2", "value = ")))
+        execute(lab.parsed("cell99", FAILING.replace("value = 2", "value = ")))
 
 
 def test_a_wrong_figure_fails_its_cell() -> None:
@@ -148,7 +149,7 @@ def test_a_wrong_figure_fails_its_cell() -> None:
     planted = source.replace("/ u\n", "/ (u + 1e-9)\n", 1)
     assert planted != source
     with pytest.raises(CellError, match=r"cell2\.py:\d+: expected: the normaliser agrees with quadrature"):
-        lab.execute(lab.parsed("cell2", planted))
+        execute(lab.parsed("cell2", planted))
 
 
 def test_running_a_cell_leaves_no_trace() -> None:
@@ -158,7 +159,7 @@ def test_running_a_cell_leaves_no_trace() -> None:
     before = Path.cwd(), matplotlib.rcParams["figure.facecolor"], pyplot.get_fignums(), pyplot.get_backend()
     source = FAILING.replace("value = 2", "import matplotlib.pyplot as plt\nopen('left', 'w').close()\nplt.figure()")
     with pytest.raises(CellError):
-        lab.execute(lab.parsed("cell99", source))
+        execute(lab.parsed("cell99", source))
     after = Path.cwd(), matplotlib.rcParams["figure.facecolor"], pyplot.get_fignums(), pyplot.get_backend()
     assert after == before
 
@@ -211,7 +212,7 @@ def test_run_notebooks_hold_their_outputs() -> None:
 
     cell = lab.load("cell2")
     book = lab.notebook(cell)
-    outputs = lab.execute(cell)
+    outputs = execute(cell)
     fill(book, cell, outputs)
     nbformat.validate(book)
     filled = [(c.source, [o.output_type for o in c.outputs]) for c in book.cells if c.cell_type == "code" and c.outputs]

@@ -1,7 +1,8 @@
 """The laboratory: ten cells, each a title, an introduction, code on public names, and an expectation it checks.
 
 A cell is a plain Python file in ``cells/`` in the percent format: ``# %% [markdown]`` opens a comment that is prose,
-``# %%`` opens code. It is data: nothing imports it. ``notebook`` makes a Jupyter notebook of it, ``execute`` runs it.
+``# %%`` opens code. It is data: nothing imports it. ``notebook`` makes a Jupyter notebook of it; ``run_cell.py`` runs
+it.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ import re
 from dataclasses import dataclass
 from importlib import resources
 from importlib.resources.abc import Traversable
-from pathlib import Path
 from typing import Any, Final, Literal
 
 from symrender.errors import OptionError, remedy
@@ -113,19 +113,6 @@ def notebook(cell: Cell) -> Any:
             "language_info": {"name": "python"},
         },
     )
-
-
-def execute(cell: Cell, directory: str | Path | None = None) -> tuple[Output, ...]:
-    """Run the code of ``cell`` in this process and return its outputs in order.
-
-    What is printed comes as one text a part, then the value of a part's last line if that is an expression, then the
-    figures Matplotlib holds: SVG, or PNG where a figure shows an image. ``directory``: where the cell runs, by default
-    a folder that is removed. Raises CellError naming file and line where an assertion or anything else fails, and
-    OptionError where Matplotlib is not installed.
-    """
-    from symrender.chapter.execution import run
-
-    return run(cell, directory)
 
 
 def _folder() -> Traversable:

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from symrender.chapter.lab import Cell, Output, execute, load, names, notebook
+from symrender.chapter.lab import Cell, Output, load, names, notebook
+from symrender.chapter.run_cell import execute
 from symrender.errors import OptionError, remedy
 from symrender.images.output import check_target, make_folder, write_bytes
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-
-import symrender.cli
 
 EXIT_CODES = (
     "Exit codes: 0 success; 1 two images differ; 2 wrong input; 3 non-finite pixels; 4 some pixel missed its "
@@ -54,7 +53,7 @@ def panel_of(verb: str) -> str:
 
 def verbs() -> list[str]:
     """Names of the commands: the modules of this folder without a leading underscore."""
-    return sorted(m.name for m in pkgutil.iter_modules(symrender.cli.__path__) if not m.name.startswith("_"))
+    return sorted(m.name for m in pkgutil.iter_modules([str(Path(__file__).parent)]) if not m.name.startswith("_"))
 
 
 def application() -> Any:

@@ -23,6 +23,7 @@ def scenes(
     Example: symrender scenes --show gloss > mine.yaml
     """
     from symrender.scene import gallery
+    from symrender.scene.load import load
 
     if show is not None:
         if show not in gallery.names():
@@ -37,8 +38,8 @@ def scenes(
     elif json:
         import json as json_module
 
-        typer.echo(json_module.dumps({name: gallery.describe(name) for name in gallery.names()}, indent=2))
+        typer.echo(json_module.dumps({name: load(name).description for name in gallery.names()}, indent=2))
     else:
         width = max(map(len, gallery.names()))
         for name in gallery.names():
-            typer.echo(f"{name.ljust(width)}  {gallery.describe(name)}")
+            typer.echo(f"{name.ljust(width)}  {load(name).description}")

@@ -6,7 +6,7 @@ import hashlib
 import json
 from typing import Any
 
-from symrender.scene.scene import Scene
+from symrender.scene.values import Part
 
 
 def _canonical(value: Any) -> Any:
@@ -17,7 +17,7 @@ def _canonical(value: Any) -> Any:
     return [_canonical(entry) for entry in value] if isinstance(value, tuple) else value
 
 
-def canonical(scene: Scene) -> str:
+def canonical(scene: Part) -> str:
     """``scene`` as text that depends on its values alone: keys sorted, defaults filled in, floats in hexadecimal.
 
     ``name`` and ``description`` are left out, for no image depends on them. -0.0 is 0.0.
@@ -26,6 +26,6 @@ def canonical(scene: Scene) -> str:
     return json.dumps(_canonical(data), sort_keys=True, separators=(",", ":"), ensure_ascii=True)
 
 
-def scene_hash(scene: Scene) -> str:
+def scene_hash(scene: Part) -> str:
     """SHA-256 of :func:`canonical`, 64 hexadecimal digits: equal hashes, equal images."""
     return hashlib.sha256(canonical(scene).encode("ascii")).hexdigest()

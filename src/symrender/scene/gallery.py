@@ -20,12 +20,3 @@ def text(name: str) -> str:
     if name not in names():
         raise KeyError(name)
     return (_folder() / f"{name}.yaml").read_text(encoding="utf-8")
-
-
-def describe(name: str) -> str:
-    """What gallery scene ``name`` shows, in one sentence; KeyError if there is none."""
-    from symrender.scene.load import load
-
-    if name not in names():
-        raise KeyError(name)
-    return load(name).description

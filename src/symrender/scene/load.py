@@ -18,7 +18,7 @@ from symrender.scene.plain import plain
 from symrender.scene.printable import printable, shown
 from symrender.scene.read import read_file, read_stdin
 from symrender.scene.scene import Scene
-from symrender.scene.validate import scene_of
+from symrender.scene.validate import validated
 
 Parser = Callable[[str], tuple[Any, dict[Path, int]]]
 
@@ -45,7 +45,7 @@ def parse(text: str, origin: str, suffix: str = ".yaml") -> Scene:
         read = "nothing" if data in (None, {}) else shown(data)
         wanted = f"must be a mapping with a camera, spheres and lights, got {read} (read as {language})"
         raise failure(Document(None, origin), [Problem((), wanted, lines.get((), 1))])
-    return scene_of(document)
+    return validated(Scene, document)
 
 
 def _load_file(path: str) -> Scene:
@@ -72,7 +72,7 @@ def load(source: Scene | str | os.PathLike[str] | Mapping[str, Any]) -> Scene:
     if isinstance(source, Scene):
         return source
     if isinstance(source, Mapping):
-        return scene_of(Document(plain(source)))
+        return validated(Scene, Document(plain(source)))
     if isinstance(source, str):
         if source in gallery.names():
             return parse(gallery.text(source), source)

@@ -28,7 +28,7 @@ def components(scene: Scene, names: Iterable[str]) -> tuple[str, ...]:
     found: list[str] = []
     data = plain(scene.model_dump(mode="python"))
     for name in names:
-        _, info = resolve(data, name)
+        _, info = resolve(Scene, data, name)
         if axes := letters(info):
             found += [f"{name}.{axis}" for axis in axes]
         elif number_range(info) is not None and isinstance(get(scene, name), float):

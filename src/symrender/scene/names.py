@@ -17,7 +17,6 @@ from symrender.scene.fields import item, length, models, number_range, tag
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.plain import plain
 from symrender.scene.printable import printable
-from symrender.scene.scene import Scene
 from symrender.scene.values import Part
 
 _LONGEST: Final = 200
@@ -54,15 +53,17 @@ def _unknown(name: str, done: Path, step: str | int, known: list[str]) -> SceneE
     return SceneError(f"{printable(name, 100)}: unknown name '{printable(str(step))}'{inside}{guess}")
 
 
-def _model(info: FieldInfo | None, value: Any) -> type[Part] | None:
-    """The model of the mapping ``value`` at a field (None: the scene itself)."""
+def _model(root: type[Part], info: FieldInfo | None, value: Any) -> type[Part] | None:
+    """The model of the mapping ``value`` at a field (None: the scene itself, a ``root``)."""
     if info is None:
-        return Scene
+        return root
     options = models(info) if isinstance(value, dict) else ()
     return next((m for m in options if len(options) == 1 or tag(m) == value.get("type")), None)
 
 
-def _step(info: FieldInfo | None, value: Any, step: str | int) -> tuple[str | int | None, FieldInfo | None, list[str]]:
+def _step(
+    root: type[Part], info: FieldInfo | None, value: Any, step: str | int
+) -> tuple[str | int | None, FieldInfo | None, list[str]]:
     """One step down from ``value``: key or index (None if there is none), its field, the names there are."""
     if isinstance(value, list | tuple):
         assert info is not None
@@ -75,21 +76,24 @@ def _step(info: FieldInfo | None, value: Any, step: str | int) -> tuple[str | in
         if not isinstance(index, int) or not 0 <= index < len(value):
             return None, None, known
         return index, item(info, index), known
-    model = _model(info, value)
+    model = _model(root, info, value)
     if model is None:
         return None, None, []
     known = [key for key in model.model_fields if key != "type"]
     return (step, model.model_fields[step], known) if step in model.model_fields else (None, None, known)
 
 
-def resolve(data: Any, name: str) -> tuple[Path, FieldInfo]:
-    """Path in a scene's plain data and field of dotted ``name``; SceneError names the nearest if there is none."""
+def resolve(root: type[Part], data: Any, name: str) -> tuple[Path, FieldInfo]:
+    """Path in a scene's plain data and field of dotted ``name``; SceneError names the nearest if there is none.
+
+    ``root`` is the model of the whole scene.
+    """
     path: Path = ()
     info: FieldInfo | None = None
     value = data
     steps = split(name)
     for count, step in enumerate(steps):
-        key, info, known = _step(info, value, step)
+        key, info, known = _step(root, info, value, step)
         if key is None or info is None:
             raise _unknown(name, steps[:count], step, known)
         path = (*path, key)

@@ -11,7 +11,6 @@ from pydantic.fields import FieldInfo
 
 from symrender.scene.fields import item, number_range
 from symrender.scene.names import letters, resolve
-from symrender.scene.scene import Scene
 from symrender.scene.values import Part
 
 
@@ -60,17 +59,17 @@ def _walk(prefix: str, info: FieldInfo | None, value: Any, description: str) -> 
         yield Parameter(prefix, value, bounds.unit, bounds.low, bounds.high, description)
 
 
-def parameters(scene: Scene) -> Parameters:
+def parameters(scene: Part) -> Parameters:
     """The real numbers of ``scene`` in the order of its fields, by dotted name (``spheres.B.center.x``)."""
     return Parameters(_walk("", None, scene, ""))
 
 
-def get(scene: Scene, name: str) -> Any:
+def get(scene: Part, name: str) -> Any:
     """The value of dotted ``name``: a number, a vector, a choice, a part; SceneError if there is none.
 
     Takes the names :func:`symrender.scene.replace.replace` takes.
     """
     value: Any = scene
-    for step in resolve(scene.model_dump(mode="python"), name)[0]:
+    for step in resolve(type(scene), scene.model_dump(mode="python"), name)[0]:
         value = value[step] if isinstance(step, int) else getattr(value, step)
     return value

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TypeVar
 
 from symrender.scene.document import Document, Path
 from symrender.scene.names import resolve
 from symrender.scene.plain import plain
-from symrender.scene.scene import Scene
-from symrender.scene.validate import scene_of
+from symrender.scene.validate import validated
+from symrender.scene.values import Part
+
+_P = TypeVar("_P", bound=Part)
 
 
-def replace(scene: Scene, changes: Mapping[str, object]) -> Scene:
+def replace(scene: _P, changes: Mapping[str, object]) -> _P:
     """``scene`` with ``changes``, validated as a whole; SceneError for an unknown name or a wrong value.
 
     Keys are dotted names (``spheres.B.radius``, ``spheres[1].radius``), values are numbers, vectors, choices, text,
@@ -23,10 +26,10 @@ def replace(scene: Scene, changes: Mapping[str, object]) -> Scene:
     data = plain(data)
     labels: dict[Path, str] = {}
     for name, change in changes.items():
-        path, _ = resolve(data, name)
+        path, _ = resolve(type(scene), data, name)
         holder = data
         for step in path[:-1]:
             holder = holder[step]
         holder[path[-1]] = plain(change, name)
         labels[path] = name
-    return scene_of(Document(data, labels=labels))
+    return validated(type(scene), Document(data, labels=labels))

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from symrender.limits import MAX_LIGHTS, MAX_NAME, MAX_SPHERES
 from symrender.scene.camera import Camera
+from symrender.scene.canonical import scene_hash
 from symrender.scene.light import Light
+from symrender.scene.parameters import Parameter, parameters
+from symrender.scene.replace import replace
 from symrender.scene.shading import Shading
 from symrender.scene.shape import Floor, Sphere
+from symrender.scene.table import html
 from symrender.scene.values import Colour, Part, at_most
-
-if TYPE_CHECKING:
-    from symrender.scene.parameters import Parameter
 
 
 class Scene(Part):
@@ -47,23 +48,15 @@ class Scene(Part):
     @property
     def hash(self) -> str:
         """SHA-256 of the scene's values; see :func:`symrender.scene.canonical.scene_hash`."""
-        from symrender.scene.canonical import scene_hash
-
         return scene_hash(self)
 
     def parameters(self) -> tuple[Parameter, ...]:
         """Every real number of the scene; see :func:`symrender.scene.parameters.parameters`."""
-        from symrender.scene.parameters import parameters
-
         return parameters(self)
 
     def replace(self, changes: Mapping[str, object]) -> Scene:
         """This scene with values changed by dotted name; see :func:`symrender.scene.replace.replace`."""
-        from symrender.scene.replace import replace
-
         return replace(self, changes)
 
     def _repr_html_(self) -> str:
-        from symrender.scene.table import html
-
-        return html(self)
+        return html(self.name, self.parameters())

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from html import escape
 
-from symrender.scene.parameters import parameters
-from symrender.scene.scene import Scene
+from symrender.scene.parameters import Parameter
 from symrender.scene.wording import number_text
 
 _HEADINGS = ("parameter", "value", "unit", "low", "high", "")
 
 
-def html(scene: Scene) -> str:
-    """The real numbers of ``scene`` as an HTML table; every text of the scene is escaped."""
+def html(title: str, parameters: Iterable[Parameter]) -> str:
+    """The real numbers of a scene as an HTML table; every text of the scene is escaped."""
     head = "".join(f"<th>{heading}</th>" for heading in _HEADINGS)
     rows = "".join(
         "<tr>"
@@ -21,6 +21,6 @@ def html(scene: Scene) -> str:
             for cell in (p.name, repr(p.value), p.unit, number_text(p.low), number_text(p.high), p.description)
         )
         + "</tr>"
-        for p in parameters(scene)
+        for p in parameters
     )
-    return f"<table><caption>{escape(scene.name)}</caption><tr>{head}</tr>{rows}</table>"
+    return f"<table><caption>{escape(title)}</caption><tr>{head}</tr>{rows}</table>"

@@ -1,8 +1,8 @@
-"""Plain data to a Scene, or one error that lists every problem."""
+"""Plain data to a scene, or one error that lists every problem."""
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -11,8 +11,10 @@ from symrender.limits import MAX_PART_NAME
 from symrender.scene.document import Document, Path, Problem, failure
 from symrender.scene.fields import length, locate, models
 from symrender.scene.printable import shown
-from symrender.scene.scene import Scene
+from symrender.scene.values import Part
 from symrender.scene.wording import expected, unknown_key, wrong_type
+
+_P = TypeVar("_P", bound=Part)
 
 MOST_LISTED: Final = 20
 """Most problems one error lists."""
@@ -24,20 +26,20 @@ def _at(data: Any, path: Path) -> Any:
     return data
 
 
-def _problem(error: ErrorDetails, data: Any) -> Problem:
-    path, info, here = locate(Scene, error["loc"])
+def _problem(root: type[Part], error: ErrorDetails, data: Any) -> Problem:
+    path, info, here = locate(root, error["loc"])
     value, context = error["input"], error.get("ctx", {})
     match error["type"]:
         case "scene":
             return Problem(path + tuple(context.get("path", ())), error["msg"])
         case "extra_forbidden":
-            owner = locate(Scene, error["loc"][:-1])[2]
+            owner = locate(root, error["loc"][:-1])[2]
             return Problem(path, unknown_key(str(path[-1]), owner[0]))
         case "missing" if not isinstance(path[-1], int):
             return Problem(path, f"missing, {expected(info, None, path[-1]) if info else 'required'}")
         case "missing" | "too_long":
             if error["type"] == "missing":
-                path, info, here = locate(Scene, error["loc"][:-1])
+                path, info, here = locate(root, error["loc"][:-1])
             if info is not None and length(info) is not None:
                 return Problem(path, f"{expected(info, None)}, got {shown(_at(data, path))}")
             return Problem(path, f"must hold at most {context['max_length']} entries, got {shown(value)}")
@@ -57,11 +59,11 @@ def _problem(error: ErrorDetails, data: Any) -> Problem:
     return Problem(path, f"{expected(info, value, path[-1])}, got {shown(value)}")
 
 
-def scene_of(document: Document) -> Scene:
-    """The scene ``document`` describes; SceneError lists its problems, one a line."""
+def validated(root: type[_P], document: Document) -> _P:
+    """The ``root``, a scene, that ``document`` describes; SceneError lists its problems, one a line."""
     try:
-        return Scene.model_validate(document.data)
+        return root.model_validate(document.data)
     except ValidationError as error:
         details = error.errors(include_url=False)
-    problems = list(dict.fromkeys(_problem(detail, document.data) for detail in details[:MOST_LISTED]))
+    problems = list(dict.fromkeys(_problem(root, detail, document.data) for detail in details[:MOST_LISTED]))
     raise failure(document, problems, max(0, len(details) - MOST_LISTED))

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from symrender.chapter import lab
 from symrender.chapter.document.prose import plain_markdown
 from symrender.chapter.lab import Cell, Output, Part
+from symrender.chapter.run_cell import execute
 from symrender.chapter.write_lab import text
 from symrender.simulator.build import escaped
 
@@ -21,7 +22,7 @@ def laboratory(executed: Sequence[str] | None, told: Callable[[str], None]) -> s
         run = executed is None or name in executed
         if run:
             told(name)
-        parts.append(cell_html(cell, lab.execute(cell) if run else None))
+        parts.append(cell_html(cell, execute(cell) if run else None))
     return "\n".join(parts)
 
 

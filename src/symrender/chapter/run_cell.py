@@ -36,8 +36,14 @@ _LOOK: Final = {
 """Drawings stand on any page: nothing behind them, ink legible on light and on dark."""
 
 
-def run(cell: Cell, directory: str | Path | None) -> tuple[Output, ...]:
-    """What ``lab.execute`` returns."""
+def execute(cell: Cell, directory: str | Path | None = None) -> tuple[Output, ...]:
+    """Run the code of ``cell`` in this process and return its outputs in order.
+
+    What is printed comes as one text a part, then the value of a part's last line if that is an expression, then the
+    figures Matplotlib holds: SVG, or PNG where a figure shows an image. ``directory``: where the cell runs, by default
+    a folder that is removed. Raises CellError naming file and line where an assertion or anything else fails, and
+    OptionError where Matplotlib is not installed.
+    """
     with contextlib.ExitStack() as stack:
         pyplot = stack.enter_context(_drawing())
         folder = directory if directory is not None else stack.enter_context(tempfile.TemporaryDirectory())
