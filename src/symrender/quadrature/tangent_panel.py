@@ -364,7 +364,7 @@ def replay_chart(
                 p, step, n_lines, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, sums
             )
             contract(sums[0], tangents, high_order, 1.0)
-            if disk is not None and nodes:
+            if disk is not None:
                 inner += OVER_DISK * FALLS[step]
             most = panel_misses(n_lines, p[LOG_RHO], blunt, inner, sums, tangents, low_order, high_order, misses)
             largest = 0.0
