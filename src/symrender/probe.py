@@ -89,9 +89,9 @@ def probe(
 
     ``points``: (N, 2) or (N, 3) positions on the floor z = 0, or (N, 3) unit outward normals of the sphere, where
     they face the eye. ``tol``: absolute, in scene units of radiance. ``disk``: ``KxK`` replaces a disk light by its
-    centroids. ``budget``: most evaluations a point, of a
-    value; its derivatives together may take four times as many, and a quarter of that more above a checker. ``wrt``: dotted names of real numbers of the scene, or of vectors
-    (all their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
+    centroids. ``budget``: most evaluations a point, of a value; its derivatives together may take four times as many,
+    and a quarter of that more above a checker. ``wrt``: dotted names of real numbers of the scene, or of vectors (all
+    their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
     normal, and ``tol`` holds for derivatives too. Whether the eye really sees a point is not asked.
     ``certify``: enclose each value by ball arithmetic as well (``certify/``; floor points, point lights or ``KxK``).
     ``threads`` work on batches of points, 0 takes the processors at hand; their number changes no bit.

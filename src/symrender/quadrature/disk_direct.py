@@ -64,12 +64,13 @@ def disk_step(tol: float) -> int:
 
 
 @jitable
-def finer_step(step: int, view: View) -> int:
-    """The step that is compared with ``step``: the next one, or the third where highlights end bluntly.
+def compared_step(step: int, finer: int, view: View) -> int:
+    """Step of the coarser (0) or finer (1) order compared: ``step`` and the next, three apart for blunt highlights.
 
     A kink knows nothing of how far off the integrand is tame, and two successive steps may ask for one rule.
     """
-    return min(len(LEVELS) - 1, step + (KINKED_STEPS if kinked(view) else 1))
+    apart = KINKED_STEPS if kinked(view) else 1
+    return min(step, len(LEVELS) - 1 - apart) + finer * apart
 
 
 def direct_kernel(
@@ -99,7 +100,7 @@ def direct_kernel(
             d = s = d0 = s0 = 0.0
             for finer in range(2):
                 d0, s0 = d, s
-                order = finer_step(step, view) if finer else step
+                order = compared_step(step, finer, view)
                 d, s = mean_over_disk(
                     i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, order, ks != 0.0, view, work, table
                 )  # fmt: skip

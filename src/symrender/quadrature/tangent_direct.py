@@ -13,7 +13,7 @@ from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.work import CASTERS, View, Work, work_arrays
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature.disk_direct import KINKED_SAFETY, cast_by_all, disk_step, finer_step, stand_at
+from symrender.quadrature.disk_direct import KINKED_SAFETY, cast_by_all, compared_step, disk_step, stand_at
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_line import kinked
@@ -79,7 +79,7 @@ def direct_gradient_kernel(
             if state == DARK:
                 continue
             for finer in range(2):
-                order = finer_step(step, view) if finer else step
+                order = compared_step(step, finer, view)
                 cosine, gleam, _ = disk_gradient(
                     i, state, points[k, 0], points[k, 1], points[k, 2], n[0], n[1], n[2], -d[0], -d[1], -d[2],
                     order, True, view, work, gauss, table,

@@ -64,7 +64,15 @@ from symrender.quadrature.tangent_disk import disk_rows
 from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_line import HERE_ROWS
-from symrender.quadrature.tangent_panel import SUMS, UNUSED, clear_panels, contract, panels_in_use, radial_walls, replay_chart
+from symrender.quadrature.tangent_panel import (
+    SUMS,
+    UNUSED,
+    clear_panels,
+    contract,
+    panels_in_use,
+    radial_walls,
+    replay_chart,
+)
 from symrender.scene.arrays import (
     CHECKER,
     FIRST_SPHERE,
