@@ -78,3 +78,17 @@ def test_a_furnace_stays_what_it_is() -> None:
 def test_something_must_be_asked_for(wrt: object) -> None:
     with pytest.raises(OptionError, match="wrt"):
         sr.gradient("gloss", wrt, size=2)  # type: ignore[arg-type]
+
+
+def test_where_a_weight_moves_the_values_error_and_status_count() -> None:
+    """d/dw (w gloss) is gloss: cut short, it is no better known than the value is."""
+    name, tol = "floor.lobe.weight", 1e-7
+    known = sr.truth("gloss", size=SIZE, tol=1e-8, threads=2)
+    image = sr.gradient("gloss", [name], size=SIZE, tol=tol, budget=2_000, threads=2)[name]
+    floor = known.layer("hit_class") == 1
+    error, status = image.layer("error")[floor], image.layer("status")[floor]
+    off = np.abs(image.radiance - known.layer("gloss"))[floor].max(axis=-1)
+    assert floor.sum() >= 10 and (known.layer("gloss")[floor] > 0.01).any()
+    assert ((status == 1) & (error > tol)).sum() >= 5
+    assert (status[error > tol] == 1).all()
+    assert (off <= error + known.layer("error")[floor]).all()

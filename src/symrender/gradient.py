@@ -53,9 +53,9 @@ def gradient(
     ``tol`` is absolute in them. The value of a pixel is that of the ray through its centre: where that ray itself
     passes from one shape, one shadow or one field of a texture to the next, the image jumps, and the derivative is
     that of the side it is on. All edges inside a lobe contribute.
-    Other arguments as for ``truth``. One more parameter costs little: the adjoint of a pixel is
-    computed once. Raises SceneError for a name that is no real number or where the scene changes its structure,
-    Unsupported for a discontinuity the method does not cover.
+    Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
+    parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
+    or where the scene changes its structure, Unsupported for a discontinuity the method does not cover.
     """
     loaded = load(scene)
     settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile)

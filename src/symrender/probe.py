@@ -89,8 +89,9 @@ def probe(
 
     ``points``: (N, 2) or (N, 3) positions on the floor z = 0, or (N, 3) unit outward normals of the sphere, where
     they face the eye. ``tol``: absolute, in scene units of radiance. ``disk``: ``KxK`` replaces a disk light by its
-    centroids. ``budget``: most evaluations a point. ``wrt``: dotted names of real numbers of the scene, or of vectors
-    (all their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
+    centroids. ``budget``: most evaluations a point, of a value; its derivatives together may take four times as many,
+    and a quarter of that more above a checker. ``wrt``: dotted names of real numbers of the scene, or of vectors (all
+    their components), to differentiate by; a point of the floor stays where it is, one of a sphere keeps its
     normal, and ``tol`` holds for derivatives too. Whether the eye really sees a point is not asked.
     ``certify``: enclose each value by ball arithmetic as well (``certify/``; floor points, point lights or ``KxK``).
     ``threads`` work on batches of points, 0 takes the processors at hand; their number changes no bit.
@@ -125,7 +126,7 @@ def probe(
         enclosures = tuple(enclose(arrays, p, settings.disk_order, settings.tol) for p in place)
     if not wrt:
         return Probe(*values, enclosures=enclosures, convention=loaded.shading.lobe_units)
-    from symrender.quadrature.tangent_point import gloss_gradients, refuse_unknown, tangents_of
+    from symrender.quadrature.tangent_point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
 
     moved = moves(loaded, wrt)
     names = tuple(name for name, _ in moved)
@@ -138,7 +139,7 @@ def probe(
         here = tangents_of(arrays, tangents, moving_here, settings.disk_order)
         return gloss_gradients(
             arrays, place[part], normal[part], away[part] / length[part], surfaces[part], here,
-            settings.tol, settings.disk_order, 4 * settings.budget,
+            settings.tol, settings.disk_order, BUDGET * settings.budget,
         )  # fmt: skip
 
     slopes = _in_batches(slopes_of, len(place), settings.threads)

@@ -126,6 +126,6 @@ def work_arrays(spheres: int, points: int) -> Work:
         nodes=np.zeros(NODE_ROWS * NODES),
         pieces=np.zeros((NODES + PENDING, 9)),
         spots=np.zeros((max(1, 3 * points), 2)),
-        highlights=np.zeros((64 + 8 * points, 8)),
+        highlights=np.zeros((64 + 192 * points, 8)),
         boxes=np.zeros((96, 4)),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -17,11 +17,17 @@ from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.disk_term import disk_term as mean_over_disk
 from symrender.quadrature.gauss import LEVELS, gauss_table
 from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.split_line import kinked
 from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
 from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+
+KINKED_STEPS: Final = 3
+"""Steps between the two orders compared where a kink may lie in the disk."""
+KINKED_SAFETY: Final = 3.0
+"""Error stated there over the change between them: it falls with a power of the order only."""
 
 
 @jitable
@@ -57,6 +63,16 @@ def disk_step(tol: float) -> int:
     return step
 
 
+@jitable
+def compared_step(step: int, finer: int, view: View) -> int:
+    """Step of the coarser (0) or finer (1) order compared: ``step`` and the next, three apart for blunt highlights.
+
+    A kink knows nothing of how far off the integrand is tame, and two successive steps may ask for one rule.
+    """
+    apart = KINKED_STEPS if kinked(view) else 1
+    return min(step, len(LEVELS) - 1 - apart) + finer * apart
+
+
 def direct_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, step: int, view: View, work: Work,
     table: Array, direct: Array, error: Array,
@@ -84,15 +100,16 @@ def direct_kernel(
             d = s = d0 = s0 = 0.0
             for finer in range(2):
                 d0, s0 = d, s
+                order = compared_step(step, finer, view)
                 d, s = mean_over_disk(
-                    i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step + finer, ks != 0.0, view, work, table
+                    i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, order, ks != 0.0, view, work, table
                 )  # fmt: skip
             change = 0.0
             for c in range(3):
                 lambert, shine = view.shading[1] * albedo[k, c] * p[3 + c], ks * p[3 + c]
                 direct[k, c] += lambert * d + shine * s
                 change = max(change, lambert * abs(d - d0) + shine * abs(s - s0))
-            error[k] += change + 1e-15
+            error[k] += (KINKED_SAFETY if kinked(view) else 1.0) * change + 1e-15
 
 
 @functools.lru_cache(maxsize=1)
@@ -114,7 +131,7 @@ def disk_direct(
 
     sum over disks of colour (kd albedo mean(V max(0, N.l)) + ks mean(V s)), means over the disk's area. ``points``,
     unit ``normals`` towards the viewer, unit ``incoming`` directions and ``albedo`` are (N, 3); ``surface`` (N,) are
-    hit classes. Two successive orders tell the error, which is inf on the inside of a sphere, where there is no value.
+    hit classes. Two orders tell the error, which is inf on the inside of a sphere, where there is no value.
     ``tol`` (absolute, radiance) chooses the orders. ``scratch``: ``work_arrays`` and ``gauss_table`` of the caller's
     thread.
     """

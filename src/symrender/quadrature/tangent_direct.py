@@ -13,9 +13,10 @@ from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.work import CASTERS, View, Work, work_arrays
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature.disk_direct import cast_by_all, disk_step, stand_at
+from symrender.quadrature.disk_direct import KINKED_SAFETY, cast_by_all, compared_step, disk_step, stand_at
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.split_line import kinked
 from symrender.quadrature.tangent_disk import (
     AT_Q,
     BALLS,
@@ -78,29 +79,31 @@ def direct_gradient_kernel(
             if state == DARK:
                 continue
             for finer in range(2):
+                order = compared_step(step, finer, view)
                 cosine, gleam, _ = disk_gradient(
                     i, state, points[k, 0], points[k, 1], points[k, 2], n[0], n[1], n[2], -d[0], -d[1], -d[2],
-                    step + finer, True, view, work, gauss, table,
+                    order, True, view, work, gauss, table,
                 )  # fmt: skip
                 for q in range(gradient.shape[0]):
                     by_cosine = mean_slope(q, k, i, 0, tangents, work, table)
                     by_gleam = mean_slope(q, k, i, 1, tangents, work, table)
                     dkd, dks = tangents.shading[q, 1], tangents.shading[q, 2]
                     for c in range(3):
-                        change = p[3 + c] * (
+                        moved = p[3 + c] * (
                             dkd * albedo[k, c] * cosine
                             + kd * (albedo_moves[q, k, c] * cosine + albedo[k, c] * by_cosine)
                             + dks * gleam
                             + ks * by_gleam
                         ) + tangents.points[q, i, 3 + c] * (kd * albedo[k, c] * cosine + ks * gleam)
                         if finer == 1:
-                            gradient[q, k, c] += change
+                            gradient[q, k, c] += moved
                         else:
-                            coarse[q, c] += change
+                            coarse[q, c] += moved
         for q in range(gradient.shape[0]):
             most = 0.0
             for c in range(3):
-                most = max(most, abs(gradient[q, k, c] - coarse[q, c]) + 1e-15 * abs(gradient[q, k, c]))
+                change = (KINKED_SAFETY if kinked(view) else 1.0) * abs(gradient[q, k, c] - coarse[q, c])
+                most = max(most, change + 1e-15 * abs(gradient[q, k, c]))
             # on the inside of a sphere, and where a ball touches a disk, nothing is claimed
             error[q, k] = math.inf if inside or flag[0] != 0.0 else most
 

@@ -74,6 +74,17 @@ HERE_ROWS = RADIANCE + 2
 
 MAX_HALVINGS = 16
 """Most halvings of one cell of a line whose light is less smooth than the walls tell."""
+# how nodes are placed in a piece of a cell
+_EVEN = 0
+_SOFT = 1
+"""Denser at both ends, like the sine's square."""
+_RIM_FIRST = 2
+_RIM_LAST = 3
+"""Like a power of the distance from the blunt rim at its first, or last, end."""
+LEAST_POWER = 4.0
+"""Lowest power with which nodes approach a blunt rim."""
+NEAR_RIM = 1e-4
+"""Share of a piece, from the rim on, in which the cosine is not read off directions: rounding there is all of it."""
 
 
 @jitable
@@ -382,10 +393,8 @@ def blunt_rim(geo: Array) -> bool:
 
 @inlined
 def soft_cell(cell: int, view: View, work: Work) -> bool:
-    """Whether a cell's integrand ends with a broken power: at a wall of a disk light, or at a blunt lobe's rim."""
-    if blunt_rim(work.geo) and (
-        work.cell_wall[cell] in (RIM_LOW, RIM_HIGH) or work.cell_wall[cell + 1] in (RIM_LOW, RIM_HIGH)
-    ):
+    """Whether a cell's integrand ends with a broken power: at a wall of a disk light, or beside a blunt lobe's rim."""
+    if blunt_rim(work.geo) and (is_rim(work.cell_wall[cell]) or is_rim(work.cell_wall[cell + 1])):
         return True
     if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
         for i in range(view.points.shape[0]):
@@ -394,53 +403,133 @@ def soft_cell(cell: int, view: View, work: Work) -> bool:
     return False
 
 
+@inlined
+def is_rim(wall: int) -> bool:
+    """Whether the end of a cell lies on the lobe's rim."""
+    return bool(wall in (RIM_LOW, RIM_HIGH))
+
+
+@inlined
+def piece_map(a: float, end: float, cell: int, soft: bool, work: Work) -> int:
+    """How nodes are placed in the piece a..end of a cell; -1 where the rim is at both ends and it must be cut.
+
+    Where the rim lies in the plane across the axis the density is cos^n theta, theta the angle from it, and its slope
+    n cos^(n-1) theta: nodes u^(k/n), k whole, make either smooth there.
+    """
+    if blunt_rim(work.geo) and work.geo[RIM_COS] == 0.0:
+        first = a == work.cell_from[cell] and is_rim(work.cell_wall[cell])
+        last = end == work.cell_to[cell] and is_rim(work.cell_wall[cell + 1])
+        if first and last:
+            return -1
+        if first:
+            return _RIM_FIRST
+        if last:
+            return _RIM_LAST
+    return _SOFT if soft else _EVEN
+
+
+@inlined
+def rim_power(n: float) -> float:
+    """The power of u with which nodes approach the rim of a lobe of exponent n."""
+    return math.ceil(LEAST_POWER * n) / n
+
+
+@inlined
+def cosine_at(x: float, c: float, s: float, lobe: Array, geo: Array, here: Array) -> float:
+    """cos(theta) of a place of a scan line, also beyond the rim."""
+    chart_place(x, c, s, geo, here)
+    return float(here[TOWARD, 0] * lobe[0] + here[TOWARD, 1] * lobe[1] + here[TOWARD, 2] * lobe[2])
+
+
 @jitable
 def piece_adjoint(
-    a: float, end: float, n: int, c: float, s: float, weight: float, soft: bool, cell: int, step: int, lobe: Array,
+    a: float, end: float, n: int, c: float, s: float, weight: float, placed: int, cell: int, step: int, lobe: Array,
     view: View, work: Work, gauss: Array, disk: Array | None, here: Array, adjoint: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """Add a piece of a cell by ``n`` nodes; of what ``node_adjoint`` tells, the size and the rule's error."""
+    """Add a piece of a cell by ``n`` nodes, ``placed`` as of ``piece_map``.
+
+    Of what ``node_adjoint`` tells, the size and the rule's error are returned.
+    """
     geo = work.geo
     base = n * (n - 1) // 2
     work.counts[EVALUATIONS] += n
     whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
+    exponent, length = geo[GEO_EXPONENT], end - a
+    rise, bend, power = 0.0, 0.0, 1.0
+    if placed in (_RIM_FIRST, _RIM_LAST):
+        # the cosine is rise t + bend t^2 at a share t of the piece off the rim
+        power = rim_power(exponent)
+        near, half = NEAR_RIM * length, 0.5 * NEAR_RIM * length
+        if placed == _RIM_FIRST:
+            one, two = cosine_at(a + near, c, s, lobe, geo, here), cosine_at(a + half, c, s, lobe, geo, here)
+        else:
+            one, two = cosine_at(end - near, c, s, lobe, geo, here), cosine_at(end - half, c, s, lobe, geo, here)
+        rise = (4.0 * two - one) / NEAR_RIM
+        bend = 2.0 * (one - 2.0 * two) / (NEAR_RIM * NEAR_RIM)
     for q in range(n):
-        u, along = gauss[0, base + q], end - a
-        if soft:
+        u, along = gauss[0, base + q], length
+        off = 1.0
+        if placed == _SOFT:
             # the slope of a disk's light ends with the square root of the distance from a wall
             su, cu = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
             u, along = su * su, along * math.pi * su * cu
-        measure, slope_k = chart_place(a + (end - a) * u, c, s, geo, here)
+        elif placed == _RIM_FIRST:
+            off = u**power
+            u, along = off, along * power * off / u
+        elif placed == _RIM_LAST:
+            off = (1.0 - u) ** power
+            u, along = 1.0 - off, along * power * off / (1.0 - u)
+        measure, slope_k = chart_place(a + length * u, c, s, geo, here)
         cosine, log, density = log_density(here, lobe, geo)
+        if off < NEAR_RIM and rise > 0.0:
+            cosine = max(1e-300, off * (rise + off * bend))
+            log = math.log(cosine)
+            density = math.exp(exponent * log - geo[GEO_LOG_NORMALISER])
         if density == 0.0:
             continue
         w = weight * gauss[1, base + q] * along * measure * density
         told = node_adjoint(w, slope_k, cosine, log, cell, step, lobe, view, work, gauss, disk, here, adjoint)
+        if power != 1.0:
+            # as smooth as the density's slope
+            told *= 1.0 + exponent / cosine
         whole += abs(told)
         last += told * gauss[2, base + q]
         before += told * gauss[3, base + q]
         middle += told * gauss[MIDDLE, base + q]
         lower += told * gauss[MIDDLE + 1, base + q]
     middle = max(abs(middle), abs(lower))
-    return whole, tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, 0.0)
+    miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, 0.0)
+    if placed != _EVEN and n > 2 and blunt_rim(geo):
+        miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
+    return whole, miss
+
+
+@inlined
+def piece_order(
+    a: float, end: float, step: int, phi: float, c: float, s: float, soft: bool, view: View, work: Work
+) -> int:  # fmt: skip
+    """Gauss nodes of a piece of a cell; above ``MAX_ORDER`` it must be cut."""
+    n: int = cell_order(a, end, step, phi, c, s, view, work)
+    return max(n + (n + 1) // 2, order(step, SOFT_LOG)) if soft else n
 
 
 @inlined
 def line_adjoint(
     phi: float, weight: float, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None,
     here: Array, own: Array, nodes: bool, moving: Array, adjoint: Array,
-) -> None:  # fmt: skip
+) -> tuple[float, float]:  # fmt: skip
     """Add ``weight`` times the scanned line's integral, differentiated, to ``adjoint``; ``step`` chooses the orders.
 
     The nodes are those of ``integrate_cells``. ``adjoint`` is (4, columns): a row a channel and ``ONE_SIDED``.
-    ``nodes`` and ``moving``, of ``what_moves``, tell what need not be visited.
+    ``nodes`` and ``moving``, of ``what_moves``, tell what need not be visited. Returned are the size of what
+    ``node_adjoint`` tells, and the error of the rules along the line in the same units.
     """
     c, s = math.cos(phi), math.sin(phi)
     walls_adjoint(c, s, weight, step, lobe, view, work, gauss, disk, here, own, moving, adjoint)
+    size, missed = 0.0, 0.0
     if not nodes:
-        return
-    least = order(step, SOFT_LOG)
-    promise, size = 100.0 * FALLS[step], 0.0
+        return size, missed
+    promise = 100.0 * FALLS[step]
     for cell in range(work.counts[CELLS]):
         if work.cell_side[cell] == HIDDEN:
             continue
@@ -449,23 +538,28 @@ def line_adjoint(
         end = stop
         halvings = 0
         while a < stop:
-            n = cell_order(a, end, step, phi, c, s, view, work)
-            if soft:
-                n = max(n + (n + 1) // 2, least)
+            placed = piece_map(a, end, cell, soft, work)
+            if placed < 0:
+                end = a + 0.5 * (end - a)
+                placed = piece_map(a, end, cell, soft, work)
+            n = piece_order(a, end, step, phi, c, s, soft, view, work)
             while n > MAX_ORDER and not is_spent(work):
                 end = a + 0.5 * (end - a)
-                n = cell_order(a, end, step, phi, c, s, view, work)
-                if soft:
-                    n = max(n + (n + 1) // 2, least)
+                placed = piece_map(a, end, cell, soft, work)
+                n = piece_order(a, end, step, phi, c, s, soft, view, work)
             n = min(n, MAX_ORDER)
             whole, miss = piece_adjoint(
-                a, end, n, c, s, weight, soft, cell, step, lobe, view, work, gauss, disk, here, adjoint
+                a, end, n, c, s, weight, placed, cell, step, lobe, view, work, gauss, disk, here, adjoint
             )  # fmt: skip
             if n > 4 and halvings < MAX_HALVINGS and miss > promise * (size + whole) and not is_spent(work):
                 # less tame than it looks, as where a ball leaves the part of a disk above the terminator: taken back
-                piece_adjoint(a, end, n, c, s, -weight, soft, cell, step, lobe, view, work, gauss, disk, here, adjoint)
+                piece_adjoint(
+                    a, end, n, c, s, -weight, placed, cell, step, lobe, view, work, gauss, disk, here, adjoint
+                )  # fmt: skip
                 halvings += 1
                 end = a + 0.5 * (end - a)
                 continue
             size += whole
+            missed += miss
             a, end = end, stop
+    return size, missed

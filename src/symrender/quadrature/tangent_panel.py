@@ -29,7 +29,7 @@ from symrender.chambers.tangent_walls import (
 from symrender.chambers.walls import COS, DIRECTION, FLOOR_CUT, KIND, NORMAL, SHAPE_INDEX, TAG, TEXTURE_EDGE
 from symrender.chambers.work import CELLS, EVALUATIONS, WALLS, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.split_line import kinked, tail_error
 from symrender.quadrature.split_panel import (
     FOREIGN,
@@ -62,6 +62,8 @@ ROUNDING = 3e-12
 1e-14 there, and the slope is an inverse square root of the distance from it, so that cutting makes it worse."""
 MISSED = VALUE
 """Column that holds, while panels are replayed, the error of the panel that one is a half of; 0 if it is none."""
+OVER_DISK = 3.0
+"""Error of the rules over a disk light, which err alike on every line, over what their step aims at."""
 CANCELLED = 1e-15
 """Rounding of a derivative over the sum of what moves it: rims and densities sweep much that cancels."""
 SUMS = 6
@@ -104,19 +106,20 @@ def contract(adjoint: Array, tangents: Array, out: Array, sign: float) -> None:
 
 @inlined
 def panel_adjoint(
-    p: Array, step: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array,
+    p: Array, step: int, n: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array,
     here: Array, own: Array, nodes: bool, moving: Array, sums: Array,
-) -> float:  # fmt: skip
-    """The adjoint of one panel at one order into sums[0]; azimuth of a line of another structure, or NaN.
+) -> tuple[float, float]:  # fmt: skip
+    """The adjoint of one panel by ``n`` lines into sums[0]; azimuth of a line of another structure, or NaN.
 
-    ``sums`` (SUMS, 4, columns) also gets the last Legendre coefficients across the lines and two from the middle.
+    Then the error of the rules along its lines, over what they hold. ``sums`` (SUMS, 4, columns) also gets the last
+    Legendre coefficients across the lines and two from the middle. ``step`` chooses the orders along the lines.
     """
     line = sums[LINE_SUM]
+    size, missed = 0.0, 0.0
     for t in range(sums.shape[0]):
         for row in range(4):
             for k in range(sums.shape[2]):
                 sums[t, row, k] = 0.0
-    n = panel_lines(p, step)
     base = n * (n - 1) // 2
     signature = 0
     for q in range(n):
@@ -125,10 +128,12 @@ def panel_adjoint(
         if q == 0:
             signature = found
         elif found != signature:
-            return phi
-        line_adjoint(
+            return phi, 1.0
+        whole, miss = line_adjoint(
             phi, gauss[1, base + q] * slope, step, lobe, view, work, gauss, disk, here, own, nodes, moving, line
         )
+        size += whole
+        missed += miss
         last, before, middle, lower = (
             gauss[2, base + q], gauss[3, base + q], gauss[MIDDLE, base + q], gauss[MIDDLE + 1, base + q]
         )  # fmt: skip
@@ -141,24 +146,25 @@ def panel_adjoint(
                 sums[3, row, k] += middle * t
                 sums[4, row, k] += lower * t
                 line[row, k] = 0.0
-    return math.nan
+    return math.nan, (missed / size if size > 0.0 else 0.0)
 
 
 @inlined
 def panel_lines(p: Array, step: int) -> int:
-    """Lines of a panel at one order."""
-    return min(MAX_ORDER, max(int(p[GLARE]), order(step, p[LOG_RHO]) + (1 if step > 0 else 0)))
+    """Lines of a panel at one order, of which there is a next one."""
+    return min(MAX_ORDER - 1, max(int(p[GLARE]), order(step, p[LOG_RHO]) + (1 if step > 0 else 0)))
 
 
 @jitable
 def panel_misses(
-    n: int, log_rho: float, blunt: bool, sums: Array, tangents: Array, low_order: Array, high_order: Array,
-    misses: Array,
+    n: int, log_rho: float, blunt: bool, inner: float, sums: Array, tangents: Array, low_order: Array,
+    high_order: Array, misses: Array,
 ) -> float:  # fmt: skip
     """Estimated errors of a panel's derivatives at the higher order into ``misses`` (parameters, 4); the largest.
 
     Two orders agree by chance now and then, most of all where each has few lines: how the coefficients across the lines
-    fall is a second witness, and the worse of the two counts.
+    fall is a second witness, and the worse of the two counts. Both are blind to what all lines err alike: ``inner`` is
+    the share of what moves that the rules along the lines, and over a disk light, may miss.
     """
     most = 0.0
     for p in range(tangents.shape[0]):
@@ -177,7 +183,7 @@ def panel_misses(
             tail = tail_error(n, last, before, middle, size, log_rho)
             if blunt:
                 tail = max(tail, abs(last), 0.5 * abs(before))
-            misses[p, c] = max(abs(high_order[p, c] - low_order[p, c]), tail)
+            misses[p, c] = max(abs(high_order[p, c] - low_order[p, c]), tail) + inner * moved
             most = max(most, misses[p, c])
             misses[p, c] += CANCELLED * moved
     return most
@@ -334,10 +340,13 @@ def replay_chart(
         if not p[FROM] < p[TO] or (not nodes and stands_still(p, view, work, scratch, moving)):
             continue
         step = max(0, int(p[STEP]) - 1)
+        n_lines = panel_lines(p, step)
         for a in range(tangents.shape[0]):
             for c in range(4):
                 low_order[a, c] = 0.0
-        foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, sums)
+        foreign, _ = panel_adjoint(
+            p, step, n_lines, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, sums
+        )
         contract(sums[0], tangents, low_order, 1.0)
         for a in range(tangents.shape[0]):
             for c in range(4):
@@ -349,10 +358,15 @@ def replay_chart(
             for a in range(tangents.shape[0]):
                 for c in range(4):
                     high_order[a, c] = 0.0
-            foreign = panel_adjoint(p, step, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, sums)
+            # two orders of as many lines would only tell what differs along them
+            n_lines = max(n_lines + 1, panel_lines(p, step))
+            foreign, inner = panel_adjoint(
+                p, step, n_lines, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, sums
+            )
             contract(sums[0], tangents, high_order, 1.0)
-            n_lines = panel_lines(p, step)
-            most = panel_misses(n_lines, p[LOG_RHO], blunt, sums, tangents, low_order, high_order, misses)
+            if disk is not None:
+                inner += OVER_DISK * FALLS[step]
+            most = panel_misses(n_lines, p[LOG_RHO], blunt, inner, sums, tangents, low_order, high_order, misses)
             largest = 0.0
             for a in range(tangents.shape[0]):
                 for c in range(3):
@@ -360,7 +374,7 @@ def replay_chart(
             noise = 1e-15 * largest
             if ROOT in (p[KIND_FROM], p[KIND_TO]) and 0.0 < p[MISSED] < 2.0 * most:
                 noise = ROUNDING / (p[TO] - p[FROM]) * largest
-            last = step + 1 >= len(LEVELS) or order(step + 1, p[LOG_RHO]) >= MAX_ORDER
+            last = step + 1 >= len(LEVELS) or max(n_lines, order(step + 1, p[LOG_RHO])) >= MAX_ORDER
             if most <= max(share, noise) or last or work.counts[EVALUATIONS] > most_evaluations:
                 break
             for a in range(tangents.shape[0]):

@@ -64,7 +64,15 @@ from symrender.quadrature.tangent_disk import disk_rows
 from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_line import HERE_ROWS
-from symrender.quadrature.tangent_panel import SUMS, UNUSED, clear_panels, contract, radial_walls, replay_chart
+from symrender.quadrature.tangent_panel import (
+    SUMS,
+    UNUSED,
+    clear_panels,
+    contract,
+    panels_in_use,
+    radial_walls,
+    replay_chart,
+)
 from symrender.scene.arrays import (
     CHECKER,
     FIRST_SPHERE,
@@ -90,8 +98,8 @@ EVENT: Final = 4
 NEEDLE: Final = 2.0
 """Exponent from which on a lobe's far tail falls off in value and slope, and may be cut off."""
 
-LIKELY: Final = 0.1
-"""What highlights left out hold, over the bound of it."""
+BUDGET: Final = 4
+"""Evaluations a derivative may take over those of its value: a value's rule, then two orders of every panel of it."""
 
 AIM: Final = 2.0
 """Panels are refined until so many times the sum of their errors is within the tolerance."""
@@ -240,26 +248,51 @@ def pace(row: Array) -> float:
 
 
 @jitable
+def fastest_of(moves: Array) -> float:
+    """The fastest motion of all parameters, no less than 1."""
+    most = 1.0
+    for p in range(moves.shape[0]):
+        most = max(most, pace(moves[p]))
+    return most
+
+
+@jitable
+def leave_out(slope: float, moves: Array, beyond: Array) -> None:
+    """Add to every parameter's ``beyond`` what it may move of something left out that has this ``slope``."""
+    for p in range(moves.shape[0]):
+        beyond[p] += slope * pace(moves[p])
+
+
+@jitable
+def outline(geo: Array) -> float:
+    """1 and the length of the charted shape's limb over its solid angle, in radians.
+
+    A derivative over a slope's own motion: what a wall of some height sweeps is its height times the wall's length, and
+    what lies below that height over all of the shape holds no more than height times solid angle. A highlight that
+    nowhere rises above a height is of bounded variation and sweeps no more than such a wall.
+    """
+    return 1.0 + 1.0 / math.tan(0.5 * geo[BETA_MAX])
+
+
+@jitable
 def gradient_rim(
     n: float, theta_max: float, tol: float, bound: float, shininess: float, geo: Array, moves: Array, beyond: Array
-) -> float:  # fmt: skip
+) -> None:  # fmt: skip
     """Set the lobe up for derivatives; ``beyond`` gets what lies beyond its effective rim, a parameter at a time.
 
-    Returns the largest of these errors. A derivative of the share that is cut off may be larger than the share, by the
+    A derivative of the share that is cut off may be larger than the share, by the
     slope of the density's logarithm; blunt lobes and rims that move and are felt stay whole.
     """
     u = n + 1.0
     cosine = max(math.cos(theta_max), 0.0)
-    fastest, rim = 1.0, 0.0
+    fastest, rim = fastest_of(moves), 0.0
     for p in range(moves.shape[0]):
-        fastest = max(fastest, pace(moves[p]))
         rim = max(rim, abs(moves[p, RIM]))
     at_rim = u * cosine**n * bound
     trim = n >= NEEDLE and at_rim * rim <= 1e-3 * tol
     share = lobe_setup(n, theta_max, 3.0 * tol / (u * fastest) if trim else 0.0, bound, geo)
     is_cut = geo[RIM_COS] > cosine + FLAT
     steep = math.sqrt(shininess) + (n * geo[RIM_SIN] / max(geo[RIM_COS], FLAT) if is_cut else 0.0)
-    most = 0.0
     for p in range(moves.shape[0]):
         beyond[p] = 0.0
         if share > 0.0:
@@ -268,15 +301,14 @@ def gradient_rim(
         if is_cut:
             beyond[p] += at_rim * abs(moves[p, RIM])
             moves[p, RIM] = 0.0
-        most = max(most, beyond[p])
-    return most
 
 
 @jitable
-def room_left(tol: float, tail: float, error: Array) -> float:
+def room_left(tol: float, beyond: Array, error: Array) -> float:
     """What one more shape may add to the errors (parameters, 4) of the shapes before: most of what they left."""
-    most = 0.0
+    most, tail = 0.0, 0.0
     for p in range(error.shape[0]):
+        tail = max(tail, beyond[p])
         for a in range(3):
             most = max(most, error[p, a])
     return max(0.6 * ((tol - tail) / AIM - most), 0.05 * tol)
@@ -304,7 +336,7 @@ def gradient_kernel(
                 error[p, i], status[p, i] = math.inf, UNSUPPORTED
             continue
         common_moves(i, lobe, n, theta_max, surface[i], normals[i], incoming[i], tangents, t.moves)
-        tail = gradient_rim(n, theta_max, tol, bound, view.shading[3], geo, t.moves, t.beyond)
+        gradient_rim(n, theta_max, tol, bound, view.shading[3], geo, t.moves, t.beyond)
         for p in range(count):
             for c in range(4):
                 t.value[p, c] = t.error[p, c] = 0.0
@@ -334,11 +366,7 @@ def gradient_kernel(
             for a in range(3):
                 t.value[p, a] += row[BACKGROUND + a] * share + view.shading[10 + a] * change
 
-        fastest = 1.0
-        for p in range(count):
-            fastest = max(fastest, pace(t.moves[p]))
-        spent, left_out = 0.0, 0.0
-        steep = 1.0 + (math.sqrt(view.shading[3]) if view.shading[2] > 0.0 else 0.0)
+        spent = 0.0
         for j in range(view.spheres.shape[0] + 1):
             if j == view.spheres.shape[0]:
                 if view.floor[FLOOR_PRESENT] == 0.0 or surface[i] == FLOOR or points[i, 2] == 0.0:
@@ -354,30 +382,28 @@ def gradient_kernel(
                 # all of the shape, at the lobe's largest density on it, and how fast that can change
                 gap = max(0.0, geo[LOBE_BETA] - geo[BETA_MAX])
                 most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * 2.0 * math.pi * k * k * bound
-                slope = 1.0 + n * math.tan(gap) + 1.0 / max(geo[BETA_MAX], gap)
-                if gap < 1.5 and most * slope * fastest < 1e-4 * tol:
+                slope = n * math.tan(gap) + outline(geo)
+                chart_moves(j, geo, tangents, t.moves)
+                if gap < 1.5 and most * slope * fastest_of(t.moves) < 1e-4 * tol:
                     spent += most
-                    left_out += most * slope
+                    leave_out(most * slope, t.moves, t.beyond)
                     continue
                 sphere_strips(j, n, view, work)
-                chart_moves(j, geo, tangents, t.moves)
             nodes, some = what_moves(t.moves, disk is not None, view, work, t.moving)
             if not nodes and not some:
                 continue
             clear_panels(panels)
-            geo[PACE], geo[LEAST] = 1.0, math.inf
-            for p in range(count):
-                geo[PACE] = max(geo[PACE], pace(t.moves[p]))
+            geo[PACE], geo[LEAST] = fastest_of(t.moves) * outline(geo), math.inf
             found, _ = split_chart(
                 max(0.5 * (tol - spent), 0.05 * tol), view, work, gauss, panels, spans, ids, events,
                 scratch, max_evaluations, t.sums[0, 0],
             )  # fmt: skip
-            spent += found
-            # highlights left out of the value are left out of the derivative, which is larger by their steepness
+            # a chart dropped by its bound, for a brightness of ``UNBOUNDED``, has neither value nor slope in doubles
+            spent += found if panels_in_use(panels) > 0 else 0.0
             if geo[LEAST] < math.inf:
-                left_out += LIKELY * geo[LEAST] * view.points.shape[0] * steep
+                leave_out(geo[LEAST] * view.points.shape[0] * outline(geo), t.moves, t.beyond)
             replay_chart(
-                room_left(tol, tail, t.error), lobe, view, work, gauss, disk, panels, spans, ids, events, scratch,
+                room_left(tol, t.beyond, t.error), lobe, view, work, gauss, disk, panels, spans, ids, events, scratch,
                 t.here, t.own, nodes, t.moving, t.sums, t.moves, exact, max_evaluations, t.value, t.error, t.low,
                 t.high, t.misses,
             )  # fmt: skip
@@ -385,7 +411,7 @@ def gradient_kernel(
                 # however much was spent before, some is left for the checker
                 most = max(max_evaluations, work.counts[EVALUATIONS] + max_evaluations // 4)
                 off = replay_grid(
-                    room_left(tol, tail, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
+                    room_left(tol, t.beyond, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
                     t.own, nodes, t.sums[0], t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
                 )  # fmt: skip
                 for p in range(count):
@@ -400,7 +426,7 @@ def gradient_kernel(
                 gradient[p, i, a] = t.value[p, a]
                 largest = max(largest, abs(t.value[p, a]))
                 total = max(total, t.error[p, a])
-            total = SAFETY * total + t.beyond[p] + left_out * pace(t.moves[p]) + 1e-14 * largest
+            total = SAFETY * total + t.beyond[p] + 1e-14 * largest
             error[p, i] = total
             status[p, i] = MET if total <= tol else CAPPED
             if disk is not None and disk[disk.shape[0] - 1, 0] != 0.0:
@@ -459,7 +485,7 @@ def gloss_gradients(
     tangents: Tangents,
     tol: float = 1e-6,
     disk_order: int = 2,
-    max_evaluations: int = 4_000_000,
+    max_evaluations: int = BUDGET * 1_000_000,
     scratch: SplitWork | None = None,
 ) -> GradientResult:
     """d gloss(P)/dp of every point in every parameter of ``tangents``; the other arguments as in ``gloss_points``.

@@ -14,7 +14,7 @@ from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.quadrature.tangent_direct import direct_gradients
 from symrender.quadrature.tangent_lights import light_point_tangents
-from symrender.quadrature.tangent_point import gloss_gradients, refuse_unknown, tangents_of
+from symrender.quadrature.tangent_point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.truth import DIRECT_SHARE
@@ -133,7 +133,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             result = gloss_gradients(
                 arrays, place, normal, incoming, surfaces,
                 tangents_of(arrays, moved, (moving[0], moving[1], moving[2]), settings.disk_order),
-                share / weight if weight > 0 else 1.0, settings.disk_order, 4 * settings.budget, own.scratch,
+                share / weight if weight > 0 else 1.0, settings.disk_order, BUDGET * settings.budget, own.scratch,
             )  # fmt: skip
             evaluations += int(result.evaluations.sum())
             layers["evaluations"][pixels] = result.evaluations
