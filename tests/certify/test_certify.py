@@ -59,3 +59,11 @@ def test_what_is_not_enclosed_is_refused() -> None:
     with pytest.raises(OptionError, match="only points of the floor"):
         probe("chapter8", [(0.0, 0.0, 1.0)], surface="spheres.A", tol=1e-3, certify=True)
     assert math.isfinite(probe("chapter8", [(1.2, -0.3)], tol=1e-3).error[0])
+
+
+@pytest.mark.parametrize("center", [(1.2, -0.3, 0.1), (1.2, -0.3, 0.5)])
+def test_a_point_within_a_sphere_or_touched_by_one_has_no_enclosure(center: tuple[float, float, float]) -> None:
+    scene = load("chapter8").replace({f"spheres.A.center.{axis}": x for axis, x in zip("xyz", center, strict=True)})
+    scene = scene.replace({"spheres.A.radius": 0.5})
+    with pytest.raises(OptionError, match="lies within a sphere or on one"):
+        certify(scene_arrays(scene), np.array([1.2, -0.3, 0.0]), most_boxes=50)

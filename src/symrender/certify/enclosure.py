@@ -47,7 +47,8 @@ def certify(
     """Enclose gloss(P) at the floor point ``point`` (3,), seen from the camera above the floor.
 
     Stops at ``width``, absolute, in scene units of radiance, or after ``most_boxes``; the enclosure holds in either
-    case. Disk lights stand as K x K centroids. Raises OptionError for an exact disk, marble, or a mirror lobe.
+    case. Disk lights stand as K x K centroids. Raises OptionError for an exact disk, marble, a mirror lobe, or a point
+    within a sphere or on one.
     """
     if importlib.util.find_spec("flint") is None:
         raise OptionError("certify: needs python-flint; install symrender[certify]")
@@ -59,6 +60,8 @@ def certify(
         raise OptionError("certify: a mirror has no lobe to integrate")
     if not arrays.camera[3] > 0.0:
         raise OptionError("certify: the camera must be above the floor")
+    if (np.linalg.norm(arrays.spheres[:, :3] - point, axis=1) <= arrays.spheres[:, at.RADIUS]).any():
+        raise OptionError(f"certify: {tuple(point.tolist())} lies within a sphere or on one")
     return _enclose(FloorPoint(arrays, point, disk_order), width, most_boxes)
 
 

@@ -2,11 +2,13 @@
 
 The line from Q to the point x(t) = L + rho (cos t e1 + sin t e2) of the disk's circle meets the ball (C, R) where
 
-    F(t) = |x - Q|^2 (|c|^2 - R^2) - ((x - Q).c)^2,  c = C - Q,
+    F(t) = |x - Q|^2 (|c|^2 - R^2) - w |w|,  w = (x - Q).c,  c = C - Q,
 
-is negative: a trigonometric polynomial of degree two. The penumbra's outer edge is where min F = 0, its inner edge
-where max F = 0; where a small ball passes wholly into the disk min F = 0 again. All of these edges lie inside the
-penumbra of the ball of radius rho about L, a circular cone whose apex divides the segment L C as rho to R.
+is negative: with w^2 a trigonometric polynomial of degree two, which is negative behind Q as well, where a disk that
+spans more than what is ahead of Q meets the other half of the double cone. The penumbra's outer edge is where
+min F = 0, its inner edge where max F = 0; where a small ball passes wholly into the disk min F = 0 again. All of these
+edges lie inside the penumbra of the ball of radius rho about L, a circular cone whose apex divides the segment L C as
+rho to R.
 """
 
 from __future__ import annotations
@@ -46,7 +48,10 @@ TOUCHES: Final = 4
 def circle_form(
     qx: float, qy: float, qz: float, p: Array, cx: float, cy: float, cz: float, radius: float
 ) -> tuple[float, float, float, float, float, float]:
-    """(A, b1, b2, m, q1, q2) with F(t) = A + b1 cos t + b2 sin t - (m + q1 cos t + q2 sin t)^2, over |y|^2 |c|^2."""
+    """(A, b1, b2, m, q1, q2) with F(t) = A + b1 cos t + b2 sin t - w |w|, w = m + q1 cos t + q2 sin t.
+
+    All over |y|^2 |c|^2.
+    """
     ox, oy, oz = cx - qx, cy - qy, cz - qz
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
     rho = p[DISK_RADIUS]
@@ -70,7 +75,7 @@ def circle_form(
 
 @jitable
 def least(a: float, b1: float, b2: float, m: float, q1: float, q2: float, sign: float) -> tuple[float, float, float]:
-    """Minimum over t of sign (a + b1 cos t + b2 sin t - (m + q1 cos t + q2 sin t)^2), and cos t, sin t there.
+    """Minimum over t of sign (a + b1 cos t + b2 sin t - w |w|), w = m + q1 cos t + q2 sin t, and cos t, sin t there.
 
     At most two minima exist: eight samples tell their basins apart, Newton's method ends each.
     """
@@ -79,20 +84,20 @@ def least(a: float, b1: float, b2: float, m: float, q1: float, q2: float, sign: 
     sines = (0.0, h, 1.0, h, 0.0, -h, -1.0, -h)
     best, bc, bs = math.inf, 1.0, 0.0
     v = m + q1 * h - q2 * h
-    before = sign * (a + b1 * h - b2 * h - v * v)
+    before = sign * (a + b1 * h - b2 * h - v * abs(v))
     v = m + q1
-    here = sign * (a + b1 - v * v)
+    here = sign * (a + b1 - v * abs(v))
     for k in range(8):
         c, s = cosines[(k + 1) % 8], sines[(k + 1) % 8]
         v = m + q1 * c + q2 * s
-        after = sign * (a + b1 * c + b2 * s - v * v)
+        after = sign * (a + b1 * c + b2 * s - v * abs(v))
         if here <= before and here <= after:
             c, s = cosines[k], sines[k]
             for _ in range(10):
                 v = m + q1 * c + q2 * s
                 dv, ddv = q2 * c - q1 * s, -q1 * c - q2 * s
-                slope = sign * (b2 * c - b1 * s - 2.0 * v * dv)
-                curve = sign * (-b1 * c - b2 * s - 2.0 * (dv * dv + v * ddv))
+                slope = sign * (b2 * c - b1 * s - 2.0 * abs(v) * dv)
+                curve = sign * (-b1 * c - b2 * s - 2.0 * (math.copysign(dv * dv, v) + abs(v) * ddv))
                 step = -slope / curve if curve > 0.0 else -math.copysign(0.3, slope)
                 step = max(-0.5, min(0.5, step))
                 # rotation by the angle whose half has the tangent step/2
@@ -102,7 +107,7 @@ def least(a: float, b1: float, b2: float, m: float, q1: float, q2: float, sign: 
                 if abs(step) < 1e-9:
                     break
             v = m + q1 * c + q2 * s
-            f = sign * (a + b1 * c + b2 * s - v * v)
+            f = sign * (a + b1 * c + b2 * s - v * abs(v))
             if here < f:
                 f, c, s = here, cosines[k], sines[k]
             if f < best:
@@ -135,7 +140,7 @@ def segment_distance2(
 
 @jitable
 def cover(qx: float, qy: float, qz: float, p: Array, cx: float, cy: float, cz: float, radius: float) -> int:
-    """What the ball hides of the disk from Q, outside the ball: ``CLEAR`` ... ``TOUCHES``."""
+    """What the ball hides of the disk from Q: ``CLEAR`` ... ``TOUCHES``."""
     rho = p[DISK_RADIUS]
     yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
     reach = radius + rho
@@ -143,6 +148,8 @@ def cover(qx: float, qy: float, qz: float, p: Array, cx: float, cy: float, cz: f
         return CLEAR
     if (cx - p[0]) ** 2 + (cy - p[1]) ** 2 + (cz - p[2]) ** 2 <= reach * reach:
         return TOUCHES
+    if (cx - qx) ** 2 + (cy - qy) ** 2 + (cz - qz) ** 2 < radius * radius:
+        return COVERS
     a, b1, b2, m, q1, q2 = circle_form(qx, qy, qz, p, cx, cy, cz, radius)
     low, c, s = least(a, b1, b2, m, q1, q2, 1.0)
     if low >= 0.0:

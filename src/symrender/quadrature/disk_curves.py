@@ -20,6 +20,7 @@ from symrender.chambers.penumbra import (
     DISK_E1,
     DISK_E2,
     DISK_RADIUS,
+    TOUCHES,
     WITHIN,
     segment_distance2,
 )
@@ -47,7 +48,8 @@ TERMINATOR: Final = 1.0
 LINE: Final = 2.0
 """The floor."""
 BALL: Final = 3.0
-"""The cone about a ball that touches the disk: every point is asked of the ball itself. From here on, chords only."""
+"""The cone about a ball that touches the disk, or both halves of a double cone: every point is asked of the ball
+itself. From here on, chords only."""
 EDGE: Final = 4.0
 """A circle in which a touching ball cuts the disk's plane."""
 OWN: Final = 5.0
@@ -234,7 +236,8 @@ def add_cone(
     """Complete a row that holds the level of the cone about the ball at offset o: what the ball hides of the disk.
 
     The disk's centre is at offset y. The same as ``cover`` says of a ball that does not touch the disk, by the points
-    in which the cone meets the disk's circle.
+    in which the cone meets the disk's circle. Where some of these are behind Q and some ahead, the level is that of
+    both halves of a double cone: ``TOUCHES``, and the points of the disk are asked of the ball itself.
     """
     row[BOUNDS] = CONE
     row[MEETS] = trig_roots(row[0], row[1], row[2], row[3], row[4], row[5], row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
@@ -249,13 +252,19 @@ def add_cone(
             return CLEAR
         add_generators(row, p, yx, yy, yz, ox, oy, oz, radius)
         return WITHIN
-    # all lines to the circle that meet the ball meet it before the disk or none does
-    x, y, z = circle_offset(row[ON_CIRCLE] if row[MEETS] > 0.0 else 0.0, p, yx, yy, yz)
-    along = x * ox + y * oy + z * oz
-    if not 0.0 < along < x * x + y * y + z * z:
+    ahead, nearer = 0, False
+    for k in range(max(1, int(row[MEETS]))):
+        x, y, z = circle_offset(row[ON_CIRCLE + k] if row[MEETS] > 0.0 else 0.0, p, yx, yy, yz)
+        along = x * ox + y * oy + z * oz
+        if along > 0.0:
+            # all lines to the circle that meet the ball meet it before the disk or none does
+            ahead, nearer = ahead + 1, along < x * x + y * y + z * z
+    if not nearer:
         return CLEAR
     if row[MEETS] == 0.0:
         return COVERS
+    if ahead < row[MEETS]:
+        return TOUCHES
     add_generators(row, p, yx, yy, yz, ox, oy, oz, radius)
     return CUTS
 
@@ -303,9 +312,14 @@ def disk_curves(
             row[BOUNDS] = BALL
             n = add_circle_curve(curves, n + 1, p, ball, EDGE)
             continue
+        if c2 < ball[3] * ball[3]:
+            # from within a ball nothing outside is seen
+            return -1, False
         how = add_cone(row, p, yx, yy, yz, ox, oy, oz, ball[3])
         if how == COVERS:
             return -1, False
+        if how == TOUCHES:
+            row[BOUNDS] = BALL
         if how != CLEAR:
             n += 1
     if j >= 0:

@@ -9,16 +9,29 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import DARK, light_state
+from symrender.chambers.labels import DARK, PARTLY, light_state
 from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE
 from symrender.chambers.work import CASTERS, View, Work, work_arrays
 from symrender.kernel_cache import compiled, jitable
+from symrender.quadrature.disk_curves import (
+    BALL,
+    BOUNDS,
+    BREAKS,
+    CURVES,
+    EDGE_ON,
+    TERMINATOR,
+    disk_curves,
+    elevation,
+    trig_roots,
+)
+from symrender.quadrature.disk_refined import DULL, ROOM, SAFETY, edge_curve, refined_term
+from symrender.quadrature.disk_term import disk_log
 from symrender.quadrature.disk_term import disk_term as mean_over_disk
 from symrender.quadrature.gauss import LEVELS, gauss_table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_line import kinked
-from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
+from symrender.scene.arrays import FIRST_SPHERE, OPEN, PHONG, SceneArrays
 from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
@@ -28,6 +41,10 @@ KINKED_STEPS: Final = 3
 """Steps between the two orders compared where a kink may lie in the disk."""
 KINKED_SAFETY: Final = 3.0
 """Error stated there over the change between them: it falls with a power of the order only."""
+TAME_LOG: Final = 1.2
+"""log rho of a disk and its highlight down to which rules of fixed orders are asked at all."""
+ROUNDING: Final = 1e-14
+"""Relative error that doubles leave, of the light of a whole disk."""
 
 
 @jitable
@@ -73,9 +90,74 @@ def compared_step(step: int, finer: int, view: View) -> int:
     return min(step, len(LEVELS) - 1 - apart) + finer * apart
 
 
+@jitable
+def is_tame(
+    p: Array, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
+    gleaming: bool, view: View, work: Work,
+) -> bool:  # fmt: skip
+    """Whether rules of fixed orders serve a disk cut by the ``n`` curves listed: no chords, no narrow highlight.
+
+    Nor one that ends within the disk at a shininess where that is felt.
+    """
+    if elevation(p, yx, yy, yz) < EDGE_ON:
+        return False
+    for k in range(n):
+        if work.disk[CURVES + k, BOUNDS] >= BALL:
+            return False
+    if not gleaming:
+        return True
+    phong, shininess, opened = view.shading[4] == PHONG, view.shading[3], view.shading[6] == OPEN
+    if disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess) < TAME_LOG:
+        return False
+    if shininess >= DULL or shininess == 0.0 or not (phong or opened) or n + CURVES >= work.disk.shape[0]:
+        return True
+    if not phong:
+        return False
+    row = work.disk[CURVES + n]
+    edge_curve(row, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong)
+    return trig_roots(row[0], row[1], row[2], row[3], row[4], row[5], work.disk[BREAKS], 0) == 0
+
+
+@jitable
+def toleranced(
+    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
+    vz: float, step: int, lambert: float, shine: float, tol: float, view: View, work: Work, table: Array, room: Array,
+) -> tuple[float, float, float]:  # fmt: skip
+    """(mean of V max(0, N.l), mean of V s, error of lambert times the first plus shine times the second) of a disk.
+
+    Two orders where they agree within ``tol`` and the disk is tame, else what ``refined_term`` makes of it.
+    """
+    p = view.points[i]
+    gleaming = shine != 0.0
+    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    if state >= PARTLY:
+        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+    if n < 0:
+        return 0.0, 0.0, 0.0
+    if is_tame(p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, gleaming, view, work):
+        first, second = compared_step(step, 0, view), compared_step(step, 1, view)
+        d0, s0 = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, first, gleaming, view, work, table)
+        d, s = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, second, gleaming, view, work, table)
+        change = SAFETY * (lambert * abs(d - d0) + shine * abs(s - s0))
+        if change <= tol:
+            return d, s, change
+        if state >= PARTLY:
+            n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+    banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
+    if not (lifted or banded or (gleaming and view.shading[6] == OPEN)):
+        return 0.0, 0.0, 0.0
+    share = tol / max(1e-300, lambert + shine)
+    d, s, e = refined_term(
+        p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, gleaming, min(0.1, 0.1 * share), view, work, table,
+        room,
+    )  # fmt: skip
+    return d, s, (lambert + shine) * e
+
+
 def direct_kernel(
-    points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, step: int, view: View, work: Work,
-    table: Array, direct: Array, error: Array,
+    points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, step: int, tol: float, view: View,
+    work: Work, table: Array, room: Array, direct: Array, error: Array,
 ) -> None:  # fmt: skip
     """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``."""
     ks = view.shading[2]
@@ -97,19 +179,17 @@ def direct_kernel(
             state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
             if state == DARK:
                 continue
-            d = s = d0 = s0 = 0.0
-            for finer in range(2):
-                d0, s0 = d, s
-                order = compared_step(step, finer, view)
-                d, s = mean_over_disk(
-                    i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, order, ks != 0.0, view, work, table
-                )  # fmt: skip
-            change = 0.0
+            most = max(p[3], p[4], p[5])
+            lambert = 0.0
             for c in range(3):
-                lambert, shine = view.shading[1] * albedo[k, c] * p[3 + c], ks * p[3 + c]
-                direct[k, c] += lambert * d + shine * s
-                change = max(change, lambert * abs(d - d0) + shine * abs(s - s0))
-            error[k] += (KINKED_SAFETY if kinked(view) else 1.0) * change + 1e-15
+                lambert = max(lambert, view.shading[1] * albedo[k, c] * p[3 + c])
+            d, s, change = toleranced(
+                i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, lambert, ks * most, tol / view.points.shape[0],
+                view, work, table, room,
+            )  # fmt: skip
+            for c in range(3):
+                direct[k, c] += view.shading[1] * albedo[k, c] * p[3 + c] * d + ks * p[3 + c] * s
+            error[k] += change + ROUNDING * (lambert + ks * most)
 
 
 @functools.lru_cache(maxsize=1)
@@ -131,9 +211,9 @@ def disk_direct(
 
     sum over disks of colour (kd albedo mean(V max(0, N.l)) + ks mean(V s)), means over the disk's area. ``points``,
     unit ``normals`` towards the viewer, unit ``incoming`` directions and ``albedo`` are (N, 3); ``surface`` (N,) are
-    hit classes. Two orders tell the error, which is inf on the inside of a sphere, where there is no value.
-    ``tol`` (absolute, radiance) chooses the orders. ``scratch``: ``work_arrays`` and ``gauss_table`` of the caller's
-    thread.
+    hit classes. ``tol`` is absolute, of the radiance. The estimated error is inf on the inside of a sphere, where there
+    is no value; it exceeds ``tol`` where the chords of one disk did not suffice. ``scratch``: ``work_arrays`` and
+    ``gauss_table`` of the caller's thread.
     """
     rows = light_rows(arrays, EXACT_DISK)
     view = View(arrays.spheres, arrays.floor, rows, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
@@ -141,7 +221,8 @@ def disk_direct(
     direct, error = np.zeros((n, 3)), np.zeros(n)
     given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]
     _kernel()(
-        *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), disk_step(tol), view,
-        *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), direct, error,
+        *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), disk_step(tol), tol,
+        view, *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), np.zeros((ROOM, 5)), direct,
+        error,
     )  # fmt: skip
     return direct, error

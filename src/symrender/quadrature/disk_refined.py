@@ -1,0 +1,285 @@
+"""A disk light to a tolerance: chords halved until both halves agree with the whole, along them and across.
+
+``quadrature/disk_term.py`` has rules of fixed orders, for many points and for integrands as tame as its ellipses say.
+Where their orders disagree, a highlight is narrower than they can follow, or ends inside the disk at a low shininess,
+chords take over. A highlight is looked for where a bound lets it be felt: seen from Q, directions l within an angle t
+of a disk's part turn it by at most t from the mirror image of the view, and Blinn's half vector by half of that.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
+from symrender.chambers.work import View, Work
+from symrender.kernel_cache import jitable
+from symrender.quadrature.disk_chords import chord_breaks, place_events, shown, turn_curves
+from symrender.quadrature.disk_curves import BOUNDS, BREAKS, CURVES, EDGE, EVENTS
+from symrender.quadrature.light_term import light_term
+from symrender.scene.arrays import OPEN, PHONG
+
+Array = npt.NDArray[np.float64]
+
+ORDER: Final = 8
+"""Gauss nodes of a piece."""
+DEEPEST: Final = 44
+"""Halvings after which a piece is taken as it is, its doubt with it."""
+ROOM: Final = 2 + 2 * (DEEPEST + 2)
+MOST_CHORDS: Final = 40_000
+"""Chords of one disk: no pixel takes longer than some tenths of a second."""
+DULL: Final = 16.0
+"""Shininess from which on a highlight is as good as smooth where it ends."""
+SAFETY: Final = 4.0
+"""Stated error over what the last halvings changed: beside an end like that of an inverse root it is more than that."""
+BOXES: Final = 8
+"""Parts of a chord's panel whose highlight is bounded each."""
+WIDTH: Final = 1.7
+"""Standard widths of a highlight that a piece may be wide where it is felt."""
+
+
+@jitable
+def edge_curve(
+    row: Array, p: Array, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
+    vz: float, phong: bool,
+) -> None:  # fmt: skip
+    """Write the curve on which a highlight's base is 0: R.d = 0 for Phong, (N.d)^2 = (N.v)^2 d^2 for Blinn.
+
+    d leads from Q to the disk's point, R mirrors the view. It bounds nothing: ``EDGE``.
+    """
+    rho = p[DISK_RADIUS]
+    cosine = nx * vx + ny * vy + nz * vz
+    gx, gy, gz = nx, ny, nz
+    if phong:
+        gx, gy, gz = 2.0 * cosine * nx - vx, 2.0 * cosine * ny - vy, 2.0 * cosine * nz - vz
+    g0 = yx * gx + yy * gy + yz * gz
+    g1 = rho * (gx * p[DISK_E1] + gy * p[DISK_E1 + 1] + gz * p[DISK_E1 + 2])
+    g2 = rho * (gx * p[DISK_E2] + gy * p[DISK_E2 + 1] + gz * p[DISK_E2 + 2])
+    row[BOUNDS] = EDGE
+    if phong:
+        row[0], row[1], row[2], row[3], row[4], row[5] = g0, g1, g2, 0.0, 0.0, 0.0
+        return
+    c2 = cosine * cosine
+    y1 = rho * (yx * p[DISK_E1] + yy * p[DISK_E1 + 1] + yz * p[DISK_E1 + 2])
+    y2 = rho * (yx * p[DISK_E2] + yy * p[DISK_E2 + 1] + yz * p[DISK_E2 + 2])
+    row[0] = g0 * g0 - c2 * (yx * yx + yy * yy + yz * yz)
+    row[1], row[2] = 2.0 * (g0 * g1 - c2 * y1), 2.0 * (g0 * g2 - c2 * y2)
+    row[3], row[4], row[5] = g1 * g1 - c2 * rho * rho, g1 * g2, g2 * g2 - c2 * rho * rho
+
+
+@jitable
+def may_shine(
+    x: float, y: float, z: float, reach: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
+    phong: bool, shininess: float,
+) -> float:  # fmt: skip
+    """A bound of the highlight of every light within ``reach`` of the offset (x, y, z) from Q."""
+    far = math.sqrt(x * x + y * y + z * z)
+    if far <= reach:
+        return 1.0
+    twice = 2.0 * (nx * vx + ny * vy + nz * vz)
+    cosine = (x * (twice * nx - vx) + y * (twice * ny - vy) + z * (twice * nz - vz)) / far
+    apart = math.acos(max(-1.0, min(1.0, cosine))) - math.asin(reach / far) - 1e-7
+    if apart <= 0.0:
+        return 1.0
+    base = math.cos(apart if phong else 0.5 * apart)
+    return math.exp(shininess * math.log(base)) if base > 0.0 else 0.0
+
+
+@jitable
+def panel_shines(
+    b0: float, b1: float, a0: float, a1: float, boxes: int, yx: float, yy: float, yz: float, frame: Array, nx: float,
+    ny: float, nz: float, vx: float, vy: float, vz: float, phong: bool, shininess: float,
+) -> float:  # fmt: skip
+    """A bound of the highlight over the panel a0..a1, b0..b1 of the disk whose axes are ``frame`` (2, 3)."""
+    most, b, wide = 0.0, 0.5 * (b0 + b1), (a1 - a0) / boxes
+    size = math.sqrt(frame[0, 0] ** 2 + frame[0, 1] ** 2 + frame[0, 2] ** 2)
+    reach = 0.5 * size * math.sqrt(wide * wide + (b1 - b0) ** 2)
+    for k in range(boxes):
+        a = a0 + (k + 0.5) * wide
+        most = max(
+            most,
+            may_shine(
+                yx + a * frame[0, 0] + b * frame[1, 0], yy + a * frame[0, 1] + b * frame[1, 1],
+                yz + a * frame[0, 2] + b * frame[1, 2], reach, nx, ny, nz, vx, vy, vz, phong, shininess,
+            ),
+        )  # fmt: skip
+    return most
+
+
+@jitable
+def piece_sum(
+    a0: float, a1: float, b: float, yx: float, yy: float, yz: float, frame: Array, nx: float, ny: float, nz: float,
+    vx: float, vy: float, vz: float, phong: bool, shininess: float, gauss: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """(sum of N.l, sum of s) over a0..a1 of the chord at b, by one rule."""
+    first = ORDER * (ORDER - 1) // 2
+    cosine, gleam = 0.0, 0.0
+    for k in range(ORDER):
+        a = a0 + (a1 - a0) * gauss[0, first + k]
+        d, s = light_term(
+            yx + a * frame[0, 0] + b * frame[1, 0], yy + a * frame[0, 1] + b * frame[1, 1],
+            yz + a * frame[0, 2] + b * frame[1, 2], nx, ny, nz, vx, vy, vz, phong, shininess,
+        )  # fmt: skip
+        w = (a1 - a0) * gauss[1, first + k]
+        cosine += w * d
+        gleam += w * s
+    return cosine, gleam
+
+
+@jitable
+def refined_chord(
+    b: float, n: int, lifted: bool, tol: float, apart: float, qx: float, qy: float, qz: float, yx: float, yy: float,
+    yz: float, frame: Array, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, gleaming: bool,
+    view: View, work: Work, gauss: Array, stack: Array,
+) -> tuple[float, float, float]:  # fmt: skip
+    """(sum of N.l, sum of s, doubt) over what is seen of the chord at b.
+
+    ``apart``: the widest piece in which a highlight may be felt.
+    """
+    phong, shininess, opened = view.shading[4] == PHONG, view.shading[3], view.shading[6] == OPEN
+    half = math.sqrt(max(0.0, (1.0 - b) * (1.0 + b)))
+    pieces = chord_breaks(b, half, n, work) - 1
+    cosine, gleam, doubt = 0.0, 0.0, 0.0
+    for k in range(pieces):
+        first, last = work.disk[BREAKS, k], work.disk[BREAKS, k + 1]
+        if not last > first:
+            continue
+        a = 0.5 * (first + last)
+        x = yx + a * frame[0, 0] + b * frame[1, 0]
+        y = yy + a * frame[0, 1] + b * frame[1, 1]
+        z = yz + a * frame[0, 2] + b * frame[1, 2]
+        clear, above = shown(a, b, qx, qy, qz, x, y, z, n, view, work)
+        above = above and lifted
+        if not clear or not (above or (opened and gleaming)):
+            continue
+        d, s = piece_sum(first, last, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss)
+        stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3], stack[0, 4] = first, last, d, s, 0.0
+        left = 1
+        while left > 0:
+            left -= 1
+            a0, a1, d, s, deep = stack[left, 0], stack[left, 1], stack[left, 2], stack[left, 3], stack[left, 4]
+            middle = 0.5 * (a0 + a1)
+            d0, s0 = piece_sum(a0, middle, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss)
+            d1, s1 = piece_sum(middle, a1, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss)
+            change = (abs(d0 + d1 - d) if above else 0.0) + (abs(s0 + s1 - s) if gleaming else 0.0)
+            narrow = gleaming and a1 - a0 > apart and tol < panel_shines(
+                b, b, a0, a1, 1, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess
+            )  # fmt: skip
+            if (narrow or change > tol * (a1 - a0)) and deep < DEEPEST and left + 2 <= stack.shape[0]:
+                stack[left, 0], stack[left, 1], stack[left, 2], stack[left, 3] = a0, middle, d0, s0
+                stack[left + 1, 0], stack[left + 1, 1], stack[left + 1, 2], stack[left + 1, 3] = middle, a1, d1, s1
+                stack[left, 4] = stack[left + 1, 4] = deep + 1.0
+                left += 2
+                continue
+            doubt += change
+            if above:
+                cosine += d0 + d1
+            gleam += s0 + s1
+    return cosine, gleam, doubt
+
+
+@jitable
+def panel_sum(
+    b0: float, b1: float, c0: float, c1: float, n: int, lifted: bool, tol: float, apart: float, qx: float, qy: float,
+    qz: float, yx: float, yy: float, yz: float, frame: Array, nx: float, ny: float, nz: float, vx: float, vy: float,
+    vz: float, gleaming: bool, view: View, work: Work, gauss: Array, stack: Array,
+) -> tuple[float, float, float]:  # fmt: skip
+    """(N.l, s, doubt) of the chords b = b0 + (b1 - b0) sin^2(pi u/2), u from c0 to c1, by one rule."""
+    first = ORDER * (ORDER - 1) // 2
+    cosine, gleam, doubt = 0.0, 0.0, 0.0
+    for k in range(ORDER):
+        u = 0.5 * math.pi * (c0 + (c1 - c0) * gauss[0, first + k])
+        su, cu = math.sin(u), math.cos(u)
+        w = gauss[1, first + k] * (c1 - c0) * math.pi * (b1 - b0) * su * cu
+        d, s, e = refined_chord(
+            b0 + (b1 - b0) * su * su, n, lifted, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
+            gleaming, view, work, gauss, stack,
+        )  # fmt: skip
+        cosine += w * d
+        gleam += w * s
+        doubt += w * e
+    return cosine, gleam, doubt
+
+
+@jitable
+def refined_term(
+    p: Array, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
+    vy: float, vz: float, gleaming: bool, tol: float, view: View, work: Work, gauss: Array, room: Array,
+) -> tuple[float, float, float]:  # fmt: skip
+    """(mean of V max(0, N.l), mean of V s, error of both) over a disk cut by the ``n`` curves in ``work.disk``.
+
+    ``lifted``: the disk is above Q where no terminator says otherwise. ``tol`` is absolute, of the means. The error is
+    ``SAFETY`` times what the last halvings changed; it exceeds ``tol`` where ``MOST_CHORDS`` did not suffice. ``room``
+    is scratch, (``ROOM``, 5).
+    """
+    phong, shininess = view.shading[4] == PHONG, view.shading[3]
+    rho = p[DISK_RADIUS]
+    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    if gleaming and shininess < DULL and n + CURVES < work.disk.shape[0]:
+        edge_curve(work.disk[CURVES + n], p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong)
+        n += 1
+    c, s = 1.0, 0.0
+    if n > 0:
+        c, s = turn_curves(work.disk[CURVES:], n)
+    frame, stack, panels = room[:2], room[2 : 4 + DEEPEST], room[4 + DEEPEST :]
+    for k in range(3):
+        frame[0, k] = rho * (c * p[DISK_E1 + k] + s * p[DISK_E2 + k])
+        frame[1, k] = rho * (c * p[DISK_E2 + k] - s * p[DISK_E1 + k])
+    apart = WIDTH * (1.0 if phong else 2.0) * math.sqrt(yx * yx + yy * yy + yz * yz) / (
+        rho * math.sqrt(shininess + 1.0)
+    )  # fmt: skip
+    events = work.disk[EVENTS]
+    events[0], events[1] = -1.0, 1.0
+    count = 2
+    for k in range(n):
+        count = place_events(work.disk[CURVES + k], work.disk[BREAKS], events, count)
+    cosine, gleam, error, chords = 0.0, 0.0, 0.0, 0
+    for e in range(count - 1):
+        b0, b1 = work.disk[EVENTS, e], work.disk[EVENTS, e + 1]
+        if not b1 > b0:
+            continue
+        d, h, _ = panel_sum(
+            b0, b1, 0.0, 1.0, n, lifted, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, gleaming,
+            view, work, gauss, stack,
+        )  # fmt: skip
+        panels[0, 0], panels[0, 1], panels[0, 2], panels[0, 3], panels[0, 4] = 0.0, 1.0, d, h, 0.0
+        left = 1
+        while left > 0:
+            left -= 1
+            c0, c1, d, h, deep = panels[left, 0], panels[left, 1], panels[left, 2], panels[left, 3], panels[left, 4]
+            middle = 0.5 * (c0 + c1)
+            d0, h0, e0 = panel_sum(
+                b0, b1, c0, middle, n, lifted, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
+                gleaming, view, work, gauss, stack,
+            )  # fmt: skip
+            d1, h1, e1 = panel_sum(
+                b0, b1, middle, c1, n, lifted, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
+                gleaming, view, work, gauss, stack,
+            )  # fmt: skip
+            chords += 2 * ORDER
+            change = abs(d0 + d1 - d) + (abs(h0 + h1 - h) if gleaming else 0.0)
+            low = b0 + (b1 - b0) * math.sin(0.5 * math.pi * c0) ** 2
+            high = b0 + (b1 - b0) * math.sin(0.5 * math.pi * c1) ** 2
+            wide = math.sqrt(max(0.0, 1.0 - min(abs(low), abs(high)) ** 2)) if low * high > 0.0 else 1.0
+            narrow = gleaming and high - low > apart and tol < panel_shines(
+                low, high, -wide, wide, BOXES, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess
+            )  # fmt: skip
+            if narrow or change > tol * (c1 - c0):
+                if deep < DEEPEST and chords < MOST_CHORDS and left + 2 <= panels.shape[0]:
+                    panels[left, 0], panels[left, 1], panels[left, 2], panels[left, 3] = c0, middle, d0, h0
+                    panels[left + 1, 0], panels[left + 1, 1] = middle, c1
+                    panels[left + 1, 2], panels[left + 1, 3] = d1, h1
+                    panels[left, 4] = panels[left + 1, 4] = deep + 1.0
+                    left += 2
+                    continue
+                if narrow:
+                    # what was not looked at counts in full
+                    change += 2.0 * (high - low)
+            cosine += d0 + d1
+            gleam += h0 + h1
+            error += change + e0 + e1
+    # panels in which no highlight is felt hold less than the tolerance of it
+    return cosine / math.pi, gleam / math.pi, (SAFETY * error + tol) / math.pi
