@@ -68,6 +68,9 @@ def flatten(value: Any, key: list[Any], given: list[Any]) -> None:
         key += (kind, len(value))
         for item in value:
             flatten(item, key, given)
+    elif isinstance(value, np.void):
+        key.append(value.dtype)
+        given.append(value.__array_interface__["data"][0])
     else:
         key.append(kind)
         if value is not None:

@@ -209,6 +209,10 @@ def type_of(value: Any) -> Type:
             if not value.flags.aligned:
                 raise Refused("an array is not aligned")
             return Array(element_of(value.dtype), value.ndim, bool(value.flags.c_contiguous))
+        case np.void():
+            record = element_of(value.dtype)
+            if isinstance(record, Record):
+                return record
         case tuple():
             items = tuple(map(type_of, value))
             names = getattr(type(value), "_fields", None)

@@ -1,0 +1,306 @@
+"""The records of one point's work: the chart of a visible shape, its walls, its lights and what was found on it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final
+
+from symrender.records import Array, Record, Three, Two
+
+
+class LightPoint(Record):
+    """A light as kernels see it: a point, or an exact disk of ``radius`` > 0.
+
+    ``color`` is the light's times the point's share, ``sign`` that in the embedded rule; ``e1``, ``e2`` and ``axis``
+    are the disk's frame. All fields are float64.
+    """
+
+    position: Three
+    color: Three
+    sign: float
+    radius: float
+    e1: Three
+    e2: Three
+    axis: Three
+
+
+class Chart(Record):
+    """One (point, shape) pair: the frame of the chart, the shape in it, the lobe in it."""
+
+    point: Three
+    pole: Three
+    e1: Three
+    e2: Three
+    center: Three
+    radius: float
+    ratio: float
+    """k = R/|C - P|, the sine of the shape's angular radius."""
+    beta_max: float
+    gamma_max: float
+    lobe_beta: float
+    """Angle from the pole to the lobe's axis, which lies at phi = 0; then its cosine and sine."""
+    lobe_cos: float
+    lobe_sin: float
+    rim_cos: float
+    rim_sin: float
+    normal: Three
+    side: float
+    """+1 where the point is on or above the floor, -1 below it."""
+    exponent: float
+    log_normaliser: float
+    height: float
+    shape_index: int
+    """The charted sphere, -1 for the floor."""
+    strip_along: float
+    """Half-width of the strip of analyticity used for node counts along a line, then across lines."""
+    strip_across: float
+    strip_limb: float
+    """How far from the real line the limb lies."""
+    albedo: Three
+    """Mean albedo of the floor's fields."""
+    limb_tangent: float
+    """tan of half the limb's angle at the centre, tan(gamma_max/2)."""
+    bright: float
+    """No radiance of the charted shape differs from the background by more; ``UNBOUNDED`` if nobody asked."""
+    lens_cos: float
+    """Cosine and sine of the angle, from the visible pole towards the lobe, to the middle of a circle of normals that
+    holds all of the shape inside the lobe; then the cosine of that circle's radius."""
+    lens_sin: float
+    lens_level: float
+    facing: Three
+    """Every direction w of the lobe counts with ``facing_level`` plus this vector times w."""
+    facing_level: float
+    least: float
+    """No highlight that can hold less than this of a lobe is looked for."""
+    clipped: int
+    """1 where highlights begin at walls of their own: a line may then see none beside one that does."""
+    pace: float
+    """How much faster than values a derivative of the chart may change with what is left out; 1 for values."""
+
+
+class Wall(Record):
+    """A zero set across which radiance is not smooth; which fields count depends on ``kind``.
+
+    Circles a.x = cos of directions or normals: ``axis`` in the frame (pole, e1, e2), ``cos``, ``sin``, and what
+    ``tangent_lines`` says of them. A ball on the floor: ``foot`` of its centre from P's in (e1, e2), and ``power`` of
+    P's foot. Edges of shadows and bands: the form of ``add_shadow``. Edges of penumbrae: that of the cone about them,
+    ``inner``, and the disk and the ball. Ends of highlights: ``lit_from``, ``seen_from`` and whether it is Phong's.
+    """
+
+    kind: int
+    axis: Three
+    cos: float
+    sin: float
+    tag: int
+    """The condition the wall belongs to."""
+    shape_index: int
+    """The sphere that casts or hides, the light whose terminator it is, or -1."""
+    touch_azimuth: float
+    touch_offset: float
+    touch_depth: float
+    foot: Two
+    power: float
+    first: Three
+    """f.(pole, e1, e2) and f.g for the first unit vector across the shadow's axis, then for the second."""
+    first_level: float
+    second: Three
+    second_level: float
+    origin: Three
+    """u.(pole, e1, e2) of the chart's origin u as of the light, |u|^2, and sin^2 of the shadow's half-angle."""
+    origin2: float
+    sine2: float
+    light: int
+    """The light point of a shadow's edge."""
+    met: int
+    """1 once a scan line met the wall inside the lobe."""
+    inner: int
+    """1 for the inner edge of a penumbra."""
+    disk: LightPoint
+    ball_center: Three
+    ball_radius: float
+    lit_from: Three
+    seen_from: Three
+    phong: int
+
+
+class Counts(Record):
+    """The lengths in use of a point's lists, and what it has spent."""
+
+    walls: int
+    occluders: int
+    casters: int
+    cells: int
+    labour: int
+    """Lines scanned, blocks looked at and disks cut: each is about as dear as a few evaluations."""
+    evaluations: int
+    chambers: int
+    crossings: int
+    spots: int
+    highlights: int
+    limit: int
+    """The most evaluations, and the most labour; whatever refines asks ``is_spent``."""
+
+
+class Caster(Record):
+    """A sphere that may shadow the charted shape from a light point."""
+
+    light: int
+    ball: int
+
+
+class Spot(Record):
+    """A singularity of the chart's integrand beside the real azimuths, and how far off them it lies."""
+
+    azimuth: float
+    depth: float
+
+
+class Highlight(Record):
+    """Azimuths between which highlights of one light, about as narrow, are felt, and the inner coordinates."""
+
+    light: int
+    first: float
+    last: float
+    strip: float
+    """How far off the real azimuths the integrand stays tame."""
+    innermost: float
+    outermost: float
+    along: float
+    """How far off the line it stays tame along a scan line."""
+    key: float
+    """Octaves of both strips."""
+
+
+class Box(Record):
+    """A part of a chart that may hold a highlight: azimuths, then inner coordinates."""
+
+    first: float
+    last: float
+    innermost: float
+    outermost: float
+
+
+class Event(Record):
+    """An azimuth at which the structure of scan lines may change; ``kind`` says how the line integral behaves."""
+
+    azimuth: float
+    kind: float
+
+
+NODES: Final = 168
+"""Quadrature nodes evaluated together; not a power of two, or their rows would contend for the same cache lines."""
+Row = Annotated[Array, NODES]
+TwoRows = Annotated[Array, (2, NODES)]
+ThreeRows = Annotated[Array, (3, NODES)]
+
+
+class Nodes(Record):
+    """The nodes of one line, block or lattice: a row a quantity, so that loops over nodes become vector instructions.
+
+    A record of rows, never rows of records: what belongs to one node lies far apart, what is computed together close.
+    """
+
+    inner: Row
+    """Inner coordinate on the line, later free."""
+    weight: Row
+    sine: Row
+    """Of the inner coordinate, then of the angle to the pole; in a square the offset from the foot along x."""
+    cosine: Row
+    """The same along y."""
+    place: ThreeRows
+    """The point Q that is lit."""
+    normal: ThreeRows
+    toward: ThreeRows
+    """The unit vector from Q to where it is seen from for its highlight."""
+    chord: Row
+    """Squared distance of the direction to Q from the lobe's axis, on the unit sphere."""
+    radix: Row
+    power: Row
+    """The base, used up, and the result of ``powers``."""
+    clear: Row
+    """1 where the light at hand is met by the diffuse term."""
+    shining: Row
+    """1 where it is met by the highlight."""
+    factor: ThreeRows
+    """Albedo times kd."""
+    radiance: ThreeRows
+    near: Row
+    """What a shorter taper weighs by, over what ``weight`` does."""
+    across: TwoRows
+    """Points (a, b) of a disk, in its radius."""
+    share: Row
+    turn: Row
+    cosines: Row
+    """Of a point of a disk, or of a node under a whole disk, the sum of N.l times weights."""
+    gleams: Row
+    """The same of the highlight."""
+
+
+class Aim(Record):
+    """What ``aim_lattice`` finds out about a sphere under a lobe: the numbers of the two maps of its lattices."""
+
+    axis: Three
+    towards: Three
+    aside: Three
+    nearest: float
+    """1 - cos theta of the nearest direction."""
+    rest: float
+    rate: float
+    reach: float
+    """Share of the density's whole mass that lies within the last direction."""
+    level: float
+    """Weight of a node of a lattice of one, where the density is highest and the arc a whole turn."""
+    versine_beta: float
+    """1 - cos of the angle to the centre, then of the sphere's angular radius."""
+    versine_alpha: float
+    sine_beta: float
+    most: float
+    """No node of a lattice of one weighs more."""
+    far: Three
+    """Vector to the centre, then its squared length less the squared radius."""
+    far_power: float
+    sums: Annotated[Array, 24]
+    """Sums of the cosets, of three channels."""
+
+
+class Piece(Record):
+    """A stretch of a line under one Gauss rule, or one that waits for it."""
+
+    cell: int
+    first: int
+    """Its first node, then how many it has."""
+    count: int
+    log_rho: float
+    """Of the singularity nearest to it that is known."""
+    start: float
+    stop: float
+    halvings: int
+    wary: int
+    """1 where the rule is at least that which successive steps compare."""
+    soft: int
+    """1 where a disk light ends at one of the cell's walls."""
+    line: int
+    """In a square, the number of its line."""
+
+
+class Curve(Record):
+    """A curve that cuts a disk light as seen from Q: the zeros of a level in the disk's coordinates (a, b).
+
+    The level is k0 + k1 a + k2 b + k11 a^2 + 2 k12 a b + k22 b^2, negative where the disk is hidden.
+    """
+
+    k0: float
+    k1: float
+    k2: float
+    k11: float
+    k12: float
+    k22: float
+    bounds: int
+    """What it bounds: ``CONE`` ... ``OWN`` of ``quadrature/disk_curves.py``."""
+    ball: int
+    generators: Annotated[Array, 9]
+    """(X, Y, Z) of a cone's generator in (1, cos t, sin t), three numbers each; (a, b) = (X/Z, Y/Z)."""
+    meets: int
+    """How many points of the disk's circle it meets: none for curves from ``BALL`` on, which are not asked."""
+    on_circle: Annotated[Array, 4]
+    """Their angles on the circle, and those of a cone's generators through them."""
+    on_cone: Annotated[Array, 4]

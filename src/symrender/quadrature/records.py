@@ -1,0 +1,52 @@
+"""The records of the outer integrals: panels of azimuth, and conics on the floor."""
+
+from __future__ import annotations
+
+from symrender.records import Record, Three, Two
+
+
+class Panel(Record):
+    """Azimuths over which every scan line has one structure, as far as is known."""
+
+    ends: Two
+    kinds: Two
+    """How the line integral behaves at either end: ``ROOT`` or ``SMOOTH``."""
+    step: int
+    """Of the last rule, -1 before any; -2 marks a free row while panels are replayed."""
+    value: Three
+    error: float
+    log_rho: float
+    inside: int
+    """Events known inside the panel."""
+    foreign: float
+    """Azimuth of a line of another structure than the first line's, or NaN."""
+    settled: int
+    """1 for a panel that no cut can improve."""
+    bound: float
+    """What the panel can hold at most."""
+    per_radian: float
+    """What the panel it was cut from held per radian, 0 while nobody looked."""
+    glare: int
+    """Lines that no highlight felt in the panel can pass between."""
+    missed: float
+    """While panels are replayed, the error of the panel that this one is a half of; 0 if it is none."""
+
+
+class Span(Record):
+    """Azimuths between which the structure of lines changes."""
+
+    left: float
+    right: float
+
+
+class Conic(Record):
+    """xx x^2 + 2 xy x y + yy y^2 + 2 x x + 2 y y + free = 0 on the floor, about the point's foot."""
+
+    xx: float
+    xy: float
+    yy: float
+    x: float
+    y: float
+    free: float
+    soft: int
+    """Of the cone about a disk's penumbra 1 + the index of its outer edge in the wall table; 0 of other conics."""

@@ -1,0 +1,131 @@
+"""Records: rows of memory whose numbers have names, as kernels read and write them.
+
+A subclass of ``Record`` lists its fields with annotations, in the order in which they lie in memory:
+
+    class Wall(Record):
+        kind: int                  # 8 bytes, whole
+        axis: Three                # three float64
+        cos: float                 # one float64
+        light: LightPoint          # a record in a record
+
+``table(Wall, n)`` is an array of n of them, all zero, and ``table[i].cos`` a number of one; compiled kernels read it at
+an offset known when they are compiled, plain Python through the array, so that both see and change the same memory.
+``rows_of(Wall, array)`` lets the rows of a float64 array be read as records without a copy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from operator import itemgetter
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Protocol,
+    TypeVar,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+    overload,
+)
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Two = Annotated[Array, 2]
+Three = Annotated[Array, 3]
+
+R = TypeVar("R", bound="Record")
+
+if TYPE_CHECKING:
+    # NumPy's stubs call its rows final; they are not
+    class _Row:
+        def __setitem__(self, name: str, value: Any) -> None: ...
+
+else:
+    _Row = np.void
+
+
+class Record(_Row):
+    """One row. ``layout`` is the NumPy dtype; a field is an attribute.
+
+    Raises ``TypeError`` where a field is of another kind than float, int, a fixed number of float64 or a record, or is
+    named as something NumPy's arrays and rows have already.
+    """
+
+    layout: ClassVar[np.dtype[np.void]]
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        fields = []
+        for name, hint in get_type_hints(cls, include_extras=True).items():
+            if get_origin(hint) is ClassVar or name == "layout":
+                continue
+            if hasattr(np.ndarray, name) or hasattr(np.void, name):
+                raise TypeError(f"{cls.__name__}.{name}: arrays have an attribute of this name")
+            fields.append((name, *_kind(cls, name, hint)))
+            setattr(cls, name, _field(name))
+        cls.layout = np.dtype((cls, np.dtype(fields, align=True)))
+
+
+def _kind(owner: type, name: str, hint: Any) -> tuple[Any, ...]:
+    if hint is float:
+        return ("f8",)
+    if hint is int:
+        return ("i8",)
+    if get_origin(hint) is Annotated:
+        return ("f8", get_args(hint)[1])
+    if isinstance(hint, type) and issubclass(hint, Record):
+        return (hint.layout,)
+    raise TypeError(f"{owner.__name__}.{name}: {hint} cannot lie in a record")
+
+
+def _field(name: str) -> property:
+    def put(row: Record, value: Any) -> None:
+        row[name] = value
+
+    return property(itemgetter(name), put)
+
+
+class Table(Protocol[R]):
+    """An array of records with one axis; a field's name as index gives the array of that field."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+
+    def __len__(self) -> int: ...
+
+    @overload
+    def __getitem__(self, index: int, /) -> R: ...
+
+    @overload
+    def __getitem__(self, index: str, /) -> Array: ...
+
+    def __setitem__(self, index: int, row: R, /) -> None: ...
+
+    def __iter__(self) -> Iterator[R]: ...
+
+
+def table(kind: type[R], count: int) -> Table[R]:
+    """``count`` records of this kind, all zero."""
+    return cast("Table[R]", np.zeros(count, kind.layout))
+
+
+def joined(kind: type[R], tables: Sequence[Table[R]]) -> Table[R]:
+    """One table of the records of several, which may be none."""
+    return cast("Table[R]", np.concatenate([table(kind, 0), *tables]))
+
+
+def rows_of(kind: type[R], rows: Array) -> Table[R]:
+    """The rows of a float64 array (n, k), or one row (k,), as records of k numbers; memory is shared.
+
+    Raises ``ValueError`` where a row has another length than the record or does not lie in one piece.
+    """
+    rows = rows[None] if rows.ndim == 1 else rows
+    size = kind.layout.itemsize
+    if rows.dtype != np.float64 or rows.shape[-1] * 8 != size or not rows.flags.c_contiguous:
+        raise ValueError(f"rows of {rows.shape[-1]} {rows.dtype} are no {kind.__name__} of {size // 8} numbers")
+    return cast("Table[R]", rows.view(kind.layout)[..., 0])
