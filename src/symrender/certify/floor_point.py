@@ -39,8 +39,8 @@ class FloorPoint:
         if self.brdf:
             self.total = 2 * arb.pi() / (n + 2)
         rows = light_rows(arrays, disk_order)
-        self.lights = [([arb(x) for x in row[:3].tolist()], row[3:6].tolist()) for row in rows]
-        most = arrays.shading[0] * arrays.shading[7:10] + rows[:, 3:6].sum(axis=0) * arrays.shading[1:3].sum()
+        self.lights = [([arb(x) for x in row.position.tolist()], row.color.tolist()) for row in rows]
+        most = arrays.shading[0] * arrays.shading[7:10] + rows["color"].sum(axis=0) * arrays.shading[1:3].sum()
         self.most = [arb(float(x)) * (1 + arb(2) ** -40) for x in most]
         self.balls = [([arb(x) for x in s[:3].tolist()], arb(float(s[3]))) for s in arrays.spheres]
 

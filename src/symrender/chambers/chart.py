@@ -8,50 +8,28 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.events import line_range
-from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.chambers.penumbra_walls import disk_on_floor, disk_on_sphere
+from symrender.chambers.records import Chart, Counts, Wall
 from symrender.chambers.walls import (
     BALL,
-    BETA_MAX,
-    BRIGHT,
-    CENTER,
-    CLIPPED,
     DIRECTION,
-    E1,
-    E2,
     FLOOR_CUT,
-    GAMMA_MAX,
     GLEAM_EDGE,
-    HEIGHT,
     HIGHLIGHT,
     HORIZON,
-    KIND,
-    LENS_COS,
-    LIMB_TANGENT,
-    LOBE_BETA,
-    MET_COLUMN,
     NORMAL,
-    POINT,
-    POLE,
-    RADIUS,
-    RATIO,
-    RIM_COS,
-    RIM_SIN,
-    SHAPE,
-    SHAPE_INDEX,
-    SIDE,
     SILHOUETTE,
-    SURFACE_NORMAL,
-    TAG,
     TERMINATOR,
     TEXTURE_EDGE,
     UNBOUNDED,
     add_circle,
     add_shadow,
 )
-from symrender.chambers.work import CASTERS, OCCLUDERS, WALLS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.scene.arrays import CHECKER, CUT, EYE, FLOOR_PRESENT, MARBLE, PHONG, STRIPES
+from symrender.records import Table
+from symrender.scene.arrays import CHECKER, CUT, EYE, MARBLE, PHONG, STRIPES
+from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -61,16 +39,16 @@ FELT_END = 10.0
 
 
 @jitable
-def set_frame(geo: Array, mx: float, my: float, mz: float) -> None:
-    """Complete the frame about geo's pole so that the lobe's axis m lies at phi = 0, and note its polar angle."""
-    cx, cy, cz = geo[POLE], geo[POLE + 1], geo[POLE + 2]
+def set_frame(chart: Chart, mx: float, my: float, mz: float) -> None:
+    """Complete the frame about chart's pole so that the lobe's axis m lies at phi = 0, and note its polar angle."""
+    cx, cy, cz = chart.pole[0], chart.pole[1], chart.pole[2]
     dot = cx * mx + cy * my + cz * mz
     # m - (m.c) c by two cross products keeps its direction for nearly parallel m and c
     ax, ay, az = cy * mz - cz * my, cz * mx - cx * mz, cx * my - cy * mx
     length = math.sqrt(ax * ax + ay * ay + az * az)
-    geo[LOBE_BETA] = math.atan2(length, dot)
-    geo[LOBE_BETA + 1] = math.cos(geo[LOBE_BETA])
-    geo[LOBE_BETA + 2] = math.sin(geo[LOBE_BETA])
+    chart.lobe_beta = math.atan2(length, dot)
+    chart.lobe_cos = math.cos(chart.lobe_beta)
+    chart.lobe_sin = math.sin(chart.lobe_beta)
     if length > 1e-14:
         fx, fy, fz = ax / length, ay / length, az / length
         # of nearly parallel m and c the product's own rounding leans towards c
@@ -84,136 +62,136 @@ def set_frame(geo: Array, mx: float, my: float, mz: float) -> None:
     else:
         h = math.sqrt(cx * cx + cz * cz)
         fx, fy, fz = -cz / h, 0.0, cx / h
-    geo[E2], geo[E2 + 1], geo[E2 + 2] = fx, fy, fz
-    geo[E1], geo[E1 + 1], geo[E1 + 2] = fy * cz - fz * cy, fz * cx - fx * cz, fx * cy - fy * cx
+    chart.e2[0], chart.e2[1], chart.e2[2] = fx, fy, fz
+    chart.e1[0], chart.e1[1], chart.e1[2] = fy * cz - fz * cy, fz * cx - fx * cz, fx * cy - fy * cx
 
 
 @jitable
-def set_lens(geo: Array) -> None:
+def set_lens(chart: Chart) -> None:
     """Note a circle of normals that holds all of the charted sphere's visible part inside the lobe."""
-    k = geo[RATIO]
-    geo[LENS_COS], geo[LENS_COS + 1], geo[LENS_COS + 2] = 1.0, 0.0, k
-    low, high = line_range(geo)
-    nearest = geo[LOBE_BETA] - math.atan2(geo[RIM_SIN], geo[RIM_COS])
+    k = chart.ratio
+    chart.lens_cos, chart.lens_sin, chart.lens_level = 1.0, 0.0, k
+    low, high = line_range(chart)
+    nearest = chart.lobe_beta - math.atan2(chart.rim_sin, chart.rim_cos)
     if nearest <= 0.0 or not low < high or high > 1.5:
         return
     first = math.asin(min(1.0, math.sin(nearest) / k)) - nearest
-    last = geo[GAMMA_MAX]
+    last = chart.gamma_max
     middle = 0.5 * (first + last)
     c, s, turn = math.cos(middle), math.sin(middle), math.cos(high)
     widest = min(math.cos(last - middle), c * k + s * math.sin(last) * turn)
     widest = min(widest, c * math.cos(first) + s * math.sin(first) * turn)
     if widest > k:
-        geo[LENS_COS], geo[LENS_COS + 1], geo[LENS_COS + 2] = c, s, widest - 1e-9
+        chart.lens_cos, chart.lens_sin, chart.lens_level = c, s, widest - 1e-9
 
 
 @jitable
 def add_normal(
-    walls: Array, counts: Ints, geo: Array, ax: float, ay: float, az: float, level: float, tag: int, shape: int
+    walls: Table[Wall], counts: Counts, chart: Chart, ax: float, ay: float, az: float, level: float, tag: int, shape: int
 ) -> None:  # fmt: skip
     """Append the circle a.N = level on the charted sphere, if it can cross its visible part inside the lobe."""
     if not abs(level) < 1.0:
         return
     # component along the visible pole -c
-    a0 = -(ax * geo[POLE] + ay * geo[POLE + 1] + az * geo[POLE + 2])
-    a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
+    a0 = -(ax * chart.pole[0] + ay * chart.pole[1] + az * chart.pole[2])
+    a1 = ax * chart.e1[0] + ay * chart.e1[1] + az * chart.e1[2]
     # the circle passes the lens where their axes are as far apart as the level asks, give or take the lens's radius
-    apart = a0 * geo[LENS_COS] + a1 * geo[LENS_COS + 1]
+    apart = a0 * chart.lens_cos + a1 * chart.lens_sin
     across = math.sqrt(max(0.0, (1.0 - apart) * (1.0 + apart)) * (1.0 - level) * (1.0 + level))
-    if apart * level + across < geo[LENS_COS + 2]:
+    if apart * level + across < chart.lens_level:
         return
-    a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
-    counts[WALLS] = add_circle(walls, counts[WALLS], NORMAL, a0, a1, a2, level, tag, shape)
+    a2 = ax * chart.e2[0] + ay * chart.e2[1] + az * chart.e2[2]
+    counts.walls = add_circle(walls, counts.walls, NORMAL, a0, a1, a2, level, tag, shape)
 
 
 @jitable
 def add_direction(
-    walls: Array, counts: Ints, geo: Array, ax: float, ay: float, az: float, cosine: float, tag: int, shape: int
+    walls: Table[Wall], counts: Counts, chart: Chart, ax: float, ay: float, az: float, cosine: float, tag: int, shape: int
 ) -> None:  # fmt: skip
     """Append the circle w.a = cosine on the sphere of directions."""
-    a0 = ax * geo[POLE] + ay * geo[POLE + 1] + az * geo[POLE + 2]
-    a1 = ax * geo[E1] + ay * geo[E1 + 1] + az * geo[E1 + 2]
-    a2 = ax * geo[E2] + ay * geo[E2 + 1] + az * geo[E2 + 2]
-    counts[WALLS] = add_circle(walls, counts[WALLS], DIRECTION, a0, a1, a2, cosine, tag, shape)
+    a0 = ax * chart.pole[0] + ay * chart.pole[1] + az * chart.pole[2]
+    a1 = ax * chart.e1[0] + ay * chart.e1[1] + az * chart.e1[2]
+    a2 = ax * chart.e2[0] + ay * chart.e2[1] + az * chart.e2[2]
+    counts.walls = add_circle(walls, counts.walls, DIRECTION, a0, a1, a2, cosine, tag, shape)
 
 
 @inlined
 def add_gleam_edge(i: int, blinn: bool, view: View, work: Work) -> None:
     """Append where the highlight of light point ``i`` begins if that is felt; ``blinn``: whether Blinn's has an end."""
     shading = view.shading
-    phong = shading[4] == PHONG
-    if not (phong or blinn) or not shading[2] > 0.0 or not 0.0 < shading[3] < FELT_END:
+    phong = shading.model == PHONG
+    if not (phong or blinn) or not shading.ks > 0.0 or not 0.0 < shading.shininess < FELT_END:
         return
-    n = work.counts[WALLS]
-    work.counts[WALLS] += 1
+    n = work.counts.walls
+    work.counts.walls += 1
     if n >= work.walls.shape[0]:
         return
     row = work.walls[n]
-    row[KIND], row[TAG], row[SHAPE], row[MET_COLUMN] = GLEAM_EDGE, HIGHLIGHT, i, 0.0
+    row.kind, row.tag, row.shape_index, row.met = GLEAM_EDGE, HIGHLIGHT, i, 0
     for a in range(3):
-        row[8 + a] = view.points[i, a]
-        row[11 + a] = view.eye[a] if shading[5] == EYE else work.geo[POINT + a]
-    row[14] = 1.0 if phong else 0.0
-    work.geo[CLIPPED] = 1.0
+        row.lit_from[a] = view.points[i].position[a]
+        row.seen_from[a] = view.eye[a] if shading.highlight_view == EYE else work.chart.point[a]
+    row.phong = 1 if phong else 0
+    work.chart.clipped = 1
 
 
 @inlined
-def texture_walls(sphere: Array, work: Work, shape: int) -> None:
+def texture_walls(sphere: Sphere, work: Work, shape: int) -> None:
     """Meridians and parallels where a checker or stripes change sign, and the seam where the chart closes."""
-    kind = int(sphere[7])
+    kind = int(sphere.texture)
     if kind != CHECKER and kind != STRIPES and kind != MARBLE:
         return
-    walls, counts, geo = work.walls, work.counts, work.geo
-    ku, kv = sphere[8], sphere[9]
+    walls, counts, chart = work.walls, work.counts, work.chart
+    ku, kv = sphere.ku, sphere.kv
     if kind == MARBLE:
         if ku != math.floor(ku):
-            add_normal(walls, counts, geo, 0.0, 1.0, 0.0, 0.0, TEXTURE_EDGE, shape)
+            add_normal(walls, counts, chart, 0.0, 1.0, 0.0, 0.0, TEXTURE_EDGE, shape)
         return
     if ku > 0.0:
         for i in range(math.floor(ku) + 1):
-            if work.counts[WALLS] > work.walls.shape[0]:
+            if work.counts.walls > work.walls.shape[0]:
                 return
             a = 2.0 * math.pi * i / ku - math.pi
-            add_normal(walls, counts, geo, -math.sin(a), math.cos(a), 0.0, 0.0, TEXTURE_EDGE, shape)
+            add_normal(walls, counts, chart, -math.sin(a), math.cos(a), 0.0, 0.0, TEXTURE_EDGE, shape)
     if kind == CHECKER:
         i = 1
         while i < kv:
-            if work.counts[WALLS] > work.walls.shape[0]:
+            if work.counts.walls > work.walls.shape[0]:
                 return
-            add_normal(walls, counts, geo, 0.0, 0.0, 1.0, math.cos(math.pi * i / kv), TEXTURE_EDGE, shape)
+            add_normal(walls, counts, chart, 0.0, 0.0, 1.0, math.cos(math.pi * i / kv), TEXTURE_EDGE, shape)
             i += 1
 
 
 @jitable
 def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
-    """Fill ``work`` for sphere ``j`` seen from geo's point; ``lobe`` the mirror direction; ``own`` P's sphere.
+    """Fill ``work`` for sphere ``j`` seen from the chart's point; ``lobe`` the mirror direction; ``own`` P's sphere.
 
     P must be outside every sphere but its own.
     """
-    walls, counts, geo = work.walls, work.counts, work.geo
+    walls, counts, chart = work.walls, work.counts, work.chart
     sphere = view.spheres[j]
-    r = sphere[3]
-    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
-    dx, dy, dz = sphere[0] - px, sphere[1] - py, sphere[2] - pz
+    r = sphere.radius
+    px, py, pz = chart.point[0], chart.point[1], chart.point[2]
+    dx, dy, dz = sphere.center[0] - px, sphere.center[1] - py, sphere.center[2] - pz
     dist = math.sqrt(dx * dx + dy * dy + dz * dz)
     k = min(r / dist, 1.0 - 1e-15)
-    geo[POLE], geo[POLE + 1], geo[POLE + 2] = dx / dist, dy / dist, dz / dist
-    geo[CENTER], geo[CENTER + 1], geo[CENTER + 2] = sphere[0], sphere[1], sphere[2]
-    geo[RADIUS], geo[RATIO], geo[SHAPE_INDEX] = r, k, j
-    geo[BETA_MAX], geo[GAMMA_MAX] = math.asin(k), math.acos(k)
-    geo[BRIGHT] = UNBOUNDED
-    geo[CLIPPED] = 0.0
-    geo[LIMB_TANGENT] = math.sqrt((1.0 - k) / (1.0 + k))
-    set_frame(geo, lobe[0], lobe[1], lobe[2])
-    set_lens(geo)
-    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
+    chart.pole[0], chart.pole[1], chart.pole[2] = dx / dist, dy / dist, dz / dist
+    chart.center[0], chart.center[1], chart.center[2] = sphere.center[0], sphere.center[1], sphere.center[2]
+    chart.radius, chart.ratio, chart.shape_index = r, k, j
+    chart.beta_max, chart.gamma_max = math.asin(k), math.acos(k)
+    chart.bright = UNBOUNDED
+    chart.clipped = 0
+    chart.limb_tangent = math.sqrt((1.0 - k) / (1.0 + k))
+    set_frame(chart, lobe[0], lobe[1], lobe[2])
+    set_lens(chart)
+    work.counts.walls = work.counts.occluders = work.counts.casters = 0
 
     # the plane through P that bounds what its surface can see cuts the sphere in a circle
-    nx, ny, nz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
-    add_normal(walls, counts, geo, nx, ny, nz, -(nx * dx + ny * dy + nz * dz) / r, HORIZON, -1)
-    floor = view.floor[FLOOR_PRESENT] != 0.0
+    nx, ny, nz = chart.normal[0], chart.normal[1], chart.normal[2]
+    add_normal(walls, counts, chart, nx, ny, nz, -(nx * dx + ny * dy + nz * dz) / r, HORIZON, -1)
+    floor = view.floor.present != 0.0
     if floor:
-        add_normal(walls, counts, geo, 0.0, 0.0, 1.0, -sphere[2] / r, FLOOR_CUT, -1)
+        add_normal(walls, counts, chart, 0.0, 0.0, 1.0, -sphere.center[2] / r, FLOOR_CUT, -1)
 
     # spheres in front
     power = (dist - r) * (dist + r)
@@ -221,138 +199,153 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
         if i in (j, own):
             continue
         s = view.spheres[i]
-        ox, oy, oz = s[0] - px, s[1] - py, s[2] - pz
+        ox, oy, oz = s.center[0] - px, s.center[1] - py, s.center[2] - pz
         d2 = math.sqrt(ox * ox + oy * oy + oz * oz)
-        ux, uy, uz = s[0] - sphere[0], s[1] - sphere[1], s[2] - sphere[2]
+        ux, uy, uz = s.center[0] - sphere.center[0], s.center[1] - sphere.center[1], s.center[2] - sphere.center[2]
         apart = math.sqrt(ux * ux + uy * uy + uz * uz)
-        crossing = apart < s[3] + r
-        if not crossing and (d2 - s[3]) * (d2 + s[3]) > power:
+        crossing = apart < s.radius + r
+        if not crossing and (d2 - s.radius) * (d2 + s.radius) > power:
             continue
-        k2 = min(1.0, s[3] / d2)
+        k2 = min(1.0, s.radius / d2)
         cosine = (ox * dx + oy * dy + oz * dz) / (d2 * dist)
-        if math.acos(max(-1.0, min(1.0, cosine))) >= geo[BETA_MAX] + math.asin(k2):
+        if math.acos(max(-1.0, min(1.0, cosine))) >= chart.beta_max + math.asin(k2):
             continue
-        work.occluders[work.counts[OCCLUDERS]] = i
-        work.counts[OCCLUDERS] += 1
+        work.occluders[work.counts.occluders] = i
+        work.counts.occluders += 1
         add_direction(
-            walls, counts, geo, ox / d2, oy / d2, oz / d2, math.sqrt((1.0 - k2) * (1.0 + k2)), SILHOUETTE, i
+            walls, counts, chart, ox / d2, oy / d2, oz / d2, math.sqrt((1.0 - k2) * (1.0 + k2)), SILHOUETTE, i
         )  # fmt: skip
         if crossing and apart > 0.0:
-            level = (apart * apart + r * r - s[3] * s[3]) / (2.0 * apart * r)
-            add_normal(walls, counts, geo, ux / apart, uy / apart, uz / apart, level, SILHOUETTE, i)
+            level = (apart * apart + r * r - s.radius * s.radius) / (2.0 * apart * r)
+            add_normal(walls, counts, chart, ux / apart, uy / apart, uz / apart, level, SILHOUETTE, i)
 
     texture_walls(sphere, work, j)
 
-    glint = view.shading[6] != CUT and view.shading[2] > 0.0
+    glint = view.shading.terminator != CUT and view.shading.ks > 0.0
     for i in range(view.points.shape[0]):
-        if view.points[i, DISK_RADIUS] > 0.0:
+        if view.points[i].radius > 0.0:
             disk_on_sphere(i, j, view, work)
             continue
-        lx, ly, lz = view.points[i, 0] - sphere[0], view.points[i, 1] - sphere[1], view.points[i, 2] - sphere[2]
+        lx, ly, lz = (
+            view.points[i].position[0] - sphere.center[0],
+            view.points[i].position[1] - sphere.center[1],
+            view.points[i].position[2] - sphere.center[2],
+        )
         far = math.sqrt(lx * lx + ly * ly + lz * lz)
         if lx * lx + ly * ly + lz * lz < r * r:
             continue
-        if work.counts[WALLS] > work.walls.shape[0]:
+        if work.counts.walls > work.walls.shape[0]:
             break
-        add_normal(walls, counts, geo, lx / far, ly / far, lz / far, r / far, TERMINATOR, i)
-        add_gleam_edge(i, glint or view.shading[5] == EYE, view, work)
+        add_normal(walls, counts, chart, lx / far, ly / far, lz / far, r / far, TERMINATOR, i)
+        add_gleam_edge(i, glint or view.shading.highlight_view == EYE, view, work)
         if not glint:
             # the visible cap may lie wholly behind the terminator
-            facing = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / far
-            if math.acos(max(-1.0, min(1.0, facing))) - geo[GAMMA_MAX] > math.acos(min(1.0, r / far)):
+            facing = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2]) / far
+            if math.acos(max(-1.0, min(1.0, facing))) - chart.gamma_max > math.acos(min(1.0, r / far)):
                 continue
         for h in range(view.spheres.shape[0]):
             if h == j:
                 continue
             s = view.spheres[h]
-            if casts(view.points[i, 0], view.points[i, 1], view.points[i, 2], s, sphere) and shadow_in_view(
-                -lx, -ly, -lz, s, sphere, glint, geo
-            ):
-                work.casters[work.counts[CASTERS], 0] = i
-                work.casters[work.counts[CASTERS], 1] = h
-                work.counts[CASTERS] += 1
-                work.counts[WALLS] = add_shadow(
-                    work.walls, work.counts[WALLS], geo, -lx, -ly, -lz,
-                    sphere[0] - s[0], sphere[1] - s[1], sphere[2] - s[2], s[3], h, i,
+            if casts(
+                view.points[i].position[0], view.points[i].position[1], view.points[i].position[2], s, sphere
+            ) and shadow_in_view(-lx, -ly, -lz, s, sphere, glint, chart):
+                work.casters[work.counts.casters].light = i
+                work.casters[work.counts.casters].ball = h
+                work.counts.casters += 1
+                work.counts.walls = add_shadow(
+                    work.walls, work.counts.walls, chart, -lx, -ly, -lz,
+                    sphere.center[0] - s.center[0], sphere.center[1] - s.center[1], sphere.center[2] - s.center[2], s.radius, h, i,
                 )  # fmt: skip
 
 
 @jitable
 def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
-    """Fill ``work`` for the floor seen from geo's point, which is off the floor: polar about the nadir."""
-    walls, counts, geo = work.walls, work.counts, work.geo
-    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
-    geo[POLE], geo[POLE + 1], geo[POLE + 2] = 0.0, 0.0, -geo[SIDE]
-    geo[RADIUS], geo[RATIO], geo[SHAPE_INDEX] = 0.0, 1.0, -1.0
-    geo[BETA_MAX] = geo[GAMMA_MAX] = 0.5 * math.pi
-    geo[HEIGHT] = abs(pz)
-    geo[BRIGHT] = UNBOUNDED
-    geo[CLIPPED] = 0.0
-    set_frame(geo, lobe[0], lobe[1], lobe[2])
-    work.counts[WALLS] = work.counts[OCCLUDERS] = work.counts[CASTERS] = 0
+    """Fill ``work`` for the floor seen from the chart's point, which is off the floor: polar about the nadir."""
+    walls, counts, chart = work.walls, work.counts, work.chart
+    px, py, pz = chart.point[0], chart.point[1], chart.point[2]
+    chart.pole[0], chart.pole[1], chart.pole[2] = 0.0, 0.0, -chart.side
+    chart.radius, chart.ratio, chart.shape_index = 0.0, 1.0, -1
+    chart.beta_max = chart.gamma_max = 0.5 * math.pi
+    chart.height = abs(pz)
+    chart.bright = UNBOUNDED
+    chart.clipped = 0
+    set_frame(chart, lobe[0], lobe[1], lobe[2])
+    work.counts.walls = work.counts.occluders = work.counts.casters = 0
     add_direction(
-        walls, counts, geo, geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2], 0.0, HORIZON, -1
+        walls, counts, chart, chart.normal[0], chart.normal[1], chart.normal[2], 0.0, HORIZON, -1
     )  # fmt: skip
     for i in range(view.spheres.shape[0]):
         s = view.spheres[i]
-        if i == own or geo[SIDE] * s[2] <= -s[3]:
+        if i == own or chart.side * s.center[2] <= -s.radius:
             continue
-        ox, oy, oz = s[0] - px, s[1] - py, s[2] - pz
+        ox, oy, oz = s.center[0] - px, s.center[1] - py, s.center[2] - pz
         far = math.sqrt(ox * ox + oy * oy + oz * oz)
-        k = min(1.0, s[3] / far)
-        work.occluders[work.counts[OCCLUDERS]] = i
-        work.counts[OCCLUDERS] += 1
+        k = min(1.0, s.radius / far)
+        work.occluders[work.counts.occluders] = i
+        work.counts.occluders += 1
         add_direction(
-            walls, counts, geo, ox / far, oy / far, oz / far, math.sqrt((1.0 - k) * (1.0 + k)), SILHOUETTE, i
+            walls, counts, chart, ox / far, oy / far, oz / far, math.sqrt((1.0 - k) * (1.0 + k)), SILHOUETTE, i
         )  # fmt: skip
-        if abs(s[2]) < s[3] and work.counts[WALLS] < work.walls.shape[0]:
-            row = work.walls[work.counts[WALLS]]
-            row[0], row[6], row[7], row[MET_COLUMN] = BALL, SILHOUETTE, i, 0.0
-            row[1] = ox * geo[E1] + oy * geo[E1 + 1]
-            row[2] = ox * geo[E2] + oy * geo[E2 + 1]
-            row[3] = ox * ox + oy * oy - (s[3] - s[2]) * (s[3] + s[2])
-            work.counts[WALLS] += 1
-    if geo[SIDE] < 0.0:
+        if abs(s.center[2]) < s.radius and work.counts.walls < work.walls.shape[0]:
+            row = work.walls[work.counts.walls]
+            row.kind, row.tag, row.shape_index, row.met = BALL, SILHOUETTE, i, 0
+            row.foot[0] = ox * chart.e1[0] + oy * chart.e1[1]
+            row.foot[1] = ox * chart.e2[0] + oy * chart.e2[1]
+            row.power = ox * ox + oy * oy - (s.radius - s.center[2]) * (s.radius + s.center[2])
+            work.counts.walls += 1
+    if chart.side < 0.0:
         return
     for i in range(view.points.shape[0]):
-        if view.points[i, DISK_RADIUS] > 0.0:
+        if view.points[i].radius > 0.0:
             disk_on_floor(i, view, work)
             continue
-        if view.points[i, 2] <= 0.0:
+        if view.points[i].position[2] <= 0.0:
             continue
-        add_gleam_edge(i, view.shading[5] == EYE and view.eye[2] <= 0.0, view, work)
-        ux, uy, uz = px - view.points[i, 0], py - view.points[i, 1], -view.points[i, 2]
+        add_gleam_edge(i, view.shading.highlight_view == EYE and view.eye[2] <= 0.0, view, work)
+        ux, uy, uz = px - view.points[i].position[0], py - view.points[i].position[1], -view.points[i].position[2]
         for h in range(view.spheres.shape[0]):
             s = view.spheres[h]
-            if s[2] <= -s[3] or s[2] - s[3] >= view.points[i, 2]:
+            if s.center[2] <= -s.radius or s.center[2] - s.radius >= view.points[i].position[2]:
                 continue
-            work.casters[work.counts[CASTERS], 0] = i
-            work.casters[work.counts[CASTERS], 1] = h
-            work.counts[CASTERS] += 1
-            work.counts[WALLS] = add_shadow(
-                work.walls, work.counts[WALLS], geo, ux, uy, uz, px - s[0], py - s[1], -s[2], s[3], h, i
+            work.casters[work.counts.casters].light = i
+            work.casters[work.counts.casters].ball = h
+            work.counts.casters += 1
+            work.counts.walls = add_shadow(
+                work.walls,
+                work.counts.walls,
+                chart,
+                ux,
+                uy,
+                uz,
+                px - s.center[0],
+                py - s.center[1],
+                -s.center[2],
+                s.radius,
+                h,
+                i,
             )
 
 
 @jitable
-def casts(lx: float, ly: float, lz: float, caster: Array, receiver: Array) -> bool:
+def casts(lx: float, ly: float, lz: float, caster: Sphere, receiver: Sphere) -> bool:
     """Whether a sphere can shadow some point of another one from the light point l."""
-    ax, ay, az = caster[0] - lx, caster[1] - ly, caster[2] - lz
-    bx, by, bz = receiver[0] - lx, receiver[1] - ly, receiver[2] - lz
+    ax, ay, az = caster.center[0] - lx, caster.center[1] - ly, caster.center[2] - lz
+    bx, by, bz = receiver.center[0] - lx, receiver.center[1] - ly, receiver.center[2] - lz
     a, b = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
-    if a <= caster[3] or b <= receiver[3]:
+    if a <= caster.radius or b <= receiver.radius:
         return True
-    if a - caster[3] > b + receiver[3]:
+    if a - caster.radius > b + receiver.radius:
         return False
     # less than asin(p) + asin(q) apart, by the cosine of that sum
-    p, q = caster[3] / a, receiver[3] / b
+    p, q = caster.radius / a, receiver.radius / b
     apart = math.sqrt((1.0 - p) * (1.0 + p) * (1.0 - q) * (1.0 + q)) - p * q
     return bool(ax * bx + ay * by + az * bz > a * b * apart)
 
 
 @jitable
 def shadow_in_view(
-    ux: float, uy: float, uz: float, caster: Array, receiver: Array, behind: bool, geo: Array
+    ux: float, uy: float, uz: float, caster: Sphere, receiver: Sphere, behind: bool, chart: Chart
 ) -> bool:  # fmt: skip
     """Whether a shadow on the charted sphere can reach its visible cap N.p >= k; ``u`` is its centre minus the light.
 
@@ -360,24 +353,28 @@ def shadow_in_view(
     axis passes. Where the surface faces the light N.e is at most sin(a); ``behind`` asks for shadows beyond the
     terminator too, where it has no bound.
     """
-    gx, gy, gz = receiver[0] - caster[0], receiver[1] - caster[1], receiver[2] - caster[2]
+    gx, gy, gz = (
+        receiver.center[0] - caster.center[0],
+        receiver.center[1] - caster.center[1],
+        receiver.center[2] - caster.center[2],
+    )
     ex, ey, ez = ux - gx, uy - gy, uz - gz
     dist = math.sqrt(ex * ex + ey * ey + ez * ez)
-    if dist <= caster[3]:
+    if dist <= caster.radius:
         return True
     ex, ey, ez = ex / dist, ey / dist, ez / dist
-    r = receiver[3]
-    tangent = caster[3] / math.sqrt((dist - caster[3]) * (dist + caster[3]))
+    r = receiver.radius
+    tangent = caster.radius / math.sqrt((dist - caster.radius) * (dist + caster.radius))
     reach = tangent * (math.sqrt(ux * ux + uy * uy + uz * uz) + r) / r
     along = gx * ex + gy * ey + gz * ez
     # the axis relative to the receiver's centre, across e
     hx, hy, hz = -(gx - along * ex) / r, -(gy - along * ey) / r, -(gz - along * ez) / r
-    px, py, pz = -geo[POLE], -geo[POLE + 1], -geo[POLE + 2]
+    px, py, pz = -chart.pole[0], -chart.pole[1], -chart.pole[2]
     facing = -(ex * px + ey * py + ez * pz)
     h = math.sqrt(hx * hx + hy * hy + hz * hz)
     low, high = min(1.0, max(0.0, h - reach)), min(1.0, h + reach)
     longest, shortest = math.sqrt((1.0 - low) * (1.0 + low)), math.sqrt((1.0 - high) * (1.0 + high))
-    along_axis = 1.0 if behind else caster[3] / dist
+    along_axis = 1.0 if behind else caster.radius / dist
     # -N.e lies in [shortest, longest] or, away from the light, in [-along_axis, -shortest]
     if facing > 0.0:
         depth = facing * longest
@@ -386,4 +383,4 @@ def shadow_in_view(
     else:
         depth = facing * shortest
     across = reach * math.sqrt(max(0.0, 1.0 - facing * facing))
-    return bool(hx * px + hy * py + hz * pz + across + depth > geo[RATIO])
+    return bool(hx * px + hy * py + hz * pz + across + depth > chart.ratio)

@@ -16,35 +16,22 @@ import numpy.typing as npt
 
 from symrender.chambers.events import CROSSING, add_event, chart_events, close_events
 from symrender.chambers.labels import is_hidden
+from symrender.chambers.records import Chart, Event, Wall
 from symrender.chambers.roots import quartic_roots
 from symrender.chambers.tangencies import tangencies
 from symrender.chambers.traces import LIMB_ROW, RIM_ROW, set_circles, trace_crossings
 from symrender.chambers.walls import (
     BALL,
-    CENTER,
-    COS,
     DIRECTION,
-    E1,
-    E2,
-    HEIGHT,
-    KIND,
-    LOBE_BETA,
     NORMAL,
-    POINT,
-    POLE,
-    RADIUS,
-    RATIO,
-    RIM_COS,
     SHADOW,
     SHADOW_EDGE,
-    SHAPE_INDEX,
-    SIN,
-    TAG,
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import WALLS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 
@@ -87,46 +74,52 @@ def cone_level(axis0: float, axis1: float, axis2: float, sine: float, v: Array, 
 
 
 @jitable
-def shadow_quadric(row: Array, geo: Array, v: Array, p: Array, f: Array, g: Array) -> None:
+def shadow_quadric(row: Wall, chart: Chart, v: Array, p: Array, f: Array, g: Array) -> None:
     """Quartic of a shadow edge's level; ``v`` rows: the normal's frame coordinates, or the direction's on the floor."""
     for i in range(5):
         p[i] = 0.0
-    if geo[SHAPE_INDEX] >= 0.0:
-        r = geo[RADIUS]
+    if chart.shape_index >= 0.0:
+        r = chart.radius
         # the constant one, lifted, is (1, 0, 1)
         for i in range(3):
             one = 0.0 if i == 1 else 1.0
-            f[i] = row[11] * one + r * (-row[8] * v[0, i] + row[9] * v[1, i] + row[10] * v[2, i])
-            g[i] = row[15] * one + r * (-row[12] * v[0, i] + row[13] * v[1, i] + row[14] * v[2, i])
+            f[i] = row.first_level * one + r * (
+                -row.first[0] * v[0, i] + row.first[1] * v[1, i] + row.first[2] * v[2, i]
+            )
+            g[i] = row.second_level * one + r * (
+                -row.second[0] * v[0, i] + row.second[1] * v[1, i] + row.second[2] * v[2, i]
+            )
         add_product(p, f, f, -1.0)
         add_product(p, g, g, -1.0)
         for i in range(3):
             one = 0.0 if i == 1 else 1.0
-            f[i] = (row[19] + r * r) * one + 2.0 * r * (-row[16] * v[0, i] + row[17] * v[1, i] + row[18] * v[2, i])
+            f[i] = (row.origin2 + r * r) * one + 2.0 * r * (
+                -row.origin[0] * v[0, i] + row.origin[1] * v[1, i] + row.origin[2] * v[2, i]
+            )
             g[i] = one
-        add_product(p, f, g, row[20])
+        add_product(p, f, g, row.sine2)
         return
-    h = geo[HEIGHT]
+    h = chart.height
     for i in range(3):
-        f[i] = row[11] * v[0, i] + h * (row[9] * v[1, i] + row[10] * v[2, i])
-        g[i] = row[15] * v[0, i] + h * (row[13] * v[1, i] + row[14] * v[2, i])
+        f[i] = row.first_level * v[0, i] + h * (row.first[1] * v[1, i] + row.first[2] * v[2, i])
+        g[i] = row.second_level * v[0, i] + h * (row.second[1] * v[1, i] + row.second[2] * v[2, i])
     add_product(p, f, f, -1.0)
     add_product(p, g, g, -1.0)
     for i in range(3):
-        f[i] = row[19] * v[0, i] + 2.0 * h * (row[17] * v[1, i] + row[18] * v[2, i])
-    add_product(p, v[0], f, row[20])
-    add_product(p, v[1], v[1], row[20] * h * h)
-    add_product(p, v[2], v[2], row[20] * h * h)
+        f[i] = row.origin2 * v[0, i] + 2.0 * h * (row.origin[1] * v[1, i] + row.origin[2] * v[2, i])
+    add_product(p, v[0], f, row.sine2)
+    add_product(p, v[1], v[1], row.sine2 * h * h)
+    add_product(p, v[2], v[2], row.sine2 * h * h)
 
 
 @jitable
-def ball_quadric(row: Array, geo: Array, v: Array, p: Array, f: Array) -> None:
+def ball_quadric(row: Wall, chart: Chart, v: Array, p: Array, f: Array) -> None:
     """Quartic of the floor's circle inside a ball along a circle of directions."""
-    h = geo[HEIGHT]
+    h = chart.height
     for i in range(5):
         p[i] = 0.0
     for i in range(3):
-        f[i] = row[3] * v[0, i] - 2.0 * h * (row[1] * v[1, i] + row[2] * v[2, i])
+        f[i] = row.power * v[0, i] - 2.0 * h * (row.foot[0] * v[1, i] + row.foot[1] * v[2, i])
     add_product(p, v[0], f, 1.0)
     add_product(p, v[1], v[1], h * h)
     add_product(p, v[2], v[2], h * h)
@@ -134,15 +127,15 @@ def ball_quadric(row: Array, geo: Array, v: Array, p: Array, f: Array) -> None:
 
 @inlined
 def add_crossing(
-    x0: float, x1: float, x2: float, normal: bool, hides: bool, view: View, work: Work, events: Array, n: int,
+    x0: float, x1: float, x2: float, normal: bool, hides: bool, view: View, work: Work, events: Table[Event], n: int,
     low: float, high: float,
 ) -> int:  # fmt: skip
     """Note a crossing at frame coordinates ``x``, of the normal or of the direction, if it is inside the lobe and seen.
 
     ``hides`` says that one of the two walls bounds what is seen, so that sight cannot be asked at the crossing.
     """
-    geo = work.geo
-    k = geo[RATIO]
+    chart = work.chart
+    k = chart.ratio
     if normal:
         if x0 <= k:
             return n
@@ -152,19 +145,19 @@ def add_crossing(
             return n
         w0, w1, w2 = x0, x1, x2
     size2 = w0 * w0 + w1 * w1 + w2 * w2
-    along = w0 * geo[LOBE_BETA + 1] + w1 * geo[LOBE_BETA + 2]
-    if not along > (geo[RIM_COS] - 1e-9) * math.sqrt(size2):
+    along = w0 * chart.lobe_cos + w1 * chart.lobe_sin
+    if not along > (chart.rim_cos - 1e-9) * math.sqrt(size2):
         return n
     if not hides:
         if normal:
-            a, r = -x0, geo[RADIUS]
-            qx = geo[CENTER] + r * (a * geo[POLE] + x1 * geo[E1] + x2 * geo[E2])
-            qy = geo[CENTER + 1] + r * (a * geo[POLE + 1] + x1 * geo[E1 + 1] + x2 * geo[E2 + 1])
-            qz = geo[CENTER + 2] + r * (a * geo[POLE + 2] + x1 * geo[E1 + 2] + x2 * geo[E2 + 2])
+            a, r = -x0, chart.radius
+            qx = chart.center[0] + r * (a * chart.pole[0] + x1 * chart.e1[0] + x2 * chart.e2[0])
+            qy = chart.center[1] + r * (a * chart.pole[1] + x1 * chart.e1[1] + x2 * chart.e2[1])
+            qz = chart.center[2] + r * (a * chart.pole[2] + x1 * chart.e1[2] + x2 * chart.e2[2])
         else:
-            r = geo[HEIGHT] / x0
-            qx = geo[POINT] + r * (x1 * geo[E1] + x2 * geo[E2])
-            qy = geo[POINT + 1] + r * (x1 * geo[E1 + 1] + x2 * geo[E2 + 1])
+            r = chart.height / x0
+            qx = chart.point[0] + r * (x1 * chart.e1[0] + x2 * chart.e2[0])
+            qy = chart.point[1] + r * (x1 * chart.e1[1] + x2 * chart.e2[1])
             qz = 0.0
         if is_hidden(qx, qy, qz, view, work):
             return n
@@ -174,7 +167,7 @@ def add_crossing(
 @inlined
 def circle_crossings(
     a0: float, a1: float, a2: float, p: float, b0: float, b1: float, b2: float, q: float, normal: bool, hides: bool,
-    view: View, work: Work, events: Array, n: int, low: float, high: float,
+    view: View, work: Work, events: Table[Event], n: int, low: float, high: float,
 ) -> int:  # fmt: skip
     """Note where the circles a.x = p and b.x = q of one sphere meet."""
     x0, x1, x2 = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
@@ -198,13 +191,13 @@ def circle_crossings(
 
 @inlined
 def along_circle(
-    row: Array, other: Array, axis0: float, axis1: float, axis2: float, sine: float, hides: bool, view: View,
-    work: Work, events: Array, n: int, low: float, high: float,
+    row: Wall, other: Wall, axis0: float, axis1: float, axis2: float, sine: float, hides: bool, view: View,
+    work: Work, events: Table[Event], n: int, low: float, high: float,
 ) -> int:  # fmt: skip
     """Note where the circle ``row`` meets another wall: a cone of directions (``sine`` >= 0), else ``other``."""
-    geo = work.geo
-    normal = int(row[KIND]) == NORMAL
-    a0, a1, a2 = row[1], row[2], row[3]
+    chart = work.chart
+    normal = row.kind == NORMAL
+    a0, a1, a2 = row.axis[0], row.axis[1], row.axis[2]
     if abs(a0) < 0.6:
         f0, f1, f2 = 0.0, a2, -a1
     else:
@@ -212,7 +205,7 @@ def along_circle(
     inv = 1.0 / math.sqrt(f0 * f0 + f1 * f1 + f2 * f2)
     f0, f1, f2 = f0 * inv, f1 * inv, f2 * inv
     g0, g1, g2 = a1 * f2 - a2 * f1, a2 * f0 - a0 * f2, a0 * f1 - a1 * f0
-    c, s, k = row[COS], row[SIN], geo[RATIO]
+    c, s, k = row.cos, row.sin, chart.ratio
     v, p, f, g = work.quadric[:3], work.quadric[3], work.quadric[4], work.quadric[5]
     for _ in range(2):
         lift(c * a0, s * f0, s * g0, v[0])
@@ -226,10 +219,10 @@ def along_circle(
                     v[1, i] *= k
                     v[2, i] *= k
             cone_level(axis0, axis1, axis2, sine, v, p, f, g)
-        elif int(other[KIND]) == SHADOW:
-            shadow_quadric(other, geo, v, p, f, g)
+        elif other.kind == SHADOW:
+            shadow_quadric(other, chart, v, p, f, g)
         else:
-            ball_quadric(other, geo, v, p, f)
+            ball_quadric(other, chart, v, p, f)
         # Bernstein coefficients on t in [-1, 1]
         b = work.bernstein
         b[0] = p[0] - p[1] + p[2] - p[3] + p[4]
@@ -251,29 +244,29 @@ def along_circle(
 
 
 @inlined
-def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
+def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
     """Add the azimuths of all closed-form crossings inside the lobe to ``events``; new count."""
-    geo, walls = work.geo, work.walls
-    count = min(work.counts[WALLS], walls.shape[0])
-    floor = geo[SHAPE_INDEX] < 0.0
+    chart, walls = work.chart, work.walls
+    count = min(work.counts.walls, walls.shape[0])
+    floor = chart.shape_index < 0.0
     for i in range(count):
         one = walls[i]
-        kind = int(one[KIND])
+        kind = one.kind
         for j in range(-2, i):
             # the limb and the rim come first; circles at the limb are among ``chart_events``
             if j == -2 and (floor or kind != SHADOW):
                 continue
             other = walls[j] if j >= 0 else work.circles[LIMB_ROW if j == -2 else RIM_ROW]
-            also, hides = int(other[KIND]), True
-            b0, b1, b2, cosine, sine = other[1], other[2], other[3], other[COS], other[SIN]
+            also, hides = other.kind, True
+            b0, b1, b2, cosine, sine = other.axis[0], other.axis[1], other.axis[2], other.cos, other.sin
             if j >= 0:
                 hides = not (
-                    (one[TAG] == TEXTURE_EDGE or one[TAG] == TERMINATOR or one[TAG] == SHADOW_EDGE)
-                    and (other[TAG] == TEXTURE_EDGE or other[TAG] == TERMINATOR or other[TAG] == SHADOW_EDGE)
+                    (one.tag == TEXTURE_EDGE or one.tag == TERMINATOR or one.tag == SHADOW_EDGE)
+                    and (other.tag == TEXTURE_EDGE or other.tag == TERMINATOR or other.tag == SHADOW_EDGE)
                 )
             if kind <= NORMAL and also == kind:
                 n = circle_crossings(
-                    one[1], one[2], one[3], one[COS], b0, b1, b2, cosine, kind == NORMAL, hides, view, work, events, n,
+                    one.axis[0], one.axis[1], one.axis[2], one.cos, b0, b1, b2, cosine, kind == NORMAL, hides, view, work, events, n,
                     low, high,
                 )  # fmt: skip
                 continue
@@ -283,7 +276,7 @@ def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, h
                 pass
             elif kind == DIRECTION and also == NORMAL:
                 row, wall = other, one
-                b0, b1, b2, sine = one[1], one[2], one[3], one[SIN]
+                b0, b1, b2, sine = one.axis[0], one.axis[1], one.axis[2], one.sin
             elif kind in (SHADOW, BALL) and (also == NORMAL or (also == DIRECTION and floor)):
                 row, wall, sine = other, one, -1.0
             elif also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and floor)):
@@ -295,7 +288,7 @@ def chart_crossings(view: View, work: Work, events: Array, n: int, low: float, h
 
 
 @inlined
-def all_events(view: View, work: Work, events: Array, low: float, high: float) -> int:
+def all_events(view: View, work: Work, events: Table[Event], low: float, high: float) -> int:
     """Events between low and high, with both ends, ascending; columns azimuth, kind. Their number."""
     set_circles(work)
     n = chart_events(work, events, low, high) - 1

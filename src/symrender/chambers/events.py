@@ -13,24 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.line import HALF_PI, LIMB, POLE_END, RIM_HIGH, RIM_LOW, rim_interval, wall_level, wall_roots
+from symrender.chambers.records import Chart, Event
 from symrender.chambers.walls import (
-    BETA_MAX,
-    COS,
     DIRECTION,
-    GAMMA_MAX,
-    KIND,
-    LOBE_BETA,
     NORMAL,
-    RATIO,
-    RIM_COS,
-    RIM_SIN,
-    SHAPE_INDEX,
-    SIN,
-    TANGENT,
     tangent_lines,
 )
-from symrender.chambers.work import WALLS, Work
+from symrender.chambers.work import Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 
@@ -43,39 +34,39 @@ ROOT = 1.0
 
 
 @jitable
-def add_event(events: Array, n: int, phi: float, low: float, high: float, kind: float) -> int:
+def add_event(events: Table[Event], n: int, phi: float, low: float, high: float, kind: float) -> int:
     """Insert an azimuth, reduced to (low, high), in order; equal ones merge and keep the stronger kind."""
     turn = 2.0 * math.pi
     phi -= turn * math.floor((phi - low) / turn)
     if not low < phi < high or n >= events.shape[0]:
         return n
     k = n
-    while k > 0 and events[k - 1, 0] > phi:
+    while k > 0 and events[k - 1].azimuth > phi:
         k -= 1
     close = 1e-12
-    if k > 0 and phi - events[k - 1, 0] < close:
-        events[k - 1, 1] = max(events[k - 1, 1], kind)
+    if k > 0 and phi - events[k - 1].azimuth < close:
+        events[k - 1].kind = max(events[k - 1].kind, kind)
         return n
-    if k < n and events[k, 0] - phi < close:
-        events[k, 1] = max(events[k, 1], kind)
+    if k < n and events[k].azimuth - phi < close:
+        events[k].kind = max(events[k].kind, kind)
         return n
     for i in range(n, k, -1):
-        events[i, 0], events[i, 1] = events[i - 1, 0], events[i - 1, 1]
-    events[k, 0], events[k, 1] = phi, kind
+        events[i].azimuth, events[i].kind = events[i - 1].azimuth, events[i - 1].kind
+    events[k].azimuth, events[k].kind = phi, kind
     return n + 1
 
 
 @jitable
-def within_lobe(phi: float, beta: float, geo: Array) -> bool:
+def within_lobe(phi: float, beta: float, chart: Chart) -> bool:
     """Whether the direction (phi, beta) of the chart lies in the lobe, generously."""
-    cosine = math.cos(beta) * geo[LOBE_BETA + 1] + math.sin(beta) * geo[LOBE_BETA + 2] * math.cos(phi)
-    return bool(cosine > geo[RIM_COS] - 1e-9)
+    cosine = math.cos(beta) * chart.lobe_cos + math.sin(beta) * chart.lobe_sin * math.cos(phi)
+    return bool(cosine > chart.rim_cos - 1e-9)
 
 
 @jitable
 def circle_events(
     a0: float, a1: float, a2: float, cosine: float, sine: float, middle: float, offset: float, normal: bool,
-    geo: Array, events: Array, n: int, low: float, high: float, rim: bool,
+    chart: Chart, events: Table[Event], n: int, low: float, high: float, rim: bool,
 ) -> int:  # fmt: skip
     """Tangencies and limb passages of one circle; ``normal`` says on which sphere it lies.
 
@@ -84,8 +75,8 @@ def circle_events(
     rho = math.sqrt(a1 * a1 + a2 * a2)
     if rho == 0.0:
         return n
-    k = geo[RATIO]
-    limb = geo[GAMMA_MAX] if normal else geo[BETA_MAX]
+    k = chart.ratio
+    limb = chart.gamma_max if normal else chart.beta_max
     if sine <= rho:
         for branch in range(4):
             phi = middle + (offset if branch < 2 else math.pi - offset) * (1.0 if branch % 2 == 0 else -1.0)
@@ -98,7 +89,7 @@ def circle_events(
                 beta = x
                 if normal:
                     beta = math.atan2(k * math.sin(x), 1.0 - k * math.cos(x))
-                if within_lobe(phi, beta, geo):
+                if within_lobe(phi, beta, chart):
                     n = add_event(events, n, phi, low, high, ROOT)
     if math.sin(limb) > 0.0:
         ratio = (cosine - a0 * math.cos(limb)) / (rho * math.sin(limb)) if math.sin(limb) > 0.0 else 2.0
@@ -106,65 +97,65 @@ def circle_events(
             offset = math.acos(ratio)
             for branch in range(2):
                 phi = middle + (offset if branch == 0 else -offset)
-                if rim or within_lobe(phi, geo[BETA_MAX], geo):
+                if rim or within_lobe(phi, chart.beta_max, chart):
                     n = add_event(events, n, phi, low, high, CROSSING if normal else ROOT)
     return n
 
 
 @jitable
-def line_range(geo: Array) -> tuple[float, float]:
+def line_range(chart: Chart) -> tuple[float, float]:
     """Azimuths (low, high) that can meet the lobe; low >= high if none do."""
-    beta, sine, cosine = geo[LOBE_BETA], geo[LOBE_BETA + 2], geo[RIM_COS]
+    beta, sine, cosine = chart.lobe_beta, chart.lobe_sin, chart.rim_cos
     # pole inside the lobe
-    if geo[LOBE_BETA + 1] > cosine:
+    if chart.lobe_cos > cosine:
         return -math.pi, math.pi
-    limb = geo[BETA_MAX]
-    nearest = beta - math.atan2(geo[RIM_SIN], cosine)
+    limb = chart.beta_max
+    nearest = beta - math.atan2(chart.rim_sin, cosine)
     if nearest >= limb:
         return 0.0, 0.0
-    if geo[RIM_SIN] < sine:
-        x = math.atan2(math.sqrt((sine - geo[RIM_SIN]) * (sine + geo[RIM_SIN])) * cosine, geo[LOBE_BETA + 1] * cosine)
+    if chart.rim_sin < sine:
+        x = math.atan2(math.sqrt((sine - chart.rim_sin) * (sine + chart.rim_sin)) * cosine, chart.lobe_cos * cosine)
         if x < limb:
-            offset = math.asin(geo[RIM_SIN] / sine)
+            offset = math.asin(chart.rim_sin / sine)
             return -offset, offset
     if math.sin(limb) * sine == 0.0:
         return -math.pi, math.pi
-    ratio = (cosine - geo[LOBE_BETA + 1] * math.cos(limb)) / (sine * math.sin(limb))
+    ratio = (cosine - chart.lobe_cos * math.cos(limb)) / (sine * math.sin(limb))
     offset = math.acos(max(-1.0, min(1.0, ratio)))
     return -offset, offset
 
 
 @inlined
-def chart_events(work: Work, events: Array, low: float, high: float) -> int:
+def chart_events(work: Work, events: Table[Event], low: float, high: float) -> int:
     """Tangencies and limb passages between low and high, with both ends, ascending; columns azimuth, kind."""
-    geo = work.geo
-    events[0, 0], events[0, 1] = low, ROOT
+    chart = work.chart
+    events[0].azimuth, events[0].kind = low, ROOT
     n = 1
     if high - low > 6.0:
-        events[0, 1] = SMOOTH
+        events[0].kind = SMOOTH
         n = add_event(events, n, 0.0, low, high, SMOOTH)
-    middle, offset, _ = tangent_lines(geo[LOBE_BETA + 2], 0.0, geo[RIM_SIN])
+    middle, offset, _ = tangent_lines(chart.lobe_sin, 0.0, chart.rim_sin)
     n = circle_events(
-        geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_COS], geo[RIM_SIN], middle, offset, False, geo, events, n,
+        chart.lobe_cos, chart.lobe_sin, 0.0, chart.rim_cos, chart.rim_sin, middle, offset, False, chart, events, n,
         low, high, True,
     )  # fmt: skip
-    for i in range(min(work.counts[WALLS], work.walls.shape[0])):
+    for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
-        kind = int(row[KIND])
+        kind = row.kind
         if kind in (NORMAL, DIRECTION):
-            row[TANGENT], row[TANGENT + 1], row[TANGENT + 2] = tangent_lines(row[2], row[3], row[SIN])
+            (row.touch_azimuth, row.touch_offset, row.touch_depth) = tangent_lines(row.axis[1], row.axis[2], row.sin)
             n = circle_events(
-                row[1], row[2], row[3], row[COS], row[SIN], row[TANGENT], row[TANGENT + 1], kind == NORMAL, geo,
+                row.axis[0], row.axis[1], row.axis[2], row.cos, row.sin, row.touch_azimuth, row.touch_offset, kind == NORMAL, chart,
                 events, n, low, high, False,
             )  # fmt: skip
     return close_events(events, n, high)
 
 
 @jitable
-def close_events(events: Array, n: int, high: float) -> int:
+def close_events(events: Table[Event], n: int, high: float) -> int:
     """Append the upper end, of the same kind as the lower one; new count."""
     n = min(n, events.shape[0] - 1)
-    events[n, 0], events[n, 1] = high, events[0, 1]
+    events[n].azimuth, events[n].kind = high, events[0].kind
     return n + 1
 
 
@@ -177,7 +168,7 @@ def end_position(wall: int, phi: float, work: Work, scratch: Array) -> float:
     if wall == LIMB:
         return HALF_PI
     if wall in (RIM_LOW, RIM_HIGH):
-        low, high, first, last = rim_interval(c, s, work.geo)
+        low, high, first, last = rim_interval(c, s, work.chart)
         if low < high and wall == RIM_LOW and first == RIM_LOW:
             return low
         if low < high and wall == RIM_HIGH and last == RIM_HIGH:
@@ -197,10 +188,10 @@ def crossing(one: int, other: int, left: float, right: float, work: Work, scratc
         one, other = other, one
     if one < 0:
         return math.nan
-    sphere = work.geo[SHAPE_INDEX] >= 0.0
-    if other >= 0 and sphere and int(work.walls[other // 4][KIND]) > DIRECTION:
+    sphere = work.chart.shape_index >= 0.0
+    if other >= 0 and sphere and work.walls[other // 4].kind > DIRECTION:
         one, other = other, one
-        if int(work.walls[other // 4][KIND]) > DIRECTION:
+        if work.walls[other // 4].kind > DIRECTION:
             return math.nan
     xa = end_position(other, left, work, scratch)
     xb = end_position(other, right, work, scratch)

@@ -20,48 +20,14 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.walls import (
-    BETA_MAX,
-    CENTER,
-    E1,
-    E2,
-    EXPONENT,
-    GAMMA_MAX,
-    HEIGHT,
-    LEAST,
-    LOBE_BETA,
-    LOG_NORMALISER,
-    PACE,
-    POINT,
-    POLE,
-    RADIUS,
-    RATIO,
-    RIM_COS,
-    SHAPE_INDEX,
-    SIDE,
-)
-from symrender.chambers.work import HIGHLIGHTS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import CUT, EYE, PHONG
 
 Array = npt.NDArray[np.float64]
 
 # columns of ``Work.highlights``
-LIGHT_POINT = 0
-FIRST = 1
-LAST = 2
-"""Azimuths between which it is felt."""
-STRIP = 3
-"""How far off the real azimuths the integrand stays tame."""
-INNERMOST = 4
-OUTERMOST = 5
-"""Inner coordinates between which it is felt."""
-ALONG = 6
-"""How far off the line it stays tame along a scan line."""
 
-KEY = 7
-"""Octaves of both strips."""
 
 TAME = 2.0
 """A highlight of width w is tame to this times w beside the real line: it grows there by no more than a factor 8."""
@@ -104,22 +70,22 @@ def chord_about(
     ``variation`` holds within ``reach`` of Q where N turns by at most ``turn``. Where ``specular_terminator: cut``
     leaves no highlight the chord is 2.
     """
-    geo, p, shading = work.geo, view.points[l], view.shading
-    lx, ly, lz = p[0] - qx, p[1] - qy, p[2] - qz
-    if shading[5] == EYE:
+    chart, p, shading = work.chart, view.points[l], view.shading
+    lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    if shading.highlight_view == EYE:
         vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
     else:
-        vx, vy, vz = geo[POINT] - qx, geo[POINT + 1] - qy, geo[POINT + 2] - qz
+        vx, vy, vz = chart.point[0] - qx, chart.point[1] - qy, chart.point[2] - qz
     far_l = math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
     far_v = math.sqrt(max(1e-300, vx * vx + vy * vy + vz * vz))
     by_l, by_v = 1.0 / far_l, 1.0 / far_v
     lx, ly, lz = lx * by_l, ly * by_l, lz * by_l
     vx, vy, vz = vx * by_v, vy * by_v, vz * by_v
-    a, b = chord_of(reach + p[DISK_RADIUS], far_l), chord_of(reach, far_v)
+    a, b = chord_of(reach + p.radius, far_l), chord_of(reach, far_v)
     facing = nx * lx + ny * ly + nz * lz
-    if shading[6] == CUT and facing + turn + a < 0.0:
+    if shading.terminator == CUT and facing + turn + a < 0.0:
         return 2.0, 0.0
-    if shading[4] == PHONG:
+    if shading.model == PHONG:
         dx, dy, dz = 2.0 * facing * nx - lx - vx, 2.0 * facing * ny - ly - vy, 2.0 * facing * nz - lz - vz
         varies = 2.0 * turn + a + b
     else:
@@ -138,19 +104,19 @@ def slope_towards(
     l: int, qx: float, qy: float, qz: float, ux: float, uy: float, uz: float, view: View, work: Work
 ) -> float:  # fmt: skip
     """How fast h, or the mirror image of l against v, turns at Q along the unit vector u, at most."""
-    geo, p = work.geo, view.points[l]
-    lx, ly, lz = p[0] - qx, p[1] - qy, p[2] - qz
-    if view.shading[5] == EYE:
+    chart, p = work.chart, view.points[l]
+    lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    if view.shading.highlight_view == EYE:
         vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
     else:
-        vx, vy, vz = geo[POINT] - qx, geo[POINT + 1] - qy, geo[POINT + 2] - qz
+        vx, vy, vz = chart.point[0] - qx, chart.point[1] - qy, chart.point[2] - qz
     by_l = 1.0 / math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
     by_v = 1.0 / math.sqrt(max(1e-300, vx * vx + vy * vy + vz * vz))
     lx, ly, lz = lx * by_l, ly * by_l, lz * by_l
     vx, vy, vz = vx * by_v, vy * by_v, vz * by_v
     ul, uv = ux * lx + uy * ly + uz * lz, ux * vx + uy * vy + uz * vz
     turns = by_l * math.sqrt(max(0.0, 1.0 - ul * ul)) + by_v * math.sqrt(max(0.0, 1.0 - uv * uv))
-    if view.shading[4] == PHONG:
+    if view.shading.model == PHONG:
         return turns
     hx, hy, hz = lx + vx, ly + vy, lz + vz
     return turns / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
@@ -162,18 +128,18 @@ def log_share(qx: float, qy: float, qz: float, reach: float, ample: float, work:
 
     -inf outside the lobe; ``ample`` is the logarithm of the shape's solid angle over the lobe's normaliser.
     """
-    geo = work.geo
-    dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
+    chart = work.chart
+    dx, dy, dz = qx - chart.point[0], qy - chart.point[1], qz - chart.point[2]
     far = math.sqrt(dx * dx + dy * dy + dz * dz)
     inv = 1.0 / max(far, 1e-300)
-    x = (dx * geo[POLE] + dy * geo[POLE + 1] + dz * geo[POLE + 2]) * inv - geo[LOBE_BETA + 1]
-    y = (dx * geo[E1] + dy * geo[E1 + 1] + dz * geo[E1 + 2]) * inv - geo[LOBE_BETA + 2]
-    z = (dx * geo[E2] + dy * geo[E2 + 1] + dz * geo[E2 + 2]) * inv
+    x = (dx * chart.pole[0] + dy * chart.pole[1] + dz * chart.pole[2]) * inv - chart.lobe_cos
+    y = (dx * chart.e1[0] + dy * chart.e1[1] + dz * chart.e1[2]) * inv - chart.lobe_sin
+    z = (dx * chart.e2[0] + dy * chart.e2[1] + dz * chart.e2[2]) * inv
     chord = max(0.0, math.sqrt(x * x + y * y + z * z) - chord_of(reach, far))
     versine = 0.5 * chord * chord
-    if versine > 1.0 - geo[RIM_COS] + 1e-9:
+    if versine > 1.0 - chart.rim_cos + 1e-9:
         return -math.inf
-    return float(ample + geo[EXPONENT] * math.log1p(-min(1.0 - 1e-15, versine)))
+    return float(ample + chart.exponent * math.log1p(-min(1.0 - 1e-15, versine)))
 
 
 @inlined
@@ -195,22 +161,22 @@ def note_highlight(
 
     The last row takes what has no room, whatever its light.
     """
-    rows, count = work.highlights, work.counts[HIGHLIGHTS]
+    rows, count = work.highlights, work.counts.highlights
     # strips of one octave; of a chain of ever narrower ones the last would stand for all
     key = math.floor(1.4426950408889634 * math.log(strip)) + 4096.0 * math.floor(1.4426950408889634 * math.log(along))
     for i in range(count):
         row = rows[i]
-        touches = first <= row[LAST] + 1e-12 and last >= row[FIRST] - 1e-12
-        alike = row[LIGHT_POINT] == l and row[KEY] == key
+        touches = first <= row.last + 1e-12 and last >= row.first - 1e-12
+        alike = row.light == l and row.key == key
         if (touches and alike) or i + 1 == rows.shape[0]:
-            row[FIRST], row[LAST] = min(row[FIRST], first), max(row[LAST], last)
-            row[STRIP], row[ALONG] = min(row[STRIP], strip), min(row[ALONG], along)
-            row[INNERMOST], row[OUTERMOST] = min(row[INNERMOST], low), max(row[OUTERMOST], high)
+            row.first, row.last = min(row.first, first), max(row.last, last)
+            row.strip, row.along = min(row.strip, strip), min(row.along, along)
+            row.innermost, row.outermost = min(row.innermost, low), max(row.outermost, high)
             return
     row = rows[count]
-    row[LIGHT_POINT], row[FIRST], row[LAST], row[STRIP] = l, first, last, strip
-    row[INNERMOST], row[OUTERMOST], row[ALONG], row[KEY] = low, high, along, key
-    work.counts[HIGHLIGHTS] = count + 1
+    row.light, row.first, row.last, row.strip = l, first, last, strip
+    row.innermost, row.outermost, row.along, row.key = low, high, along, key
+    work.counts.highlights = count + 1
 
 
 @inlined
@@ -224,40 +190,40 @@ def box_bounds(
     shape's solid angle, of which a box is a part; ``strip`` is how far
     off real azimuths it stays tame, ``along`` how far off real inner coordinates.
     """
-    geo, shininess = work.geo, view.shading[3]
+    chart, shininess = work.chart, view.shading.shininess
     middle, half = 0.5 * (a + b), 0.5 * (b - a)
     c, s = math.cos(middle), math.sin(middle)
     ex, ey, ez = (
-        c * geo[E1] + s * geo[E2],
-        c * geo[E1 + 1] + s * geo[E2 + 1],
-        c * geo[E1 + 2] + s * geo[E2 + 2],
+        c * chart.e1[0] + s * chart.e2[0],
+        c * chart.e1[1] + s * chart.e2[1],
+        c * chart.e1[2] + s * chart.e2[2],
     )
     g = 0.5 * (u + v)
     cg, sg, r = 0.0, 0.0, 0.0
-    sphere = geo[SHAPE_INDEX] >= 0.0
+    sphere = chart.shape_index >= 0.0
     if sphere:
-        radius = geo[RADIUS]
+        radius = chart.radius
         cg, sg = math.cos(g), math.sin(g)
-        nx, ny, nz = sg * ex - cg * geo[POLE], sg * ey - cg * geo[POLE + 1], sg * ez - cg * geo[POLE + 2]
-        qx, qy, qz = geo[CENTER] + radius * nx, geo[CENTER + 1] + radius * ny, geo[CENTER + 2] + radius * nz
+        nx, ny, nz = sg * ex - cg * chart.pole[0], sg * ey - cg * chart.pole[1], sg * ez - cg * chart.pole[2]
+        qx, qy, qz = chart.center[0] + radius * nx, chart.center[1] + radius * ny, chart.center[2] + radius * nz
         # no less than the sine of v
         across = min(1.0, sg + 0.5 * (v - u))
         turn = math.sqrt(0.25 * (v - u) ** 2 + (across * half) ** 2)
         reach = radius * turn
     else:
-        h = geo[HEIGHT]
+        h = chart.height
         if v >= 1.5707:
             return far_floor(l, level, h * math.tan(u), view, work)
         near, last = h * math.tan(u), h * math.tan(v)
         r = 0.5 * (near + last)
         nx, ny, nz = 0.0, 0.0, 1.0
-        qx, qy, qz = geo[POINT] + r * ex, geo[POINT + 1] + r * ey, 0.0
+        qx, qy, qz = chart.point[0] + r * ex, chart.point[1] + r * ey, 0.0
         across, turn, radius = last, 0.0, 1.0
         reach = math.sqrt(0.25 * (last - near) ** 2 + (last * half) ** 2)
     share = log_share(qx, qy, qz, reach, ample, work)
     if level + share < 0.0:
         return False, True, 0.0, 0.0
-    dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
+    dx, dy, dz = qx - chart.point[0], qy - chart.point[1], qz - chart.point[2]
     far2 = dx * dx + dy * dy + dz * dz
     angle = math.log(max(1e-300, 4.0 * math.pi * reach * reach / far2)) if 4.0 * reach * reach < far2 else math.inf
     if level + share - whole + angle < SPECK:
@@ -271,19 +237,19 @@ def box_bounds(
     if varies > COARSEST or varies * math.sqrt(shininess) > widths:
         return True, False, 0.0, 0.0
     fx, fy, fz = (
-        c * geo[E2] - s * geo[E1],
-        c * geo[E2 + 1] - s * geo[E1 + 1],
-        c * geo[E2 + 2] - s * geo[E1 + 2],
+        c * chart.e2[0] - s * chart.e1[0],
+        c * chart.e2[1] - s * chart.e1[1],
+        c * chart.e2[2] - s * chart.e1[2],
     )
     if sphere:
         # along the meridian: across N in the plane of e and the pole
-        ex, ey, ez = cg * ex + sg * geo[POLE], cg * ey + sg * geo[POLE + 1], cg * ez + sg * geo[POLE + 2]
-        turns = (2.0 if view.shading[4] == PHONG else 1.0) / radius
+        ex, ey, ez = cg * ex + sg * chart.pole[0], cg * ey + sg * chart.pole[1], cg * ez + sg * chart.pole[2]
+        turns = (2.0 if view.shading.model == PHONG else 1.0) / radius
         # d gamma/d psi where sin(gamma) belongs to sin(psi) = sin(gamma)/|(sin, cos - k)|
-        k = geo[RATIO]
+        k = chart.ratio
         rate = (1.0 - 2.0 * k * cg + k * k) / max(1e-300, 1.0 - k * cg)
     else:
-        turns, rate = 0.0, (geo[HEIGHT] ** 2 + r * r) / geo[HEIGHT]
+        turns, rate = 0.0, (chart.height**2 + r * r) / chart.height
     wide = TAME / math.sqrt(max(shininess, 1e-9))
     aside = slope_towards(l, qx, qy, qz, fx, fy, fz, view, work)
     inward = slope_towards(l, qx, qy, qz, ex, ey, ez, view, work)
@@ -296,63 +262,63 @@ def far_floor(
     l: int, level: float, near: float, view: View, work: Work
 ) -> tuple[bool, bool, float, float]:  # fmt: skip
     """The same of all of the floor beyond ``near`` from the foot."""
-    geo, p, shading = work.geo, view.points[l], view.shading
-    if shading[5] == EYE:
-        ex, ey, ez = view.eye[0] - geo[POINT], view.eye[1] - geo[POINT + 1], view.eye[2]
+    chart, p, shading = work.chart, view.points[l], view.shading
+    if shading.highlight_view == EYE:
+        ex, ey, ez = view.eye[0] - chart.point[0], view.eye[1] - chart.point[1], view.eye[2]
     else:
-        ex, ey, ez = 0.0, 0.0, geo[HEIGHT]
-    rho = p[DISK_RADIUS]
-    light = math.hypot(p[0] - geo[POINT], p[1] - geo[POINT + 1]) + rho
+        ex, ey, ez = 0.0, 0.0, chart.height
+    rho = p.radius
+    light = math.hypot(p.position[0] - chart.point[0], p.position[1] - chart.point[1]) + rho
     eye = math.hypot(ex, ey)
-    if near < FAR * max(max(light, eye), max(abs(p[2]) + rho, abs(ez))):
+    if near < FAR * max(max(light, eye), max(abs(p.position[2]) + rho, abs(ez))):
         return True, False, 0.0, 0.0
-    if shading[4] == PHONG:
+    if shading.model == PHONG:
         # l and v are nearly one, and level
         return False, True, 0.0, 0.0
     # both are within asin(1/4) of the way back, whose sum is longer than 1.8
-    rise = ((abs(p[2]) + rho) / (near - light) + abs(ez) / (near - eye)) / 1.8
-    wide = TAME / math.sqrt(max(shading[3], 1e-9))
-    return log_felt(level, math.sqrt(2.0 * (1.0 - min(1.0, rise))), shading[3]) > 0.0, True, wide, wide
+    rise = ((abs(p.position[2]) + rho) / (near - light) + abs(ez) / (near - eye)) / 1.8
+    wide = TAME / math.sqrt(max(shading.shininess, 1e-9))
+    return log_felt(level, math.sqrt(2.0 * (1.0 - min(1.0, rise))), shading.shininess) > 0.0, True, wide, wide
 
 
 @jitable
 def find_highlights(tol: float, low: float, high: float, view: View, work: Work) -> float:
     """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance; what those left out may hold."""
-    geo, shading, boxes = work.geo, view.shading, work.boxes
-    work.counts[HIGHLIGHTS] = 0
-    geo[LEAST] = math.inf
+    chart, shading, boxes = work.chart, view.shading, work.boxes
+    work.counts.highlights = 0
+    chart.least = math.inf
     lights = view.points.shape[0]
-    floor = geo[SHAPE_INDEX] < 0.0
-    if not shading[2] > 0.0 or lights == 0 or (floor and geo[SIDE] < 0.0):
+    floor = chart.shape_index < 0.0
+    if not shading.ks > 0.0 or lights == 0 or (floor and chart.side < 0.0):
         return 0.0
     # slopes in a scene's numbers are larger than values by the inverse of a highlight's width
-    geo[LEAST] = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading[3])) * geo[PACE])
-    last = 0.5 * math.pi if floor else geo[GAMMA_MAX]
-    whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * geo[BETA_MAX]))
-    ample = whole - geo[LOG_NORMALISER]
+    chart.least = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading.shininess)) * chart.pace)
+    last = 0.5 * math.pi if floor else chart.gamma_max
+    whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * chart.beta_max))
+    ample = whole - chart.log_normaliser
     boxes_seen = 0
     for l in range(lights):
         p = view.points[l]
-        if floor and p[2] + p[DISK_RADIUS] <= 0.0:
+        if floor and p.position[2] + p.radius <= 0.0:
             # the floor is lit from above
             continue
-        peak = shading[2] * max(p[3], p[4], p[5])
-        if peak <= geo[LEAST]:
+        peak = shading.ks * max(p.color[0], p.color[1], p.color[2])
+        if peak <= chart.least:
             continue
-        level = math.log(peak / geo[LEAST])
-        boxes[0, 0], boxes[0, 1], boxes[0, 2], boxes[0, 3] = low, high, 0.0, last
+        level = math.log(peak / chart.least)
+        boxes[0].first, boxes[0].last, boxes[0].innermost, boxes[0].outermost = low, high, 0.0, last
         top, looked = 1, 0
         while top > 0:
             top -= 1
             looked += 1
             boxes_seen += 1
-            a, b, u, v = boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3]
+            a, b, u, v = boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost
             felt, resolved, strip, along = box_bounds(l, level, ample, whole, a, b, u, v, view, work)
             if not felt:
                 continue
             if resolved or looked > MOST_BOXES or top + 2 > boxes.shape[0]:
                 if not floor:
-                    k = geo[RATIO]
+                    k = chart.ratio
                     u = math.atan2(math.sin(u), math.cos(u) - k)
                     v = math.atan2(math.sin(v), max(1e-15, math.cos(v) - k))
                 if not resolved:
@@ -368,14 +334,24 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                 depth = v - u
             if across > depth:
                 middle = 0.5 * (a + b)
-                boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3] = middle, b, u, v
-                boxes[top + 1, 0], boxes[top + 1, 1], boxes[top + 1, 2], boxes[top + 1, 3] = a, middle, u, v
+                boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost = middle, b, u, v
+                boxes[top + 1].first, boxes[top + 1].last, boxes[top + 1].innermost, boxes[top + 1].outermost = (
+                    a,
+                    middle,
+                    u,
+                    v,
+                )
             else:
                 middle = 0.5 * (u + v)
-                boxes[top, 0], boxes[top, 1], boxes[top, 2], boxes[top, 3] = a, b, middle, v
-                boxes[top + 1, 0], boxes[top + 1, 1], boxes[top + 1, 2], boxes[top + 1, 3] = a, b, u, middle
+                boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost = a, b, middle, v
+                boxes[top + 1].first, boxes[top + 1].last, boxes[top + 1].innermost, boxes[top + 1].outermost = (
+                    a,
+                    b,
+                    u,
+                    middle,
+                )
             top += 2
-    return float(geo[LEAST] * (lights + math.exp(SPECK) * boxes_seen))
+    return float(chart.least * (lights + math.exp(SPECK) * boxes_seen))
 
 
 @inlined
@@ -393,12 +369,12 @@ def highlights_between(a: float, b: float, work: Work) -> tuple[float, float]:
     """
     nearest, narrowest = math.inf, math.inf
     rows = work.highlights
-    for i in range(work.counts[HIGHLIGHTS]):
+    for i in range(work.counts.highlights):
         row = rows[i]
-        if row[FIRST] < b and row[LAST] > a:
-            narrowest = min(narrowest, row[STRIP])
-            if row[STRIP] < NARROW:
-                nearest = min(nearest, nearest_sum(a, b, row[FIRST], row[LAST], row[STRIP]))
+        if row.first < b and row.last > a:
+            narrowest = min(narrowest, row.strip)
+            if row.strip < NARROW:
+                nearest = min(nearest, nearest_sum(a, b, row.first, row.last, row.strip))
     return nearest, narrowest
 
 
@@ -410,9 +386,8 @@ def highlight_end(a: float, b: float, work: Work) -> float:
     best = 0.5 * (b - a)
     found = middle
     rows = work.highlights
-    for i in range(work.counts[HIGHLIGHTS]):
-        for end in range(FIRST, LAST + 1):
-            x = rows[i, end]
+    for i in range(work.counts.highlights):
+        for x in (rows[i].first, rows[i].last):
             if a + margin < x < b - margin and abs(x - middle) < best:
                 found, best = x, abs(x - middle)
     return found
@@ -423,12 +398,12 @@ def piece_highlights(phi: float, start: float, stop: float, work: Work) -> tuple
     """The same of those felt on start..stop of the scan line at azimuth ``phi``."""
     nearest, narrowest = math.inf, math.inf
     rows = work.highlights
-    for i in range(work.counts[HIGHLIGHTS]):
+    for i in range(work.counts.highlights):
         row = rows[i]
-        if row[FIRST] <= phi <= row[LAST] and stop >= row[INNERMOST] and start <= row[OUTERMOST]:
-            narrowest = min(narrowest, row[ALONG])
-            if row[ALONG] < NARROW:
-                nearest = min(nearest, nearest_sum(start, stop, row[INNERMOST], row[OUTERMOST], row[ALONG]))
+        if row.first <= phi <= row.last and stop >= row.innermost and start <= row.outermost:
+            narrowest = min(narrowest, row.along)
+            if row.along < NARROW:
+                nearest = min(nearest, nearest_sum(start, stop, row.innermost, row.outermost, row.along))
     return nearest, narrowest
 
 

@@ -11,11 +11,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.penumbra import CLEAR, COVERS, DISK_E1, DISK_E2, DISK_RADIUS, cover
-from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE, SURFACE_NORMAL
-from symrender.chambers.work import CASTERS, OCCLUDERS, View, Work
+from symrender.chambers.penumbra import CLEAR, COVERS, cover
+from symrender.chambers.records import Chart
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.scene.arrays import CHECKER, CUT, FLOOR_PRESENT, KU, KV, STRIPES, TEXTURE
+from symrender.records import Table
+from symrender.scene.arrays import CHECKER, CUT, STRIPES
+from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
@@ -43,16 +45,16 @@ def segment_meets(
 
 
 @inlined
-def texture_side(spheres: Array, j: int, nx: float, ny: float, nz: float) -> int:
+def texture_side(spheres: Table[Sphere], j: int, nx: float, ny: float, nz: float) -> int:
     """1 on the bright side of a checker's or a stripe's sign (ties bright), 0 on the dark side; 1 elsewhere."""
-    kind = int(spheres[j, TEXTURE])
+    kind = int(spheres[j].texture)
     if kind != CHECKER and kind != STRIPES:
         return 1
     # the sign of sin(pi x) is the parity of floor(x), and a tie where x is whole, as it is everywhere if ku or kv is 0
-    x = (math.atan2(ny, nx) + math.pi) / (2.0 * math.pi) * spheres[j, KU]
+    x = (math.atan2(ny, nx) + math.pi) / (2.0 * math.pi) * spheres[j].ku
     y = 0.5
     if kind == CHECKER:
-        y = math.acos(max(-1.0, min(1.0, nz))) / math.pi * spheres[j, KV]
+        y = math.acos(max(-1.0, min(1.0, nz))) / math.pi * spheres[j].kv
     fields = math.floor(x) + math.floor(y)
     return 1 if fields % 2 == 0 or x == math.floor(x) or y == math.floor(y) else 0
 
@@ -60,31 +62,33 @@ def texture_side(spheres: Array, j: int, nx: float, ny: float, nz: float) -> int
 @inlined
 def is_hidden(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
     """Whether P does not see Q: below its horizon, behind the floor or behind another sphere."""
-    geo = work.geo
-    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
+    chart = work.chart
+    px, py, pz = chart.point[0], chart.point[1], chart.point[2]
     dx, dy, dz = qx - px, qy - py, qz - pz
-    if dx * geo[SURFACE_NORMAL] + dy * geo[SURFACE_NORMAL + 1] + dz * geo[SURFACE_NORMAL + 2] <= 0.0:
+    if dx * chart.normal[0] + dy * chart.normal[1] + dz * chart.normal[2] <= 0.0:
         return True
-    if view.floor[FLOOR_PRESENT] != 0.0 and geo[SHAPE_INDEX] >= 0.0 and qz * geo[SIDE] < 0.0:
+    if view.floor.present != 0.0 and chart.shape_index >= 0.0 and qz * chart.side < 0.0:
         return True
     spheres = view.spheres
-    for i in range(work.counts[OCCLUDERS]):
+    for i in range(work.counts.occluders):
         k = work.occluders[i]
-        if segment_meets(px, py, pz, dx, dy, dz, spheres[k, 0], spheres[k, 1], spheres[k, 2], spheres[k, 3]):
+        if segment_meets(
+            px, py, pz, dx, dy, dz, spheres[k].center[0], spheres[k].center[1], spheres[k].center[2], spheres[k].radius
+        ):
             return True
     return False
 
 
 @inlined
-def floor_hides(z: float, qz: float, j: int, view: View, geo: Array) -> bool:
+def floor_hides(z: float, qz: float, j: int, view: View, chart: Chart) -> bool:
     """Whether the floor hides a light at height ``z`` from Q, a point of sphere ``j`` or, -1, of the floor itself.
 
     The floor is lit on its upper side, by what is above it. A sphere's point is lit by what is not on the other side
     of the floor, and what lies in the floor's plane is on neither.
     """
     if j < 0:
-        return bool(not z > 0.0 or geo[SIDE] < 0.0)
-    return bool(view.floor[FLOOR_PRESENT] != 0.0 and qz * z < 0.0)
+        return bool(not z > 0.0 or chart.side < 0.0)
+    return bool(view.floor.present != 0.0 and qz * z < 0.0)
 
 
 @jitable
@@ -92,35 +96,41 @@ def disk_state(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
 ) -> int:  # fmt: skip
     """What disk light ``i`` does at Q; its light is one smooth function where the state stays the same."""
-    j = int(work.geo[SHAPE_INDEX])
+    j = work.chart.shape_index
     p = view.points[i]
-    rho = p[DISK_RADIUS]
-    rise = rho * math.hypot(p[DISK_E1 + 2], p[DISK_E2 + 2])
+    rho = p.radius
+    rise = rho * math.hypot(p.e1[2], p.e2[2])
     # the floor cuts the disk, or hides all of it or nothing
-    partly = view.floor[FLOOR_PRESENT] != 0.0 and abs(p[2]) < rise
-    if floor_hides(rise if partly else p[2], 0.0 if partly else qz, j, view, work.geo):
+    partly = view.floor.present != 0.0 and abs(p.position[2]) < rise
+    if floor_hides(rise if partly else p.position[2], 0.0 if partly else qz, j, view, work.chart):
         return DARK
-    lift = (p[0] - qx) * nx + (p[1] - qy) * ny + (p[2] - qz) * nz
+    lift = (p.position[0] - qx) * nx + (p.position[1] - qy) * ny + (p.position[2] - qz) * nz
     tilt = rho * math.hypot(
-        nx * p[DISK_E1] + ny * p[DISK_E1 + 1] + nz * p[DISK_E1 + 2],
-        nx * p[DISK_E2] + ny * p[DISK_E2 + 1] + nz * p[DISK_E2 + 2],
+        nx * p.e1[0] + ny * p.e1[1] + nz * p.e1[2],
+        nx * p.e2[0] + ny * p.e2[1] + nz * p.e2[2],
     )
     side = 0 if not lift + tilt > 0.0 else (2 if lift - tilt > 0.0 else 1)
-    if side == 0 and (view.shading[6] == CUT or view.shading[2] == 0.0):
+    if side == 0 and (view.shading.terminator == CUT or view.shading.ks == 0.0):
         return DARK
     spheres = view.spheres
     if j >= 0:
-        bx, by, bz = p[0] - spheres[j, 0], p[1] - spheres[j, 1], p[2] - spheres[j, 2]
+        bx, by, bz = (
+            p.position[0] - spheres[j].center[0],
+            p.position[1] - spheres[j].center[1],
+            p.position[2] - spheres[j].center[2],
+        )
         far = math.sqrt(bx * bx + by * by + bz * bz)
-        if far + rho <= spheres[j, 3]:
+        if far + rho <= spheres[j].radius:
             return DARK
-        if far < spheres[j, 3] + rho:
+        if far < spheres[j].radius + rho:
             partly = True
     code = side
-    for c in range(work.counts[CASTERS]):
-        if work.casters[c, 0] == i:
-            k = work.casters[c, 1]
-            how = cover(qx, qy, qz, p, spheres[k, 0], spheres[k, 1], spheres[k, 2], spheres[k, 3])
+    for c in range(work.counts.casters):
+        if work.casters[c].light == i:
+            k = work.casters[c].ball
+            how = cover(
+                qx, qy, qz, p, spheres[k].center[0], spheres[k].center[1], spheres[k].center[2], spheres[k].radius
+            )
             if how == COVERS:
                 return DARK
             if how != CLEAR:
@@ -136,26 +146,37 @@ def light_state(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
 ) -> int:
     """What light point ``i`` does at Q: ``DARK``, ``GLINT`` or ``LIT``, or for a disk ``PARTLY`` or more."""
-    if view.points[i, DISK_RADIUS] > 0.0:
+    if view.points[i].radius > 0.0:
         return disk_state(i, qx, qy, qz, nx, ny, nz, view, work)
-    j = int(work.geo[SHAPE_INDEX])
-    ax, ay, az = view.points[i, 0], view.points[i, 1], view.points[i, 2]
-    if floor_hides(az, qz, j, view, work.geo):
+    j = work.chart.shape_index
+    ax, ay, az = view.points[i].position[0], view.points[i].position[1], view.points[i].position[2]
+    if floor_hides(az, qz, j, view, work.chart):
         return DARK
     lx, ly, lz = ax - qx, ay - qy, az - qz
     state = LIT
     if not lx * nx + ly * ny + lz * nz > 0.0:
-        if view.shading[6] == CUT or view.shading[2] == 0.0:
+        if view.shading.terminator == CUT or view.shading.ks == 0.0:
             return DARK
         state = GLINT
     spheres = view.spheres
     if j >= 0:
-        bx, by, bz = ax - spheres[j, 0], ay - spheres[j, 1], az - spheres[j, 2]
-        if bx * bx + by * by + bz * bz < spheres[j, 3] * spheres[j, 3]:
+        bx, by, bz = ax - spheres[j].center[0], ay - spheres[j].center[1], az - spheres[j].center[2]
+        if bx * bx + by * by + bz * bz < spheres[j].radius * spheres[j].radius:
             return DARK
-    for c in range(work.counts[CASTERS]):
-        if work.casters[c, 0] == i:
-            k = work.casters[c, 1]
-            if segment_meets(qx, qy, qz, lx, ly, lz, spheres[k, 0], spheres[k, 1], spheres[k, 2], spheres[k, 3]):
+    for c in range(work.counts.casters):
+        if work.casters[c].light == i:
+            k = work.casters[c].ball
+            if segment_meets(
+                qx,
+                qy,
+                qz,
+                lx,
+                ly,
+                lz,
+                spheres[k].center[0],
+                spheres[k].center[1],
+                spheres[k].center[2],
+                spheres[k].radius,
+            ):
                 return DARK
     return state

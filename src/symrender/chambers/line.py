@@ -10,37 +10,22 @@ import numpy.typing as npt
 from symrender.chambers.labels import DARK, HIDDEN, is_hidden, light_state, texture_side
 from symrender.chambers.penumbra_walls import edge_value, penumbra_roots
 from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_quartic, surface_point
+from symrender.chambers.records import Chart
 from symrender.chambers.roots import circle_roots, quadratic_roots, quartic_roots
 from symrender.chambers.walls import (
-    BALL,
-    COS,
     DIRECTION,
     FLOOR_CUT,
-    FLOOR_LINE,
-    HEIGHT,
     HIGHLIGHT,
-    KIND,
-    LIGHT,
-    LIMB_TANGENT,
-    LOBE_BETA,
     NORMAL,
     PENUMBRA,
-    RADIUS,
-    RATIO,
-    RIM_COS,
-    RIM_SIN,
     SEVERAL,
     SHADOW,
     SHADOW_EDGE,
-    SHAPE,
-    SHAPE_INDEX,
     SILHOUETTE,
-    SIN,
-    TAG,
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import CELLS, LABOUR, WALLS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
@@ -58,37 +43,35 @@ HALF_PI = 0.5 * math.pi
 @jitable
 def wall_level(i: int, x: float, c: float, s: float, work: Work) -> float:
     """Signed level of wall ``i`` at inner coordinate ``x`` of the line (c, s): zero on the wall."""
-    geo = work.geo
+    chart = work.chart
     row = work.walls[i]
-    kind = int(row[KIND])
+    kind = row.kind
     if kind >= PENUMBRA:
-        return edge_value(row, x, c, s, geo)
-    if geo[SHAPE_INDEX] >= 0.0:
-        sb = geo[RATIO] * math.sin(x)
+        return edge_value(row, x, c, s, chart)
+    if chart.shape_index >= 0.0:
+        sb = chart.ratio * math.sin(x)
         if kind == DIRECTION:
-            return float(row[1] * math.sqrt(1.0 - sb * sb) + (row[2] * c + row[3] * s) * sb - row[COS])
+            return float(row.axis[0] * math.sqrt(1.0 - sb * sb) + (row.axis[1] * c + row.axis[2] * s) * sb - row.cos)
         g = x - math.asin(sb)
         if kind == NORMAL:
-            return float(row[1] * math.cos(g) + (row[2] * c + row[3] * s) * math.sin(g) - row[COS])
-        return shadow_level(row, x, c, s, geo)
+            return float(row.axis[0] * math.cos(g) + (row.axis[1] * c + row.axis[2] * s) * math.sin(g) - row.cos)
+        return shadow_level(row, x, c, s, chart)
     if kind == DIRECTION:
-        return float(row[1] * math.cos(x) + (row[2] * c + row[3] * s) * math.sin(x) - row[COS])
+        return float(row.axis[0] * math.cos(x) + (row.axis[1] * c + row.axis[2] * s) * math.sin(x) - row.cos)
     if kind == SHADOW:
-        return shadow_level(row, x, c, s, geo)
-    r = geo[HEIGHT] * math.tan(x)
-    if kind == BALL:
-        return float(r * (r - 2.0 * (row[1] * c + row[2] * s)) + row[3])
-    return float(r * (row[1] * c + row[2] * s) - row[3])
+        return shadow_level(row, x, c, s, chart)
+    r = chart.height * math.tan(x)
+    return float(r * (r - 2.0 * (row.foot[0] * c + row.foot[1] * s)) + row.power)
 
 
 @inlined
-def rim_sines(c: float, s: float, geo: Array) -> tuple[float, float, int, int]:
+def rim_sines(c: float, s: float, chart: Chart) -> tuple[float, float, int, int]:
     """Part of the line inside the lobe as sines of inner coordinates (low, high), and what bounds it.
 
     low > high if there is none.
     """
-    k = geo[RATIO]
-    found, c1, s1, c2, s2 = circle_roots(geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0, geo[RIM_COS], geo[RIM_SIN], c, s)
+    k = chart.ratio
+    found, c1, s1, c2, s2 = circle_roots(chart.lobe_cos, chart.lobe_sin, 0.0, chart.rim_cos, chart.rim_sin, c, s)
     # the lobe is at most a half space: the line leaves it at most pi beyond where it enters
     if not found or (s1 > 0.0 and (c1 <= 0.0 or s1 >= k)) or (s1 <= 0.0 and s2 <= 0.0 and not (c1 > 0.0 and c2 < 0.0)):
         return 1.0, 0.0, RIM_LOW, RIM_HIGH
@@ -101,9 +84,9 @@ def rim_sines(c: float, s: float, geo: Array) -> tuple[float, float, int, int]:
 
 
 @jitable
-def rim_interval(c: float, s: float, geo: Array) -> tuple[float, float, int, int]:
+def rim_interval(c: float, s: float, chart: Chart) -> tuple[float, float, int, int]:
     """Part of the line inside the lobe as inner coordinates (low, high) and what bounds it; low > high if none."""
-    low, high, first, last = rim_sines(c, s, geo)
+    low, high, first, last = rim_sines(c, s, chart)
     return math.asin(low), math.asin(high), first, last
 
 
@@ -113,14 +96,14 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
 
     A root of branch b is stored in out[b]; absent branches are NaN. Returns the number of branches.
     """
-    geo = work.geo
+    chart = work.chart
     row = work.walls[i]
-    kind = int(row[KIND])
+    kind = row.kind
     out[0] = out[1] = out[2] = out[3] = math.nan
-    sphere = geo[SHAPE_INDEX] >= 0.0
-    k = geo[RATIO]
+    sphere = chart.shape_index >= 0.0
+    k = chart.ratio
     if kind in (NORMAL, DIRECTION):
-        found, c1, s1, c2, s2 = circle_roots(row[1], row[2], row[3], row[COS], row[SIN], c, s)
+        found, c1, s1, c2, s2 = circle_roots(row.axis[0], row.axis[1], row.axis[2], row.cos, row.sin, c, s)
         if not found:
             return 0
         for b in range(2):
@@ -146,8 +129,8 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
     if kind >= PENUMBRA:
         return penumbra_roots(i, c, s, low, high, work, out)
     if kind == SHADOW and sphere:
-        top = geo[LIMB_TANGENT]
-        shadow_quartic(row, geo[RADIUS], c, s, top, work.bernstein)
+        top = chart.limb_tangent
+        shadow_quartic(row, chart.radius, c, s, top, work.bernstein)
         n = quartic_roots(work.bernstein, work.stack, work.quartic)
         for b in range(min(n, 4)):
             t = top * work.quartic[b]
@@ -156,21 +139,14 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
             if low < x < high:
                 out[b] = x
         return min(n, 4)
-    if kind == FLOOR_LINE:
-        along = row[1] * c + row[2] * s
-        if along * row[3] > 0.0:
-            x = math.atan2(row[3] / along, geo[HEIGHT])
-            if low < x < high:
-                out[0] = x
-        return 1
     if kind == SHADOW:
         n, r1, r2 = floor_shadow_roots(row, c, s)
     else:
-        n, r1, r2 = quadratic_roots(1.0, -(row[1] * c + row[2] * s), row[3])
+        n, r1, r2 = quadratic_roots(1.0, -(row.foot[0] * c + row.foot[1] * s), row.power)
     for b in range(n):
         r = r1 if b == 0 else r2
         if r > 0.0:
-            x = math.atan2(r, geo[HEIGHT])
+            x = math.atan2(r, chart.height)
             if low < x < high:
                 out[b] = x
     return n
@@ -184,21 +160,21 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     ``cell_side`` and ``lit``; ``counts[CELLS]`` is their number. Neighbours with the same label are one cell.
     ``scratch`` is (4,).
     """
-    work.counts[LABOUR] += 1
+    work.counts.labour += 1
     c, s = math.cos(phi), math.sin(phi)
-    low_s, high_s, first, last = rim_sines(c, s, work.geo)
-    work.counts[CELLS] = 0
+    low_s, high_s, first, last = rim_sines(c, s, work.chart)
+    work.counts.cells = 0
     if not low_s < high_s:
         return 0
     low, high = math.asin(low_s), math.asin(high_s)
     low_c, high_c = math.sqrt((1.0 - low_s) * (1.0 + low_s)), math.sqrt((1.0 - high_s) * (1.0 + high_s))
     n = 0
     walls, root_x, root_id = work.walls, work.root_x, work.root_id
-    ratio = work.geo[RATIO]
-    for i in range(min(work.counts[WALLS], walls.shape[0])):
-        if walls[i, KIND] == NORMAL:
+    ratio = work.chart.ratio
+    for i in range(min(work.counts.walls, walls.shape[0])):
+        if walls[i].kind == NORMAL:
             found, c1, s1, c2, s2 = circle_roots(
-                walls[i, 1], walls[i, 2], walls[i, 3], walls[i, COS], walls[i, SIN], c, s
+                walls[i].axis[0], walls[i].axis[1], walls[i].axis[2], walls[i].cos, walls[i].sin, c, s
             )
             if not found:
                 continue
@@ -229,7 +205,7 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     lit = work.lit
     changed = SEVERAL
     which = 0
-    j = int(work.geo[SHAPE_INDEX])
+    j = work.chart.shape_index
     side = HIDDEN
     for i in range(n + 1):
         end = high if i == n else work.root_x[i]
@@ -238,7 +214,7 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
             if side == HIDDEN and changed < SEVERAL and changed > SILHOUETTE and changed != FLOOR_CUT:
                 changed = NOTHING
             if changed != NOTHING:
-                qx, qy, qz, nx, ny, nz = surface_point(0.5 * (start + end), c, s, work.geo)
+                qx, qy, qz, nx, ny, nz = surface_point(0.5 * (start + end), c, s, work.chart)
                 before = side
                 if changed == HIGHLIGHT and cells > 0:
                     # what is felt of a light changes here, not what it is
@@ -286,14 +262,14 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
         if i == n:
             break
         wall = work.root_id[i]
-        tag = int(work.walls[wall // 4, TAG])
-        now = int(work.walls[wall // 4, LIGHT]) if tag == SHADOW_EDGE else int(work.walls[wall // 4, SHAPE])
+        tag = work.walls[wall // 4].tag
+        now = work.walls[wall // 4].light if tag == SHADOW_EDGE else work.walls[wall // 4].shape_index
         if changed == NOTHING or (changed == tag and which == now):
             changed, which = tag, now
         else:
             changed = SEVERAL
     work.cell_wall[cells] = last
-    work.counts[CELLS] = cells
+    work.counts.cells = cells
     seen = False
     signature = 1469598103934665603
     for i in range(cells):

@@ -19,18 +19,13 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.records import LightPoint
 from symrender.kernel_cache import jitable
 
 Array = npt.NDArray[np.float64]
 
 # columns of a light point: position 0:3, the light's colour times the point's share 3:6, its sign in the embedded rule
 # 6, then of a disk
-DISK_RADIUS: Final = 7
-"""Zero for a point."""
-DISK_E1: Final = 8
-DISK_E2: Final = 11
-DISK_AXIS: Final = 14
-LIGHT_POINT_COLUMNS: Final = 17
 
 CLEAR: Final = 0
 """The ball hides nothing of the disk."""
@@ -46,30 +41,30 @@ TOUCHES: Final = 4
 
 @jitable
 def circle_form(
-    qx: float, qy: float, qz: float, p: Array, cx: float, cy: float, cz: float, radius: float
+    qx: float, qy: float, qz: float, p: LightPoint, cx: float, cy: float, cz: float, radius: float
 ) -> tuple[float, float, float, float, float, float]:
     """(A, b1, b2, m, q1, q2) with F(t) = A + b1 cos t + b2 sin t - w |w|, w = m + q1 cos t + q2 sin t.
 
     All over |y|^2 |c|^2.
     """
     ox, oy, oz = cx - qx, cy - qy, cz - qz
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    rho = p[DISK_RADIUS]
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    rho = p.radius
     c2 = ox * ox + oy * oy + oz * oz
     y2 = yx * yx + yy * yy + yz * yz
     inv = 1.0 / (c2 * y2)
     power = (c2 - radius * radius) * inv
     root = math.sqrt(inv)
-    a1 = yx * p[DISK_E1] + yy * p[DISK_E1 + 1] + yz * p[DISK_E1 + 2]
-    a2 = yx * p[DISK_E2] + yy * p[DISK_E2 + 1] + yz * p[DISK_E2 + 2]
+    a1 = yx * p.e1[0] + yy * p.e1[1] + yz * p.e1[2]
+    a2 = yx * p.e2[0] + yy * p.e2[1] + yz * p.e2[2]
     s = rho * root
     return (
         power * (y2 + rho * rho),
         2.0 * power * rho * a1,
         2.0 * power * rho * a2,
         (yx * ox + yy * oy + yz * oz) * root,
-        s * (ox * p[DISK_E1] + oy * p[DISK_E1 + 1] + oz * p[DISK_E1 + 2]),
-        s * (ox * p[DISK_E2] + oy * p[DISK_E2 + 1] + oz * p[DISK_E2 + 2]),
+        s * (ox * p.e1[0] + oy * p.e1[1] + oz * p.e1[2]),
+        s * (ox * p.e2[0] + oy * p.e2[1] + oz * p.e2[2]),
     )
 
 
@@ -118,7 +113,7 @@ def least(a: float, b1: float, b2: float, m: float, q1: float, q2: float, sign: 
 
 @jitable
 def edge_level(
-    qx: float, qy: float, qz: float, p: Array, cx: float, cy: float, cz: float, radius: float, inner: bool
+    qx: float, qy: float, qz: float, p: LightPoint, cx: float, cy: float, cz: float, radius: float, inner: bool
 ) -> float:
     """min F or, for the inner edge, max F over the disk's circle: zero on the penumbra's edge."""
     a, b1, b2, m, q1, q2 = circle_form(qx, qy, qz, p, cx, cy, cz, radius)
@@ -139,14 +134,14 @@ def segment_distance2(
 
 
 @jitable
-def cover(qx: float, qy: float, qz: float, p: Array, cx: float, cy: float, cz: float, radius: float) -> int:
+def cover(qx: float, qy: float, qz: float, p: LightPoint, cx: float, cy: float, cz: float, radius: float) -> int:
     """What the ball hides of the disk from Q: ``CLEAR`` ... ``TOUCHES``."""
-    rho = p[DISK_RADIUS]
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    rho = p.radius
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     reach = radius + rho
     if segment_distance2(qx, qy, qz, yx, yy, yz, cx, cy, cz) >= reach * reach:
         return CLEAR
-    if (cx - p[0]) ** 2 + (cy - p[1]) ** 2 + (cz - p[2]) ** 2 <= reach * reach:
+    if (cx - p.position[0]) ** 2 + (cy - p.position[1]) ** 2 + (cz - p.position[2]) ** 2 <= reach * reach:
         return TOUCHES
     if (cx - qx) ** 2 + (cy - qy) ** 2 + (cz - qz) ** 2 < radius * radius:
         return COVERS
@@ -155,8 +150,8 @@ def cover(qx: float, qy: float, qz: float, p: Array, cx: float, cy: float, cz: f
     if low >= 0.0:
         # the cone about the ball misses the circle: it lies within the disk or passes beside it
         ox, oy, oz = cx - qx, cy - qy, cz - qz
-        along = ox * p[DISK_AXIS] + oy * p[DISK_AXIS + 1] + oz * p[DISK_AXIS + 2]
-        height = yx * p[DISK_AXIS] + yy * p[DISK_AXIS + 1] + yz * p[DISK_AXIS + 2]
+        along = ox * p.axis[0] + oy * p.axis[1] + oz * p.axis[2]
+        height = yx * p.axis[0] + yy * p.axis[1] + yz * p.axis[2]
         if along * height <= 0.0:
             return CLEAR
         t = height / along
@@ -165,9 +160,9 @@ def cover(qx: float, qy: float, qz: float, p: Array, cx: float, cy: float, cz: f
             return CLEAR
         return WITHIN
     # the line to x(t) meets the ball; the disk does not, so all such lines meet it before the disk or none does
-    x = yx + rho * (c * p[DISK_E1] + s * p[DISK_E2])
-    y = yy + rho * (c * p[DISK_E1 + 1] + s * p[DISK_E2 + 1])
-    z = yz + rho * (c * p[DISK_E1 + 2] + s * p[DISK_E2 + 2])
+    x = yx + rho * (c * p.e1[0] + s * p.e2[0])
+    y = yy + rho * (c * p.e1[1] + s * p.e2[1])
+    z = yz + rho * (c * p.e1[2] + s * p.e2[2])
     if segment_distance2(qx, qy, qz, x, y, z, cx, cy, cz) >= radius * radius:
         return CLEAR
     high, _, _ = least(a, b1, b2, m, q1, q2, -1.0)

@@ -7,25 +7,37 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.records import Chart, Wall
 from symrender.chambers.roots import quadratic_roots
-from symrender.chambers.walls import CENTER, E1, E2, HEIGHT, POINT, POLE, RADIUS, RATIO, SHAPE_INDEX
 from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
 
 @jitable
-def shadow_quartic(row: Array, radius: float, c: float, s: float, top: float, out: Array) -> None:
+def shadow_quartic(row: Wall, radius: float, c: float, s: float, top: float, out: Array) -> None:
     """Bernstein coefficients, in tan(gamma/2) over [0, top], of a shadow edge's level on a sphere's line.
 
     Positive inside the shadow's double cone.
     """
     # each of X, Y and |u|^2 times (1 + t^2) is a quadratic in t
-    x0, x1, x2 = row[11] - radius * row[8], 2.0 * radius * (row[9] * c + row[10] * s), row[11] + radius * row[8]
-    y0, y1, y2 = row[15] - radius * row[12], 2.0 * radius * (row[13] * c + row[14] * s), row[15] + radius * row[12]
-    v = row[19] + radius * radius
-    w0, w1, w2 = v - 2.0 * radius * row[16], 4.0 * radius * (row[17] * c + row[18] * s), v + 2.0 * radius * row[16]
-    k = row[20]
+    x0, x1, x2 = (
+        row.first_level - radius * row.first[0],
+        2.0 * radius * (row.first[1] * c + row.first[2] * s),
+        row.first_level + radius * row.first[0],
+    )
+    y0, y1, y2 = (
+        row.second_level - radius * row.second[0],
+        2.0 * radius * (row.second[1] * c + row.second[2] * s),
+        row.second_level + radius * row.second[0],
+    )
+    v = row.origin2 + radius * radius
+    w0, w1, w2 = (
+        v - 2.0 * radius * row.origin[0],
+        4.0 * radius * (row.origin[1] * c + row.origin[2] * s),
+        v + 2.0 * radius * row.origin[0],
+    )
+    k = row.sine2
     a0 = k * w0 - x0 * x0 - y0 * y0
     a1 = (k * w1 - 2.0 * (x0 * x1 + y0 * y1)) * top
     a2 = (k * (w2 + w0) - 2.0 * (x0 * x2 + y0 * y2) - x1 * x1 - y1 * y1) * top**2
@@ -39,49 +51,53 @@ def shadow_quartic(row: Array, radius: float, c: float, s: float, top: float, ou
 
 
 @inlined
-def surface_point(x: float, c: float, s: float, geo: Array) -> tuple[float, float, float, float, float, float]:
+def surface_point(x: float, c: float, s: float, chart: Chart) -> tuple[float, float, float, float, float, float]:
     """Hit point and unit normal at inner coordinate ``x`` of the line."""
     ex, ey, ez = (
-        c * geo[E1] + s * geo[E2],
-        c * geo[E1 + 1] + s * geo[E2 + 1],
-        c * geo[E1 + 2] + s * geo[E2 + 2],
+        c * chart.e1[0] + s * chart.e2[0],
+        c * chart.e1[1] + s * chart.e2[1],
+        c * chart.e1[2] + s * chart.e2[2],
     )
-    if geo[SHAPE_INDEX] >= 0.0:
+    if chart.shape_index >= 0.0:
         sx, cx = math.sin(x), math.cos(x)
-        sb = geo[RATIO] * sx
+        sb = chart.ratio * sx
         cb = math.sqrt(1.0 - sb * sb)
         cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
-        nx, ny, nz = sg * ex - cg * geo[POLE], sg * ey - cg * geo[POLE + 1], sg * ez - cg * geo[POLE + 2]
-        r = geo[RADIUS]
-        return geo[CENTER] + r * nx, geo[CENTER + 1] + r * ny, geo[CENTER + 2] + r * nz, nx, ny, nz
-    r = geo[HEIGHT] * math.tan(x)
-    return geo[POINT] + r * ex, geo[POINT + 1] + r * ey, 0.0, 0.0, 0.0, 1.0
+        nx, ny, nz = sg * ex - cg * chart.pole[0], sg * ey - cg * chart.pole[1], sg * ez - cg * chart.pole[2]
+        r = chart.radius
+        return chart.center[0] + r * nx, chart.center[1] + r * ny, chart.center[2] + r * nz, nx, ny, nz
+    r = chart.height * math.tan(x)
+    return chart.point[0] + r * ex, chart.point[1] + r * ey, 0.0, 0.0, 0.0, 1.0
 
 
 @jitable
-def shadow_level(row: Array, x: float, c: float, s: float, geo: Array) -> float:
+def shadow_level(row: Wall, x: float, c: float, s: float, chart: Chart) -> float:
     """Level of a shadow edge (``add_shadow``) at inner coordinate ``x``: positive inside the double cone."""
-    if geo[SHAPE_INDEX] >= 0.0:
-        r = geo[RADIUS]
-        g = x - math.asin(geo[RATIO] * math.sin(x))
+    if chart.shape_index >= 0.0:
+        r = chart.radius
+        g = x - math.asin(chart.ratio * math.sin(x))
         n0, n1 = -math.cos(g), math.sin(g)
-        fx = row[11] + r * (row[8] * n0 + (row[9] * c + row[10] * s) * n1)
-        fy = row[15] + r * (row[12] * n0 + (row[13] * c + row[14] * s) * n1)
-        u2 = row[19] + r * r + 2.0 * r * (row[16] * n0 + (row[17] * c + row[18] * s) * n1)
-        return float(row[20] * u2 - fx * fx - fy * fy)
-    r = geo[HEIGHT] * math.tan(x)
-    fx = row[11] + r * (row[9] * c + row[10] * s)
-    fy = row[15] + r * (row[13] * c + row[14] * s)
-    u2 = row[19] + r * (r + 2.0 * (row[17] * c + row[18] * s))
-    return float(row[20] * u2 - fx * fx - fy * fy)
+        fx = row.first_level + r * (row.first[0] * n0 + (row.first[1] * c + row.first[2] * s) * n1)
+        fy = row.second_level + r * (row.second[0] * n0 + (row.second[1] * c + row.second[2] * s) * n1)
+        u2 = row.origin2 + r * r + 2.0 * r * (row.origin[0] * n0 + (row.origin[1] * c + row.origin[2] * s) * n1)
+        return float(row.sine2 * u2 - fx * fx - fy * fy)
+    r = chart.height * math.tan(x)
+    fx = row.first_level + r * (row.first[1] * c + row.first[2] * s)
+    fy = row.second_level + r * (row.second[1] * c + row.second[2] * s)
+    u2 = row.origin2 + r * (r + 2.0 * (row.origin[1] * c + row.origin[2] * s))
+    return float(row.sine2 * u2 - fx * fx - fy * fy)
 
 
 @jitable
-def floor_shadow_roots(row: Array, c: float, s: float) -> tuple[int, float, float]:
+def floor_shadow_roots(row: Wall, c: float, s: float) -> tuple[int, float, float]:
     """Distances r from the foot at which a shadow edge crosses a line of the floor: (count, r1, r2), any sign."""
-    fx, fy, ul = row[9] * c + row[10] * s, row[13] * c + row[14] * s, row[17] * c + row[18] * s
+    fx, fy, ul = (
+        row.first[1] * c + row.first[2] * s,
+        row.second[1] * c + row.second[2] * s,
+        row.origin[1] * c + row.origin[2] * s,
+    )
     return quadratic_roots(
-        row[20] - fx * fx - fy * fy,
-        row[20] * ul - row[11] * fx - row[15] * fy,
-        row[20] * row[19] - row[11] * row[11] - row[15] * row[15],
+        row.sine2 - fx * fx - fy * fy,
+        row.sine2 * ul - row.first_level * fx - row.second_level * fy,
+        row.sine2 * row.origin2 - row.first_level * row.first_level - row.second_level * row.second_level,
     )

@@ -11,27 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.events import CROSSING, ROOT, SMOOTH, add_event, within_lobe
+from symrender.chambers.records import Chart, Event, LightPoint, Wall
 from symrender.chambers.walls import (
     BALL,
-    CENTER,
-    E1,
-    E2,
-    HEIGHT,
-    KIND,
-    LIGHT,
     PENUMBRA,
-    POINT,
-    POLE,
-    RADIUS,
     SHADOW,
     SHADOW_EDGE,
-    SHAPE,
-    SHAPE_INDEX,
-    TAG,
 )
-from symrender.chambers.work import WALLS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.records import Table
 from symrender.scene.arrays import CUT
+from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 
@@ -40,23 +31,23 @@ RAYS = 32
 
 
 @jitable
-def floor_tangencies(row: Array, geo: Array, events: Array, n: int, low: float, high: float) -> int:
+def floor_tangencies(row: Wall, chart: Chart, events: Table[Event], n: int, low: float, high: float) -> int:
     """Azimuths at which a scan line of the floor touches a shadow's edge or a ball.
 
     Both are a r^2 + 2 b r + c = 0 along a line; b^2 - a c is a quadratic form of the azimuth's cosine and sine. A
     penumbra's edges lie inside the shadow of a ball about the disk, and the line integral is smooth where that begins.
     """
     # a and b as sums over products of (c, s); the constant third coefficient
-    if int(row[KIND]) == BALL:
-        axx, axy, ayy, bx, by, free = 1.0, 0.0, 1.0, -row[1], -row[2], row[3]
+    if row.kind == BALL:
+        axx, axy, ayy, bx, by, free = 1.0, 0.0, 1.0, -row.foot[0], -row.foot[1], row.power
     else:
-        axx = row[20] - row[9] * row[9] - row[13] * row[13]
-        axy = -row[9] * row[10] - row[13] * row[14]
-        ayy = row[20] - row[10] * row[10] - row[14] * row[14]
-        bx = row[20] * row[17] - row[11] * row[9] - row[15] * row[13]
-        by = row[20] * row[18] - row[11] * row[10] - row[15] * row[14]
-        free = row[20] * row[19] - row[11] * row[11] - row[15] * row[15]
-    if int(row[KIND]) != BALL:
+        axx = row.sine2 - row.first[1] * row.first[1] - row.second[1] * row.second[1]
+        axy = -row.first[1] * row.first[2] - row.second[1] * row.second[2]
+        ayy = row.sine2 - row.first[2] * row.first[2] - row.second[2] * row.second[2]
+        bx = row.sine2 * row.origin[1] - row.first_level * row.first[1] - row.second_level * row.second[1]
+        by = row.sine2 * row.origin[2] - row.first_level * row.first[2] - row.second_level * row.second[2]
+        free = row.sine2 * row.origin2 - row.first_level * row.first_level - row.second_level * row.second_level
+    if row.kind != BALL:
         # where the edge runs off to the floor's horizon
         level, even = 0.5 * (axx + ayy), 0.5 * (axx - ayy)
         size = math.sqrt(even * even + axy * axy)
@@ -64,7 +55,7 @@ def floor_tangencies(row: Array, geo: Array, events: Array, n: int, low: float, 
             middle, offset = 0.5 * math.atan2(axy, even), 0.5 * math.acos(-level / size)
             for branch in range(4):
                 phi = middle + (offset if branch % 2 == 0 else -offset) + (0.0 if branch < 2 else math.pi)
-                if within_lobe(phi, 0.5 * math.pi, geo):
+                if within_lobe(phi, 0.5 * math.pi, chart):
                     n = add_event(events, n, phi, low, high, CROSSING)
     xx, xy, yy = bx * bx - axx * free, bx * by - axy * free, by * by - ayy * free
     level, even = 0.5 * (xx + yy), 0.5 * (xx - yy)
@@ -77,14 +68,14 @@ def floor_tangencies(row: Array, geo: Array, events: Array, n: int, low: float, 
         c, s = math.cos(phi), math.sin(phi)
         a, b = axx * c * c + 2.0 * axy * c * s + ayy * s * s, bx * c + by * s
         # the double root -b/a lies on the line, on this side of the horizon
-        if a * b < 0.0 and within_lobe(phi, math.atan2(abs(b), abs(a) * geo[HEIGHT]), geo):
-            n = add_event(events, n, phi, low, high, SMOOTH if int(row[KIND]) == PENUMBRA else ROOT)
+        if a * b < 0.0 and within_lobe(phi, math.atan2(abs(b), abs(a) * chart.height), chart):
+            n = add_event(events, n, phi, low, high, SMOOTH if row.kind == PENUMBRA else ROOT)
     return n
 
 
 @jitable
 def edge_turn(
-    psi: float, light: Array, beyond: bool, geo: Array, frame: Array
+    psi: float, light: LightPoint, beyond: bool, chart: Chart, frame: Array
 ) -> tuple[float, float, float, float, bool]:  # fmt: skip
     """Where a ray along a shadow's edge meets the charted sphere, as of P: (turn, x, y, z, faces P).
 
@@ -95,11 +86,11 @@ def edge_turn(
     c, s = math.cos(psi), math.sin(psi)
     b, change, far2 = 0.0, 0.0, 0.0
     for a in range(3):
-        w = light[a] - geo[CENTER + a]
+        w = light.position[a] - chart.center[a]
         b += w * (frame[0, a] + c * frame[1, a] + s * frame[2, a])
         change += w * (c * frame[2, a] - s * frame[1, a])
         far2 += w * w
-    square = b * b - far2 + geo[RADIUS] * geo[RADIUS]
+    square = b * b - far2 + chart.radius * chart.radius
     if not square > 0.0:
         return math.nan, 0.0, 0.0, 0.0, False
     # where the ray enters the sphere, or where it leaves it
@@ -109,28 +100,28 @@ def edge_turn(
     x, y, z, dx, dy, facing = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for a in range(3):
         u = frame[0, a] + c * frame[1, a] + s * frame[2, a]
-        q = light[a] + t * u
+        q = light.position[a] + t * u
         dq = slope * u + t * (c * frame[2, a] - s * frame[1, a])
-        x += (q - geo[POINT + a]) * geo[E1 + a]
-        y += (q - geo[POINT + a]) * geo[E2 + a]
-        z += (q - geo[POINT + a]) * geo[POLE + a]
-        dx += dq * geo[E1 + a]
-        dy += dq * geo[E2 + a]
-        facing += (geo[POINT + a] - q) * (q - geo[CENTER + a])
+        x += (q - chart.point[a]) * chart.e1[a]
+        y += (q - chart.point[a]) * chart.e2[a]
+        z += (q - chart.point[a]) * chart.pole[a]
+        dx += dq * chart.e1[a]
+        dy += dq * chart.e2[a]
+        facing += (chart.point[a] - q) * (q - chart.center[a])
     return x * dy - y * dx, x, y, z, facing > 0.0
 
 
 @inlined
-def edge_frame(light: Array, caster: Array, frame: Array) -> bool:
+def edge_frame(light: LightPoint, caster: Sphere, frame: Array) -> bool:
     """Fill ``frame`` (3, 3) for the rays along a shadow's edge, see ``edge_turn``; whether the light is outside."""
     far2 = 0.0
     for a in range(3):
-        frame[0, a] = caster[a] - light[a]
+        frame[0, a] = caster.center[a] - light.position[a]
         far2 += frame[0, a] * frame[0, a]
-    if not far2 > caster[3] * caster[3]:
+    if not far2 > caster.radius * caster.radius:
         return False
     far = math.sqrt(far2)
-    sine = caster[3] / far
+    sine = caster.radius / far
     cosine = math.sqrt((1.0 - sine) * (1.0 + sine))
     ex, ey, ez = frame[0, 0] / far, frame[0, 1] / far, frame[0, 2] / far
     if abs(ex) < 0.6:
@@ -147,7 +138,7 @@ def edge_frame(light: Array, caster: Array, frame: Array) -> bool:
 
 @jitable
 def sphere_tangencies(
-    light: Array, caster: Array, beyond: bool, geo: Array, frame: Array, events: Array, n: int, low: float, high: float
+    light: LightPoint, caster: Sphere, beyond: bool, chart: Chart, frame: Array, events: Table[Event], n: int, low: float, high: float
 ) -> int:  # fmt: skip
     """Azimuths at which a scan line of the charted sphere touches the shadow of ``caster``: no closed form.
 
@@ -156,16 +147,16 @@ def sphere_tangencies(
     if not edge_frame(light, caster, frame):
         return n
     step = 2.0 * math.pi / RAYS
-    before, _, _, _, _ = edge_turn(0.0, light, beyond, geo, frame)
+    before, _, _, _, _ = edge_turn(0.0, light, beyond, chart, frame)
     for k in range(1, RAYS + 1):
-        turn, x, y, z, _ = edge_turn(k * step, light, beyond, geo, frame)
+        turn, x, y, z, _ = edge_turn(k * step, light, beyond, chart, frame)
         left, right, fa, fb = (k - 1) * step, k * step, before, turn
         if (fa != fa) != (fb != fb):
             # the edge leaves the sphere's lit side between the two: look up to there
             hit, miss, last = (right, left, fb) if fa != fa else (left, right, fa)
             for _ in range(30):
                 psi = 0.5 * (hit + miss)
-                f, _, _, _, _ = edge_turn(psi, light, beyond, geo, frame)
+                f, _, _, _, _ = edge_turn(psi, light, beyond, chart, frame)
                 if f == f:
                     hit, last = psi, f
                 else:
@@ -178,7 +169,7 @@ def sphere_tangencies(
             f, faces = math.nan, False
             for _ in range(60):
                 psi = (left * fb - right * fa) / (fb - fa)
-                f, x, y, z, faces = edge_turn(psi, light, beyond, geo, frame)
+                f, x, y, z, faces = edge_turn(psi, light, beyond, chart, frame)
                 if f != f:
                     break
                 moved = abs(psi - right)
@@ -192,27 +183,27 @@ def sphere_tangencies(
                     break
             if f == f and faces:
                 phi = math.atan2(y, x)
-                if within_lobe(phi, math.atan2(math.sqrt(x * x + y * y), z), geo):
+                if within_lobe(phi, math.atan2(math.sqrt(x * x + y * y), z), chart):
                     n = add_event(events, n, phi, low, high, ROOT)
         before = turn
     return n
 
 
 @inlined
-def tangencies(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
+def tangencies(view: View, work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
     """Add them to ``events``; new count."""
-    geo = work.geo
-    for i in range(min(work.counts[WALLS], work.walls.shape[0])):
+    chart = work.chart
+    for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
-        kind = int(row[KIND])
-        if geo[SHAPE_INDEX] < 0.0:
+        kind = row.kind
+        if chart.shape_index < 0.0:
             if kind in (SHADOW, BALL, PENUMBRA):
-                n = floor_tangencies(row, geo, events, n, low, high)
-        elif kind == SHADOW and row[TAG] == SHADOW_EDGE:
+                n = floor_tangencies(row, chart, events, n, low, high)
+        elif kind == SHADOW and row.tag == SHADOW_EDGE:
             # light from behind matters where terminators are open to highlights
-            for side in range(2 if view.shading[6] != CUT and view.shading[2] > 0.0 else 1):
+            for side in range(2 if view.shading.terminator != CUT and view.shading.ks > 0.0 else 1):
                 n = sphere_tangencies(
-                    view.points[int(row[LIGHT])], view.spheres[int(row[SHAPE])], side == 1, geo, work.frame, events, n,
+                    view.points[row.light], view.spheres[row.shape_index], side == 1, chart, work.frame, events, n,
                     low, high,
                 )  # fmt: skip
     return n

@@ -19,34 +19,22 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.records import Chart, Wall
 from symrender.chambers.walls import (
     BALL,
-    CENTER,
-    E1,
-    E2,
     FLOOR_CUT,
-    HEIGHT,
     HORIZON,
-    KIND,
-    LIGHT,
     NORMAL,
-    POINT,
-    POLE,
-    RADIUS,
-    RATIO,
     SHADOW,
     SHADOW_EDGE,
-    SHAPE,
-    SHAPE_INDEX,
     SILHOUETTE,
-    SURFACE_NORMAL,
-    TAG,
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import WALLS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.scene.arrays import CHECKER, KU, KV, TEXTURE
+from symrender.scene.arrays import CHECKER
+from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 
@@ -131,8 +119,8 @@ def what_moves(moves: Array, disks: bool, view: View, work: Work, moving: Array)
     moving[last] = 1.0 if nodes or any_moves(moves, RIM, RIM + 1) else 0.0
     horizon = any_moves(moves, HORIZON_NORMAL, HORIZON_NORMAL + 3)
     some = moving[last] != 0.0
-    for i in range(min(work.counts[WALLS], work.walls.shape[0])):
-        tag, shape = int(work.walls[i, TAG]), int(work.walls[i, SHAPE])
+    for i in range(min(work.counts.walls, work.walls.shape[0])):
+        tag, shape = work.walls[i].tag, work.walls[i].shape_index
         moved = True
         if not nodes:
             if tag in (SILHOUETTE, SHADOW_EDGE):
@@ -147,18 +135,18 @@ def what_moves(moves: Array, disks: bool, view: View, work: Work, moving: Array)
 
 
 @jitable
-def chart_place(x: float, c: float, s: float, geo: Array, here: Array) -> tuple[float, float]:
+def chart_place(x: float, c: float, s: float, chart: Chart, here: Array) -> tuple[float, float]:
     """Fill ``here`` (PLACE_ROWS, 3) at inner coordinate ``x`` of the line (c, s).
 
     Returns the solid angle per dx dphi and its logarithm's slope in k. The pole itself is no place of a chart: x > 0.
     """
     sx, cx = math.sin(x), math.cos(x)
-    if geo[SHAPE_INDEX] < 0.0:
-        h = geo[HEIGHT]
+    if chart.shape_index < 0.0:
+        h = chart.height
         t = sx / cx
         for a in range(3):
-            e = c * geo[E1 + a] + s * geo[E2 + a]
-            pole = geo[POLE + a]
+            e = c * chart.e1[a] + s * chart.e2[a]
+            pole = chart.pole[a]
             here[HIT, a] = h * (t * e + pole)
             here[FACING, a] = 0.0
             here[TOWARD, a] = cx * pole + sx * e
@@ -170,14 +158,14 @@ def chart_place(x: float, c: float, s: float, geo: Array, here: Array) -> tuple[
             here[BY_RADIUS, a] = 0.0
         here[FACING, 2] = 1.0
         return sx, 0.0
-    k, r = geo[RATIO], geo[RADIUS]
+    k, r = chart.ratio, chart.radius
     sb = k * sx
     cb = math.sqrt(1.0 - sb * sb)
     cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
     beta_k, beta_x = sx / cb, k * cx / cb
     for a in range(3):
-        e = c * geo[E1 + a] + s * geo[E2 + a]
-        pole = geo[POLE + a]
+        e = c * chart.e1[a] + s * chart.e2[a]
+        pole = chart.pole[a]
         across = cg * e + sg * pole
         swing = cb * e - sb * pole
         normal = sg * e - cg * pole
@@ -249,8 +237,8 @@ def wall_gradient(
 
     Levels are those of the conditions themselves, not the table's rows, and their scale is their own.
     """
-    geo, row = work.geo, work.walls[i]
-    kind, shape = int(row[KIND]), int(row[SHAPE])
+    chart, row = work.chart, work.walls[i]
+    kind, shape = row.kind, row.shape_index
     balls = LIGHTS + 6 * view.points.shape[0]
     for line in range(3):
         for a in range(3):
@@ -258,7 +246,7 @@ def wall_gradient(
     if tag == HORIZON:
         sphere = kind == NORMAL
         for a in range(3):
-            n = geo[SURFACE_NORMAL + a]
+            n = chart.normal[a]
             bar[HIT if sphere else TOWARD, a] = n
             own[HORIZON_NORMAL + a] += here[HIT if sphere else TOWARD, a]
             if sphere:
@@ -266,10 +254,10 @@ def wall_gradient(
     elif tag == SILHOUETTE and kind not in (NORMAL, BALL):
         far2 = 0.0
         for a in range(3):
-            o = view.spheres[shape, a] - geo[POINT + a]
+            o = view.spheres[shape].center[a] - chart.point[a]
             bar[TOWARD, a] = o
             far2 += o * o
-        r = view.spheres[shape, 3]
+        r = view.spheres[shape].radius
         tangent = math.sqrt(far2 - r * r)
         for a in range(3):
             o = here[TOWARD, a] - bar[TOWARD, a] / tangent
@@ -278,25 +266,33 @@ def wall_gradient(
         own[balls + 4 * shape + 3] += r / tangent
     elif tag == SILHOUETTE:
         for a in range(3):
-            o = here[HIT, a] + geo[POINT + a] - view.spheres[shape, a]
+            o = here[HIT, a] + chart.point[a] - view.spheres[shape].center[a]
             bar[HIT, a] = 2.0 * o
             own[balls + 4 * shape + a] -= 2.0 * o
-        own[balls + 4 * shape + 3] -= 2.0 * view.spheres[shape, 3]
+        own[balls + 4 * shape + 3] -= 2.0 * view.spheres[shape].radius
     elif tag == TERMINATOR:
-        j = int(geo[SHAPE_INDEX])
+        j = chart.shape_index
         for a in range(3):
-            bar[FACING, a] = view.points[shape, a] - geo[CENTER + a]
+            bar[FACING, a] = view.points[shape].position[a] - chart.center[a]
             own[LIGHTS + 6 * shape + a] += here[FACING, a]
             own[balls + 4 * j + a] -= here[FACING, a]
         own[balls + 4 * j + 3] -= 1.0
     elif tag == TEXTURE_EDGE:
-        _texture_gradient(row, here, view.spheres[int(geo[SHAPE_INDEX])], geo, bar, own)
+        _texture_gradient(row, here, view.spheres[chart.shape_index], chart, bar, own)
     elif kind == SHADOW:
-        light = int(row[LIGHT])
-        q, r = view.points[light], view.spheres[shape, 3]
+        light = row.light
+        q, r = view.points[light], view.spheres[shape].radius
         p = here[HIT]
-        ux, uy, uz = p[0] + geo[POINT] - q[0], p[1] + geo[POINT + 1] - q[1], p[2] + geo[POINT + 2] - q[2]
-        gx, gy, gz = view.spheres[shape, 0] - q[0], view.spheres[shape, 1] - q[1], view.spheres[shape, 2] - q[2]
+        ux, uy, uz = (
+            p[0] + chart.point[0] - q.position[0],
+            p[1] + chart.point[1] - q.position[1],
+            p[2] + chart.point[2] - q.position[2],
+        )
+        gx, gy, gz = (
+            view.spheres[shape].center[0] - q.position[0],
+            view.spheres[shape].center[1] - q.position[1],
+            view.spheres[shape].center[2] - q.position[2],
+        )
         zx, zy, zz = uy * gz - uz * gy, uz * gx - ux * gz, ux * gy - uy * gx
         bar[HIT, 0] = 2.0 * (r * r * ux - (gy * zz - gz * zy))
         bar[HIT, 1] = 2.0 * (r * r * uy - (gz * zx - gx * zz))
@@ -312,38 +308,38 @@ def wall_gradient(
 
 
 @jitable
-def edge_number(row: Array, here: Array, sphere: Array, geo: Array) -> tuple[bool, float, float]:
+def edge_number(row: Wall, here: Array, sphere: Sphere, chart: Chart) -> tuple[bool, float, float]:
     """Whether a texture edge is a parallel, its number (whole on an edge) and, of a meridian, its azimuth."""
-    up = -row[1] * geo[POLE + 2] + row[2] * geo[E1 + 2] + row[3] * geo[E2 + 2]
+    up = -row.axis[0] * chart.pole[2] + row.axis[1] * chart.e1[2] + row.axis[2] * chart.e2[2]
     if abs(up) > 0.5:
         v = math.acos(max(-1.0, min(1.0, here[FACING, 2]))) / math.pi
-        return True, v * sphere[KV], 0.0
+        return True, v * sphere.kv, 0.0
     a = math.atan2(here[FACING, 1], here[FACING, 0])
-    return False, (a + math.pi) / (2.0 * math.pi) * sphere[KU], a
+    return False, (a + math.pi) / (2.0 * math.pi) * sphere.ku, a
 
 
 @jitable
-def _texture_gradient(row: Array, here: Array, sphere: Array, geo: Array, bar: Array, own: Array) -> None:
-    parallel, number, a = edge_number(row, here, sphere, geo)
+def _texture_gradient(row: Wall, here: Array, sphere: Sphere, chart: Chart, bar: Array, own: Array) -> None:
+    parallel, number, a = edge_number(row, here, sphere, chart)
     whole = math.floor(number + 0.5)
     if parallel:
         bar[FACING, 2] = 1.0
-        angle = math.pi * whole / sphere[KV]
-        own[FREQUENCY + 1] -= math.sin(angle) * angle / sphere[KV]
+        angle = math.pi * whole / sphere.kv
+        own[FREQUENCY + 1] -= math.sin(angle) * angle / sphere.kv
         return
     c, s = math.cos(a), math.sin(a)
     bar[FACING, 0], bar[FACING, 1] = -s, c
     # the seam does not move: where a whole number of fields ends there, that holds as the number falls
-    if abs(number - whole) < 1e-6 * (1.0 + whole) and whole < (1.0 - 1e-9) * sphere[KU]:
-        own[FREQUENCY] += (here[FACING, 0] * c + here[FACING, 1] * s) * 2.0 * math.pi * whole / sphere[KU] ** 2
+    if abs(number - whole) < 1e-6 * (1.0 + whole) and whole < (1.0 - 1e-9) * sphere.ku:
+        own[FREQUENCY] += (here[FACING, 0] * c + here[FACING, 1] * s) * 2.0 * math.pi * whole / sphere.ku**2
 
 
 @jitable
-def on_a_parallel(here: Array, sphere: Array) -> bool:
+def on_a_parallel(here: Array, sphere: Sphere) -> bool:
     """Whether a parallel of a checker passes through this place."""
-    if sphere[TEXTURE] != CHECKER:
+    if sphere.texture != CHECKER:
         return False
-    number = math.acos(max(-1.0, min(1.0, here[FACING, 2]))) / math.pi * sphere[KV]
+    number = math.acos(max(-1.0, min(1.0, here[FACING, 2]))) / math.pi * sphere.kv
     return bool(abs(number - math.floor(number + 0.5)) < 1e-9 * (1.0 + number))
 
 
@@ -353,21 +349,21 @@ def condition_of(i: int, here: Array, hidden: bool, work: Work) -> int:
 
     ``hidden`` says that one side of the wall is not seen.
     """
-    geo, row = work.geo, work.walls[i]
-    tag = int(row[TAG])
+    chart, row = work.chart, work.walls[i]
+    tag: int = row.tag
     if tag <= FLOOR_CUT:
         return tag
     if hidden:
         level, size = 0.0, 0.0
         for a in range(3):
-            level += geo[SURFACE_NORMAL + a] * here[HIT, a]
+            level += chart.normal[a] * here[HIT, a]
             size += here[HIT, a] ** 2
         if abs(level) < 1e-9 * math.sqrt(size):
             return HORIZON
-        if abs(here[HIT, 2] + geo[POINT + 2]) < 1e-9 * math.sqrt(size):
+        if abs(here[HIT, 2] + chart.point[2]) < 1e-9 * math.sqrt(size):
             return FLOOR_CUT
         return -1
-    shape = int(row[SHAPE])
-    if shape >= 0 and row[KIND] == NORMAL:
+    shape = row.shape_index
+    if shape >= 0 and row.kind == NORMAL:
         return TERMINATOR
     return -1

@@ -17,36 +17,20 @@ from symrender.chambers.events import CROSSING, add_event, within_lobe
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.line import wall_level
 from symrender.chambers.place import surface_point
+from symrender.chambers.records import Event, Wall
 from symrender.chambers.tangencies import edge_frame
 from symrender.chambers.walls import (
     BALL,
-    CENTER,
-    COS,
     DIRECTION,
-    E1,
-    E2,
-    HEIGHT,
-    KIND,
-    LIGHT,
-    LOBE_BETA,
     NORMAL,
-    POINT,
-    POLE,
-    RADIUS,
-    RATIO,
-    RIM_COS,
-    RIM_SIN,
     SHADOW,
     SHADOW_EDGE,
-    SHAPE,
-    SHAPE_INDEX,
-    SIN,
-    TAG,
     TERMINATOR,
     TEXTURE_EDGE,
 )
-from symrender.chambers.work import WALLS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.records import Table
 from symrender.scene.arrays import CUT
 
 Array = npt.NDArray[np.float64]
@@ -61,88 +45,92 @@ LIMB_ROW = 1
 @jitable
 def set_circles(work: Work) -> None:
     """Write the rim and the limb as wall rows."""
-    geo = work.geo
+    chart = work.chart
     rim, limb = work.circles[RIM_ROW], work.circles[LIMB_ROW]
-    rim[KIND], rim[1], rim[2], rim[3] = DIRECTION, geo[LOBE_BETA + 1], geo[LOBE_BETA + 2], 0.0
-    rim[COS], rim[SIN] = geo[RIM_COS], geo[RIM_SIN]
-    limb[KIND], limb[1], limb[2], limb[3] = NORMAL, 1.0, 0.0, 0.0
+    rim.kind, rim.axis[0], rim.axis[1], rim.axis[2] = DIRECTION, chart.lobe_cos, chart.lobe_sin, 0.0
+    rim.cos, rim.sin = chart.rim_cos, chart.rim_sin
+    limb.kind, limb.axis[0], limb.axis[1], limb.axis[2] = NORMAL, 1.0, 0.0, 0.0
     # just inside, so that its places count as seen
-    limb[COS] = min(1.0, geo[RATIO] + 1e-12)
-    limb[SIN] = math.sqrt((1.0 - limb[COS]) * (1.0 + limb[COS]))
+    limb.cos = min(1.0, chart.ratio + 1e-12)
+    limb.sin = math.sqrt((1.0 - limb.cos) * (1.0 + limb.cos))
 
 
 @inlined
-def edge_place(psi: float, row: Array, beyond: bool, view: View, work: Work) -> tuple[float, float, float, bool]:
+def edge_place(psi: float, row: Wall, beyond: bool, view: View, work: Work) -> tuple[float, float, float, bool]:
     """Place at angle ``psi`` of a shadow's edge or a ball's circle, and whether there is one.
 
     A sphere is met twice, the second time ``beyond`` the light's side.
     """
-    geo, frame = work.geo, work.frame
+    chart, frame = work.chart, work.frame
     c, s = math.cos(psi), math.sin(psi)
-    if int(row[KIND]) == BALL:
-        size2 = row[1] * row[1] + row[2] * row[2] - row[3]
+    if row.kind == BALL:
+        size2 = row.foot[0] * row.foot[0] + row.foot[1] * row.foot[1] - row.power
         size = math.sqrt(max(0.0, size2))
-        along, across = row[1] + size * c, row[2] + size * s
-        x = geo[POINT] + along * geo[E1] + across * geo[E2]
-        y = geo[POINT + 1] + along * geo[E1 + 1] + across * geo[E2 + 1]
+        along, across = row.foot[0] + size * c, row.foot[1] + size * s
+        x = chart.point[0] + along * chart.e1[0] + across * chart.e2[0]
+        y = chart.point[1] + along * chart.e1[1] + across * chart.e2[1]
         return x, y, 0.0, size2 > 0.0
-    light = view.points[int(row[LIGHT])]
+    light = view.points[row.light]
     ux = frame[0, 0] + c * frame[1, 0] + s * frame[2, 0]
     uy = frame[0, 1] + c * frame[1, 1] + s * frame[2, 1]
     uz = frame[0, 2] + c * frame[1, 2] + s * frame[2, 2]
-    if geo[SHAPE_INDEX] < 0.0:
-        if not uz * light[2] < 0.0:
+    if chart.shape_index < 0.0:
+        if not uz * light.position[2] < 0.0:
             return 0.0, 0.0, 0.0, False
-        t = -light[2] / uz
-        return light[0] + t * ux, light[1] + t * uy, 0.0, True
-    wx, wy, wz = light[0] - geo[CENTER], light[1] - geo[CENTER + 1], light[2] - geo[CENTER + 2]
+        t = -light.position[2] / uz
+        return light.position[0] + t * ux, light.position[1] + t * uy, 0.0, True
+    wx, wy, wz = (
+        light.position[0] - chart.center[0],
+        light.position[1] - chart.center[1],
+        light.position[2] - chart.center[2],
+    )
     b = wx * ux + wy * uy + wz * uz
-    square = b * b - (wx * wx + wy * wy + wz * wz) + geo[RADIUS] * geo[RADIUS]
+    square = b * b - (wx * wx + wy * wy + wz * wz) + chart.radius * chart.radius
     if not square > 0.0:
         return 0.0, 0.0, 0.0, False
     t = -b + (math.sqrt(square) if beyond else -math.sqrt(square))
-    return light[0] + t * ux, light[1] + t * uy, light[2] + t * uz, t > 0.0
+    return light.position[0] + t * ux, light.position[1] + t * uy, light.position[2] + t * uz, t > 0.0
 
 
 @inlined
 def chart_place_of(qx: float, qy: float, qz: float, work: Work) -> tuple[float, float, float]:
     """(inner coordinate, cos phi, sin phi) of a place of the charted shape; the first is NaN where P cannot see it."""
-    geo = work.geo
-    dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
-    x = dx * geo[E1] + dy * geo[E1 + 1] + dz * geo[E1 + 2]
-    y = dx * geo[E2] + dy * geo[E2 + 1] + dz * geo[E2 + 2]
+    chart = work.chart
+    dx, dy, dz = qx - chart.point[0], qy - chart.point[1], qz - chart.point[2]
+    x = dx * chart.e1[0] + dy * chart.e1[1] + dz * chart.e1[2]
+    y = dx * chart.e2[0] + dy * chart.e2[1] + dz * chart.e2[2]
     across = math.sqrt(x * x + y * y)
     c, s = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
-    if geo[SHAPE_INDEX] < 0.0:
-        return math.atan2(across, geo[HEIGHT]), c, s
-    gx, gy, gz = qx - geo[CENTER], qy - geo[CENTER + 1], qz - geo[CENTER + 2]
+    if chart.shape_index < 0.0:
+        return math.atan2(across, chart.height), c, s
+    gx, gy, gz = qx - chart.center[0], qy - chart.center[1], qz - chart.center[2]
     facing = -(gx * dx + gy * dy + gz * dz)
     # psi is the angle of incidence: its sine is that of the way across, its cosine that of the way along the normal
-    along = dx * geo[POLE] + dy * geo[POLE + 1] + dz * geo[POLE + 2]
+    along = dx * chart.pole[0] + dy * chart.pole[1] + dz * chart.pole[2]
     far = math.sqrt(across * across + along * along)
-    return math.atan2(math.sqrt(max(0.0, (geo[RADIUS] * far) ** 2 - facing * facing)), facing), c, s
+    return math.atan2(math.sqrt(max(0.0, (chart.radius * far) ** 2 - facing * facing)), facing), c, s
 
 
 @inlined
 def along_level(
-    psi: float, row: Array, other: int, beyond: bool, view: View, work: Work
+    psi: float, row: Wall, other: int, beyond: bool, view: View, work: Work
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """(level of wall ``other``, or of the rim for -1, at ``psi`` along ``row``; inner coordinate, cos and sin phi).
 
     The level is NaN where the curve has no place.
     """
-    geo = work.geo
+    chart = work.chart
     qx, qy, qz, there = edge_place(psi, row, beyond, view, work)
     if not there:
         return math.nan, 0.0, 1.0, 0.0
     x, c, s = chart_place_of(qx, qy, qz, work)
     if other < 0:
-        if geo[SHAPE_INDEX] < 0.0:
+        if chart.shape_index < 0.0:
             sb, cb = math.sin(x), math.cos(x)
         else:
-            sb = geo[RATIO] * math.sin(x)
+            sb = chart.ratio * math.sin(x)
             cb = math.sqrt(max(0.0, (1.0 - sb) * (1.0 + sb)))
-        level = cb * geo[LOBE_BETA + 1] + sb * c * geo[LOBE_BETA + 2] - geo[RIM_COS]
+        level = cb * chart.lobe_cos + sb * c * chart.lobe_sin - chart.rim_cos
     else:
         level = wall_level(other, x, c, s, work)
     return level, x, c, s
@@ -150,7 +138,7 @@ def along_level(
 
 @inlined
 def note_trace(
-    psi: float, row: Array, other: int, beyond: bool, hides: bool, view: View, work: Work, events: Array, n: int,
+    psi: float, row: Wall, other: int, beyond: bool, hides: bool, view: View, work: Work, events: Table[Event], n: int,
     low: float, high: float,
 ) -> int:  # fmt: skip
     """Note the crossing at ``psi`` if it is inside the lobe and seen; new count."""
@@ -158,12 +146,12 @@ def note_trace(
     if not (level == level and 0.0 < x < 0.5 * math.pi):
         return n
     phi = math.atan2(s, c)
-    geo = work.geo
-    beta = x if geo[SHAPE_INDEX] < 0.0 else math.asin(geo[RATIO] * math.sin(x))
-    if not within_lobe(phi, beta, geo):
+    chart = work.chart
+    beta = x if chart.shape_index < 0.0 else math.asin(chart.ratio * math.sin(x))
+    if not within_lobe(phi, beta, chart):
         return n
     if not hides:
-        qx, qy, qz, _, _, _ = surface_point(x, c, s, geo)
+        qx, qy, qz, _, _, _ = surface_point(x, c, s, chart)
         if is_hidden(qx, qy, qz, view, work):
             return n
     return add_event(events, n, phi, low, high, CROSSING)
@@ -171,7 +159,7 @@ def note_trace(
 
 @jitable
 def trace_pair(
-    i: int, other: int, beyond: bool, hides: bool, view: View, work: Work, events: Array, n: int, low: float,
+    i: int, other: int, beyond: bool, hides: bool, view: View, work: Work, events: Table[Event], n: int, low: float,
     high: float,
 ) -> int:  # fmt: skip
     """Note where wall ``other`` (-1: the rim) crosses the curve of wall ``i``; new count."""
@@ -236,8 +224,8 @@ def trace_pair(
 
 @jitable
 def solve_trace(
-    left: float, right: float, fa: float, fb: float, row: Array, other: int, beyond: bool, hides: bool, view: View,
-    work: Work, events: Array, n: int, low: float, high: float,
+    left: float, right: float, fa: float, fb: float, row: Wall, other: int, beyond: bool, hides: bool, view: View,
+    work: Work, events: Table[Event], n: int, low: float, high: float,
 ) -> int:  # fmt: skip
     """Note the one crossing between two places whose levels differ in sign (Illinois); new count."""
     if not fa * fb < 0.0:
@@ -262,7 +250,7 @@ def solve_trace(
 @inlined
 def add_contacts(
     i: int, nx: float, ny: float, nz: float, level: float, vx: float, vy: float, vz: float, view: View, work: Work,
-    events: Array, n: int, low: float, high: float,
+    events: Table[Event], n: int, low: float, high: float,
 ) -> int:  # fmt: skip
     """Note where ball ``i``, the plane n.x = level and the tangents to the ball from V meet; new count.
 
@@ -270,9 +258,9 @@ def add_contacts(
     meets the charted shape: they touch, so that no sign tells of it.
     """
     s = view.spheres[i]
-    mx, my, mz = vx - s[0], vy - s[1], vz - s[2]
-    e, g = level - (nx * s[0] + ny * s[1] + nz * s[2]), nx * mx + ny * my + nz * mz
-    size, square = mx * mx + my * my + mz * mz, s[3] * s[3]
+    mx, my, mz = vx - s.center[0], vy - s.center[1], vz - s.center[2]
+    e, g = level - (nx * s.center[0] + ny * s.center[1] + nz * s.center[2]), nx * mx + ny * my + nz * mz
+    size, square = mx * mx + my * my + mz * mz, s.radius * s.radius
     det = size - g * g
     if not det > 1e-24 * size:
         return n
@@ -283,55 +271,57 @@ def add_contacts(
         return n
     t = math.sqrt(rest)
     for _ in range(2):
-        qx = s[0] + a * nx + b * mx + t * (ny * mz - nz * my)
-        qy = s[1] + a * ny + b * my + t * (nz * mx - nx * mz)
-        qz = s[2] + a * nz + b * mz + t * (nx * my - ny * mx)
+        qx = s.center[0] + a * nx + b * mx + t * (ny * mz - nz * my)
+        qy = s.center[1] + a * ny + b * my + t * (nz * mx - nx * mz)
+        qz = s.center[2] + a * nz + b * mz + t * (nx * my - ny * mx)
         x, c, sn = chart_place_of(qx, qy, qz, work)
         if 0.0 < x < 0.5 * math.pi:
-            beta = x if work.geo[SHAPE_INDEX] < 0.0 else math.asin(work.geo[RATIO] * math.sin(x))
+            beta = x if work.chart.shape_index < 0.0 else math.asin(work.chart.ratio * math.sin(x))
             phi = math.atan2(sn, c)
-            if within_lobe(phi, beta, work.geo):
+            if within_lobe(phi, beta, work.chart):
                 n = add_event(events, n, phi, low, high, CROSSING)
         t = -t
     return n
 
 
 @inlined
-def contacts(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
+def contacts(view: View, work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
     """Note where outlines of balls that meet the charted shape pass over into the circles in which they do."""
-    geo = work.geo
-    j = int(geo[SHAPE_INDEX])
+    chart = work.chart
+    j = chart.shape_index
     for i in range(view.spheres.shape[0]):
         s = view.spheres[i]
         if i == j:
             continue
         nx, ny, nz, level = 0.0, 0.0, 1.0, 0.0
         if j < 0:
-            if not abs(s[2]) < s[3]:
+            if not abs(s.center[2]) < s.radius:
                 continue
         else:
-            ux, uy, uz = s[0] - geo[CENTER], s[1] - geo[CENTER + 1], s[2] - geo[CENTER + 2]
-            r = geo[RADIUS]
+            ux, uy, uz = s.center[0] - chart.center[0], s.center[1] - chart.center[1], s.center[2] - chart.center[2]
+            r = chart.radius
             apart = math.sqrt(ux * ux + uy * uy + uz * uz)
-            if not abs(s[3] - r) < apart < s[3] + r:
+            if not abs(s.radius - r) < apart < s.radius + r:
                 continue
             nx, ny, nz = ux / apart, uy / apart, uz / apart
-            level = nx * geo[CENTER] + ny * geo[CENTER + 1] + nz * geo[CENTER + 2]
-            level += (apart * apart + r * r - s[3] * s[3]) / (2.0 * apart)
+            level = nx * chart.center[0] + ny * chart.center[1] + nz * chart.center[2]
+            level += (apart * apart + r * r - s.radius * s.radius) / (2.0 * apart)
         n = add_contacts(
-            i, nx, ny, nz, level, geo[POINT], geo[POINT + 1], geo[POINT + 2], view, work, events, n, low, high
+            i, nx, ny, nz, level, chart.point[0], chart.point[1], chart.point[2], view, work, events, n, low, high
         )  # fmt: skip
         for l in range(view.points.shape[0]):
             p = view.points[l]
-            n = add_contacts(i, nx, ny, nz, level, p[0], p[1], p[2], view, work, events, n, low, high)
+            n = add_contacts(
+                i, nx, ny, nz, level, p.position[0], p.position[1], p.position[2], view, work, events, n, low, high
+            )
     return n
 
 
 @jitable
-def passes_lobe(row: Array, beyond: bool, view: View, work: Work) -> bool:
+def passes_lobe(row: Wall, beyond: bool, view: View, work: Work) -> bool:
     """Whether the curve of a wall may pass through the lobe: one of its samples is no farther than their spacing."""
-    geo = work.geo
-    rim = math.atan2(geo[RIM_SIN], geo[RIM_COS])
+    chart = work.chart
+    rim = math.atan2(chart.rim_sin, chart.rim_cos)
     nearest, widest = math.inf, 0.0
     x0, y0, z0, known = 0.0, 0.0, 0.0, False
     for k in range(SAMPLES + 1):
@@ -341,12 +331,12 @@ def passes_lobe(row: Array, beyond: bool, view: View, work: Work) -> bool:
                 # it ends somewhere before here
                 return True
             continue
-        dx, dy, dz = qx - geo[POINT], qy - geo[POINT + 1], qz - geo[POINT + 2]
+        dx, dy, dz = qx - chart.point[0], qy - chart.point[1], qz - chart.point[2]
         inv = 1.0 / math.sqrt(max(1e-300, dx * dx + dy * dy + dz * dz))
         dx, dy, dz = dx * inv, dy * inv, dz * inv
         along = 0.0
         for a in range(3):
-            axis = geo[LOBE_BETA + 1] * geo[POLE + a] + geo[LOBE_BETA + 2] * geo[E1 + a]
+            axis = chart.lobe_cos * chart.pole[a] + chart.lobe_sin * chart.e1[a]
             along += axis * (dx if a == 0 else dy if a == 1 else dz)
         nearest = min(nearest, math.acos(max(-1.0, min(1.0, along))) - rim)
         if known:
@@ -358,7 +348,7 @@ def passes_lobe(row: Array, beyond: bool, view: View, work: Work) -> bool:
 
 
 @inlined
-def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, high: float) -> int:
+def trace_crossings(view: View, work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
     """Add the crossings of curves that can be walked along with all walls no closed form has them with; new count.
 
     On a sphere these are shadow edges with each other, with cones of directions and with the rim; on the floor shadow
@@ -366,15 +356,15 @@ def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, h
     """
     n = contacts(view, work, events, n, low, high)
     walls = work.walls
-    count = min(work.counts[WALLS], walls.shape[0])
-    sphere = work.geo[SHAPE_INDEX] >= 0.0
-    sides = 2 if sphere and view.shading[6] != CUT and view.shading[2] > 0.0 else 1
+    count = min(work.counts.walls, walls.shape[0])
+    sphere = work.chart.shape_index >= 0.0
+    sides = 2 if sphere and view.shading.terminator != CUT and view.shading.ks > 0.0 else 1
     for i in range(count):
         one = walls[i]
-        kind = int(one[KIND])
-        walked = kind == BALL or (kind == SHADOW and int(one[TAG]) == SHADOW_EDGE)
+        kind = one.kind
+        walked = kind == BALL or (kind == SHADOW and one.tag == SHADOW_EDGE)
         if not walked or (
-            kind == SHADOW and not edge_frame(view.points[int(one[LIGHT])], view.spheres[int(one[SHAPE])], work.frame)
+            kind == SHADOW and not edge_frame(view.points[one.light], view.spheres[one.shape_index], work.frame)
         ):
             continue
         near, beyond = passes_lobe(one, False, view, work), sides == 2 and passes_lobe(one, True, view, work)
@@ -385,14 +375,12 @@ def trace_crossings(view: View, work: Work, events: Array, n: int, low: float, h
                 # the floor's rim is a circle of directions, for which there is a closed form
                 wanted = sphere
             else:
-                also = int(walls[j, KIND])
-                both = also == BALL or (also == SHADOW and int(walls[j, TAG]) == SHADOW_EDGE)
+                also = walls[j].kind
+                both = also == BALL or (also == SHADOW and walls[j].tag == SHADOW_EDGE)
                 wanted = j != i and (not both or j < i) and (also > DIRECTION or sphere) and also != NORMAL
             if not wanted:
                 continue
-            hides = j < 0 or not (
-                int(one[TAG]) == SHADOW_EDGE and (int(walls[j, TAG]) in (TEXTURE_EDGE, TERMINATOR, SHADOW_EDGE))
-            )
+            hides = j < 0 or not (one.tag == SHADOW_EDGE and (walls[j].tag in (TEXTURE_EDGE, TERMINATOR, SHADOW_EDGE)))
             for side in range(sides):
                 if near if side == 0 else beyond:
                     n = trace_pair(i, j, side == 1, hides, view, work, events, n, low, high)

@@ -22,7 +22,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.records import Chart, Wall
 from symrender.kernel_cache import jitable
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 
@@ -34,21 +36,12 @@ SHADOW: Final = 2
 """Shadow edge of a sphere from a light point: a conic on the floor, a quartic on another sphere."""
 BALL: Final = 3
 """Where the floor enters a ball: a circle on the floor."""
-FLOOR_LINE: Final = 4
-"""Straight line on the floor."""
 PENUMBRA: Final = 5
 """An edge of what a sphere hides of a disk light; columns as in ``chambers/penumbra_walls.py``."""
 GLEAM_EDGE: Final = 6
 """Where a highlight begins: its base, which is clipped at 0, is 0. Columns 8.. hold the light point, the viewer's place
 and 1 for Phong's base."""
-WALL_COLUMNS: Final = 45
 
-KIND: Final = 0
-AXIS: Final = 1
-COS: Final = 4
-SIN: Final = 5
-TAG: Final = 6
-SHAPE: Final = 7
 
 # tags: which condition a wall belongs to
 RIM: Final = 0
@@ -61,54 +54,9 @@ FLOOR_CUT: Final = 6
 HIGHLIGHT: Final = 7
 SEVERAL: Final = 8
 """Coinciding walls of different conditions, kept as one."""
-MET_COLUMN: Final = 22
-"""Column that is 1 once a scan line met the wall inside the lobe."""
-TANGENT: Final = 8
-"""First of three columns of a circle, filled by ``chart_events``: what ``tangent_lines`` says of it."""
-LIGHT: Final = 21
-"""Column of a shadow edge that names its light point."""
 
-# geo: the numbers of one (point, shape) pair
-POINT: Final = 0
-POLE: Final = 3
-E1: Final = 6
-E2: Final = 9
-CENTER: Final = 12
-RADIUS: Final = 15
-RATIO: Final = 16
-"""k = R/|C - P|, the sine of the shape's angular radius."""
-BETA_MAX: Final = 17
-GAMMA_MAX: Final = 18
-LOBE_BETA: Final = 19
-"""Angle from the pole to the lobe's axis, which lies at phi = 0; then its cosine and sine."""
-RIM_COS: Final = 22
-RIM_SIN: Final = 23
-SURFACE_NORMAL: Final = 24
-SIDE: Final = 27
-"""+1 where the point is on or above the floor, -1 below it."""
-EXPONENT: Final = 28
-LOG_NORMALISER: Final = 29
-HEIGHT: Final = 30
-SHAPE_INDEX: Final = 31
-STRIP: Final = 32
-"""Half-width of the strip of analyticity used for node counts along a line, then across lines."""
-LIMB_TANGENT: Final = 38
-"""tan of half the limb's angle at the centre, tan(gamma_max/2)."""
-LENS_COS: Final = 40
-"""Cosine and sine of the angle, from the visible pole towards the lobe, to the middle of a circle of normals that holds
-all of the shape inside the lobe; then the cosine of that circle's radius."""
-BRIGHT: Final = 39
-"""No radiance of the charted shape differs from the background by more; UNBOUNDED if nobody asked."""
+# chart: the numbers of one (point, shape) pair
 UNBOUNDED: Final = 1e30
-FACING: Final = 43
-"""A vector, then a number: every direction w of the lobe counts with the number plus the vector times w."""
-LEAST: Final = 47
-"""No highlight that can hold less than this of a lobe is looked for."""
-CLIPPED: Final = 48
-"""1 where highlights begin at walls of their own: a line may then see none beside one that does."""
-PACE: Final = 49
-"""How much faster than values a derivative of the chart may change with what is left out; 1 for values."""
-GEO_COLUMNS: Final = 50
 
 COINCIDENT: Final = 1e-11
 """Two circles whose axes and levels differ by less are one wall."""
@@ -134,7 +82,7 @@ def tangent_lines(a1: float, a2: float, sine: float) -> tuple[float, float, floa
 
 @jitable
 def add_circle(
-    walls: Array, count: int, kind: int, a0: float, a1: float, a2: float, cosine: float, tag: int, shape: int
+    walls: Table[Wall], count: int, kind: int, a0: float, a1: float, a2: float, cosine: float, tag: int, shape: int
 ) -> int:
     """Append the circle a.x = cosine (unit axis in the chart frame) unless it is there already; new count.
 
@@ -142,31 +90,41 @@ def add_circle(
     """
     sine = math.sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine)))
     for i in range(min(count, walls.shape[0])):
-        if walls[i, 0] == kind:
-            same = abs(walls[i, 1] - a0) + abs(walls[i, 2] - a1) + abs(walls[i, 3] - a2) + abs(walls[i, 4] - cosine)
-            flipped = abs(walls[i, 1] + a0) + abs(walls[i, 2] + a1) + abs(walls[i, 3] + a2) + abs(walls[i, 4] + cosine)
+        if walls[i].kind == kind:
+            same = (
+                abs(walls[i].axis[0] - a0)
+                + abs(walls[i].axis[1] - a1)
+                + abs(walls[i].axis[2] - a2)
+                + abs(walls[i].cos - cosine)
+            )
+            flipped = (
+                abs(walls[i].axis[0] + a0)
+                + abs(walls[i].axis[1] + a1)
+                + abs(walls[i].axis[2] + a2)
+                + abs(walls[i].cos + cosine)
+            )
             if min(same, flipped) < 1e-11:
-                if walls[i, 6] != tag or walls[i, 7] != shape:
-                    walls[i, 6] = SEVERAL
+                if walls[i].tag != tag or walls[i].shape_index != shape:
+                    walls[i].tag = SEVERAL
                 return count
     if count < walls.shape[0]:
-        walls[count, 0] = kind
-        walls[count, 1] = a0
-        walls[count, 2] = a1
-        walls[count, 3] = a2
-        walls[count, 4] = cosine
-        walls[count, 5] = sine
-        walls[count, 6] = tag
-        walls[count, 7] = shape
-        walls[count, MET_COLUMN] = 0.0
+        walls[count].kind = kind
+        walls[count].axis[0] = a0
+        walls[count].axis[1] = a1
+        walls[count].axis[2] = a2
+        walls[count].cos = cosine
+        walls[count].sin = sine
+        walls[count].tag = tag
+        walls[count].shape_index = shape
+        walls[count].met = 0
     return count + 1
 
 
 @jitable
 def add_shadow(
-    walls: Array,
+    walls: Table[Wall],
     count: int,
-    geo: Array,
+    chart: Chart,
     ux: float,
     uy: float,
     uz: float,
@@ -201,18 +159,20 @@ def add_shadow(
     fx, fy, fz = fx * inv, fy * inv, fz * inv
     hx, hy, hz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
     row = walls[count]
-    row[0] = SHADOW
-    row[6] = SHADOW_EDGE
-    row[7] = shape
-    row[LIGHT] = light
-    row[MET_COLUMN] = 0.0
-    for i in range(3):
-        px, py, pz = geo[POLE + 3 * i], geo[POLE + 3 * i + 1], geo[POLE + 3 * i + 2]
-        row[8 + i] = fx * px + fy * py + fz * pz
-        row[12 + i] = hx * px + hy * py + hz * pz
-        row[16 + i] = ux * px + uy * py + uz * pz
-    row[11] = fx * gx + fy * gy + fz * gz
-    row[15] = hx * gx + hy * gy + hz * gz
-    row[19] = ux * ux + uy * uy + uz * uz
-    row[20] = radius * radius / dist2
+    row.kind = SHADOW
+    row.tag = SHADOW_EDGE
+    row.shape_index = shape
+    row.light = light
+    row.met = 0
+    i = 0
+    for along in (chart.pole, chart.e1, chart.e2):
+        px, py, pz = along[0], along[1], along[2]
+        row.first[i] = fx * px + fy * py + fz * pz
+        row.second[i] = hx * px + hy * py + hz * pz
+        row.origin[i] = ux * px + uy * py + uz * pz
+        i += 1
+    row.first_level = fx * gx + fy * gy + fz * gz
+    row.second_level = hx * gx + hy * gy + hz * gz
+    row.origin2 = ux * ux + uy * uy + uz * uz
+    row.sine2 = radius * radius / dist2
     return count + 1

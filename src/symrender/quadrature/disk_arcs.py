@@ -15,19 +15,12 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.records import NODES, Curve, LightPoint, Nodes
 from symrender.chambers.roots import quadratic_roots
-from symrender.chambers.work import NODES
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_curves import (
-    ALONG,
-    BOUNDS,
     CONE,
-    CURVES,
-    EVENTS,
     LINE,
-    MEETS,
-    ON_CIRCLE,
-    ON_CONE,
     TERMINATOR,
     curve_level,
     insert,
@@ -35,16 +28,14 @@ from symrender.quadrature.disk_curves import (
     trig_roots,
 )
 from symrender.quadrature.disk_points import (
-    ACROSS,
     MOST_POINTS,
-    SHARE,
-    TURN,
     add_points,
     clear_sums,
     weighed_sums,
 )
 from symrender.quadrature.gauss import fitting
 from symrender.quadrature.node_rows import whole_vectors
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 
@@ -55,13 +46,13 @@ ARC_LOG: Final = 2.0
 
 
 @jitable
-def pulled_roots(row: Array, other: Array, out: Array, count: int) -> int:
+def pulled_roots(row: Curve, other: Curve, out: Array, count: int) -> int:
     """Insert the angles at which a cone's conic meets another curve; new count of ``out``."""
-    x, y, z = row[ALONG : ALONG + 3], row[ALONG + 3 : ALONG + 6], row[ALONG + 6 : ALONG + 9]
-    k0, k1, k2, k11, k12, k22 = other[0], other[1], other[2], other[3], other[4], other[5]
+    x, y, z = row.generators[0:3], row.generators[3:6], row.generators[6:9]
+    k0, k1, k2, k11, k12, k22 = other.k0, other.k1, other.k2, other.k11, other.k12, other.k22
     # u = k0 z + k1 x + k2 y goes with z, v = k11 x + k12 y with x, w = k12 x + k22 y with y
     u0, u1, u2 = k0 * z[0] + k1 * x[0] + k2 * y[0], k0 * z[1] + k1 * x[1] + k2 * y[1], k0 * z[2] + k1 * x[2] + k2 * y[2]
-    if other[BOUNDS] == TERMINATOR or other[BOUNDS] == LINE:
+    if other.bounds == TERMINATOR or other.bounds == LINE:
         return trig_roots(u0, u1, u2, 0.0, 0.0, 0.0, out, count)
     v0, v1, v2 = k11 * x[0] + k12 * y[0], k11 * x[1] + k12 * y[1], k11 * x[2] + k12 * y[2]
     w0, w1, w2 = k12 * x[0] + k22 * y[0], k12 * x[1] + k22 * y[1], k12 * x[2] + k22 * y[2]
@@ -89,51 +80,50 @@ def radial_log(log_rho: float) -> float:
 
 
 @jitable
-def arc_point(curve: int, t: float, disk: Array) -> tuple[float, float, float, float, float]:
+def arc_point(curve: int, t: float, curves: Table[Curve]) -> tuple[float, float, float, float, float]:
     """(a, b, da/dt, db/dt, Z) at parameter t of a curve, -1 the circle; Z > 0 where the point is the true one."""
     if curve < 0:
         c, s = math.cos(t), math.sin(t)
         return c, s, -s, c, 1.0
-    row = disk[CURVES + curve]
-    if row[BOUNDS] == CONE:
+    row = curves[curve]
+    if row.bounds == CONE:
         c, s = math.cos(t), math.sin(t)
-        k = ALONG
-        x, y, z = row[k] + row[k + 1] * c + row[k + 2] * s, row[k + 3] + row[k + 4] * c + row[k + 5] * s, (
-            row[k + 6] + row[k + 7] * c + row[k + 8] * s
+        x, y, z = row.generators[0] + row.generators[1] * c + row.generators[2] * s, row.generators[3] + row.generators[4] * c + row.generators[5] * s, (
+            row.generators[6] + row.generators[7] * c + row.generators[8] * s
         )  # fmt: skip
         if z == 0.0:
             return 2.0, 0.0, 0.0, 0.0, 0.0
         inv = 1.0 / z
         a, b = x * inv, y * inv
-        dz = row[k + 8] * c - row[k + 7] * s
+        dz = row.generators[8] * c - row.generators[7] * s
         return (
-            a, b, (row[k + 2] * c - row[k + 1] * s - a * dz) * inv, (row[k + 5] * c - row[k + 4] * s - b * dz) * inv, z,
+            a, b, (row.generators[2] * c - row.generators[1] * s - a * dz) * inv, (row.generators[5] * c - row.generators[4] * s - b * dz) * inv, z,
         )  # fmt: skip
-    size2 = row[1] * row[1] + row[2] * row[2]
+    size2 = row.k1 * row.k1 + row.k2 * row.k2
     size = math.sqrt(size2)
-    da, db = -row[2] / size, row[1] / size
-    return -row[0] * row[1] / size2 + t * da, -row[0] * row[2] / size2 + t * db, da, db, 1.0
+    da, db = -row.k2 / size, row.k1 / size
+    return -row.k0 * row.k1 / size2 + t * da, -row.k0 * row.k2 / size2 + t * db, da, db, 1.0
 
 
 @jitable
-def corners(curve: int, n: int, disk: Array, out: Array) -> tuple[int, bool]:
+def corners(curve: int, n: int, curves: Table[Curve], out: Array) -> tuple[int, bool]:
     """Parameters at which a curve meets the others and the circle, ascending in ``out``; (count, whether it closes)."""
     count = 0
     if curve < 0:
         for j in range(n):
-            row = disk[CURVES + j]
-            for k in range(int(row[MEETS])):
-                count = insert(out, count, row[ON_CIRCLE + k])
+            row = curves[j]
+            for k in range(row.meets):
+                count = insert(out, count, row.on_circle[k])
         return count, True
-    row = disk[CURVES + curve]
-    if row[BOUNDS] == CONE:
-        for k in range(int(row[MEETS])):
-            count = insert_angle(out, count, row[ON_CONE + k])
+    row = curves[curve]
+    if row.bounds == CONE:
+        for k in range(row.meets):
+            count = insert_angle(out, count, row.on_cone[k])
         for j in range(n):
             if j != curve:
-                count = pulled_roots(row, disk[CURVES + j], out, count)
+                count = pulled_roots(row, curves[j], out, count)
         return count, True
-    a0, b0, da, db, _ = arc_point(curve, 0.0, disk)
+    a0, b0, da, db, _ = arc_point(curve, 0.0, curves)
     half2 = 1.0 - a0 * a0 - b0 * b0
     if not half2 > 0.0:
         return 0, False
@@ -142,10 +132,10 @@ def corners(curve: int, n: int, disk: Array, out: Array) -> tuple[int, bool]:
     count = 2
     for j in range(n):
         if j != curve:
-            o = disk[CURVES + j]
+            o = curves[j]
             found, r1, r2 = quadratic_roots(
-                o[3] * da * da + 2.0 * o[4] * da * db + o[5] * db * db,
-                0.5 * (o[1] * da + o[2] * db) + o[3] * a0 * da + o[4] * (a0 * db + b0 * da) + o[5] * b0 * db,
+                o.k11 * da * da + 2.0 * o.k12 * da * db + o.k22 * db * db,
+                0.5 * (o.k1 * da + o.k2 * db) + o.k11 * a0 * da + o.k12 * (a0 * db + b0 * da) + o.k22 * b0 * db,
                 curve_level(o, a0, b0),
             )
             for i in range(found):
@@ -156,25 +146,25 @@ def corners(curve: int, n: int, disk: Array, out: Array) -> tuple[int, bool]:
 
 
 @jitable
-def arc_side(curve: int, t: float, n: int, disk: Array) -> float:
+def arc_side(curve: int, t: float, n: int, curves: Table[Curve]) -> float:
     """0 unless t lies on the boundary of what is seen; else the sense, +1 or -1, in which the boundary runs there."""
-    a, b, da, db, z = arc_point(curve, t, disk)
+    a, b, da, db, z = arc_point(curve, t, curves)
     if not z > 0.0 or (curve >= 0 and a * a + b * b >= 1.0):
         return 0.0
     for j in range(n):
-        if j != curve and curve_level(disk[CURVES + j], a, b) < 0.0:
+        if j != curve and curve_level(curves[j], a, b) < 0.0:
             return 0.0
     if curve < 0:
         return 1.0
-    row = disk[CURVES + curve]
+    row = curves[curve]
     # the level rises into what is seen, which lies to the left
-    ga, gb = row[1] + 2.0 * (row[3] * a + row[4] * b), row[2] + 2.0 * (row[4] * a + row[5] * b)
+    ga, gb = row.k1 + 2.0 * (row.k11 * a + row.k12 * b), row.k2 + 2.0 * (row.k12 * a + row.k22 * b)
     return math.copysign(1.0, da * gb - db * ga)
 
 
 @jitable
 def place_piece(
-    m: int, low: float, length: float, share: float, nodes: int, b: Array, gauss: Array
+    m: int, low: float, length: float, share: float, nodes: int, b: Nodes, gauss: Array
 ) -> int:  # fmt: skip
     """List the nodes of a piece of an arc from point ``m`` on: TURN from its middle, SHARE; the new number of points.
 
@@ -184,21 +174,21 @@ def place_piece(
     middle = low + 0.5 * length
     c, s = math.cos(middle), math.sin(middle)
     for q in range(nodes):
-        b[TURN + m + q] = length * (gauss[0, first + q] - 0.5)
-        b[SHARE + m + q] = share * length * gauss[1, first + q]
-        b[ACROSS + m + q], b[ACROSS + NODES + m + q] = c, s
+        b.turn[m + q] = length * (gauss[0, first + q] - 0.5)
+        b.share[m + q] = share * length * gauss[1, first + q]
+        b.across[0, m + q], b.across[1, m + q] = c, s
     return m + nodes
 
 
 @jitable
-def bend(m: int, curve: int, disk: Array, b: Array) -> None:
-    """Points (a, b) of the first ``m`` nodes of a circle (``curve`` -1) or cone in ACROSS; SHARE times a db - b da.
+def bend(start: int, stop: int, curve: int, curves: Table[Curve], b: Nodes) -> None:
+    """Points (a, b) of nodes of a circle (``curve`` -1) or cone in ACROSS; SHARE times a db - b da.
 
     Sines and cosines of TURN, up to ``ARC``/2, by their series.
     """
-    m = min(m, NODES)
-    for i in range(m):
-        x = b[TURN + i]
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        x = b.turn[i]
         y = x * x
         s = 1.0 - y * (1.0 / 210.0)
         s = 1.0 - y * (1.0 / 156.0) * s
@@ -213,42 +203,42 @@ def bend(m: int, curve: int, disk: Array, b: Array) -> None:
         c = 1.0 - y * (1.0 / 56.0) * c
         c = 1.0 - y * (1.0 / 30.0) * c
         c = 1.0 - 0.5 * y * (1.0 - y * (1.0 / 12.0) * c)
-        c0, s0 = b[ACROSS + i], b[ACROSS + NODES + i]
-        b[ACROSS + i], b[ACROSS + NODES + i] = c0 * c - s0 * s, s0 * c + c0 * s
+        c0, s0 = b.across[0, i], b.across[1, i]
+        b.across[0, i], b.across[1, i] = c0 * c - s0 * s, s0 * c + c0 * s
     if curve < 0:
         return
-    row = disk[CURVES + curve]
-    x0, x1, x2 = row[ALONG], row[ALONG + 1], row[ALONG + 2]
-    y0, y1, y2 = row[ALONG + 3], row[ALONG + 4], row[ALONG + 5]
-    z0, z1, z2 = row[ALONG + 6], row[ALONG + 7], row[ALONG + 8]
-    for i in range(m):
-        c, s = b[ACROSS + i], b[ACROSS + NODES + i]
+    row = curves[curve]
+    x0, x1, x2 = row.generators[0], row.generators[1], row.generators[2]
+    y0, y1, y2 = row.generators[3], row.generators[4], row.generators[5]
+    z0, z1, z2 = row.generators[6], row.generators[7], row.generators[8]
+    for i in range(start, stop):
+        c, s = b.across[0, i], b.across[1, i]
         inv = 1.0 / (z0 + z1 * c + z2 * s)
         a, e = (x0 + x1 * c + x2 * s) * inv, (y0 + y1 * c + y2 * s) * inv
         # what the slope of Z adds to a db and to b da is the same
-        b[SHARE + i] *= (a * (y2 * c - y1 * s) - e * (x2 * c - x1 * s)) * inv
-        b[ACROSS + i], b[ACROSS + NODES + i] = a, e
+        b.share[i] *= (a * (y2 * c - y1 * s) - e * (x2 * c - x1 * s)) * inv
+        b.across[0, i], b.across[1, i] = a, e
 
 
 @jitable
-def stretch(m: int, curve: int, middle: float, disk: Array, b: Array) -> None:
+def stretch(start: int, stop: int, curve: int, middle: float, curves: Table[Curve], b: Nodes) -> None:
     """The same of the nodes of a line, which has one arc."""
-    m = min(m, NODES)
-    a0, b0, da, db, _ = arc_point(curve, middle, disk)
-    for i in range(m):
-        t = b[TURN + i]
-        b[ACROSS + i], b[ACROSS + NODES + i] = a0 + t * da, b0 + t * db
-        b[SHARE + i] *= a0 * db - b0 * da
+    stop = min(stop, NODES)
+    a0, b0, da, db, _ = arc_point(curve, middle, curves)
+    for i in range(start, stop):
+        t = b.turn[i]
+        b.across[0, i], b.across[1, i] = a0 + t * da, b0 + t * db
+        b.share[i] *= a0 * db - b0 * da
 
 
 @jitable
 def boundary_sums(
-    m: int, p: Array, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    inner: int, phong: bool, shininess: float, gleaming: bool, b: Array, gauss: Array,
+    m: int, p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
+    inner: int, phong: bool, shininess: float, gleaming: bool, b: Nodes, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """Sums of shares times M(x) = int_0^1 f(s x) s ds over the ``m`` points listed."""
     start = inner * (inner - 1) // 2
-    clear_sums(whole_vectors(m), b)
+    clear_sums(0, whole_vectors(m), b)
     for r in range(inner):
         s = gauss[0, start + r]
         add_points(
@@ -259,19 +249,18 @@ def boundary_sums(
 
 @jitable
 def arc_term(
-    p: Array, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, disk: Array, b: Array, gauss: Array,
+    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
+    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, curves: Table[Curve], turns: Array, b: Nodes, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``disk`` hides.
+    """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves hides.
 
     The disk's centre is at offset y. Without ``gleaming`` the second is 0.
     """
     nodes, inner = fitting(step, ARC_LOG), fitting(step, radial_log(log_rho))
     cosine, gleam = 0.0, 0.0
-    turns = disk[EVENTS]
     m = 0
     for curve in range(-1, n):
-        count, closed = corners(curve, n, disk, turns)
+        count, closed = corners(curve, n, curves, turns)
         arcs = count if closed else count - 1
         if closed and count == 0:
             turns[0] = 0.0
@@ -281,7 +270,7 @@ def arc_term(
             high = turns[arc + 1] if arc + 1 < count else turns[0] + 2.0 * math.pi
             if high - low < 1e-14:
                 continue
-            sense = arc_side(curve, 0.5 * (low + high), n, disk)
+            sense = arc_side(curve, 0.5 * (low + high), n, curves)
             if sense == 0.0:
                 continue
             pieces = math.ceil((high - low) / ARC) if closed else 1
@@ -295,8 +284,8 @@ def arc_term(
             for piece in range(pieces):
                 m = place_piece(m, low + length * piece, length, sense, nodes, b, gauss)
             if closed:
-                bend(whole_vectors(m - first), curve, disk, b[first:])
+                bend(first, first + whole_vectors(m - first), curve, curves, b)
             else:
-                stretch(whole_vectors(m - first), curve, 0.5 * (low + high), disk, b[first:])
+                stretch(first, first + whole_vectors(m - first), curve, 0.5 * (low + high), curves, b)
     d, h = boundary_sums(m, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, inner, phong, shininess, gleaming, b, gauss)
     return (cosine + d) / math.pi, (gleam + h) / math.pi

@@ -14,17 +14,14 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS, segment_distance2
+from symrender.chambers.penumbra import segment_distance2
+from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_curves import (
     BALL,
-    BOUNDS,
-    BREAKS,
-    CURVES,
     EDGE,
-    EVENTS,
     TERMINATOR,
     curve_level,
     insert,
@@ -32,6 +29,7 @@ from symrender.quadrature.disk_curves import (
 )
 from symrender.quadrature.gauss import MAX_ORDER, order
 from symrender.quadrature.light_term import light_term
+from symrender.records import Table
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -41,9 +39,9 @@ CHORD_LOG: Final = 1.7
 
 
 @jitable
-def place_events(curve: Array, turns: Array, events: Array, count: int) -> int:
+def place_events(curve: Curve, turns: Array, events: Array, count: int) -> int:
     """Insert b of the corners of a curve with the circle and of the chords that touch it; new count of ``events``."""
-    k0, k1, k2, k11, k12, k22 = curve[0], curve[1], curve[2], curve[3], curve[4], curve[5]
+    k0, k1, k2, k11, k12, k22 = curve.k0, curve.k1, curve.k2, curve.k11, curve.k12, curve.k22
     corners = trig_roots(k0, k1, k2, k11, k12, k22, turns, 0)
     for i in range(corners):
         count = insert(events, count, math.sin(turns[i]))
@@ -59,31 +57,31 @@ def place_events(curve: Array, turns: Array, events: Array, count: int) -> int:
 
 
 @jitable
-def turn_curves(curves: Array, n: int) -> tuple[float, float]:
+def turn_curves(curves: Table[Curve], n: int) -> tuple[float, float]:
     """Rotate all curves so that a runs along the first one's gradient at the centre; (cos, sin) of the rotation."""
-    size = math.hypot(curves[0, 1], curves[0, 2])
+    size = math.hypot(curves[0].k1, curves[0].k2)
     if size == 0.0:
         return 1.0, 0.0
-    c, s = curves[0, 1] / size, curves[0, 2] / size
+    c, s = curves[0].k1 / size, curves[0].k2 / size
     for k in range(n):
         row = curves[k]
-        k1, k2, k11, k12, k22 = row[1], row[2], row[3], row[4], row[5]
-        row[1], row[2] = k1 * c + k2 * s, k2 * c - k1 * s
-        row[3] = k11 * c * c + 2.0 * k12 * c * s + k22 * s * s
-        row[4] = (k22 - k11) * c * s + k12 * (c * c - s * s)
-        row[5] = k11 * s * s - 2.0 * k12 * c * s + k22 * c * c
+        k1, k2, k11, k12, k22 = row.k1, row.k2, row.k11, row.k12, row.k22
+        row.k1, row.k2 = k1 * c + k2 * s, k2 * c - k1 * s
+        row.k11 = k11 * c * c + 2.0 * k12 * c * s + k22 * s * s
+        row.k12 = (k22 - k11) * c * s + k12 * (c * c - s * s)
+        row.k22 = k11 * s * s - 2.0 * k12 * c * s + k22 * c * c
     return c, s
 
 
 @jitable
 def chord_breaks(b: float, half: float, n: int, work: Work) -> int:
-    """Cut the chord at height b, -half <= a <= half, at every curve; number of ascending breaks in ``work.disk``."""
-    breaks = work.disk[BREAKS]
+    """Cut the chord at height b, -half <= a <= half, at every curve; number of ascending breaks in ``work.curves``."""
+    breaks = work.breaks
     breaks[0] = -half
     count = 1
     for k in range(n):
-        row = work.disk[CURVES + k]
-        found, a1, a2 = quadratic_roots(row[3], row[4] * b + 0.5 * row[1], row[0] + b * (row[2] + b * row[5]))
+        row = work.curves[k]
+        found, a1, a2 = quadratic_roots(row.k11, row.k12 * b + 0.5 * row.k1, row.k0 + b * (row.k2 + b * row.k22))
         for r in range(found):
             a = a1 if r == 0 else a2
             if abs(a) < half:
@@ -99,18 +97,21 @@ def shown(
     """Whether the point (a, b) of the disk, at offset (x, y, z) from Q, is unhidden, and whether it is above Q."""
     above = True
     for k in range(n):
-        row = work.disk[CURVES + k]
-        bounds = row[BOUNDS]
+        row = work.curves[k]
+        bounds = row.bounds
         if bounds == EDGE:
             continue
         if bounds == BALL:
-            ball = view.spheres[int(row[BOUNDS + 1])]
-            fx, fy, fz = qx - ball[0], qy - ball[1], qz - ball[2]
-            if fx * fx + fy * fy + fz * fz < ball[3] * ball[3]:
+            ball = view.spheres[row.ball]
+            fx, fy, fz = qx - ball.center[0], qy - ball.center[1], qz - ball.center[2]
+            if fx * fx + fy * fy + fz * fz < ball.radius * ball.radius:
                 # from within a ball all that is within is seen
-                if (fx + x) ** 2 + (fy + y) ** 2 + (fz + z) ** 2 >= ball[3] * ball[3]:
+                if (fx + x) ** 2 + (fy + y) ** 2 + (fz + z) ** 2 >= ball.radius * ball.radius:
                     return False, above
-            elif segment_distance2(qx, qy, qz, x, y, z, ball[0], ball[1], ball[2]) < ball[3] * ball[3]:
+            elif (
+                segment_distance2(qx, qy, qz, x, y, z, ball.center[0], ball.center[1], ball.center[2])
+                < ball.radius * ball.radius
+            ):
                 return False, above
             continue
         level = curve_level(row, a, b)
@@ -123,27 +124,27 @@ def shown(
 
 @jitable
 def chord_term(
-    p: Array, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
+    p: LightPoint, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
     vy: float, vz: float, step: int, log_rho: float, view: View, work: Work, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """(mean of V max(0, N.l), mean of V s) over a disk cut by the ``n`` curves listed in ``work.disk``.
+    """(mean of V max(0, N.l), mean of V s) over a disk cut by the ``n`` curves listed in ``work.curves``.
 
     ``lifted``: the disk is above Q where no terminator says otherwise.
     """
-    phong, shininess, opened = view.shading[4] == PHONG, view.shading[3], view.shading[6] == OPEN
-    rho = p[DISK_RADIUS]
+    phong, shininess, opened = view.shading.model == PHONG, view.shading.shininess, view.shading.terminator == OPEN
+    rho = p.radius
     cosine, gleam = 0.0, 0.0
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    e1x, e1y, e1z = rho * p[DISK_E1], rho * p[DISK_E1 + 1], rho * p[DISK_E1 + 2]
-    e2x, e2y, e2z = rho * p[DISK_E2], rho * p[DISK_E2 + 1], rho * p[DISK_E2 + 2]
-    c, s = turn_curves(work.disk[CURVES:], n)
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    e1x, e1y, e1z = rho * p.e1[0], rho * p.e1[1], rho * p.e1[2]
+    e2x, e2y, e2z = rho * p.e2[0], rho * p.e2[1], rho * p.e2[2]
+    c, s = turn_curves(work.curves, n)
     ax, ay, az = c * e1x + s * e2x, c * e1y + s * e2y, c * e1z + s * e2z
     bx, by, bz = c * e2x - s * e1x, c * e2y - s * e1y, c * e2z - s * e1z
-    events = work.disk[EVENTS]
+    events = work.turns
     events[0], events[1] = -1.0, 1.0
     count = 2
     for k in range(n):
-        count = place_events(work.disk[CURVES + k], work.disk[BREAKS], events, count)
+        count = place_events(work.curves[k], work.breaks, events, count)
     chords, nodes = min(MAX_ORDER, order(step, CHORD_LOG)), min(MAX_ORDER, order(step, log_rho))
     base, inner = chords * (chords - 1) // 2, nodes * (nodes - 1) // 2
     for e in range(count - 1):
@@ -158,7 +159,7 @@ def chord_term(
             half = math.sqrt(max(0.0, (1.0 - b) * (1.0 + b)))
             pieces = chord_breaks(b, half, n, work) - 1
             for k in range(pieces):
-                a0, a1 = work.disk[BREAKS, k], work.disk[BREAKS, k + 1]
+                a0, a1 = work.breaks[k], work.breaks[k + 1]
                 a = 0.5 * (a0 + a1)
                 x, y, z = yx + a * ax + b * bx, yy + a * ay + b * by, yz + a * az + b * bz
                 clear, above = shown(a, b, qx, qy, qz, x, y, z, n, view, work)

@@ -16,49 +16,35 @@ from symrender.chambers.penumbra import (
     CLEAR,
     COVERS,
     CUTS,
-    DISK_AXIS,
-    DISK_E1,
-    DISK_E2,
-    DISK_RADIUS,
     TOUCHES,
     WITHIN,
     segment_distance2,
 )
-from symrender.chambers.walls import SHAPE_INDEX, SIDE
-from symrender.chambers.work import CASTERS, View, Work
+from symrender.chambers.records import Curve, LightPoint
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.scene.arrays import FLOOR_PRESENT
+from symrender.records import Table
+from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 
 # columns: k0 + k1 a + k2 b + k11 a^2 + 2 k12 a b + k22 b^2, what the curve bounds, the index of its ball, the points
 # of a cone's conic as of ``add_generators``, its points on the disk's circle
-BOUNDS: Final = 6
-ALONG: Final = 8
-MEETS: Final = 17
-"""How many they are: none for curves from ``BALL`` on, which are not asked."""
-ON_CIRCLE: Final = 18
-"""Their angles on the circle ..."""
-ON_CONE: Final = 22
-"""and those of a cone's generators through them."""
 MOST_MEETS: Final = 4
-CONE: Final = 0.0
+CONE: Final = 0
 """The cone about a ball between Q and the disk."""
-TERMINATOR: Final = 1.0
-LINE: Final = 2.0
+TERMINATOR: Final = 1
+LINE: Final = 2
 """The floor."""
-BALL: Final = 3.0
+BALL: Final = 3
 """The cone about a ball that touches the disk, or both halves of a double cone: every point is asked of the ball
 itself. From here on, chords only."""
-EDGE: Final = 4.0
+EDGE: Final = 4
 """A circle in which a touching ball cuts the disk's plane."""
-OWN: Final = 5.0
+OWN: Final = 5
 """The circle in which the ball that Q lies on cuts the disk's plane."""
 
 # rows of ``work.disk``: scratch for corners or events and for breaks, then the curves
-EVENTS: Final = 0
-BREAKS: Final = 1
-CURVES: Final = 2
 TURNS: Final = 16
 FLUSH: Final = 1e-14
 """A terminator within this share of the disk from the floor's line is that line."""
@@ -177,7 +163,7 @@ def trig_roots(
 
 @jitable
 def add_generators(
-    row: Array, p: Array, yx: float, yy: float, yz: float, ox: float, oy: float, oz: float, radius: float
+    row: Curve, p: LightPoint, yx: float, yy: float, yz: float, ox: float, oy: float, oz: float, radius: float
 ) -> None:  # fmt: skip
     """Write the cone about the ball at offset o from Q as points of the disk's plane: columns ``ALONG`` and on.
 
@@ -195,10 +181,10 @@ def add_generators(
     gx, gy, gz = cy * fz - cz * fy, cz * fx - cx * fz, cx * fy - cy * fx
     sine = radius / far
     cosine = math.sqrt(max(0.0, (1.0 - sine) * (1.0 + sine)))
-    rho = p[DISK_RADIUS]
-    height = yx * p[DISK_AXIS] + yy * p[DISK_AXIS + 1] + yz * p[DISK_AXIS + 2]
-    y1 = yx * p[DISK_E1] + yy * p[DISK_E1 + 1] + yz * p[DISK_E1 + 2]
-    y2 = yx * p[DISK_E2] + yy * p[DISK_E2 + 1] + yz * p[DISK_E2 + 2]
+    rho = p.radius
+    height = yx * p.axis[0] + yy * p.axis[1] + yz * p.axis[2]
+    y1 = yx * p.e1[0] + yy * p.e1[1] + yz * p.e1[2]
+    y2 = yx * p.e2[0] + yy * p.e2[1] + yz * p.e2[2]
     side = 1.0 if height >= 0.0 else -1.0
     for k in range(3):
         if k == 0:
@@ -207,31 +193,31 @@ def add_generators(
             x, y, z = sine * fx, sine * fy, sine * fz
         else:
             x, y, z = sine * gx, sine * gy, sine * gz
-        along = x * p[DISK_AXIS] + y * p[DISK_AXIS + 1] + z * p[DISK_AXIS + 2]
-        w1 = x * p[DISK_E1] + y * p[DISK_E1 + 1] + z * p[DISK_E1 + 2]
-        w2 = x * p[DISK_E2] + y * p[DISK_E2 + 1] + z * p[DISK_E2 + 2]
-        row[ALONG + k] = side * (height * w1 - y1 * along) / rho
-        row[ALONG + 3 + k] = side * (height * w2 - y2 * along) / rho
-        row[ALONG + 6 + k] = side * along
-    for k in range(int(row[MEETS])):
-        x, y, z = circle_offset(row[ON_CIRCLE + k], p, yx, yy, yz)
-        row[ON_CONE + k] = math.atan2(x * gx + y * gy + z * gz, x * fx + y * fy + z * fz)
+        along = x * p.axis[0] + y * p.axis[1] + z * p.axis[2]
+        w1 = x * p.e1[0] + y * p.e1[1] + z * p.e1[2]
+        w2 = x * p.e2[0] + y * p.e2[1] + z * p.e2[2]
+        row.generators[k] = side * (height * w1 - y1 * along) / rho
+        row.generators[3 + k] = side * (height * w2 - y2 * along) / rho
+        row.generators[6 + k] = side * along
+    for k in range(row.meets):
+        x, y, z = circle_offset(row.on_circle[k], p, yx, yy, yz)
+        row.on_cone[k] = math.atan2(x * gx + y * gy + z * gz, x * fx + y * fy + z * fz)
 
 
 @jitable
-def circle_offset(t: float, p: Array, yx: float, yy: float, yz: float) -> tuple[float, float, float]:
+def circle_offset(t: float, p: LightPoint, yx: float, yy: float, yz: float) -> tuple[float, float, float]:
     """Offset from Q of a point of the disk's circle; that of its centre is y."""
-    a, b = p[DISK_RADIUS] * math.cos(t), p[DISK_RADIUS] * math.sin(t)
+    a, b = p.radius * math.cos(t), p.radius * math.sin(t)
     return (
-        yx + a * p[DISK_E1] + b * p[DISK_E2],
-        yy + a * p[DISK_E1 + 1] + b * p[DISK_E2 + 1],
-        yz + a * p[DISK_E1 + 2] + b * p[DISK_E2 + 2],
+        yx + a * p.e1[0] + b * p.e2[0],
+        yy + a * p.e1[1] + b * p.e2[1],
+        yz + a * p.e1[2] + b * p.e2[2],
     )
 
 
 @jitable
 def add_cone(
-    row: Array, p: Array, yx: float, yy: float, yz: float, ox: float, oy: float, oz: float, radius: float
+    row: Curve, p: LightPoint, yx: float, yy: float, yz: float, ox: float, oy: float, oz: float, radius: float
 ) -> int:  # fmt: skip
     """Complete a row that holds the level of the cone about the ball at offset o: what the ball hides of the disk.
 
@@ -239,31 +225,31 @@ def add_cone(
     in which the cone meets the disk's circle. Where some of these are behind Q and some ahead, the level is that of
     both halves of a double cone: ``TOUCHES``, and the points of the disk are asked of the ball itself.
     """
-    row[BOUNDS] = CONE
-    row[MEETS] = trig_roots(row[0], row[1], row[2], row[3], row[4], row[5], row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
-    if row[MEETS] == 0.0 and row[0] + row[1] + row[3] >= 0.0:
+    row.bounds = CONE
+    row.meets = trig_roots(row.k0, row.k1, row.k2, row.k11, row.k12, row.k22, row.on_circle, 0)
+    if row.meets == 0.0 and row.k0 + row.k1 + row.k11 >= 0.0:
         # the cone misses the circle: it lies within the disk or passes beside it
-        along = ox * p[DISK_AXIS] + oy * p[DISK_AXIS + 1] + oz * p[DISK_AXIS + 2]
-        height = yx * p[DISK_AXIS] + yy * p[DISK_AXIS + 1] + yz * p[DISK_AXIS + 2]
+        along = ox * p.axis[0] + oy * p.axis[1] + oz * p.axis[2]
+        height = yx * p.axis[0] + yy * p.axis[1] + yz * p.axis[2]
         if along * height <= 0.0:
             return CLEAR
-        t, rho = height / along, p[DISK_RADIUS]
+        t, rho = height / along, p.radius
         if t <= 1.0 or (t * ox - yx) ** 2 + (t * oy - yy) ** 2 + (t * oz - yz) ** 2 >= rho * rho:
             return CLEAR
         add_generators(row, p, yx, yy, yz, ox, oy, oz, radius)
         return WITHIN
     ahead, nearer = 0, False
-    for k in range(max(1, int(row[MEETS]))):
-        x, y, z = circle_offset(row[ON_CIRCLE + k] if row[MEETS] > 0.0 else 0.0, p, yx, yy, yz)
+    for k in range(max(1, row.meets)):
+        x, y, z = circle_offset(row.on_circle[k] if row.meets > 0.0 else 0.0, p, yx, yy, yz)
         along = x * ox + y * oy + z * oz
         if along > 0.0:
             # all lines to the circle that meet the ball meet it before the disk or none does
             ahead, nearer = ahead + 1, along < x * x + y * y + z * z
     if not nearer:
         return CLEAR
-    if row[MEETS] == 0.0:
+    if row.meets == 0.0:
         return COVERS
-    if ahead < row[MEETS]:
+    if ahead < row.meets:
         return TOUCHES
     add_generators(row, p, yx, yy, yz, ox, oy, oz, radius)
     return CUTS
@@ -273,103 +259,111 @@ def add_cone(
 def disk_curves(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
 ) -> tuple[int, bool]:  # fmt: skip
-    """List the curves that cut disk ``i`` as seen from Q in ``work.disk``: their number, -1 where all is hidden.
+    """List the curves that cut disk ``i`` as seen from Q in ``work.curves``: their number, -1 where all is hidden.
 
     Then whether what they leave is above the terminator where no ``TERMINATOR`` curve, the last one, says otherwise: a
     point above it has a positive level of that curve. At a point of the floor the terminator is the floor's line.
     """
     p = view.points[i]
-    rho = p[DISK_RADIUS]
-    j = int(work.geo[SHAPE_INDEX])
-    curves = work.disk[CURVES:]
+    rho = p.radius
+    j = work.chart.shape_index
+    curves = work.curves
     n = 0
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    e1x, e1y, e1z = p[DISK_E1], p[DISK_E1 + 1], p[DISK_E1 + 2]
-    e2x, e2y, e2z = p[DISK_E2], p[DISK_E2 + 1], p[DISK_E2 + 2]
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    e1x, e1y, e1z = p.e1[0], p.e1[1], p.e1[2]
+    e2x, e2y, e2z = p.e2[0], p.e2[1], p.e2[2]
     y1, y2 = yx * e1x + yy * e1y + yz * e1z, yx * e2x + yy * e2y + yz * e2z
     far2 = yx * yx + yy * yy + yz * yz
-    for c in range(work.counts[CASTERS]):
-        if work.casters[c, 0] != i or n + 2 > curves.shape[0]:
+    for c in range(work.counts.casters):
+        if work.casters[c].light != i or n + 2 > curves.shape[0]:
             continue
-        ball = view.spheres[work.casters[c, 1]]
-        ox, oy, oz = ball[0] - qx, ball[1] - qy, ball[2] - qz
-        reach = ball[3] + rho
-        if segment_distance2(qx, qy, qz, yx, yy, yz, ball[0], ball[1], ball[2]) >= reach * reach:
+        ball = view.spheres[work.casters[c].ball]
+        ox, oy, oz = ball.center[0] - qx, ball.center[1] - qy, ball.center[2] - qz
+        reach = ball.radius + rho
+        if segment_distance2(qx, qy, qz, yx, yy, yz, ball.center[0], ball.center[1], ball.center[2]) >= reach * reach:
             continue
         c2 = ox * ox + oy * oy + oz * oz
-        power, m = (c2 - ball[3] * ball[3]) / (c2 * far2), (yx * ox + yy * oy + yz * oz) / (c2 * far2)
+        power, m = (c2 - ball.radius * ball.radius) / (c2 * far2), (yx * ox + yy * oy + yz * oz) / (c2 * far2)
         scale = 1.0 / (c2 * far2)
         c1, d1 = ox * e1x + oy * e1y + oz * e1z, ox * e2x + oy * e2y + oz * e2z
         row = curves[n]
-        row[0] = power * far2 - m * m / scale
-        row[1] = 2.0 * rho * (power * y1 - m * c1)
-        row[2] = 2.0 * rho * (power * y2 - m * d1)
-        row[3] = rho * rho * (power - scale * c1 * c1)
-        row[4] = -rho * rho * scale * c1 * d1
-        row[5] = rho * rho * (power - scale * d1 * d1)
-        row[BOUNDS + 1] = work.casters[c, 1]
-        if (ball[0] - p[0]) ** 2 + (ball[1] - p[1]) ** 2 + (ball[2] - p[2]) ** 2 <= reach * reach:
-            row[BOUNDS] = BALL
+        row.k0 = power * far2 - m * m / scale
+        row.k1 = 2.0 * rho * (power * y1 - m * c1)
+        row.k2 = 2.0 * rho * (power * y2 - m * d1)
+        row.k11 = rho * rho * (power - scale * c1 * c1)
+        row.k12 = -rho * rho * scale * c1 * d1
+        row.k22 = rho * rho * (power - scale * d1 * d1)
+        row.ball = work.casters[c].ball
+        if (ball.center[0] - p.position[0]) ** 2 + (ball.center[1] - p.position[1]) ** 2 + (
+            ball.center[2] - p.position[2]
+        ) ** 2 <= reach * reach:
+            row.bounds = BALL
             n = add_circle_curve(curves, n + 1, p, ball, EDGE)
             continue
-        if c2 < ball[3] * ball[3]:
+        if c2 < ball.radius * ball.radius:
             # from within a ball nothing outside is seen
             return -1, False
-        how = add_cone(row, p, yx, yy, yz, ox, oy, oz, ball[3])
+        how = add_cone(row, p, yx, yy, yz, ox, oy, oz, ball.radius)
         if how == COVERS:
             return -1, False
         if how == TOUCHES:
-            row[BOUNDS] = BALL
+            row.bounds = BALL
         if how != CLEAR:
             n += 1
     if j >= 0:
         own = view.spheres[j]
-        reach = own[3] + rho
-        if (p[0] - own[0]) ** 2 + (p[1] - own[1]) ** 2 + (p[2] - own[2]) ** 2 < reach * reach and n < curves.shape[0]:
+        reach = own.radius + rho
+        if (p.position[0] - own.center[0]) ** 2 + (p.position[1] - own.center[1]) ** 2 + (
+            p.position[2] - own.center[2]
+        ) ** 2 < reach * reach and n < curves.shape[0]:
             n = add_circle_curve(curves, n, p, own, OWN)
     n1, n2 = nx * e1x + ny * e1y + nz * e1z, nx * e2x + ny * e2y + nz * e2z
     lift = yx * nx + yy * ny + yz * nz
     lifted, flush = lift > 0.0, False
-    if view.floor[FLOOR_PRESENT] != 0.0 and abs(p[2]) < rho * math.sqrt(e1z * e1z + e2z * e2z) and n < curves.shape[0]:
-        up = 1.0 if (qz if j >= 0 else work.geo[SIDE]) >= 0.0 else -1.0
+    if (
+        view.floor.present != 0.0
+        and abs(p.position[2]) < rho * math.sqrt(e1z * e1z + e2z * e2z)
+        and n < curves.shape[0]
+    ):
+        up = 1.0 if (qz if j >= 0 else work.chart.side) >= 0.0 else -1.0
         row = curves[n]
-        row[0], row[1], row[2], row[BOUNDS] = up * p[2], up * rho * e1z, up * rho * e2z, LINE
-        row[3] = row[4] = row[5] = 0.0
-        row[MEETS] = trig_roots(row[0], row[1], row[2], 0.0, 0.0, 0.0, row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
+        row.k0, row.k1, row.k2, row.bounds = up * p.position[2], up * rho * e1z, up * rho * e2z, LINE
+        row.k11 = row.k12 = row.k22 = 0.0
+        row.meets = trig_roots(row.k0, row.k1, row.k2, 0.0, 0.0, 0.0, row.on_circle, 0)
         n += 1
-        apart = abs(lift - nz * p[2]) + rho * (abs(n1 - nz * e1z) + abs(n2 - nz * e2z))
+        apart = abs(lift - nz * p.position[2]) + rho * (abs(n1 - nz * e1z) + abs(n2 - nz * e2z))
         if abs(nz) > 0.5 and apart < FLUSH * rho * math.sqrt(e1z * e1z + e2z * e2z):
             # two curves in one place would both bound what is seen, or neither
             lifted, flush = nz * up > 0.0, True
     if not flush and abs(lift) < rho * math.sqrt(n1 * n1 + n2 * n2) and n < curves.shape[0]:
         row = curves[n]
-        row[0], row[1], row[2], row[BOUNDS] = lift, rho * n1, rho * n2, TERMINATOR
-        row[3] = row[4] = row[5] = 0.0
-        row[MEETS] = trig_roots(row[0], row[1], row[2], 0.0, 0.0, 0.0, row[ON_CIRCLE : ON_CIRCLE + MOST_MEETS], 0)
+        row.k0, row.k1, row.k2, row.bounds = lift, rho * n1, rho * n2, TERMINATOR
+        row.k11 = row.k12 = row.k22 = 0.0
+        row.meets = trig_roots(row.k0, row.k1, row.k2, 0.0, 0.0, 0.0, row.on_circle, 0)
         n += 1
     return n, lifted
 
 
 @jitable
-def add_circle_curve(curves: Array, n: int, p: Array, ball: Array, bounds: float) -> int:
+def add_circle_curve(curves: Table[Curve], n: int, p: LightPoint, ball: Sphere, bounds: int) -> int:
     """Append |x - C|^2 - R^2 on the disk's plane; new count."""
-    rho = p[DISK_RADIUS]
-    x, y, z = p[0] - ball[0], p[1] - ball[1], p[2] - ball[2]
+    rho = p.radius
+    x, y, z = p.position[0] - ball.center[0], p.position[1] - ball.center[1], p.position[2] - ball.center[2]
     row = curves[n]
-    row[0] = x * x + y * y + z * z - ball[3] * ball[3]
-    row[1] = 2.0 * rho * (x * p[DISK_E1] + y * p[DISK_E1 + 1] + z * p[DISK_E1 + 2])
-    row[2] = 2.0 * rho * (x * p[DISK_E2] + y * p[DISK_E2 + 1] + z * p[DISK_E2 + 2])
-    row[3], row[4], row[5], row[BOUNDS] = rho * rho, 0.0, rho * rho, bounds
+    row.k0 = x * x + y * y + z * z - ball.radius * ball.radius
+    row.k1 = 2.0 * rho * (x * p.e1[0] + y * p.e1[1] + z * p.e1[2])
+    row.k2 = 2.0 * rho * (x * p.e2[0] + y * p.e2[1] + z * p.e2[2])
+    row.k11, row.k12, row.k22, row.bounds = rho * rho, 0.0, rho * rho, bounds
     return n + 1
 
 
 @inlined
-def elevation(p: Array, yx: float, yy: float, yz: float) -> float:
+def elevation(p: LightPoint, yx: float, yy: float, yz: float) -> float:
     """How far Q is from the plane of a disk whose centre is at offset y, in radii of the disk."""
-    return float(abs(yx * p[DISK_AXIS] + yy * p[DISK_AXIS + 1] + yz * p[DISK_AXIS + 2]) / p[DISK_RADIUS])
+    return float(abs(yx * p.axis[0] + yy * p.axis[1] + yz * p.axis[2]) / p.radius)
 
 
 @jitable
-def curve_level(row: Array, a: float, b: float) -> float:
+def curve_level(row: Curve, a: float, b: float) -> float:
     """Level of a curve at (a, b): negative where the curve's ball, or the far side of its line, hides the disk."""
-    return float(row[0] + row[1] * a + row[2] * b + row[3] * a * a + 2.0 * row[4] * a * b + row[5] * b * b)
+    return float(row.k0 + row.k1 * a + row.k2 * b + row.k11 * a * a + 2.0 * row.k12 * a * b + row.k22 * b * b)

@@ -10,15 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, PARTLY, light_state
-from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE
-from symrender.chambers.work import CASTERS, View, Work, work_arrays
+from symrender.chambers.records import LightPoint
+from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.disk_curves import (
     BALL,
-    BOUNDS,
-    BREAKS,
-    CURVES,
     EDGE_ON,
     TERMINATOR,
     disk_curves,
@@ -50,14 +46,14 @@ ROUNDING: Final = 1e-14
 @jitable
 def stand_at(point: Array, normal: Array, incoming: Array, j: int, view: View, work: Work) -> bool:
     """Tell ``work`` that the lit point is on sphere ``j``, -1 the floor; whether it is seen from within the sphere."""
-    work.geo[SHAPE_INDEX] = j
+    work.chart.shape_index = j
     for a in range(3):
-        work.geo[POINT + a] = point[a]
-    work.geo[SIDE] = 1.0 if j >= 0 or incoming[2] < 0.0 else -1.0
+        work.chart.point[a] = point[a]
+    work.chart.side = 1.0 if j >= 0 or incoming[2] < 0.0 else -1.0
     lift = 0.0
     if j >= 0:
         for a in range(3):
-            lift += (point[a] - view.spheres[j, a]) * normal[a]
+            lift += (point[a] - view.spheres[j].center[a]) * normal[a]
     return bool(lift < 0.0)
 
 
@@ -67,9 +63,9 @@ def cast_by_all(i: int, j: int, view: View, work: Work) -> None:
     count = 0
     for h in range(view.spheres.shape[0]):
         if h != j:
-            work.casters[count, 0], work.casters[count, 1] = i, h
+            work.casters[count].light, work.casters[count].ball = i, h
             count += 1
-    work.counts[CASTERS] = count
+    work.counts.casters = count
 
 
 def disk_step(tol: float) -> int:
@@ -92,7 +88,7 @@ def compared_step(step: int, finer: int, view: View) -> int:
 
 @jitable
 def is_tame(
-    p: Array, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
+    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
     gleaming: bool, view: View, work: Work,
 ) -> bool:  # fmt: skip
     """Whether rules of fixed orders serve a disk cut by the ``n`` curves listed: no chords, no narrow highlight.
@@ -102,20 +98,20 @@ def is_tame(
     if elevation(p, yx, yy, yz) < EDGE_ON:
         return False
     for k in range(n):
-        if work.disk[CURVES + k, BOUNDS] >= BALL:
+        if work.curves[k].bounds >= BALL:
             return False
     if not gleaming:
         return True
-    phong, shininess, opened = view.shading[4] == PHONG, view.shading[3], view.shading[6] == OPEN
-    if disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess) < TAME_LOG:
+    phong, shininess, opened = view.shading.model == PHONG, view.shading.shininess, view.shading.terminator == OPEN
+    if disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p.radius, phong, shininess) < TAME_LOG:
         return False
-    if shininess >= DULL or shininess == 0.0 or not (phong or opened) or n + CURVES >= work.disk.shape[0]:
+    if shininess >= DULL or shininess == 0.0 or not (phong or opened) or n >= work.curves.shape[0]:
         return True
     if not phong:
         return False
-    row = work.disk[CURVES + n]
+    row = work.curves[n]
     edge_curve(row, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong)
-    return trig_roots(row[0], row[1], row[2], row[3], row[4], row[5], work.disk[BREAKS], 0) == 0
+    return trig_roots(row.k0, row.k1, row.k2, row.k11, row.k12, row.k22, work.breaks, 0) == 0
 
 
 @jitable
@@ -129,7 +125,7 @@ def toleranced(
     """
     p = view.points[i]
     gleaming = shine != 0.0
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
     if state >= PARTLY:
         n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
@@ -144,8 +140,8 @@ def toleranced(
             return d, s, change
         if state >= PARTLY:
             n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
-    banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
-    if not (lifted or banded or (gleaming and view.shading[6] == OPEN)):
+    banded = n > 0 and work.curves[n - 1].bounds == TERMINATOR
+    if not (lifted or banded or (gleaming and view.shading.terminator == OPEN)):
         return 0.0, 0.0, 0.0
     share = tol / max(1e-300, lambert + shine)
     d, s, e = refined_term(
@@ -160,7 +156,7 @@ def direct_kernel(
     work: Work, table: Array, room: Array, direct: Array, error: Array,
 ) -> None:  # fmt: skip
     """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``."""
-    ks = view.shading[2]
+    ks = view.shading.ks
     for k in range(points.shape[0]):
         qx, qy, qz = points[k, 0], points[k, 1], points[k, 2]
         nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
@@ -169,7 +165,7 @@ def direct_kernel(
         inside = stand_at(points[k], normals[k], incoming[k], j, view, work)
         for i in range(view.points.shape[0]):
             p = view.points[i]
-            if not p[DISK_RADIUS] > 0.0:
+            if not p.radius > 0.0:
                 continue
             if inside:
                 # a wall of a ball from within is no chart's: no value is claimed
@@ -179,16 +175,16 @@ def direct_kernel(
             state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
             if state == DARK:
                 continue
-            most = max(p[3], p[4], p[5])
+            most = max(p.color[0], p.color[1], p.color[2])
             lambert = 0.0
             for c in range(3):
-                lambert = max(lambert, view.shading[1] * albedo[k, c] * p[3 + c])
+                lambert = max(lambert, view.shading.kd * albedo[k, c] * p.color[c])
             d, s, change = toleranced(
                 i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, lambert, ks * most, tol / view.points.shape[0],
                 view, work, table, room,
             )  # fmt: skip
             for c in range(3):
-                direct[k, c] += view.shading[1] * albedo[k, c] * p[3 + c] * d + ks * p[3 + c] * s
+                direct[k, c] += view.shading.kd * albedo[k, c] * p.color[c] * d + ks * p.color[c] * s
             error[k] += change + ROUNDING * (lambert + ks * most)
 
 
@@ -216,7 +212,7 @@ def disk_direct(
     ``gauss_table`` of the caller's thread.
     """
     rows = light_rows(arrays, EXACT_DISK)
-    view = View(arrays.spheres, arrays.floor, rows, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
+    view = scene_view(arrays, rows)
     n = len(points)
     direct, error = np.zeros((n, 3)), np.zeros(n)
     given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]

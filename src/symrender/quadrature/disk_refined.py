@@ -14,11 +14,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
+from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_chords import chord_breaks, place_events, shown, turn_curves
-from symrender.quadrature.disk_curves import BOUNDS, BREAKS, CURVES, EDGE, EVENTS
+from symrender.quadrature.disk_curves import EDGE
 from symrender.quadrature.light_term import light_term
 from symrender.scene.arrays import OPEN, PHONG
 
@@ -43,31 +43,31 @@ WIDTH: Final = 1.7
 
 @jitable
 def edge_curve(
-    row: Array, p: Array, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
+    row: Curve, p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
     vz: float, phong: bool,
 ) -> None:  # fmt: skip
     """Write the curve on which a highlight's base is 0: R.d = 0 for Phong, (N.d)^2 = (N.v)^2 d^2 for Blinn.
 
     d leads from Q to the disk's point, R mirrors the view. It bounds nothing: ``EDGE``.
     """
-    rho = p[DISK_RADIUS]
+    rho = p.radius
     cosine = nx * vx + ny * vy + nz * vz
     gx, gy, gz = nx, ny, nz
     if phong:
         gx, gy, gz = 2.0 * cosine * nx - vx, 2.0 * cosine * ny - vy, 2.0 * cosine * nz - vz
     g0 = yx * gx + yy * gy + yz * gz
-    g1 = rho * (gx * p[DISK_E1] + gy * p[DISK_E1 + 1] + gz * p[DISK_E1 + 2])
-    g2 = rho * (gx * p[DISK_E2] + gy * p[DISK_E2 + 1] + gz * p[DISK_E2 + 2])
-    row[BOUNDS] = EDGE
+    g1 = rho * (gx * p.e1[0] + gy * p.e1[1] + gz * p.e1[2])
+    g2 = rho * (gx * p.e2[0] + gy * p.e2[1] + gz * p.e2[2])
+    row.bounds = EDGE
     if phong:
-        row[0], row[1], row[2], row[3], row[4], row[5] = g0, g1, g2, 0.0, 0.0, 0.0
+        row.k0, row.k1, row.k2, row.k11, row.k12, row.k22 = g0, g1, g2, 0.0, 0.0, 0.0
         return
     c2 = cosine * cosine
-    y1 = rho * (yx * p[DISK_E1] + yy * p[DISK_E1 + 1] + yz * p[DISK_E1 + 2])
-    y2 = rho * (yx * p[DISK_E2] + yy * p[DISK_E2 + 1] + yz * p[DISK_E2 + 2])
-    row[0] = g0 * g0 - c2 * (yx * yx + yy * yy + yz * yz)
-    row[1], row[2] = 2.0 * (g0 * g1 - c2 * y1), 2.0 * (g0 * g2 - c2 * y2)
-    row[3], row[4], row[5] = g1 * g1 - c2 * rho * rho, g1 * g2, g2 * g2 - c2 * rho * rho
+    y1 = rho * (yx * p.e1[0] + yy * p.e1[1] + yz * p.e1[2])
+    y2 = rho * (yx * p.e2[0] + yy * p.e2[1] + yz * p.e2[2])
+    row.k0 = g0 * g0 - c2 * (yx * yx + yy * yy + yz * yz)
+    row.k1, row.k2 = 2.0 * (g0 * g1 - c2 * y1), 2.0 * (g0 * g2 - c2 * y2)
+    row.k11, row.k12, row.k22 = g1 * g1 - c2 * rho * rho, g1 * g2, g2 * g2 - c2 * rho * rho
 
 
 @jitable
@@ -139,12 +139,12 @@ def refined_chord(
 
     ``apart``: the widest piece in which a highlight may be felt.
     """
-    phong, shininess, opened = view.shading[4] == PHONG, view.shading[3], view.shading[6] == OPEN
+    phong, shininess, opened = view.shading.model == PHONG, view.shading.shininess, view.shading.terminator == OPEN
     half = math.sqrt(max(0.0, (1.0 - b) * (1.0 + b)))
     pieces = chord_breaks(b, half, n, work) - 1
     cosine, gleam, doubt = 0.0, 0.0, 0.0
     for k in range(pieces):
-        first, last = work.disk[BREAKS, k], work.disk[BREAKS, k + 1]
+        first, last = work.breaks[k], work.breaks[k + 1]
         if not last > first:
             continue
         a = 0.5 * (first + last)
@@ -206,39 +206,39 @@ def panel_sum(
 
 @jitable
 def refined_term(
-    p: Array, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
+    p: LightPoint, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
     vy: float, vz: float, gleaming: bool, tol: float, view: View, work: Work, gauss: Array, room: Array,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """(mean of V max(0, N.l), mean of V s, error of both) over a disk cut by the ``n`` curves in ``work.disk``.
+    """(mean of V max(0, N.l), mean of V s, error of both) over a disk cut by the ``n`` curves in ``work.curves``.
 
     ``lifted``: the disk is above Q where no terminator says otherwise. ``tol`` is absolute, of the means. The error is
     ``SAFETY`` times what the last halvings changed; it exceeds ``tol`` where ``MOST_CHORDS`` did not suffice. ``room``
     is scratch, (``ROOM``, 5).
     """
-    phong, shininess = view.shading[4] == PHONG, view.shading[3]
-    rho = p[DISK_RADIUS]
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
-    if gleaming and shininess < DULL and n + CURVES < work.disk.shape[0]:
-        edge_curve(work.disk[CURVES + n], p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong)
+    phong, shininess = view.shading.model == PHONG, view.shading.shininess
+    rho = p.radius
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    if gleaming and shininess < DULL and n < work.curves.shape[0]:
+        edge_curve(work.curves[n], p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong)
         n += 1
     c, s = 1.0, 0.0
     if n > 0:
-        c, s = turn_curves(work.disk[CURVES:], n)
+        c, s = turn_curves(work.curves, n)
     frame, stack, panels = room[:2], room[2 : 4 + DEEPEST], room[4 + DEEPEST :]
     for k in range(3):
-        frame[0, k] = rho * (c * p[DISK_E1 + k] + s * p[DISK_E2 + k])
-        frame[1, k] = rho * (c * p[DISK_E2 + k] - s * p[DISK_E1 + k])
+        frame[0, k] = rho * (c * p.e1[k] + s * p.e2[k])
+        frame[1, k] = rho * (c * p.e2[k] - s * p.e1[k])
     apart = WIDTH * (1.0 if phong else 2.0) * math.sqrt(yx * yx + yy * yy + yz * yz) / (
         rho * math.sqrt(shininess + 1.0)
     )  # fmt: skip
-    events = work.disk[EVENTS]
+    events = work.turns
     events[0], events[1] = -1.0, 1.0
     count = 2
     for k in range(n):
-        count = place_events(work.disk[CURVES + k], work.disk[BREAKS], events, count)
+        count = place_events(work.curves[k], work.breaks, events, count)
     cosine, gleam, error, chords = 0.0, 0.0, 0.0, 0
     for e in range(count - 1):
-        b0, b1 = work.disk[EVENTS, e], work.disk[EVENTS, e + 1]
+        b0, b1 = work.turns[e], work.turns[e + 1]
         if not b1 > b0:
             continue
         d, h, _ = panel_sum(

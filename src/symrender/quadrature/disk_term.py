@@ -14,14 +14,15 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
-from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.records import Curve, LightPoint, Nodes
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_arcs import arc_term
 from symrender.quadrature.disk_chords import chord_term
-from symrender.quadrature.disk_curves import BALL, BOUNDS, CURVES, EDGE_ON, TERMINATOR, disk_curves, elevation
+from symrender.quadrature.disk_curves import BALL, EDGE_ON, TERMINATOR, disk_curves, elevation
 from symrender.quadrature.disk_points import whole_disk
 from symrender.quadrature.gauss import DISK_DEGREES, LEVELS, disk_level
+from symrender.records import Table
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -48,14 +49,14 @@ def served(step: int, log_rho: float) -> bool:
 
 @jitable
 def cut_or_whole(
-    p: Array, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, disk: Array, b: Array,
+    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
+    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, curves: Table[Curve], turns: Array, b: Nodes,
     gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``work.disk`` hides."""
+    """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``work.curves`` hides."""
     if n > 0 or not served(step, log_rho):
         return arc_term(
-            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming, disk, b, gauss
+            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming, curves, turns, b, gauss
         )  # fmt: skip
     return whole_disk(
         p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, disk_level(step, log_rho), b, gauss
@@ -73,22 +74,22 @@ def disk_term(
     at the zenith.
     """
     p = view.points[i]
-    phong, shininess = view.shading[4] == PHONG, view.shading[3]
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    phong, shininess = view.shading.model == PHONG, view.shading.shininess
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
     if state >= PARTLY:
         n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
     # highlights need not end at the terminator
-    opened = gleaming and view.shading[6] == OPEN
-    banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
+    opened = gleaming and view.shading.terminator == OPEN
+    banded = n > 0 and work.curves[n - 1].bounds == TERMINATOR
     if n < 0 or not (lifted or banded or opened):
         return 0.0, 0.0
     log_rho = disk_log(
-        math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess if gleaming else 0.0
+        math.sqrt(yx * yx + yy * yy + yz * yz), p.radius, phong, shininess if gleaming else 0.0
     )  # fmt: skip
     edge_on = elevation(p, yx, yy, yz) < EDGE_ON
     for k in range(n):
-        if edge_on or work.disk[CURVES + k, BOUNDS] >= BALL:
+        if edge_on or work.curves[k].bounds >= BALL:
             cosine, gleam = chord_term(
                 p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss
             )
@@ -98,11 +99,11 @@ def disk_term(
     if lifted or banded:
         cosine, gleam = cut_or_whole(
             p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming and not beyond,
-            work.disk, work.nodes, gauss,
+            work.curves, work.turns, work.nodes, gauss,
         )  # fmt: skip
     if beyond:
         _, gleam = cut_or_whole(
             p, n - 1 if banded else n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, True,
-            work.disk, work.nodes, gauss,
+            work.curves, work.turns, work.nodes, gauss,
         )  # fmt: skip
     return cosine, gleam

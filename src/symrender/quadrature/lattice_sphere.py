@@ -23,37 +23,16 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.walls import (
-    EXPONENT,
-    FACING,
-    LOG_NORMALISER,
-    POINT,
-    POLE,
-    RATIO,
-    RIM_COS,
-    RIM_SIN,
-    SIDE,
-    SURFACE_NORMAL,
-)
-from symrender.chambers.work import EVALUATIONS, NODES, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.lattice_nodes import BATCH, hide_nodes, mark_nodes, tint_nodes
 from symrender.quadrature.light_nodes import point_light
 from symrender.quadrature.node_rows import (
-    BASE,
-    NEAR,
-    NORMAL,
-    PLACE,
-    POWER,
-    SUM,
-    VIEW,
-    WEIGHT,
     begin_sums,
     powers,
     views_to,
 )
-from symrender.scene.arrays import EYE, FLOOR_PRESENT, PHONG
+from symrender.scene.arrays import EYE, PHONG
 
 Array = npt.NDArray[np.float64]
 
@@ -72,53 +51,33 @@ SHARPEST: Final = 1e6
 """Exponent above which the lobe's power has."""
 
 # what ``aim_lattice`` leaves in the row ``NEAR``: the axis, the frame across it, and the numbers of the two maps
-AXIS: Final = NEAR
-TOWARDS: Final = NEAR + 3
-ASIDE: Final = NEAR + 6
-FIRST: Final = NEAR + 9
-"""1 - cos theta of the nearest direction."""
-REST: Final = NEAR + 10
-RATE: Final = NEAR + 11
-REACH: Final = NEAR + 12
-"""Share of the density's whole mass that lies within the last direction."""
-LEVEL: Final = NEAR + 13
-"""Weight of a node of a lattice of one, where the density is highest and the arc a whole turn."""
-VERSINES: Final = NEAR + 14
-"""1 - cos of the angle to the centre and of the sphere's angular radius."""
-SINE_BETA: Final = NEAR + 16
-CELL: Final = NEAR + 18
-"""No node of a lattice of one weighs more."""
-FAR: Final = NEAR + 19
-"""Vector to the centre, then its squared length less the squared radius."""
-SUMS: Final = NEAR + 24
-"""Sums of the cosets, of three channels."""
 
 
 @jitable
 def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
-    """Set the lattice up for sphere ``j`` under geo's lobe; no more than this share of the lobe meets the sphere.
+    """Set the lattice up for sphere ``j`` under chart's lobe; no more than this share of the lobe meets the sphere.
 
-    Negative if the rule declines. Writes geo's pole and ratio and the row ``NEAR``.
+    Negative if the rule declines. Writes chart's pole and ratio and the row ``NEAR``.
     """
-    geo, b = work.geo, work.nodes
-    n = geo[EXPONENT]
+    chart, aim = work.chart, work.aim
+    n = chart.exponent
     mx, my, mz = lobe[0], lobe[1], lobe[2]
     sphere = view.spheres[j]
-    dx, dy, dz = sphere[0] - geo[POINT], sphere[1] - geo[POINT + 1], sphere[2] - geo[POINT + 2]
+    dx, dy, dz = sphere.center[0] - chart.point[0], sphere.center[1] - chart.point[1], sphere.center[2] - chart.point[2]
     dist = math.sqrt(dx * dx + dy * dy + dz * dz)
-    k = min(sphere[3] / dist, 1.0 - 1e-15)
+    k = min(sphere.radius / dist, 1.0 - 1e-15)
     gx, gy, gz = dx / dist, dy / dist, dz / dist
-    geo[POLE], geo[POLE + 1], geo[POLE + 2], geo[RATIO] = gx, gy, gz, k
+    chart.pole[0], chart.pole[1], chart.pole[2], chart.ratio = gx, gy, gz, k
     if k < SMALLEST or n > SHARPEST:
         return -1.0
-    if gx * geo[SURFACE_NORMAL] + gy * geo[SURFACE_NORMAL + 1] + gz * geo[SURFACE_NORMAL + 2] <= -k:
+    if gx * chart.normal[0] + gy * chart.normal[1] + gz * chart.normal[2] <= -k:
         return 0.0
     # beta to the centre, alpha of the disc; nothing is taken by an inverse function
     vb = 0.5 * ((gx - mx) ** 2 + (gy - my) ** 2 + (gz - mz) ** 2)
     cb, sb = 1.0 - vb, math.sqrt(max(0.0, vb * (2.0 - vb)))
     ca = math.sqrt((1.0 - k) * (1.0 + k))
     va = k * k / (1.0 + ca)
-    last = geo[RIM_SIN] ** 2 / (1.0 + geo[RIM_COS])
+    last = chart.rim_sin**2 / (1.0 + chart.rim_cos)
     first = 0.0
     if vb > va:
         sine, cosine = sb * ca - cb * k, cb * ca + sb * k
@@ -140,19 +99,19 @@ def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
     rate = max(0.2 * n, 0.01 / span)
     end = (1.0 + rate * span) ** 2
     reach = 1.0 - 1.0 / (end * end)
-    top = math.exp(n * math.log1p(-first) - geo[LOG_NORMALISER])
+    top = math.exp(n * math.log1p(-first) - chart.log_normaliser)
     # dv dphi cos^n theta/W = top (1 - s)^n rest ds dphi; of a full turn, dphi = 8 dx/(1 + tan^2(phi/4))
-    b[AXIS], b[AXIS + 1], b[AXIS + 2] = mx, my, mz
-    b[TOWARDS], b[TOWARDS + 1], b[TOWARDS + 2] = tx, ty, tz
-    b[ASIDE], b[ASIDE + 1], b[ASIDE + 2] = my * tz - mz * ty, mz * tx - mx * tz, mx * ty - my * tx
-    b[FIRST], b[REST], b[RATE], b[REACH] = first, rest, rate, reach
-    b[LEVEL] = top * rest * reach / (4.0 * rate) * 8.0
-    b[VERSINES], b[VERSINES + 1] = vb, va
-    b[SINE_BETA] = sb
-    b[FAR], b[FAR + 1], b[FAR + 2], b[FAR + 3] = dx, dy, dz, (dist - sphere[3]) * (dist + sphere[3])
+    aim.axis[0], aim.axis[1], aim.axis[2] = mx, my, mz
+    aim.towards[0], aim.towards[1], aim.towards[2] = tx, ty, tz
+    aim.aside[0], aim.aside[1], aim.aside[2] = my * tz - mz * ty, mz * tx - mx * tz, mx * ty - my * tx
+    aim.nearest, aim.rest, aim.rate, aim.reach = first, rest, rate, reach
+    aim.level = top * rest * reach / (4.0 * rate) * 8.0
+    aim.versine_beta, aim.versine_alpha = vb, va
+    aim.sine_beta = sb
+    aim.far[0], aim.far[1], aim.far[2], aim.far_power = dx, dy, dz, (dist - sphere.radius) * (dist + sphere.radius)
     # sin A <= k/sin beta where the axis is outside the disc and the opposite direction too
     wide = vb <= va or k >= sb
-    b[CELL] = b[LEVEL] * (1.0 if wide else 0.4143 * k / sb)
+    aim.most = aim.level * (1.0 if wide else 0.4143 * k / sb)
     ring = -math.expm1((n + 1.0) * math.log1p(-span)) if span < 1.0 else 1.0
     return float(2.0 * math.pi * top * rest * ring / (n + 1.0) * (1.0 if wide else 0.5 * k / sb))
 
@@ -161,18 +120,19 @@ def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
 def place_lattice(m: int, start: int, size: int, generator: int, radius: float, view: View, work: Work) -> None:
     """Fill WEIGHT, PLACE, NORMAL and VIEW of ``m`` nodes of a lattice of ``size`` from its node ``start`` on."""
     m = min(m, BATCH)
-    geo, b = work.geo, work.nodes
-    px, py, pz = geo[POINT], geo[POINT + 1], geo[POINT + 2]
-    mx, my, mz = b[AXIS], b[AXIS + 1], b[AXIS + 2]
-    tx, ty, tz = b[TOWARDS], b[TOWARDS + 1], b[TOWARDS + 2]
-    ux, uy, uz = b[ASIDE], b[ASIDE + 1], b[ASIDE + 2]
-    first, rest, rate, reach = b[FIRST], b[REST], b[RATE], b[REACH]
-    vb, va, sb = b[VERSINES], b[VERSINES + 1], b[SINE_BETA]
-    dx, dy, dz, power = b[FAR], b[FAR + 1], b[FAR + 2], b[FAR + 3]
-    sx, sy, sz = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1], geo[SURFACE_NORMAL + 2]
-    flat, fx, fy, fz = geo[FACING + 3], geo[FACING], geo[FACING + 1], geo[FACING + 2]
-    side = geo[SIDE] if view.floor[FLOOR_PRESENT] != 0.0 else 0.0
-    level, step, z = b[LEVEL] / size, 1.0 / size, float(generator)
+    chart, b = work.chart, work.nodes
+    aim = work.aim
+    px, py, pz = chart.point[0], chart.point[1], chart.point[2]
+    mx, my, mz = aim.axis[0], aim.axis[1], aim.axis[2]
+    tx, ty, tz = aim.towards[0], aim.towards[1], aim.towards[2]
+    ux, uy, uz = aim.aside[0], aim.aside[1], aim.aside[2]
+    first, rest, rate, reach = aim.nearest, aim.rest, aim.rate, aim.reach
+    vb, va, sb = aim.versine_beta, aim.versine_alpha, aim.sine_beta
+    dx, dy, dz, power = aim.far[0], aim.far[1], aim.far[2], aim.far_power
+    sx, sy, sz = chart.normal[0], chart.normal[1], chart.normal[2]
+    flat, fx, fy, fz = chart.facing_level, chart.facing[0], chart.facing[1], chart.facing[2]
+    side = chart.side if view.floor.present != 0.0 else 0.0
+    level, step, z = aim.level / size, 1.0 / size, float(generator)
     inverse, inverse_rate = 1.0 / radius, 1.0 / rate
     for i in range(m):
         e = float(start + i)
@@ -201,15 +161,15 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
         qz = pz + far * wz
         seen = 1.0 if wx * sx + wy * sy + wz * sz > 0.0 else 0.0
         seen = seen if qz * side >= 0.0 else 0.0
-        b[BASE + i] = 1.0 - s
-        b[WEIGHT + i] = level * (y * y) * (y * y) * y * arc * d * seen * (flat + wx * fx + wy * fy + wz * fz)
-        b[PLACE + i], b[PLACE + NODES + i], b[PLACE + 2 * NODES + i] = px + far * wx, py + far * wy, qz
-        b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = nx, ny, nz
-        b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = -wx, -wy, -wz
-    powers(m, b, geo[EXPONENT])
+        b.radix[i] = 1.0 - s
+        b.weight[i] = level * (y * y) * (y * y) * y * arc * d * seen * (flat + wx * fx + wy * fy + wz * fz)
+        b.place[0, i], b.place[1, i], b.place[2, i] = px + far * wx, py + far * wy, qz
+        b.normal[0, i], b.normal[1, i], b.normal[2, i] = nx, ny, nz
+        b.toward[0, i], b.toward[1, i], b.toward[2, i] = -wx, -wy, -wz
+    powers(0, m, b, chart.exponent)
     for i in range(m):
-        b[WEIGHT + i] *= b[POWER + i]
-    if view.shading[5] == EYE:
+        b.weight[i] *= b.power[i]
+    if view.shading.highlight_view == EYE:
         views_to(m, view.eye, b)
 
 
@@ -217,8 +177,9 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
 def scatter(size: int, j: int, own: int, view: View, work: Work) -> float:
     """Sums of the cosets of the lattice of ``size`` in ``SUMS``; the deviation of their total, of the worst channel."""
     b, shading = work.nodes, view.shading
+    aim = work.aim
     for c in range(3 * COSETS):
-        b[SUMS + c] = 0.0
+        aim.sums[c] = 0.0
     generator, smaller = 0, size
     while smaller > LEAST:
         generator += 1
@@ -226,33 +187,33 @@ def scatter(size: int, j: int, own: int, view: View, work: Work) -> float:
     start = 0
     while start < size:
         m = min(BATCH, size - start)
-        place_lattice(m, start, size, GENERATORS[generator], view.spheres[j, 3], view, work)
+        place_lattice(m, start, size, GENERATORS[generator], view.spheres[j].radius, view, work)
         hide_nodes(m, j, own, view, work)
         tint_nodes(m, j, view, work)
-        begin_sums(m, shading[0], shading, b)
+        begin_sums(m, shading.ka, shading, b)
         for l in range(view.points.shape[0]):
             if mark_nodes(m, l, j, view, work):
-                point_light(m, b, view.points[l], shading[4] == PHONG, shading[3], shading[2])
+                point_light(m, b, view.points[l], shading.model == PHONG, shading.shininess, shading.ks)
         for i in range(m):
-            w = b[WEIGHT + i]
-            b[SUM + i] *= w
-            b[SUM + NODES + i] *= w
-            b[SUM + 2 * NODES + i] *= w
+            w = b.weight[i]
+            b.radiance[0, i] *= w
+            b.radiance[1, i] *= w
+            b.radiance[2, i] *= w
         for c in range(3 * COSETS):
             found = 0.0
             for i in range(c % COSETS, m, COSETS):
-                found += b[SUM + (c // COSETS) * NODES + i]
-            b[SUMS + c] += found
+                found += b.radiance[c // COSETS, i]
+            aim.sums[c] += found
         start += m
-        work.counts[EVALUATIONS] += m
+        work.counts.evaluations += m
     worst = 0.0
     for a in range(3):
         mean = 0.0
         for c in range(COSETS):
-            mean += b[SUMS + COSETS * a + c] / COSETS
+            mean += aim.sums[COSETS * a + c] / COSETS
         apart = 0.0
         for c in range(COSETS):
-            apart += (b[SUMS + COSETS * a + c] - mean) ** 2
+            apart += (aim.sums[COSETS * a + c] - mean) ** 2
         worst = max(worst, apart)
     return math.sqrt(worst * COSETS / (COSETS - 1.0))
 
@@ -268,21 +229,21 @@ def lattice_sum(
     """
     if mass * bright < 0.1 * tol:
         return float(mass * bright)
-    b = work.nodes
-    unseen = MISSED * bright * b[CELL]
+    aim = work.aim
+    unseen = MISSED * bright * aim.most
     if unseen > tol * MOST:
         return -1.0
     for l in range(view.points.shape[0]):
-        if view.points[l, DISK_RADIUS] > 0.0:
+        if view.points[l].radius > 0.0:
             return -1.0
     size = LEAST
-    while size <= MOST and work.counts[EVALUATIONS] + size <= limit:
+    while size <= MOST and work.counts.evaluations + size <= limit:
         astray = STUDENT * scatter(size, j, own, view, work)
         error = astray + unseen / size
         if error <= tol:
             for a in range(3):
                 for c in range(COSETS):
-                    value[a] += b[SUMS + COSETS * a + c]
+                    value[a] += aim.sums[COSETS * a + c]
             return float(error)
         # what jumps along curves is met to N^-3/4: the first size at which that promises enough, if any does
         while size <= MOST and error > tol:

@@ -1,7 +1,7 @@
-"""Lights as rows a kernel can read.
+"""Lights as records a kernel can read.
 
-A point light stands for itself. A disk light is its K x K centroids of equal-area strata or, exact (order 0), one row
-that carries the disk, which ``quadrature/disk_term.py`` integrates.
+A point light stands for itself. A disk light is its K x K centroids of equal-area strata or, exact (order 0), one
+record that carries the disk, which ``quadrature/disk_term.py`` integrates.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.penumbra import DISK_AXIS, DISK_E1, DISK_E2, DISK_RADIUS, LIGHT_POINT_COLUMNS
+from symrender.chambers.records import LightPoint
+from symrender.records import Table, joined, table
 from symrender.scene.arrays import DISK, SceneArrays
 from symrender.settings import EXACT_DISK
 
@@ -28,34 +29,36 @@ def disk_frame(position: Array, target: Array) -> tuple[Array, Array]:
     return e1, np.cross(w, e1)
 
 
-def light_rows(arrays: SceneArrays, order: int) -> Array:
-    """(m, LIGHT_POINT_COLUMNS): position and colour of every light point, then of exact disks radius and frame too.
+def light_rows(arrays: SceneArrays, order: int) -> Table[LightPoint]:
+    """Position and colour of every light point, then of exact disks radius and frame too.
 
-    The points of a K x K disk (``order`` K) share its colour; the columns of a disk are zero elsewhere.
+    The points of a K x K disk (``order`` K) share its colour; the fields of a disk are zero elsewhere.
     """
     disks = [light for light in arrays.lights if light[0] == DISK and order == EXACT_DISK]
     rows = [_points(light, order) for light in arrays.lights if light[0] != DISK or order != EXACT_DISK]
-    for light in disks:
-        row = np.zeros((1, LIGHT_POINT_COLUMNS))
-        row[0, :3], row[0, 3:6], row[0, DISK_RADIUS] = light[1:4], light[5:8], light[4]
-        e1, e2 = disk_frame(light[1:4], light[8:11])
-        row[0, DISK_E1 : DISK_E1 + 3], row[0, DISK_E2 : DISK_E2 + 3] = e1, e2
-        row[0, DISK_AXIS : DISK_AXIS + 3] = np.cross(e1, e2)
-        rows.append(row)
-    return np.concatenate(rows) if rows else np.zeros((0, LIGHT_POINT_COLUMNS))
+    return joined(LightPoint, [*rows, *map(_whole, disks)])
 
 
-def _points(light: Array, order: int) -> Array:
+def _whole(light: Array) -> Table[LightPoint]:
+    rows = table(LightPoint, 1)
+    row = rows[0]
+    row.position[:], row.color[:], row.radius = light[1:4], light[5:8], light[4]
+    row.e1[:], row.e2[:] = disk_frame(light[1:4], light[8:11])
+    row.axis[:] = np.cross(row.e1, row.e2)
+    return rows
+
+
+def _points(light: Array, order: int) -> Table[LightPoint]:
     position, color = light[1:4], light[5:8]
     if light[0] != DISK:
-        row = np.zeros((1, LIGHT_POINT_COLUMNS))
-        row[0, :3], row[0, 3:6] = position, color
-        return row
+        rows = table(LightPoint, 1)
+        rows["position"][:], rows["color"][:] = position, color
+        return rows
     e1, e2 = disk_frame(position, light[8:11])
     middles = (np.arange(order) + 0.5) / order
     angle = 2.0 * math.pi * middles
     around = np.cos(angle)[:, None] * e1 + np.sin(angle)[:, None] * e2
-    rows = np.zeros((order * order, LIGHT_POINT_COLUMNS))
-    rows[:, :3] = position + np.kron((light[4] * np.sqrt(middles))[:, None], around)
-    rows[:, 3:6] = color / (order * order)
+    rows = table(LightPoint, order * order)
+    rows["position"][:] = position + np.kron((light[4] * np.sqrt(middles))[:, None], around)
+    rows["color"][:] = color / (order * order)
     return rows

@@ -13,31 +13,14 @@ import numpy.typing as npt
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import light_state, texture_side
 from symrender.chambers.place import surface_point
-from symrender.chambers.walls import (
-    EXPONENT,
-    FACING,
-    LOBE_BETA,
-    LOG_NORMALISER,
-    POINT,
-    RATIO,
-    STRIP,
-    SURFACE_NORMAL,
-)
-from symrender.chambers.work import CHAMBERS, EVALUATIONS, NODES, View, Work
+from symrender.chambers.records import NODES, Chart
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import LEVELS
-from symrender.quadrature.node_rows import SUM
-from symrender.quadrature.split_line import HALVINGS, SOFT, START, STOP, WARY, place_nodes, shade_nodes, shape_nodes
+from symrender.quadrature.split_line import place_nodes, shade_nodes, shape_nodes
 from symrender.scene.arrays import (
     BRDF_NORMALISED,
     CHECKER,
-    FLOOR_BRIGHT,
-    FLOOR_CELL,
-    FLOOR_DARK,
-    FLOOR_KIND,
-    FLOOR_OFFSET,
-    FLOOR_PRESENT,
-    UNITS,
 )
 
 Array = npt.NDArray[np.float64]
@@ -50,8 +33,8 @@ COARSER = FINEST - 2
 
 
 @jitable
-def first_hit(own: int, lobe: Array, view: View, geo: Array) -> int:
-    """What the direction ``lobe`` from geo's point meets first: a sphere's index, -1 for the floor, -2 for nothing.
+def first_hit(own: int, lobe: Array, view: View, chart: Chart) -> int:
+    """What the direction ``lobe`` from the chart's point meets first: a sphere's index, -1 for the floor, -2 for nothing.
 
     ``own`` is the sphere the point lies on, -1 if that is the floor.
     """
@@ -60,20 +43,20 @@ def first_hit(own: int, lobe: Array, view: View, geo: Array) -> int:
         if j == own:
             continue
         s = view.spheres[j]
-        fx, fy, fz = geo[POINT] - s[0], geo[POINT + 1] - s[1], geo[POINT + 2] - s[2]
+        fx, fy, fz = chart.point[0] - s.center[0], chart.point[1] - s.center[1], chart.point[2] - s.center[2]
         b = -(fx * lobe[0] + fy * lobe[1] + fz * lobe[2])
         if b <= 0.0:
             continue
         ax, ay, az = fx + b * lobe[0], fy + b * lobe[1], fz + b * lobe[2]
-        square = s[3] * s[3] - (ax * ax + ay * ay + az * az)
+        square = s.radius * s.radius - (ax * ax + ay * ay + az * az)
         if square < 0.0:
             continue
         # the nearer root as c/q, without cancellation
-        t = (fx * fx + fy * fy + fz * fz - s[3] * s[3]) / (b + math.sqrt(square))
+        t = (fx * fx + fy * fy + fz * fz - s.radius * s.radius) / (b + math.sqrt(square))
         if 0.0 < t < nearest:
             nearest, found = t, j
-    if view.floor[FLOOR_PRESENT] != 0.0 and own >= 0 and geo[POINT + 2] * lobe[2] < 0.0:
-        t = -geo[POINT + 2] / lobe[2]
+    if view.floor.present != 0.0 and own >= 0 and chart.point[2] * lobe[2] < 0.0:
+        t = -chart.point[2] / lobe[2]
         if t < nearest:
             found = -1
     return found
@@ -83,62 +66,63 @@ def first_hit(own: int, lobe: Array, view: View, geo: Array) -> int:
 def floor_albedo(x: float, y: float, view: View, out: Array) -> None:
     """Albedo of the floor at (x, y) into ``out``."""
     bright = True
-    if view.floor[FLOOR_KIND] == CHECKER:
-        cell = view.floor[FLOOR_CELL]
-        east, north = x - view.floor[FLOOR_OFFSET], y - view.floor[FLOOR_OFFSET + 1]
+    if view.floor.kind == CHECKER:
+        cell = view.floor.cell
+        east, north = x - view.floor.offset[0], y - view.floor.offset[1]
         bright = (math.floor(east / cell) + math.floor(north / cell)) % 2 == 0
     for a in range(3):
-        out[a] = view.floor[FLOOR_BRIGHT + a] if bright else view.floor[FLOOR_DARK + a]
+        out[a] = view.floor.bright[a] if bright else view.floor.dark[a]
 
 
 @jitable
 def mirror_radiance(own: int, lobe: Array, view: View, work: Work, gauss: Array, step: int, value: Array) -> None:
-    """Radiance along ``lobe`` from geo's point into ``value`` (3,), times its cosine to the normal in BRDF units.
+    """Radiance along ``lobe`` from the chart's point into ``value`` (3,), times its cosine to the normal in BRDF units.
 
     The rules over disk lights are those of ``step``.
     """
-    geo, shading = work.geo, view.shading
+    chart, shading = work.chart, view.shading
     weight = 1.0
-    if shading[UNITS] == BRDF_NORMALISED:
-        weight = lobe[0] * geo[SURFACE_NORMAL] + lobe[1] * geo[SURFACE_NORMAL + 1] + lobe[2] * geo[SURFACE_NORMAL + 2]
+    if shading.units == BRDF_NORMALISED:
+        weight = lobe[0] * chart.normal[0] + lobe[1] * chart.normal[1] + lobe[2] * chart.normal[2]
     for a in range(3):
-        value[a] = weight * shading[10 + a]
-    j = first_hit(own, lobe, view, geo)
-    if j == -2 or (j == -1 and geo[POINT + 2] == 0.0):
+        value[a] = weight * shading.background[a]
+    j = first_hit(own, lobe, view, chart)
+    if j == -2 or (j == -1 and chart.point[2] == 0.0):
         return
-    geo[EXPONENT] = geo[LOG_NORMALISER] = 0.0
-    geo[FACING] = geo[FACING + 1] = geo[FACING + 2] = 0.0
-    geo[FACING + 3] = 1.0
-    color = geo[STRIP + 3 : STRIP + 6]
+    chart.exponent = chart.log_normaliser = 0.0
+    chart.facing[0] = chart.facing[1] = chart.facing[2] = 0.0
+    chart.facing_level = 1.0
+    color = chart.albedo
     if j >= 0:
         sphere_chart(j, own, lobe, view, work)
         # the sine of incidence; at the limb rounding may take it beyond 1
-        x = math.asin(min(1.0, geo[LOBE_BETA + 2] / geo[RATIO]))
+        x = math.asin(min(1.0, chart.lobe_sin / chart.ratio))
     else:
         floor_chart(own, lobe, view, work)
-        x = geo[LOBE_BETA]
-    qx, qy, qz, nx, ny, nz = surface_point(x, 1.0, 0.0, geo)
+        x = chart.lobe_beta
+    qx, qy, qz, nx, ny, nz = surface_point(x, 1.0, 0.0, chart)
     work.cell_side[0] = 1
-    factor = shading[1]
+    factor = shading.kd
     if j >= 0:
         work.cell_side[0] = texture_side(view.spheres, j, nx, ny, nz)
         if work.cell_side[0] == 0:
-            factor *= view.spheres[j, 10]
+            factor *= view.spheres[j].dark
         for a in range(3):
-            color[a] = view.spheres[j, 4 + a]
+            color[a] = view.spheres[j].color[a]
     else:
         floor_albedo(qx, qy, view, color)
     for l in range(view.points.shape[0]):
         work.lit[0, l] = light_state(l, qx, qy, qz, nx, ny, nz, view, work)
     row = work.pieces[NODES]
-    row[0], row[START], row[STOP], row[HALVINGS], row[WARY], row[SOFT] = 0.0, x, x, 0.0, 0.0, 0.0
+    row.cell, row.start, row.stop, row.halvings, row.wary, row.soft = 0, x, x, 0, 0, 0
     place_nodes(0, 0, 1, 1.0, row, color, factor, work, gauss)
-    work.counts[EVALUATIONS] += 1
-    work.counts[CHAMBERS] += 1
+    work.counts.evaluations += 1
+    work.counts.chambers += 1
     shape_nodes(1, 1.0, 0.0, step, view, work)
     shade_nodes(1, 1, step, view, work, gauss)
+    first = 0
     for a in range(3):
-        value[a] += weight * work.nodes[SUM + a * NODES]
+        value[a] += weight * work.nodes.radiance[a, first]
 
 
 @jitable

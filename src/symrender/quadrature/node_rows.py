@@ -13,47 +13,17 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.walls import EXPONENT, LOG_NORMALISER
-from symrender.chambers.work import NODES
+from symrender.chambers.records import NODES, Chart, Nodes
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS
 from symrender.quadrature.light_term import MOST_SQUARED
+from symrender.scene.records import Shading
 
 Array = npt.NDArray[np.float64]
 
 # rows of ``Work.nodes``
-INNER = 0 * NODES
-"""Inner coordinate on the line, later free."""
-WEIGHT = 1 * NODES
-SINE = 2 * NODES
-COSINE = 3 * NODES
-PLACE = 4 * NODES
-"""Three rows: the point Q that is lit."""
-NORMAL = 7 * NODES
-VIEW = 10 * NODES
-"""Three rows: the unit vector from Q to where it is seen from for its highlight."""
-CHORD = 13 * NODES
-"""Squared distance of the direction to Q from the lobe's axis, on the unit sphere."""
-BASE = 14 * NODES
-POWER = 15 * NODES
-"""The base, used up, and the result of ``powers``."""
-CLEAR = 16 * NODES
-"""1 where the light at hand is met by the diffuse term."""
-SHINING = 17 * NODES
-"""1 where it is met by the highlight."""
-FACTOR = 18 * NODES
-"""Three rows: albedo times kd."""
-SUM = 21 * NODES
-"""Three rows: the radiance."""
-NEAR = 24 * NODES
-"""What a shorter taper weighs by, over what ``WEIGHT`` does. Rows from 25 on are of ``quadrature/disk_points.py``."""
 
 # columns of ``Work.pieces``: a stretch of a line under one Gauss rule
-CELL = 0
-FIRST = 1
-COUNT = 2
-LOG_RHO = 3
-"""Of the singularity nearest to it that is known."""
 
 MOST_WHOLE = 1024.0
 NOISE = 4e-15
@@ -68,35 +38,35 @@ def whole_vectors(m: int) -> int:
 
 
 @inlined
-def views_to(m: int, eye: Array, b: Array) -> None:
+def views_to(m: int, eye: Array, b: Nodes) -> None:
     """VIEW of the first ``m`` nodes: unit vectors from PLACE to the eye."""
     m = min(m, NODES)
     ox, oy, oz = eye[0], eye[1], eye[2]
     for i in range(m):
-        vx, vy, vz = ox - b[PLACE + i], oy - b[PLACE + NODES + i], oz - b[PLACE + 2 * NODES + i]
+        vx, vy, vz = ox - b.place[0, i], oy - b.place[1, i], oz - b.place[2, i]
         inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
-        b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = vx * inv, vy * inv, vz * inv
+        b.toward[0, i], b.toward[1, i], b.toward[2, i] = vx * inv, vy * inv, vz * inv
 
 
 @inlined
-def begin_sums(m: int, ambient: float, shading: Array, b: Array) -> None:
+def begin_sums(m: int, ambient: float, shading: Shading, b: Nodes) -> None:
     """SUM of the first ``m`` nodes before any light: ambient light less the background."""
     m = min(m, NODES)
     red, green, blue = (
-        ambient * shading[7] - shading[10],
-        ambient * shading[8] - shading[11],
-        ambient * shading[9] - shading[12],
+        ambient * shading.ambient[0] - shading.background[0],
+        ambient * shading.ambient[1] - shading.background[1],
+        ambient * shading.ambient[2] - shading.background[2],
     )
     for i in range(m):
-        b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
+        b.radiance[0, i], b.radiance[1, i], b.radiance[2, i] = red, green, blue
 
 
 @inlined
-def sines(m: int, b: Array) -> None:
+def sines(m: int, b: Nodes) -> None:
     """SINE and COSINE of INNER, in [0, pi/2], by their series: within 3e-16."""
     m = min(m, NODES)
     for i in range(m):
-        x = b[INNER + i]
+        x = b.inner[i]
         y = x * x
         s = 1.0 - y * (1.0 / 420.0)
         s = 1.0 - y * (1.0 / 342.0) * s
@@ -107,7 +77,7 @@ def sines(m: int, b: Array) -> None:
         s = 1.0 - y * (1.0 / 72.0) * s
         s = 1.0 - y * (1.0 / 42.0) * s
         s = 1.0 - y * (1.0 / 20.0) * s
-        b[SINE + i] = x - x * y * (1.0 / 6.0) * s
+        b.sine[i] = x - x * y * (1.0 / 6.0) * s
         c = 1.0 - y * (1.0 / 462.0)
         c = 1.0 - y * (1.0 / 380.0) * c
         c = 1.0 - y * (1.0 / 306.0) * c
@@ -118,68 +88,68 @@ def sines(m: int, b: Array) -> None:
         c = 1.0 - y * (1.0 / 56.0) * c
         c = 1.0 - y * (1.0 / 30.0) * c
         c = 1.0 - y * (1.0 / 12.0) * c
-        b[COSINE + i] = 1.0 - 0.5 * y * c
+        b.cosine[i] = 1.0 - 0.5 * y * c
 
 
 @jitable
-def powers(m: int, b: Array, exponent: float) -> None:
+def powers(start: int, stop: int, b: Nodes, exponent: float) -> None:
     """POWER = BASE^exponent of bases in [0, 1]; whole exponents to 4096 by squaring. BASE is used up."""
-    m = min(m, NODES)
+    stop = min(stop, NODES)
     whole = int(min(exponent, MOST_SQUARED))
     if whole != exponent:
-        for i in range(m):
-            b[POWER + i] = b[BASE + i] ** exponent
+        for i in range(start, stop):
+            b.power[i] = b.radix[i] ** exponent
         return
-    for i in range(m):
-        b[POWER + i] = 1.0
+    for i in range(start, stop):
+        b.power[i] = 1.0
     while whole > 0:
         # two binary digits a pass: passes over memory cost more than products
         digits = whole % 4
         whole //= 4
         if digits == 0:
-            for i in range(m):
-                square = b[BASE + i] * b[BASE + i]
-                b[BASE + i] = square * square
+            for i in range(start, stop):
+                square = b.radix[i] * b.radix[i]
+                b.radix[i] = square * square
         elif digits == 1:
-            for i in range(m):
-                x = b[BASE + i]
-                b[POWER + i] *= x
-                b[BASE + i] = (x * x) * (x * x)
+            for i in range(start, stop):
+                x = b.radix[i]
+                b.power[i] *= x
+                b.radix[i] = (x * x) * (x * x)
         elif digits == 2:
-            for i in range(m):
-                square = b[BASE + i] * b[BASE + i]
-                b[POWER + i] *= square
-                b[BASE + i] = square * square
+            for i in range(start, stop):
+                square = b.radix[i] * b.radix[i]
+                b.power[i] *= square
+                b.radix[i] = square * square
         else:
-            for i in range(m):
-                x = b[BASE + i]
+            for i in range(start, stop):
+                x = b.radix[i]
                 square = x * x
-                b[POWER + i] *= x * square
-                b[BASE + i] = square * square
+                b.power[i] *= x * square
+                b.radix[i] = square * square
 
 
 @inlined
-def densities(m: int, step: int, b: Array, geo: Array) -> None:
+def densities(m: int, step: int, b: Nodes, chart: Chart) -> None:
     """Multiply WEIGHT by the lobe's density at CHORD: cos^n theta / W, of 1 - cos theta without cancellation.
 
     POWER gets the density. ``step`` is that of the rule the nodes are of.
     """
     m = min(m, NODES)
-    n, log_w = geo[EXPONENT], geo[LOG_NORMALISER]
+    n, log_w = chart.exponent, chart.log_normaliser
     if n <= MOST_WHOLE and n == math.floor(n) and NOISE * n < FALLS[step]:
         for i in range(m):
-            b[BASE + i] = max(0.0, 1.0 - 0.5 * b[CHORD + i])
-        powers(m, b, n)
+            b.radix[i] = max(0.0, 1.0 - 0.5 * b.chord[i])
+        powers(0, m, b, n)
         if n == 0.0:
             # nothing is reflected below the plane across the axis
             for i in range(m):
-                b[POWER + i] = 1.0 if b[CHORD + i] < 2.0 else 0.0
+                b.power[i] = 1.0 if b.chord[i] < 2.0 else 0.0
         scale = math.exp(-log_w)
         for i in range(m):
-            b[POWER + i] *= scale
-            b[WEIGHT + i] *= b[POWER + i]
+            b.power[i] *= scale
+            b.weight[i] *= b.power[i]
         return
     for i in range(m):
-        c = -0.5 * b[CHORD + i]
-        b[POWER + i] = 0.0 if c <= -1.0 else math.exp(n * math.log1p(c) - log_w)
-        b[WEIGHT + i] *= b[POWER + i]
+        c = -0.5 * b.chord[i]
+        b.power[i] = 0.0 if c <= -1.0 else math.exp(n * math.log1p(c) - log_w)
+        b.weight[i] *= b.power[i]

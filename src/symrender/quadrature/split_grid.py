@@ -18,16 +18,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.walls import EXPONENT, HEIGHT, LOBE_BETA, POINT, RIM_COS, RIM_SIN, SURFACE_NORMAL
-from symrender.chambers.work import CASTERS, EVALUATIONS, LABOUR, NODES, OCCLUDERS, View, Work, is_spent
+from symrender.chambers.records import Chart, LightPoint
+from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
-from symrender.quadrature.node_rows import CELL, COUNT, FIRST, NEAR, SUM, WEIGHT
+from symrender.quadrature.records import Conic
 from symrender.quadrature.split_line import lobe_density, tail_error
-from symrender.quadrature.split_square import EAST, NORTH, cut_square, floor_nodes, seen
-from symrender.scene.arrays import FLOOR_CELL, FLOOR_OFFSET
+from symrender.quadrature.split_square import cut_square, floor_nodes, seen
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 
@@ -47,16 +46,16 @@ SMALLEST_CUT = 0.05
 
 
 @inlined
-def light_beyond(distance: float, view: View, geo: Array) -> float:
+def light_beyond(distance: float, view: View, chart: Chart) -> float:
     """No floor point so far from the foot gets more from all lights together."""
     light = 0.0
     for i in range(view.points.shape[0]):
         p = view.points[i]
-        rise = max(0.0, p[2] + p[DISK_RADIUS])
-        x, y = p[0] - geo[POINT], p[1] - geo[POINT + 1]
-        apart = max(0.0, distance - math.sqrt(x * x + y * y) - p[DISK_RADIUS])
+        rise = max(0.0, p.position[2] + p.radius)
+        x, y = p.position[0] - chart.point[0], p.position[1] - chart.point[1]
+        apart = max(0.0, distance - math.sqrt(x * x + y * y) - p.radius)
         if rise > 0.0:
-            light += max(p[3], p[4], p[5]) * rise / math.sqrt(rise * rise + apart * apart)
+            light += max(p.color[0], p.color[1], p.color[2]) * rise / math.sqrt(rise * rise + apart * apart)
     return light
 
 
@@ -69,10 +68,10 @@ def grid_reach(
     ``whole`` says that it is all that the lobe sees; else it lies about the foot and is tapered to ``reach``, at least
     ``squares`` squares, and ``beyond`` bounds the deviation that no block can reach, in units of ``value``.
     """
-    geo = work.geo
-    h, cell = geo[HEIGHT], view.floor[FLOOR_CELL]
-    half = math.atan2(geo[RIM_SIN], geo[RIM_COS])
-    steepest, least = geo[LOBE_BETA] + half, geo[LOBE_BETA] - half
+    chart = work.chart
+    h, cell = chart.height, view.floor.cell
+    half = math.atan2(chart.rim_sin, chart.rim_cos)
+    steepest, least = chart.lobe_beta + half, chart.lobe_beta - half
     if steepest < 1.5707:
         wide = 0.5 * h * (math.tan(steepest) - math.tan(least))
         if wide < MOST_REACH * cell:
@@ -83,19 +82,19 @@ def grid_reach(
             return True, math.inf, wide, scale * lobe[0], scale * lobe[1], 0.0
     # the taper must not end before the lobe has well begun
     near = h * math.tan(min(1.5707, max(0.0, least)))
-    if geo[SURFACE_NORMAL + 2] > 0.0:
-        tilt = math.sqrt(geo[SURFACE_NORMAL] ** 2 + geo[SURFACE_NORMAL + 1] ** 2)
-        near = max(near, geo[SURFACE_NORMAL + 2] * h / max(tilt, 1e-300))
+    if chart.normal[2] > 0.0:
+        tilt = math.sqrt(chart.normal[0] ** 2 + chart.normal[1] ** 2)
+        near = max(near, chart.normal[2] * h / max(tilt, 1e-300))
     wanted = max(squares * cell, 3.0 * h, 4.0 * near)
     reach = min(wanted, MOST_SQUARES * cell)
     beyond = 0.0
     if reach < max(3.0 * h, 2.0 * near):
         # all of it lies beyond the farther of the two, and below the horizon
         begin = max(reach, near)
-        gap = max(math.atan2(begin, h) - geo[LOBE_BETA], geo[LOBE_BETA] - 0.5 * math.pi)
-        beyond = lobe_density(4.0 * math.sin(0.5 * max(0.0, gap)) ** 2, geo) * light_beyond(begin, view, geo)
+        gap = max(math.atan2(begin, h) - chart.lobe_beta, chart.lobe_beta - 0.5 * math.pi)
+        beyond = lobe_density(4.0 * math.sin(0.5 * max(0.0, gap)) ** 2, chart) * light_beyond(begin, view, chart)
         # no more than all of it, nor than the squares at the ends of every stretch of a row that do not cancel
-        stretches = 1.0 + work.counts[OCCLUDERS] + work.counts[CASTERS]
+        stretches = 1.0 + work.counts.occluders + work.counts.casters
         far = math.sqrt(h * h + begin * begin)
         beyond *= min(2.0 * math.pi * h / far, 3.0 * stretches * cell * h / (far * far))
     return False, reach, reach, 0.0, 0.0, beyond
@@ -135,16 +134,16 @@ def point_light(view: View) -> float:
     """No floor point gets more from all lights together."""
     light = 0.0
     for i in range(view.points.shape[0]):
-        light += max(view.points[i, 3], view.points[i, 4], view.points[i, 5])
+        light += max(view.points[i].color[0], view.points[i].color[1], view.points[i].color[2])
     return light
 
 
 @jitable
 def block_bound(
-    x: float, y: float, side: float, reach: float, light: float, lobe: Array, points: Array, geo: Array
+    x: float, y: float, side: float, reach: float, light: float, lobe: Array, points: Table[LightPoint], chart: Chart
 ) -> tuple[float, float, float]:
     """What a block can hold at most, the length over which its integrand is tame, and its distance from the foot."""
-    h = geo[HEIGHT]
+    h = chart.height
     half = 0.5 * side
     xc, yc = x + half, y + half
     away = math.sqrt(xc * xc + yc * yc)
@@ -155,21 +154,25 @@ def block_bound(
     ratio = 1.4143 * half / d
     dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
     theta = math.acos(max(-1.0, min(1.0, dot))) - (math.asin(ratio) if ratio < 1.0 else math.pi)
-    if foot > reach or theta > math.atan2(geo[RIM_SIN], geo[RIM_COS]):
+    if foot > reach or theta > math.atan2(chart.rim_sin, chart.rim_cos):
         return 0.0, side, foot
     chord = 2.0 * math.sin(0.5 * max(0.0, theta))
     # and none is seen under more than its area at its nearest, or half a sphere
     solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
-    span = 2.0 * near * min(0.6, 1.4 / math.sqrt(geo[EXPONENT] + 1e-9))
+    span = 2.0 * near * min(0.6, 1.4 / math.sqrt(chart.exponent + 1e-9))
     for i in range(points.shape[0]):
         # light varies over its distance from the block, which its place on the floor bounds from below
-        lx, ly, lz = points[i, 0] - geo[POINT] - xc, points[i, 1] - geo[POINT + 1] - yc, points[i, 2]
+        lx, ly, lz = (
+            points[i].position[0] - chart.point[0] - xc,
+            points[i].position[1] - chart.point[1] - yc,
+            points[i].position[2],
+        )
         if lz > 0.0:
             apart = max(0.0, math.sqrt(lx * lx + ly * ly) - 1.4143 * half)
             span = min(span, 1.2 * math.sqrt(apart * apart + lz * lz))
     if reach < math.inf and foot > 0.2 * reach:
         span = min(span, 0.3 * reach)
-    return lobe_density(chord * chord, geo) * solid * light, span, foot
+    return lobe_density(chord * chord, chart) * solid * light, span, foot
 
 
 @inlined
@@ -183,16 +186,16 @@ def smooth_block(
     """
     base = n * (n - 1) // 2
     weights = gauss[1] if level == 0 else gauss[3 + level]
-    work.counts[EVALUATIONS] += n * n
+    work.counts.evaluations += n * n
     b, row = work.nodes, work.pieces[0]
-    row[CELL], row[FIRST], row[COUNT] = 0, 0, n * n
+    row.cell, row.first, row.count = 0, 0, n * n
     for i in range(states.shape[0]):
         work.lit[0, i] = int(states[i])
     for q in range(n):
         for e in range(n):
-            b[EAST + n * q + e] = x0 + side * gauss[0, base + e]
-            b[NORTH + n * q + e] = y0 + side * gauss[0, base + q]
-            b[WEIGHT + n * q + e] = side * side
+            b.sine[n * q + e] = x0 + side * gauss[0, base + e]
+            b.cosine[n * q + e] = y0 + side * gauss[0, base + q]
+            b.weight[n * q + e] = side * side
     floor_nodes(n * n, 1, step, reach, lobe, view, work, gauss)
     whole, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0
     middle_x, middle_y, lower_y = 0.0, 0.0, 0.0
@@ -202,8 +205,8 @@ def smooth_block(
         line, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
         for e in range(n):
             i = n * q + e
-            red, green, blue = b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i]
-            w, near = weights[base + q] * weights[base + e], b[NEAR + i]
+            red, green, blue = b.radiance[0, i], b.radiance[1, i], b.radiance[2, i]
+            w, near = weights[base + q] * weights[base + e], b.near[i]
             out[0] += w * red
             out[1] += w * green
             out[2] += w * blue
@@ -236,15 +239,15 @@ def smooth_block(
 @jitable
 def grid_once(
     aim: float, reach: float, low_x: float, low_y: float, level: int, lobe: Array, view: View, work: Work,
-    conics: Array, count: int, gauss: Array, states: Array, stack: Array, max_evaluations: int, out: Array,
+    conics: Table[Conic], count: int, gauss: Array, states: Array, stack: Array, max_evaluations: int, out: Array,
 ) -> float:  # fmt: skip
     """The deviation over the block of 2^level squares from (low_x, low_y) on, in out[0:6]; its error estimate.
 
     A block whose bound is small is left out, one too near to the point or too wide for the lobe is quartered, and so is
     one whose rule does not come within ``aim``.
     """
-    geo = work.geo
-    cell = view.floor[FLOOR_CELL]
+    chart = work.chart
+    cell = view.floor.cell
     light = point_light(view)
     part, crossing = stack[0], stack[1]
     blocks, scratch = stack[2:160], stack[160:]
@@ -257,12 +260,12 @@ def grid_once(
         top -= 1
         x, y, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
         half = 0.5 * side
-        bound, span, near = block_bound(x, y, side, reach, light, lobe, view.points, geo)
+        bound, span, near = block_bound(x, y, side, reach, light, lobe, view.points, chart)
         if bound <= aim / (1.0 + near / cell):
             error += bound
             continue
         ratio = span / side
-        work.counts[LABOUR] += 1
+        work.counts.labour += 1
         if is_spent(work):
             error += bound
             continue
@@ -319,20 +322,20 @@ def grid_once(
 
 @jitable
 def split_grid(
-    tol: float, own: int, lobe: Array, view: View, work: Work, conics: Array, gauss: Array, states: Array,
+    tol: float, own: int, lobe: Array, view: View, work: Work, conics: Table[Conic], gauss: Array, states: Array,
     stack: Array, max_evaluations: int, value: Array,
 ) -> float:  # fmt: skip
     """Add the checker's deviation from its mean albedo to ``value``; returns the error estimate.
 
     ``work`` holds the floor chart of the point. ``value`` (3,) is in units of half the contrast times kd.
     """
-    geo = work.geo
-    cell = view.floor[FLOOR_CELL]
+    chart = work.chart
+    cell = view.floor.cell
     count = floor_conics(own, lobe, view, work, conics)
     if count > conics.shape[0]:
         return math.inf
     whole, reach, far, east, north, beyond = grid_reach(FIRST_REACH, lobe, view, work)
-    px, py = geo[POINT] - view.floor[FLOOR_OFFSET], geo[POINT + 1] - view.floor[FLOOR_OFFSET + 1]
+    px, py = chart.point[0] - view.floor.offset[0], chart.point[1] - view.floor.offset[1]
     ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     out, best = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]
     aim, found = tol / LEAVES, math.inf
@@ -347,7 +350,7 @@ def split_grid(
         if not whole:
             for t in range(3):
                 change = max(change, 3.0 * abs(out[t] - out[3 + t]))
-        out_of_budget = 4 * max(work.counts[EVALUATIONS], work.counts[LABOUR]) > max_evaluations
+        out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if out_of_budget and change > 0.3 * tol:
             # two tapers that still disagree tell less, and there is no third one
             change *= 4.0

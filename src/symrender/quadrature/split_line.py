@@ -9,51 +9,18 @@ import numpy.typing as npt
 
 from symrender.chambers.highlights import piece_highlights, seeing
 from symrender.chambers.labels import HIDDEN, PARTLY
-from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.records import NODES, Chart, Nodes, Piece
 from symrender.chambers.walls import (
-    CENTER,
-    E1,
-    E2,
-    EXPONENT,
-    FACING,
-    HEIGHT,
-    KIND,
-    LOBE_BETA,
-    LOG_NORMALISER,
     PENUMBRA,
-    POINT,
-    POLE,
-    RADIUS,
-    RATIO,
     SHADOW,
-    SHAPE_INDEX,
-    SIDE,
-    STRIP,
-    TAG,
     TERMINATOR,
 )
-from symrender.chambers.work import CELLS, EVALUATIONS, NODES, PENDING, View, Work, is_spent
+from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
 from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.light_term import marble_factor
 from symrender.quadrature.node_rows import (
-    BASE,
-    CELL,
-    CHORD,
-    COSINE,
-    COUNT,
-    FACTOR,
-    FIRST,
-    INNER,
-    LOG_RHO,
-    NORMAL,
-    PLACE,
-    POWER,
-    SINE,
-    SUM,
-    VIEW,
-    WEIGHT,
     begin_sums,
     densities,
     sines,
@@ -65,13 +32,6 @@ from symrender.scene.arrays import CUT, EYE, MARBLE, PHONG
 Array = npt.NDArray[np.float64]
 
 # further columns of the pieces of a line
-START = 4
-STOP = 5
-HALVINGS = 6
-WARY = 7
-"""1 where the rule is at least that which successive steps compare."""
-SOFT = 8
-"""1 where a disk light ends at one of the cell's walls."""
 
 CAUTION = 0.7
 """Share of its estimate taken as the log rho of a cell: a line more costs more than a node more on each line, so that
@@ -92,18 +52,18 @@ SOFT_LOG = 1.5
 
 
 @jitable
-def lobe_density(squared_chord: float, geo: Array) -> float:
+def lobe_density(squared_chord: float, chart: Chart) -> float:
     """cos^n theta / W at a direction whose distance from m has this square: 1 - cos theta without cancellation."""
     c = -0.5 * squared_chord
     if c <= -1.0:
         return 0.0
-    return math.exp(geo[EXPONENT] * math.log1p(c) - geo[LOG_NORMALISER])
+    return math.exp(chart.exponent * math.log1p(c) - chart.log_normaliser)
 
 
 @inlined
-def facing_share(wx: float, wy: float, wz: float, geo: Array) -> float:
+def facing_share(wx: float, wy: float, wz: float, chart: Chart) -> float:
     """What a direction counts beside the lobe's density: 1, or in BRDF units its cosine to the surface normal."""
-    return float(geo[FACING + 3] + geo[FACING] * wx + geo[FACING + 1] * wy + geo[FACING + 2] * wz)
+    return float(chart.facing_level + chart.facing[0] * wx + chart.facing[1] * wy + chart.facing[2] * wz)
 
 
 @jitable
@@ -137,14 +97,14 @@ def kinked(view: View) -> bool:
     Of a light point these ends are walls, at which whole powers are smooth; of a disk they are none.
     """
     shading = view.shading
-    ends = shading[4] == PHONG or shading[5] == EYE or shading[6] != CUT
-    if not (shading[2] > 0.0 and shading[3] < BLUNT and ends):
+    ends = shading.model == PHONG or shading.highlight_view == EYE or shading.terminator != CUT
+    if not (shading.ks > 0.0 and shading.shininess < BLUNT and ends):
         return False
-    if shading[3] != math.floor(shading[3]):
+    if shading.shininess != math.floor(shading.shininess):
         return True
     disks = False
     for i in range(view.points.shape[0]):
-        disks = disks or view.points[i, DISK_RADIUS] > 0.0
+        disks = disks or view.points[i].radius > 0.0
     return disks
 
 
@@ -156,17 +116,21 @@ def cell_log(
 
     Then the nodes that no highlight felt there can pass between.
     """
-    geo, points = work.geo, view.points
+    chart, points = work.chart, view.points
     length, distance = stop - start, 0.5 * math.pi - stop
     highlight, narrowest = piece_highlights(phi, start, stop, work)
     least = seeing(length, narrowest)
-    if geo[SHAPE_INDEX] < 0.0:
-        ex, ey = c * geo[E1] + s * geo[E2], c * geo[E1 + 1] + s * geo[E2 + 1]
+    if chart.shape_index < 0.0:
+        ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
         best = math.inf
-        height = geo[HEIGHT]
+        height = chart.height
         for i in range(points.shape[0]):
-            ox, oy, oz = points[i, 0] - geo[POINT], points[i, 1] - geo[POINT + 1], points[i, 2]
+            ox, oy, oz = (
+                points[i].position[0] - chart.point[0],
+                points[i].position[1] - chart.point[1],
+                points[i].position[2],
+            )
             along = ox * ex + oy * ey
             across2 = max(0.0, ox * ox + oy * oy - along * along) + oz * oz
             r2 = along * along + across2
@@ -178,24 +142,28 @@ def cell_log(
             low, high = low - math.pi, high - math.pi
             best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
         best = min(best, highlight)
-        x = 2.0 * geo[STRIP] / length
+        x = 2.0 * chart.strip_along / length
         log_rho = math.log(x + math.sqrt(1.0 + x * x))
         if best < math.inf:
             log_rho = min(log_rho, math.log(best + math.sqrt(max(1e-12, best * best - 1.0))))
         return log_rho, least
-    near = geo[STRIP + 2]
-    x = 2.0 * min(geo[STRIP], math.sqrt(near * near + distance * distance)) / length
+    near = chart.strip_limb
+    x = 2.0 * min(chart.strip_along, math.sqrt(near * near + distance * distance)) / length
     best = min(highlight, math.sqrt(1.0 + x * x))
-    j, k = int(geo[SHAPE_INDEX]), geo[RATIO]
+    j, k = chart.shape_index, chart.ratio
     for i in range(points.shape[0]):
-        lx, ly, lz = points[i, 0] - geo[CENTER], points[i, 1] - geo[CENTER + 1], points[i, 2] - geo[CENTER + 2]
-        far2, radius = lx * lx + ly * ly + lz * lz, view.spheres[j, 3]
+        lx, ly, lz = (
+            points[i].position[0] - chart.center[0],
+            points[i].position[1] - chart.center[1],
+            points[i].position[2] - chart.center[2],
+        )
+        far2, radius = lx * lx + ly * ly + lz * lz, view.spheres[j].radius
         if not radius * radius < far2 < NEAR_LIGHT * radius * radius:
             continue
         # |Q - L|^2 = 0 at the angle gamma +- i depth at the centre
-        along = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2])
-        across = lx * (c * geo[E1] + s * geo[E2]) + ly * (c * geo[E1 + 1] + s * geo[E2 + 1])
-        across += lz * (c * geo[E1 + 2] + s * geo[E2 + 2])
+        along = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2])
+        across = lx * (c * chart.e1[0] + s * chart.e2[0]) + ly * (c * chart.e1[1] + s * chart.e2[1])
+        across += lz * (c * chart.e1[2] + s * chart.e2[2])
         size = math.sqrt(along * along + across * across)
         if size == 0.0:
             continue
@@ -224,93 +192,92 @@ def disk_edge(wall: int, work: Work) -> bool:
     if wall < 0:
         return False
     row = work.walls[wall // 4]
-    return bool(row[KIND] == PENUMBRA or (row[KIND] == SHADOW and row[TAG] == TERMINATOR))
+    return bool(row.kind == PENUMBRA or (row.kind == SHADOW and row.tag == TERMINATOR))
 
 
 @inlined
 def stack_piece(
-    top: int, cell: int, start: float, stop: float, halvings: float, wary: float, soft: float, work: Work
+    top: int, cell: int, start: float, stop: float, halvings: int, wary: int, soft: int, work: Work
 ) -> int:  # fmt: skip
     """Put off a piece of a cell; the stack's new height. The stack lies behind the pieces at hand."""
     row = work.pieces[NODES + top]
-    row[CELL], row[START], row[STOP], row[HALVINGS], row[WARY], row[SOFT] = cell, start, stop, halvings, wary, soft
+    row.cell, row.start, row.stop, row.halvings, row.wary, row.soft = cell, start, stop, halvings, wary, soft
     return top + 1
 
 
 @inlined
 def place_nodes(
-    m: int, piece: int, n: int, log_rho: float, row: Array, color: Array, factor: float, work: Work, gauss: Array
+    m: int, piece: int, n: int, log_rho: float, row: Piece, color: Array, factor: float, work: Work, gauss: Array
 ) -> None:  # fmt: skip
     """Make ``row`` of the stack the piece at hand of this number, with ``n`` nodes from node ``m`` on."""
     b, at = work.nodes, work.pieces[piece]
-    for t in range(at.shape[0]):
-        at[t] = row[t]
-    at[FIRST], at[COUNT], at[LOG_RHO] = m, n, log_rho
+    work.pieces[piece] = row
+    at.first, at.count, at.log_rho = m, n, log_rho
     base = n * (n - 1) // 2
-    length = row[STOP] - row[START]
+    length = row.stop - row.start
     for q in range(n):
         u, along = gauss[0, base + q], length
-        if row[SOFT] != 0.0:
+        if row.soft != 0.0:
             # a disk's light ends with the power 3/2 of the distance from a wall
             su, cu = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
             u, along = su * su, length * math.pi * su * cu
-        b[INNER + m + q] = row[START] + length * u
-        b[WEIGHT + m + q] = gauss[1, base + q] * along
-        b[FACTOR + m + q] = factor * color[0]
-        b[FACTOR + NODES + m + q] = factor * color[1]
-        b[FACTOR + 2 * NODES + m + q] = factor * color[2]
+        b.inner[m + q] = row.start + length * u
+        b.weight[m + q] = gauss[1, base + q] * along
+        b.factor[0, m + q] = factor * color[0]
+        b.factor[1, m + q] = factor * color[1]
+        b.factor[2, m + q] = factor * color[2]
 
 
 @inlined
 def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -> None:
     """Fill the first ``m`` nodes of the line (c, s) from INNER: points, normals, views, solid angle times density."""
     m = whole_vectors(m)
-    geo, b = work.geo, work.nodes
-    j, k = int(geo[SHAPE_INDEX]), geo[RATIO]
-    gx, gy, gz = geo[POLE], geo[POLE + 1], geo[POLE + 2]
-    ex, ey, ez = c * geo[E1] + s * geo[E2], c * geo[E1 + 1] + s * geo[E2 + 1], c * geo[E1 + 2] + s * geo[E2 + 2]
-    flat = geo[FACING + 3]
-    lift, lean = facing_share(gx, gy, gz, geo) - flat, facing_share(ex, ey, ez, geo) - flat
-    cbm, sbm = geo[LOBE_BETA + 1], geo[LOBE_BETA + 2]
-    px, py, pz, radius = geo[CENTER], geo[CENTER + 1], geo[CENTER + 2], geo[RADIUS]
+    chart, b = work.chart, work.nodes
+    j, k = chart.shape_index, chart.ratio
+    gx, gy, gz = chart.pole[0], chart.pole[1], chart.pole[2]
+    ex, ey, ez = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1], c * chart.e1[2] + s * chart.e2[2]
+    flat = chart.facing_level
+    lift, lean = facing_share(gx, gy, gz, chart) - flat, facing_share(ex, ey, ez, chart) - flat
+    cbm, sbm = chart.lobe_cos, chart.lobe_sin
+    px, py, pz, radius = chart.center[0], chart.center[1], chart.center[2], chart.radius
     sines(m, b)
     if j >= 0:
         for i in range(m):
-            sx, cx = b[SINE + i], b[COSINE + i]
+            sx, cx = b.sine[i], b.cosine[i]
             sb = k * sx
             cb = math.sqrt(1.0 - sb * sb)
             cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
             nx, ny, nz = sg * ex - cg * gx, sg * ey - cg * gy, sg * ez - cg * gz
-            b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = nx, ny, nz
-            b[PLACE + i] = px + radius * nx
-            b[PLACE + NODES + i] = py + radius * ny
-            b[PLACE + 2 * NODES + i] = pz + radius * nz
-            b[WEIGHT + i] *= k * k * sx * cx / cb
-            b[SINE + i], b[COSINE + i] = sb, cb
+            b.normal[0, i], b.normal[1, i], b.normal[2, i] = nx, ny, nz
+            b.place[0, i] = px + radius * nx
+            b.place[1, i] = py + radius * ny
+            b.place[2, i] = pz + radius * nz
+            b.weight[i] *= k * k * sx * cx / cb
+            b.sine[i], b.cosine[i] = sb, cb
     else:
-        px, py, height = geo[POINT], geo[POINT + 1], geo[HEIGHT]
+        px, py, height = chart.point[0], chart.point[1], chart.height
         for i in range(m):
-            sx, cx = b[SINE + i], b[COSINE + i]
+            sx, cx = b.sine[i], b.cosine[i]
             far = height * sx / cx
-            b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = 0.0, 0.0, 1.0
-            b[PLACE + i] = px + far * ex
-            b[PLACE + NODES + i] = py + far * ey
-            b[PLACE + 2 * NODES + i] = 0.0
-            b[WEIGHT + i] *= sx
+            b.normal[0, i], b.normal[1, i], b.normal[2, i] = 0.0, 0.0, 1.0
+            b.place[0, i] = px + far * ex
+            b.place[1, i] = py + far * ey
+            b.place[2, i] = 0.0
+            b.weight[i] *= sx
     for i in range(m):
-        sb, cb = b[SINE + i], b[COSINE + i]
+        sb, cb = b.sine[i], b.cosine[i]
         d0, d1, d2 = cb - cbm, sb * c - sbm, sb * s
-        b[CHORD + i] = d0 * d0 + d1 * d1 + d2 * d2
-        b[WEIGHT + i] *= flat + cb * lift + sb * lean
-    if view.shading[5] == EYE:
+        b.chord[i] = d0 * d0 + d1 * d1 + d2 * d2
+        b.weight[i] *= flat + cb * lift + sb * lean
+    if view.shading.highlight_view == EYE:
         views_to(m, view.eye, b)
     else:
         for i in range(m):
-            sb, cb = b[SINE + i], b[COSINE + i]
-            b[VIEW + i] = -cb * gx - sb * ex
-            b[VIEW + NODES + i] = -cb * gy - sb * ey
-            b[VIEW + 2 * NODES + i] = -cb * gz - sb * ez
-    densities(m, step, b, geo)
+            sb, cb = b.sine[i], b.cosine[i]
+            b.toward[0, i] = -cb * gx - sb * ex
+            b.toward[1, i] = -cb * gy - sb * ey
+            b.toward[2, i] = -cb * gz - sb * ez
+    densities(m, step, b, chart)
 
 
 @inlined
@@ -318,17 +285,15 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
     """Fill SUM of the first ``m`` nodes with the radiance less the background."""
     m = whole_vectors(m)
     b, shading = work.nodes, view.shading
-    j = int(work.geo[SHAPE_INDEX])
-    ambient = 0.0 if j < 0 and work.geo[SIDE] < 0.0 else shading[0]
+    j = work.chart.shape_index
+    ambient = 0.0 if j < 0 and work.chart.side < 0.0 else shading.ka
     begin_sums(m, ambient, shading, b)
-    if j >= 0 and view.spheres[j, 7] == MARBLE:
+    if j >= 0 and view.spheres[j].texture == MARBLE:
         for i in range(m):
-            vein = marble_factor(
-                b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i], view.spheres[j, 8], view.spheres[j, 9]
-            )
+            vein = marble_factor(b.normal[0, i], b.normal[1, i], b.normal[2, i], view.spheres[j].ku, view.spheres[j].kv)
             for a in range(3):
-                b[FACTOR + a * NODES + i] *= vein
-    light_nodes(m, pieces, step, shading[2], view, work, gauss)
+                b.factor[a, i] *= vein
+    light_nodes(m, pieces, step, shading.ks, view, work, gauss)
 
 
 @inlined
@@ -336,35 +301,35 @@ def weigh_nodes(m: int, work: Work) -> float:
     """Multiply SUM by WEIGHT; POWER gets the sum over the channels, BASE their largest magnitude. The sum of BASE."""
     b = work.nodes
     for i in range(whole_vectors(m)):
-        w = b[WEIGHT + i]
-        red, green, blue = w * b[SUM + i], w * b[SUM + NODES + i], w * b[SUM + 2 * NODES + i]
-        b[SUM + i], b[SUM + NODES + i], b[SUM + 2 * NODES + i] = red, green, blue
-        b[POWER + i] = red + green + blue
-        b[BASE + i] = max(abs(red), abs(green), abs(blue))
+        w = b.weight[i]
+        red, green, blue = w * b.radiance[0, i], w * b.radiance[1, i], w * b.radiance[2, i]
+        b.radiance[0, i], b.radiance[1, i], b.radiance[2, i] = red, green, blue
+        b.power[i] = red + green + blue
+        b.radix[i] = max(abs(red), abs(green), abs(blue))
     whole = 0.0
     for i in range(m):
-        whole += b[BASE + i]
+        whole += b.radix[i]
     return whole
 
 
 @inlined
-def piece_error(row: Array, b: Array, blunt: bool, gauss: Array) -> tuple[float, float]:
+def piece_error(row: Piece, b: Nodes, blunt: bool, gauss: Array) -> tuple[float, float]:
     """Integral of the largest magnitude over a piece, and the error of its rule by its Legendre coefficients."""
-    n, first = int(row[COUNT]), int(row[FIRST])
+    n, first = row.count, row.first
     base = n * (n - 1) // 2
     whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(n):
-        mixture = b[POWER + first + q]
-        whole += b[BASE + first + q]
+        mixture = b.power[first + q]
+        whole += b.radix[first + q]
         last += mixture * gauss[2, base + q]
         before += mixture * gauss[3, base + q]
     if n >= 6:
         for q in range(n):
-            mixture = b[POWER + first + q]
+            mixture = b.power[first + q]
             middle += mixture * gauss[MIDDLE, base + q]
             lower += mixture * gauss[MIDDLE + 1, base + q]
     middle = max(abs(middle), abs(lower))
-    miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, row[LOG_RHO])
+    miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, row.log_rho)
     if blunt and n > 1:
         miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
     return whole, miss
@@ -382,50 +347,50 @@ def integrate_cells(
 
     ``step`` chooses the order of every cell.
     """
-    geo, b, table = work.geo, work.nodes, work.pieces
+    chart, b, table = work.chart, work.nodes, work.pieces
     c, s = math.cos(phi), math.sin(phi)
-    j = int(geo[SHAPE_INDEX])
+    j = chart.shape_index
     lights = view.points.shape[0]
-    kd = view.shading[1]
+    kd = view.shading.kd
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     promise, blunt, small = 100.0 * FALLS[step], kinked(view), SMALL
     for i in range(lights):
-        if view.points[i, DISK_RADIUS] > 0.0:
+        if view.points[i].radius > 0.0:
             small = 1.0
     cell, top = 0, 0
-    color = geo[STRIP + 3 : STRIP + 6]
-    while top > 0 or cell < work.counts[CELLS]:
+    color = chart.albedo
+    while top > 0 or cell < work.counts.cells:
         m, pieces = 0, 0
-        while top > 0 or cell < work.counts[CELLS]:
+        while top > 0 or cell < work.counts.cells:
             if top == 0:
                 if work.cell_side[cell] != HIDDEN:
-                    soft = 0.0
+                    soft = 0
                     if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
                         for i in range(lights):
                             if work.lit[cell, i] >= PARTLY:
-                                soft = 1.0
-                    top = stack_piece(0, cell, work.cell_from[cell], work.cell_to[cell], 0.0, 0.0, soft, work)
+                                soft = 1
+                    top = stack_piece(0, cell, work.cell_from[cell], work.cell_to[cell], 0, 0, soft, work)
                 cell += 1
                 continue
             row = table[NODES + top - 1]
-            start, stop = row[START], row[STOP]
+            start, stop = row.start, row.stop
             log_rho, fewest = cell_log(start, stop, phi, c, s, view, work)
-            n = max(fewest, order(step, log_rho) if row[WARY] != 0.0 else nodes(step, CAUTION * log_rho))
-            if row[SOFT] != 0.0:
+            n = max(fewest, order(step, log_rho) if row.wary != 0.0 else nodes(step, CAUTION * log_rho))
+            if row.soft != 0.0:
                 n = max(n + (n + 1) // 2, least)
             if n > MAX_ORDER and top < PENDING and not is_spent(work):
                 middle = start + 0.5 * (stop - start)
-                row[START] = middle
-                top = stack_piece(top, int(row[CELL]), start, middle, row[HALVINGS], row[WARY], row[SOFT], work)
+                row.start = middle
+                top = stack_piece(top, row.cell, start, middle, row.halvings, row.wary, row.soft, work)
                 continue
             n = min(n, MAX_ORDER)
             if m + n > NODES:
                 break
             top -= 1
             if j >= 0:
-                factor = kd * (1.0 if work.cell_side[int(row[CELL])] == 1 else view.spheres[j, 10])
-                shade = view.spheres[j, 4:7]
+                factor = kd * (1.0 if work.cell_side[row.cell] == 1 else view.spheres[j].dark)
+                shade = view.spheres[j].color
             else:
                 factor, shade = kd, color
             place_nodes(m, pieces, n, log_rho, row, shade, factor, work, gauss)
@@ -433,32 +398,32 @@ def integrate_cells(
             pieces += 1
         if m == 0:
             break
-        work.counts[EVALUATIONS] += m
+        work.counts.evaluations += m
         shape_nodes(m, c, s, step, view, work)
         if step == 0:
             for i in range(m):
-                peak = max(peak, b[POWER + i])
+                peak = max(peak, b.power[i])
         shade_nodes(m, pieces, step, view, work, gauss)
         whole = weigh_nodes(m, work)
         for piece in range(pieces):
             row = table[piece]
-            n, start, stop = int(row[COUNT]), row[START], row[STOP]
+            n, start, stop = row.count, row.start, row.stop
             held, miss = piece_error(row, b, blunt, gauss)
             tame = miss <= promise * (held + small * (size + whole))
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
-                if n <= max(step, 4) and row[WARY] == 0.0:
-                    top = stack_piece(top, int(row[CELL]), start, stop, row[HALVINGS], 1.0, row[SOFT], work)
+                if n <= max(step, 4) and row.wary == 0.0:
+                    top = stack_piece(top, row.cell, start, stop, row.halvings, 1, row.soft, work)
                     continue
-                if n > max(step, 4) and row[HALVINGS] < MAX_HALVINGS:
-                    middle, deeper = start + 0.5 * (stop - start), row[HALVINGS] + 1.0
-                    top = stack_piece(top, int(row[CELL]), middle, stop, deeper, row[WARY], row[SOFT], work)
-                    top = stack_piece(top, int(row[CELL]), start, middle, deeper, row[WARY], row[SOFT], work)
+                if n > max(step, 4) and row.halvings < MAX_HALVINGS:
+                    middle, deeper = start + 0.5 * (stop - start), row.halvings + 1
+                    top = stack_piece(top, row.cell, middle, stop, deeper, row.wary, row.soft, work)
+                    top = stack_piece(top, row.cell, start, middle, deeper, row.wary, row.soft, work)
                     continue
-            for i in range(int(row[FIRST]), int(row[FIRST]) + n):
-                red += b[SUM + i]
-                green += b[SUM + NODES + i]
-                blue += b[SUM + 2 * NODES + i]
+            for i in range(row.first, row.first + n):
+                red += b.radiance[0, i]
+                green += b.radiance[1, i]
+                blue += b.radiance[2, i]
             size += held
             error += miss
     out[0], out[1], out[2], out[3], out[4], out[5] = red, green, blue, size, error, peak

@@ -18,51 +18,22 @@ from symrender.chambers.events import ROOT, SMOOTH, crossing, line_range
 from symrender.chambers.highlights import find_highlights, highlight_end, highlights_between, seeing
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import scan_line
-from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.records import Chart, Event
 from symrender.chambers.walls import (
-    BETA_MAX,
-    BRIGHT,
-    CLIPPED,
-    KIND,
-    LOBE_BETA,
-    MET_COLUMN,
     NORMAL,
-    RIM_SIN,
-    SHAPE_INDEX,
-    STRIP,
-    TANGENT,
     tangent_lines,
 )
-from symrender.chambers.work import CELLS, CHAMBERS, CROSSINGS, SPOTS, WALLS, View, Work, is_spent
+from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.records import Panel, Span
 from symrender.quadrature.split_line import integrate_cells, kinked, lobe_density, tail_error
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 # panel columns
-FROM = 0
-TO = 1
-KIND_FROM = 2
-KIND_TO = 3
-STEP = 4
-VALUE = 5
-ERROR = 8
-LOG_RHO = 9
-INSIDE = 10
-"""Events known inside the panel."""
-FOREIGN = 11
-"""Azimuth of a line of another structure than the first line's, or NaN."""
-SETTLED = 12
-"""1 for a panel that no cut can improve."""
-BOUND = 13
-"""What the panel can hold at most."""
-MEAN = 14
-"""What the panel it was cut from held per radian, 0 while nobody looked."""
-GLARE = 15
-"""Lines that no highlight felt in the panel can pass between."""
-PANEL_COLUMNS = 16
 
 LINE = 32
 PANEL = 40
@@ -136,9 +107,9 @@ def branch_sum(
 @inlined
 def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
     """log rho that decides a panel's node counts."""
-    geo = work.geo
+    chart = work.chart
     half = 0.5 * (b - a)
-    x = geo[STRIP + 1] / half
+    x = chart.strip_across / half
     if kind_a == ROOT or kind_b == ROOT:
         x *= 0.7
     best = math.sqrt(1.0 + x * x)
@@ -147,60 +118,60 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
         # its excess over 1 is the square of what lies off the line
         highlight = 1.0 + 0.5 * (highlight - 1.0)
     best = min(best, highlight)
-    for i in range(work.counts[SPOTS]):
-        away = work.spots[i, 0] - 0.5 * (a + b)
+    for i in range(work.counts.spots):
+        away = work.spots[i].azimuth - 0.5 * (a + b)
         away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-        best = min(best, ellipse_sum(0.5 * (a + b) + away, work.spots[i, 1], a, b, kind_a, kind_b))
-    middle, offset, depth = tangent_lines(geo[LOBE_BETA + 2], 0.0, geo[RIM_SIN])
+        best = min(best, ellipse_sum(0.5 * (a + b) + away, work.spots[i].depth, a, b, kind_a, kind_b))
+    middle, offset, depth = tangent_lines(chart.lobe_sin, 0.0, chart.rim_sin)
     best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
-    for i in range(work.counts[WALLS]):
+    for i in range(work.counts.walls):
         row = work.walls[i]
-        if int(row[KIND]) <= NORMAL:
-            best = branch_sum(row[TANGENT], row[TANGENT + 1], row[TANGENT + 2], a, b, kind_a, kind_b, best)
+        if row.kind <= NORMAL:
+            best = branch_sum(row.touch_azimuth, row.touch_offset, row.touch_depth, a, b, kind_a, kind_b, best)
     return math.log(best + math.sqrt(max(0.0, best * best - 1.0)))
 
 
 @inlined
-def panel_density(a: float, b: float, geo: Array) -> float:
+def panel_density(a: float, b: float, chart: Chart) -> float:
     """The lobe's largest density between two azimuths, on the charted shape."""
     phi = min(max(0.0, a), b)
-    beta = math.atan2(geo[LOBE_BETA + 2] * math.cos(phi), geo[LOBE_BETA + 1])
-    beta = min(max(0.0, beta), geo[BETA_MAX])
+    beta = math.atan2(chart.lobe_sin * math.cos(phi), chart.lobe_cos)
+    beta = min(max(0.0, beta), chart.beta_max)
     s, c = math.sin(beta), math.cos(beta)
-    d0, d1, d2 = c - geo[LOBE_BETA + 1], s * math.cos(phi) - geo[LOBE_BETA + 2], s * math.sin(phi)
-    return float(lobe_density(d0 * d0 + d1 * d1 + d2 * d2, geo))
+    d0, d1, d2 = c - chart.lobe_cos, s * math.cos(phi) - chart.lobe_sin, s * math.sin(phi)
+    return float(lobe_density(d0 * d0 + d1 * d1 + d2 * d2, chart))
 
 
 @inlined
-def panel_bound(a: float, b: float, geo: Array) -> float:
+def panel_bound(a: float, b: float, chart: Chart) -> float:
     """What a panel can hold at most: its solid angle at the lobe's largest density and the largest radiance there."""
-    half = math.sin(0.5 * geo[BETA_MAX])
-    return float(geo[BRIGHT]) * min(1.0, panel_density(a, b, geo) * (b - a) * 2.0 * half * half)
+    half = math.sin(0.5 * chart.beta_max)
+    return float(chart.bright) * min(1.0, panel_density(a, b, chart) * (b - a) * 2.0 * half * half)
 
 
 @inlined
-def sliver_bound(a: float, b: float, geo: Array) -> float:
+def sliver_bound(a: float, b: float, chart: Chart) -> float:
     """What may open and close again between two azimuths: no more of a line there than the azimuths are of a radian."""
-    return (b - a) * panel_bound(a, b, geo)
+    return (b - a) * panel_bound(a, b, chart)
 
 
 @jitable
-def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: float, work: Work) -> int:
+def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, kind_b: float, work: Work) -> int:
     """Append an unevaluated panel; new count."""
     if n < panels.shape[0]:
         p = panels[n]
-        p[FROM], p[TO], p[KIND_FROM], p[KIND_TO], p[STEP] = a, b, kind_a, kind_b, -1.0
-        p[5] = p[6] = p[7] = 0.0
-        p[BOUND] = p[ERROR] = panel_bound(a, b, work.geo)
-        p[INSIDE] = p[SETTLED] = 0.0
-        p[FOREIGN] = math.nan
-        p[MEAN] = 0.0
+        p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.step = a, b, kind_a, kind_b, -1
+        p.value[0] = p.value[1] = p.value[2] = 0.0
+        p.bound = p.error = panel_bound(a, b, work.chart)
+        p.inside = p.settled = 0
+        p.foreign = math.nan
+        p.per_radian = 0.0
         _, narrowest = highlights_between(a, b, work)
-        p[GLARE] = seeing(b - a, narrowest)
+        p.glare = seeing(b - a, narrowest)
         if narrowest < math.inf:
             # a rim or a wall that sweeps over a highlight narrow along the lines hides it within less
-            p[GLARE] = max(p[GLARE], MAX_KINKED if work.geo[CLIPPED] != 0.0 else MAX_FIRST + 1)
-        p[LOG_RHO] = panel_log(work, a, b, kind_a, kind_b)
+            p.glare = max(p.glare, MAX_KINKED if work.chart.clipped != 0.0 else MAX_FIRST + 1)
+        p.log_rho = panel_log(work, a, b, kind_a, kind_b)
     return n + 1
 
 
@@ -208,11 +179,11 @@ def add_panel(panels: Array, n: int, a: float, b: float, kind_a: float, kind_b: 
 def find_crossing(left: float, right: float, view: View, work: Work, ids: Ints, scratch: Array) -> float:
     """One event between two lines of different structure: a crossing of a pair of walls, else NaN."""
     scan_line(left, view, work, scratch)
-    n = work.counts[CELLS]
+    n = work.counts.cells
     for i in range(n + 1):
         ids[0, i] = work.cell_wall[i]
     scan_line(right, view, work, scratch)
-    m = work.counts[CELLS]
+    m = work.counts.cells
     for i in range(m + 1):
         ids[1, i] = work.cell_wall[i]
     if n == 0 or m == 0:
@@ -243,8 +214,8 @@ def find_crossing(left: float, right: float, view: View, work: Work, ids: Ints, 
 
 @jitable
 def split_span(
-    a: float, b: float, kind_a: float, kind_b: float, scans: int, view: View, work: Work, panels: Array, n: int,
-    spans: Array, ids: Ints, scratch: Array,
+    a: float, b: float, kind_a: float, kind_b: float, scans: int, view: View, work: Work, panels: Table[Panel], n: int,
+    spans: Table[Span], ids: Ints, scratch: Array,
 ) -> int:  # fmt: skip
     """Cut [a, b] at the crossings found between scan lines and append its panels; new panel count.
 
@@ -261,7 +232,7 @@ def split_span(
     for i in range(scans, -1, -1):
         left = a + inset if i == 0 else a + width * i / (scans + 1.0)
         left_signature = scan_line(left, view, work, scratch)
-        spans[top, 0], spans[top, 1] = left, right
+        spans[top].left, spans[top].right = left, right
         ids[2, 2 * top], ids[2, 2 * top + 1] = left_signature, right_signature
         top += 1
         right, right_signature = left, left_signature
@@ -269,7 +240,7 @@ def split_span(
     start_signature = left_signature
     while top > 0:
         top -= 1
-        left, right = spans[top, 0], spans[top, 1]
+        left, right = spans[top].left, spans[top].right
         ls, rs = ids[2, 2 * top], ids[2, 2 * top + 1]
         if ls == rs:
             continue
@@ -297,15 +268,15 @@ def split_span(
                         if start_signature != 0:
                             n = add_panel(panels, n, start, phi, start_kind, SMOOTH, work)
                         start, start_kind, start_signature = phi, SMOOTH, his
-                        spans[top, 0], spans[top, 1] = hi, right
+                        spans[top].left, spans[top].right = hi, right
                         ids[2, 2 * top], ids[2, 2 * top + 1] = his, rs
                         top += 1
                         continue
-                    spans[top, 0], spans[top, 1] = hi, right
+                    spans[top].left, spans[top].right = hi, right
                     ids[2, 2 * top], ids[2, 2 * top + 1] = his, rs
-                    spans[top + 1, 0], spans[top + 1, 1] = lo, hi
+                    spans[top + 1].left, spans[top + 1].right = lo, hi
                     ids[2, 2 * top + 2], ids[2, 2 * top + 3] = los, his
-                    spans[top + 2, 0], spans[top + 2, 1] = left, lo
+                    spans[top + 2].left, spans[top + 2].right = left, lo
                     ids[2, 2 * top + 4], ids[2, 2 * top + 5] = ls, los
                     top += 3
                     continue
@@ -313,9 +284,9 @@ def split_span(
                 phi = math.nan
         middle = 0.5 * (left + right)
         ms = scan_line(middle, view, work, scratch)
-        spans[top, 0], spans[top, 1] = middle, right
+        spans[top].left, spans[top].right = middle, right
         ids[2, 2 * top], ids[2, 2 * top + 1] = ms, rs
-        spans[top + 1, 0], spans[top + 1, 1] = left, middle
+        spans[top + 1].left, spans[top + 1].right = left, middle
         ids[2, 2 * top + 2], ids[2, 2 * top + 3] = ls, ms
         top += 2
     if start_signature != 0:
@@ -326,15 +297,15 @@ def split_span(
 @inlined
 def note_chambers(work: Work) -> None:
     """Count the labels of the scanned line that this point has not met before, and mark its walls as met."""
-    for cell in range(work.counts[CELLS]):
+    for cell in range(work.counts.cells):
         if cell > 0 and work.cell_wall[cell] >= 0:
-            work.walls[work.cell_wall[cell] // 4, MET_COLUMN] = 1.0
+            work.walls[work.cell_wall[cell] // 4].met = 1
         if work.cell_side[cell] == HIDDEN:
             continue
-        key = (int(work.geo[SHAPE_INDEX]) + 2) * 1099511628211 + work.cell_side[cell]
+        key = (work.chart.shape_index + 2) * 1099511628211 + work.cell_side[cell]
         for i in range(work.lit.shape[1]):
             key = (key ^ work.lit[cell, i]) * 1099511628211
-        known = min(work.counts[CHAMBERS], work.labels.shape[0])
+        known = min(work.counts.chambers, work.labels.shape[0])
         fresh = True
         for i in range(known):
             if work.labels[i] == key:
@@ -343,7 +314,7 @@ def note_chambers(work: Work) -> None:
         if fresh:
             if known < work.labels.shape[0]:
                 work.labels[known] = key
-            work.counts[CHAMBERS] += 1
+            work.counts.chambers += 1
 
 
 @inlined
@@ -359,7 +330,7 @@ def panel_order(step: int, log_rho: float) -> int:
 
 @inlined
 def evaluate_panel(
-    p: Array, step: int, view: View, work: Work, gauss: Array, events: Array, many: int, out: Array, scratch: Array
+    p: Panel, step: int, view: View, work: Work, gauss: Array, events: Table[Event], many: int, out: Array, scratch: Array
 ) -> float:  # fmt: skip
     """Integral of one panel at one order in out[0:3], its error in out[3]; azimuth of a foreign line, or NaN.
 
@@ -368,12 +339,12 @@ def evaluate_panel(
     with a kink inside they fall slowly, and the last ones themselves are the error. Where the budget ends first the
     error is inf, and what the panel held before stands.
     """
-    a, b, ka, kb = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
-    n = panel_order(step, p[LOG_RHO])
-    if step == 1 and p[INSIDE] > 0.0:
+    a, b, ka, kb = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
+    n = panel_order(step, p.log_rho)
+    if step == 1 and p.inside > 0.0:
         # kinks decide, not how far off the integrand is tame between them
         n = min(n, MAX_KINKED)
-    n = min(MAX_ORDER, max(n, int(p[GLARE])))
+    n = min(MAX_ORDER, max(n, p.glare))
     base = n * (n - 1) // 2
     line = scratch[LINE : LINE + 6]
     for i in range(6):
@@ -385,24 +356,24 @@ def evaluate_panel(
     middle0, middle1, middle2, lower0, lower1, lower2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     margin = 1e-9 * (b - a)
     e = 0
-    while e < many and events[e, 0] <= a + margin:
+    while e < many and events[e].azimuth <= a + margin:
         e += 1
     for q in range(n + 1):
         phi, slope = (b - margin, 0.0) if q == n else azimuth(gauss[0, base + q], a, b, ka, kb)
         first, inside = phi, 0
-        while e < many and events[e, 0] < phi:
+        while e < many and events[e].azimuth < phi:
             if inside == 0:
-                first = events[e, 0]
+                first = events[e].azimuth
             inside += 1
             e += 1
         out[5] += inside
         # between two lines, or a line and an end, a sliver may open and close again
         if inside > 0 and q == 0:
-            thin += sliver_bound(a, events[e - 1, 0], work.geo)
+            thin += sliver_bound(a, events[e - 1].azimuth, work.chart)
         elif inside > 0 and q == n:
-            thin += sliver_bound(first, b, work.geo)
+            thin += sliver_bound(first, b, work.chart)
         elif inside > 1:
-            thin += sliver_bound(first, events[e - 1, 0], work.geo)
+            thin += sliver_bound(first, events[e - 1].azimuth, work.chart)
         if q == n:
             break
         found = scan_line(phi, view, work, scratch)
@@ -410,7 +381,7 @@ def evaluate_panel(
             signature = found
         elif found != signature and foreign != foreign:
             foreign = phi
-        if p[STEP] < 0.0 or found != signature:
+        if p.step < 0.0 or found != signature:
             note_chambers(work)
         if is_spent(work):
             out[3] = math.inf
@@ -444,18 +415,18 @@ def evaluate_panel(
     size = out[4]
     if step == 0:
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there
-        error = 10.0 * size * max(1.0, panel_density(a, b, work.geo) / max(peak, 1e-300))
+        error = 10.0 * size * max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
         if out[5] > 0.0:
-            error = max(error, p[BOUND])
+            error = max(error, p.bound)
     elif out[5] > 0.0 or foreign == foreign:
         error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
     else:
-        known = max(last, 0.5 * before) * math.exp(-(n + 1) * p[LOG_RHO])
+        known = max(last, 0.5 * before) * math.exp(-(n + 1) * p.log_rho)
         if kinked(view):
             known = max(known, last, 0.5 * before)
-        error = 2.0 * max(tail_error(n, last, before, middle, size, p[LOG_RHO]), known)
+        error = 2.0 * max(tail_error(n, last, before, middle, size, p.log_rho), known)
     for i in range(view.points.shape[0]):
-        if view.points[i, DISK_RADIUS] > 0.0:
+        if view.points[i].radius > 0.0:
             # the rules over a disk light keep to the panel's level and err alike on every line
             inner += 3.0 * FALLS[step] * size
             break
@@ -464,43 +435,43 @@ def evaluate_panel(
 
 
 @jitable
-def rough_panel(p: Array, view: View, work: Work, gauss: Array, scratch: Array) -> None:
+def rough_panel(p: Panel, view: View, work: Work, gauss: Array, scratch: Array) -> None:
     """Settle a panel too thin to be cut by one line; all of its size is its error."""
-    width = p[TO] - p[FROM]
-    phi = 0.5 * (p[FROM] + p[TO])
+    width = p.ends[1] - p.ends[0]
+    phi = 0.5 * (p.ends[0] + p.ends[1])
     line = scratch[LINE : LINE + 6]
     scan_line(phi, view, work, scratch)
     integrate_cells(phi, 2, view, work, gauss, line)
     for i in range(3):
-        p[VALUE + i] = width * line[i]
-    p[ERROR] = width * line[3]
-    p[STEP] = 1.0
-    p[SETTLED] = 1.0
+        p.value[i] = width * line[i]
+    p.error = width * line[3]
+    p.step = 1
+    p.settled = 1
 
 
 @jitable
-def inside(p: Array, events: Array, many: int) -> int:
+def inside(p: Panel, events: Table[Event], many: int) -> int:
     """How many of the ``many`` events lie inside a panel."""
-    margin = 1e-9 * (p[TO] - p[FROM])
+    margin = 1e-9 * (p.ends[1] - p.ends[0])
     found = 0
     for e in range(many):
-        if p[FROM] + margin < events[e, 0] < p[TO] - margin:
+        if p.ends[0] + margin < events[e].azimuth < p.ends[1] - margin:
             found += 1
     return found
 
 
 @jitable
 def cut_panel(
-    p: Array, i: int, events: Array, many: int, work: Work, panels: Array, n: int
+    p: Panel, i: int, events: Table[Event], many: int, work: Work, panels: Table[Panel], n: int
 ) -> int:  # fmt: skip
     """Cut panel ``i`` at the events inside it; new count."""
-    start, kind = p[FROM], p[KIND_FROM]
-    stop, last = p[TO], p[KIND_TO]
-    mean, first = p[MEAN], n
+    start, kind = p.ends[0], p.kinds[0]
+    stop, last = p.ends[1], p.kinds[1]
+    mean, first = p.per_radian, n
     margin = 1e-9 * (stop - start)
     slot = i
     for e in range(many):
-        phi = events[e, 0]
+        phi = events[e].azimuth
         if phi > start + margin and phi < stop - margin:
             if slot == i:
                 add_panel(panels, i, start, phi, kind, SMOOTH, work)
@@ -509,22 +480,22 @@ def cut_panel(
             slot = n
             start, kind = phi, SMOOTH
     n = add_panel(panels, n, start, stop, kind, last, work)
-    panels[i, MEAN] = mean
+    panels[i].per_radian = mean
     for k in range(first, min(n, panels.shape[0])):
-        panels[k, MEAN] = mean
+        panels[k].per_radian = mean
     return n
 
 
 @jitable
 def split_chart(
-    tol: float, view: View, work: Work, gauss: Array, panels: Array, spans: Array, ids: Ints, events: Array,
+    tol: float, view: View, work: Work, gauss: Array, panels: Table[Panel], spans: Table[Span], ids: Ints, events: Table[Event],
     scratch: Array, max_evaluations: int, value: Array,
 ) -> tuple[float, int]:  # fmt: skip
     """Add the charted shape's integral to ``value``; returns (error estimate, panels that stayed unresolved)."""
-    low, high = line_range(work.geo)
+    low, high = line_range(work.chart)
     if not low < high:
         return 0.0, 0
-    bound = SAFETY * panel_bound(low, high, work.geo)
+    bound = SAFETY * panel_bound(low, high, work.chart)
     if bound < 0.1 * tol:
         return bound, 0
     left_out = find_highlights(tol, low, high, view, work)
@@ -532,8 +503,8 @@ def split_chart(
     n = 0
     start = 0
     for e in range(1, m):
-        if events[e, 1] >= SMOOTH:
-            n = add_panel(panels, n, events[start, 0], events[e, 0], events[start, 1], events[e, 1], work)
+        if events[e].kind >= SMOOTH:
+            n = add_panel(panels, n, events[start].azimuth, events[e].azimuth, events[start].kind, events[e].kind, work)
             start = e
     n = min(n, panels.shape[0])
     out = scratch[PANEL : PANEL + 6]
@@ -541,36 +512,36 @@ def split_chart(
     for _ in range(64):
         total, accepted, open_panels = 0.0, 0.0, 0
         for i in range(n):
-            total += panels[i, ERROR]
+            total += panels[i].error
         if SAFETY * total <= tol or is_spent(work):
             break
         share = 0.5 * tol / (SAFETY * max(1, n))
         for i in range(n):
-            if panels[i, ERROR] <= share or panels[i, SETTLED] != 0.0:
-                accepted += panels[i, ERROR]
+            if panels[i].error <= share or panels[i].settled != 0.0:
+                accepted += panels[i].error
             else:
                 open_panels += 1
         share = max(share, 0.7 * (tol / SAFETY - accepted) / max(1, open_panels))
         known = n
         for i in range(known):
             p = panels[i]
-            if p[ERROR] <= share or p[SETTLED] != 0.0:
+            if p.error <= share or p.settled != 0.0:
                 continue
-            step = int(p[STEP])
-            width = p[TO] - p[FROM]
+            step = p.step
+            width = p.ends[1] - p.ends[0]
             if step < 0:
-                p[INSIDE] = inside(p, events, m)
-            if p[INSIDE] > 0.0 and n + p[INSIDE] + 2 < panels.shape[0]:
+                p.inside = inside(p, events, m)
+            if p.inside > 0.0 and n + p.inside + 2 < panels.shape[0]:
                 # events are known inside: cut there, unless a few lines may be enough
-                if step > 0 or p[ERROR] > MUCH * share:
+                if step > 0 or p.error > MUCH * share:
                     n = cut_panel(p, i, events, m, work, panels, n)
                     continue
-            elif step > 0 and p[FOREIGN] == p[FOREIGN]:
+            elif step > 0 and p.foreign == p.foreign:
                 # an event without a closed form: search on both sides of the line that told
-                a, b, ka, kb, middle = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO], p[FOREIGN]
+                a, b, ka, kb, middle = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.foreign
                 if width > 1e-8 and n + 8 < panels.shape[0]:
-                    p[FROM] = p[TO] = a
-                    p[5] = p[6] = p[7] = p[ERROR] = 0.0
+                    p.ends[0] = p.ends[1] = a
+                    p.value[0] = p.value[1] = p.value[2] = p.error = 0.0
                     n = split_span(a, middle, ka, SMOOTH, 1, view, work, panels, n, spans, ids, scratch)
                     n = split_span(middle, b, SMOOTH, kb, 1, view, work, panels, n, spans, ids, scratch)
                     n = min(n, panels.shape[0])
@@ -579,49 +550,45 @@ def split_chart(
                 bad += 1
                 continue
             need = step + 1
-            held = p[ERROR]
+            held = p.error
             if step < 0:
-                held = 10.0 * p[MEAN] * width
-                if p[INSIDE] > 0.0 or held > 3.0 * share or p[GLARE] > MAX_FIRST:
+                held = 10.0 * p.per_radian * width
+                if p.inside > 0.0 or held > 3.0 * share or p.glare > MAX_FIRST:
                     need = 1
-            if p[INSIDE] == 0.0 and need > 0:
+            if p.inside == 0.0 and need > 0:
                 # a first estimate is ten times what the panel holds
                 aim = LEVELS[max(0, step)] + math.log(max(held, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
                 while need + 1 < len(LEVELS) and LEVELS[need] < aim:
                     need += 1
-            if (
-                need >= len(LEVELS)
-                or p[GLARE] > MAX_ORDER
-                or (step >= 0 and panel_order(need, p[LOG_RHO]) >= MAX_ORDER)
-            ):
+            if need >= len(LEVELS) or p.glare > MAX_ORDER or (step >= 0 and panel_order(need, p.log_rho) >= MAX_ORDER):
                 if n >= panels.shape[0] or width < 1e-9:
                     if step < 0:
                         rough_panel(p, view, work, gauss, scratch)
-                    p[SETTLED] = 1.0
+                    p.settled = 1
                     continue
-                middle = highlight_end(p[FROM], p[TO], work)
-                right, kind = p[TO], p[KIND_TO]
-                left, left_kind = p[FROM], p[KIND_FROM]
+                middle = highlight_end(p.ends[0], p.ends[1], work)
+                right, kind = p.ends[1], p.kinds[1]
+                left, left_kind = p.ends[0], p.kinds[0]
                 add_panel(panels, i, left, middle, left_kind, SMOOTH, work)
                 n = add_panel(panels, n, middle, right, SMOOTH, kind, work)
                 continue
             foreign = evaluate_panel(p, need, view, work, gauss, events, m, out, scratch)
             if out[3] == math.inf:
                 break
-            p[5], p[6], p[7] = out[0], out[1], out[2]
-            p[STEP] = need
-            p[ERROR] = out[3]
-            p[INSIDE] = out[5]
-            p[FOREIGN] = foreign
-            p[MEAN] = out[4] / width
+            p.value[0], p.value[1], p.value[2] = out[0], out[1], out[2]
+            p.step = need
+            p.error = out[3]
+            p.inside = out[5]
+            p.foreign = foreign
+            p.per_radian = out[4] / width
     error = left_out
-    for i in range(work.counts[WALLS]):
-        if work.walls[i, MET_COLUMN] != 0.0:
-            work.counts[CROSSINGS] += 1
+    for i in range(work.counts.walls):
+        if work.walls[i].met != 0.0:
+            work.counts.crossings += 1
     for i in range(n):
         p = panels[i]
-        value[0] += p[5]
-        value[1] += p[6]
-        value[2] += p[7]
-        error += SAFETY * p[ERROR]
+        value[0] += p.value[0]
+        value[1] += p.value[1]
+        value[2] += p.value[2]
+        error += SAFETY * p.error
     return error, bad

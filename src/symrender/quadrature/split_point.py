@@ -12,41 +12,26 @@ import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share, facing_mass
-from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.walls import (
-    BETA_MAX,
-    BRIGHT,
-    EXPONENT,
-    FACING,
-    LOBE_BETA,
-    LOG_NORMALISER,
-    POLE,
-    RATIO,
-    RIM_COS,
-    RIM_SIN,
-    SIDE,
-)
+from symrender.chambers.records import Chart, Event, LightPoint
 from symrender.chambers.work import (
-    CHAMBERS,
-    CROSSINGS,
-    EVALUATIONS,
     MAX_ROOTS,
     View,
     Work,
     begin_counts,
     is_spent,
+    scene_view,
     work_arrays,
 )
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature.floor_conics import CONIC_COLUMNS
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
+from symrender.quadrature.records import Conic, Panel, Span
 from symrender.quadrature.split_grid import split_grid
 from symrender.quadrature.split_line import lobe_density
-from symrender.quadrature.split_panel import PANEL_COLUMNS, split_chart
+from symrender.quadrature.split_panel import split_chart
 from symrender.quadrature.split_setup import (
     CAPPED,
     MET,
@@ -57,22 +42,17 @@ from symrender.quadrature.split_setup import (
     place_point,
     sphere_strips,
 )
+from symrender.records import Table, table
 from symrender.scene.arrays import (
     AMBIENT,
     BACKGROUND,
     BRDF_NORMALISED,
     CHECKER,
-    COLOR,
     CUT,
     FIRST_SPHERE,
     FLOOR,
-    FLOOR_BRIGHT,
-    FLOOR_DARK,
-    FLOOR_KIND,
     FLOOR_LOBE,
-    FLOOR_PRESENT,
     LOBE,
-    UNITS,
     SceneArrays,
 )
 
@@ -105,7 +85,7 @@ class SplitResult:
 
 
 @jitable
-def lobe_setup(n: float, theta_max: float, tol: float, bound: float, geo: Array) -> float:
+def lobe_setup(n: float, theta_max: float, tol: float, bound: float, chart: Chart) -> float:
     """Exponent, normaliser and effective rim of a lobe; returns the lobe share that lies beyond the effective rim.
 
     Beyond the effective rim lies less than a tenth of ``tol/bound`` of the lobe, so a needle is integrated where it is.
@@ -115,67 +95,71 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, geo: Array)
     half = math.sin(0.5 * theta_max)
     log_c = math.log1p(-2.0 * half * half) if theta_max < 1.5707963267948966 else -math.inf
     beyond = math.exp(u * log_c)
-    geo[EXPONENT] = n
-    geo[FACING] = geo[FACING + 1] = geo[FACING + 2] = 0.0
-    geo[FACING + 3] = 1.0
-    geo[LOG_NORMALISER] = math.log(2.0 * math.pi * -math.expm1(u * log_c) / u)
+    chart.exponent = n
+    chart.facing[0] = chart.facing[1] = chart.facing[2] = 0.0
+    chart.facing_level = 1.0
+    chart.log_normaliser = math.log(2.0 * math.pi * -math.expm1(u * log_c) / u)
     cut = 0.1 * tol / bound
-    geo[RIM_COS] = math.cos(theta_max)
-    geo[RIM_SIN] = math.sin(theta_max)
+    chart.rim_cos = math.cos(theta_max)
+    chart.rim_sin = math.sin(theta_max)
     moved = 0.0
-    if geo[RIM_COS] < FLAT:
-        geo[RIM_COS], geo[RIM_SIN] = 0.0, 1.0
+    if chart.rim_cos < FLAT:
+        chart.rim_cos, chart.rim_sin = 0.0, 1.0
         moved = beyond
     if cut < 1.0 and beyond < cut:
         # 1 - cos of the effective rim
         versine = -math.expm1(math.log(cut) / u)
-        if versine < 1.0 - max(FLAT, geo[RIM_COS]):
-            geo[RIM_COS] = 1.0 - versine
-            geo[RIM_SIN] = math.sqrt(versine * (2.0 - versine))
+        if versine < 1.0 - max(FLAT, chart.rim_cos):
+            chart.rim_cos = 1.0 - versine
+            chart.rim_sin = math.sqrt(versine * (2.0 - versine))
             return cut - beyond
     return moved
 
 
 @jitable
-def sphere_bound(j: int, view: View, geo: Array) -> float:
+def sphere_bound(j: int, view: View, chart: Chart) -> float:
     """No point of the charted sphere that P sees differs from the background by more radiance."""
     shading = view.shading
-    albedo = max(view.spheres[j, COLOR], view.spheres[j, COLOR + 1], view.spheres[j, COLOR + 2])
-    most = shading[0] * max(shading[AMBIENT], shading[AMBIENT + 1], shading[AMBIENT + 2])
-    k = geo[RATIO]
+    albedo = max(view.spheres[j].color[0], view.spheres[j].color[1], view.spheres[j].color[2])
+    most = shading.ka * max(shading.ambient[0], shading.ambient[1], shading.ambient[2])
+    k = chart.ratio
     for i in range(view.points.shape[0]):
         p = view.points[i]
-        lx, ly, lz = p[0] - view.spheres[j, 0], p[1] - view.spheres[j, 1], p[2] - view.spheres[j, 2]
+        lx, ly, lz = (
+            p.position[0] - view.spheres[j].center[0],
+            p.position[1] - view.spheres[j].center[1],
+            p.position[2] - view.spheres[j].center[2],
+        )
         far = math.sqrt(lx * lx + ly * ly + lz * lz)
-        cosine = -(lx * geo[POLE] + ly * geo[POLE + 1] + lz * geo[POLE + 2]) / max(far, 1e-300)
+        cosine = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2]) / max(far, 1e-300)
         # N.(L - C) of the normal nearest to the light's direction; less the radius it is N.(L - Q)
         most_cosine = 1.0
         if cosine < k:
             most_cosine = k * cosine + math.sqrt(max(0.0, (1.0 - cosine * cosine) * (1.0 - k * k)))
-        radius = view.spheres[j, 3]
-        rise = most_cosine * far + p[DISK_RADIUS] - radius
-        light = max(p[3], p[4], p[5])
+        radius = view.spheres[j].radius
+        rise = most_cosine * far + p.radius - radius
+        light = max(p.color[0], p.color[1], p.color[2])
         if rise > 0.0:
-            most += light * shading[1] * albedo * min(1.0, rise / max(far - radius - p[DISK_RADIUS], 1e-300))
-        if rise > 0.0 or shading[6] != CUT:
-            most += light * shading[2]
-    return float(max(most, shading[BACKGROUND], shading[BACKGROUND + 1], shading[BACKGROUND + 2]))
+            most += light * shading.kd * albedo * min(1.0, rise / max(far - radius - p.radius, 1e-300))
+        if rise > 0.0 or shading.terminator != CUT:
+            most += light * shading.ks
+    return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
 
 
 def gloss_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, work: Work, gauss: Array,
-    panels: Array, spans: Array, ids: Ints, events: Array, scratch: Array, tol: float, bound: float,
+    panels: Table[Panel], spans: Table[Span], ids: Ints, events: Table[Event], scratch: Array, tol: float, bound: float,
     max_evaluations: int, walled: bool, gloss: Array, error: Array, evaluations: Ints, status: Ints, chambers: Ints,
-    crossings: Ints, conics: Array, states: Array, grid_stack: Array,
+    crossings: Ints, conics: Table[Conic], states: Array, grid_stack: Array,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
     lobe = scratch[24:27]
-    geo = work.geo
+    chart = work.chart
     # a rounded base errs by so much more as its power is higher
-    powers = ROUNDED * view.shading[3] if view.shading[2] > 0.0 else 0.0
+    powers = ROUNDED * view.shading.shininess if view.shading.ks > 0.0 else 0.0
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
-        place_point(points[i], normals[i], incoming[i], lobe, geo)
+        place_point(points[i], normals[i], incoming[i], lobe, chart)
         own = surface[i] - 2
         n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], NARROWEST)
         value = gloss[i]
@@ -188,18 +172,18 @@ def gloss_kernel(
         if lobes[surface[i], 1] == 0.0:
             largest = mirror_value(own, lobe, view, work, gauss, scratch[28:31], value)
             error[i] = largest + (1e-15 + powers) * max(abs(value[0]), abs(value[1]), abs(value[2])) + 1e-15
-            evaluations[i], chambers[i], crossings[i] = work.counts[EVALUATIONS], 1, 0
+            evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
             continue
-        total = lobe_setup(n, theta_max, tol, bound, geo) * bound
-        brdf = view.shading[UNITS] == BRDF_NORMALISED
+        total = lobe_setup(n, theta_max, tol, bound, chart) * bound
+        brdf = view.shading.units == BRDF_NORMALISED
         if brdf:
-            geo[FACING + 3] = 0.0
+            chart.facing_level = 0.0
             for a in range(3):
-                geo[FACING + a] = normals[i, a]
+                chart.facing[a] = normals[i, a]
 
         # the background fills what the surface can see of the lobe; every shape then adds its difference from it
-        sky = max(view.shading[10], view.shading[11], view.shading[12])
+        sky = max(view.shading.background[0], view.shading.background[1], view.shading.background[2])
         share = 1.0
         if sky > 0.0:
             facing = lobe[0] * normals[i, 0] + lobe[1] * normals[i, 1] + lobe[2] * normals[i, 2]
@@ -209,7 +193,7 @@ def gloss_kernel(
             else:
                 share = cap_share(n, theta_max, tilt, 0.5 * math.pi, gauss)
         for a in range(3):
-            value[a] = view.shading[10 + a] * share
+            value[a] = view.shading.background[a] * share
         bad = 0
         for j in range(view.spheres.shape[0]):
             if j == own:
@@ -218,21 +202,21 @@ def gloss_kernel(
                 mass = aim_lattice(j, lobe, view, work)
                 if mass >= 0.0:
                     spare = max(0.5 * (tol - total), 0.05 * tol)
-                    bright = sphere_bound(j, view, geo)
+                    bright = sphere_bound(j, view, chart)
                     e = lattice_sum(j, own, spare, mass, bright, max_evaluations, view, work, value)
                     if e >= 0.0:
                         total += e
                         continue
             sphere_chart(j, own, lobe, view, work)
-            k = geo[RATIO]
+            k = chart.ratio
             # all of the shape, at the lobe's largest density on it
-            gap = max(0.0, geo[LOBE_BETA] - geo[BETA_MAX])
-            most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * 2.0 * math.pi * k * k * bound
+            gap = max(0.0, chart.lobe_beta - chart.beta_max)
+            most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, chart) * 2.0 * math.pi * k * k * bound
             if gap < 1.5 and most < 0.1 * tol:
                 total += most
                 continue
             sphere_strips(j, n, view, work)
-            geo[BRIGHT] = sphere_bound(j, view, geo)
+            chart.bright = sphere_bound(j, view, chart)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol),
                 view,
@@ -248,21 +232,21 @@ def gloss_kernel(
             )
             total += e
             bad += b
-        if view.floor[FLOOR_PRESENT] != 0.0 and surface[i] != FLOOR and points[i, 2] != 0.0:
+        if view.floor.present != 0.0 and surface[i] != FLOOR and points[i, 2] != 0.0:
             floor_chart(own, lobe, view, work)
-            if geo[SIDE] > 0.0 or sky > 0.0:
+            if chart.side > 0.0 or sky > 0.0:
                 floor_strips(n, view, work)
-                geo[BRIGHT] = bound
+                chart.bright = bound
                 e, b = split_chart(
                     max(0.5 * (tol - total), 0.05 * tol), view, work, gauss, panels, spans, ids, events, scratch,
                     max_evaluations, value,
                 )  # fmt: skip
                 total += e
                 bad += b
-                if geo[SIDE] > 0.0 and view.floor[FLOOR_KIND] == CHECKER:
+                if chart.side > 0.0 and view.floor.kind == CHECKER:
                     contrast = 0.0
                     for a in range(3):
-                        half = 0.5 * view.shading[1] * (view.floor[FLOOR_BRIGHT + a] - view.floor[FLOOR_DARK + a])
+                        half = 0.5 * view.shading.kd * (view.floor.bright[a] - view.floor.dark[a])
                         scratch[16 + a] = half
                         scratch[20 + a] = 0.0
                         contrast = max(contrast, abs(half))
@@ -283,9 +267,9 @@ def gloss_kernel(
         largest = max(abs(value[0]), abs(value[1]), abs(value[2]))
         total = min(total + 1e-15 + (1e-15 + powers) * largest, bound + largest)
         error[i] = total
-        evaluations[i] = work.counts[EVALUATIONS]
-        chambers[i] = work.counts[CHAMBERS]
-        crossings[i] = work.counts[CROSSINGS]
+        evaluations[i] = work.counts.evaluations
+        chambers[i] = work.counts.chambers
+        crossings[i] = work.counts.crossings
         status[i] = MET
         if total > tol:
             status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT
@@ -303,36 +287,36 @@ class SplitWork:
 
     work: Work
     gauss: Array
-    panels: Array
-    spans: Array
+    panels: Table[Panel]
+    spans: Table[Span]
     ids: Ints
-    events: Array
+    events: Table[Event]
     scratch: Array
-    conics: Array
+    conics: Table[Conic]
     states: Array
     grid_stack: Array
 
 
-def split_work(arrays: SceneArrays, points: Array) -> SplitWork:
+def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
     """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_rows``)."""
     return SplitWork(
         work=work_arrays(len(arrays.spheres), len(points)),
         gauss=gauss_table(),
-        panels=np.zeros((MAX_PANELS, PANEL_COLUMNS)),
-        spans=np.zeros((256, 2)),
+        panels=table(Panel, MAX_PANELS),
+        spans=table(Span, 256),
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
-        events=np.zeros((2048, 2)),
+        events=table(Event, 2048),
         scratch=np.zeros(64),
-        conics=np.zeros((2 + 2 * len(arrays.spheres) + len(points) * len(arrays.spheres), CONIC_COLUMNS)),
+        conics=table(Conic, 2 + 2 * len(arrays.spheres) + len(points) * len(arrays.spheres)),
         states=np.zeros(max(1, len(points))),
         grid_stack=np.zeros((256, 256)),
     )
 
 
-def radiance_bound(arrays: SceneArrays, points: Array) -> float:
+def radiance_bound(arrays: SceneArrays, points: Table[LightPoint]) -> float:
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
     lit = arrays.shading[0] * arrays.shading[AMBIENT : AMBIENT + 3]
-    lit = lit + points[:, 3:6].sum(axis=0) * (arrays.shading[1] + arrays.shading[2])
+    lit = lit + points["color"].sum(axis=0) * (arrays.shading[1] + arrays.shading[2])
     return float(max(lit.max(), arrays.shading[BACKGROUND : BACKGROUND + 3].max(), 1e-300))
 
 
@@ -360,7 +344,7 @@ def gloss_points(
     an error is wanted with the value, or more than two digits. Points inside a sphere are ``UNSUPPORTED``.
     """
     lights = light_rows(arrays, disk_order)
-    view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
+    view = scene_view(arrays, lights)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
     lobes[FLOOR] = arrays.floor[FLOOR_LOBE + 1 :]
     lobes[FIRST_SPHERE:] = arrays.spheres[:, LOBE + 1 :]

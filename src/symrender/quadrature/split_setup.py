@@ -8,24 +8,13 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.walls import (
-    BETA_MAX,
-    E1,
-    E2,
-    HEIGHT,
-    LOBE_BETA,
-    PACE,
-    POINT,
-    POLE,
-    RATIO,
-    SIDE,
-    STRIP,
-    SURFACE_NORMAL,
-)
-from symrender.chambers.work import SPOTS, View, Work
+from symrender.chambers.records import Chart
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.split_line import NEAR_LIGHT
-from symrender.scene.arrays import FLOOR_BRIGHT, FLOOR_DARK, KU, KV, MARBLE, TEXTURE
+from symrender.records import Table
+from symrender.scene.arrays import MARBLE
+from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 
@@ -40,27 +29,27 @@ UNSUPPORTED: Final = 3
 
 
 @jitable
-def place_point(point: Array, normal: Array, incoming: Array, lobe: Array, geo: Array) -> None:
-    """Write the point, its normal and its side of the floor into ``geo`` and the axis of its lobe into ``lobe``."""
+def place_point(point: Array, normal: Array, incoming: Array, lobe: Array, chart: Chart) -> None:
+    """Write the point, its normal and its side of the floor into ``chart`` and the axis of its lobe into ``lobe``."""
     d = incoming[0] * normal[0] + incoming[1] * normal[1] + incoming[2] * normal[2]
     size = 0.0
     for a in range(3):
-        geo[POINT + a] = point[a]
-        geo[SURFACE_NORMAL + a] = normal[a]
+        chart.point[a] = point[a]
+        chart.normal[a] = normal[a]
         lobe[a] = incoming[a] - 2.0 * d * normal[a]
         size += lobe[a] * lobe[a]
     for a in range(3):
         lobe[a] /= math.sqrt(size)
-    geo[SIDE] = 1.0 if point[2] >= 0.0 else -1.0
-    geo[PACE] = 1.0
+    chart.side = 1.0 if point[2] >= 0.0 else -1.0
+    chart.pace = 1.0
 
 
 @jitable
-def inside_another(point: Array, own: int, spheres: Array) -> bool:
+def inside_another(point: Array, own: int, spheres: Table[Sphere]) -> bool:
     """Whether the point lies inside a sphere that is not ``own``."""
     for j in range(spheres.shape[0]):
-        x, y, z = point[0] - spheres[j, 0], point[1] - spheres[j, 1], point[2] - spheres[j, 2]
-        if j != own and x * x + y * y + z * z <= spheres[j, 3] ** 2:
+        x, y, z = point[0] - spheres[j].center[0], point[1] - spheres[j].center[1], point[2] - spheres[j].center[2]
+        if j != own and x * x + y * y + z * z <= spheres[j].radius ** 2:
             return True
     return False
 
@@ -68,26 +57,26 @@ def inside_another(point: Array, own: int, spheres: Array) -> bool:
 @inlined
 def sphere_strips(j: int, n: float, view: View, work: Work) -> None:
     """How far off the real line the integrand of charted sphere ``j`` stays tame, under a lobe of exponent ``n``."""
-    geo = work.geo
-    work.counts[SPOTS] = 0
-    k = geo[RATIO]
-    geo[STRIP] = min(0.3, 1.4 / (math.sqrt(n + 1e-9) * k))
-    reach = math.sin(geo[LOBE_BETA]) * math.sin(min(geo[LOBE_BETA], geo[BETA_MAX]))
-    geo[STRIP + 1] = min(0.5, 1.4 / math.sqrt(n * reach + 1e-9))
-    if view.spheres[j, TEXTURE] == MARBLE:
-        vein = 3.0 / (view.spheres[j, KU] + 6.6 * view.spheres[j, KV])
-        geo[STRIP], geo[STRIP + 1] = min(geo[STRIP], vein), min(geo[STRIP + 1], vein)
-    geo[STRIP + 2] = 0.9 * math.acosh(1.0 / k)
-    radius = view.spheres[j, 3]
+    chart = work.chart
+    work.counts.spots = 0
+    k = chart.ratio
+    chart.strip_along = min(0.3, 1.4 / (math.sqrt(n + 1e-9) * k))
+    reach = math.sin(chart.lobe_beta) * math.sin(min(chart.lobe_beta, chart.beta_max))
+    chart.strip_across = min(0.5, 1.4 / math.sqrt(n * reach + 1e-9))
+    if view.spheres[j].texture == MARBLE:
+        vein = 3.0 / (view.spheres[j].ku + 6.6 * view.spheres[j].kv)
+        chart.strip_along, chart.strip_across = min(chart.strip_along, vein), min(chart.strip_across, vein)
+    chart.strip_limb = 0.9 * math.acosh(1.0 / k)
+    radius = view.spheres[j].radius
     for i in range(view.points.shape[0]):
         p, center = view.points[i], view.spheres[j]
-        x, y, z = p[0] - center[0], p[1] - center[1], p[2] - center[2]
+        x, y, z = p.position[0] - center.center[0], p.position[1] - center.center[1], p.position[2] - center.center[2]
         far2 = x * x + y * y + z * z
         if radius * radius < far2 < NEAR_LIGHT * radius * radius:
             # |Q - L|^2 = 0 at azimuths +- i acosh(sqrt(a^2 - b^2)/c), at the nearest
-            along = -2.0 * radius * (x * geo[POLE] + y * geo[POLE + 1] + z * geo[POLE + 2])
-            u = x * geo[E1] + y * geo[E1 + 1] + z * geo[E1 + 2]
-            v = x * geo[E2] + y * geo[E2 + 1] + z * geo[E2 + 2]
+            along = -2.0 * radius * (x * chart.pole[0] + y * chart.pole[1] + z * chart.pole[2])
+            u = x * chart.e1[0] + y * chart.e1[1] + z * chart.e1[2]
+            v = x * chart.e2[0] + y * chart.e2[1] + z * chart.e2[2]
             across, level = 2.0 * radius * math.hypot(u, v), radius * radius + far2
             if across > 0.0:
                 ratio = math.sqrt(max(0.0, (level - along) * (level + along))) / across
@@ -97,19 +86,19 @@ def sphere_strips(j: int, n: float, view: View, work: Work) -> None:
 @inlined
 def add_spot(x: float, y: float, depth: float, work: Work) -> None:
     """Note that the floor's integrand is tame only so far off the real azimuths towards (x, y) from the foot."""
-    geo = work.geo
+    chart = work.chart
     if x * x + y * y > 0.0:
-        add_spot_at(math.atan2(x * geo[E2] + y * geo[E2 + 1], x * geo[E1] + y * geo[E1 + 1]), depth, work)
+        add_spot_at(math.atan2(x * chart.e2[0] + y * chart.e2[1], x * chart.e1[0] + y * chart.e1[1]), depth, work)
 
 
 @inlined
 def add_spot_at(phi: float, depth: float, work: Work) -> None:
     """Note that the chart's integrand is tame only so far off the real azimuth ``phi``."""
-    k = work.counts[SPOTS]
+    k = work.counts.spots
     if k < work.spots.shape[0]:
-        work.spots[k, 0] = phi
-        work.spots[k, 1] = depth
-        work.counts[SPOTS] += 1
+        work.spots[k].azimuth = phi
+        work.spots[k].depth = depth
+        work.counts.spots += 1
 
 
 @inlined
@@ -120,18 +109,22 @@ def floor_spots(view: View, work: Work) -> None:
     phi +- i asinh(z / rho), at the nearest. On the line in which
     the point's own horizon meets the floor distances vanish at azimuths of their own, atan((t +- i d) / p).
     """
-    geo = work.geo
-    nx, ny = geo[SURFACE_NORMAL], geo[SURFACE_NORMAL + 1]
+    chart = work.chart
+    nx, ny = chart.normal[0], chart.normal[1]
     tilt = math.sqrt(nx * nx + ny * ny)
     for i in range(view.points.shape[0]):
-        x, y, z = view.points[i, 0] - geo[POINT], view.points[i, 1] - geo[POINT + 1], view.points[i, 2]
+        x, y, z = (
+            view.points[i].position[0] - chart.point[0],
+            view.points[i].position[1] - chart.point[1],
+            view.points[i].position[2],
+        )
         rho = math.sqrt(x * x + y * y)
         if not z > 0.0:
             continue
         slope = z / max(rho, 1e-9 * z)
         add_spot(x, y, math.log(slope + math.sqrt(1.0 + slope * slope)), work)
-        if tilt > 1e-9 and geo[SURFACE_NORMAL + 2] != 0.0:
-            p = geo[SURFACE_NORMAL + 2] * geo[HEIGHT] / tilt
+        if tilt > 1e-9 and chart.normal[2] != 0.0:
+            p = chart.normal[2] * chart.height / tilt
             across = (nx * x + ny * y) / tilt - p
             u, v = (nx * y - ny * x) / (tilt * p), math.sqrt(across * across + z * z) / abs(p)
             phi = math.atan2(ny, nx) + 0.5 * math.atan2(2.0 * u, 1.0 - u * u - v * v) + (math.pi if p < 0.0 else 0.0)
@@ -142,10 +135,10 @@ def floor_spots(view: View, work: Work) -> None:
 @inlined
 def floor_strips(n: float, view: View, work: Work) -> None:
     """The same of the floor's chart; then its mean albedo."""
-    geo = work.geo
-    work.counts[SPOTS] = 0
+    chart = work.chart
+    work.counts.spots = 0
     floor_spots(view, work)
-    geo[STRIP] = min(0.3, 1.4 / math.sqrt(n + 1e-9))
-    geo[STRIP + 1] = min(0.5, 1.4 / math.sqrt(n * math.sin(geo[LOBE_BETA]) + 1e-9))
+    chart.strip_along = min(0.3, 1.4 / math.sqrt(n + 1e-9))
+    chart.strip_across = min(0.5, 1.4 / math.sqrt(n * math.sin(chart.lobe_beta) + 1e-9))
     for a in range(3):
-        geo[STRIP + 3 + a] = 0.5 * (view.floor[FLOOR_BRIGHT + a] + view.floor[FLOOR_DARK + a])
+        chart.albedo[a] = 0.5 * (view.floor.bright[a] + view.floor.dark[a])

@@ -9,42 +9,24 @@ import numpy.typing as npt
 
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
-from symrender.chambers.walls import FACING, HEIGHT, POINT, RIM_COS
-from symrender.chambers.work import EVALUATIONS, LABOUR, NODES, View, Work, is_spent
+from symrender.chambers.records import NODES, Chart, Nodes, Wall
+from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
 from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.node_rows import (
-    BASE,
-    CELL,
-    CHORD,
-    COSINE,
-    COUNT,
-    FACTOR,
-    FIRST,
-    LOG_RHO,
-    NEAR,
-    NORMAL,
-    PLACE,
-    SINE,
-    SUM,
-    VIEW,
-    WEIGHT,
     densities,
     whole_vectors,
 )
+from symrender.quadrature.records import Conic
 from symrender.quadrature.split_line import SOFT_LOG, tail_error
 from symrender.quadrature.split_panel import azimuth
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-EAST = SINE
-NORTH = COSINE
-"""The rows of nodes that hold their offsets from the foot."""
-ROW = 4
-"""The line of a piece, a further column of the pieces."""
 MAX_HALVINGS = 5
 """How often a strip of a square is halved at most."""
 MORE_LEVELS = 3
@@ -62,12 +44,12 @@ BRANCHES = 16
 @inlined
 def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array) -> bool:
     """Whether the floor point (x, y) from the foot is in the lobe and seen; ``states`` of its lights, 0 unlit."""
-    geo = work.geo
-    h = geo[HEIGHT]
+    chart = work.chart
+    h = chart.height
     dot = x * lobe[0] + y * lobe[1] - h * lobe[2]
-    if not dot > geo[RIM_COS] * math.sqrt(x * x + y * y + h * h):
+    if not dot > chart.rim_cos * math.sqrt(x * x + y * y + h * h):
         return False
-    qx, qy = geo[POINT] + x, geo[POINT + 1] + y
+    qx, qy = chart.point[0] + x, chart.point[1] + y
     if is_hidden(qx, qy, 0.0, view, work):
         return False
     for i in range(view.points.shape[0]):
@@ -86,35 +68,35 @@ def floor_nodes(
     N.l over the lights that the nodes' pieces see. NEAR gets the ratio of the shorter taper to the longer one.
     """
     m = whole_vectors(m)
-    geo, b = work.geo, work.nodes
-    h, px, py = geo[HEIGHT], geo[POINT], geo[POINT + 1]
+    chart, b = work.chart, work.nodes
+    h, px, py = chart.height, chart.point[0], chart.point[1]
     ax, ay, az = lobe[0], lobe[1], lobe[2]
-    flat, fx, fy, fz = geo[FACING + 3], geo[FACING], geo[FACING + 1], geo[FACING + 2]
+    flat, fx, fy, fz = chart.facing_level, chart.facing[0], chart.facing[1], chart.facing[2]
     for i in range(m):
-        x, y = b[EAST + i], b[NORTH + i]
+        x, y = b.sine[i], b.cosine[i]
         inv = 1.0 / math.sqrt(x * x + y * y + h * h)
         wx, wy, wz = x * inv, y * inv, -h * inv
         dx, dy, dz = wx - ax, wy - ay, wz - az
-        b[CHORD + i] = dx * dx + dy * dy + dz * dz
-        b[WEIGHT + i] *= h * inv * inv * inv * (flat + fx * wx + fy * wy + fz * wz)
-        b[PLACE + i], b[PLACE + NODES + i], b[PLACE + 2 * NODES + i] = px + x, py + y, 0.0
+        b.chord[i] = dx * dx + dy * dy + dz * dz
+        b.weight[i] *= h * inv * inv * inv * (flat + fx * wx + fy * wy + fz * wz)
+        b.place[0, i], b.place[1, i], b.place[2, i] = px + x, py + y, 0.0
     for i in range(m):
-        b[NORMAL + i], b[NORMAL + NODES + i], b[NORMAL + 2 * NODES + i] = 0.0, 0.0, 1.0
-        b[VIEW + i], b[VIEW + NODES + i], b[VIEW + 2 * NODES + i] = 0.0, 0.0, 1.0
+        b.normal[0, i], b.normal[1, i], b.normal[2, i] = 0.0, 0.0, 1.0
+        b.toward[0, i], b.toward[1, i], b.toward[2, i] = 0.0, 0.0, 1.0
     for i in range(m):
-        b[FACTOR + i] = b[FACTOR + NODES + i] = b[FACTOR + 2 * NODES + i] = 1.0
-        b[SUM + i] = b[SUM + NODES + i] = b[SUM + 2 * NODES + i] = 0.0
-    densities(m, step, b, geo)
+        b.factor[0, i] = b.factor[1, i] = b.factor[2, i] = 1.0
+        b.radiance[0, i] = b.radiance[1, i] = b.radiance[2, i] = 0.0
+    densities(m, step, b, chart)
     light_nodes(m, pieces, step, 0.0, view, work, gauss)
     for i in range(m):
-        b[NEAR + i] = 1.0
+        b.near[i] = 1.0
     if reach < math.inf:
         taper_rows(m, reach, b)
     for i in range(m):
-        w = b[WEIGHT + i]
-        b[SUM + i] *= w
-        b[SUM + NODES + i] *= w
-        b[SUM + 2 * NODES + i] *= w
+        w = b.weight[i]
+        b.radiance[0, i] *= w
+        b.radiance[1, i] *= w
+        b.radiance[2, i] *= w
 
 
 @jitable
@@ -151,23 +133,23 @@ def decay(t: float) -> float:
 
 
 @jitable
-def taper_rows(m: int, reach: float, b: Array) -> None:
+def taper_rows(m: int, reach: float, b: Nodes) -> None:
     """Multiply WEIGHT by the taper; NEAR gets the ratio of the taper to .7 of the reach to it."""
     m = min(m, NODES)
     scale = 1.0 / (0.36 * reach * reach)
     shorter = 0.7**-8 - 1.0
     for i in range(m):
-        u = (b[EAST + i] * b[EAST + i] + b[NORTH + i] * b[NORTH + i]) * scale
+        u = (b.sine[i] * b.sine[i] + b.cosine[i] * b.cosine[i]) * scale
         u *= u
-        b[BASE + i] = u * u
+        b.radix[i] = u * u
     for i in range(m):
-        b[NEAR + i] = decay(shorter * b[BASE + i])
-        b[WEIGHT + i] *= decay(b[BASE + i])
+        b.near[i] = decay(shorter * b.radix[i])
+        b.weight[i] *= decay(b.radix[i])
 
 
 @jitable
 def row_pieces(
-    y: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Array, walls: Array, geo: Array,
+    y: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Table[Conic], walls: Table[Wall], chart: Chart,
     roots: Array, ends: Array, ids: Ints,
 ) -> tuple[int, int]:  # fmt: skip
     """Pieces of the line y = const between x0 and x1; their number and the signature of their order.
@@ -177,7 +159,7 @@ def row_pieces(
     n = 1
     ends[0], ids[0] = x0, -1
     for i in range(crossings):
-        found = conic_roots(conics[int(crossing[i])], y, x0, x1, walls, geo, roots)
+        found = conic_roots(conics[int(crossing[i])], y, x0, x1, walls, chart, roots)
         for j in range(found):
             x = roots[j]
             if x0 < x < x1 and n < ends.shape[0] - 1:
@@ -215,19 +197,19 @@ def note_gaps(many: int, n: int, gaps: Array, work: Work) -> None:
 
 @inlined
 def change_of_rows(
-    low: float, high: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Array, work: Work
+    low: float, high: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Table[Conic], work: Work
 ) -> float:  # fmt: skip
     """The y between ``low`` and ``high``, whose rows differ in structure, where the structure of ``low`` ends.
 
     Neighbours that change places are followed until the first two of them meet; anything else is found by halving.
     """
-    walls, geo, roots, ends, ids = work.walls, work.geo, work.quartic, work.root_x, work.root_id
+    walls, chart, roots, ends, ids = work.walls, work.chart, work.quartic, work.root_x, work.root_id
     near, far = work.row_gaps[0], work.row_gaps[1]
-    many, before = row_pieces(low, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
+    many, before = row_pieces(low, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
     for i in range(1, many):
         work.row_names[i] = work.root_id[i]
     note_gaps(many, many, near, work)
-    n, _ = row_pieces(high, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
+    n, _ = row_pieces(high, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
     note_gaps(many, n, far, work)
     # as in the Illinois method, an end that stays twice counts half
     weight, kept = 1.0, 0
@@ -241,7 +223,7 @@ def change_of_rows(
                 share = min(share, near[i] / (near[i] - weight * far[i]))
         if share < 1.0:
             middle = low + min(0.999, max(0.001, share)) * (high - low)
-        n, found = row_pieces(middle, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
+        n, found = row_pieces(middle, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         if found == before:
             low = middle
             note_gaps(many, n, near, work)
@@ -267,12 +249,12 @@ def add_pieces(
     b = work.nodes
     for k in range(pieces):
         row = work.pieces[k]
-        first, n, q = int(row[FIRST]), int(row[COUNT]), int(row[ROW])
+        first, n, q = row.first, row.count, row.line
         start = n * (n - 1) // 2
         whole, top, second, half, under = 0.0, 0.0, 0.0, 0.0, 0.0
         for e in range(n):
-            red, green, blue = b[SUM + first + e], b[SUM + NODES + first + e], b[SUM + 2 * NODES + first + e]
-            near = b[NEAR + first + e]
+            red, green, blue = b.radiance[0, first + e], b.radiance[1, first + e], b.radiance[2, first + e]
+            near = b.near[first + e]
             out[0] += red
             out[1] += green
             out[2] += blue
@@ -286,7 +268,7 @@ def add_pieces(
             half += value * gauss[MIDDLE, start + e]
             under += value * gauss[MIDDLE + 1, start + e]
         sums[0] += abs(whole)
-        sums[1] += tail_error(n, top, second, max(abs(half), abs(under)), abs(whole), row[LOG_RHO])
+        sums[1] += tail_error(n, top, second, max(abs(half), abs(under)), abs(whole), row.log_rho)
         sums[2] += whole * gauss[2, base + q]
         sums[3] += whole * gauss[3, base + q]
         sums[4] += whole * gauss[MIDDLE, base + q]
@@ -297,7 +279,7 @@ def add_pieces(
 def strip_integral(
     x0: float, x1: float, a: float, b: float, kind_a: float, kind_b: float, n: int, more: int, signature: int,
     crossing: Array, crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work,
-    conics: Array, gauss: Array, states: Array, sums: Array, out: Array,
+    conics: Table[Conic], gauss: Array, states: Array, sums: Array, out: Array,
 ) -> float:  # fmt: skip
     """Integral over x0..x1 times a..b with ``n`` lines of equal structure, each cut at the conics, in out[0:3].
 
@@ -309,13 +291,13 @@ def strip_integral(
         out[t] = 0.0
     for t in range(6):
         sums[t] = 0.0
-    walls, geo, roots, ends, ids = work.walls, work.geo, work.quartic, work.root_x, work.root_id
+    walls, chart, roots, ends, ids = work.walls, work.chart, work.quartic, work.root_x, work.root_id
     rows, lit, side = work.nodes, work.lit, work.cell_side
     m, placed = 0, 0
     for q in range(n):
         y, slope = azimuth(gauss[0, base + q], a, b, kind_a, kind_b)
         slope *= gauss[1, base + q]
-        pieces, found = row_pieces(y, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
+        pieces, found = row_pieces(y, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         if found != signature:
             return y
         for piece in range(pieces):
@@ -340,18 +322,18 @@ def strip_integral(
                 add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
                 m = placed = 0
             start = nx * (nx - 1) // 2
-            work.counts[EVALUATIONS] += nx
+            work.counts.evaluations += nx
             row = work.pieces[placed]
-            row[CELL], row[FIRST], row[COUNT], row[LOG_RHO], row[ROW] = piece, m, nx, log_rho, q
+            row.cell, row.first, row.count, row.log_rho, row.line = piece, m, nx, log_rho, q
             placed += 1
             for e in range(nx):
                 u, along = gauss[0, start + e], width
                 if soft:
                     s, c = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
                     u, along = s * s, width * math.pi * s * c
-                rows[EAST + m] = left + width * u
-                rows[NORTH + m] = y
-                rows[WEIGHT + m] = slope * along * gauss[1, start + e]
+                rows.sine[m] = left + width * u
+                rows.cosine[m] = y
+                rows.weight[m] = slope * along * gauss[1, start + e]
                 m += 1
     if m > 0:
         add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
@@ -365,7 +347,7 @@ def strip_integral(
 @jitable
 def cut_square(
     x0: float, y0: float, size: float, step: int, span: float, reach: float, room: float, bound: float, lobe: Array,
-    view: View, work: Work, conics: Array, crossing: Array, crossings: int, gauss: Array, states: Array, scratch: Array,
+    view: View, work: Work, conics: Table[Conic], crossing: Array, crossings: int, gauss: Array, states: Array, scratch: Array,
     out: Array,
 ) -> float:  # fmt: skip
     """Add the integral of a square some conics cross to ``out`` (6,); its error estimate. The second half of ``out`` is
@@ -375,7 +357,7 @@ def cut_square(
     where two conics meet, which is where the order of their roots changes; strips that miss ``room`` are halved.
     ``span`` is the length over which the integrand is tame.
     """
-    walls, geo, roots, ends, ids = work.walls, work.geo, work.quartic, work.root_x, work.root_id
+    walls, chart, roots, ends, ids = work.walls, work.chart, work.quartic, work.root_x, work.root_id
     x1, y1 = x0 + size, y0 + size
     cuts, kinds, point, part = scratch[0], scratch[1], scratch[2], scratch[3]
     stack = scratch[4:]
@@ -393,13 +375,13 @@ def cut_square(
     while top > 0:
         top -= 1
         strips += 1
-        work.counts[LABOUR] += ROW_LABOUR * (2 + crossings)
+        work.counts.labour += ROW_LABOUR * (2 + crossings)
         row = stack[top]
         a, b, kind_a, kind_b, depth, level = row[0], row[1], row[2], row[3], row[4], int(row[5])
         room_left = top + 2 < stack.shape[0]
         inset = 1e-9 * (b - a)
-        pieces, signature = row_pieces(a + inset, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
-        _, other = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
+        pieces, signature = row_pieces(a + inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
+        _, other = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         x = 0.7 * span / (b - a)
         more = level - step
         lines = min(MAX_ORDER, max(3 + 2 * more, nodes(level, math.log(x + math.sqrt(1.0 + x * x)))))
@@ -415,7 +397,7 @@ def cut_square(
                 error += bound * (b - a) / size
                 continue
             cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)
-            beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, geo, roots, ends, ids)
+            beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
             # two conics that meet change places; an edge of a penumbra may open a piece like a square root
             kind = SMOOTH if beyond == pieces else ROOT
         elif part[6] <= room or not room_left or strips > MAX_STRIPS or is_spent(work):

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, light_state
-from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.work import CASTERS, View, Work, work_arrays
+from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.disk_direct import KINKED_SAFETY, cast_by_all, compared_step, disk_step, stand_at
 from symrender.quadrature.gauss import gauss_table
@@ -47,8 +46,8 @@ def mean_slope(q: int, k: int, i: int, which: int, tangents: Tangents, work: Wor
         slope += rows[PLACE, a] * light[a] + rows[TURN, a] * light[7 + a]
         slope += rows[AT_Q, a] * tangents.place[q, k, a] + rows[NORMAL, a] * tangents.normal[q, k, a]
         slope -= rows[VIEW, a] * tangents.incoming[q, k, a]
-    for c in range(work.counts[CASTERS]):
-        ball = work.casters[c, 1]
+    for c in range(work.counts.casters):
+        ball = work.casters[c].ball
         for a in range(3):
             slope += rows[BALLS + 2 * ball, a] * tangents.spheres[q, ball, a]
         slope += rows[BALLS + 2 * ball + 1, 0] * tangents.spheres[q, ball, 3]
@@ -62,7 +61,7 @@ def direct_gradient_kernel(
 ) -> None:  # fmt: skip
     """Fill ``gradient`` (Q, N, 3) and ``error`` (Q, N); see ``direct_gradients``."""
     flag = table[table.shape[0] - 1]
-    kd, ks = view.shading[1], view.shading[2]
+    kd, ks = view.shading.kd, view.shading.ks
     for k in range(points.shape[0]):
         j = surface[k] - FIRST_SPHERE
         n, d = normals[k], incoming[k]
@@ -72,7 +71,7 @@ def direct_gradient_kernel(
             coarse[q, 0] = coarse[q, 1] = coarse[q, 2] = 0.0
         for i in range(view.points.shape[0]):
             p = view.points[i]
-            if not p[DISK_RADIUS] > 0.0 or inside:
+            if not p.radius > 0.0 or inside:
                 continue
             cast_by_all(i, j, view, work)
             state = light_state(i, points[k, 0], points[k, 1], points[k, 2], n[0], n[1], n[2], view, work)
@@ -89,7 +88,7 @@ def direct_gradient_kernel(
                     by_gleam = mean_slope(q, k, i, 1, tangents, work, table)
                     dkd, dks = tangents.shading[q, 1], tangents.shading[q, 2]
                     for c in range(3):
-                        moved = p[3 + c] * (
+                        moved = p.color[c] * (
                             dkd * albedo[k, c] * cosine
                             + kd * (albedo_moves[q, k, c] * cosine + albedo[k, c] * by_cosine)
                             + dks * gleam
@@ -132,7 +131,7 @@ def direct_gradients(
     inside of a sphere, and where a ball touches a disk.
     """
     rows = light_rows(arrays, EXACT_DISK)
-    view = View(arrays.spheres, arrays.floor, rows, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
+    view = scene_view(arrays, rows)
     count, n = tangents.place.shape[:2]
     gradient, error = np.zeros((count, n, 3)), np.zeros((count, n))
     given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]

@@ -19,17 +19,14 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
-from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
+from symrender.chambers.records import LightPoint
 from symrender.chambers.tangent_walls import LIGHTS
-from symrender.chambers.work import CASTERS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_arcs import ARC, ARC_LOG, arc_point, arc_side, corners, radial_log
 from symrender.quadrature.disk_curves import (
     BALL,
-    BOUNDS,
     CONE,
-    CURVES,
-    EVENTS,
     LINE,
     TERMINATOR,
     disk_curves,
@@ -75,12 +72,12 @@ def functional(which: int, table: Array) -> int:
 
 
 @jitable
-def move_disk(weight: float, gx: float, gy: float, gz: float, a: float, b: float, p: Array, out: Array) -> None:
+def move_disk(weight: float, gx: float, gy: float, gz: float, a: float, b: float, p: LightPoint, out: Array) -> None:
     """Add ``weight`` times what gradient g at the disk's point (a, b) says of its centre, radius and frame."""
-    rho = p[DISK_RADIUS]
-    dx = a * p[DISK_E1] + b * p[DISK_E2]
-    dy = a * p[DISK_E1 + 1] + b * p[DISK_E2 + 1]
-    dz = a * p[DISK_E1 + 2] + b * p[DISK_E2 + 2]
+    rho = p.radius
+    dx = a * p.e1[0] + b * p.e2[0]
+    dy = a * p.e1[1] + b * p.e2[1]
+    dz = a * p.e1[2] + b * p.e2[2]
     out[PLACE, 0] += weight * gx
     out[PLACE, 1] += weight * gy
     out[PLACE, 2] += weight * gz
@@ -92,17 +89,17 @@ def move_disk(weight: float, gx: float, gy: float, gz: float, a: float, b: float
 
 @jitable
 def disk_node(
-    weight: float, a: float, b: float, first: int, last: int, p: Array, yx: float, yy: float, yz: float, nx: float,
+    weight: float, a: float, b: float, first: int, last: int, p: LightPoint, yx: float, yy: float, yz: float, nx: float,
     ny: float, nz: float, vx: float, vy: float, vz: float, view: View, table: Array,
 ) -> None:  # fmt: skip
     """Add one node of the disk, at offset y + rho (a e1 + b e2) from Q, to functionals ``first`` .. ``last`` - 1."""
-    rho = p[DISK_RADIUS]
+    rho = p.radius
     sa, sb = rho * a, rho * b
     bar = table[:BAR_ROWS]
     cosine, gleam, by_shininess = offset_gradient(
-        yx + sa * p[DISK_E1] + sb * p[DISK_E2], yy + sa * p[DISK_E1 + 1] + sb * p[DISK_E2 + 1],
-        yz + sa * p[DISK_E1 + 2] + sb * p[DISK_E2 + 2], nx, ny, nz, vx, vy, vz, view.shading[4] == PHONG,
-        view.shading[3], last > 1, bar,
+        yx + sa * p.e1[0] + sb * p.e2[0], yy + sa * p.e1[1] + sb * p.e2[1],
+        yz + sa * p.e1[2] + sb * p.e2[2], nx, ny, nz, vx, vy, vz, view.shading.model == PHONG,
+        view.shading.shininess, last > 1, bar,
     )  # fmt: skip
     for which in range(first, last):
         out = table[functional(which, table) :]
@@ -120,39 +117,39 @@ def disk_node(
 
 @jitable
 def moving_arc(
-    curve: int, weight: float, a: float, b: float, da: float, db: float, first: int, last: int, p: Array, qx: float,
+    curve: int, weight: float, a: float, b: float, da: float, db: float, first: int, last: int, p: LightPoint, qx: float,
     qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, view: View, work: Work,
     table: Array,
 ) -> None:  # fmt: skip
     """Add what the motion of a curve sweeps at its point (a, b) with velocity (da, db); ``weight`` is positive."""
-    row = work.disk[CURVES + curve]
-    bounds = row[BOUNDS]
-    rho = p[DISK_RADIUS]
+    row = work.curves[curve]
+    bounds = row.bounds
+    rho = p.radius
     yx, yy, yz = (
-        p[0] + rho * (a * p[DISK_E1] + b * p[DISK_E2]) - qx,
-        p[1] + rho * (a * p[DISK_E1 + 1] + b * p[DISK_E2 + 1]) - qy,
-        p[2] + rho * (a * p[DISK_E1 + 2] + b * p[DISK_E2 + 2]) - qz,
+        p.position[0] + rho * (a * p.e1[0] + b * p.e2[0]) - qx,
+        p.position[1] + rho * (a * p.e1[1] + b * p.e2[1]) - qy,
+        p.position[2] + rho * (a * p.e1[2] + b * p.e2[2]) - qz,
     )
     cx, cy, cz, radius, ball = 0.0, 0.0, 0.0, 0.0, 0
     y2, inner, power = 0.0, 0.0, 0.0
     if bounds == CONE:
-        ball = int(row[BOUNDS + 1])
+        ball = row.ball
         s = view.spheres[ball]
-        cx, cy, cz, radius = s[0] - qx, s[1] - qy, s[2] - qz, s[3]
+        cx, cy, cz, radius = s.center[0] - qx, s.center[1] - qy, s.center[2] - qz, s.radius
         y2, inner = yx * yx + yy * yy + yz * yz, yx * cx + yy * cy + yz * cz
         power = cx * cx + cy * cy + cz * cz - radius * radius
         gx, gy, gz = 2.0 * (yx * power - inner * cx), 2.0 * (yy * power - inner * cy), 2.0 * (yz * power - inner * cz)
     elif bounds == TERMINATOR:
         gx, gy, gz = nx, ny, nz
     else:
-        up = row[0] * p[2] + row[1] * p[DISK_E1 + 2] + row[2] * p[DISK_E2 + 2]
+        up = row.k0 * p.position[2] + row.k1 * p.e1[2] + row.k2 * p.e2[2]
         gx, gy, gz = 0.0, 0.0, 1.0 if up >= 0.0 else -1.0
-    ga = rho * (gx * p[DISK_E1] + gy * p[DISK_E1 + 1] + gz * p[DISK_E1 + 2])
-    gb = rho * (gx * p[DISK_E2] + gy * p[DISK_E2 + 1] + gz * p[DISK_E2 + 2])
+    ga = rho * (gx * p.e1[0] + gy * p.e1[1] + gz * p.e1[2])
+    gb = rho * (gx * p.e2[0] + gy * p.e2[1] + gz * p.e2[2])
     slope = math.sqrt(ga * ga + gb * gb)
     if slope == 0.0:
         return
-    cosine, gleam = light_term(yx, yy, yz, nx, ny, nz, vx, vy, vz, view.shading[4] == PHONG, view.shading[3])
+    cosine, gleam = light_term(yx, yy, yz, nx, ny, nz, vx, vy, vz, view.shading.model == PHONG, view.shading.shininess)
     speed = weight * math.sqrt(da * da + db * db) / slope
     for which in range(first, last):
         if bounds == TERMINATOR and which == 0:
@@ -181,11 +178,11 @@ def moving_arc(
 
 @jitable
 def arc_gradient(
-    p: Array, n: int, first: int, last: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float,
+    p: LightPoint, n: int, first: int, last: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float,
     vx: float, vy: float, vz: float, step: int, log_rho: float, view: View, work: Work, gauss: Array, table: Array,
 ) -> None:  # fmt: skip
-    """Add the part of a disk that none of the first ``n`` curves of ``work.disk`` hides; nodes as in ``arc_term``."""
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    """Add the part of a disk that none of the first ``n`` curves of ``work.curves`` hides; nodes as in ``arc_term``."""
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     if n == 0 and served(step, log_rho):
         rule = disk_level(step, log_rho)
         for k in range(DISK_STARTS[rule], DISK_STARTS[rule + 1]):
@@ -195,9 +192,9 @@ def arc_gradient(
         return
     nodes, inner = fitting(step, ARC_LOG), fitting(step, radial_log(log_rho))
     start, within = nodes * (nodes - 1) // 2, inner * (inner - 1) // 2
-    turns = work.disk[EVENTS]
+    turns = work.turns
     for curve in range(-1, n):
-        count, closed = corners(curve, n, work.disk, turns)
+        count, closed = corners(curve, n, work.curves, turns)
         arcs = count if closed else count - 1
         if closed and count == 0:
             turns[0] = 0.0
@@ -207,14 +204,14 @@ def arc_gradient(
             high = turns[arc + 1] if arc + 1 < count else turns[0] + 2.0 * math.pi
             if high - low < 1e-14:
                 continue
-            sense = arc_side(curve, 0.5 * (low + high), n, work.disk)
+            sense = arc_side(curve, 0.5 * (low + high), n, work.curves)
             if sense == 0.0:
                 continue
             pieces = math.ceil((high - low) / ARC) if closed else 1
             length = (high - low) / pieces
             for piece in range(pieces):
                 for q in range(nodes):
-                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + q]), work.disk)
+                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + q]), work.curves)
                     along = length * gauss[1, start + q] / math.pi
                     weight = sense * along * (a * db - b * da)
                     for r in range(inner):
@@ -246,24 +243,24 @@ def disk_gradient(
         for c in range(3):
             table[row, c] = 0.0
     p = view.points[i]
-    phong, shininess = view.shading[4] == PHONG, view.shading[3]
-    yx, yy, yz = p[0] - qx, p[1] - qy, p[2] - qz
+    phong, shininess = view.shading.model == PHONG, view.shading.shininess
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     log_rho = disk_log(
-        math.sqrt(yx * yx + yy * yy + yz * yz), p[DISK_RADIUS], phong, shininess if gleaming else 0.0
+        math.sqrt(yx * yx + yy * yy + yz * yz), p.radius, phong, shininess if gleaming else 0.0
     )  # fmt: skip
     n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
     if state >= PARTLY:
         n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
     if n < 0:
         return 0.0, 0.0, 0.0
-    opened = view.shading[6] == OPEN
+    opened = view.shading.terminator == OPEN
     most = 2 if gleaming else 1
     edge_on = elevation(p, yx, yy, yz) < EDGE_ON_MOVING
     for k in range(n):
-        if edge_on or work.disk[CURVES + k, BOUNDS] >= BALL:
+        if edge_on or work.curves[k].bounds >= BALL:
             table[flag, 0] = 1.0
             return 0.0, 0.0, 0.0
-    banded = n > 0 and work.disk[CURVES + n - 1, BOUNDS] == TERMINATOR
+    banded = n > 0 and work.curves[n - 1].bounds == TERMINATOR
     # highlights do not end at an open terminator
     beyond = gleaming and opened and (banded or not lifted)
     if lifted or banded:
@@ -316,9 +313,9 @@ def disk_adjoint(
             node[2, c] += weight * rows[VIEW, c]
             out[more + 1 + c] += weight * rows[TURN, c]
         out[more] += weight * rows[NUMBERS, 0]
-        for k in range(work.counts[CASTERS]):
-            if work.casters[k, 0] == i:
-                ball = work.casters[k, 1]
+        for k in range(work.counts.casters):
+            if work.casters[k].light == i:
+                ball = work.casters[k].ball
                 for c in range(3):
                     out[balls + 4 * ball + c] += weight * rows[BALLS + 2 * ball, c]
                 out[balls + 4 * ball + 3] += weight * rows[BALLS + 2 * ball + 1, 0]

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
-from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.records import Chart
 from symrender.chambers.tangent_walls import (
     AT_POINT,
     AXIS,
@@ -29,14 +29,12 @@ from symrender.chambers.tangent_walls import (
     SHADING,
     any_moves,
 )
-from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
-from symrender.chambers.walls import HEIGHT, POINT, SURFACE_NORMAL
-from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
-from symrender.chambers.work import CASTERS, EVALUATIONS, LABOUR, OCCLUDERS, View, Work
+from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.floor_conics import SOFT, conic_roots, floor_conics, may_cross, square_cuts
+from symrender.quadrature.floor_conics import conic_roots, floor_conics, may_cross, square_cuts
 from symrender.quadrature.gauss import MAX_ORDER, order, step_of
+from symrender.quadrature.records import Conic
 from symrender.quadrature.split_grid import (
     LEAVES,
     MAX_BLOCK_ORDER,
@@ -54,7 +52,8 @@ from symrender.quadrature.split_square import seen, taper
 from symrender.quadrature.tangent_disk import disk_adjoint, disk_gradient
 from symrender.quadrature.tangent_line import NODE
 from symrender.quadrature.tangent_panel import contract
-from symrender.scene.arrays import FLOOR_BRIGHT, FLOOR_CELL, FLOOR_DARK, FLOOR_OFFSET
+from symrender.records import Table
+from symrender.scene.records import Floor
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -90,15 +89,15 @@ def name_conics(view: View, work: Work, what: Ints) -> None:
         what[k, 3] = 0
     what[0, 0], what[1, 0] = _RIM, _HORIZON
     n = 2
-    for i in range(work.counts[OCCLUDERS]):
+    for i in range(work.counts.occluders):
         k = work.occluders[i]
         what[n, 0], what[n, 1] = _SILHOUETTE, k
         n += 1
-        if abs(view.spheres[k, 2]) < view.spheres[k, 3]:
+        if abs(view.spheres[k].center[2]) < view.spheres[k].radius:
             what[n, 0], what[n, 1] = _BALL, k
             n += 1
-    for i in range(work.counts[CASTERS]):
-        what[n, 0], what[n, 1], what[n, 2] = _SHADOW, work.casters[i, 1], work.casters[i, 0]
+    for i in range(work.counts.casters):
+        what[n, 0], what[n, 1], what[n, 2] = _SHADOW, work.casters[i].ball, work.casters[i].light
         n += 1
 
 
@@ -127,8 +126,8 @@ def conic_gradient(
     kind: int, shape: int, light: int, x: float, y: float, lobe: Array, view: View, work: Work, bar: Array, own: Array
 ) -> None:
     """Gradient of a conic's level: ``bar`` (3,) in Q at a fixed point P, the rest added to ``own``."""
-    geo = work.geo
-    h = geo[HEIGHT]
+    chart = work.chart
+    h = chart.height
     balls = LIGHTS + 6 * view.points.shape[0]
     r = math.sqrt(x * x + y * y + h * h)
     d = (x, y, -h)
@@ -141,18 +140,18 @@ def conic_gradient(
         own[RIM] -= 1.0
     elif kind == _HORIZON:
         for a in range(3):
-            bar[a] = geo[SURFACE_NORMAL + a]
+            bar[a] = chart.normal[a]
             own[HORIZON_NORMAL + a] += d[a]
     elif kind == _SILHOUETTE:
         far2, along = 0.0, 0.0
         for a in range(3):
-            o = view.spheres[shape, a] - geo[POINT + a]
+            o = view.spheres[shape].center[a] - chart.point[a]
             far2 += o * o
             along += o * d[a] / r
-        radius = view.spheres[shape, 3]
+        radius = view.spheres[shape].radius
         tangent = math.sqrt(far2 - radius * radius)
         for a in range(3):
-            o = view.spheres[shape, a] - geo[POINT + a]
+            o = view.spheres[shape].center[a] - chart.point[a]
             bar[a] = (o - d[a] / r * along) / r
             step = d[a] / r - o / tangent
             own[balls + 4 * shape + a] += step
@@ -161,15 +160,19 @@ def conic_gradient(
     elif kind == _BALL:
         seen_from = False
         for a in range(3):
-            o = (d[a] + geo[POINT + a] if a < 2 else 0.0) - view.spheres[shape, a]
+            o = (d[a] + chart.point[a] if a < 2 else 0.0) - view.spheres[shape].center[a]
             bar[a] = 2.0 * o
             own[balls + 4 * shape + a] -= 2.0 * o
-        own[balls + 4 * shape + 3] -= 2.0 * view.spheres[shape, 3]
+        own[balls + 4 * shape + 3] -= 2.0 * view.spheres[shape].radius
     else:
         seen_from = False
-        q, radius = view.points[light], view.spheres[shape, 3]
-        ux, uy, uz = x + geo[POINT] - q[0], y + geo[POINT + 1] - q[1], -q[2]
-        gx, gy, gz = view.spheres[shape, 0] - q[0], view.spheres[shape, 1] - q[1], view.spheres[shape, 2] - q[2]
+        q, radius = view.points[light], view.spheres[shape].radius
+        ux, uy, uz = x + chart.point[0] - q.position[0], y + chart.point[1] - q.position[1], -q.position[2]
+        gx, gy, gz = (
+            view.spheres[shape].center[0] - q.position[0],
+            view.spheres[shape].center[1] - q.position[1],
+            view.spheres[shape].center[2] - q.position[2],
+        )
         zx, zy, zz = uy * gz - uz * gy, uz * gx - ux * gz, ux * gy - uy * gx
         bar[0] = 2.0 * (radius * radius * ux - (gy * zz - gz * zy))
         bar[1] = 2.0 * (radius * radius * uy - (gz * zx - gx * zz))
@@ -185,26 +188,26 @@ def conic_gradient(
 
 
 @jitable
-def ride(weight: float, qx: float, qy: float, bar: Array, floor: Array, out: Array) -> None:
+def ride(weight: float, qx: float, qy: float, bar: Array, floor: Floor, out: Array) -> None:
     """Add what the chessboard's own motion does to a function of Q with gradient ``bar``."""
-    cell = floor[FLOOR_CELL]
-    along = bar[0] * (qx - floor[FLOOR_OFFSET]) + bar[1] * (qy - floor[FLOOR_OFFSET + 1])
+    cell = floor.cell
+    along = bar[0] * (qx - floor.offset[0]) + bar[1] * (qy - floor.offset[1])
     out[GRID] += weight * along / cell
     out[GRID + 1] += weight * bar[0]
     out[GRID + 2] += weight * bar[1]
 
 
 @jitable
-def grid_density(x: float, y: float, lobe: Array, geo: Array) -> tuple[float, float, float]:
+def grid_density(x: float, y: float, lobe: Array, chart: Chart) -> tuple[float, float, float]:
     """Lobe density times solid angle per floor area, cos(theta) and its logarithm, at (x, y) from the foot."""
-    h = geo[HEIGHT]
+    h = chart.height
     inv = 1.0 / math.sqrt(x * x + y * y + h * h)
     dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
     versine = 0.5 * (dx * dx + dy * dy + dz * dz)
     if versine >= 1.0:
         return 0.0, 0.0, 0.0
     log = math.log1p(-versine)
-    density = math.exp(geo[GEO_EXPONENT] * log - geo[GEO_LOG_NORMALISER])
+    density = math.exp(chart.exponent * log - chart.log_normaliser)
     return density * h * inv * inv * inv, 1.0 - versine, log
 
 
@@ -213,21 +216,21 @@ def lit_sum(
     x: float, y: float, step: int, states: Array, view: View, work: Work, gauss: Array, disk: Array | None, out: Array
 ) -> None:  # fmt: skip
     """Sum over the lit lights of colour times cosine; ``out`` (3,)."""
-    geo = work.geo
+    chart = work.chart
     out[0] = out[1] = out[2] = 0.0
     for i in range(view.points.shape[0]):
         if states[i] == 0.0:
             continue
         p = view.points[i]
-        qx, qy = geo[POINT] + x, geo[POINT + 1] + y
-        lx, ly, lz = p[0] - qx, p[1] - qy, p[2]
+        qx, qy = chart.point[0] + x, chart.point[1] + y
+        lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2]
         cosine = lz / math.sqrt(lx * lx + ly * ly + lz * lz)
-        if disk is not None and p[DISK_RADIUS] > 0.0:
+        if disk is not None and p.radius > 0.0:
             cosine, _ = disk_term(
                 i, int(states[i]), qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step, False, view, work, gauss
             )  # fmt: skip
         for a in range(3):
-            out[a] += p[3 + a] * cosine
+            out[a] += p.color[a] * cosine
 
 
 @inlined
@@ -236,9 +239,9 @@ def grid_node(
     disk: Array | None, half: Array, here: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add one floor node to the adjoint; ``half`` (3,) is half the contrast times kd, ``weight`` has the sign."""
-    geo, floor, shading = work.geo, view.floor, view.shading
-    h = geo[HEIGHT]
-    density, cosine, log = grid_density(x, y, lobe, geo)
+    chart, floor, shading = work.chart, view.floor, view.shading
+    h = chart.height
+    density, cosine, log = grid_density(x, y, lobe, chart)
     if density == 0.0:
         return
     w = weight * density
@@ -247,33 +250,33 @@ def grid_node(
     for a in range(3):
         for b in range(3):
             here[2 + a, b] = 0.0
-    qx, qy = geo[POINT] + x, geo[POINT + 1] + y
+    qx, qy = chart.point[0] + x, chart.point[1] + y
     for i in range(view.points.shape[0]):
         if states[i] == 0.0:
             continue
         p = view.points[i]
-        if disk is not None and p[DISK_RADIUS] > 0.0:
+        if disk is not None and p.radius > 0.0:
             mean, _, _ = disk_gradient(
                 i, int(states[i]), qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step, False, view, work, gauss, disk
             )  # fmt: skip
             for a in range(3):
-                total[a] += p[3 + a] * mean
+                total[a] += p.color[a] * mean
                 adjoint[a, LIGHTS + 6 * i + 3 + a] += w * half[a] * mean
                 node = here[NODE : NODE + 3]
                 for b in range(3):
                     node[b, 0] = node[b, 1] = node[b, 2] = 0.0
-                disk_adjoint(i, w * half[a] * p[3 + a], 0.0, view, work, disk, node, adjoint[a])
+                disk_adjoint(i, w * half[a] * p.color[a], 0.0, view, work, disk, node, adjoint[a])
                 here[2 + a, 0] += node[0, 0]
                 here[2 + a, 1] += node[0, 1]
             continue
-        lx, ly, lz = p[0] - qx, p[1] - qy, p[2]
+        lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2]
         inv = 1.0 / math.sqrt(lx * lx + ly * ly + lz * lz)
         cos_l = lz * inv
         gx, gy, gz = -cos_l * lx * inv * inv, -cos_l * ly * inv * inv, (1.0 - cos_l * cos_l) * inv
         column = LIGHTS + 6 * i
         for a in range(3):
-            total[a] += p[3 + a] * cos_l
-            share = w * half[a] * p[3 + a]
+            total[a] += p.color[a] * cos_l
+            share = w * half[a] * p.color[a]
             adjoint[a, column] += share * gx
             adjoint[a, column + 1] += share * gy
             adjoint[a, column + 2] += share * gz
@@ -282,14 +285,14 @@ def grid_node(
             here[2 + a, 1] -= share * gy
     r = math.sqrt(x * x + y * y + h * h)
     ux, uy, uz = x / r, y / r, -h / r
-    n = geo[GEO_EXPONENT]
+    n = chart.exponent
     for a in range(3):
         out = adjoint[a]
         value = w * total[a]
         g = value * half[a]
-        out[SHADING + 1] += 0.5 * value * (floor[FLOOR_BRIGHT + a] - floor[FLOOR_DARK + a])
-        out[BRIGHT + a] += 0.5 * value * shading[1]
-        out[DARK + a] -= 0.5 * value * shading[1]
+        out[SHADING + 1] += 0.5 * value * (floor.bright[a] - floor.dark[a])
+        out[BRIGHT + a] += 0.5 * value * shading.kd
+        out[DARK + a] -= 0.5 * value * shading.kd
         pull = g * n / max(cosine, 1e-300)
         # by d = Q - P: through the density, and through |d_z| / r^3
         bx = pull * (lobe[0] - ux * cosine) / r - 3.0 * g * ux / r
@@ -305,17 +308,17 @@ def grid_node(
         out[LOG_NORMALISER] -= g
         bar[0], bar[1], bar[2] = bx + here[2 + a, 0], by + here[2 + a, 1], 0.0
         ride(1.0, qx, qy, bar, floor, out)
-        out[GRID] += 2.0 * g / floor[FLOOR_CELL]
+        out[GRID] += 2.0 * g / floor.cell
 
 
 @inlined
-def row_roots(y: float, x0: float, x1: float, crossings: int, work: Work, conics: Array, table: Array) -> int:
+def row_roots(y: float, x0: float, x1: float, crossings: int, work: Work, conics: Table[Conic], table: Array) -> int:
     """Roots of the crossing conics on a line of a square, in order, into ``table``; their number."""
     roots, which, crossing = table[_ROOTS], table[_WHICH], table[_CROSSING]
     k = 0
     for i in range(crossings):
         c = int(crossing[i])
-        found = conic_roots(conics[c], y, x0, x1, work.walls, work.geo, work.quartic)
+        found = conic_roots(conics[c], y, x0, x1, work.walls, work.chart, work.quartic)
         for j in range(found):
             x = work.quartic[j]
             if x0 < x < x1 and k < roots.shape[0] - 1:
@@ -330,7 +333,15 @@ def row_roots(y: float, x0: float, x1: float, crossings: int, work: Work, conics
 
 @jitable
 def scan_row(
-    y: float, x0: float, x1: float, crossings: int, lobe: Array, view: View, work: Work, conics: Array, table: Array
+    y: float,
+    x0: float,
+    x1: float,
+    crossings: int,
+    lobe: Array,
+    view: View,
+    work: Work,
+    conics: Table[Conic],
+    table: Array,
 ) -> tuple[int, int]:
     """As ``row_roots``, and a signature of the line's structure."""
     k = row_roots(y, x0, x1, crossings, work, conics, table)
@@ -361,11 +372,11 @@ def scan_row(
 @inlined
 def row_adjoint(
     y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, span: float, reach: float,
-    lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array,
+    lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None, table: Array,
     half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add weight times the scanned line's integral, differentiated, to the adjoint."""
-    geo = work.geo
+    chart = work.chart
     roots, which, below, above = table[_ROOTS], table[_WHICH], table[_BELOW], table[_ABOVE]
     left = x0
     was_lit = False
@@ -375,9 +386,9 @@ def row_adjoint(
             continue
         lit = seen(left + 0.5 * (right - left), y, lobe, view, work, above)
         moves = i > 0 and what[int(which[i - 1]), 3] != 0
-        if moves and (lit or was_lit) and conics[int(which[i - 1]), SOFT] == 0.0:
+        if moves and (lit or was_lit) and conics[int(which[i - 1])].soft == 0.0:
             # the root between this piece and the last one moves; nothing jumps at a penumbra's edge
-            density, _, _ = grid_density(left, y, lobe, geo)
+            density, _, _ = grid_density(left, y, lobe, chart)
             lit_sum(left, y, step, above, view, work, gauss, disk, here[0])
             lit_sum(left, y, step, below, view, work, gauss, disk, here[1])
             jump = here[2]
@@ -393,7 +404,7 @@ def row_adjoint(
                 conic_gradient(what[at, 0], what[at, 1], what[at, 2], left, y, lobe, view, work, bar, own)
                 if bar[0] != 0.0:
                     scale = -weight * taper(math.hypot(left, y), reach) * density / bar[0]
-                    ride(1.0, geo[POINT] + left, geo[POINT + 1] + y, bar, view.floor, own)
+                    ride(1.0, chart.point[0] + left, chart.point[1] + y, bar, view.floor, own)
                     for a in range(3):
                         for k in range(own.shape[0]):
                             adjoint[a, k] += scale * jump[a] * own[k]
@@ -406,7 +417,7 @@ def row_adjoint(
             if not soft:
                 ratio = span / width
                 n = min(nx, order(step, math.log(ratio + math.sqrt(1.0 + ratio * ratio))))
-            work.counts[EVALUATIONS] += n
+            work.counts.evaluations += n
             inner = n * (n - 1) // 2
             for e in range(n):
                 u, along = gauss[0, inner + e], width
@@ -424,7 +435,7 @@ def row_adjoint(
 
 @jitable
 def cut_strips(
-    a: float, b: float, x0: float, x1: float, crossings: int, lobe: Array, view: View, work: Work, conics: Array,
+    a: float, b: float, x0: float, x1: float, crossings: int, lobe: Array, view: View, work: Work, conics: Table[Conic],
     table: Array, top: int,
 ) -> int:  # fmt: skip
     """Cut a..b where the structure of its lines changes and stack the strips (from, to, depth); new height."""
@@ -468,7 +479,7 @@ def cut_strips(
 @jitable
 def strip_adjoint(
     a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, step: int, span: float,
-    reach: float, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None,
+    reach: float, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None,
     table: Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
 ) -> None:  # fmt: skip
     """The adjoint of a strip by ``n`` lines, with a square-root map at both ends."""
@@ -491,7 +502,7 @@ def strip_adjoint(
 @jitable
 def square_adjoint(
     x0: float, y0: float, size: float, sign: float, step: int, log_rho: float, reach: float, share: float,
-    crossings: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None,
+    crossings: int, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None,
     table: Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array,
     high: Array, out: Array,
 ) -> float:  # fmt: skip
@@ -508,7 +519,7 @@ def square_adjoint(
     span = size * math.sinh(log_rho)
     nx = min(MAX_ORDER, order(step, log_rho))
     for i in range(crossings):
-        if conics[int(crossing[i]), SOFT] > 0.0:
+        if conics[int(crossing[i])].soft > 0.0:
             nx = max(nx, min(MAX_ORDER, order(step, SOFT_LOG)))
     while top > 0:
         top -= 1
@@ -547,7 +558,7 @@ def square_adjoint(
 @jitable
 def replay_once(
     tol: float, reach: float, low_x: float, low_y: float, level: int, lowest: float, count: int, lobe: Array,
-    view: View, work: Work, conics: Array, what: Ints, gauss: Array, disk: Array | None, table: Array, here: Array,
+    view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None, table: Array, here: Array,
     own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array, high: Array, square: Array, out: Array,
     max_evaluations: int,
 ) -> float:  # fmt: skip
@@ -555,12 +566,12 @@ def replay_once(
 
     The blocks are those of ``split_grid``; how fine a block's rule must be is judged by what the block can hold.
     """
-    geo, floor = work.geo, view.floor
-    cell = floor[FLOOR_CELL]
+    chart, floor = work.chart, view.floor
+    cell = floor.cell
     half = table[_STACK + 1]
     contrast = 0.0
     for a in range(3):
-        half[a] = 0.5 * view.shading[1] * (floor[FLOOR_BRIGHT + a] - floor[FLOOR_DARK + a])
+        half[a] = 0.5 * view.shading.kd * (floor.bright[a] - floor.dark[a])
         contrast = max(contrast, abs(half[a]))
     states, blocks = table[_ABOVE], table[_BLOCKS:]
     light = point_light(view)
@@ -574,9 +585,9 @@ def replay_once(
     while top > 0:
         top -= 1
         x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
-        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, view.points, geo)
-        work.counts[LABOUR] += 1
-        ran_out = max(work.counts[EVALUATIONS], work.counts[LABOUR]) > max_evaluations
+        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, view.points, chart)
+        work.counts.labour += 1
+        ran_out = max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if bound <= 0.01 * aim / (1.0 + near / cell) or ran_out:
             # a derivative may be larger than what is differentiated, by the inverse of its lengths
             error += 100.0 * contrast * bound
@@ -613,7 +624,7 @@ def replay_once(
                 if not quarter:
                     base = n * (n - 1) // 2
                     weights = gauss[1] if level == 0 else gauss[3 + level]
-                    work.counts[EVALUATIONS] += n * n
+                    work.counts.evaluations += n * n
                     for row in range(4):
                         for k in range(adjoint.shape[1]):
                             adjoint[row, k] = 0.0
@@ -654,7 +665,7 @@ def replay_once(
 
 @jitable
 def replay_grid(
-    tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Array, what: Ints, gauss: Array,
+    tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array,
     disk: Array | None, table: Array, here: Array, own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array,
     high: Array, square: Array, shorter: Array, longer: Array, value: Array, max_evaluations: int,
 ) -> float:  # fmt: skip
@@ -664,15 +675,15 @@ def replay_grid(
     taper's reach is doubled until the derivatives no longer change: walls that move far out fall off more slowly than
     the value does.
     """
-    geo, floor = work.geo, view.floor
-    cell = floor[FLOOR_CELL]
+    chart, floor = work.chart, view.floor
+    cell = floor.cell
     count = floor_conics(own_shape, lobe, view, work, conics)
     if count > conics.shape[0]:
         return math.inf
     name_conics(view, work, what)
     if not moving_conics(count, nodes, moves, view, what) and not nodes:
         return 0.0
-    px, py = geo[POINT] - floor[FLOOR_OFFSET], geo[POINT + 1] - floor[FLOOR_OFFSET + 1]
+    px, py = chart.point[0] - floor.offset[0], chart.point[1] - floor.offset[1]
     whole, reach, far, east, north, beyond = grid_reach(REPLAY_REACH, lobe, view, work)
     ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
@@ -691,7 +702,7 @@ def replay_grid(
             for p in range(moves.shape[0]):
                 for c in range(3):
                     change = max(change, 3.0 * abs(longer[p, c] - shorter[p, c]))
-        ran_out = max(work.counts[EVALUATIONS], work.counts[LABOUR]) > max_evaluations
+        ran_out = max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if ran_out and error + change > before:
             # what the last reach gave stands
             error, change = before, 0.0
@@ -712,4 +723,4 @@ def replay_grid(
         for c in range(4):
             value[p, c] += longer[p, c]
     # slopes in places and exponents are larger than what they are of
-    return float(error + change + beyond * (10.0 + geo[GEO_EXPONENT]))
+    return float(error + change + beyond * (10.0 + chart.exponent))

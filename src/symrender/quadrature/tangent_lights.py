@@ -27,7 +27,7 @@ def light_point_tangents(arrays: SceneArrays, tangents: Array, order: int) -> Ar
     points = light_rows(arrays, order)
     white = arrays.lights.copy()
     white[:, 5:8] = 1.0
-    shares = light_rows(replace(arrays, lights=white), order)[:, 3]
+    shares = light_rows(replace(arrays, lights=white), order)["color"][:, 0]
     disks = int((arrays.lights[:, 0] == DISK).sum())
     size = (len(points) - (len(arrays.lights) - disks)) // max(1, disks)
     moved = np.zeros((len(tangents), len(points), 6))
@@ -40,7 +40,7 @@ def light_point_tangents(arrays: SceneArrays, tangents: Array, order: int) -> Ar
         here = slice(first, first + size)
         first = here.stop
         e1, e2 = disk_frame(light[1:4], light[8:11])
-        offset = points[here, :3] - light[1:4]
+        offset = points["position"][here] - light[1:4]
         for q, move in enumerate(tangents[:, l]):
             de1, de2 = _frame_tangent(light[1:4], light[8:11], move[1:4], move[8:11])
             along = np.outer(offset @ e1, de1) + np.outer(offset @ e2, de2)

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from symrender.chambers.labels import DARK as UNLIT
 from symrender.chambers.labels import GLINT, HIDDEN, PARTLY
 from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
-from symrender.chambers.penumbra import DISK_RADIUS
+from symrender.chambers.records import Chart
 from symrender.chambers.tangent_walls import (
     AMBIENT,
     AXIS,
@@ -48,10 +48,8 @@ from symrender.chambers.tangent_walls import (
     wall_gradient,
 )
 from symrender.chambers.tangent_walls import DARK as DARK_COLUMN
-from symrender.chambers.walls import EXPONENT as GEO_EXPONENT
-from symrender.chambers.walls import FLOOR_CUT, HORIZON, POINT, RIM_COS, SHAPE_INDEX, SIDE, STRIP, TAG, TEXTURE_EDGE
-from symrender.chambers.walls import LOG_NORMALISER as GEO_LOG_NORMALISER
-from symrender.chambers.work import CELLS, EVALUATIONS, View, Work, is_spent
+from symrender.chambers.walls import FLOOR_CUT, HORIZON, TEXTURE_EDGE
+from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, order
@@ -88,7 +86,7 @@ NEAR_RIM = 1e-4
 
 
 @jitable
-def log_density(here: Array, lobe: Array, geo: Array) -> tuple[float, float, float]:
+def log_density(here: Array, lobe: Array, chart: Chart) -> tuple[float, float, float]:
     """cos(theta), its logarithm and the lobe's density cos^n(theta)/W in the direction of a place."""
     chord = 0.0
     for a in range(3):
@@ -97,28 +95,28 @@ def log_density(here: Array, lobe: Array, geo: Array) -> tuple[float, float, flo
     if versine >= 1.0:
         return 0.0, 0.0, 0.0
     log = math.log1p(-versine)
-    return 1.0 - versine, log, math.exp(geo[GEO_EXPONENT] * log - geo[GEO_LOG_NORMALISER])
+    return 1.0 - versine, log, math.exp(chart.exponent * log - chart.log_normaliser)
 
 
 @inlined
-def rim_density(geo: Array) -> float:
+def rim_density(chart: Chart) -> float:
     """The lobe's density on its rim; a rim in the plane across the axis rounds to either side of it."""
-    n, cosine = geo[GEO_EXPONENT], geo[RIM_COS]
+    n, cosine = chart.exponent, chart.rim_cos
     if n == 0.0:
-        return math.exp(-geo[GEO_LOG_NORMALISER])
-    return math.exp(n * math.log(cosine) - geo[GEO_LOG_NORMALISER]) if cosine > 0.0 else 0.0
+        return math.exp(-chart.log_normaliser)
+    return math.exp(n * math.log(cosine) - chart.log_normaliser) if cosine > 0.0 else 0.0
 
 
 @inlined
-def set_view(here: Array, view: View, geo: Array) -> float:
+def set_view(here: Array, view: View, chart: Chart) -> float:
     """Direction a highlight at this place is seen along, into its row; the distance to the eye, 0 if the ray's own."""
-    if view.shading[5] != FROM_EYE:
+    if view.shading.highlight_view != FROM_EYE:
         for a in range(3):
             here[VIEW_ROW, a] = -here[TOWARD, a]
         return 0.0
     far2 = 0.0
     for a in range(3):
-        here[VIEW_ROW, a] = view.eye[a] - geo[POINT + a] - here[HIT, a]
+        here[VIEW_ROW, a] = view.eye[a] - chart.point[a] - here[HIT, a]
         far2 += here[VIEW_ROW, a] ** 2
     far = math.sqrt(max(far2, 1e-300))
     for a in range(3):
@@ -149,37 +147,47 @@ def radiance(
     disk: Array | None, out: Array
 ) -> None:  # fmt: skip
     """Radiance minus background of a place as of the cell (side, lit); ``out`` (3,). Zero where it is hidden."""
-    geo = work.geo
+    chart = work.chart
     out[0] = out[1] = out[2] = 0.0
     if side == HIDDEN:
         return
-    j = int(geo[SHAPE_INDEX])
+    j = chart.shape_index
     shading = view.shading
     factor = 1.0
     if j >= 0:
-        factor = 1.0 if side == 1 else view.spheres[j, 10]
-        if view.spheres[j, 7] == MARBLE:
-            factor = vein(here[FACING], view.spheres[j, 8], view.spheres[j, 9])[0]
-    ambient = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
+        factor = 1.0 if side == 1 else view.spheres[j].dark
+        if view.spheres[j].texture == MARBLE:
+            factor = vein(here[FACING], view.spheres[j].ku, view.spheres[j].kv)[0]
+    ambient = 0.0 if j < 0 and chart.side < 0.0 else shading.ka
     for i in range(view.points.shape[0]):
         if lit[i] == UNLIT:
             continue
         p, n, v = view.points[i], here[FACING], here[VIEW_ROW]
-        qx, qy, qz = geo[POINT] + here[HIT, 0], geo[POINT + 1] + here[HIT, 1], geo[POINT + 2] + here[HIT, 2]
+        qx, qy, qz = chart.point[0] + here[HIT, 0], chart.point[1] + here[HIT, 1], chart.point[2] + here[HIT, 2]
         cosine, gleam = light_term(
-            p[0] - qx, p[1] - qy, p[2] - qz, n[0], n[1], n[2], v[0], v[1], v[2], shading[4] == PHONG, shading[3]
+            p.position[0] - qx,
+            p.position[1] - qy,
+            p.position[2] - qz,
+            n[0],
+            n[1],
+            n[2],
+            v[0],
+            v[1],
+            v[2],
+            shading.model == PHONG,
+            shading.shininess,
         )
-        if disk is not None and p[DISK_RADIUS] > 0.0:
+        if disk is not None and p.radius > 0.0:
             cosine, gleam = disk_term(
-                i, int(lit[i]), qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2], step, shading[2] != 0.0, view,
+                i, int(lit[i]), qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2], step, shading.ks != 0.0, view,
                 work, gauss,
             )  # fmt: skip
         for a in range(3):
-            albedo = factor * (view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a])
-            diffuse = albedo * shading[1] * cosine if lit[i] != GLINT else 0.0
-            out[a] += view.points[i, 3 + a] * (diffuse + shading[2] * gleam)
+            albedo = factor * (view.spheres[j].color[a] if j >= 0 else chart.albedo[a])
+            diffuse = albedo * shading.kd * cosine if lit[i] != GLINT else 0.0
+            out[a] += view.points[i].color[a] * (diffuse + shading.ks * gleam)
     for a in range(3):
-        out[a] += ambient * shading[7 + a] - shading[10 + a]
+        out[a] += ambient * shading.ambient[a] - shading.background[a]
 
 
 @inlined
@@ -192,23 +200,23 @@ def node_adjoint(
     Returns a number that is as smooth along the line as the radiance and the gradients of the disks' light.
     """
     told = 0.0
-    geo, shading = work.geo, view.shading
-    j = int(geo[SHAPE_INDEX])
+    chart, shading = work.chart, view.shading
+    j = chart.shape_index
     side = work.cell_side[cell]
-    marble = j >= 0 and view.spheres[j, 7] == MARBLE
+    marble = j >= 0 and view.spheres[j].texture == MARBLE
     factor, by_nx, by_ny, by_nz, by_ku, by_kv = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if marble:
-        factor, by_nx, by_ny, by_nz, by_ku, by_kv = vein(here[FACING], view.spheres[j, 8], view.spheres[j, 9])
+        factor, by_nx, by_ny, by_nz, by_ku, by_kv = vein(here[FACING], view.spheres[j].ku, view.spheres[j].kv)
     elif j >= 0 and side != 1:
-        factor = view.spheres[j, 10]
-    ka = 0.0 if j < 0 and geo[SIDE] < 0.0 else shading[0]
-    far = set_view(here, view, geo)
+        factor = view.spheres[j].dark
+    ka = 0.0 if j < 0 and chart.side < 0.0 else shading.ka
+    far = set_view(here, view, chart)
     for row in range(9):
         for a in range(3):
             here[NODE + row, a] = 0.0
     for a in range(3):
         here[RADIANCE, a] = here[RADIANCE + 1, a] = 0.0
-    qx, qy, qz = geo[POINT] + here[HIT, 0], geo[POINT + 1] + here[HIT, 1], geo[POINT + 2] + here[HIT, 2]
+    qx, qy, qz = chart.point[0] + here[HIT, 0], chart.point[1] + here[HIT, 1], chart.point[2] + here[HIT, 2]
     facing, seen_along = here[FACING], here[VIEW_ROW]
     for i in range(view.points.shape[0]):
         state = work.lit[cell, i]
@@ -216,7 +224,7 @@ def node_adjoint(
             continue
         column = LIGHTS + 6 * i
         point = view.points[i]
-        is_disk = point[DISK_RADIUS] > 0.0
+        is_disk = point.radius > 0.0
         shown = 0.0 if state == GLINT else 1.0
         bar = here[BAR : BAR + BAR_ROWS]
         bare, gleam, by_shininess = 0.0, 0.0, 0.0
@@ -226,24 +234,24 @@ def node_adjoint(
                 i, int(state), qx, qy, qz, facing[0], facing[1], facing[2], seen_along[0], seen_along[1],
                 seen_along[2], step, True, view, work, gauss, disk,
             )  # fmt: skip
-            strength = weight * (point[3] + point[4] + point[5])
-            told += monitor(strength * shading[1] * factor, strength * shading[2], disk)
+            strength = weight * (point.color[0] + point.color[1] + point.color[2])
+            told += monitor(strength * shading.kd * factor, strength * shading.ks, disk)
         if not is_disk:
             bare, gleam, by_shininess = offset_gradient(
-                point[0] - qx, point[1] - qy, point[2] - qz, facing[0], facing[1], facing[2], seen_along[0],
-                seen_along[1], seen_along[2], shading[4] == PHONG, shading[3], True, bar,
+                point.position[0] - qx, point.position[1] - qy, point.position[2] - qz, facing[0], facing[1], facing[2], seen_along[0],
+                seen_along[1], seen_along[2], shading.model == PHONG, shading.shininess, True, bar,
             )  # fmt: skip
         lit = shown * bare
         for a in range(3):
-            color = point[3 + a]
-            albedo = factor * (view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a])
+            color = point.color[a]
+            albedo = factor * (view.spheres[j].color[a] if j >= 0 else chart.albedo[a])
             out = adjoint[a]
             here[RADIANCE, a] += color * lit
             here[RADIANCE + 1, a] += color * gleam
-            out[column + 3 + a] += weight * (albedo * shading[1] * lit + shading[2] * gleam)
-            out[SHADING + 3] += weight * shading[2] * color * by_shininess
-            diffuse = weight * color * shading[1] * albedo * shown
-            highlight = weight * color * shading[2]
+            out[column + 3 + a] += weight * (albedo * shading.kd * lit + shading.ks * gleam)
+            out[SHADING + 3] += weight * shading.ks * color * by_shininess
+            diffuse = weight * color * shading.kd * albedo * shown
+            highlight = weight * color * shading.ks
             node = here[NODE + 3 * a : NODE + 3 * a + 3]
             if disk is not None and is_disk:
                 disk_adjoint(i, diffuse, highlight, view, work, disk, node, out)
@@ -257,13 +265,15 @@ def node_adjoint(
                 node[2, b] += highlight * bar[4, b]
     for a in range(3):
         out = adjoint[a]
-        color = view.spheres[j, 4 + a] if j >= 0 else geo[STRIP + 3 + a]
+        color = view.spheres[j].color[a] if j >= 0 else chart.albedo[a]
         diffuse, gleams = here[RADIANCE, a], here[RADIANCE + 1, a]
-        reflected = shading[1] * diffuse
-        total = weight * (factor * color * reflected + ka * shading[7 + a] + shading[2] * gleams - shading[10 + a])
+        reflected = shading.kd * diffuse
+        total = weight * (
+            factor * color * reflected + ka * shading.ambient[a] + shading.ks * gleams - shading.background[a]
+        )
         told += total
-        if ka != 0.0 or j >= 0 or geo[SIDE] > 0.0:
-            out[SHADING] += weight * shading[7 + a]
+        if ka != 0.0 or j >= 0 or chart.side > 0.0:
+            out[SHADING] += weight * shading.ambient[a]
         out[SHADING + 1] += weight * factor * color * diffuse
         out[SHADING + 2] += weight * gleams
         out[AMBIENT + a] += weight * ka
@@ -282,7 +292,7 @@ def node_adjoint(
         else:
             out[BRIGHT + a] += 0.5 * weight * reflected
             out[DARK_COLUMN + a] += 0.5 * weight * reflected
-        pull = total * geo[GEO_EXPONENT] / max(cosine, 1e-300)
+        pull = total * chart.exponent / max(cosine, 1e-300)
         node = here[NODE + 3 * a : NODE + 3 * a + 3]
         if far > 0.0:
             along = 0.0
@@ -319,7 +329,7 @@ def wall_adjoint(
     slope = along_line(bar, here)
     if slope == 0.0:
         return
-    pull_back(1.0, bar, here, work.geo[SHAPE_INDEX] < 0.0, own)
+    pull_back(1.0, bar, here, work.chart.shape_index < 0.0, own)
     for c in range(first, last):
         weight = -scale * jump[c % 3] / slope
         if weight != 0.0:
@@ -333,8 +343,8 @@ def walls_adjoint(
     disk: Array | None, here: Array, own: Array, moving: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add the moving ends of all cells of the scanned line (c, s); ``moving`` is that of ``what_moves``."""
-    geo = work.geo
-    cells = work.counts[CELLS]
+    chart = work.chart
+    cells = work.counts.cells
     above, below = here[RADIANCE], here[RADIANCE + 1]
     for cell in range(cells + 1):
         wall = work.cell_wall[cell]
@@ -353,10 +363,10 @@ def walls_adjoint(
         x = work.cell_from[cell] if cell < cells else work.cell_to[cells - 1]
         if not x > 0.0:
             continue
-        measure, _ = chart_place(x, c, s, geo, here)
-        density = rim_density(geo) if wall < 0 else log_density(here, lobe, geo)[2]
-        set_view(here, view, geo)
-        work.counts[EVALUATIONS] += 2
+        measure, _ = chart_place(x, c, s, chart, here)
+        density = rim_density(chart) if wall < 0 else log_density(here, lobe, chart)[2]
+        set_view(here, view, chart)
+        work.counts.evaluations += 2
         radiance(side_above, work.lit[min(cell, cells - 1)], step, here, view, work, gauss, disk, above)
         radiance(side_below, work.lit[max(cell - 1, 0)], step, here, view, work, gauss, disk, below)
         for a in range(3):
@@ -375,8 +385,8 @@ def walls_adjoint(
                 adjoint[ONE_SIDED, column] = 1.0
             continue
         wall_adjoint(wall // 4, tag, scale, above, lobe, view, work, here, own, adjoint, 0, 3)
-        j = int(geo[SHAPE_INDEX])
-        merged = work.walls[wall // 4, TAG] > FLOOR_CUT
+        j = chart.shape_index
+        merged = work.walls[wall // 4].tag > FLOOR_CUT
         if j >= 0 and merged and tag in (HORIZON, FLOOR_CUT) and on_a_parallel(here, view.spheres[j]):
             # a field of another colour lies just beyond: from the other side the derivative is another one
             wall_adjoint(wall // 4, tag, scale, above, lobe, view, work, here, own, adjoint, 3, 4)
@@ -385,16 +395,16 @@ def walls_adjoint(
 
 
 @jitable
-def blunt_rim(geo: Array) -> bool:
+def blunt_rim(chart: Chart) -> bool:
     """Whether the slope of the lobe's density ends with a broken power, or has no bound, at the rim."""
-    n = geo[GEO_EXPONENT]
-    return bool(0.0 < n < 2.0 and n != 1.0 and geo[RIM_COS] < 0.1)
+    n = chart.exponent
+    return bool(0.0 < n < 2.0 and n != 1.0 and chart.rim_cos < 0.1)
 
 
 @inlined
 def soft_cell(cell: int, view: View, work: Work) -> bool:
     """Whether a cell's integrand ends with a broken power: at a wall of a disk light, or beside a blunt lobe's rim."""
-    if blunt_rim(work.geo) and (is_rim(work.cell_wall[cell]) or is_rim(work.cell_wall[cell + 1])):
+    if blunt_rim(work.chart) and (is_rim(work.cell_wall[cell]) or is_rim(work.cell_wall[cell + 1])):
         return True
     if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
         for i in range(view.points.shape[0]):
@@ -416,7 +426,7 @@ def piece_map(a: float, end: float, cell: int, soft: bool, work: Work) -> int:
     Where the rim lies in the plane across the axis the density is cos^n theta, theta the angle from it, and its slope
     n cos^(n-1) theta: nodes u^(k/n), k whole, make either smooth there.
     """
-    if blunt_rim(work.geo) and work.geo[RIM_COS] == 0.0:
+    if blunt_rim(work.chart) and work.chart.rim_cos == 0.0:
         first = a == work.cell_from[cell] and is_rim(work.cell_wall[cell])
         last = end == work.cell_to[cell] and is_rim(work.cell_wall[cell + 1])
         if first and last:
@@ -435,9 +445,9 @@ def rim_power(n: float) -> float:
 
 
 @inlined
-def cosine_at(x: float, c: float, s: float, lobe: Array, geo: Array, here: Array) -> float:
+def cosine_at(x: float, c: float, s: float, lobe: Array, chart: Chart, here: Array) -> float:
     """cos(theta) of a place of a scan line, also beyond the rim."""
-    chart_place(x, c, s, geo, here)
+    chart_place(x, c, s, chart, here)
     return float(here[TOWARD, 0] * lobe[0] + here[TOWARD, 1] * lobe[1] + here[TOWARD, 2] * lobe[2])
 
 
@@ -450,20 +460,20 @@ def piece_adjoint(
 
     Of what ``node_adjoint`` tells, the size and the rule's error are returned.
     """
-    geo = work.geo
+    chart = work.chart
     base = n * (n - 1) // 2
-    work.counts[EVALUATIONS] += n
+    work.counts.evaluations += n
     whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
-    exponent, length = geo[GEO_EXPONENT], end - a
+    exponent, length = chart.exponent, end - a
     rise, bend, power = 0.0, 0.0, 1.0
     if placed in (_RIM_FIRST, _RIM_LAST):
         # the cosine is rise t + bend t^2 at a share t of the piece off the rim
         power = rim_power(exponent)
         near, half = NEAR_RIM * length, 0.5 * NEAR_RIM * length
         if placed == _RIM_FIRST:
-            one, two = cosine_at(a + near, c, s, lobe, geo, here), cosine_at(a + half, c, s, lobe, geo, here)
+            one, two = cosine_at(a + near, c, s, lobe, chart, here), cosine_at(a + half, c, s, lobe, chart, here)
         else:
-            one, two = cosine_at(end - near, c, s, lobe, geo, here), cosine_at(end - half, c, s, lobe, geo, here)
+            one, two = cosine_at(end - near, c, s, lobe, chart, here), cosine_at(end - half, c, s, lobe, chart, here)
         rise = (4.0 * two - one) / NEAR_RIM
         bend = 2.0 * (one - 2.0 * two) / (NEAR_RIM * NEAR_RIM)
     for q in range(n):
@@ -479,12 +489,12 @@ def piece_adjoint(
         elif placed == _RIM_LAST:
             off = (1.0 - u) ** power
             u, along = 1.0 - off, along * power * off / (1.0 - u)
-        measure, slope_k = chart_place(a + length * u, c, s, geo, here)
-        cosine, log, density = log_density(here, lobe, geo)
+        measure, slope_k = chart_place(a + length * u, c, s, chart, here)
+        cosine, log, density = log_density(here, lobe, chart)
         if off < NEAR_RIM and rise > 0.0:
             cosine = max(1e-300, off * (rise + off * bend))
             log = math.log(cosine)
-            density = math.exp(exponent * log - geo[GEO_LOG_NORMALISER])
+            density = math.exp(exponent * log - chart.log_normaliser)
         if density == 0.0:
             continue
         w = weight * gauss[1, base + q] * along * measure * density
@@ -499,7 +509,7 @@ def piece_adjoint(
         lower += told * gauss[MIDDLE + 1, base + q]
     middle = max(abs(middle), abs(lower))
     miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, 0.0)
-    if placed != _EVEN and n > 2 and blunt_rim(geo):
+    if placed != _EVEN and n > 2 and blunt_rim(chart):
         miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
     return whole, miss
 
@@ -530,7 +540,7 @@ def line_adjoint(
     if not nodes:
         return size, missed
     promise = 100.0 * FALLS[step]
-    for cell in range(work.counts[CELLS]):
+    for cell in range(work.counts.cells):
         if work.cell_side[cell] == HIDDEN:
             continue
         a, stop = work.cell_from[cell], work.cell_to[cell]

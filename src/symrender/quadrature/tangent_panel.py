@@ -18,6 +18,7 @@ import numpy.typing as npt
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import LIMB, POLE_END, scan_line
+from symrender.chambers.records import Chart, Event
 from symrender.chambers.tangent_walls import (
     ONE_SIDED,
     chart_place,
@@ -26,32 +27,25 @@ from symrender.chambers.tangent_walls import (
     pull_back,
     wall_gradient,
 )
-from symrender.chambers.walls import COS, DIRECTION, FLOOR_CUT, KIND, NORMAL, SHAPE_INDEX, TAG, TEXTURE_EDGE
-from symrender.chambers.work import CELLS, EVALUATIONS, WALLS, View, Work, is_spent
+from symrender.chambers.walls import DIRECTION, FLOOR_CUT, NORMAL, TEXTURE_EDGE
+from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.records import Panel, Span
 from symrender.quadrature.split_line import kinked, tail_error
 from symrender.quadrature.split_panel import (
-    FOREIGN,
-    FROM,
-    GLARE,
-    KIND_FROM,
-    KIND_TO,
-    LOG_RHO,
-    STEP,
-    TO,
-    VALUE,
     add_panel,
     azimuth,
     panel_log,
     split_span,
 )
 from symrender.quadrature.tangent_line import BAR, RADIANCE, blunt_rim, line_adjoint, log_density, radiance, set_view
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-UNUSED = -2.0
+UNUSED = -2
 """Step of a row of the panel table that no panel has taken."""
 NARROW = 1e-9
 """Panels thinner than this stay as they are."""
@@ -60,8 +54,6 @@ MERGED = 2e-13
 ROUNDING = 3e-12
 """Relative error, times its width, that rounding may leave a panel with a root at an end: a tangency is known to some
 1e-14 there, and the slope is an inverse square root of the distance from it, so that cutting makes it worse."""
-MISSED = VALUE
-"""Column that holds, while panels are replayed, the error of the panel that one is a half of; 0 if it is none."""
 OVER_DISK = 3.0
 """Error of the rules over a disk light, which err alike on every line, over what their step aims at."""
 CANCELLED = 1e-15
@@ -76,19 +68,19 @@ RADIAL = 1e-12
 
 
 @jitable
-def clear_panels(panels: Array) -> None:
+def clear_panels(panels: Table[Panel]) -> None:
     """Mark the rows in use as free, so that the next chart's panels can be told from them."""
     for i in range(panels.shape[0]):
-        if panels[i, STEP] == UNUSED:
+        if panels[i].step == UNUSED:
             return
-        panels[i, STEP] = UNUSED
+        panels[i].step = UNUSED
 
 
 @jitable
-def panels_in_use(panels: Array) -> int:
+def panels_in_use(panels: Table[Panel]) -> int:
     """How many rows hold panels."""
     n = 0
-    while n < panels.shape[0] and panels[n, STEP] != UNUSED:
+    while n < panels.shape[0] and panels[n].step != UNUSED:
         n += 1
     return n
 
@@ -106,7 +98,7 @@ def contract(adjoint: Array, tangents: Array, out: Array, sign: float) -> None:
 
 @inlined
 def panel_adjoint(
-    p: Array, step: int, n: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array,
+    p: Panel, step: int, n: int, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, scratch: Array,
     here: Array, own: Array, nodes: bool, moving: Array, sums: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """The adjoint of one panel by ``n`` lines into sums[0]; azimuth of a line of another structure, or NaN.
@@ -123,7 +115,7 @@ def panel_adjoint(
     base = n * (n - 1) // 2
     signature = 0
     for q in range(n):
-        phi, slope = azimuth(gauss[0, base + q], p[FROM], p[TO], p[KIND_FROM], p[KIND_TO])
+        phi, slope = azimuth(gauss[0, base + q], p.ends[0], p.ends[1], p.kinds[0], p.kinds[1])
         found = scan_line(phi, view, work, scratch)
         if q == 0:
             signature = found
@@ -150,9 +142,9 @@ def panel_adjoint(
 
 
 @inlined
-def panel_lines(p: Array, step: int) -> int:
+def panel_lines(p: Panel, step: int) -> int:
     """Lines of a panel at one order, of which there is a next one."""
-    return min(MAX_ORDER - 1, max(int(p[GLARE]), order(step, p[LOG_RHO]) + (1 if step > 0 else 0)))
+    return min(MAX_ORDER - 1, max(p.glare, order(step, p.log_rho) + (1 if step > 0 else 0)))
 
 
 @jitable
@@ -190,12 +182,12 @@ def panel_misses(
 
 
 @jitable
-def stands_still(p: Array, view: View, work: Work, scratch: Array, moving: Array) -> bool:
+def stands_still(p: Panel, view: View, work: Work, scratch: Array, moving: Array) -> bool:
     """Whether no wall on the lines of a panel that all had one structure is ``moving``."""
-    if p[FOREIGN] == p[FOREIGN] or p[STEP] < 1.0:
+    if p.foreign == p.foreign or p.step < 1.0:
         return False
-    scan_line(0.5 * (p[FROM] + p[TO]), view, work, scratch)
-    for cell in range(work.counts[CELLS] + 1):
+    scan_line(0.5 * (p.ends[0] + p.ends[1]), view, work, scratch)
+    for cell in range(work.counts.cells + 1):
         wall = work.cell_wall[cell]
         if wall not in (POLE_END, LIMB) and moving[wall // 4 if wall >= 0 else moving.shape[0] - 1] != 0.0:
             return False
@@ -216,20 +208,22 @@ def leaves(low: float, high: float, signature: int, view: View, work: Work, scra
 
 
 @jitable
-def polish_end(panels: Array, i: int, side: int, first: int, n: int, view: View, work: Work, scratch: Array) -> int:
+def polish_end(
+    panels: Table[Panel], i: int, side: int, first: int, n: int, view: View, work: Work, scratch: Array
+) -> int:
     """Move an end of panel ``i``, and of its neighbour there, to the event between them; new number of panels.
 
     Both must move together, and what lies between two events that had been taken for one becomes a panel: a piece
     counted twice or not at all costs the square root of its width.
     """
     p = panels[i]
-    end, inside = p[TO if side else FROM], 0.5 * (p[FROM] + p[TO])
+    end, inside = p.ends[side], 0.5 * (p.ends[0] + p.ends[1])
     beyond, neighbour = 2.0 * end - inside, -1
     for k in range(first, n):
         q = panels[k]
-        if q[FROM] < q[TO] and q[FROM if side else TO] == end:
-            neighbour, beyond = k, 0.5 * (q[FROM] + q[TO])
-    if side == 0 and neighbour >= 0 and panels[neighbour, KIND_TO] == ROOT:
+        if q.ends[0] < q.ends[1] and q.ends[1 - side] == end:
+            neighbour, beyond = k, 0.5 * (q.ends[0] + q.ends[1])
+    if side == 0 and neighbour >= 0 and panels[neighbour].kinds[1] == ROOT:
         # the neighbour's turn
         return n
     own = scan_line(inside, view, work, scratch)
@@ -242,14 +236,14 @@ def polish_end(panels: Array, i: int, side: int, first: int, n: int, view: View,
         after = scan_line(high, view, work, scratch)
         if reach < most and scan_line(low, view, work, scratch) == own != after and (neighbour < 0 or after == other):
             event = leaves(low, high, own, view, work, scratch)
-            p[TO if side else FROM] = event
+            p.ends[side] = event
             if neighbour >= 0:
                 back = leaves(high, low, other, view, work, scratch)
                 between = back - event if side else event - back
                 if between > MERGED * (1.0 + abs(end)) and n < panels.shape[0]:
                     n = add_panel(panels, n, min(event, back), max(event, back), ROOT, ROOT, work)
                     event = back
-                panels[neighbour, FROM if side else TO] = event
+                panels[neighbour].ends[1 - side] = event
             return n
         reach *= 80.0
     return n
@@ -257,22 +251,22 @@ def polish_end(panels: Array, i: int, side: int, first: int, n: int, view: View,
 
 @jitable
 def polish_ends(
-    panels: Array, first: int, n: int, low: float, high: float, view: View, work: Work, scratch: Array
+    panels: Table[Panel], first: int, n: int, low: float, high: float, view: View, work: Work, scratch: Array
 ) -> int:
     """Move ends with a root, between ``low`` and ``high``, to where scan lines see their events; new panel count."""
     known = n
     for i in range(first, known):
         for side in range(2):
             p = panels[i]
-            end = p[TO if side else FROM]
-            if p[FROM] < p[TO] and p[KIND_TO if side else KIND_FROM] == ROOT and low < end < high:
+            end = p.ends[side]
+            if p.ends[0] < p.ends[1] and p.kinds[side] == ROOT and low < end < high:
                 n = polish_end(panels, i, side, first, n, view, work, scratch)
     held: int = panels.shape[0]
     return min(n, held)
 
 
 @jitable
-def cut_odd_ends(panels: Array, n: int, view: View, work: Work, scratch: Array) -> int:
+def cut_odd_ends(panels: Table[Panel], n: int, view: View, work: Work, scratch: Array) -> int:
     """Cut off panels' ends whose lines have another structure than their middles; new number of panels.
 
     A shadow that touches a scan line just before the event that ends the panel opens a sliver no line sees. Its share
@@ -281,13 +275,13 @@ def cut_odd_ends(panels: Array, n: int, view: View, work: Work, scratch: Array) 
     known = n
     for i in range(known):
         p = panels[i]
-        if not p[TO] - p[FROM] > NARROW:
+        if not p.ends[1] - p.ends[0] > NARROW:
             continue
-        middle = 0.5 * (p[FROM] + p[TO])
+        middle = 0.5 * (p.ends[0] + p.ends[1])
         inside = scan_line(middle, view, work, scratch)
         for side in range(2):
-            end = p[TO if side else FROM]
-            inset = 1e-13 * (1.0 + abs(end)) + 1e-11 * (p[TO] - p[FROM])
+            end = p.ends[side]
+            inset = 1e-13 * (1.0 + abs(end)) + 1e-11 * (p.ends[1] - p.ends[0])
             odd, even = end - inset if side else end + inset, middle
             if scan_line(odd, view, work, scratch) == inside or n >= panels.shape[0]:
                 continue
@@ -300,19 +294,19 @@ def cut_odd_ends(panels: Array, n: int, view: View, work: Work, scratch: Array) 
                 else:
                     odd = between
             if side:
-                n = add_panel(panels, n, even, end, ROOT, p[KIND_TO], work)
-                p[TO], p[KIND_TO] = even, ROOT
+                n = add_panel(panels, n, even, end, ROOT, p.kinds[1], work)
+                p.ends[1], p.kinds[1] = even, ROOT
             else:
-                n = add_panel(panels, n, end, even, p[KIND_FROM], ROOT, work)
-                p[FROM], p[KIND_FROM] = even, ROOT
-            p[LOG_RHO] = panel_log(work, p[FROM], p[TO], p[KIND_FROM], p[KIND_TO])
+                n = add_panel(panels, n, end, even, p.kinds[0], ROOT, work)
+                p.ends[0], p.kinds[0] = even, ROOT
+            p.log_rho = panel_log(work, p.ends[0], p.ends[1], p.kinds[0], p.kinds[1])
     return n
 
 
 @jitable
 def replay_chart(
-    tol: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, panels: Array, spans: Array,
-    ids: Ints, events: Array, scratch: Array, here: Array, own: Array, nodes: bool, moving: Array, sums: Array,
+    tol: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, panels: Table[Panel], spans: Table[Span],
+    ids: Ints, events: Table[Event], scratch: Array, here: Array, own: Array, nodes: bool, moving: Array, sums: Array,
     tangents: Array, exact: bool, max_evaluations: int, value: Array, error: Array, low_order: Array, high_order: Array,
     misses: Array,
 ) -> None:  # fmt: skip
@@ -324,22 +318,22 @@ def replay_chart(
     of the evaluations left no panel is refined any more: other charts follow.
     """
     n = panels_in_use(panels)
-    most_evaluations = work.counts[EVALUATIONS] + (max_evaluations - work.counts[EVALUATIONS]) // 2
+    most_evaluations = work.counts.evaluations + (max_evaluations - work.counts.evaluations) // 2
     if exact:
         n = polish_ends(panels, 0, n, -math.inf, math.inf, view, work, scratch)
     n = cut_odd_ends(panels, n, view, work, scratch)
     for i in range(n):
-        panels[i, MISSED] = 0.0
-    spent, blunt = 0.0, kinked(view) or blunt_rim(work.geo)
+        panels[i].missed = 0.0
+    spent, blunt = 0.0, kinked(view) or blunt_rim(work.chart)
     i = 0
     while i < n:
         # most panels err far less than their share and leave the rest to those that follow
         share = max(tol - spent, 0.05 * tol) / (n - i)
         p = panels[i]
         i += 1
-        if not p[FROM] < p[TO] or (not nodes and stands_still(p, view, work, scratch, moving)):
+        if not p.ends[0] < p.ends[1] or (not nodes and stands_still(p, view, work, scratch, moving)):
             continue
-        step = max(0, int(p[STEP]) - 1)
+        step = max(0, p.step - 1)
         n_lines = panel_lines(p, step)
         for a in range(tangents.shape[0]):
             for c in range(4):
@@ -366,24 +360,24 @@ def replay_chart(
             contract(sums[0], tangents, high_order, 1.0)
             if disk is not None:
                 inner += OVER_DISK * FALLS[step]
-            most = panel_misses(n_lines, p[LOG_RHO], blunt, inner, sums, tangents, low_order, high_order, misses)
+            most = panel_misses(n_lines, p.log_rho, blunt, inner, sums, tangents, low_order, high_order, misses)
             largest = 0.0
             for a in range(tangents.shape[0]):
                 for c in range(3):
                     largest = max(largest, abs(high_order[a, c]))
             noise = 1e-15 * largest
-            if ROOT in (p[KIND_FROM], p[KIND_TO]) and 0.0 < p[MISSED] < 2.0 * most:
-                noise = ROUNDING / (p[TO] - p[FROM]) * largest
-            last = step + 1 >= len(LEVELS) or max(n_lines, order(step + 1, p[LOG_RHO])) >= MAX_ORDER
-            if most <= max(share, noise) or last or work.counts[EVALUATIONS] > most_evaluations:
+            if ROOT in (p.kinds[0], p.kinds[1]) and 0.0 < p.missed < 2.0 * most:
+                noise = ROUNDING / (p.ends[1] - p.ends[0]) * largest
+            last = step + 1 >= len(LEVELS) or max(n_lines, order(step + 1, p.log_rho)) >= MAX_ORDER
+            if most <= max(share, noise) or last or work.counts.evaluations > most_evaluations:
                 break
             for a in range(tangents.shape[0]):
                 for c in range(4):
                     low_order[a, c] = high_order[a, c]
-        room = n + 8 < panels.shape[0] and work.counts[EVALUATIONS] <= most_evaluations
-        if (foreign == foreign or most > max(share, noise)) and room and p[TO] - p[FROM] > NARROW:
-            first, end, kind, end_kind = p[FROM], p[TO], p[KIND_FROM], p[KIND_TO]
-            p[FROM] = p[TO] = first
+        room = n + 8 < panels.shape[0] and work.counts.evaluations <= most_evaluations
+        if (foreign == foreign or most > max(share, noise)) and room and p.ends[1] - p.ends[0] > NARROW:
+            first, end, kind, end_kind = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
+            p.ends[0] = p.ends[1] = first
             before = n
             if foreign == foreign:
                 # no search between scan lines is sure to find an event; the line that told is where it is looked for
@@ -393,8 +387,8 @@ def replay_chart(
                 middle = 0.5 * (first + end)
                 n = add_panel(panels, n, first, middle, kind, SMOOTH, work)
                 n = add_panel(panels, n, middle, end, SMOOTH, end_kind, work)
-                panels[n - 1, STEP] = panels[n - 2, STEP] = max(1, step - 1)
-                panels[n - 1, MISSED] = panels[n - 2, MISSED] = most
+                panels[n - 1].step = panels[n - 2].step = max(1, step - 1)
+                panels[n - 1].missed = panels[n - 2].missed = most
             n = min(n, panels.shape[0])
             if exact:
                 n = polish_ends(panels, before, n, first, end, view, work, scratch)
@@ -417,16 +411,16 @@ def radial_walls(
     adjoint: Array,
 ) -> bool:  # fmt: skip
     """The adjoint (4, columns) of walls that are scan lines; whether there are any."""
-    for row in range(adjoint.shape[0]):
+    for channel in range(adjoint.shape[0]):
         for k in range(adjoint.shape[1]):
-            adjoint[row, k] = 0.0
+            adjoint[channel, k] = 0.0
     found = False
-    for i in range(min(work.counts[WALLS], work.walls.shape[0])):
+    for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
-        kind = int(row[KIND])
-        if kind not in (NORMAL, DIRECTION) or abs(row[1]) > RADIAL or abs(row[COS]) > RADIAL:
+        kind = row.kind
+        if kind not in (NORMAL, DIRECTION) or abs(row.axis[0]) > RADIAL or abs(row.cos) > RADIAL:
             continue
-        middle = math.atan2(row[3], row[2])
+        middle = math.atan2(row.axis[2], row.axis[1])
         for half in range(2):
             phi = middle + (0.5 if half else -0.5) * math.pi
             for side in range(2):
@@ -444,20 +438,20 @@ def _sideways(
     here: Array, own: Array, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add sign x the scanned line's integral of F times how wall ``i`` moves across the line."""
-    geo = work.geo
+    chart = work.chart
     c, s = math.cos(phi), math.sin(phi)
     bar = here[BAR : BAR + 3]
     n = MAX_ORDER
     base = n * (n - 1) // 2
-    for cell in range(work.counts[CELLS]):
+    for cell in range(work.counts.cells):
         if work.cell_side[cell] == HIDDEN:
             continue
         a, length = work.cell_from[cell], work.cell_to[cell] - work.cell_from[cell]
         for q in range(n):
             x = a + length * gauss[0, base + q]
-            measure, _ = chart_place(x, c, s, geo, here)
-            density = log_density(here, lobe, geo)[2]
-            set_view(here, view, geo)
+            measure, _ = chart_place(x, c, s, chart, here)
+            density = log_density(here, lobe, chart)[2]
+            set_view(here, view, chart)
             radiance(work.cell_side[cell], work.lit[cell], SIDEWAYS, here, view, work, gauss, disk, here[RADIANCE])
             tag = condition_of(i, here, True, work)
             if tag < 0:
@@ -465,15 +459,15 @@ def _sideways(
                     adjoint[ONE_SIDED, column] = 1.0
                 continue
             w = -sign * gauss[1, base + q] * length * measure * density
-            j = int(geo[SHAPE_INDEX])
-            beside = j >= 0 and work.walls[i, TAG] > FLOOR_CUT and on_a_parallel(here, view.spheres[j])
+            j = chart.shape_index
+            beside = j >= 0 and work.walls[i].tag > FLOOR_CUT and on_a_parallel(here, view.spheres[j])
             for which in range(2 if beside else 1):
                 # beside the wall lies a field of another colour: from the other side the derivative is another one
                 condition = TEXTURE_EDGE if which else tag
                 for k in range(own.shape[0]):
                     own[k] = 0.0
                 wall_gradient(i, condition, here, view, work, bar, own)
-                across = _across(bar, here, c, s, geo)
+                across = _across(bar, here, c, s, chart)
                 pull_back(1.0, bar, here, j < 0, own)
                 for channel in range(4):
                     rate = w / across * here[RADIANCE, channel % 3]
@@ -486,11 +480,11 @@ def _sideways(
 
 
 @jitable
-def _across(bar: Array, here: Array, c: float, s: float, geo: Array) -> float:
+def _across(bar: Array, here: Array, c: float, s: float, chart: Chart) -> float:
     """Slope in phi of a function of gradients ``bar``: phi turns Q - P, N and w about the pole."""
     slope = 0.0
     for row in range(3):
         x, y, z = here[row, 0], here[row, 1], here[row, 2]
-        px, py, pz = geo[3], geo[4], geo[5]
+        px, py, pz = chart.pole[0], chart.pole[1], chart.pole[2]
         slope += bar[row, 0] * (py * z - pz * y) + bar[row, 1] * (pz * x - px * z) + bar[row, 2] * (px * y - py * x)
     return slope

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.records import Chart, Event
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
 from symrender.chambers.tangent_walls import (
     AMBIENT,
@@ -41,15 +42,15 @@ from symrender.chambers.tangent_walls import (
     adjoint_columns,
     what_moves,
 )
-from symrender.chambers.walls import BETA_MAX, LEAST, LOBE_BETA, PACE, POLE, RADIUS, RATIO, RIM_COS, RIM_SIN, SIDE
-from symrender.chambers.work import EVALUATIONS, MAX_WALLS, View, Work, begin_counts
+from symrender.chambers.work import MAX_WALLS, View, Work, begin_counts, scene_view
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import is_brdf
 from symrender.quadrature.mirror import NARROWEST
+from symrender.quadrature.records import Conic, Panel, Span
 from symrender.quadrature.split_line import lobe_density
-from symrender.quadrature.split_panel import STEP, split_chart
+from symrender.quadrature.split_panel import split_chart
 from symrender.quadrature.split_point import FLAT, SplitWork, lobe_setup, radiance_bound, split_work
 from symrender.quadrature.split_setup import (
     CAPPED,
@@ -73,15 +74,14 @@ from symrender.quadrature.tangent_panel import (
     radial_walls,
     replay_chart,
 )
+from symrender.records import Table
 from symrender.scene.arrays import (
     CHECKER,
     FIRST_SPHERE,
     FLOOR,
     FLOOR_BRIGHT,
     FLOOR_DARK,
-    FLOOR_KIND,
     FLOOR_LOBE,
-    FLOOR_PRESENT,
     KU,
     LOBE,
     MARBLE,
@@ -205,7 +205,7 @@ def common_moves(
 
 
 @jitable
-def chart_moves(j: int, geo: Array, tangents: Tangents, moves: Array) -> None:
+def chart_moves(j: int, chart: Chart, tangents: Tangents, moves: Array) -> None:
     """Fill the columns of ``moves`` that belong to the chart of sphere ``j``, -1 for the floor.
 
     The frame of a sphere's chart turns with its pole and no more: omega = c x dc.
@@ -217,14 +217,14 @@ def chart_moves(j: int, geo: Array, tangents: Tangents, moves: Array) -> None:
                 row[TURN + a] = 0.0
                 row[BRIGHT + a] = tangents.floor[p, FLOOR_BRIGHT + a]
                 row[DARK + a] = tangents.floor[p, FLOOR_DARK + a]
-            row[CHART] = geo[SIDE] * row[AT_POINT + 2]
+            row[CHART] = chart.side * row[AT_POINT + 2]
             row[CHART_RADIUS] = row[FREQUENCY] = row[FREQUENCY + 1] = 0.0
             continue
         sphere = tangents.spheres[p, j]
-        k, r = geo[RATIO], geo[RADIUS]
+        k, r = chart.ratio, chart.radius
         far = r / k
         x, y, z = sphere[0] - row[AT_POINT], sphere[1] - row[AT_POINT + 1], sphere[2] - row[AT_POINT + 2]
-        cx, cy, cz = geo[POLE], geo[POLE + 1], geo[POLE + 2]
+        cx, cy, cz = chart.pole[0], chart.pole[1], chart.pole[2]
         recede = x * cx + y * cy + z * cz
         row[TURN] = (cy * z - cz * y) / far
         row[TURN + 1] = (cz * x - cx * z) / far
@@ -264,19 +264,19 @@ def leave_out(slope: float, moves: Array, beyond: Array) -> None:
 
 
 @jitable
-def outline(geo: Array) -> float:
+def outline(chart: Chart) -> float:
     """1 and the length of the charted shape's limb over its solid angle, in radians.
 
     A derivative over a slope's own motion: what a wall of some height sweeps is its height times the wall's length, and
     what lies below that height over all of the shape holds no more than height times solid angle. A highlight that
     nowhere rises above a height is of bounded variation and sweeps no more than such a wall.
     """
-    return 1.0 + 1.0 / math.tan(0.5 * geo[BETA_MAX])
+    return 1.0 + 1.0 / math.tan(0.5 * chart.beta_max)
 
 
 @jitable
 def gradient_rim(
-    n: float, theta_max: float, tol: float, bound: float, shininess: float, geo: Array, moves: Array, beyond: Array
+    n: float, theta_max: float, tol: float, bound: float, shininess: float, chart: Chart, moves: Array, beyond: Array
 ) -> None:  # fmt: skip
     """Set the lobe up for derivatives; ``beyond`` gets what lies beyond its effective rim, a parameter at a time.
 
@@ -290,9 +290,9 @@ def gradient_rim(
         rim = max(rim, abs(moves[p, RIM]))
     at_rim = u * cosine**n * bound
     trim = n >= NEEDLE and at_rim * rim <= 1e-3 * tol
-    share = lobe_setup(n, theta_max, 3.0 * tol / (u * fastest) if trim else 0.0, bound, geo)
-    is_cut = geo[RIM_COS] > cosine + FLAT
-    steep = math.sqrt(shininess) + (n * geo[RIM_SIN] / max(geo[RIM_COS], FLAT) if is_cut else 0.0)
+    share = lobe_setup(n, theta_max, 3.0 * tol / (u * fastest) if trim else 0.0, bound, chart)
+    is_cut = chart.rim_cos > cosine + FLAT
+    steep = math.sqrt(shininess) + (n * chart.rim_sin / max(chart.rim_cos, FLAT) if is_cut else 0.0)
     for p in range(moves.shape[0]):
         beyond[p] = 0.0
         if share > 0.0:
@@ -316,18 +316,18 @@ def room_left(tol: float, beyond: Array, error: Array) -> float:
 
 def gradient_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents,
-    work: Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Array, spans: Array, ids: Ints,
-    events: Array, scratch: Array, conics: Array, what: Ints, grid: Array, tol: float, bound: float,
+    work: Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Table[Panel], spans: Table[Span], ids: Ints,
+    events: Table[Event], scratch: Array, conics: Table[Conic], what: Ints, grid: Array, tol: float, bound: float,
     max_evaluations: int, exact: bool, gradient: Array, error: Array, evaluations: Ints, status: Ints,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``GradientResult`` for every point; see ``gloss_gradients``."""
     lobe = scratch[24:27]
-    geo = work.geo
+    chart = work.chart
     t = tangent_work
     count = t.moves.shape[0]
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
-        place_point(points[i], normals[i], incoming[i], lobe, geo)
+        place_point(points[i], normals[i], incoming[i], lobe, chart)
         own = surface[i] - FIRST_SPHERE
         n, theta_max = lobes[surface[i], 0], lobes[surface[i], 1]
         # a lobe narrower than its rim's rounding has values, but no slopes
@@ -336,14 +336,14 @@ def gradient_kernel(
                 error[p, i], status[p, i] = math.inf, UNSUPPORTED
             continue
         common_moves(i, lobe, n, theta_max, surface[i], normals[i], incoming[i], tangents, t.moves)
-        gradient_rim(n, theta_max, tol, bound, view.shading[3], geo, t.moves, t.beyond)
+        gradient_rim(n, theta_max, tol, bound, view.shading.shininess, chart, t.moves, t.beyond)
         for p in range(count):
             for c in range(4):
                 t.value[p, c] = t.error[p, c] = 0.0
         if disk is not None:
             disk[disk.shape[0] - 1, 0] = 0.0
 
-        sky = max(view.shading[10], view.shading[11], view.shading[12])
+        sky = max(view.shading.background[0], view.shading.background[1], view.shading.background[2])
         facing = max(-1.0, min(1.0, lobe[0] * normals[i, 0] + lobe[1] * normals[i, 1] + lobe[2] * normals[i, 2]))
         alpha = math.acos(facing)
         share, by_n, by_theta, by_alpha = 1.0, 0.0, 0.0, 0.0
@@ -364,26 +364,26 @@ def gradient_kernel(
                 wider = tangents.spheres[p, own, LOBE + 2]
             change = by_n * row[EXPONENT] + by_theta * wider + by_alpha * tilt
             for a in range(3):
-                t.value[p, a] += row[BACKGROUND + a] * share + view.shading[10 + a] * change
+                t.value[p, a] += row[BACKGROUND + a] * share + view.shading.background[a] * change
 
         spent = 0.0
         for j in range(view.spheres.shape[0] + 1):
             if j == view.spheres.shape[0]:
-                if view.floor[FLOOR_PRESENT] == 0.0 or surface[i] == FLOOR or points[i, 2] == 0.0:
+                if view.floor.present == 0.0 or surface[i] == FLOOR or points[i, 2] == 0.0:
                     continue
                 floor_chart(own, lobe, view, work)
                 floor_strips(n, view, work)
-                chart_moves(-1, geo, tangents, t.moves)
+                chart_moves(-1, chart, tangents, t.moves)
             elif j == own:
                 continue
             else:
                 sphere_chart(j, own, lobe, view, work)
-                k = geo[RATIO]
+                k = chart.ratio
                 # all of the shape, at the lobe's largest density on it, and how fast that can change
-                gap = max(0.0, geo[LOBE_BETA] - geo[BETA_MAX])
-                most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, geo) * 2.0 * math.pi * k * k * bound
-                slope = n * math.tan(gap) + outline(geo)
-                chart_moves(j, geo, tangents, t.moves)
+                gap = max(0.0, chart.lobe_beta - chart.beta_max)
+                most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, chart) * 2.0 * math.pi * k * k * bound
+                slope = n * math.tan(gap) + outline(chart)
+                chart_moves(j, chart, tangents, t.moves)
                 if gap < 1.5 and most * slope * fastest_of(t.moves) < 1e-4 * tol:
                     spent += most
                     leave_out(most * slope, t.moves, t.beyond)
@@ -393,23 +393,23 @@ def gradient_kernel(
             if not nodes and not some:
                 continue
             clear_panels(panels)
-            geo[PACE], geo[LEAST] = fastest_of(t.moves) * outline(geo), math.inf
+            chart.pace, chart.least = fastest_of(t.moves) * outline(chart), math.inf
             found, _ = split_chart(
                 max(0.5 * (tol - spent), 0.05 * tol), view, work, gauss, panels, spans, ids, events,
                 scratch, max_evaluations, t.sums[0, 0],
             )  # fmt: skip
             # a chart dropped by its bound, for a brightness of ``UNBOUNDED``, has neither value nor slope in doubles
             spent += found if panels_in_use(panels) > 0 else 0.0
-            if geo[LEAST] < math.inf:
-                leave_out(geo[LEAST] * view.points.shape[0] * outline(geo), t.moves, t.beyond)
+            if chart.least < math.inf:
+                leave_out(chart.least * view.points.shape[0] * outline(chart), t.moves, t.beyond)
             replay_chart(
                 room_left(tol, t.beyond, t.error), lobe, view, work, gauss, disk, panels, spans, ids, events, scratch,
                 t.here, t.own, nodes, t.moving, t.sums, t.moves, exact, max_evaluations, t.value, t.error, t.low,
                 t.high, t.misses,
             )  # fmt: skip
-            if j == view.spheres.shape[0] and view.floor[FLOOR_KIND] == CHECKER and geo[SIDE] > 0.0:
+            if j == view.spheres.shape[0] and view.floor.kind == CHECKER and chart.side > 0.0:
                 # however much was spent before, some is left for the checker
-                most = max(max_evaluations, work.counts[EVALUATIONS] + max_evaluations // 4)
+                most = max(max_evaluations, work.counts.evaluations + max_evaluations // 4)
                 off = replay_grid(
                     room_left(tol, t.beyond, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
                     t.own, nodes, t.sums[0], t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
@@ -419,7 +419,7 @@ def gradient_kernel(
                         t.error[p, a] += off
             if radial_walls(lobe, view, work, gauss, disk, scratch, t.here, t.own, t.sums[0]):
                 contract(t.sums[0], t.moves, t.value, 1.0)
-        evaluations[i] = work.counts[EVALUATIONS]
+        evaluations[i] = work.counts.evaluations
         for p in range(count):
             largest, total = 0.0, 0.0
             for a in range(3):
@@ -495,12 +495,13 @@ def gloss_gradients(
     of a sum. Where walls coincide and part, the status is ``EVENT`` and the value belongs to one side.
     """
     lights = light_rows(arrays, disk_order)
-    view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
+    view = scene_view(arrays, lights)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
     lobes[FLOOR] = arrays.floor[FLOOR_LOBE + 1 :]
     lobes[FIRST_SPHERE:] = arrays.spheres[:, LOBE + 1 :]
     s = scratch or split_work(arrays, lights)
-    s.panels[:, STEP] = UNUSED
+    for panel in s.panels:
+        panel.step = UNUSED
     count, n = tangents.place.shape[:2]
     disks = tangents.points.shape[2] > 6
     own = tangent_work(count, len(lights), len(arrays.spheres), disks)

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from symrender.chambers.penumbra import DISK_RADIUS
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
@@ -43,9 +42,9 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
     hits = numba.kernel(text, "hits_dot")
     lights = light_rows(arrays, settings.disk_order)
     # an exact disk is no point: its direct light is added below
-    points = lights[:, DISK_RADIUS] == 0.0
+    points = lights["radius"] == 0.0
     disks = not points.all()
-    plain_lights = np.ascontiguousarray(lights[points, :6])
+    plain_lights = np.hstack([lights["position"][points], lights["color"][points]])
     light_moves = light_point_tangents(arrays, moved["lights"], settings.disk_order)
     light_moves = np.ascontiguousarray(light_moves[:, points, :6])
     axes, axes_moves = np.zeros(10), np.zeros((len(wrt), 10))

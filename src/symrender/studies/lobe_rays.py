@@ -13,10 +13,12 @@ from symrender.chambers.labels import segment_meets, texture_side
 from symrender.kernel_cache import compiled
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.lobe_units import is_brdf, lobe_scale
+from symrender.records import rows_of
 from symrender.runtimes import image as symbolic
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
+from symrender.scene.records import Sphere
 
 Labels = npt.NDArray[np.int64]
 
@@ -103,7 +105,7 @@ def _label(hits: Array, spheres: Array, points: Array, labels: Labels) -> None:
             nx, ny, nz = qx - s[0], qy - s[1], qz - s[2]
             length = math.sqrt(nx * nx + ny * ny + nz * nz)
             nx, ny, nz = nx / length, ny / length, nz / length
-            labels[r, 1] = texture_side(spheres, own, nx, ny, nz)
+            labels[r, 1] = texture_side(rows_of(Sphere, spheres), own, nx, ny, nz)
         for i in range(len(points)):
             lx, ly, lz = points[i, 0] - qx, points[i, 1] - qy, points[i, 2] - qz
             if not lx * nx + ly * ny + lz * nz > 0.0:
