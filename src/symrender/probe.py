@@ -19,7 +19,7 @@ from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
-from symrender.scene.moves import moves, tangent_arrays
+from symrender.scene.moves import SceneMoves, moves, scene_moves
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
 
@@ -101,7 +101,7 @@ def probe(
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
     place, normal, hit_class = _places(loaded, np.atleast_2d(np.asarray(points, dtype=np.float64)), surface)
-    away = place - arrays.camera[1:4]
+    away = place - arrays.camera.eye
     length = np.linalg.norm(away, axis=1, keepdims=True)
     facing = (away * normal).sum(axis=1)
     if not (facing < 0).all():
@@ -130,7 +130,7 @@ def probe(
 
     moved = moves(loaded, wrt)
     names = tuple(name for name, _ in moved)
-    tangents = tangent_arrays(arrays, moved)
+    tangents = scene_moves(arrays, moved)
     refuse_unknown(arrays, tangents, names)
     moving = _place_tangents(tangents, normal, away / length, length, hit_class)
 
@@ -164,15 +164,15 @@ def _in_batches(run: Callable[[slice], _T], count: int, threads: int) -> list[_T
 
 
 def _place_tangents(
-    moved: Mapping[str, Array], normal: Array, incoming: Array, length: Array, hit_class: int
+    moved: SceneMoves, normal: Array, incoming: Array, length: Array, hit_class: int
 ) -> tuple[Array, Array, Array]:
     """Derivatives (Q, N, 3) of the points, their normals and the directions they are seen along."""
-    parameters = len(moved["camera"])
+    parameters = moved.camera.shape[0]
     place = np.zeros((parameters, *normal.shape))
     if hit_class >= at.FIRST_SPHERE:
-        sphere = moved["spheres"][:, hit_class - at.FIRST_SPHERE]
-        place += sphere[:, None, :3] + sphere[:, None, 3:4] * normal
-    away = place - moved["camera"][:, None, 1:4]
+        j = hit_class - at.FIRST_SPHERE
+        place += moved.spheres["center"][:, j, None] + moved.spheres["radius"][:, j, None, None] * normal
+    away = place - moved.camera["eye"][:, None]
     along = (away * incoming).sum(axis=-1, keepdims=True)
     return place, np.zeros_like(place), (away - along * incoming) / length
 

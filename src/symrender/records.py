@@ -39,6 +39,7 @@ Two = Annotated[Array, 2]
 Three = Annotated[Array, 3]
 
 R = TypeVar("R", bound="Record")
+S = TypeVar("S")
 
 if TYPE_CHECKING:
     # NumPy's stubs call its rows final; they are not
@@ -57,6 +58,11 @@ class Record(_Row):
     """
 
     layout: ClassVar[np.dtype[np.void]]
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """Its fields, in the order in which they lie in memory."""
+        return cls.layout.names or ()
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -109,9 +115,72 @@ class Table(Protocol[R]):
     def __iter__(self) -> Iterator[R]: ...
 
 
+class Grid(Protocol[R]):
+    """An array of records with two axes."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+
+    @overload
+    def __getitem__(self, index: tuple[int, int], /) -> R: ...
+
+    @overload
+    def __getitem__(self, index: int, /) -> Table[R]: ...
+
+    @overload
+    def __getitem__(self, index: str, /) -> Array: ...
+
+
+def grid(kind: type[R], rows: int, count: int) -> Grid[R]:
+    """``rows`` times ``count`` records of this kind, all zero."""
+    return cast("Grid[R]", np.zeros((rows, count), kind.layout))
+
+
 def table(kind: type[R], count: int) -> Table[R]:
     """``count`` records of this kind, all zero."""
     return cast("Table[R]", np.zeros(count, kind.layout))
+
+
+def copied(rows: S) -> S:
+    """A record or table of its own, of the same numbers."""
+    # np.array of a bare record would share its memory
+    return cast("S", np.array(rows) if isinstance(rows, np.ndarray) else np.array([rows])[0])
+
+
+def chosen(rows: Table[R], which: npt.NDArray[np.bool_]) -> Table[R]:
+    """The records of a table for which ``which`` is true, copied."""
+    return cast("Table[R]", cast("npt.NDArray[np.void]", rows)[which])
+
+
+def record(kind: type[R]) -> R:
+    """One record of this kind, all zero."""
+    return table(kind, 1)[0]
+
+
+def flat(records: Table[R] | R) -> Array:
+    """The numbers of records of float64 alone: (n, k) of a table, (k,) of one record; memory is shared."""
+    rows = np.asarray(records)
+    # only arrays with axes can be looked at as other numbers
+    return rows[None].view(np.float64).reshape((*rows.shape, -1))
+
+
+def column(kind: type[Record], name: str) -> int:
+    """Where a field begins in ``flat`` records, counted in numbers; KeyError for what is no field."""
+    return int(kind.layout.fields[name][1]) // 8 if kind.layout.fields else 0
+
+
+def named(kind: type[Record], place: int) -> str:
+    """What stands at this place of ``flat`` records, as Python writes it: ``radius`` or ``center[2]``."""
+    for name in kind.names():
+        first, size = column(kind, name), kind.layout[name].itemsize // 8
+        if first <= place < first + size:
+            return name if size == 1 else f"{name}[{place - first}]"
+    raise KeyError(f"{kind.__name__} has no number {place}")
+
+
+def columns(kind: type[Record]) -> int:
+    """How many numbers a record holds."""
+    return kind.layout.itemsize // 8
 
 
 def joined(kind: type[R], tables: Sequence[Table[R]]) -> Table[R]:

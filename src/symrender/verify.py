@@ -28,7 +28,7 @@ from symrender.execution.tiles import run_threads, thread_count
 from symrender.images.image import Image
 from symrender.numeric.pipeline import prepare
 from symrender.scene import arrays as at
-from symrender.scene.arrays import Array, SceneArrays, scene_arrays
+from symrender.scene.arrays import Array, SceneArrays, lobes_of, scene_arrays
 from symrender.scene.scene import Scene
 from symrender.settings import EXACT_DISK, Settings
 
@@ -104,7 +104,7 @@ def verify(layers: Mapping[str, Array], scene: Scene, settings: Settings, share:
     stated = layers["error"].reshape(-1)[drawn]
     pixels = drawn[np.isfinite(stated)]
     allowed_chance = FALSE_ALARMS / (2.0 * 3.0 * max(1, len(pixels)))
-    whole_disks = settings.disk_order == EXACT_DISK and bool((arrays.lights[:, 0] == at.DISK).any())
+    whole_disks = settings.disk_order == EXACT_DISK and bool((arrays.lights["kind"] == at.DISK).any())
     k = settings.silhouettes
     at_edge = edges(layers["hit_class"]).reshape(-1)[pixels] if k > 1 else np.zeros(len(pixels), dtype=np.bool_)
     means, errors, weights = (np.zeros((len(pixels), n)) for n in (3, 3, 1))
@@ -145,8 +145,8 @@ def verify(layers: Mapping[str, Array], scene: Scene, settings: Settings, share:
 def brightest(arrays: SceneArrays) -> Array:
     """A bound (3,) of the radiance that anything sends, scene units: every light full on a white surface, at once."""
     s = arrays.shading
-    lit = s[0] * s[at.AMBIENT : at.AMBIENT + 3] + (s[1] + s[2]) * arrays.lights[:, 5:8].sum(axis=0)
-    bound: Array = np.maximum(lit, s[at.BACKGROUND : at.BACKGROUND + 3])
+    lit = s.ka * s.ambient + (s.kd + s.ks) * arrays.lights["color"].sum(axis=0)
+    bound: Array = np.maximum(lit, s.background)
     return bound
 
 
@@ -169,8 +169,8 @@ def student_quantile(freedom: int, tail: float) -> float:
 
 def _weights(arrays: SceneArrays) -> Array:
     """How much of its lobe a surface of each hit class adds to a pixel; a mirror has no samples to miss anything by."""
-    rows = np.vstack([arrays.floor[None, at.FLOOR_LOBE :], arrays.spheres[:, at.LOBE :]])
-    scale = np.where(arrays.shading[at.UNITS] == at.BRDF_NORMALISED, (rows[:, 1] + 2.0) / (rows[:, 1] + 1.0), 1.0)
+    rows = lobes_of(arrays)
+    scale = np.where(arrays.shading.units == at.BRDF_NORMALISED, (rows[:, 1] + 2.0) / (rows[:, 1] + 1.0), 1.0)
     return np.concatenate([[0.0], np.where(rows[:, 2] > 0.0, rows[:, 0] * scale, 0.0)])
 
 

@@ -54,13 +54,13 @@ def certify(
         raise OptionError("certify: needs python-flint; install symrender[certify]")
     if disk_order == EXACT_DISK:
         raise OptionError("certify: encloses point lights; use disk KxK")
-    if (arrays.spheres[:, at.TEXTURE] == at.MARBLE).any():
+    if (arrays.spheres["texture"] == at.MARBLE).any():
         raise OptionError("certify: marble is not enclosed")
-    if arrays.floor[at.FLOOR_LOBE + 2] == 0.0:
+    if arrays.floor.theta_max == 0.0:
         raise OptionError("certify: a mirror has no lobe to integrate")
-    if not arrays.camera[3] > 0.0:
+    if not arrays.camera.eye[2] > 0.0:
         raise OptionError("certify: the camera must be above the floor")
-    if (np.linalg.norm(arrays.spheres[:, :3] - point, axis=1) <= arrays.spheres[:, at.RADIUS]).any():
+    if (np.linalg.norm(arrays.spheres["center"] - point, axis=1) <= arrays.spheres["radius"]).any():
         raise OptionError(f"certify: {tuple(point.tolist())} lies within a sphere or on one")
     return _enclose(FloorPoint(arrays, point, disk_order), width, most_boxes)
 
@@ -97,8 +97,8 @@ def _enclose(point: FloorPoint, width: float, most_boxes: int) -> Enclosure:
     sums = [arb(0)] * 3
     for entry in heap:
         sums = [x + y for x, y in zip(sums, entry[4], strict=True)]
-    share = point.share() if (point.a.shading[10:13] > 0).any() else arb(1)
-    sums = [x + arb(float(b)) * share for x, b in zip(sums, point.a.shading[10:13], strict=True)]
+    share = point.share() if (point.a.shading.background > 0).any() else arb(1)
+    sums = [x + arb(float(b)) * share for x, b in zip(sums, point.a.shading.background, strict=True)]
     low, high = np.array([down(x) for x in sums]), np.array([up(x) for x in sums])
     return Enclosure(low, high, boxes)
 

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from symrender.certify.balls import unit
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import is_brdf
-from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
 
 Array = npt.NDArray[np.float64]
@@ -25,12 +24,12 @@ class FloorPoint:
 
         self.a = arrays
         self.p = [arb(x) for x in point.tolist()]
-        eye = [arb(x) for x in arrays.camera[1:4].tolist()]
+        eye = [arb(x) for x in arrays.camera.eye.tolist()]
         d = unit([p - e for p, e in zip(self.p, eye, strict=True)])
         self.m = [d[0], d[1], -d[2]]
         self.eye = eye
-        n = arb(float(arrays.floor[at.FLOOR_LOBE + 1]))
-        theta = float(arrays.floor[at.FLOOR_LOBE + 2])
+        n = arb(float(arrays.floor.exponent))
+        theta = float(arrays.floor.theta_max)
         self.n = n
         self.rim = arb(theta).cos() if theta < math.pi / 2 else arb(0)
         self.total = 2 * arb.pi() * (1 - (self.rim.log() * (n + 1)).exp() if theta < math.pi / 2 else arb(1)) / (n + 1)
@@ -40,9 +39,11 @@ class FloorPoint:
             self.total = 2 * arb.pi() / (n + 2)
         rows = light_rows(arrays, disk_order)
         self.lights = [([arb(x) for x in row.position.tolist()], row.color.tolist()) for row in rows]
-        most = arrays.shading[0] * arrays.shading[7:10] + rows["color"].sum(axis=0) * arrays.shading[1:3].sum()
+        most = arrays.shading.ka * arrays.shading.ambient + rows["color"].sum(axis=0) * (
+            arrays.shading.kd + arrays.shading.ks
+        )
         self.most = [arb(float(x)) * (1 + arb(2) ** -40) for x in most]
-        self.balls = [([arb(x) for x in s[:3].tolist()], arb(float(s[3]))) for s in arrays.spheres]
+        self.balls = [([arb(x) for x in s.center.tolist()], arb(float(s.radius))) for s in arrays.spheres]
 
     def share(self) -> Any:
         """Share of the lobe above the horizon: rings, on each of which the visible azimuths fall with the angle.

@@ -84,7 +84,7 @@ class SphereChart:
         least = (area * measure.max(arb(0)).lower() * floor / self.of.total).lower()
         mass = least.union(most)
         rough = []
-        sky = [arb(float(b)) for b in self.of.a.shading[10:13]]
+        sky = [arb(float(b)) for b in self.of.a.shading.background]
         radiance = self.radiance(phi, psi, label, weighted=False)
         for f, top, b in zip(radiance, self.of.most, sky, strict=True):
             if not f.is_finite():
@@ -101,7 +101,7 @@ class SphereChart:
     def _label(self, normal: list[Any], q: list[Any]) -> tuple[Any, ...]:
         """Whether the texture is bright, then of each light 0 dark, 1 behind the terminator, 2 lit; None undecided."""
         of = self.of
-        opened = of.a.shading[6] == at.OPEN and of.a.shading[2] > 0
+        opened = of.a.shading.terminator == at.OPEN and of.a.shading.ks > 0
         states: list[int | None] = []
         for light, _ in of.lights:
             to = [x - y for x, y in zip(light, q, strict=True)]
@@ -123,13 +123,13 @@ class SphereChart:
         from flint import arb
 
         s = self.of.a.spheres[self.j]
-        if s[at.TEXTURE] == at.SOLID:
+        if s.texture == at.SOLID:
             return True
         u = arb.atan2(normal[1], normal[0]) / (2 * arb.pi()) + 0.5
-        sign = (u * float(s[at.KU])).sin_pi()
-        if s[at.TEXTURE] == at.CHECKER:
+        sign = (u * float(s.ku)).sin_pi()
+        if s.texture == at.CHECKER:
             v = normal[2].max(arb(-1)).min(arb(1)).acos() / arb.pi()
-            sign = sign * (v * float(s[at.KV])).sin_pi()
+            sign = sign * (v * float(s.kv)).sin_pi()
         return True if sign >= 0 else (False if sign < 0 else None)
 
     def radiance(self, phi: Any, psi: Any, label: tuple[Any, ...], *, weighted: bool = True) -> list[Any]:
@@ -145,27 +145,31 @@ class SphereChart:
         weight = (dot(w, of.m).log() * of.n).exp() * measure / of.total if weighted else arb(1)
         if self.of.brdf and weighted:
             weight *= w[2]
-        view = unit([e - x for e, x in zip(of.eye, q, strict=True)]) if shading[5] == at.EYE else [-x for x in w]
+        view = (
+            unit([e - x for e, x in zip(of.eye, q, strict=True)])
+            if shading.highlight_view == at.EYE
+            else [-x for x in w]
+        )
         s = of.a.spheres[self.j]
-        factor = arb(1 if label[0] else float(s[at.DARK]))
+        factor = arb(1 if label[0] else float(s.dark))
         if label[0] is None:
             factor = factor.union(arb(1))
-        sums = [shading[0] * shading[7 + c] - shading[10 + c] + 0 * weight for c in range(3)]
+        sums = [shading.ka * shading.ambient[c] - shading.background[c] + 0 * weight for c in range(3)]
         for (light, color), state in zip(of.lights, label[1:], strict=True):
             if state == 0:
                 continue
             l = unit([x - y for x, y in zip(light, q, strict=True)])
             cosine = dot(l, normal)
-            if shading[4] == at.PHONG:
+            if shading.model == at.PHONG:
                 base = 2 * cosine * dot(normal, view) - dot(l, view)
             else:
                 base = dot(unit([x + y for x, y in zip(l, view, strict=True)]), normal)
-            gleam = highlight(base, float(shading[3]))
+            gleam = highlight(base, float(shading.shininess))
             if state is None:
                 cosine, gleam = cosine.max(arb(0)).union(arb(0)), gleam.union(arb(0))
             for c in range(3):
-                lambert = float(shading[1]) * float(s[at.COLOR + c]) * factor * cosine if state != 1 else 0
-                sums[c] = sums[c] + color[c] * (lambert + float(shading[2]) * gleam)
+                lambert = float(shading.kd) * float(s.color[c]) * factor * cosine if state != 1 else 0
+                sums[c] = sums[c] + color[c] * (lambert + float(shading.ks) * gleam)
         return [x * weight for x in sums]
 
     def _gauss(self, box: tuple[float, float, float, float], label: tuple[Any, ...]) -> list[Any] | None:

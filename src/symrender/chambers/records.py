@@ -23,6 +23,15 @@ class LightPoint(Record):
     axis: Three
 
 
+class LightMove(Record):
+    """How a light point moves with a parameter: place, colour, and of an exact disk its radius and its frame's turn."""
+
+    position: Three
+    color: Three
+    radius: float
+    turn: Three
+
+
 class Chart(Record):
     """One (point, shape) pair: the frame of the chart, the shape in it, the lobe in it."""
 

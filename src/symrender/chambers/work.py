@@ -23,7 +23,7 @@ from symrender.chambers.records import (
     Wall,
 )
 from symrender.kernel_cache import inlined, jitable
-from symrender.records import Table, rows_of, table
+from symrender.records import Table, table
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.records import Floor, Shading, Sphere
 
@@ -100,11 +100,11 @@ def begin_counts(limit: int, work: Work) -> None:
 def scene_view(arrays: SceneArrays, points: Table[LightPoint]) -> View:
     """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); memory is shared but for the eye."""
     return View(
-        spheres=rows_of(Sphere, arrays.spheres),
-        floor=rows_of(Floor, arrays.floor)[0],
+        spheres=arrays.spheres,
+        floor=arrays.floor,
         points=points,
-        shading=rows_of(Shading, arrays.shading)[0],
-        eye=np.ascontiguousarray(arrays.camera[1:4]),
+        shading=arrays.shading,
+        eye=np.ascontiguousarray(arrays.camera.eye),
     )
 
 

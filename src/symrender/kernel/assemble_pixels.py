@@ -26,7 +26,8 @@ from symrender.kernel import (
 )
 from symrender.kernel.program import Program
 from symrender.limits import MAX_SIMULATOR_LIGHT_POINTS, MAX_SIMULATOR_LOBE, MAX_SIMULATOR_SPHERES
-from symrender.scene import arrays as at
+from symrender.records import columns
+from symrender.scene.records import Camera, Floor, Shading, Sphere
 
 
 @dataclass(frozen=True)
@@ -41,15 +42,15 @@ class Table:
 
 TABLES: Final[dict[str, Table]] = {
     "image_frame": Table(7),
-    "camera": Table(at.CAMERA_COLUMNS),
+    "camera": Table(columns(Camera)),
     "axes": Table(10),
     "eye": Table(3),
-    "floor": Table(at.FLOOR_COLUMNS),
-    "shading": Table(at.SHADING_COLUMNS),
+    "floor": Table(columns(Floor)),
+    "shading": Table(columns(Shading)),
     "estimate": Table(6),
     "seen": Table(16, image=True),
     "disc": Table(12),
-    "spheres": Table(at.SPHERE_COLUMNS, MAX_SIMULATOR_SPHERES),
+    "spheres": Table(columns(Sphere), MAX_SIMULATOR_SPHERES),
     "points": Table(6, MAX_SIMULATOR_LIGHT_POINTS),
     "lobes": Table(5, MAX_SIMULATOR_SPHERES + 1),
     "rings": Table(4, (MAX_SIMULATOR_SPHERES + 1) * MAX_SIMULATOR_LOBE),

@@ -6,11 +6,11 @@ import sympy as sp
 
 from symrender.expression import footprint
 from symrender.kernel.block import Block, real
-from symrender.kernel.program import Array, Function
+from symrender.kernel.program import Function, Records
 from symrender.limits import MAX_FOOTPRINT_LINES
-from symrender.scene import arrays as at
+from symrender.scene.records import Floor
 
-FLOOR = Array("floor", 1)
+FLOOR = Records("floor", 1, Floor)
 _RESOLVED = 2**52
 """Farthest from the origin, in cells, that a double still tells one cell from the next."""
 
@@ -28,19 +28,19 @@ def _leave_share(block: Block, mean: sp.Expr) -> None:
 def _leave_mean_beyond_resolution(block: Block, x: sp.Expr, y: sp.Expr) -> None:
     """Leave with 1/2 where the cell a point lies in is lost to rounding, and its number to any integer."""
     for k, value in enumerate((x, y)):
-        with block.when(sp.Abs(value - FLOOR[at.FLOOR_OFFSET + k]) > _RESOLVED * FLOOR[at.FLOOR_CELL]):
+        with block.when(sp.Abs(value - FLOOR.field("offset", part=k)) > _RESOLVED * FLOOR.field("cell")):
             block.leave(sp.Rational(1, 2))
 
 
 def box_share() -> Function:
     """Bright share of an axis-aligned rectangle of the floor: exact, and exact for every pixel of a plane camera."""
     x, y, width, height = real("x"), real("y"), real("width"), real("height")
-    cell = FLOOR[at.FLOOR_CELL]
+    cell = FLOOR.field("cell")
     block = Block()
     for side in (-1, 1):
         _leave_mean_beyond_resolution(block, x + side * width, y + side * height)
-    across = block.let("across", footprint.interval_mean((x - FLOOR[at.FLOOR_OFFSET]) / cell, width / cell))
-    along = block.let("along", footprint.interval_mean((y - FLOOR[at.FLOOR_OFFSET + 1]) / cell, height / cell))
+    across = block.let("across", footprint.interval_mean((x - FLOOR.field("offset")) / cell, width / cell))
+    along = block.let("along", footprint.interval_mean((y - FLOOR.field("offset", part=1)) / cell, height / cell))
     _leave_share(block, across * along)
     return Function("box_share", (x, y, width, height, FLOOR), block.statements, "bright share of a floor rectangle")
 
@@ -88,17 +88,17 @@ def quad_share() -> Function:
     length, so the mean dropped is at most length/(2 area), in cells.
     """
     corners = [real(f"{axis}_{k}") for k in range(4) for axis in "xy"]
-    cell = FLOOR[at.FLOOR_CELL]
+    cell = FLOOR.field("cell")
     block = Block()
     for k in range(4):
         _leave_mean_beyond_resolution(block, corners[2 * k], corners[2 * k + 1])
     # in cells, from an even grid point near the first corner: the pattern is the same and no digits are lost
     base = [
-        block.let(f"base_{axis}", 2 * sp.floor((corners[k] - FLOOR[at.FLOOR_OFFSET + k]) / (2 * cell)))
+        block.let(f"base_{axis}", 2 * sp.floor((corners[k] - FLOOR.field("offset", part=k)) / (2 * cell)))
         for k, axis in enumerate("ab")
     ]
     scaled = [
-        block.let(f"{'ab'[k % 2]}_{k // 2}", (value - FLOOR[at.FLOOR_OFFSET + k % 2]) / cell - base[k % 2])
+        block.let(f"{'ab'[k % 2]}_{k // 2}", (value - FLOOR.field("offset", part=k % 2)) / cell - base[k % 2])
         for k, value in enumerate(corners)
     ]
     apart = [block.let(f"{'uv'[k % 2]}_{k // 2}", value - scaled[k % 2]) for k, value in enumerate(scaled)]

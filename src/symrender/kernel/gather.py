@@ -15,7 +15,7 @@ from symrender.expression.lobe import disc_cosines, lobe_frame, mirror_direction
 from symrender.expression.vectors import Vec3, cross, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function
-from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, row_vector
+from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
 from symrender.kernel.trace import EYE, sphere_distance
 from symrender.scene import arrays as at
 
@@ -58,8 +58,8 @@ def candidates() -> Function:
     with block.loop("j", SPHERES.length) as j:
         with block.when(sp.Eq(leaves, at.FIRST_SPHERE + j)):
             block.next()
-        f = block.let_vector("f", row_vector(SPHERES, j, at.CENTER) - p)
-        radius = block.let("radius", SPHERES[j, at.RADIUS])
+        f = block.let_vector("f", SPHERES.vector("center", j) - p)
+        radius = block.let("radius", SPHERES.field("radius", j))
         c, along = block.lets({"c": intersection.power(f, radius), "along": dot(f, m)})
         rim = cos_max * sp.sqrt(sp.Max(0, c)) - sin_max * radius
         slack = _SLACK * (sp.Abs(along) + radius)
@@ -107,9 +107,9 @@ def gather() -> Function:
     found = whole("found")
     block.call("candidates", (p, m, u1, u2, leaves, cos_max, sin_max, SPHERES, WORK), "found")
     n1, n2, n3 = block.lets({"n_1": dot(normal, u1), "n_2": dot(normal, u2), "n_3": dot(normal, m)})
-    background = [SHADING[at.BACKGROUND + c] for c in range(3)]
+    background = [SHADING.field("background", part=c) for c in range(3)]
     sees_floor = block.count("sees_floor", sp.Integer(0))
-    with block.when(sp.And(sp.Eq(FLOOR[at.FLOOR_PRESENT], 1), sp.Ne(leaves, at.FLOOR), sp.Ne(p.z, 0))):
+    with block.when(sp.And(sp.Eq(FLOOR.field("present"), 1), sp.Ne(leaves, at.FLOOR), sp.Ne(p.z, 0))):
         block.set(sees_floor, sp.Integer(1))
     dark = sp.And(*(sp.Eq(value, 0) for value in background))
     with block.when(sp.And(sp.Eq(found, 0), sp.Eq(sees_floor, 0), dark)):
@@ -132,7 +132,7 @@ def gather() -> Function:
         with block.when(cosine <= 0):
             block.next()
         share = block.let("share", RULES[rule, s, 3])
-        with block.when(sp.Eq(SHADING[at.UNITS], at.BRDF_NORMALISED)):
+        with block.when(sp.Eq(SHADING.field("units"), at.BRDF_NORMALISED)):
             block.set(share, share * cosine)
         best, shape = block.let("best", sp.oo), block.count("shape", sp.Integer(at.NOTHING))
         with block.loop("k", found) as k:
@@ -141,8 +141,8 @@ def gather() -> Function:
             with block.when(sp.Or(c < 0, sp.And(approach > 0, approach**2 >= c))):
                 j = block.count("j", sp.floor(WORK[k, 0]))
                 w = _world(block, x, y, z, u1, u2, m)
-                f = block.let_vector("f", row_vector(SPHERES, j, at.CENTER) - p)
-                radius = block.let("radius", SPHERES[j, at.RADIUS])
+                f = block.let_vector("f", SPHERES.vector("center", j) - p)
+                radius = block.let("radius", SPHERES.field("radius", j))
                 chord2 = block.let("chord2", intersection.discriminant(f, w, radius))
                 with block.when(sp.Or(c < 0, chord2 >= 0)):
                     _, _, distance = sphere_distance(block, intersection.approach(f, w), c, chord2)
@@ -162,7 +162,7 @@ def gather() -> Function:
                 _add(block, total, rest, share * value)
             block.next()
         w = _world(block, x, y, z, u1, u2, m)
-        arguments = (p, w, SHADING[5], EYE, SPHERES, FLOOR, POINTS, SHADING)
+        arguments = (p, w, SHADING.field("highlight_view"), EYE, SPHERES, FLOOR, POINTS, SHADING)
         with block.when(sp.Eq(shape, at.FLOOR)):
             seen = block.call("floor_radiance", arguments, "r", "g", "blue")
         with block.otherwise():

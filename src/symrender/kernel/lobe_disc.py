@@ -46,28 +46,28 @@ def _numbered(name: str, apart: bool, doc: str) -> Function:
     normal = block.let_vector("n", Vec3(sp.Integer(0), sp.Integer(0), sp.Integer(1)))
     bright, side = block.let("bright", sp.Integer(1)), block.let("side", sp.Integer(1))
     with block.when(sp.Eq(shape, at.FLOOR)):
-        with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
+        with block.when(sp.Eq(FLOOR.field("kind"), at.CHECKER)):
             block.call("floor_side", (q.x, q.y, FLOOR), "bright")
             if apart:
                 for k, value in enumerate((q.x, q.y)):
-                    _mix(block, mixed, (value - FLOOR[at.FLOOR_OFFSET + k]) / FLOOR[at.FLOOR_CELL])
+                    _mix(block, mixed, (value - FLOOR.field("offset", part=k)) / FLOOR.field("cell"))
         block.let_vector("q", Vec3(q.x, q.y, sp.Integer(0)))
     with block.otherwise():
         j = block.count("j", shape - at.FIRST_SPHERE)
-        center, radius = row_vector(SPHERES, j, at.CENTER), SPHERES[j, at.RADIUS]
+        center, radius = SPHERES.vector("center", j), SPHERES.field("radius", j)
         outward = block.let_vector("o", unit(q - center))
         with block.when(dot(outward, w) > 0):
             block.set(side, sp.Integer(-1))
         block.let_vector("n", outward * side)
         block.let_vector("q", center + outward * radius)
-        with block.when(sp.Ne(SPHERES[j, at.TEXTURE], at.MARBLE)):
+        with block.when(sp.Ne(SPHERES.field("texture", j), at.MARBLE)):
             block.call("texture_factor", (j, outward, SPHERES), "bright")
             if apart:
                 u, v = texture.chart(Vec3(outward.x, outward.y, sp.Max(-1, sp.Min(1, outward.z))))
-                with block.when(sp.Ne(SPHERES[j, at.TEXTURE], at.SOLID)):
-                    _mix(block, mixed, u * SPHERES[j, at.KU])
-                with block.when(sp.Eq(SPHERES[j, at.TEXTURE], at.CHECKER)):
-                    _mix(block, mixed, v * SPHERES[j, at.KV])
+                with block.when(sp.Ne(SPHERES.field("texture", j), at.SOLID)):
+                    _mix(block, mixed, u * SPHERES.field("ku", j))
+                with block.when(sp.Eq(SPHERES.field("texture", j), at.CHECKER)):
+                    _mix(block, mixed, v * SPHERES.field("kv", j))
     with block.when(bright < 1):
         block.call("scramble", (xor(mixed, 1),), "mixed")
     with block.loop("light", POINTS.length) as light:
@@ -197,13 +197,13 @@ def silhouette_direction() -> Function:
     """A direction on the silhouette of sphere j seen from the disc's point, ``inset`` of its half-angle inside."""
     j, turn, inset = whole("j"), real("turn"), real("inset")
     block = Block()
-    f = block.let_vector("f", row_vector(SPHERES, j, at.CENTER) - row_vector(DISC, None, 0))
+    f = block.let_vector("f", SPHERES.vector("center", j) - row_vector(DISC, None, 0))
     distance = block.let("distance", sp.sqrt(norm2(f)))
-    with block.when(distance <= SPHERES[j, at.RADIUS]):
+    with block.when(distance <= SPHERES.field("radius", j)):
         block.leave(*(sp.Integer(0),) * 3)
     axis = block.let_vector("m", f / distance)
     found = block.call("frame", (axis,), *(f"{a}_{part}" for a in "ab" for part in "xyz"))
-    alpha = block.let("alpha", sp.asin(SPHERES[j, at.RADIUS] / distance) * (1 - inset))
+    alpha = block.let("alpha", sp.asin(SPHERES.field("radius", j) / distance) * (1 - inset))
     block.leave(*_cone(block, axis, found, sp.cos(alpha), sp.sin(alpha), turn).parts)
     doc = "unit direction on the silhouette of sphere j; 0 from inside it"
     return Function("silhouette_direction", (j, turn, inset, SPHERES, DISC), block.statements, doc)
@@ -221,7 +221,7 @@ def terminator_direction() -> Function:
     """A direction towards the terminator of light point ``light`` on sphere j, and whether its side is in view."""
     j, light, turn = whole("j"), whole("light"), real("turn")
     block = Block()
-    center, radius = row_vector(SPHERES, j, at.CENTER), SPHERES[j, at.RADIUS]
+    center, radius = SPHERES.vector("center", j), SPHERES.field("radius", j)
     p = row_vector(DISC, None, 0)
     f = block.let_vector("f", row_vector(POINTS, light, 0) - center)
     distance = block.let("distance", sp.sqrt(norm2(f)))

@@ -15,7 +15,6 @@ from symrender.kernel.lobe_disc import DISC, lobe_frame
 from symrender.kernel.lobe_table import LOBES
 from symrender.kernel.program import Function
 from symrender.kernel.shade import SPHERES, row_vector
-from symrender.scene import arrays as at
 
 
 def lobe_direction() -> Function:
@@ -63,8 +62,8 @@ def silhouette_circle() -> Function:
     """The circle of directions (c, cosine) that is the silhouette of sphere j; cosine 2 from inside it."""
     j = whole("j")
     block = Block()
-    f = block.let_vector("f", row_vector(SPHERES, j, at.CENTER) - row_vector(DISC, None, 0))
-    distance2, radius = block.let("distance_squared", norm2(f)), block.let("radius", SPHERES[j, at.RADIUS])
+    f = block.let_vector("f", SPHERES.vector("center", j) - row_vector(DISC, None, 0))
+    distance2, radius = block.let("distance_squared", norm2(f)), block.let("radius", SPHERES.field("radius", j))
     with block.when(distance2 <= radius**2):
         block.leave(sp.Integer(0), sp.Integer(0), sp.Integer(1), sp.Integer(2))
     axis = f / block.let("distance", sp.sqrt(distance2))
@@ -81,8 +80,8 @@ def silhouette_turns() -> Function:
     j = whole("j")
     block = Block()
     u1, u2, m = lobe_frame(block, row_vector(DISC, None, 3), row_vector(DISC, None, 6))
-    f = block.let_vector("f", row_vector(SPHERES, j, at.CENTER) - row_vector(DISC, None, 0))
-    radius, along = block.let("radius", SPHERES[j, at.RADIUS]), block.let("along", dot(f, m))
+    f = block.let_vector("f", SPHERES.vector("center", j) - row_vector(DISC, None, 0))
+    radius, along = block.let("radius", SPHERES.field("radius", j)), block.let("along", dot(f, m))
     across = block.let("across", sp.sqrt(sp.Max(0, norm2(f) - along**2)))
     middle = block.let("middle", sp.atan2(dot(f, u2), dot(f, u1)) / (2 * sp.pi))
     with block.when(across <= radius):

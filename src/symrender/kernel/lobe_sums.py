@@ -92,7 +92,7 @@ def _trace(block: Block, p: Vec3, normal: Vec3, frame: tuple[Vec3, Vec3, Vec3], 
     block.call("nearest", (p, w, whole("leaves"), SPHERES, FLOOR), "shape", "distance")
     with block.when(sp.Eq(shape, at.NOTHING)):
         for c, name in enumerate("rgb"):
-            block.set(real(f"sum_{name}"), real(f"sum_{name}") + weight * SHADING[at.BACKGROUND + c])
+            block.set(real(f"sum_{name}"), real(f"sum_{name}") + weight * SHADING.field("background", part=c))
     with block.otherwise():
         block.store(HITS[found], (shape * _RADIX + whole("ring")) * _RADIX + whole("sector"))
         block.set(found, found + 1)

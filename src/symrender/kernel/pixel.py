@@ -57,7 +57,7 @@ def pixel_direct() -> Function:
     block = Block()
     shape, d, q, normal = _read(block)
     with block.when(sp.Eq(shape, at.NOTHING)):
-        block.leave(*(SHADING[at.BACKGROUND + c] for c in range(3)), shape)
+        block.leave(*(SHADING.field("background", part=c) for c in range(3)), shape)
     with block.when(sp.And(sp.Eq(shape, at.FLOOR), EYE[2] <= 0)):
         block.leave(*(sp.Integer(0),) * 3, shape)
     albedo = tuple(SEEN[11 + c] for c in range(3))
@@ -73,9 +73,9 @@ def _with_lobe(block: Block) -> tuple[sp.Symbol, Vec3, Vec3, Vec3]:
     shape, d, q, normal = _read(block)
     weight = block.let("lobe_weight", sp.Integer(0))
     with block.when(shape >= at.FIRST_SPHERE):
-        block.set(weight, SPHERES[shape - at.FIRST_SPHERE, at.LOBE])
+        block.set(weight, SPHERES.field("weight", shape - at.FIRST_SPHERE))
     with block.when(sp.And(sp.Eq(shape, at.FLOOR), EYE[2] > 0)):
-        block.set(weight, FLOOR[at.FLOOR_LOBE])
+        block.set(weight, FLOOR.field("weight"))
     with block.when(weight <= 0):
         block.leave(*(sp.Integer(0),) * 4)
     return shape, d, q, normal

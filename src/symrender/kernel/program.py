@@ -11,6 +11,9 @@ from typing import TypeAlias
 
 import sympy as sp
 
+from symrender.expression.vectors import Vec3
+from symrender.records import Record, column
+
 
 @dataclass(frozen=True)
 class Let:
@@ -100,6 +103,25 @@ class Array:
     def symbol(self) -> sp.Symbol:
         """The array itself, as an argument of a call."""
         return sp.Symbol(self.name)
+
+
+@dataclass(frozen=True)
+class Records(Array):
+    """A table of records (two axes), or one record (one axis), of float64 fields.
+
+    An element is held by the number of its place in the record; languages that know records print the field's name.
+    """
+
+    record: type[Record]
+
+    def field(self, name: str, row: sp.Expr | int | None = None, part: sp.Expr | int = 0) -> sp.Indexed:
+        """A number of a field: ``part`` of a vector, of this ``row`` of a table."""
+        place = column(self.record, name) + part
+        return self[place] if row is None else self[row, place]
+
+    def vector(self, name: str, row: sp.Expr | int | None = None) -> Vec3:
+        """A field of three numbers."""
+        return Vec3(*(self.field(name, row, k) for k in range(3)))
 
 
 Parameter: TypeAlias = sp.Symbol | Array

@@ -7,13 +7,14 @@ import sympy as sp
 from symrender.expression import intersection, shading, texture
 from symrender.expression.vectors import Vec3, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
-from symrender.kernel.program import Array, Function
+from symrender.kernel.program import Array, Function, Records
 from symrender.limits import MAX_PRODUCT_EXPONENT, MAX_TEXTURE_DEGREE
 from symrender.scene import arrays as at
+from symrender.scene.records import Floor, Shading, Sphere
 
-SPHERES = Array("spheres", 2)
-FLOOR = Array("floor", 1)
-SHADING = Array("shading", 1)
+SPHERES = Records("spheres", 2, Sphere)
+FLOOR = Records("floor", 1, Floor)
+SHADING = Records("shading", 1, Shading)
 POINTS = Array("points", 2)
 """Light points: position 0:3, colour share 3:6 (the light's colour over the number of its points)."""
 
@@ -56,10 +57,10 @@ def texture_factor() -> Function:
     """What a sphere's texture multiplies its colour by, at a unit outward normal."""
     j, normal = whole("j"), vec3("n")
     block = Block()
-    kind = block.let("kind", SPHERES[j, at.TEXTURE])
+    kind = block.let("kind", SPHERES.field("texture", j))
     with block.when(sp.Eq(kind, at.SOLID)):
         block.leave(sp.Integer(1))
-    ku, kv = block.let("ku", SPHERES[j, at.KU]), block.let("kv", SPHERES[j, at.KV])
+    ku, kv = block.let("ku", SPHERES.field("ku", j)), block.let("kv", SPHERES.field("kv", j))
     with block.when(sp.Eq(kind, at.MARBLE)):
         u, v = texture.chart(Vec3(normal.x, normal.y, sp.Max(-1, sp.Min(1, normal.z))))
         block.leave(block.let("veins", texture.marble(u, v, ku, kv)))
@@ -94,7 +95,7 @@ def texture_factor() -> Function:
             block.set(side, side * wave_sign(block, v * kv))
     with block.when(side >= 0):
         block.leave(sp.Integer(1))
-    block.leave(SPHERES[j, at.DARK])
+    block.leave(SPHERES.field("dark", j))
     return Function(
         "texture_factor",
         (j, *normal.parts, SPHERES),
@@ -108,8 +109,8 @@ def floor_side() -> Function:
     """1 on a bright square of the floor and on its border, 0 on a dark one."""
     x, y = real("x"), real("y")
     block = Block()
-    a = block.let("a", (x - FLOOR[at.FLOOR_OFFSET]) / FLOOR[at.FLOOR_CELL])
-    b = block.let("b", (y - FLOOR[at.FLOOR_OFFSET + 1]) / FLOOR[at.FLOOR_CELL])
+    a = block.let("a", (x - FLOOR.field("offset")) / FLOOR.field("cell"))
+    b = block.let("b", (y - FLOOR.field("offset", part=1)) / FLOOR.field("cell"))
     number = block.let("number", texture.floor_parity(a, b, sp.Integer(1), sp.Integer(0), sp.Integer(0)))
     even = sp.Eq(sp.Mod(number, 2), 0)
     with block.when(sp.Or(even, sp.Eq(a, sp.floor(a)), sp.Eq(b, sp.floor(b)))):
@@ -128,13 +129,13 @@ def blocked() -> Function:
     block = Block()
     with block.when(sp.Eq(leaves, at.FLOOR)), block.when(light.z <= 0):
         block.leave(sp.Integer(1))
-    with block.otherwise(), block.when(sp.And(sp.Eq(FLOOR[at.FLOOR_PRESENT], 1), q.z * light.z < 0)):
+    with block.otherwise(), block.when(sp.And(sp.Eq(FLOOR.field("present"), 1), q.z * light.z < 0)):
         block.leave(sp.Integer(1))
     to_light = block.let_vector("d", light - q)
     with block.loop("k", SPHERES.length) as k:
-        center = row_vector(SPHERES, k, at.CENTER)
+        center = SPHERES.vector("center", k)
         offset = block.let_vector("o", q - center)
-        radius = block.let("radius", SPHERES[k, at.RADIUS])
+        radius = block.let("radius", SPHERES.field("radius", k))
         with block.when(sp.Eq(leaves, at.FIRST_SPHERE + k)):
             with block.when(intersection.power(light - center, radius) * side < 0):
                 block.leave(sp.Integer(1))
@@ -181,7 +182,7 @@ def direct() -> Function:
     q, normal, view = vec3("q"), vec3("n"), vec3("v")
     albedo = tuple(real(f"albedo_{c}") for c in "rgb")
     leaves, side = whole("leaves"), real("side")
-    ka, kd, ks = SHADING[0], SHADING[1], SHADING[2]
+    ka, kd, ks = SHADING.field("ka"), SHADING.field("kd"), SHADING.field("ks")
     block = Block()
     sums = [block.let(f"{kind}_{c}", sp.Integer(0)) for kind in ("diffuse", "gleam") for c in "rgb"]
     with block.loop("light", POINTS.length) as light:
@@ -192,18 +193,19 @@ def direct() -> Function:
         (hidden,) = block.call("blocked", (q, place, leaves, side, SPHERES, FLOOR), "hidden")
         with block.when(sp.Eq(hidden, 1)):
             block.next()
-        factors = (normal, view, to_light, SHADING[4])
+        factors = (normal, view, to_light, SHADING.field("model"))
         cosine, highlight, square = block.call("light_factors", factors, "cosine", "highlight", "square")
         with block.when(cosine > 0):
             for channel in range(3):
                 block.set(sums[channel], sums[channel] + POINTS[light, 3 + channel] * cosine)
-        shown = sp.Or(cosine > 0, sp.Eq(SHADING[6], at.OPEN))
-        with block.when(sp.And(shown, sp.Or(highlight > 0, sp.Eq(SHADING[3], 0)))):
-            (gleam,) = block.call("power", (square, SHADING[3] / 2), "gleam")
+        shown = sp.Or(cosine > 0, sp.Eq(SHADING.field("terminator"), at.OPEN))
+        with block.when(sp.And(shown, sp.Or(highlight > 0, sp.Eq(SHADING.field("shininess"), 0)))):
+            (gleam,) = block.call("power", (square, SHADING.field("shininess") / 2), "gleam")
             for channel in range(3):
                 block.set(sums[3 + channel], sums[3 + channel] + POINTS[light, 3 + channel] * gleam)
     terms = [
-        ka * SHADING[at.AMBIENT + c] + shading.light_term(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
+        ka * SHADING.field("ambient", part=c)
+        + shading.light_term(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
         for c in range(3)
     ]
     block.leave(*terms)
@@ -232,13 +234,13 @@ def lit() -> Function:
 def sphere_albedo(block: Block, j: sp.Expr, outward: Vec3) -> tuple[sp.Expr, ...]:
     """Write the albedo of sphere j at its unit outward normal."""
     (factor,) = block.call("texture_factor", (j, outward, SPHERES), "factor")
-    return tuple(SPHERES[j, at.COLOR + c] * factor for c in range(3))
+    return tuple(SPHERES.field("color", j, part=c) * factor for c in range(3))
 
 
 def floor_albedo(bright_share: sp.Expr) -> tuple[sp.Expr, ...]:
     """Albedo of the floor where ``bright_share`` of what is seen is bright."""
     return tuple(
-        FLOOR[at.FLOOR_DARK + c] + bright_share * (FLOOR[at.FLOOR_BRIGHT + c] - FLOOR[at.FLOOR_DARK + c])
+        FLOOR.field("dark", part=c) + bright_share * (FLOOR.field("bright", part=c) - FLOOR.field("dark", part=c))
         for c in range(3)
     )
 

@@ -31,7 +31,7 @@ def sight() -> Function:
     shape = whole("shape")
     block.call("nearest", (p, w, leaves, SPHERES, FLOOR), "shape", "distance")
     with block.when(sp.Eq(shape, at.NOTHING)):
-        block.leave(*(SHADING[at.BACKGROUND + c] for c in range(3)), shape)
+        block.leave(*(SHADING.field("background", part=c) for c in range(3)), shape)
     rgb = block.call("met", (p, w, shape, *WORLD), "r", "g", "blue")
     block.leave(*rgb, shape)
     doc = "(r, g, b, hit class) of what w sees from p"
@@ -51,15 +51,15 @@ def met() -> Function:
     albedo = [block.let(name, sp.Integer(0)) for name in CHANNELS]
     with block.when(sp.Eq(shape, at.FLOOR)):
         bright = block.let("bright", sp.Integer(1))
-        with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
+        with block.when(sp.Eq(FLOOR.field("kind"), at.CHECKER)):
             (found,) = block.call("floor_side", (q.x, q.y, FLOOR), "found")
             block.set(bright, found)
         block.lets(dict(zip(CHANNELS, floor_albedo(bright), strict=True)))
     with block.otherwise():
         j = block.count("j", shape - at.FIRST_SPHERE)
-        center = block.let_vector("center", row_vector(SPHERES, j, at.CENTER))
+        center = block.let_vector("center", SPHERES.vector("center", j))
         f = block.let_vector("f", center - p)
-        radius = block.let("radius", SPHERES[j, at.RADIUS])
+        radius = block.let("radius", SPHERES.field("radius", j))
         b, c = block.lets({"b": intersection.approach(f, w), "c": intersection.power(f, radius)})
         half_chord, facing, _ = sphere_distance(block, b, c, intersection.discriminant(f, w, radius))
         block.set(side, facing)
@@ -68,7 +68,7 @@ def met() -> Function:
         rgb = sphere_albedo(block, j, block.let_vector("o", normal * facing))
         block.lets(dict(zip(CHANNELS, rgb, strict=True)))
     view = block.let_vector("v", -w)
-    with block.when(sp.Eq(SHADING[5], at.EYE)):
+    with block.when(sp.Eq(SHADING.field("highlight_view"), at.EYE)):
         to_eye = block.let_vector("to_eye", row_vector(EYE, None, 0) - q)
         length = block.let("eye_distance", sp.sqrt(norm2(to_eye)))
         with block.when(length > 0):
@@ -118,12 +118,12 @@ def blocked() -> Function:
     hidden, light_z = block.let("hidden", sp.Integer(0)), block.let("light_z", q.z + to_light.z)
     with block.when(sp.Eq(leaves, at.FLOOR)), block.when(light_z <= 0):
         block.set(hidden, sp.Integer(1))
-    with block.otherwise(), block.when(FLOOR[at.FLOOR_PRESENT] * q.z * light_z < 0):
+    with block.otherwise(), block.when(FLOOR.field("present") * q.z * light_z < 0):
         block.set(hidden, sp.Integer(1))
     length2 = block.let("length2", norm2(to_light))
     with block.loop("k", SPHERES.length) as k:
-        offset = block.let_vector("o", q - row_vector(SPHERES, k, at.CENTER))
-        _, b, c = intersection.segment_coefficients(offset, to_light, SPHERES[k, at.RADIUS])
+        offset = block.let_vector("o", q - SPHERES.vector("center", k))
+        _, b, c = intersection.segment_coefficients(offset, to_light, SPHERES.field("radius", k))
         slope, inside = block.let("slope", b), block.let("inside", c)
         end = block.let("end", length2 + 2 * slope + inside)
         with block.when(sp.Eq(leaves, at.FIRST_SPHERE + k)), block.when(end * side < 0):
@@ -145,9 +145,9 @@ def direct() -> Function:
     sums = [block.let(f"{kind}_{c}", sp.Integer(0)) for kind in ("diffuse", "gleam") for c in "rgb"]
     # what N.d must exceed for a light to be looked at, and the highlight's cosine for it to gleam
     facing, gleaming = block.lets({"facing": sp.Integer(0), "gleaming": sp.Integer(0)})
-    with block.when(sp.Eq(SHADING[6], at.OPEN)):
+    with block.when(sp.Eq(SHADING.field("terminator"), at.OPEN)):
         block.set(facing, -sp.oo)
-    with block.when(sp.Eq(SHADING[3], 0)):
+    with block.when(sp.Eq(SHADING.field("shininess"), 0)):
         block.set(gleaming, -sp.oo)
     with block.loop("light", POINTS.length) as light:
         to_light = block.let_vector("d", row_vector(POINTS, light, 0) - q)
@@ -156,17 +156,20 @@ def direct() -> Function:
         (hidden,) = block.call("blocked", (q, to_light, leaves, side, SPHERES, FLOOR), "hidden")
         with block.when(hidden > 0):
             block.next()
-        cosine, sign, depth = block.call("highlight", (normal, view, to_light, SHADING[4]), "cosine", "sign", "depth")
+        cosine, sign, depth = block.call(
+            "highlight", (normal, view, to_light, SHADING.field("model")), "cosine", "sign", "depth"
+        )
         block.set(cosine, sp.Max(0, cosine))
         for channel in range(3):
             block.set(sums[channel], sums[channel] + POINTS[light, 3 + channel] * cosine)
         with block.when(sign > gleaming):
-            (gleam,) = block.call("power", (depth, SHADING[3] / 2), "gleam")
+            (gleam,) = block.call("power", (depth, SHADING.field("shininess") / 2), "gleam")
             for channel in range(3):
                 block.set(sums[3 + channel], sums[3 + channel] + POINTS[light, 3 + channel] * gleam)
-    ka, kd, ks = SHADING[0], SHADING[1], SHADING[2]
+    ka, kd, ks = SHADING.field("ka"), SHADING.field("kd"), SHADING.field("ks")
     terms = [
-        ka * SHADING[at.AMBIENT + c] + shading.light_term(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
+        ka * SHADING.field("ambient", part=c)
+        + shading.light_term(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
         for c in range(3)
     ]
     block.leave(*terms)

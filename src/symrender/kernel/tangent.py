@@ -9,6 +9,7 @@ the tangent follows the side that gives the value; floor is flat.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import sympy as sp
 
@@ -68,7 +69,7 @@ def doubled(parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
     for p in parameters:
         both.append(p)
         if isinstance(p, Array):
-            both.append(Array(p.name + SUFFIX, p.axes))
+            both.append(replace(p, name=p.name + SUFFIX))
         elif not p.is_integer:
             both.append(dotted(p))
     return tuple(both)

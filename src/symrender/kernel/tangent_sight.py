@@ -30,7 +30,7 @@ def sight() -> Function:
                 block.store(array[row, column, c], value)
         with block.when(sp.Eq(shape, at.NOTHING)):
             for c in range(3):
-                block.store(DIRECT[row, column, c], SHADING[at.BACKGROUND + c])
+                block.store(DIRECT[row, column, c], SHADING.field("background", part=c))
             block.next()
         tiles.shade_pixel(block, shape, sx, sy, d, q, normal)
         for c, value in enumerate(real(name) for name in ("r", "g", "blue")):

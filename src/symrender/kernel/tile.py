@@ -12,12 +12,13 @@ from symrender.expression import intersection
 from symrender.expression.vectors import Vec3, unit, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.gather import RULES, SIZES, WORK
-from symrender.kernel.program import Array, Function
+from symrender.kernel.program import Array, Function, Records
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, floor_albedo, row_vector, sphere_albedo
 from symrender.kernel.trace import EYE, sphere_distance, unit_normal
 from symrender.scene import arrays as at
+from symrender.scene.records import Camera
 
-CAMERA = Array("camera", 1)
+CAMERA = Records("camera", 1, Camera)
 AXES = Array("axes", 1)
 """Look-at camera: forward 0:3, right 3:6, up 6:9, tan(fov/2) 9."""
 FRAME = Array("image_frame", 1)
@@ -31,12 +32,12 @@ HIT_CLASS = Array("hit_class", 2)
 def camera_axes() -> Function:
     """Fill the axes of a look-at camera."""
     block = Block()
-    eye, target, up = (row_vector(CAMERA, None, first) for first in (1, 4, 7))
+    eye, target, up = (CAMERA.vector(name) for name in ("eye", "target", "up"))
     axes = formulas.perspective_axes(eye, target, up)
     names = block.lets({f"axis_{k}": part for k, part in enumerate(part for axis in axes for part in axis.parts)})
     for k, value in enumerate(names):
         block.store(AXES[k], value)
-    block.store(AXES[9], sp.tan(CAMERA[10] * sp.pi / 360))
+    block.store(AXES[9], sp.tan(CAMERA.field("fov") * sp.pi / 360))
     return Function("camera_axes", (CAMERA, AXES), block.statements, "axes of a look-at camera, into axes")
 
 
@@ -49,17 +50,20 @@ def footprint_share() -> Function:
     """Bright share of the floor under the pixel whose centre is (sx, sy) on the screen."""
     sx, sy = real("sx"), real("sy")
     block = Block()
-    with block.when(sp.Eq(CAMERA[0], at.PLANE)):
-        spot = formulas.window_point(sx, sy, CAMERA[4], CAMERA[5], CAMERA[6])
-        sides = (2 * CAMERA[4] / FRAME[4], 2 * CAMERA[4] / FRAME[5])
+    with block.when(sp.Eq(CAMERA.field("kind"), at.PLANE)):
+        window_center = (CAMERA.field("window_center", part=k) for k in range(2))
+        spot = formulas.window_point(sx, sy, CAMERA.field("window_half"), *window_center)
+        sides = (2 * CAMERA.field("window_half") / FRAME[4], 2 * CAMERA.field("window_half") / FRAME[5])
         block.leave(*block.call("box_share", (spot.x, spot.y, *sides, FLOOR), "share"))
     corners: list[sp.Expr] = []
     for k, (right, up) in enumerate(((-1, -1), (1, -1), (1, 1), (-1, 1))):
         ray = block.let_vector(f"c{k}", _screen_direction(sx + right / FRAME[4], sy + up / FRAME[5]))
-        with block.when(ray.z * CAMERA[3] >= 0):
+        with block.when(ray.z * CAMERA.field("eye", part=2) >= 0):
             block.leave(sp.Rational(1, 2))
-        reach = -CAMERA[3] / ray.z
-        corners += block.lets({f"x{k}": CAMERA[1] + ray.x * reach, f"y{k}": CAMERA[2] + ray.y * reach})
+        reach = -CAMERA.field("eye", part=2) / ray.z
+        corners += block.lets(
+            {f"x{k}": CAMERA.field("eye", part=0) + ray.x * reach, f"y{k}": CAMERA.field("eye", part=1) + ray.y * reach}
+        )
     block.leave(*block.call("quad_share", (*corners, FLOOR), "share"))
     return Function(
         "footprint_share",
@@ -82,8 +86,9 @@ def look() -> Function:
     eye = block.let_vector("e", row_vector(EYE, None, 0))
     screen = formulas.screen(column, row, FRAME[4], FRAME[5])
     sx, sy = block.lets(dict(zip(("sx", "sy"), screen, strict=True)))
-    spot = formulas.window_point(sx, sy, CAMERA[4], CAMERA[5], CAMERA[6])
-    with block.when(sp.Eq(CAMERA[0], at.PLANE)):
+    window_center = (CAMERA.field("window_center", part=k) for k in range(2))
+    spot = formulas.window_point(sx, sy, CAMERA.field("window_half"), *window_center)
+    with block.when(sp.Eq(CAMERA.field("kind"), at.PLANE)):
         d = block.let_vector("d", unit(block.let_vector("away", spot - eye)))
     with block.otherwise():
         block.let_vector("d", unit(block.let_vector("away", _screen_direction(sx, sy))))
@@ -91,11 +96,11 @@ def look() -> Function:
     block.call("nearest", (eye, d, sp.Integer(at.NOTHING), SPHERES, FLOOR), "shape", "distance")
     q = block.let_vector("q", Vec3(eye.x + d.x * distance, eye.y + d.y * distance, sp.Integer(0)))
     normal = block.let_vector("n", Vec3(sp.Integer(0), sp.Integer(0), sp.Integer(1)))
-    with block.when(sp.Eq(CAMERA[0], at.PLANE)):
+    with block.when(sp.Eq(CAMERA.field("kind"), at.PLANE)):
         block.let_vector("q", spot)
     with block.when(shape >= at.FIRST_SPHERE):
         j = block.count("j", shape - at.FIRST_SPHERE)
-        center, radius = row_vector(SPHERES, j, at.CENTER), block.let("radius", SPHERES[j, at.RADIUS])
+        center, radius = SPHERES.vector("center", j), block.let("radius", SPHERES.field("radius", j))
         f = block.let_vector("f", center - eye)
         b, c = block.lets({"b": intersection.approach(f, d), "c": intersection.power(f, radius)})
         half_chord, side, _ = sphere_distance(block, b, c, intersection.discriminant(f, d, radius))
@@ -158,9 +163,9 @@ def tile() -> Function:
         block.store(HIT_CLASS[row, column], shape)
         with block.when(sp.Eq(shape, at.NOTHING)):
             for c in range(3):
-                block.store(DIRECT[row, column, c], SHADING[at.BACKGROUND + c])
+                block.store(DIRECT[row, column, c], SHADING.field("background", part=c))
                 block.store(GLOSS[row, column, c], sp.Float(0))
-                block.store(RADIANCE[row, column, c], SHADING[at.BACKGROUND + c])
+                block.store(RADIANCE[row, column, c], SHADING.field("background", part=c))
             block.next()
         shade_pixel(block, shape, sx, sy, d, q, normal)
         for c, value in enumerate(real(name) for name in ("r", "g", "blue")):
@@ -188,7 +193,7 @@ def tile() -> Function:
 def bright_share(block: Block, sx: sp.Symbol, sy: sp.Symbol, q: Vec3) -> sp.Expr:
     """Write how much of the floor that a pixel sees is bright."""
     bright = block.let("bright", sp.Integer(1))
-    with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
+    with block.when(sp.Eq(FLOOR.field("kind"), at.CHECKER)):
         with block.when(sp.Eq(FRAME[6], 1)):
             (share,) = block.call("footprint_share", (sx, sy, CAMERA, AXES, FRAME, FLOOR), "share")
         with block.otherwise():
@@ -200,8 +205,8 @@ def bright_share(block: Block, sx: sp.Symbol, sy: sp.Symbol, q: Vec3) -> sp.Expr
 def facing_side(block: Block, j: sp.Expr) -> sp.Expr:
     """Write 1 where the eye is outside sphere j, -1 where it is inside."""
     side = block.let("side", sp.Integer(1))
-    to_eye = row_vector(EYE, None, 0) - row_vector(SPHERES, j, at.CENTER)
-    with block.when(intersection.power(to_eye, SPHERES[j, at.RADIUS]) < 0):
+    to_eye = row_vector(EYE, None, 0) - SPHERES.vector("center", j)
+    with block.when(intersection.power(to_eye, SPHERES.field("radius", j)) < 0):
         block.set(side, sp.Integer(-1))
     return side
 
@@ -212,7 +217,7 @@ def shade_pixel(block: Block, shape: sp.Symbol, sx: sp.Symbol, sy: sp.Symbol, d:
     rgb = block.lets({"r": sp.Integer(0), "g": sp.Integer(0), "blue": sp.Integer(0)})
     names = [str(value) for value in rgb]
     with block.when(sp.Eq(shape, at.FLOOR)):
-        weight, _ = block.lets({"lobe_weight": FLOOR[at.FLOOR_LOBE], "theta_max": FLOOR[at.FLOOR_LOBE + 2]})
+        weight, _ = block.lets({"lobe_weight": FLOOR.field("weight"), "theta_max": FLOOR.field("theta_max")})
         with block.when(EYE[2] > 0):
             bright = bright_share(block, sx, sy, q)
             arguments = (q, normal, view, *floor_albedo(bright), sp.Integer(at.FLOOR), sp.Float(1))
@@ -221,7 +226,7 @@ def shade_pixel(block: Block, shape: sp.Symbol, sx: sp.Symbol, sy: sp.Symbol, d:
             block.set(weight, sp.Integer(0))
     with block.otherwise():
         j = block.count("j", shape - at.FIRST_SPHERE)
-        block.lets({"lobe_weight": SPHERES[j, at.LOBE], "theta_max": SPHERES[j, at.LOBE + 2]})
+        block.lets({"lobe_weight": SPHERES.field("weight", j), "theta_max": SPHERES.field("theta_max", j)})
         side = facing_side(block, j)
         albedo = sphere_albedo(block, j, block.let_vector("o", normal * side))
         arguments = (q, normal, view, *albedo, shape, side, SPHERES, FLOOR, POINTS, SHADING)

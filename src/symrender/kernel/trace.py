@@ -46,8 +46,8 @@ def nearest() -> Function:
     with block.loop("j", SPHERES.length) as j:
         with block.when(sp.Eq(leaves, at.FIRST_SPHERE + j)):
             block.next()
-        f = block.let_vector("f", row_vector(SPHERES, j, at.CENTER) - p)
-        radius = block.let("radius", SPHERES[j, at.RADIUS])
+        f = block.let_vector("f", SPHERES.vector("center", j) - p)
+        radius = block.let("radius", SPHERES.field("radius", j))
         b, c = block.lets({"b": intersection.approach(f, w), "c": intersection.power(f, radius)})
         chord2 = block.let("chord2", intersection.discriminant(f, w, radius))
         with block.when(sp.Or(c < 0, sp.And(b > 0, chord2 >= 0))):
@@ -55,7 +55,7 @@ def nearest() -> Function:
             with block.when(sp.And(distance > 0, distance < best)):
                 block.set(best, distance)
                 block.set(shape, at.FIRST_SPHERE + j)
-    with block.when(sp.And(sp.Eq(FLOOR[at.FLOOR_PRESENT], 1), sp.Ne(leaves, at.FLOOR), p.z * w.z < 0)):
+    with block.when(sp.And(sp.Eq(FLOOR.field("present"), 1), sp.Ne(leaves, at.FLOOR), p.z * w.z < 0)):
         reach = block.let("reach", -p.z / w.z)
         with block.when(reach < best):
             block.set(best, reach)
@@ -73,9 +73,9 @@ def sphere_radiance() -> Function:
     """Radiance of sphere j, met by the unit direction w from p, towards the viewing direction the scene asks for."""
     j, p, w, eye_view = whole("j"), vec3("p"), vec3("w"), real("eye_view")
     block = Block()
-    center = block.let_vector("center", row_vector(SPHERES, j, at.CENTER))
+    center = block.let_vector("center", SPHERES.vector("center", j))
     f = block.let_vector("f", center - p)
-    radius = block.let("radius", SPHERES[j, at.RADIUS])
+    radius = block.let("radius", SPHERES.field("radius", j))
     b, c = block.lets({"b": intersection.approach(f, w), "c": intersection.power(f, radius)})
     half_chord, side, _ = sphere_distance(block, b, c, intersection.discriminant(f, w, radius))
     normal = unit_normal(block, intersection.normal(f, w, b, half_chord, side, radius))
@@ -104,7 +104,7 @@ def floor_radiance() -> Function:
     reach = block.let("reach", -p.z / w.z)
     x, y = block.lets({"x": p.x + w.x * reach, "y": p.y + w.y * reach})
     bright = block.let("bright", sp.Integer(1))
-    with block.when(sp.Eq(FLOOR[at.FLOOR_KIND], at.CHECKER)):
+    with block.when(sp.Eq(FLOOR.field("kind"), at.CHECKER)):
         (side,) = block.call("floor_side", (x, y, FLOOR), "side")
         block.set(bright, side)
     q = Vec3(x, y, block.let("ground", sp.Integer(0)))
@@ -140,7 +140,7 @@ def see() -> Function:
     block.call("nearest", (p, w, leaves, SPHERES, FLOOR), "shape", "distance")
     arguments = (p, w, eye_view, EYE, SPHERES, FLOOR, POINTS, SHADING)
     with block.when(sp.Eq(shape, at.NOTHING)):
-        block.leave(*(SHADING[at.BACKGROUND + c] for c in range(3)), shape, distance)
+        block.leave(*(SHADING.field("background", part=c) for c in range(3)), shape, distance)
     with block.when(sp.Eq(shape, at.FLOOR)):
         rgb = block.call("floor_radiance", arguments, "r", "g", "blue")
         block.leave(*rgb, shape, distance)
@@ -159,7 +159,7 @@ def trace() -> Function:
         leaves = block.count("leaves", sp.floor(leaving[k]))
         seen = block.call(
             "see",
-            (start, along, leaves, SHADING[5], EYE, SPHERES, FLOOR, POINTS, SHADING),
+            (start, along, leaves, SHADING.field("highlight_view"), EYE, SPHERES, FLOOR, POINTS, SHADING),
             *("r", "g", "blue", "shape", "distance"),
         )
         for column, value in enumerate(seen):

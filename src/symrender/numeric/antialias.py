@@ -16,6 +16,7 @@ from symrender.kernel_cache import inlined
 from symrender.numeric.rays import window_direction
 from symrender.numeric.textures import floor_sign
 from symrender.scene.arrays import PLANE, SOLID, Array
+from symrender.scene.records import Floor
 
 Quad = tuple[float, float, float, float, float, float, float, float]
 """x and y of four corners in order around the patch, relative to the pixel's own floor point."""
@@ -118,17 +119,17 @@ def mean_sign(cx: float, cy: float, quad: Quad) -> float:
 
 
 @inlined
-def pixel_sign(floor: Array, frame: Array, a: float, b: float, da: float, db: float, x: float, y: float) -> float:
+def pixel_sign(floor: Floor, frame: Array, a: float, b: float, da: float, db: float, x: float, y: float) -> float:
     """Mean sign of the chessboard over the pixel's patch of floor, area measure; 0 where it reaches the horizon.
 
     Exact for both cameras up to rounding; a patch too small to have an area is its own point.
     """
-    if floor[1] == SOLID:
+    if floor.kind == SOLID:
         return 1.0
     whole, q = footprint(frame, a, b, da, db, x, y)
     if not whole:
         return 0.0
-    c = floor[8]
+    c = floor.cell
     scaled = (q[0] / c, q[1] / c, q[2] / c, q[3] / c, q[4] / c, q[5] / c, q[6] / c, q[7] / c)
-    mean = mean_sign((x - floor[9]) / c, (y - floor[10]) / c, scaled)
+    mean = mean_sign((x - floor.offset[0]) / c, (y - floor.offset[1]) / c, scaled)
     return floor_sign(floor, x, y) if math.isnan(mean) else mean

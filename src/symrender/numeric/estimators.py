@@ -33,7 +33,7 @@ from symrender.numeric.shading import power
 from symrender.numeric.sight import gather, keep_in_lobe, sees
 from symrender.numeric.vectors import Vector, dot
 from symrender.numeric.world import World
-from symrender.scene.arrays import BACKGROUND, BRDF_NORMALISED, FLOOR, UNITS, Array
+from symrender.scene.arrays import BRDF_NORMALISED, FLOOR, Array
 
 _DEEP = -600.0
 _WHOLE_POWER = 256.0
@@ -73,13 +73,13 @@ def gloss(
     m = mirror_direction(d, n)
     count = keep_in_lobe(candidates, gather(world, candidates, own, p), n, m, lobe)
     s = world.shading
-    floor_below = world.floor[0] != 0.0 and own != FLOOR and (p[2] <= 0.0 or m[2] < lobe[SIN_MAX] + 1e-12)
-    black = s[BACKGROUND] == 0.0 and s[BACKGROUND + 1] == 0.0 and s[BACKGROUND + 2] == 0.0
+    floor_below = world.floor.present != 0.0 and own != FLOOR and (p[2] <= 0.0 or m[2] < lobe[SIN_MAX] + 1e-12)
+    black = s.background[0] == 0.0 and s.background[1] == 0.0 and s.background[2] == 0.0
     if count == 0 and black and not floor_below:
         return (0.0, 0.0, 0.0), samples
 
     exponent = lobe[EXPONENT]
-    brdf = s[UNITS] == BRDF_NORMALISED
+    brdf = s.units == BRDF_NORMALISED
     equal = sampler in (IMPORTANCE, SOBOL)
     whole = exponent <= _WHOLE_POWER and exponent == np.floor(exponent)
     deep = not whole and not normalised and exponent * math.log1p(-lobe[HEIGHT]) < _DEEP

@@ -80,7 +80,7 @@ def trace(
         raise OptionError(f"origins, directions: must both be (N, 3), got {starts.shape} and {rays.shape}")
     left = np.ascontiguousarray(np.broadcast_to(np.asarray(leaves).astype(np.int64), starts.shape[:1]))
     radiance, hit_class, distance = np.empty(starts.shape), np.empty(len(starts)), np.empty(len(starts))
-    eye = np.ascontiguousarray(arrays.camera[1:4])
+    eye = np.ascontiguousarray(arrays.camera.eye)
     world = make_world(arrays, disk_order)
     room = candidate_room(world)
     _kernel("trace_rays")(world, eye, starts, rays, left, room, radiance, hit_class, distance)

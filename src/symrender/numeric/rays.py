@@ -10,6 +10,7 @@ from symrender.errors import SceneError
 from symrender.kernel_cache import inlined
 from symrender.numeric.vectors import Vector, along, dot, unit
 from symrender.scene.arrays import PLANE, Array
+from symrender.scene.records import Camera
 
 # a camera ready for use: kind 0, eye 1:4, then forward 4:7, right 7:10, up 10:13 (LOOK_AT; right and up reach from
 # the middle to the edge of the window at distance 1), or window_half 4, window_center 5:7 (PLANE)
@@ -17,16 +18,17 @@ _PARALLEL = 1e-12
 _FARTHEST = 1e150
 
 
-def camera_frame(camera: Array, width: int, height: int) -> Array:
+def camera_frame(camera: Camera, width: int, height: int) -> Array:
     """Camera of ``SceneArrays`` with its axes worked out for ``width`` x ``height`` square pixels.
 
     Raises SceneError where the camera has no direction or its up vector no say.
     """
     frame = np.zeros(13)
-    frame[:7] = camera[:7]
-    if camera[0] == PLANE:
+    frame[0], frame[1:4] = camera.kind, camera.eye
+    frame[4], frame[5:7] = camera.window_half, camera.window_center
+    if camera.kind == PLANE:
         return frame
-    eye, target, up = camera[1:4], camera[4:7], camera[7:10]
+    eye, target, up = camera.eye, camera.target, camera.up
     forward = target - eye
     distance = float(np.linalg.norm(forward))
     if distance == 0.0:
@@ -37,7 +39,7 @@ def camera_frame(camera: Array, width: int, height: int) -> Array:
     if sine <= _PARALLEL * float(np.linalg.norm(up)):
         raise SceneError("camera.up: must not be zero or along the view from camera.eye to camera.target")
     right = right / sine
-    half = math.tan(math.radians(float(camera[10])) / 2)
+    half = math.tan(math.radians(float(camera.fov)) / 2)
     frame[4:7], frame[7:10], frame[10:13] = forward, right * (half * width / height), np.cross(right, forward) * half
     return frame
 

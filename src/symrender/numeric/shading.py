@@ -11,7 +11,8 @@ from symrender.numeric.lights import disk_point
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.vectors import Vector, along, dot, minus
 from symrender.numeric.world import World
-from symrender.scene.arrays import AMBIENT, BLINN, CUT, FIRST_SPHERE, FLOOR, Array
+from symrender.scene.arrays import BLINN, CUT, FIRST_SPHERE, FLOOR
+from symrender.scene.records import Sphere
 
 _WHOLE_POWER = 256.0
 
@@ -32,19 +33,19 @@ def power(x: float, exponent: float) -> float:
 
 
 @inlined
-def inside_sphere(sphere: Array, point: Vector) -> float:
+def inside_sphere(sphere: Sphere, point: Vector) -> float:
     """Radius^2 - distance^2 from the centre: positive inside, negative outside."""
-    f = (point[0] - sphere[0], point[1] - sphere[1], point[2] - sphere[2])
-    return float(sphere[3] * sphere[3] - dot(f, f))
+    f = (point[0] - sphere.center[0], point[1] - sphere.center[1], point[2] - sphere.center[2])
+    return float(sphere.radius * sphere.radius - dot(f, f))
 
 
 @inlined
-def sphere_blocks(sphere: Array, q: Vector, light: Vector) -> bool:
+def sphere_blocks(sphere: Sphere, q: Vector, light: Vector) -> bool:
     """Whether the open segment from q to the light point meets the sphere's surface, or is a chord of it."""
-    f = (q[0] - sphere[0], q[1] - sphere[1], q[2] - sphere[2])
+    f = (q[0] - sphere.center[0], q[1] - sphere.center[1], q[2] - sphere.center[2])
     d = minus(light, q)
     toward = -dot(f, d)
-    power_of_q = dot(f, f) - sphere[3] * sphere[3]
+    power_of_q = dot(f, f) - sphere.radius * sphere.radius
     if power_of_q < 0.0:
         return inside_sphere(sphere, light) < 0.0
     if toward <= 0.0:
@@ -55,7 +56,7 @@ def sphere_blocks(sphere: Array, q: Vector, light: Vector) -> bool:
     if toward >= length:
         return inside_sphere(sphere, light) > 0.0
     l = along(f, toward / length, d)
-    return bool(dot(l, l) <= sphere[3] * sphere[3])
+    return bool(dot(l, l) <= sphere.radius * sphere.radius)
 
 
 @inlined
@@ -65,7 +66,7 @@ def visible(world: World, own: int, inside: bool, q: Vector, light: Vector) -> b
     Other spheres block where the open segment meets them; the floor where the ends are on opposite sides (a light not
     above it does not light it); the shape's own sphere iff the light point is on its other side.
     """
-    if world.floor[0] != 0.0:
+    if world.floor.present != 0.0:
         if own == FLOOR:
             if light[2] <= 0.0:
                 return False
@@ -94,10 +95,10 @@ def light_terms(
     l = (d[0] / length, d[1] / length, d[2] / length)
     cosine = dot(n, l)
     diffuse = max(0.0, cosine)
-    shininess = world.shading[3]
+    shininess = world.shading.shininess
     base = -1.0
-    if (cosine > 0.0 or world.shading[6] != CUT) and dot(v, v) > 0.0:
-        if world.shading[4] == BLINN:
+    if (cosine > 0.0 or world.shading.terminator != CUT) and dot(v, v) > 0.0:
+        if world.shading.model == BLINN:
             h = along(l, 1.0, v)
             square = dot(h, h)
             base = max(0.0, dot(n, h) / math.sqrt(square)) if square > 0.0 else 0.0
@@ -129,10 +130,10 @@ def direct_light(
     A disk light's terms are means over its points, or over ``strata`` x ``strata`` points drawn on it where it has
     none; those are drawn in the dimensions of ``sample`` of the pixel ``key``.
     """
-    ka, kd, ks = world.shading[0], world.shading[1], world.shading[2]
-    red = ka * world.shading[AMBIENT]
-    green = ka * world.shading[AMBIENT + 1]
-    blue = ka * world.shading[AMBIENT + 2]
+    ka, kd, ks = world.shading.ka, world.shading.kd, world.shading.ks
+    red = ka * world.shading.ambient[0]
+    green = ka * world.shading.ambient[1]
+    blue = ka * world.shading.ambient[2]
     for index in range(world.lights.shape[0]):
         start = world.first[index]
         count = world.first[index + 1] - start
@@ -153,7 +154,7 @@ def direct_light(
         if diffuse != 0.0 or highlight != 0.0:
             diffuse *= kd / count
             highlight *= ks / count
-            red += world.lights[index, 5] * (albedo[0] * diffuse + highlight)
-            green += world.lights[index, 6] * (albedo[1] * diffuse + highlight)
-            blue += world.lights[index, 7] * (albedo[2] * diffuse + highlight)
+            red += world.lights[index].color[0] * (albedo[0] * diffuse + highlight)
+            green += world.lights[index].color[1] * (albedo[1] * diffuse + highlight)
+            blue += world.lights[index].color[2] * (albedo[2] * diffuse + highlight)
     return red, green, blue

@@ -15,7 +15,7 @@ from symrender.numeric.shading import direct_light
 from symrender.numeric.textures import floor_albedo, floor_sign, sphere_albedo
 from symrender.numeric.vectors import Vector, along, dot, unit
 from symrender.numeric.world import World
-from symrender.scene.arrays import BACKGROUND, EYE, FIRST_SPHERE, FLOOR, NOTHING, Array
+from symrender.scene.arrays import EYE, FIRST_SPHERE, FLOOR, NOTHING, Array
 
 # candidates[c]: f = origin - centre 0:3, radius 3, power |f|^2 - radius^2 4, sphere index 5, and 6 the square of f.d
 # below which a ray certainly misses a sphere it starts outside of
@@ -36,10 +36,10 @@ def gather(world: World, candidates: Array, leaves: int, origin: Vector) -> int:
         if leaves == FIRST_SPHERE + j:
             continue
         sphere, row = world.spheres[j], candidates[count]
-        f = (origin[0] - sphere[0], origin[1] - sphere[1], origin[2] - sphere[2])
+        f = (origin[0] - sphere.center[0], origin[1] - sphere.center[1], origin[2] - sphere.center[2])
         square = dot(f, f)
-        row[0], row[1], row[2], row[3] = f[0], f[1], f[2], sphere[3]
-        row[4] = square - sphere[3] * sphere[3]
+        row[0], row[1], row[2], row[3] = f[0], f[1], f[2], sphere.radius
+        row[4] = square - sphere.radius * sphere.radius
         row[5] = j
         row[6] = row[4] - _SLACK * square
         count += 1
@@ -99,7 +99,7 @@ def sphere_point(world: World, row: Array, d: Vector, inside: bool) -> tuple[Vec
     """Point and outward unit normal where the ray d meets the sphere of a candidate row."""
     n = sphere_offset((row[0], row[1], row[2]), d, row[3], inside)
     sphere = world.spheres[int(row[5])]
-    return along((sphere[0], sphere[1], sphere[2]), sphere[3], n), n
+    return along((sphere.center[0], sphere.center[1], sphere.center[2]), sphere.radius, n), n
 
 
 @inlined
@@ -120,13 +120,13 @@ def sees(
     the radiance is the background's and the distance inf.
     """
     limit = math.inf
-    if world.floor[0] != 0.0 and leaves != FLOOR:
+    if world.floor.present != 0.0 and leaves != FLOOR:
         limit = floor_distance(origin[2], d[2])
     best, distance, inside = nearest(candidates, count, d, limit)
     if best < 0:
         if distance == math.inf:
             s = world.shading
-            return (s[BACKGROUND], s[BACKGROUND + 1], s[BACKGROUND + 2]), NOTHING, distance
+            return (s.background[0], s.background[1], s.background[2]), NOTHING, distance
         if d[2] > 0.0:
             return (0.0, 0.0, 0.0), FLOOR, distance
         own = FLOOR
@@ -141,6 +141,6 @@ def sees(
             n = (-n[0], -n[1], -n[2])
     v = (-d[0], -d[1], -d[2])
     to_eye = (eye[0] - q[0], eye[1] - q[1], eye[2] - q[2])
-    if world.shading[5] == EYE and dot(to_eye, to_eye) > 0.0:
+    if world.shading.highlight_view == EYE and dot(to_eye, to_eye) > 0.0:
         v = unit(to_eye)
     return direct_light(world, own, inside, q, n, v, albedo, key, sample, 1), own, distance

@@ -18,7 +18,7 @@ from symrender.numeric.sight import gather, nearest, sees, sphere_point
 from symrender.numeric.textures import floor_albedo, floor_sign, sphere_albedo
 from symrender.numeric.vectors import Vector
 from symrender.numeric.world import World
-from symrender.scene.arrays import BACKGROUND, FIRST_SPHERE, FLOOR, NOTHING, Array
+from symrender.scene.arrays import FIRST_SPHERE, FLOOR, NOTHING, Array
 
 _PRIMARY_STRATA = 2
 
@@ -49,7 +49,7 @@ def pixel(
     a = 2.0 * (i + 0.5) / width - 1.0
     b = 1.0 - 2.0 * (j + 0.5) / height
     d, distance, p = primary_ray(frame, a, b)
-    best, distance, inside = nearest(from_eye, count, d, distance if world.floor[0] != 0.0 else math.inf)
+    best, distance, inside = nearest(from_eye, count, d, distance if world.floor.present != 0.0 else math.inf)
     if best >= 0:
         own = FIRST_SPHERE + int(from_eye[best, 5])
         p, n = sphere_point(world, from_eye[best], d, inside)
@@ -68,7 +68,7 @@ def pixel(
         albedo = floor_albedo(world.floor, sign)
     else:
         s = world.shading
-        return NOTHING, (s[BACKGROUND], s[BACKGROUND + 1], s[BACKGROUND + 2]), (0.0, 0.0, 0.0), 0.0, 0
+        return NOTHING, (s.background[0], s.background[1], s.background[2]), (0.0, 0.0, 0.0), 0.0, 0
     v = (-d[0], -d[1], -d[2])
     direct = direct_light(world, own, inside, p, n, v, albedo, key, 0, _PRIMARY_STRATA)
     weight = world.lobes[own - FLOOR, WEIGHT]

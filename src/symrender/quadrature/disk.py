@@ -9,7 +9,9 @@ import numpy.typing as npt
 
 from symrender.errors import OptionError
 from symrender.limits import MAX_LIGHT_POINTS
+from symrender.records import Table
 from symrender.scene import arrays as at
+from symrender.scene.records import Light
 
 Array = npt.NDArray[np.float64]
 
@@ -20,21 +22,22 @@ def centroids(k: int) -> Array:
     return np.stack(np.meshgrid(middle, middle, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
-def light_points(lights: Array, k: int, place: Callable[..., tuple[float, float, float]]) -> Array:
+def light_points(lights: Table[Light], k: int, place: Callable[..., tuple[float, float, float]]) -> Array:
     """Every light as points, (q, 6): position and the light's colour over the number of its points.
 
-    ``lights`` as in ``scene/arrays.py``; a disk becomes the K x K centroids of its strata, a point stays one point.
+    A disk becomes the K x K centroids of its strata, a point stays one point.
     ``place(center, target, radius, u, v)``, flattened, is the formula of a disk's point.
     """
-    count = sum(k * k if light[0] == at.DISK else 1 for light in lights)
+    count = sum(k * k if light.kind == at.DISK else 1 for light in lights)
     if count > MAX_LIGHT_POINTS:
         raise OptionError(f"disk: {count} light points exceed {MAX_LIGHT_POINTS}; use a smaller K or fewer disk lights")
     rows: list[tuple[float, ...]] = []
-    for light in lights.tolist():
-        color = light[5:8]
-        if light[0] == at.DISK:
+    for light in lights:
+        position, color = light.position.tolist(), light.color.tolist()
+        if light.kind == at.DISK:
             share = [c / (k * k) for c in color]
-            rows += [(*place(*light[1:4], *light[8:11], light[4], u, v), *share) for u, v in centroids(k).tolist()]
+            disk = (*position, *light.target.tolist(), float(light.radius))
+            rows += [(*place(*disk, u, v), *share) for u, v in centroids(k).tolist()]
         else:
-            rows.append((*light[1:4], *color))
+            rows.append((*position, *color))
     return np.array(rows).reshape(-1, 6)

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from symrender.chambers.records import LightPoint
 from symrender.records import Table, joined, table
 from symrender.scene.arrays import DISK, SceneArrays
+from symrender.scene.records import Light
 from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
@@ -34,31 +35,31 @@ def light_rows(arrays: SceneArrays, order: int) -> Table[LightPoint]:
 
     The points of a K x K disk (``order`` K) share its colour; the fields of a disk are zero elsewhere.
     """
-    disks = [light for light in arrays.lights if light[0] == DISK and order == EXACT_DISK]
-    rows = [_points(light, order) for light in arrays.lights if light[0] != DISK or order != EXACT_DISK]
+    disks = [light for light in arrays.lights if light.kind == DISK and order == EXACT_DISK]
+    rows = [_points(light, order) for light in arrays.lights if light.kind != DISK or order != EXACT_DISK]
     return joined(LightPoint, [*rows, *map(_whole, disks)])
 
 
-def _whole(light: Array) -> Table[LightPoint]:
+def _whole(light: Light) -> Table[LightPoint]:
     rows = table(LightPoint, 1)
     row = rows[0]
-    row.position[:], row.color[:], row.radius = light[1:4], light[5:8], light[4]
-    row.e1[:], row.e2[:] = disk_frame(light[1:4], light[8:11])
+    row.position[:], row.color[:], row.radius = light.position, light.color, light.radius
+    row.e1[:], row.e2[:] = disk_frame(light.position, light.target)
     row.axis[:] = np.cross(row.e1, row.e2)
     return rows
 
 
-def _points(light: Array, order: int) -> Table[LightPoint]:
-    position, color = light[1:4], light[5:8]
-    if light[0] != DISK:
+def _points(light: Light, order: int) -> Table[LightPoint]:
+    position, color = light.position, light.color
+    if light.kind != DISK:
         rows = table(LightPoint, 1)
         rows["position"][:], rows["color"][:] = position, color
         return rows
-    e1, e2 = disk_frame(position, light[8:11])
+    e1, e2 = disk_frame(position, light.target)
     middles = (np.arange(order) + 0.5) / order
     angle = 2.0 * math.pi * middles
     around = np.cos(angle)[:, None] * e1 + np.sin(angle)[:, None] * e2
     rows = table(LightPoint, order * order)
-    rows["position"][:] = position + np.kron((light[4] * np.sqrt(middles))[:, None], around)
+    rows["position"][:] = position + np.kron((light.radius * np.sqrt(middles))[:, None], around)
     rows["color"][:] = color / (order * order)
     return rows

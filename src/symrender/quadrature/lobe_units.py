@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 
-from symrender.scene.arrays import BRDF_NORMALISED, UNITS, SceneArrays
+from symrender.scene.arrays import BRDF_NORMALISED, SceneArrays
 
 
 def is_brdf(arrays: SceneArrays) -> bool:
     """Whether the scene's lobes are in BRDF units."""
-    return bool(arrays.shading[UNITS] == BRDF_NORMALISED)
+    return bool(arrays.shading.units == BRDF_NORMALISED)
 
 
 def lobe_scale(arrays: SceneArrays, exponent: float, theta_max: float) -> float:

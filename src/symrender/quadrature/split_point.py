@@ -44,16 +44,13 @@ from symrender.quadrature.split_setup import (
 )
 from symrender.records import Table, table
 from symrender.scene.arrays import (
-    AMBIENT,
-    BACKGROUND,
     BRDF_NORMALISED,
     CHECKER,
     CUT,
     FIRST_SPHERE,
     FLOOR,
-    FLOOR_LOBE,
-    LOBE,
     SceneArrays,
+    lobes_of,
 )
 
 Array = npt.NDArray[np.float64]
@@ -315,9 +312,9 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
 
 def radiance_bound(arrays: SceneArrays, points: Table[LightPoint]) -> float:
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
-    lit = arrays.shading[0] * arrays.shading[AMBIENT : AMBIENT + 3]
-    lit = lit + points["color"].sum(axis=0) * (arrays.shading[1] + arrays.shading[2])
-    return float(max(lit.max(), arrays.shading[BACKGROUND : BACKGROUND + 3].max(), 1e-300))
+    lit = arrays.shading.ka * arrays.shading.ambient
+    lit = lit + points["color"].sum(axis=0) * (arrays.shading.kd + arrays.shading.ks)
+    return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
 
 
 def gloss_points(
@@ -346,8 +343,7 @@ def gloss_points(
     lights = light_rows(arrays, disk_order)
     view = scene_view(arrays, lights)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
-    lobes[FLOOR] = arrays.floor[FLOOR_LOBE + 1 :]
-    lobes[FIRST_SPHERE:] = arrays.spheres[:, LOBE + 1 :]
+    lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
     n = len(points)
     scales = np.array([lobe_scale(arrays, exponent, theta_max) for exponent, theta_max in lobes.tolist()])[surface]

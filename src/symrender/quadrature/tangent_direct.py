@@ -41,16 +41,16 @@ def mean_slope(q: int, k: int, i: int, which: int, tangents: Tangents, work: Wor
     """How a mean over disk ``i`` at point ``k`` moves with parameter ``q``."""
     rows = table[functional(which, table) :]
     light = tangents.points[q, i]
-    slope = rows[NUMBERS, 0] * light[6] + rows[NUMBERS, 1] * tangents.shading[q, 3]
+    slope = rows[NUMBERS, 0] * light.radius + rows[NUMBERS, 1] * tangents.shading[q].shininess
     for a in range(3):
-        slope += rows[PLACE, a] * light[a] + rows[TURN, a] * light[7 + a]
+        slope += rows[PLACE, a] * light.position[a] + rows[TURN, a] * light.turn[a]
         slope += rows[AT_Q, a] * tangents.place[q, k, a] + rows[NORMAL, a] * tangents.normal[q, k, a]
         slope -= rows[VIEW, a] * tangents.incoming[q, k, a]
     for c in range(work.counts.casters):
         ball = work.casters[c].ball
         for a in range(3):
-            slope += rows[BALLS + 2 * ball, a] * tangents.spheres[q, ball, a]
-        slope += rows[BALLS + 2 * ball + 1, 0] * tangents.spheres[q, ball, 3]
+            slope += rows[BALLS + 2 * ball, a] * tangents.spheres[q, ball].center[a]
+        slope += rows[BALLS + 2 * ball + 1, 0] * tangents.spheres[q, ball].radius
     return float(slope)
 
 
@@ -86,14 +86,14 @@ def direct_gradient_kernel(
                 for q in range(gradient.shape[0]):
                     by_cosine = mean_slope(q, k, i, 0, tangents, work, table)
                     by_gleam = mean_slope(q, k, i, 1, tangents, work, table)
-                    dkd, dks = tangents.shading[q, 1], tangents.shading[q, 2]
+                    dkd, dks = tangents.shading[q].kd, tangents.shading[q].ks
                     for c in range(3):
                         moved = p.color[c] * (
                             dkd * albedo[k, c] * cosine
                             + kd * (albedo_moves[q, k, c] * cosine + albedo[k, c] * by_cosine)
                             + dks * gleam
                             + ks * by_gleam
-                        ) + tangents.points[q, i, 3 + c] * (kd * albedo[k, c] * cosine + ks * gleam)
+                        ) + tangents.points[q, i].color[c] * (kd * albedo[k, c] * cosine + ks * gleam)
                         if finer == 1:
                             gradient[q, k, c] += moved
                         else:

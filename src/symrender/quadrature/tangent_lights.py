@@ -8,63 +8,68 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.records import LightMove
 from symrender.quadrature.light_points import disk_frame, light_rows
+from symrender.records import Grid, copied, grid
 from symrender.scene.arrays import DISK, SceneArrays
+from symrender.scene.records import Light
 from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
 
 
-def light_point_tangents(arrays: SceneArrays, tangents: Array, order: int) -> Array:
-    """(Q, m, 6): derivatives of the rows of ``light_rows`` as the lights' rows move by ``tangents`` (Q, lights, 11).
+def light_point_tangents(arrays: SceneArrays, moves: Grid[Light], order: int) -> Grid[LightMove]:
+    """(Q, m): how the points of ``light_rows`` move as the lights do by ``moves`` (Q, lights).
 
-    Place and the light's colour times the point's share; (Q, m, 10) where there are exact disks, whose rows go on with
-    their radius and with the turn omega of their frame, de = omega x e. A point of a disk is L + a e1 + b e2 with a and
-    b proportional to the radius, so only the frame needs a formula.
+    Place and the light's colour times the point's share; of an exact disk also its radius and the turn omega of its
+    frame, de = omega x e. A point of a disk is L + a e1 + b e2 with a and b proportional to the radius, so only the
+    frame needs a formula.
     """
-    if order == EXACT_DISK and (arrays.lights[:, 0] == DISK).any():
-        return _exact_tangents(arrays, tangents)
+    if order == EXACT_DISK and (arrays.lights["kind"] == DISK).any():
+        return _exact_tangents(arrays, moves)
     points = light_rows(arrays, order)
-    white = arrays.lights.copy()
-    white[:, 5:8] = 1.0
+    white = copied(arrays.lights)
+    white["color"][:] = 1.0
     shares = light_rows(replace(arrays, lights=white), order)["color"][:, 0]
-    disks = int((arrays.lights[:, 0] == DISK).sum())
+    disks = int((arrays.lights["kind"] == DISK).sum())
     size = (len(points) - (len(arrays.lights) - disks)) // max(1, disks)
-    moved = np.zeros((len(tangents), len(points), 6))
+    moved = grid(LightMove, moves.shape[0], len(points))
     first = 0
     for l, light in enumerate(arrays.lights):
-        if light[0] != DISK:
-            moved[:, first, :3], moved[:, first, 3:6] = tangents[:, l, 1:4], tangents[:, l, 5:8]
+        if light.kind != DISK:
+            moved["position"][:, first], moved["color"][:, first] = moves["position"][:, l], moves["color"][:, l]
             first += 1
             continue
         here = slice(first, first + size)
         first = here.stop
-        e1, e2 = disk_frame(light[1:4], light[8:11])
-        offset = points["position"][here] - light[1:4]
-        for q, move in enumerate(tangents[:, l]):
-            de1, de2 = _frame_tangent(light[1:4], light[8:11], move[1:4], move[8:11])
+        e1, e2 = disk_frame(light.position, light.target)
+        offset = points["position"][here] - light.position
+        for q in range(moves.shape[0]):
+            move = moves[q, l]
+            de1, de2 = _frame_tangent(light.position, light.target, move.position, move.target)
             along = np.outer(offset @ e1, de1) + np.outer(offset @ e2, de2)
-            moved[q, here, :3] = move[1:4] + along + offset * (move[4] / light[4])
-            moved[q, here, 3:6] = shares[here, None] * move[5:8]
+            moved["position"][q, here] = move.position + along + offset * (move.radius / light.radius)
+            moved["color"][q, here] = shares[here, None] * move.color
     return moved
 
 
-def _exact_tangents(arrays: SceneArrays, tangents: Array) -> Array:
+def _exact_tangents(arrays: SceneArrays, moves: Grid[Light]) -> Grid[LightMove]:
     """Of exact disks, which ``light_rows`` puts behind all other lights."""
-    disks = arrays.lights[:, 0] == DISK
-    order = [*np.nonzero(~disks)[0], *np.nonzero(disks)[0]]
-    moved = np.zeros((len(tangents), len(order), 10))
+    disks = arrays.lights["kind"] == DISK
+    order = [*np.nonzero(~disks)[0].tolist(), *np.nonzero(disks)[0].tolist()]
+    moved = grid(LightMove, moves.shape[0], len(order))
     for row, l in enumerate(order):
         light = arrays.lights[l]
-        for q, move in enumerate(tangents[:, l]):
-            moved[q, row, :3], moved[q, row, 3:6] = move[1:4], move[5:8]
+        for q in range(moves.shape[0]):
+            move, found = moves[q, l], moved[q, row]
+            found.position[:], found.color[:] = move.position, move.color
             if disks[l]:
-                frame = disk_frame(light[1:4], light[8:11])
-                change = _frame_tangent(light[1:4], light[8:11], move[1:4], move[8:11])
+                frame = disk_frame(light.position, light.target)
+                change = _frame_tangent(light.position, light.target, move.position, move.target)
                 axis, axis_change = np.cross(*frame), np.cross(frame[0], change[1]) + np.cross(change[0], frame[1])
                 turned = zip((*frame, axis), (*change, axis_change), strict=True)
-                moved[q, row, 6] = move[4]
-                moved[q, row, 7:] = 0.5 * sum(np.cross(e, de) for e, de in turned)
+                found.radius = move.radius
+                found.turn[:] = 0.5 * sum(np.cross(e, de) for e, de in turned)
     return moved
 
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
-from symrender.chambers.records import Chart, Event
+from symrender.chambers.records import Chart, Event, LightMove
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
 from symrender.chambers.tangent_walls import (
     AMBIENT,
@@ -74,20 +74,10 @@ from symrender.quadrature.tangent_panel import (
     radial_walls,
     replay_chart,
 )
-from symrender.records import Table
-from symrender.scene.arrays import (
-    CHECKER,
-    FIRST_SPHERE,
-    FLOOR,
-    FLOOR_BRIGHT,
-    FLOOR_DARK,
-    FLOOR_LOBE,
-    KU,
-    LOBE,
-    MARBLE,
-    TEXTURE,
-    SceneArrays,
-)
+from symrender.records import Grid, Table
+from symrender.scene.arrays import CHECKER, FIRST_SPHERE, FLOOR, MARBLE, SceneArrays, lobes_of
+from symrender.scene.moves import SceneMoves
+from symrender.scene.records import Floor, Shading, Sphere
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -108,20 +98,18 @@ SAFETY: Final = 3.0
 
 
 class Tangents(NamedTuple):
-    """Derivatives of a scene's numbers and of N points in Q parameters.
+    """Derivatives of a scene and of N points in Q parameters: records of the same kinds, of each parameter.
 
-    ``place``, ``normal``, ``incoming`` (Q, N, 3); ``spheres`` (Q, n, columns), ``floor`` (Q, columns), ``points``
-    (Q, m, 6), or (Q, m, 10) with exact disks, as of ``light_point_tangents``, ``shading`` (Q, columns),
-    ``eye`` (Q, 3), as in ``SceneArrays`` and ``View``.
+    ``place``, ``normal``, ``incoming`` (Q, N, 3); ``points`` as of ``light_point_tangents``; ``eye`` (Q, 3).
     """
 
     place: Array
     normal: Array
     incoming: Array
-    spheres: Array
-    floor: Array
-    points: Array
-    shading: Array
+    spheres: Grid[Sphere]
+    floor: Table[Floor]
+    points: Grid[LightMove]
+    shading: Table[Shading]
     eye: Array
 
 
@@ -167,7 +155,7 @@ def common_moves(
     """Fill the columns of ``moves`` that do not depend on the chart, for point ``i``; the rim is the lobe's own."""
     by_n, by_theta = normaliser_slopes(n, theta_max)
     for p in range(moves.shape[0]):
-        row = moves[p]
+        row, shading, floor = moves[p], tangents.shading[p], tangents.floor[p]
         for k in range(row.shape[0]):
             row[k] = 0.0
         lean, turn = 0.0, 0.0
@@ -178,30 +166,35 @@ def common_moves(
             row[AT_POINT + a] = tangents.place[p, i, a]
             row[HORIZON_NORMAL + a] = tangents.normal[p, i, a]
             row[AXIS + a] = tangents.incoming[p, i, a] - 2.0 * turn * normal[a] - 2.0 * lean * tangents.normal[p, i, a]
-            row[AMBIENT + a] = tangents.shading[p, 7 + a]
-            row[BACKGROUND + a] = tangents.shading[p, 10 + a]
+            row[AMBIENT + a] = shading.ambient[a]
+            row[BACKGROUND + a] = shading.background[a]
             row[EYE + a] = tangents.eye[p, a]
-            row[GRID + a] = tangents.floor[p, 8 + a]
-        if surface == FLOOR:
-            dn, dt = tangents.floor[p, FLOOR_LOBE + 1], tangents.floor[p, FLOOR_LOBE + 2]
-        else:
-            dn, dt = (
-                tangents.spheres[p, surface - FIRST_SPHERE, LOBE + 1],
-                tangents.spheres[p, surface - FIRST_SPHERE, LOBE + 2],
-            )
+        row[GRID], row[GRID + 1], row[GRID + 2] = floor.cell, floor.offset[0], floor.offset[1]
+        dn, dt = floor.exponent, floor.theta_max
+        if surface != FLOOR:
+            own = tangents.spheres[p, surface - FIRST_SPHERE]
+            dn, dt = own.exponent, own.theta_max
         row[EXPONENT] = dn
         row[LOG_NORMALISER] = by_n * dn + by_theta * dt
         row[RIM] = -math.sin(theta_max) * dt
-        for a in range(4):
-            row[SHADING + a] = tangents.shading[p, a]
+        row[SHADING], row[SHADING + 1] = shading.ka, shading.kd
+        row[SHADING + 2], row[SHADING + 3] = shading.ks, shading.shininess
         lights, spheres = tangents.points.shape[1], tangents.spheres.shape[1]
+        balls = LIGHTS + 6 * lights
+        disks = balls + 4 * spheres
         for l in range(lights):
-            for a in range(tangents.points.shape[2]):
-                column = LIGHTS + 6 * l + a if a < 6 else LIGHTS + 6 * lights + 4 * spheres + 4 * l + a - 6
-                row[column] = tangents.points[p, l, a]
+            light = tangents.points[p, l]
+            for a in range(3):
+                row[LIGHTS + 6 * l + a], row[LIGHTS + 6 * l + 3 + a] = light.position[a], light.color[a]
+                if disks < row.shape[0]:
+                    row[disks + 4 * l + 1 + a] = light.turn[a]
+            if disks < row.shape[0]:
+                row[disks + 4 * l] = light.radius
         for j in range(spheres):
-            for a in range(4):
-                row[LIGHTS + 6 * lights + 4 * j + a] = tangents.spheres[p, j, a]
+            sphere = tangents.spheres[p, j]
+            for a in range(3):
+                row[balls + 4 * j + a] = sphere.center[a]
+            row[balls + 4 * j + 3] = sphere.radius
 
 
 @jitable
@@ -215,27 +208,28 @@ def chart_moves(j: int, chart: Chart, tangents: Tangents, moves: Array) -> None:
         if j < 0:
             for a in range(3):
                 row[TURN + a] = 0.0
-                row[BRIGHT + a] = tangents.floor[p, FLOOR_BRIGHT + a]
-                row[DARK + a] = tangents.floor[p, FLOOR_DARK + a]
+                row[BRIGHT + a] = tangents.floor[p].bright[a]
+                row[DARK + a] = tangents.floor[p].dark[a]
             row[CHART] = chart.side * row[AT_POINT + 2]
             row[CHART_RADIUS] = row[FREQUENCY] = row[FREQUENCY + 1] = 0.0
             continue
         sphere = tangents.spheres[p, j]
         k, r = chart.ratio, chart.radius
         far = r / k
-        x, y, z = sphere[0] - row[AT_POINT], sphere[1] - row[AT_POINT + 1], sphere[2] - row[AT_POINT + 2]
+        move = sphere.center
+        x, y, z = move[0] - row[AT_POINT], move[1] - row[AT_POINT + 1], move[2] - row[AT_POINT + 2]
         cx, cy, cz = chart.pole[0], chart.pole[1], chart.pole[2]
         recede = x * cx + y * cy + z * cz
         row[TURN] = (cy * z - cz * y) / far
         row[TURN + 1] = (cz * x - cx * z) / far
         row[TURN + 2] = (cx * y - cy * x) / far
-        row[CHART] = (sphere[3] - k * recede) / far
-        row[CHART_RADIUS] = sphere[3]
+        row[CHART] = (sphere.radius - k * recede) / far
+        row[CHART_RADIUS] = sphere.radius
         for a in range(3):
-            row[BRIGHT + a] = sphere[4 + a]
+            row[BRIGHT + a] = sphere.color[a]
             row[DARK + a] = 0.0
-        row[DARK] = sphere[10]
-        row[FREQUENCY], row[FREQUENCY + 1] = sphere[8], sphere[9]
+        row[DARK] = sphere.dark
+        row[FREQUENCY], row[FREQUENCY + 1] = sphere.ku, sphere.kv
 
 
 @jitable
@@ -359,9 +353,9 @@ def gradient_kernel(
             tilt = -tilt / max(math.sin(alpha), 1e-300) if by_alpha != 0.0 else 0.0
             wider = 0.0
             if surface[i] == FLOOR:
-                wider = tangents.floor[p, FLOOR_LOBE + 2]
+                wider = tangents.floor[p].theta_max
             else:
-                wider = tangents.spheres[p, own, LOBE + 2]
+                wider = tangents.spheres[p, own].theta_max
             change = by_n * row[EXPONENT] + by_theta * wider + by_alpha * tilt
             for a in range(3):
                 t.value[p, a] += row[BACKGROUND + a] * share + view.shading.background[a] * change
@@ -451,29 +445,29 @@ def tangent_work(parameters: int, lights: int, spheres: int, disks: bool) -> Tan
     )
 
 
-def refuse_unknown(arrays: SceneArrays, moved: dict[str, Array], names: tuple[str, ...]) -> None:
+def refuse_unknown(arrays: SceneArrays, moved: SceneMoves, names: tuple[str, ...]) -> None:
     """Raise ``Unsupported`` for what this rule cannot differentiate, by name."""
     if is_brdf(arrays):
         raise Unsupported("shading.lobe_units: brdf_normalised is not differentiated; choose lobe_average")
     for q, name in enumerate(names):
-        for j in np.nonzero(moved["spheres"][q, :, KU])[0]:
-            if arrays.spheres[j, TEXTURE] == MARBLE:
+        for j in np.nonzero(moved.spheres["ku"][q])[0]:
+            if arrays.spheres[int(j)].texture == MARBLE:
                 raise Unsupported(
                     f"{name}: the seam of a marble, where its veins jump as ku grows, is not differentiated"
                 )
 
 
 def tangents_of(
-    arrays: SceneArrays, moved: dict[str, Array], places: tuple[Array, Array, Array], disk_order: int
+    arrays: SceneArrays, moved: SceneMoves, places: tuple[Array, Array, Array], disk_order: int
 ) -> Tangents:
     """``Tangents`` from those of the scene's arrays (``scene/moves.py``) and of N points, normals and directions.
 
     Each of ``places`` is (Q, N, 3).
     """
-    rows = (*places, moved["spheres"], moved["floor"])
-    lights = light_point_tangents(arrays, moved["lights"], disk_order)
-    shading, eye = moved["shading"], moved["camera"][:, 1:4]
-    return Tangents(*(np.ascontiguousarray(a) for a in (*rows, lights, shading, eye)))
+    lights = light_point_tangents(arrays, moved.lights, disk_order)
+    eye = np.ascontiguousarray(moved.camera["eye"])
+    place, normal, incoming = map(np.ascontiguousarray, places)
+    return Tangents(place, normal, incoming, moved.spheres, moved.floor, lights, moved.shading, eye)
 
 
 def gloss_gradients(
@@ -497,13 +491,12 @@ def gloss_gradients(
     lights = light_rows(arrays, disk_order)
     view = scene_view(arrays, lights)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
-    lobes[FLOOR] = arrays.floor[FLOOR_LOBE + 1 :]
-    lobes[FIRST_SPHERE:] = arrays.spheres[:, LOBE + 1 :]
+    lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
     for panel in s.panels:
         panel.step = UNUSED
     count, n = tangents.place.shape[:2]
-    disks = tangents.points.shape[2] > 6
+    disks = bool((lights["radius"] > 0.0).any())
     own = tangent_work(count, len(lights), len(arrays.spheres), disks)
     table = np.zeros((disk_rows(len(arrays.spheres)), 3)) if disks else None
     result = GradientResult(

@@ -14,12 +14,13 @@ from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPOR
 from symrender.quadrature.tangent_direct import direct_gradients
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
+from symrender.records import copied
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.truth import DIRECT_SHARE
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
-from symrender.scene.moves import Move, tangent_arrays
+from symrender.scene.moves import Move, SceneMoves, scene_moves
 from symrender.settings import Settings
 
 _PLACES = ("place", "normal", "incoming")
@@ -34,7 +35,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
     ``settings.tol`` is absolute, in scene units of radiance over the parameter's unit. Raises Unsupported, by name, for
     what cannot be differentiated.
     """
-    moved = tangent_arrays(arrays, wrt)
+    moved = scene_moves(arrays, wrt)
     names = tuple(name for name, _ in wrt)
     refuse_unknown(arrays, moved, names)
     text = numba.emitted(_emit, "tangent")
@@ -45,22 +46,23 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
     points = lights["radius"] == 0.0
     disks = not points.all()
     plain_lights = np.hstack([lights["position"][points], lights["color"][points]])
-    light_moves = light_point_tangents(arrays, moved["lights"], settings.disk_order)
-    light_moves = np.ascontiguousarray(light_moves[:, points, :6])
+    light_moves = light_point_tangents(arrays, moved.lights, settings.disk_order)
+    plain_moves = np.concatenate([light_moves["position"], light_moves["color"]], axis=2)[:, points]
+    plain_moves = np.ascontiguousarray(plain_moves)
     axes, axes_moves = np.zeros(10), np.zeros((len(wrt), 10))
-    if arrays.camera[0] == at.LOOK_AT:
+    if arrays.camera.kind == at.LOOK_AT:
         for q in range(len(wrt)):
-            axes_kernel(arrays.camera, moved["camera"][q], axes, axes_moves[q])
-    eye = np.ascontiguousarray(arrays.camera[1:4])
-    eye_moves = np.ascontiguousarray(moved["camera"][:, 1:4])
-    dull = replace(arrays, floor=arrays.floor.copy(), spheres=arrays.spheres.copy())
-    seen_below = arrays.camera[3] <= 0
+            axes_kernel(arrays.camera, moved.camera[q], axes, axes_moves[q])
+    eye = np.ascontiguousarray(arrays.camera.eye)
+    eye_moves = np.ascontiguousarray(moved.camera["eye"])
+    dull = replace(arrays, floor=copied(arrays.floor), spheres=copied(arrays.spheres))
+    seen_below = arrays.camera.eye[2] <= 0
     weights = np.zeros(at.FIRST_SPHERE + len(arrays.spheres))
-    weights[at.FLOOR] = 0.0 if seen_below else arrays.floor[at.FLOOR_LOBE]
-    weights[at.FIRST_SPHERE :] = arrays.spheres[:, at.LOBE]
+    weights[at.FLOOR] = 0.0 if seen_below else arrays.floor.weight
+    weights[at.FIRST_SPHERE :] = arrays.spheres["weight"]
     weight_moves = np.zeros((len(wrt), len(weights)))
-    weight_moves[:, at.FLOOR] = 0.0 if seen_below else moved["floor"][:, at.FLOOR_LOBE]
-    weight_moves[:, at.FIRST_SPHERE :] = moved["spheres"][:, :, at.LOBE]
+    weight_moves[:, at.FLOOR] = 0.0 if seen_below else moved.floor["weight"]
+    weight_moves[:, at.FIRST_SPHERE :] = moved.spheres["weight"]
     filtered = float(settings.aa == "analytic")
     own = threading.local()
 
@@ -73,9 +75,9 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
         frame = np.array([x0, y0, x1, y1, settings.width, settings.height, filtered])
         for q in range(len(wrt)):
             sight(
-                frame, np.zeros_like(frame), arrays.camera, moved["camera"][q], axes, axes_moves[q], eye, eye_moves[q],
-                dull.spheres, moved["spheres"][q], dull.floor, moved["floor"][q], plain_lights, light_moves[q],
-                arrays.shading, moved["shading"][q], classes, class_slopes, found["place"], slopes["place"][q],
+                frame, np.zeros_like(frame), arrays.camera, moved.camera[q], axes, axes_moves[q], eye, eye_moves[q],
+                dull.spheres, moved.spheres[q], dull.floor, moved.floor[q], plain_lights, plain_moves[q],
+                arrays.shading, moved.shading[q], classes, class_slopes, found["place"], slopes["place"][q],
                 found["normal"], slopes["normal"][q], found["incoming"], slopes["incoming"][q], direct,
                 slopes["direct"][q],
             )  # fmt: skip
@@ -83,8 +85,8 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             found["albedo"], slopes["albedo"] = np.zeros(shape), np.zeros((len(wrt), *shape))
             for q in range(len(wrt)):
                 hits(
-                    frame, np.zeros_like(frame), arrays.camera, moved["camera"][q], axes, axes_moves[q], eye,
-                    eye_moves[q], arrays.spheres, moved["spheres"][q], arrays.floor, moved["floor"][q], classes,
+                    frame, np.zeros_like(frame), arrays.camera, moved.camera[q], axes, axes_moves[q], eye,
+                    eye_moves[q], arrays.spheres, moved.spheres[q], arrays.floor, moved.floor[q], classes,
                     class_slopes, found["place"], slopes["place"][q], found["normal"], slopes["normal"][q],
                     found["incoming"], slopes["incoming"][q], found["albedo"], slopes["albedo"][q],
                 )  # fmt: skip
@@ -157,10 +159,10 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
     return render
 
 
-def _compile(arrays: SceneArrays, moved: dict[str, Array], settings: Settings, disks: bool) -> None:
+def _compile(arrays: SceneArrays, moved: SceneMoves, settings: Settings, disks: bool) -> None:
     """Call the lobe's kernel, and that of exact disks, with no points, so that they are compiled before any clock."""
     none = np.zeros((0, 3))
-    still = [np.zeros((len(moved["camera"]), 0, 3)) for _ in _PLACES]
+    still = [np.zeros((moved.camera.shape[0], 0, 3)) for _ in _PLACES]
     tangents = tangents_of(arrays, moved, (still[0], still[1], still[2]), settings.disk_order)
     nowhere = np.zeros(0, np.int64)
     gloss_gradients(arrays, none, none, none, nowhere, tangents, settings.tol, settings.disk_order)

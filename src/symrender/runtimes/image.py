@@ -13,9 +13,10 @@ from symrender.errors import OptionError
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.strata import NARROWEST, Rule, mirror_rule, rings, rule
+from symrender.records import chosen, copied
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
-from symrender.scene.arrays import Array, SceneArrays
+from symrender.scene.arrays import Array, SceneArrays, lobes_of
 from symrender.settings import EXACT_DISK, Settings
 
 TileKernel = Callable[[int, int, int, int, Mapping[str, Array]], int]
@@ -40,7 +41,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     points = light_points(arrays.lights, settings.disk_order, formulas.light_point)
     axes = _axes(arrays, text)
     rules, sizes, rule_of = _rules(arrays, settings, formulas)
-    eye = np.ascontiguousarray(arrays.camera[1:4])
+    eye = np.ascontiguousarray(arrays.camera.eye)
     filtered = float(settings.aa == "analytic")
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
@@ -63,17 +64,17 @@ def prepare_sight(arrays: SceneArrays, settings: Settings) -> TileKernel:
     (h, w, 3), ``["albedo"]`` (h, w, 3), ``["hit_class"]`` (h, w), and ``["radiance"]`` and ``["direct"]`` as of
     surfaces without lobes; under ``disk="exact"`` without the disk lights' share (``quadrature/disk_direct.py``).
     """
-    dull = replace(arrays, floor=arrays.floor.copy(), spheres=arrays.spheres.copy())
-    dull.floor[at.FLOOR_LOBE :] = 0.0
-    dull.spheres[:, at.LOBE :] = 0.0
+    dull = replace(arrays, floor=copied(arrays.floor), spheres=copied(arrays.spheres))
+    for lobed in (dull.floor, *dull.spheres):
+        lobed.weight = lobed.exponent = lobed.theta_max = 0.0
     if settings.disk_order == EXACT_DISK:
-        dull = replace(dull, lights=dull.lights[dull.lights[:, 0] != at.DISK])
+        dull = replace(dull, lights=chosen(dull.lights, dull.lights["kind"] != at.DISK))
         settings = replace(settings, disk="1x1")
     shade = prepare(dull, replace(settings, lobe=1))
     text = numba.image_text()
     kernel = numba.kernel(text, "hits")
     axes = _axes(arrays, text)
-    eye = np.ascontiguousarray(arrays.camera[1:4])
+    eye = np.ascontiguousarray(arrays.camera.eye)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         shade(x0, y0, x1, y1, layers)
@@ -87,15 +88,14 @@ def prepare_sight(arrays: SceneArrays, settings: Settings) -> TileKernel:
 
 def _axes(arrays: SceneArrays, text: str) -> Array:
     axes = np.zeros(10)
-    if arrays.camera[0] == at.LOOK_AT:
+    if arrays.camera.kind == at.LOOK_AT:
         numba.plain(text).camera_axes(arrays.camera, axes)
     return axes
 
 
 def _rules(arrays: SceneArrays, settings: Settings, formulas: Any) -> tuple[Array, npt.NDArray[np.int64], Any]:
     """Every different lobe's rule, padded to one array, their sizes, and the rule of the floor and of each sphere."""
-    lobes = [tuple(arrays.floor[at.FLOOR_LOBE + 1 :].tolist())]
-    lobes += [tuple(sphere[at.LOBE + 1 :].tolist()) for sphere in arrays.spheres]
+    lobes = [(exponent, theta_max) for _, exponent, theta_max in lobes_of(arrays).tolist()]
     different = sorted(set(lobes))
     built = [_rule(exponent, theta_max, settings, formulas) for exponent, theta_max in different]
     scales = [lobe_scale(arrays, exponent, theta_max) for exponent, theta_max in different]
@@ -141,6 +141,6 @@ def trace(
     rays = np.ascontiguousarray(rays, dtype=np.float64)
     leaving = np.ascontiguousarray(np.broadcast_to(np.asarray(leaves, dtype=np.float64), len(rays)))
     results = np.empty((len(rays), 5))
-    eye = np.ascontiguousarray(arrays.camera[1:4])
+    eye = np.ascontiguousarray(arrays.camera.eye)
     numba.kernel(text, "trace")(*(rays, leaving, eye, arrays.spheres, arrays.floor, points, arrays.shading, results))
     return results[:, :3], results[:, 3], results[:, 4]

@@ -19,7 +19,15 @@ from symrender import kernel_cache
 from symrender.jit.entries import cache_directory, read_entry, write_entry
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_SOURCES = ("expression/*.py", "kernel/*.py", "targets/*.py", "scene/arrays.py", "limits.py")
+_SOURCES = (
+    "expression/*.py",
+    "kernel/*.py",
+    "targets/*.py",
+    "scene/arrays.py",
+    "scene/records.py",
+    "records.py",
+    "limits.py",
+)
 
 
 @cache

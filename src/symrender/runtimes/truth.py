@@ -32,13 +32,13 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     """
     sight = prepare_sight(arrays, settings)
     weights = np.zeros(at.FIRST_SPHERE + len(arrays.spheres))
-    weights[at.FLOOR] = arrays.floor[at.FLOOR_LOBE] if arrays.camera[3] > 0 else 0.0
-    weights[at.FIRST_SPHERE :] = arrays.spheres[:, at.LOBE]
+    weights[at.FLOOR] = arrays.floor.weight if arrays.camera.eye[2] > 0 else 0.0
+    weights[at.FIRST_SPHERE :] = arrays.spheres["weight"]
     size = (settings.height, settings.width, 3)
     # memory is taken only where a tile is written
     places: dict[str, Array] = {name: np.zeros(size) for name in ("place", "normal", "incoming", "albedo")}
     own = threading.local()
-    disks = settings.disk_order == EXACT_DISK and bool((arrays.lights[:, 0] == at.DISK).any())
+    disks = settings.disk_order == EXACT_DISK and bool((arrays.lights["kind"] == at.DISK).any())
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         sight(x0, y0, x1, y1, {**layers, **places})

@@ -1,6 +1,6 @@
 """A scene as plain arrays: the only thing kernels ever see.
 
-Which number stands in which column is fixed here, once; nothing is computed. Kernel text depends on none of it.
+Nothing is computed. The fields stand in ``scene/records.py``, what their whole numbers mean stands here.
 A sphere equal to an earlier one, which cannot be seen, is a speck at its centre: kernels leave out the shape a ray
 starts from by its identity, and would meet the other one there, by the last bit, as a shadow or a reflection.
 """
@@ -14,67 +14,39 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.limits import MIN_LENGTH
+from symrender.records import Table, record, table
 from symrender.scene.camera import PlaneCamera
 from symrender.scene.light import DiskLight
 from symrender.scene.lobe import Lobe
+from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 from symrender.scene.scene import Scene
 from symrender.scene.texture import Checker, FloorChecker, Marble, Stripes
 
 Array = npt.NDArray[np.float64]
 
-# spheres[j]: center 0:3, radius 3, colour 4:7, texture kind 7, ku 8, kv 9, dark 10, lobe weight 11, exponent 12,
-# theta_max 13 (0 is the mirror)
-CENTER: Final = 0
-RADIUS: Final = 3
-COLOR: Final = 4
-TEXTURE: Final = 7
-KU: Final = 8
-KV: Final = 9
-DARK: Final = 10
-LOBE: Final = 11
-SPHERE_COLUMNS: Final = 14
-
+# texture kinds of a sphere; a floor is SOLID or CHECKER
 SOLID: Final = 0
 CHECKER: Final = 1
 STRIPES: Final = 2
 MARBLE: Final = 3
 
-# floor: present 0, kind 1 (SOLID, CHECKER), bright 2:5, dark 5:8, cell 8, offset 9:11, lobe weight 11, exponent 12,
-# theta_max 13
-FLOOR_PRESENT: Final = 0
-FLOOR_KIND: Final = 1
-FLOOR_BRIGHT: Final = 2
-FLOOR_DARK: Final = 5
-FLOOR_CELL: Final = 8
-FLOOR_OFFSET: Final = 9
-FLOOR_LOBE: Final = 11
-FLOOR_COLUMNS: Final = 14
-
-# lights[l]: kind 0 (POINT, DISK), position 1:4, radius 4, colour 5:8, target 8:11
+# kinds of a light
 POINT: Final = 0
 DISK: Final = 1
-LIGHT_COLUMNS: Final = 11
 
-# shading: ka 0, kd 1, ks 2, shininess 3, model 4 (BLINN, PHONG), highlight view 5 (RAY, EYE),
-# terminator 6 (CUT, OPEN), ambient 7:10, background 10:13, units of the lobes 13 (LOBE_AVERAGE, BRDF_NORMALISED)
+# conventions of shading: model, highlight view, terminator, units of the lobes
 BLINN: Final = 0
 PHONG: Final = 1
 RAY: Final = 0
 EYE: Final = 1
 CUT: Final = 0
 OPEN: Final = 1
-AMBIENT: Final = 7
-BACKGROUND: Final = 10
-UNITS: Final = 13
 LOBE_AVERAGE: Final = 0
 BRDF_NORMALISED: Final = 1
-SHADING_COLUMNS: Final = 14
 
-# camera: kind 0 (PLANE, LOOK_AT), eye 1:4, then window_half 4, window_center 5:7 (PLANE)
-# or target 4:7, up 7:10, fov in degrees 10 (LOOK_AT)
+# kinds of a camera
 PLANE: Final = 0
 LOOK_AT: Final = 1
-CAMERA_COLUMNS: Final = 11
 
 # hit classes of an image: what the ray through a pixel's centre meets first
 NOTHING: Final = 0
@@ -85,76 +57,81 @@ FIRST_SPHERE: Final = 2
 
 @dataclass(frozen=True)
 class SceneArrays:
-    """The numbers of a scene; float64, C-contiguous, columns as documented in this module.
+    """The numbers of a scene as records, in the order of its lists."""
 
-    ``spheres`` (n, SPHERE_COLUMNS), ``floor`` (FLOOR_COLUMNS,), ``lights`` (m, LIGHT_COLUMNS),
-    ``shading`` (SHADING_COLUMNS,), ``camera`` (CAMERA_COLUMNS,).
-    """
+    spheres: Table[Sphere]
+    floor: Floor
+    lights: Table[Light]
+    shading: Shading
+    camera: Camera
 
-    spheres: Array
-    floor: Array
-    lights: Array
-    shading: Array
-    camera: Array
+
+def scene_arrays(scene: Scene) -> SceneArrays:
+    """Lay ``scene`` out as records."""
+    spheres = table(Sphere, len(scene.spheres))
+    earlier: set[tuple[tuple[float, ...], float]] = set()
+    for row, sphere in zip(spheres, scene.spheres, strict=True):
+        place = (sphere.center, sphere.radius)
+        row.center[:], row.color[:] = sphere.center, sphere.color
+        row.radius = MIN_LENGTH if place in earlier else sphere.radius
+        earlier.add(place)
+        match sphere.texture:
+            case Checker(ku=ku, kv=kv, dark=dark):
+                row.texture, row.ku, row.kv, row.dark = CHECKER, ku, kv, dark
+            case Stripes(ku=ku, dark=dark):
+                row.texture, row.ku, row.dark = STRIPES, ku, dark
+            case Marble(ku=ku, kv=kv):
+                row.texture, row.ku, row.kv = MARBLE, ku, kv
+        row.weight, row.exponent, row.theta_max = _lobe(sphere.lobe)
+
+    floor = record(Floor)
+    if scene.floor is not None:
+        floor.present = 1.0
+        floor.weight, floor.exponent, floor.theta_max = _lobe(scene.floor.lobe)
+        match scene.floor.texture:
+            case FloorChecker(bright=bright, dark=dark_color, cell=cell, offset=offset):
+                floor.kind, floor.cell = CHECKER, cell
+                floor.bright[:], floor.dark[:], floor.offset[:] = bright, dark_color, offset
+            case solid:
+                floor.kind, floor.cell = SOLID, 1.0
+                floor.bright[:] = floor.dark[:] = solid.color
+
+    lights = table(Light, len(scene.lights))
+    for light_row, light in zip(lights, scene.lights, strict=True):
+        light_row.kind = POINT
+        light_row.position[:], light_row.color[:] = light.position, light.color
+        if isinstance(light, DiskLight) and light.radius > 0:
+            light_row.kind, light_row.radius = DISK, light.radius
+            light_row.target[:] = light.target
+
+    shading, s = record(Shading), scene.shading
+    shading.ka, shading.kd, shading.ks, shading.shininess = s.ka, s.kd, s.ks, s.shininess
+    shading.model = PHONG if s.model == "phong" else BLINN
+    shading.highlight_view = EYE if s.highlight_view == "eye" else RAY
+    shading.terminator = OPEN if s.specular_terminator == "open" else CUT
+    shading.units = BRDF_NORMALISED if s.lobe_units == "brdf_normalised" else LOBE_AVERAGE
+    shading.ambient[:], shading.background[:] = scene.ambient, scene.background
+
+    camera = record(Camera)
+    camera.eye[:] = scene.camera.eye
+    if isinstance(scene.camera, PlaneCamera):
+        camera.kind, camera.window_half = PLANE, scene.camera.window_half
+        camera.window_center[:] = scene.camera.window_center
+    else:
+        camera.kind, camera.fov = LOOK_AT, scene.camera.fov
+        camera.target[:], camera.up[:] = scene.camera.target, scene.camera.up
+    return SceneArrays(spheres, floor, lights, shading, camera)
+
+
+def lobes_of(arrays: SceneArrays) -> Array:
+    """(1 + n, 3): weight, exponent and theta_max of the floor's lobe, then of each sphere's."""
+    floor = arrays.floor
+    rows = [(floor.weight, floor.exponent, floor.theta_max)]
+    rows += [(sphere.weight, sphere.exponent, sphere.theta_max) for sphere in arrays.spheres]
+    return np.array(rows)
 
 
 def _lobe(lobe: Lobe | None) -> tuple[float, float, float]:
     if lobe is None:
         return 0.0, 0.0, 0.0
     return lobe.weight, lobe.exponent, 0.0 if lobe.mirror else lobe.theta_max
-
-
-def scene_arrays(scene: Scene) -> SceneArrays:
-    """Lay ``scene`` out as arrays, in the order of its lists."""
-    spheres = np.zeros((len(scene.spheres), SPHERE_COLUMNS))
-    earlier: set[tuple[tuple[float, ...], float]] = set()
-    for row, sphere in zip(spheres, scene.spheres, strict=True):
-        place = (sphere.center, sphere.radius)
-        row[:7] = (*sphere.center, MIN_LENGTH if place in earlier else sphere.radius, *sphere.color)
-        earlier.add(place)
-        match sphere.texture:
-            case Checker(ku=ku, kv=kv, dark=dark):
-                row[7:11] = CHECKER, ku, kv, dark
-            case Stripes(ku=ku, dark=dark):
-                row[7:11] = STRIPES, ku, 0.0, dark
-            case Marble(ku=ku, kv=kv):
-                row[7:11] = MARBLE, ku, kv, 0.0
-        row[11:] = _lobe(sphere.lobe)
-
-    floor = np.zeros(FLOOR_COLUMNS)
-    if scene.floor is not None:
-        floor[FLOOR_PRESENT] = 1.0
-        floor[FLOOR_LOBE:] = _lobe(scene.floor.lobe)
-        match scene.floor.texture:
-            case FloorChecker(bright=bright, dark=dark_color, cell=cell, offset=offset):
-                floor[1:11] = (CHECKER, *bright, *dark_color, cell, *offset)
-            case solid:
-                floor[1:11] = (SOLID, *solid.color, *solid.color, 1.0, 0.0, 0.0)
-
-    lights = np.zeros((len(scene.lights), LIGHT_COLUMNS))
-    for row, light in zip(lights, scene.lights, strict=True):
-        row[1:4], row[5:8] = light.position, light.color
-        if isinstance(light, DiskLight) and light.radius > 0:
-            row[0], row[4], row[8:11] = DISK, light.radius, light.target
-
-    s = scene.shading
-    shading = np.array(
-        [
-            *(s.ka, s.kd, s.ks, s.shininess),
-            PHONG if s.model == "phong" else BLINN,
-            EYE if s.highlight_view == "eye" else RAY,
-            OPEN if s.specular_terminator == "open" else CUT,
-            *scene.ambient,
-            *scene.background,
-            BRDF_NORMALISED if s.lobe_units == "brdf_normalised" else LOBE_AVERAGE,
-        ]
-    )
-
-    camera = np.zeros(CAMERA_COLUMNS)
-    camera[1:4] = scene.camera.eye
-    if isinstance(scene.camera, PlaneCamera):
-        camera[0], camera[4], camera[5:7] = PLANE, scene.camera.window_half, scene.camera.window_center
-    else:
-        camera[0], camera[4:7], camera[7:10] = LOOK_AT, scene.camera.target, scene.camera.up
-        camera[10] = scene.camera.fov
-    return SceneArrays(spheres, floor, lights, shading, camera)

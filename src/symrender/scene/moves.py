@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import TypeAlias
 
 import numpy as np
 
 from symrender.errors import SceneError, Unsupported
-from symrender.scene.arrays import KU, Array, SceneArrays, scene_arrays
+from symrender.records import Grid, Table, column, flat, grid, table
+from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.fields import number_range
 from symrender.scene.names import letters, resolve
 from symrender.scene.parameters import get
 from symrender.scene.plain import plain
+from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 from symrender.scene.scene import Scene
 
 Move: TypeAlias = tuple[str, tuple[tuple[str, tuple[int, ...]], ...]]
@@ -64,13 +66,13 @@ def _moved(scene: Scene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
         raise SceneError(f"{name}: has no room to move about {value:g}")
     found: list[tuple[str, tuple[int, ...]]] = []
     for field in fields(SceneArrays):
-        a, b = getattr(here, field.name), getattr(there, field.name)
+        a, b = flat(getattr(here, field.name)), flat(getattr(there, field.name))
         if a.shape != b.shape:
             raise SceneError(f"{name}: the scene changes its structure about {value:g}; there is no derivative")
         for index in zip(*np.nonzero(a != b), strict=True):
             if abs(a[index] - value) > 0.0 or abs(b[index] - other) > 0.0:
                 raise SceneError(f"{name}: the scene changes its structure at {value:g}; there is no derivative")
-            if (field.name, int(index[-1])) == ("spheres", KU) and value == int(value):
+            if (field.name, int(index[-1])) == ("spheres", column(Sphere, "ku")) and value == int(value):
                 raise Unsupported(
                     f"{name}: at the whole number {value:g} a field opens at the texture's seam as it grows and none "
                     "closes as it falls; only numbers that are not whole have a derivative"
@@ -79,10 +81,28 @@ def _moved(scene: Scene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
     return tuple(found)
 
 
-def tangent_arrays(arrays: SceneArrays, moved: tuple[Move, ...]) -> dict[str, Array]:
-    """Derivatives of the arrays in every parameter, (Q, *shape) by the names of ``SceneArrays``."""
-    tangents = {f.name: np.zeros((len(moved), *getattr(arrays, f.name).shape)) for f in fields(SceneArrays)}
+@dataclass(frozen=True)
+class SceneMoves:
+    """Derivatives of a scene's records in Q parameters, themselves records: of each parameter a scene."""
+
+    spheres: Grid[Sphere]
+    floor: Table[Floor]
+    lights: Grid[Light]
+    shading: Table[Shading]
+    camera: Table[Camera]
+
+
+def scene_moves(arrays: SceneArrays, moved: tuple[Move, ...]) -> SceneMoves:
+    """Derivatives of the numbers of a scene in every parameter: 1 where a number moves with it."""
+    count = len(moved)
+    tangents = SceneMoves(
+        spheres=grid(Sphere, count, len(arrays.spheres)),
+        floor=table(Floor, count),
+        lights=grid(Light, count, len(arrays.lights)),
+        shading=table(Shading, count),
+        camera=table(Camera, count),
+    )
     for q, (_, elements) in enumerate(moved):
-        for array, index in elements:
-            tangents[array][(q, *index)] = 1.0
+        for name, index in elements:
+            flat(getattr(tangents, name))[(q, *index)] = 1.0
     return tangents

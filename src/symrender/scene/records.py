@@ -51,3 +51,26 @@ class Shading(Record):
     ambient: Three
     background: Three
     units: float
+
+
+class Light(Record):
+    """A light of the scene: ``kind`` POINT or DISK, and of a disk its radius and the place it faces."""
+
+    kind: float
+    position: Three
+    radius: float
+    color: Three
+    target: Three
+
+
+class Camera(Record):
+    """The camera: ``kind`` PLANE with its window on the floor, or LOOK_AT with what it looks at."""
+
+    kind: float
+    eye: Three
+    window_half: float
+    window_center: Two
+    target: Three
+    up: Three
+    fov: float
+    """In degrees."""

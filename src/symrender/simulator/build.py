@@ -20,9 +20,11 @@ from symrender.errors import Unsupported
 from symrender.images.output import write_bytes
 from symrender.images.picture import CLASSES, SEQUENTIAL
 from symrender.limits import MAX_SIMULATOR_LIGHT_POINTS, MAX_SIMULATOR_LOBE, MAX_SIMULATOR_SPHERES
+from symrender.records import column, columns, flat
 from symrender.scene import arrays as at
 from symrender.scene.light import DiskLight
 from symrender.scene.load import load
+from symrender.scene.records import Light
 from symrender.scene.texture import Checker
 from symrender.simulator.columns import entries
 from symrender.simulator.presets import glossy, presets
@@ -146,22 +148,21 @@ def page_data(scene: Scene) -> dict[str, Any]:
     from symrender.targets.glsl import blocks
 
     arrays = at.scene_arrays(scene)
-    spheres = arrays.spheres.copy()
+    spheres = arrays.spheres
     # a texture that may be chosen later takes its defaults where the present one has no such number
     for row, sphere in zip(spheres, scene.spheres, strict=True):
-        for column, key in ((at.KU, "ku"), (at.KV, "kv"), (at.DARK, "dark")):
-            if not hasattr(sphere.texture, key):
-                row[column] = getattr(Checker(), key)
+        for name in ("ku", "kv", "dark"):
+            if not hasattr(sphere.texture, name):
+                setattr(row, name, getattr(Checker(), name))
     return {
         "name": scene.name,
         "description": scene.description,
         "hash": scene.hash,
         "version": VERSION,
         "arrays": {
-            "spheres": spheres.tolist(),
-            **{name: getattr(arrays, name).tolist() for name in ("floor", "lights", "shading", "camera")},
+            name: flat(getattr(arrays, name)).tolist() for name in ("spheres", "floor", "lights", "shading", "camera")
         },
-        "lightColumns": at.LIGHT_COLUMNS,
+        "lightFields": {"columns": columns(Light), **{name: column(Light, name) for name in Light.names()}},
         "spheres": [sphere.name for sphere in scene.spheres],
         "lights": [{"name": light.name, "disk": isinstance(light, DiskLight)} for light in scene.lights],
         "glossy": glossy(scene),

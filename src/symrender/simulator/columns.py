@@ -5,58 +5,52 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from symrender.scene import arrays as at
+from symrender.records import Record, column, columns
+from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 from symrender.scene.scene import Scene
 from symrender.scene.texture import Checker, Marble, Solid, Stripes
 
+_LOBE = ("weight", "exponent", "theta_max")
+
+
+def _parts(kind: type[Record], field: str, name: str, letters: str) -> dict[str, int]:
+    """Places of a vector's numbers by their dotted names."""
+    return {f"{name}.{letter}": column(kind, field) + k for k, letter in enumerate(letters)}
+
+
 _SPHERE = {
-    "center.x": 0,
-    "center.y": 1,
-    "center.z": 2,
-    "radius": at.RADIUS,
-    "color.r": at.COLOR,
-    "color.g": at.COLOR + 1,
-    "color.b": at.COLOR + 2,
-    "texture.ku": at.KU,
-    "texture.kv": at.KV,
-    "texture.dark": at.DARK,
-    "lobe.weight": at.LOBE,
-    "lobe.exponent": at.LOBE + 1,
-    "lobe.theta_max": at.LOBE + 2,
+    **_parts(Sphere, "center", "center", "xyz"),
+    "radius": column(Sphere, "radius"),
+    **_parts(Sphere, "color", "color", "rgb"),
+    **{f"texture.{name}": column(Sphere, name) for name in ("ku", "kv", "dark")},
+    **{f"lobe.{name}": column(Sphere, name) for name in _LOBE},
 }
 _FLOOR = {
-    **{f"texture.bright.{c}": at.FLOOR_BRIGHT + k for k, c in enumerate("rgb")},
-    **{f"texture.dark.{c}": at.FLOOR_DARK + k for k, c in enumerate("rgb")},
-    **{f"texture.color.{c}": at.FLOOR_BRIGHT + k for k, c in enumerate("rgb")},
-    "texture.cell": at.FLOOR_CELL,
-    "texture.offset.x": at.FLOOR_OFFSET,
-    "texture.offset.y": at.FLOOR_OFFSET + 1,
-    "lobe.weight": at.FLOOR_LOBE,
-    "lobe.exponent": at.FLOOR_LOBE + 1,
-    "lobe.theta_max": at.FLOOR_LOBE + 2,
+    **_parts(Floor, "bright", "texture.bright", "rgb"),
+    **_parts(Floor, "dark", "texture.dark", "rgb"),
+    **_parts(Floor, "bright", "texture.color", "rgb"),
+    "texture.cell": column(Floor, "cell"),
+    **_parts(Floor, "offset", "texture.offset", "xy"),
+    **{f"lobe.{name}": column(Floor, name) for name in _LOBE},
 }
 _LIGHT = {
-    **{f"position.{c}": 1 + k for k, c in enumerate("xyz")},
-    "radius": 4,
-    **{f"color.{c}": 5 + k for k, c in enumerate("rgb")},
-    **{f"target.{c}": 8 + k for k, c in enumerate("xyz")},
+    **_parts(Light, "position", "position", "xyz"),
+    "radius": column(Light, "radius"),
+    **_parts(Light, "color", "color", "rgb"),
+    **_parts(Light, "target", "target", "xyz"),
 }
 _SHADING = {
-    "shading.ka": 0,
-    "shading.kd": 1,
-    "shading.ks": 2,
-    "shading.shininess": 3,
-    **{f"ambient.{c}": at.AMBIENT + k for k, c in enumerate("rgb")},
-    **{f"background.{c}": at.BACKGROUND + k for k, c in enumerate("rgb")},
+    **{f"shading.{name}": column(Shading, name) for name in ("ka", "kd", "ks", "shininess")},
+    **_parts(Shading, "ambient", "ambient", "rgb"),
+    **_parts(Shading, "background", "background", "rgb"),
 }
 _CAMERA = {
-    **{f"eye.{c}": 1 + k for k, c in enumerate("xyz")},
-    **{f"target.{c}": 4 + k for k, c in enumerate("xyz")},
-    **{f"up.{c}": 7 + k for k, c in enumerate("xyz")},
-    "fov": 10,
-    "window_half": 4,
-    "window_center.x": 5,
-    "window_center.y": 6,
+    **_parts(Camera, "eye", "eye", "xyz"),
+    **_parts(Camera, "target", "target", "xyz"),
+    **_parts(Camera, "up", "up", "xyz"),
+    "fov": column(Camera, "fov"),
+    "window_half": column(Camera, "window_half"),
+    **_parts(Camera, "window_center", "window_center", "xy"),
 }
 _TEXTURES = (Solid(), Checker(), Stripes(), Marble())
 
@@ -69,7 +63,7 @@ def place(scene: Scene, name: str) -> tuple[str, int]:
     if kind in ("spheres", "lights"):
         part, _, rest = rest.partition(".")
         rows = [entry.name for entry in getattr(scene, kind)]
-        columns, width = (_SPHERE, at.SPHERE_COLUMNS) if kind == "spheres" else (_LIGHT, at.LIGHT_COLUMNS)
+        columns, width = (_SPHERE, columns(Sphere)) if kind == "spheres" else (_LIGHT, columns(Light))
         return kind, rows.index(part) * width + columns[rest]
     return kind, (_FLOOR if kind == "floor" else _CAMERA)[rest]
 
@@ -87,14 +81,14 @@ def entries(scene: Scene) -> Iterator[dict[str, Any]]:
             "at": place(scene, p.name),
         }
     s = scene.shading
-    for name, column, choices, value in (
-        ("shading.model", 4, ("blinn", "phong"), s.model),
-        ("shading.highlight_view", 5, ("ray", "eye"), s.highlight_view),
-        ("shading.specular_terminator", 6, ("cut", "open"), s.specular_terminator),
+    for name, field, choices, value in (
+        ("shading.model", "model", ("blinn", "phong"), s.model),
+        ("shading.highlight_view", "highlight_view", ("ray", "eye"), s.highlight_view),
+        ("shading.specular_terminator", "terminator", ("cut", "open"), s.specular_terminator),
     ):
-        yield {"name": name, "value": value, "choices": choices, "at": ("shading", column)}
+        yield {"name": name, "value": value, "choices": choices, "at": ("shading", column(Shading, field))}
     kinds = [texture.type for texture in _TEXTURES]
     for j, sphere in enumerate(scene.spheres):
-        index = j * at.SPHERE_COLUMNS + at.TEXTURE
+        index = j * columns(Sphere) + column(Sphere, "texture")
         name = f"spheres.{sphere.name}.texture.type"
         yield {"name": name, "value": sphere.texture.type, "choices": kinds, "at": ("spheres", index)}

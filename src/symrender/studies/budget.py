@@ -16,7 +16,7 @@ from symrender.errors import OptionError
 from symrender.quadrature.strata import rings
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
-from symrender.scene.arrays import Array
+from symrender.scene.arrays import Array, lobes_of
 from symrender.scene.scene import Scene
 from symrender.settings import Nodes, Partition, Weights
 from symrender.studies.lobe_rays import BEHIND, BELOW, LIGHTS, SHAPE, TEXTURE, Labels, LobeRays
@@ -116,9 +116,7 @@ class _Cells:
     def errors(self, pixel: tuple[int, int]) -> tuple[Array, Array, Array]:
         """Errors (causes, 3), and of each cause the absolute error in cells of its own and in all."""
         surface = int(self._places["hit_class"][pixel])
-        lobe = self._arrays.floor[at.FLOOR_LOBE :] if surface == at.FLOOR else (
-            self._arrays.spheres[surface - at.FIRST_SPHERE, at.LOBE :]
-        )  # fmt: skip
+        lobe = lobes_of(self._arrays)[surface - at.FLOOR]
         key = (float(lobe[1]), float(lobe[2]))
         if key not in self._layouts:
             if key[1] == 0.0:

@@ -17,7 +17,7 @@ from symrender.records import rows_of
 from symrender.runtimes import image as symbolic
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
-from symrender.scene.arrays import Array, SceneArrays
+from symrender.scene.arrays import Array, SceneArrays, lobes_of
 from symrender.scene.records import Sphere
 
 Labels = npt.NDArray[np.int64]
@@ -84,9 +84,7 @@ class LobeRays:
         """What each direction counts beside its weight, (N, 1): 1, or the scale times |w.N| in BRDF units."""
         if not is_brdf(self._arrays):
             return np.ones((len(directions), 1))
-        row = self._arrays.floor[at.FLOOR_LOBE :]
-        if leaves >= at.FIRST_SPHERE:
-            row = self._arrays.spheres[leaves - at.FIRST_SPHERE, at.LOBE :]
+        row = lobes_of(self._arrays)[leaves - at.FLOOR]
         counts: Array = np.abs(directions @ normal)[:, None] * lobe_scale(self._arrays, row[1], row[2])
         return counts
 

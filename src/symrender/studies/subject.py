@@ -17,7 +17,7 @@ from symrender.execution.jobs import KINDS, Job, TileKernel
 from symrender.ledger.statistics import Difference, difference
 from symrender.runtimes.image import prepare_sight
 from symrender.scene import arrays as at
-from symrender.scene.arrays import Array, SceneArrays, scene_arrays
+from symrender.scene.arrays import Array, SceneArrays, lobes_of, scene_arrays
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.settings import Settings, image_size
@@ -81,9 +81,9 @@ class Subject:
     def glossy(self, hit_class: Array) -> Mask:
         """Pixels (h, w) whose surface has a lobe that is judged."""
         arrays = self.arrays
-        weights = np.zeros(at.FIRST_SPHERE + len(arrays.spheres))
-        weights[at.FLOOR] = arrays.floor[at.FLOOR_LOBE] if arrays.camera[3] > 0 else 0.0
-        weights[at.FIRST_SPHERE :] = arrays.spheres[:, at.LOBE]
+        weights = np.concatenate([[0.0], lobes_of(arrays)[:, 0]])
+        if not arrays.camera.eye[2] > 0.0:
+            weights[at.FLOOR] = 0.0
         return np.asarray(weights[hit_class.astype(np.int64)] > 0)
 
 

@@ -21,11 +21,13 @@ from symrender.kernel.program import (
     Next,
     Parameter,
     Program,
+    Records,
     Return,
     Statement,
     Store,
     When,
 )
+from symrender.records import Record, named
 from symrender.targets.interface import Target
 
 _FUNCTIONS = {
@@ -56,6 +58,13 @@ def _quotient(floor: sp.Expr) -> tuple[sp.Expr, int] | None:
 
 
 class _Printer(StrPrinter):
+    # SymPy's own text of an element would come before ours
+    printmethod = "_kernel_text"
+
+    def __init__(self, records: Mapping[str, type[Record]]) -> None:
+        super().__init__()
+        self._records = records
+
     def emptyPrinter(self, expr: sp.Basic) -> str:
         raise NotImplementedError(f"no Python text for {type(expr).__name__}")
 
@@ -87,7 +96,12 @@ class _Printer(StrPrinter):
         return "math.nan"
 
     def _print_Indexed(self, expr: sp.Indexed) -> str:
-        return f"{expr.base.label}[{', '.join(self._print(index) for index in expr.indices)}]"
+        name = str(expr.base.label)
+        *rows, last = expr.indices
+        if name in self._records:
+            row = f"[{self._print(rows[0])}]" if rows else ""
+            return f"{name}{row}.{named(self._records[name], int(last))}"
+        return f"{name}[{', '.join(self._print(index) for index in expr.indices)}]"
 
     def _print_Function(self, expr: sp.Function) -> str:
         name = type(expr).__name__
@@ -212,8 +226,9 @@ def _real(value: sp.Basic, printer: _Printer) -> str:
 
 def _function(function: Function, functions: Kinds) -> list[str]:
     names = ", ".join(p.name for p in function.parameters)
+    records = {p.name: p.record for p in function.parameters if isinstance(p, Records)}
     head = [f"def {function.name}({names}):", f'    """{function.doc}"""']
-    return head + _body(function.body, _Printer(), functions, 1)
+    return head + _body(function.body, _Printer(records), functions, 1)
 
 
 def emit(program: Program) -> str:

@@ -12,6 +12,7 @@ from symrender.chapter.document.effort import Effort
 from symrender.chapter.document.figures import Figure, Measured, figures_of
 from symrender.ledger.lobe_widths import lobe_widths
 from symrender.quadrature.strata import rings, rule
+from symrender.records import copied
 from symrender.render import render
 from symrender.runtimes import numba
 from symrender.runtimes.image import trace
@@ -107,8 +108,8 @@ def _buried(arrays: SceneArrays) -> dict[str, Figure]:
 
     Below, the printed program has no floor at all: neither rays nor light are stopped by it.
     """
-    floorless = replace(arrays, floor=arrays.floor.copy())
-    floorless.floor[at.FLOOR_PRESENT] = 0.0
+    floorless = replace(arrays, floor=copied(arrays.floor))
+    floorless.floor.present = 0.0
     formulas: Any = numba.plain(numba.image_text())
     lobe = rule(rings(formulas, 16.0, math.pi / 3, 64), sectors=64, normalised=False)
     rays = LobeRays(arrays, 2)

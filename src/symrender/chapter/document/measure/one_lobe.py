@@ -78,7 +78,7 @@ def measure(effort: Effort) -> Measured:
 
 def _spot(of: Subject) -> Spot:
     place = np.array([*_POINT, 0.0])
-    away: Array = place - of.arrays.camera[1:4]
+    away: Array = place - of.arrays.camera.eye
     return Spot(place, away / np.linalg.norm(away))
 
 

@@ -87,8 +87,8 @@ def _random_rays(arrays: SceneArrays, count: int) -> tuple[Array, Array, Any]:
     spheres = arrays.spheres
     which, target = rng.integers(0, len(spheres), (2, count))
     normal = _unit(rng.standard_normal((count, 3)))
-    place = spheres[which, :3] + spheres[which, 3:4] * normal
-    aim = spheres[target, :3] + spheres[target, 3:4] * rng.uniform(-1, 1, (count, 3)) - place
+    place = spheres["center"][which] + spheres["radius"][which, None] * normal
+    aim = spheres["center"][target] + spheres["radius"][target, None] * rng.uniform(-1, 1, (count, 3)) - place
     direction = np.where(rng.random(count)[:, None] < 0.5, _unit(rng.standard_normal((count, 3))), _unit(aim))
     direction -= 2.0 * np.minimum((direction * normal).sum(axis=1, keepdims=True), 0.0) * normal
     return place, _unit(direction), at.FIRST_SPHERE + which

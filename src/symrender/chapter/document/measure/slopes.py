@@ -121,7 +121,7 @@ def _strata(scene: Scene) -> float:
     cells = rule(ring, sectors=_SIDE, normalised=False)
     rays = LobeRays(arrays, 2)
     place, normal = np.array([*_POINT, 0.0]), np.array([0.0, 0.0, 1.0])
-    away: Array = place - arrays.camera[1:4]
+    away: Array = place - arrays.camera.eye
     frame = rays.frame(away / np.linalg.norm(away), normal)
     return float(cells.weights @ rays.see(place, normal, at.FLOOR, cells.directions @ frame).radiance[:, 0])
 
