@@ -100,7 +100,8 @@ class Table(Protocol[R]):
     """An array of records with one axis; a field's name as index gives the array of that field."""
 
     @property
-    def shape(self) -> tuple[int, ...]: ...
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of its axes."""
 
     def __len__(self) -> int: ...
 
@@ -119,7 +120,8 @@ class Grid(Protocol[R]):
     """An array of records with two axes."""
 
     @property
-    def shape(self) -> tuple[int, ...]: ...
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of its axes."""
 
     @overload
     def __getitem__(self, index: tuple[int, int], /) -> R: ...

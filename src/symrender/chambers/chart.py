@@ -87,7 +87,8 @@ def set_lens(chart: Chart) -> None:
 
 @jitable
 def add_normal(
-    walls: Table[Wall], counts: Counts, chart: Chart, ax: float, ay: float, az: float, level: float, tag: int, shape: int
+    walls: Table[Wall], counts: Counts, chart: Chart, ax: float, ay: float, az: float, level: float, tag: int, shape:
+    int
 ) -> None:  # fmt: skip
     """Append the circle a.N = level on the charted sphere, if it can cross its visible part inside the lobe."""
     if not abs(level) < 1.0:
@@ -106,7 +107,8 @@ def add_normal(
 
 @jitable
 def add_direction(
-    walls: Table[Wall], counts: Counts, chart: Chart, ax: float, ay: float, az: float, cosine: float, tag: int, shape: int
+    walls: Table[Wall], counts: Counts, chart: Chart, ax: float, ay: float, az: float, cosine: float, tag: int, shape:
+    int
 ) -> None:  # fmt: skip
     """Append the circle w.a = cosine on the sphere of directions."""
     a0 = ax * chart.pole[0] + ay * chart.pole[1] + az * chart.pole[2]
@@ -254,8 +256,8 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
                 work.casters[work.counts.casters].ball = h
                 work.counts.casters += 1
                 work.counts.walls = add_shadow(
-                    work.walls, work.counts.walls, chart, -lx, -ly, -lz,
-                    sphere.center[0] - s.center[0], sphere.center[1] - s.center[1], sphere.center[2] - s.center[2], s.radius, h, i,
+                    work.walls, work.counts.walls, chart, -lx, -ly, -lz, sphere.center[0] - s.center[0],
+                    sphere.center[1] - s.center[1], sphere.center[2] - s.center[2], s.radius, h, i,
                 )  # fmt: skip
 
 

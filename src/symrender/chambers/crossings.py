@@ -266,8 +266,8 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
                 )
             if kind <= NORMAL and also == kind:
                 n = circle_crossings(
-                    one.axis[0], one.axis[1], one.axis[2], one.cos, b0, b1, b2, cosine, kind == NORMAL, hides, view, work, events, n,
-                    low, high,
+                    one.axis[0], one.axis[1], one.axis[2], one.cos, b0, b1, b2, cosine, kind == NORMAL, hides, view,
+                    work, events, n, low, high,
                 )  # fmt: skip
                 continue
             # along which of the two, and whether the other one is a cone of directions
@@ -289,7 +289,7 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
 
 @inlined
 def all_events(view: View, work: Work, events: Table[Event], low: float, high: float) -> int:
-    """Events between low and high, with both ends, ascending; columns azimuth, kind. Their number."""
+    """Events between low and high, with both ends, ascending. Their number."""
     set_circles(work)
     n = chart_events(work, events, low, high) - 1
     n = chart_crossings(view, work, events, n, low, high)

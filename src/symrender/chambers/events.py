@@ -127,7 +127,7 @@ def line_range(chart: Chart) -> tuple[float, float]:
 
 @inlined
 def chart_events(work: Work, events: Table[Event], low: float, high: float) -> int:
-    """Tangencies and limb passages between low and high, with both ends, ascending; columns azimuth, kind."""
+    """Tangencies and limb passages between low and high, with both ends, ascending."""
     chart = work.chart
     events[0].azimuth, events[0].kind = low, ROOT
     n = 1
@@ -145,8 +145,8 @@ def chart_events(work: Work, events: Table[Event], low: float, high: float) -> i
         if kind in (NORMAL, DIRECTION):
             (row.touch_azimuth, row.touch_offset, row.touch_depth) = tangent_lines(row.axis[1], row.axis[2], row.sin)
             n = circle_events(
-                row.axis[0], row.axis[1], row.axis[2], row.cos, row.sin, row.touch_azimuth, row.touch_offset, kind == NORMAL, chart,
-                events, n, low, high, False,
+                row.axis[0], row.axis[1], row.axis[2], row.cos, row.sin, row.touch_azimuth, row.touch_offset, kind ==
+                NORMAL, chart, events, n, low, high, False,
             )  # fmt: skip
     return close_events(events, n, high)
 

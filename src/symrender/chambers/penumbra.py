@@ -24,9 +24,6 @@ from symrender.kernel_cache import jitable
 
 Array = npt.NDArray[np.float64]
 
-# columns of a light point: position 0:3, the light's colour times the point's share 3:6, its sign in the embedded rule
-# 6, then of a disk
-
 CLEAR: Final = 0
 """The ball hides nothing of the disk."""
 CUTS: Final = 1

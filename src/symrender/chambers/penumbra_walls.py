@@ -56,13 +56,12 @@ def add_band(i: int, sphere: Sphere, view: View, work: Work) -> None:
         return
     row = work.walls[n]
     row.kind, row.tag, row.shape_index, row.met = SHADOW, TERMINATOR, i, 0
-    a = 0
-    for along in (chart.pole, chart.e1, chart.e2):
+    for a in range(3):
+        along = chart.pole if a == 0 else chart.e1 if a == 1 else chart.e2
         x, y, z = along[0], along[1], along[2]
         row.first[a] = rho / r * (p.axis[0] * x + p.axis[1] * y + p.axis[2] * z)
         row.second[a] = (lx * x + ly * y + lz * z) / r
         row.origin[a] = 0.0
-        a += 1
     row.first_level, row.second_level, row.origin2, row.sine2 = 0.0, -r, (rho - r) * (rho + r), 1.0
 
 

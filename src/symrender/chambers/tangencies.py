@@ -138,7 +138,8 @@ def edge_frame(light: LightPoint, caster: Sphere, frame: Array) -> bool:
 
 @jitable
 def sphere_tangencies(
-    light: LightPoint, caster: Sphere, beyond: bool, chart: Chart, frame: Array, events: Table[Event], n: int, low: float, high: float
+    light: LightPoint, caster: Sphere, beyond: bool, chart: Chart, frame: Array, events: Table[Event], n: int, low:
+    float, high: float
 ) -> int:  # fmt: skip
     """Azimuths at which a scan line of the charted sphere touches the shadow of ``caster``: no closed form.
 

@@ -1,4 +1,4 @@
-"""Walls: the zero sets across which radiance is not smooth, as rows of numbers a kernel can read.
+"""Walls: the zero sets across which radiance is not smooth, as records a kernel can read.
 
 The visible shape carries polar charts. About a sphere (centre C, radius R, seen from P, c = unit(C - P), k = R/|C - P|)
 an azimuth phi and the angle of incidence psi at the hit fix, with beta = asin(k sin psi) and gamma = psi - beta,
@@ -10,8 +10,7 @@ About the floor the pole c is straight down and the inner coordinate is beta its
 directions or on the sphere of normals, is ``a.x = cos(alpha)`` for a unit axis a; with the axis written in the frame
 (pole, e1, e2) its crossing with a scan line phi = const solves A cos x + B sin x = cos(alpha), one square root.
 
-A row of the wall table is ``kind, a0, a1, a2, cos(alpha), sin(alpha), tag, shape``; a shadow edge has its own columns
-(see ``shadow_row``).
+A wall is a record, see ``Wall`` in ``chambers/records.py``.
 """
 
 from __future__ import annotations
@@ -37,10 +36,9 @@ SHADOW: Final = 2
 BALL: Final = 3
 """Where the floor enters a ball: a circle on the floor."""
 PENUMBRA: Final = 5
-"""An edge of what a sphere hides of a disk light; columns as in ``chambers/penumbra_walls.py``."""
+"""An edge of what a sphere hides of a disk light."""
 GLEAM_EDGE: Final = 6
-"""Where a highlight begins: its base, which is clipped at 0, is 0. Columns 8.. hold the light point, the viewer's place
-and 1 for Phong's base."""
+"""Where a highlight begins: its base, which is clipped at 0, is 0."""
 
 
 # tags: which condition a wall belongs to
@@ -140,7 +138,8 @@ def add_shadow(
     ``u`` is the chart's origin (sphere centre, or foot of P on the floor) minus the light point, ``g`` the same origin
     minus the occluder's centre. With e = unit(occluder - light) and sin(a) = radius/distance the edge is
     sin^2(a) |x - L|^2 = |(x - C_k) x e|^2: both sides are free of cancellation for small and for distant occluders.
-    Columns 8.. hold f.(pole, e1, e2) and f.g for two unit vectors f across e, then u.(pole, e1, e2), |u|^2, sin^2(a).
+    ``first`` and ``second`` hold f.(pole, e1, e2) and their levels f.g for two unit vectors f across e, ``origin``
+    u.(pole, e1, e2).
     """
     if count >= walls.shape[0]:
         return count + 1
@@ -164,13 +163,12 @@ def add_shadow(
     row.shape_index = shape
     row.light = light
     row.met = 0
-    i = 0
-    for along in (chart.pole, chart.e1, chart.e2):
+    for i in range(3):
+        along = chart.pole if i == 0 else chart.e1 if i == 1 else chart.e2
         px, py, pz = along[0], along[1], along[2]
         row.first[i] = fx * px + fy * py + fz * pz
         row.second[i] = hx * px + hy * py + hz * pz
         row.origin[i] = ux * px + uy * py + uz * pz
-        i += 1
     row.first_level = fx * gx + fy * gy + fz * gz
     row.second_level = hx * gx + hy * gy + hz * gz
     row.origin2 = ux * ux + uy * uy + uz * uz

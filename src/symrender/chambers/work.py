@@ -98,7 +98,7 @@ def begin_counts(limit: int, work: Work) -> None:
 
 
 def scene_view(arrays: SceneArrays, points: Table[LightPoint]) -> View:
-    """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); memory is shared but for the eye."""
+    """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); its memory, but for the eye."""
     return View(
         spheres=arrays.spheres,
         floor=arrays.floor,

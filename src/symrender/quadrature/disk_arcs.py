@@ -88,17 +88,14 @@ def arc_point(curve: int, t: float, curves: Table[Curve]) -> tuple[float, float,
     row = curves[curve]
     if row.bounds == CONE:
         c, s = math.cos(t), math.sin(t)
-        x, y, z = row.generators[0] + row.generators[1] * c + row.generators[2] * s, row.generators[3] + row.generators[4] * c + row.generators[5] * s, (
-            row.generators[6] + row.generators[7] * c + row.generators[8] * s
-        )  # fmt: skip
+        g = row.generators
+        x, y, z = g[0] + g[1] * c + g[2] * s, g[3] + g[4] * c + g[5] * s, g[6] + g[7] * c + g[8] * s
         if z == 0.0:
             return 2.0, 0.0, 0.0, 0.0, 0.0
         inv = 1.0 / z
         a, b = x * inv, y * inv
-        dz = row.generators[8] * c - row.generators[7] * s
-        return (
-            a, b, (row.generators[2] * c - row.generators[1] * s - a * dz) * inv, (row.generators[5] * c - row.generators[4] * s - b * dz) * inv, z,
-        )  # fmt: skip
+        dz = g[8] * c - g[7] * s
+        return a, b, (g[2] * c - g[1] * s - a * dz) * inv, (g[5] * c - g[4] * s - b * dz) * inv, z
     size2 = row.k1 * row.k1 + row.k2 * row.k2
     size = math.sqrt(size2)
     da, db = -row.k2 / size, row.k1 / size
@@ -166,9 +163,9 @@ def arc_side(curve: int, t: float, n: int, curves: Table[Curve]) -> float:
 def place_piece(
     m: int, low: float, length: float, share: float, nodes: int, b: Nodes, gauss: Array
 ) -> int:  # fmt: skip
-    """List the nodes of a piece of an arc from point ``m`` on: TURN from its middle, SHARE; the new number of points.
+    """List the nodes of a piece of an arc from point ``m`` on: ``turn`` from its middle, ``share``; new number of points.
 
-    ACROSS gets the middle's cosine and sine, on a line its place.
+    ``across`` gets the middle's cosine and sine, on a line its place.
     """
     first = nodes * (nodes - 1) // 2
     middle = low + 0.5 * length
@@ -182,9 +179,9 @@ def place_piece(
 
 @jitable
 def bend(start: int, stop: int, curve: int, curves: Table[Curve], b: Nodes) -> None:
-    """Points (a, b) of nodes of a circle (``curve`` -1) or cone in ACROSS; SHARE times a db - b da.
+    """Points (a, b) of nodes of a circle (``curve`` -1) or cone in ``across``; ``share`` times a db - b da.
 
-    Sines and cosines of TURN, up to ``ARC``/2, by their series.
+    Sines and cosines of ``turn``, up to ``ARC``/2, by their series.
     """
     stop = min(stop, NODES)
     for i in range(start, stop):
@@ -233,8 +230,8 @@ def stretch(start: int, stop: int, curve: int, middle: float, curves: Table[Curv
 
 @jitable
 def boundary_sums(
-    m: int, p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    inner: int, phong: bool, shininess: float, gleaming: bool, b: Nodes, gauss: Array,
+    m: int, p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
+    float, inner: int, phong: bool, shininess: float, gleaming: bool, b: Nodes, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """Sums of shares times M(x) = int_0^1 f(s x) s ds over the ``m`` points listed."""
     start = inner * (inner - 1) // 2
@@ -249,8 +246,9 @@ def boundary_sums(
 
 @jitable
 def arc_term(
-    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, curves: Table[Curve], turns: Array, b: Nodes, gauss: Array,
+    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
+    float, step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, curves: Table[Curve], turns: Array,
+    b: Nodes, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves hides.
 

@@ -28,8 +28,6 @@ from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 
-# columns: k0 + k1 a + k2 b + k11 a^2 + 2 k12 a b + k22 b^2, what the curve bounds, the index of its ball, the points
-# of a cone's conic as of ``add_generators``, its points on the disk's circle
 MOST_MEETS: Final = 4
 CONE: Final = 0
 """The cone about a ball between Q and the disk."""
@@ -44,7 +42,6 @@ EDGE: Final = 4
 OWN: Final = 5
 """The circle in which the ball that Q lies on cuts the disk's plane."""
 
-# rows of ``work.disk``: scratch for corners or events and for breaks, then the curves
 TURNS: Final = 16
 FLUSH: Final = 1e-14
 """A terminator within this share of the disk from the floor's line is that line."""
@@ -165,7 +162,7 @@ def trig_roots(
 def add_generators(
     row: Curve, p: LightPoint, yx: float, yy: float, yz: float, ox: float, oy: float, oz: float, radius: float
 ) -> None:  # fmt: skip
-    """Write the cone about the ball at offset o from Q as points of the disk's plane: columns ``ALONG`` and on.
+    """Write the cone about the ball at offset o from Q as points of the disk's plane: its ``generators``.
 
     (a, b) = (X/Z, Y/Z) with X, Y, Z linear in (1, cos t, sin t), t the angle of a generator about the cone's axis. Then
     the t of the generators that meet the disk's circle; the disk's centre is at offset y.

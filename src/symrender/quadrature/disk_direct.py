@@ -88,8 +88,8 @@ def compared_step(step: int, finer: int, view: View) -> int:
 
 @jitable
 def is_tame(
-    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    gleaming: bool, view: View, work: Work,
+    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
+    float, gleaming: bool, view: View, work: Work,
 ) -> bool:  # fmt: skip
     """Whether rules of fixed orders serve a disk cut by the ``n`` curves listed: no chords, no narrow highlight.
 

@@ -28,7 +28,7 @@ MOST_POINTS: Final = NODES - 8
 
 @jitable
 def highlights(start: int, stop: int, b: Nodes, phong: bool, shininess: float) -> None:
-    """POWER = s, of BASE: the highlight's base for Phong, else its square. BASE is used up."""
+    """``power`` = s, of ``radix``: the highlight's base for Phong, else its square. ``radix`` is used up."""
     stop = min(stop, NODES)
     if phong:
         powers(start, stop, b, shininess)

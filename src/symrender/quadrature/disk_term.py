@@ -49,9 +49,9 @@ def served(step: int, log_rho: float) -> bool:
 
 @jitable
 def cut_or_whole(
-    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, curves: Table[Curve], turns: Array, b: Nodes,
-    gauss: Array,
+    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
+    float, step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, curves: Table[Curve], turns: Array,
+    b: Nodes, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``work.curves`` hides."""
     if n > 0 or not served(step, log_rho):

@@ -30,9 +30,9 @@ TANGENT = 1.0
 def add_cone(
     conics: Table[Conic], count: int, ax: float, ay: float, az: float, sine2: float, fx: float, fy: float, height: float
 ) -> int:
-    """Append the floor conic of the cone about unit axis ``a`` with apex (fx, fy, height); columns A B C D E F.
+    """Append the floor conic of the cone about unit axis ``a`` with apex (fx, fy, height).
 
-    A x^2 + 2 B x y + C y^2 + 2 D x + 2 E y + F = sin^2 |w|^2 - |w x a|^2 with w = (x - fx, y - fy, -height).
+    It is sin^2 |w|^2 - |w x a|^2 with w = (x - fx, y - fy, -height).
     """
     if count >= conics.shape[0]:
         return count + 1

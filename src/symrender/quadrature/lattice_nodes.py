@@ -25,7 +25,7 @@ PLANES: Final = 40
 
 @jitable
 def hide_nodes(m: int, j: int, own: int, view: View, work: Work) -> None:
-    """WEIGHT 0 where another sphere is in front of sphere ``j``."""
+    """``weight`` 0 where another sphere is in front of sphere ``j``."""
     m = min(m, BATCH)
     chart, b = work.chart, work.nodes
     px, py, pz, k = chart.point[0], chart.point[1], chart.point[2], chart.ratio
@@ -52,7 +52,7 @@ def hide_nodes(m: int, j: int, own: int, view: View, work: Work) -> None:
 
 @jitable
 def tint_nodes(m: int, j: int, view: View, work: Work) -> None:
-    """FACTOR of the nodes: kd times the albedo."""
+    """``factor`` of the nodes: kd times the albedo."""
     m = min(m, BATCH)
     b, sphere = work.nodes, view.spheres[j]
     kind, ku, kv, dark = int(sphere.texture), sphere.ku, sphere.kv, sphere.dark
@@ -98,7 +98,7 @@ def tint_nodes(m: int, j: int, view: View, work: Work) -> None:
 
 @jitable
 def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
-    """Fill CLEAR and SHINING of light point ``l`` on sphere ``j``; False where no node that P may see is met by it."""
+    """Fill ``clear`` and ``shining`` of light point ``l`` on sphere ``j``; False where it meets no node that P may see."""
     m = min(m, BATCH)
     chart, b = work.chart, work.nodes
     x, y, z = view.points[l].position[0], view.points[l].position[1], view.points[l].position[2]

@@ -50,14 +50,12 @@ SMALLEST: Final = 1e-4
 SHARPEST: Final = 1e6
 """Exponent above which the lobe's power has."""
 
-# what ``aim_lattice`` leaves in the row ``NEAR``: the axis, the frame across it, and the numbers of the two maps
-
 
 @jitable
 def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
-    """Set the lattice up for sphere ``j`` under chart's lobe; no more than this share of the lobe meets the sphere.
+    """Set the lattice up for sphere ``j`` under the chart's lobe; no more than this share of the lobe meets the sphere.
 
-    Negative if the rule declines. Writes chart's pole and ratio and the row ``NEAR``.
+    Negative if the rule declines. Writes the chart's pole and ratio, and ``Work.aim``.
     """
     chart, aim = work.chart, work.aim
     n = chart.exponent
@@ -118,7 +116,7 @@ def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
 
 @jitable
 def place_lattice(m: int, start: int, size: int, generator: int, radius: float, view: View, work: Work) -> None:
-    """Fill WEIGHT, PLACE, NORMAL and VIEW of ``m`` nodes of a lattice of ``size`` from its node ``start`` on."""
+    """Fill weights, places, normals and views of ``m`` nodes of a lattice of ``size`` from its node ``start`` on."""
     m = min(m, BATCH)
     chart, b = work.chart, work.nodes
     aim = work.aim
@@ -175,7 +173,7 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
 
 @jitable
 def scatter(size: int, j: int, own: int, view: View, work: Work) -> float:
-    """Sums of the cosets of the lattice of ``size`` in ``SUMS``; the deviation of their total, of the worst channel."""
+    """Sums of the cosets of the lattice of ``size`` in ``sums``; the deviation of their total, of the worst channel."""
     b, shading = work.nodes, view.shading
     aim = work.aim
     for c in range(3 * COSETS):

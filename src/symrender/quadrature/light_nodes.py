@@ -32,7 +32,7 @@ DISK_LABOUR = 8
 
 @inlined
 def mark_states(m: int, pieces: int, i: int, work: Work) -> bool:
-    """Fill CLEAR and SHINING of light ``i`` from the labels of the nodes' cells; whether any node sees it."""
+    """Fill ``clear`` and ``shining`` of light ``i`` from the labels of the nodes' cells; whether any node sees it."""
     m = min(m, NODES)
     b, table = work.nodes, work.pieces
     state = work.lit[table[0].cell, i]
@@ -57,7 +57,7 @@ def mark_states(m: int, pieces: int, i: int, work: Work) -> bool:
 
 @jitable
 def point_light(m: int, b: Nodes, p: LightPoint, phong: bool, shininess: float, ks: float) -> None:
-    """Add to SUM what a light point ``p`` (a row of ``light_rows``) adds to the marked nodes: see ``light_term``."""
+    """Add to ``radiance`` what a light point ``p`` adds to the marked nodes: see ``light_term``."""
     m = min(m, NODES)
     x, y, z, red, green, blue = p.position[0], p.position[1], p.position[2], p.color[0], p.color[1], p.color[2]
     if ks == 0.0:
@@ -113,9 +113,10 @@ def piece_level(
 
 @jitable
 def disk_sums(
-    start: int, stop: int, rule: int, p: LightPoint, phong: bool, shininess: float, gleaming: bool, b: Nodes, gauss: Array
+    start: int, stop: int, rule: int, p: LightPoint, phong: bool, shininess: float, gleaming: bool, b: Nodes, gauss:
+    Array
 ) -> None:  # fmt: skip
-    """COSINES and GLEAMS of nodes: the means of N.l and of the highlight over a disk, by this rule."""
+    """``cosines`` and ``gleams`` of nodes: the means of N.l and of the highlight over a disk, by this rule."""
     stop = min(stop, NODES)
     clear_sums(start, stop, b)
     rho = p.radius
@@ -157,7 +158,7 @@ def disk_sums(
 
 @jitable
 def add_disk(start: int, stop: int, p: LightPoint, ks: float, opened: bool, b: Nodes) -> None:
-    """Add to SUM what COSINES and GLEAMS of nodes say of a disk.
+    """Add to ``radiance`` what ``cosines`` and ``gleams`` of nodes say of a disk.
 
     Diffuse light where the disk's centre is above the node, highlights there or where terminators are open to them.
     """
@@ -175,7 +176,7 @@ def add_disk(start: int, stop: int, p: LightPoint, ks: float, opened: bool, b: N
 
 @inlined
 def cut_disk(i: int, row: Piece, state: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
-    """Add to SUM what disk light ``i`` adds to a piece from which it is partly hidden or which no rule serves."""
+    """Add to ``radiance`` what disk light ``i`` adds to a piece that sees a part of it or that no rule serves."""
     b, p = work.nodes, view.points[i]
     first = row.first
     work.counts.labour += DISK_LABOUR * row.count
@@ -191,7 +192,7 @@ def cut_disk(i: int, row: Piece, state: int, step: int, ks: float, view: View, w
 
 @inlined
 def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
-    """Add to SUM what disk light ``i`` adds, by the labels of the nodes' cells; pieces follow each other.
+    """Add to ``radiance`` what disk light ``i`` adds, by the labels of the nodes' cells; pieces follow each other.
 
     Neighbours that see all of the disk, and by the same rule, are one row.
     """
@@ -235,9 +236,9 @@ def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work
 
 @inlined
 def light_nodes(m: int, pieces: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
-    """Add to SUM what every light adds to the first ``m`` nodes, which the first ``pieces`` rows of pieces own.
+    """Add to ``radiance`` what every light adds to the first ``m`` nodes, which the first ``pieces`` pieces own.
 
-    FACTOR times the diffuse term and ``ks`` times the highlight.
+    ``factor`` times the diffuse term and ``ks`` times the highlight.
     """
     phong, shininess = view.shading.model == PHONG, view.shading.shininess
     for i in range(view.points.shape[0]):

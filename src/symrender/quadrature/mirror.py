@@ -34,7 +34,7 @@ COARSER = FINEST - 2
 
 @jitable
 def first_hit(own: int, lobe: Array, view: View, chart: Chart) -> int:
-    """What the direction ``lobe`` from the chart's point meets first: a sphere's index, -1 for the floor, -2 for nothing.
+    """What the direction ``lobe`` meets first from P: a sphere's index, -1 for the floor, -2 for nothing.
 
     ``own`` is the sphere the point lies on, -1 if that is the floor.
     """

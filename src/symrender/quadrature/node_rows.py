@@ -21,9 +21,6 @@ from symrender.scene.records import Shading
 
 Array = npt.NDArray[np.float64]
 
-# rows of ``Work.nodes``
-
-# columns of ``Work.pieces``: a stretch of a line under one Gauss rule
 
 MOST_WHOLE = 1024.0
 NOISE = 4e-15
@@ -39,7 +36,7 @@ def whole_vectors(m: int) -> int:
 
 @inlined
 def views_to(m: int, eye: Array, b: Nodes) -> None:
-    """VIEW of the first ``m`` nodes: unit vectors from PLACE to the eye."""
+    """``toward`` of the first ``m`` nodes: unit vectors from ``place`` to the eye."""
     m = min(m, NODES)
     ox, oy, oz = eye[0], eye[1], eye[2]
     for i in range(m):
@@ -50,7 +47,7 @@ def views_to(m: int, eye: Array, b: Nodes) -> None:
 
 @inlined
 def begin_sums(m: int, ambient: float, shading: Shading, b: Nodes) -> None:
-    """SUM of the first ``m`` nodes before any light: ambient light less the background."""
+    """``radiance`` of the first ``m`` nodes before any light: ambient light less the background."""
     m = min(m, NODES)
     red, green, blue = (
         ambient * shading.ambient[0] - shading.background[0],
@@ -63,7 +60,7 @@ def begin_sums(m: int, ambient: float, shading: Shading, b: Nodes) -> None:
 
 @inlined
 def sines(m: int, b: Nodes) -> None:
-    """SINE and COSINE of INNER, in [0, pi/2], by their series: within 3e-16."""
+    """``sine`` and ``cosine`` of ``inner``, in [0, pi/2], by their series: within 3e-16."""
     m = min(m, NODES)
     for i in range(m):
         x = b.inner[i]
@@ -93,7 +90,7 @@ def sines(m: int, b: Nodes) -> None:
 
 @jitable
 def powers(start: int, stop: int, b: Nodes, exponent: float) -> None:
-    """POWER = BASE^exponent of bases in [0, 1]; whole exponents to 4096 by squaring. BASE is used up."""
+    """``power`` = ``radix``^exponent of bases in [0, 1]; whole exponents to 4096 by squaring. ``radix`` is used up."""
     stop = min(stop, NODES)
     whole = int(min(exponent, MOST_SQUARED))
     if whole != exponent:
@@ -130,9 +127,9 @@ def powers(start: int, stop: int, b: Nodes, exponent: float) -> None:
 
 @inlined
 def densities(m: int, step: int, b: Nodes, chart: Chart) -> None:
-    """Multiply WEIGHT by the lobe's density at CHORD: cos^n theta / W, of 1 - cos theta without cancellation.
+    """Multiply ``weight`` by the lobe's density at ``chord``: cos^n theta / W, of 1 - cos theta without cancellation.
 
-    POWER gets the density. ``step`` is that of the rule the nodes are of.
+    ``power`` gets the density. ``step`` is that of the rule the nodes are of.
     """
     m = min(m, NODES)
     n, log_w = chart.exponent, chart.log_normaliser

@@ -31,7 +31,6 @@ from symrender.scene.arrays import CUT, EYE, MARBLE, PHONG
 
 Array = npt.NDArray[np.float64]
 
-# further columns of the pieces of a line
 
 CAUTION = 0.7
 """Share of its estimate taken as the log rho of a cell: a line more costs more than a node more on each line, so that
@@ -230,7 +229,7 @@ def place_nodes(
 
 @inlined
 def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -> None:
-    """Fill the first ``m`` nodes of the line (c, s) from INNER: points, normals, views, solid angle times density."""
+    """Fill ``m`` nodes of the line (c, s) from ``inner``: places, normals, views, solid angle times density."""
     m = whole_vectors(m)
     chart, b = work.chart, work.nodes
     j, k = chart.shape_index, chart.ratio
@@ -282,7 +281,7 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
 
 @inlined
 def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: Array) -> None:
-    """Fill SUM of the first ``m`` nodes with the radiance less the background."""
+    """Fill ``radiance`` of the first ``m`` nodes with the radiance less the background."""
     m = whole_vectors(m)
     b, shading = work.nodes, view.shading
     j = work.chart.shape_index
@@ -298,7 +297,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
 
 @inlined
 def weigh_nodes(m: int, work: Work) -> float:
-    """Multiply SUM by WEIGHT; POWER gets the sum over the channels, BASE their largest magnitude. The sum of BASE."""
+    """Multiply ``radiance`` by ``weight``; ``power`` gets the channels' sum, ``radix`` their largest magnitude; its sum."""
     b = work.nodes
     for i in range(whole_vectors(m)):
         w = b.weight[i]

@@ -33,7 +33,6 @@ from symrender.records import Table
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-# panel columns
 
 LINE = 32
 PANEL = 40
@@ -330,7 +329,8 @@ def panel_order(step: int, log_rho: float) -> int:
 
 @inlined
 def evaluate_panel(
-    p: Panel, step: int, view: View, work: Work, gauss: Array, events: Table[Event], many: int, out: Array, scratch: Array
+    p: Panel, step: int, view: View, work: Work, gauss: Array, events: Table[Event], many: int, out: Array, scratch:
+    Array
 ) -> float:  # fmt: skip
     """Integral of one panel at one order in out[0:3], its error in out[3]; azimuth of a foreign line, or NaN.
 
@@ -488,8 +488,8 @@ def cut_panel(
 
 @jitable
 def split_chart(
-    tol: float, view: View, work: Work, gauss: Array, panels: Table[Panel], spans: Table[Span], ids: Ints, events: Table[Event],
-    scratch: Array, max_evaluations: int, value: Array,
+    tol: float, view: View, work: Work, gauss: Array, panels: Table[Panel], spans: Table[Span], ids: Ints, events:
+    Table[Event], scratch: Array, max_evaluations: int, value: Array,
 ) -> tuple[float, int]:  # fmt: skip
     """Add the charted shape's integral to ``value``; returns (error estimate, panels that stayed unresolved)."""
     low, high = line_range(work.chart)

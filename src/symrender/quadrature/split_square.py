@@ -62,10 +62,10 @@ def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array)
 def floor_nodes(
     m: int, pieces: int, step: int, reach: float, lobe: Array, view: View, work: Work, gauss: Array
 ) -> None:  # fmt: skip
-    """Fill SUM of the first ``m`` nodes, EAST and NORTH of the foot, with what the deviation holds there.
+    """Fill ``radiance`` of ``m`` nodes, (``sine``, ``cosine``) from the foot, with what the deviation holds there.
 
-    That is WEIGHT times the taper to ``reach`` times lobe density times solid angle per area times the sum of colour
-    N.l over the lights that the nodes' pieces see. NEAR gets the ratio of the shorter taper to the longer one.
+    That is ``weight`` times the taper to ``reach`` times lobe density times solid angle per area times the sum of
+    colour N.l over the lights that the nodes' pieces see. ``near`` gets the ratio of the shorter taper to the longer one.
     """
     m = whole_vectors(m)
     chart, b = work.chart, work.nodes
@@ -134,7 +134,7 @@ def decay(t: float) -> float:
 
 @jitable
 def taper_rows(m: int, reach: float, b: Nodes) -> None:
-    """Multiply WEIGHT by the taper; NEAR gets the ratio of the taper to .7 of the reach to it."""
+    """Multiply ``weight`` by the taper; ``near`` gets the ratio of the taper to .7 of the reach to it."""
     m = min(m, NODES)
     scale = 1.0 / (0.36 * reach * reach)
     shorter = 0.7**-8 - 1.0
@@ -149,8 +149,8 @@ def taper_rows(m: int, reach: float, b: Nodes) -> None:
 
 @jitable
 def row_pieces(
-    y: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Table[Conic], walls: Table[Wall], chart: Chart,
-    roots: Array, ends: Array, ids: Ints,
+    y: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Table[Conic], walls: Table[Wall], chart:
+    Chart, roots: Array, ends: Array, ids: Ints,
 ) -> tuple[int, int]:  # fmt: skip
     """Pieces of the line y = const between x0 and x1; their number and the signature of their order.
 
@@ -347,8 +347,8 @@ def strip_integral(
 @jitable
 def cut_square(
     x0: float, y0: float, size: float, step: int, span: float, reach: float, room: float, bound: float, lobe: Array,
-    view: View, work: Work, conics: Table[Conic], crossing: Array, crossings: int, gauss: Array, states: Array, scratch: Array,
-    out: Array,
+    view: View, work: Work, conics: Table[Conic], crossing: Array, crossings: int, gauss: Array, states: Array, scratch:
+    Array, out: Array,
 ) -> float:  # fmt: skip
     """Add the integral of a square some conics cross to ``out`` (6,); its error estimate. The second half of ``out`` is
     under the shorter taper; ``bound`` is what the square can hold.

@@ -117,9 +117,9 @@ def disk_node(
 
 @jitable
 def moving_arc(
-    curve: int, weight: float, a: float, b: float, da: float, db: float, first: int, last: int, p: LightPoint, qx: float,
-    qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, view: View, work: Work,
-    table: Array,
+    curve: int, weight: float, a: float, b: float, da: float, db: float, first: int, last: int, p: LightPoint, qx:
+    float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, view: View, work:
+    Work, table: Array,
 ) -> None:  # fmt: skip
     """Add what the motion of a curve sweeps at its point (a, b) with velocity (da, db); ``weight`` is positive."""
     row = work.curves[curve]

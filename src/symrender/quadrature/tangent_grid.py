@@ -372,8 +372,8 @@ def scan_row(
 @inlined
 def row_adjoint(
     y: float, weight: float, x0: float, x1: float, roots_found: int, nx: int, step: int, span: float, reach: float,
-    lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None, table: Array,
-    half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
+    lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None, table:
+    Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
 ) -> None:  # fmt: skip
     """Add weight times the scanned line's integral, differentiated, to the adjoint."""
     chart = work.chart
@@ -479,8 +479,8 @@ def cut_strips(
 @jitable
 def strip_adjoint(
     a: float, b: float, n: int, sign: float, x0: float, x1: float, crossings: int, nx: int, step: int, span: float,
-    reach: float, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None,
-    table: Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
+    reach: float, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array |
+    None, table: Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
 ) -> None:  # fmt: skip
     """The adjoint of a strip by ``n`` lines, with a square-root map at both ends."""
     for row in range(adjoint.shape[0]):
@@ -501,10 +501,10 @@ def strip_adjoint(
 
 @jitable
 def square_adjoint(
-    x0: float, y0: float, size: float, sign: float, step: int, log_rho: float, reach: float, share: float,
-    crossings: int, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None,
-    table: Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array,
-    high: Array, out: Array,
+    x0: float, y0: float, size: float, sign: float, step: int, log_rho: float, reach: float, share: float, crossings:
+    int, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None, table:
+    Array, half: Array, here: Array, own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array, high: Array,
+    out: Array,
 ) -> float:  # fmt: skip
     """Add the derivatives of a square that some conics cross to ``out`` (parameters, 4); their error estimate."""
     x1, y1 = x0 + size, y0 + size
@@ -557,8 +557,8 @@ def square_adjoint(
 
 @jitable
 def replay_once(
-    tol: float, reach: float, low_x: float, low_y: float, level: int, lowest: float, count: int, lobe: Array,
-    view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None, table: Array, here: Array,
+    tol: float, reach: float, low_x: float, low_y: float, level: int, lowest: float, count: int, lobe: Array, view:
+    View, work: Work, conics: Table[Conic], what: Ints, gauss: Array, disk: Array | None, table: Array, here: Array,
     own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array, high: Array, square: Array, out: Array,
     max_evaluations: int,
 ) -> float:  # fmt: skip

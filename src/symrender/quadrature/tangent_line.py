@@ -238,8 +238,8 @@ def node_adjoint(
             told += monitor(strength * shading.kd * factor, strength * shading.ks, disk)
         if not is_disk:
             bare, gleam, by_shininess = offset_gradient(
-                point.position[0] - qx, point.position[1] - qy, point.position[2] - qz, facing[0], facing[1], facing[2], seen_along[0],
-                seen_along[1], seen_along[2], shading.model == PHONG, shading.shininess, True, bar,
+                point.position[0] - qx, point.position[1] - qy, point.position[2] - qz, facing[0], facing[1], facing[2],
+                seen_along[0], seen_along[1], seen_along[2], shading.model == PHONG, shading.shininess, True, bar,
             )  # fmt: skip
         lit = shown * bare
         for a in range(3):

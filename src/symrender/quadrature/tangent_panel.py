@@ -305,10 +305,10 @@ def cut_odd_ends(panels: Table[Panel], n: int, view: View, work: Work, scratch: 
 
 @jitable
 def replay_chart(
-    tol: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, panels: Table[Panel], spans: Table[Span],
-    ids: Ints, events: Table[Event], scratch: Array, here: Array, own: Array, nodes: bool, moving: Array, sums: Array,
-    tangents: Array, exact: bool, max_evaluations: int, value: Array, error: Array, low_order: Array, high_order: Array,
-    misses: Array,
+    tol: float, lobe: Array, view: View, work: Work, gauss: Array, disk: Array | None, panels: Table[Panel], spans:
+    Table[Span], ids: Ints, events: Table[Event], scratch: Array, here: Array, own: Array, nodes: bool, moving: Array,
+    sums: Array, tangents: Array, exact: bool, max_evaluations: int, value: Array, error: Array, low_order: Array,
+    high_order: Array, misses: Array,
 ) -> None:  # fmt: skip
     """Add the charted shape's derivatives to ``value`` (parameters, 4), their estimated errors to ``error``.
 

@@ -309,9 +309,9 @@ def room_left(tol: float, beyond: Array, error: Array) -> float:
 
 
 def gradient_kernel(
-    points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents,
-    work: Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Table[Panel], spans: Table[Span], ids: Ints,
-    events: Table[Event], scratch: Array, conics: Table[Conic], what: Ints, grid: Array, tol: float, bound: float,
+    points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents, work:
+    Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Table[Panel], spans: Table[Span], ids:
+    Ints, events: Table[Event], scratch: Array, conics: Table[Conic], what: Ints, grid: Array, tol: float, bound: float,
     max_evaluations: int, exact: bool, gradient: Array, error: Array, evaluations: Ints, status: Ints,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``GradientResult`` for every point; see ``gloss_gradients``."""

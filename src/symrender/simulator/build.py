@@ -24,7 +24,7 @@ from symrender.records import column, columns, flat
 from symrender.scene import arrays as at
 from symrender.scene.light import DiskLight
 from symrender.scene.load import load
-from symrender.scene.records import Light
+from symrender.scene.records import Camera, Floor, Light, Sphere
 from symrender.scene.texture import Checker
 from symrender.simulator.columns import entries
 from symrender.simulator.presets import glossy, presets
@@ -162,7 +162,12 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "arrays": {
             name: flat(getattr(arrays, name)).tolist() for name in ("spheres", "floor", "lights", "shading", "camera")
         },
-        "lightFields": {"columns": columns(Light), **{name: column(Light, name) for name in Light.names()}},
+        "fields": {
+            "light": {"columns": columns(Light), **{name: column(Light, name) for name in Light.names()}},
+            "eye": column(Camera, "eye"),
+            "floorLobe": column(Floor, "weight"),
+            "sphereLobe": column(Sphere, "weight"),
+        },
         "spheres": [sphere.name for sphere in scene.spheres],
         "lights": [{"name": light.name, "disk": isinstance(light, DiskLight)} for light in scene.lights],
         "glossy": glossy(scene),

@@ -63,8 +63,8 @@ def place(scene: Scene, name: str) -> tuple[str, int]:
     if kind in ("spheres", "lights"):
         part, _, rest = rest.partition(".")
         rows = [entry.name for entry in getattr(scene, kind)]
-        columns, width = (_SPHERE, columns(Sphere)) if kind == "spheres" else (_LIGHT, columns(Light))
-        return kind, rows.index(part) * width + columns[rest]
+        places, width = (_SPHERE, columns(Sphere)) if kind == "spheres" else (_LIGHT, columns(Light))
+        return kind, rows.index(part) * width + places[rest]
     return kind, (_FLOOR if kind == "floor" else _CAMERA)[rest]
 
 

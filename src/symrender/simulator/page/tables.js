@@ -1,7 +1,7 @@
 // The scene as the tables the program reads, and the state that changes them.
 
 const data = JSON.parse(document.getElementById("data").textContent);
-const LOOK_AT = 1, DISK_STRATA = 2, FLOOR_LOBE = 11, SPHERE_LOBE = 11, HALF_SEED = 1 << 16;
+const LOOK_AT = 1, DISK_STRATA = 2, HALF_SEED = 1 << 16;
 const PARTITIONS = ["equal_angle", "equal_solid_angle", "equal_weight"];
 const WEIGHTS = ["exact", "midpoint"], NODES = ["midpoint", "barycentre"];
 const parameters = new Map(data.parameters.map((p) => [p.name, p]));
@@ -21,7 +21,7 @@ function makeTables(state, least = 0, frame = null) {
   }
   const size = state.size;
   t.image_frame = frame ?? Float64Array.of(0, 0, size, size, size, size, 1);
-  t.eye = t.camera.slice(1, 4);
+  t.eye = t.camera.slice(data.fields.eye, data.fields.eye + 3);
   t.axes = new Float64Array(10);
   if (t.camera[0] === LOOK_AT) program.camera_axes(t.camera, t.axes);
   t.points = lightPoints(t.lights, state.off);
@@ -32,19 +32,19 @@ function makeTables(state, least = 0, frame = null) {
 }
 
 function lightPoints(lights, off) {
-  const rows = [], columns = data.lightColumns;
+  const rows = [], f = data.fields.light, columns = f.columns;
   for (let l = 0; l < lights.length / columns; l++) {
     const light = lights.subarray(l * columns, (l + 1) * columns);
     if (off.includes(data.lights[l].name)) continue;
-    const k = data.lights[l].disk && light[4] > 0 ? DISK_STRATA : 1;
+    const k = data.lights[l].disk && light[f.radius] > 0 ? DISK_STRATA : 1;
     for (let a = 0; a < k; a++) {
       for (let b = 0; b < k; b++) {
-        let place = light.subarray(1, 4);
+        let place = light.subarray(f.position, f.position + 3);
         if (k > 1) {
-          program.light_point(...light.subarray(1, 4), ...light.subarray(8, 11), light[4], (a + 0.5) / k, (b + 0.5) / k);
+          program.light_point(...light.subarray(f.position, f.position + 3), ...light.subarray(f.target, f.target + 3), light[f.radius], (a + 0.5) / k, (b + 0.5) / k);
           place = program.R.slice(0, 3);
         }
-        rows.push(...place, ...light.subarray(5, 8).map((c) => c / (k * k)));
+        rows.push(...place, ...light.subarray(f.color, f.color + 3).map((c) => c / (k * k)));
       }
     }
   }
@@ -53,7 +53,7 @@ function lightPoints(lights, off) {
 
 function surfaceLobe(t, row) {
   const columns = data.tables.spheres.columns;
-  const first = row === 0 ? t.floor.subarray(FLOOR_LOBE, FLOOR_LOBE + 3) : t.spheres.subarray((row - 1) * columns + SPHERE_LOBE, row * columns);
+  const first = row === 0 ? t.floor.subarray(data.fields.floorLobe, data.fields.floorLobe + 3) : t.spheres.subarray((row - 1) * columns + data.fields.sphereLobe, row * columns);
   return { weight: first[0], exponent: first[1], thetaMax: first[2] };
 }
 
@@ -78,8 +78,8 @@ function inputs(pass, t) {
   const own = data.reads[pass].map((name) => {
     if (name === "seen") return pass === "pixel_seen" ? "" : inputs("pixel_seen", t);
     const values = Array.from(t[name]), columns = data.tables[name].columns, lobeless = pass === "pixel_direct" || pass === "pixel_seen";
-    if (lobeless && name === "floor") values.fill(0, FLOOR_LOBE, FLOOR_LOBE + 3);
-    if (lobeless && name === "spheres") values.forEach((_, k) => k % columns >= SPHERE_LOBE && (values[k] = 0));
+    if (lobeless && name === "floor") values.fill(0, data.fields.floorLobe, data.fields.floorLobe + 3);
+    if (lobeless && name === "spheres") values.forEach((_, k) => k % columns >= data.fields.sphereLobe && (values[k] = 0));
     if (pass !== "pixel_numeric" && name === "estimate") values[1] = values[5] = 0;
     return values.join();
   });
