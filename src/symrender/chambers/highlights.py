@@ -81,6 +81,7 @@ NARROW = 0.08
 """Strips below which node counts are chosen by the highlight; wider ones are made sure to be seen, no more."""
 SPACING = 1.05
 """Gauss nodes of a piece are no farther apart than pi/2 of its length over their number, 3 widths."""
+HALF_PI = 0.5 * math.pi
 FAR = 4.0
 """So many times farther than light and viewer the floor is looked at as a whole."""
 
@@ -246,7 +247,7 @@ def box_bounds(
         reach = radius * turn
     else:
         h = geo[HEIGHT]
-        if v >= 1.5707:
+        if v >= HALF_PI:
             return far_floor(l, level, h * math.tan(u), view, work)
         near, last = h * math.tan(u), h * math.tan(v)
         r = 0.5 * (near + last)
@@ -327,7 +328,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
         return 0.0
     # slopes in a scene's numbers are larger than values by the inverse of a highlight's width
     geo[LEAST] = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading[3])) * geo[PACE])
-    last = 0.5 * math.pi if floor else geo[GAMMA_MAX]
+    last = HALF_PI if floor else geo[GAMMA_MAX]
     whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * geo[BETA_MAX]))
     ample = whole - geo[LOG_NORMALISER]
     boxes_seen = 0
@@ -359,11 +360,11 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                     strip, along = 0.1 * (b - a), 0.1 * (v - u)
                 note_highlight(l, a, b, u, v, strip, along, work)
                 continue
-            across = math.sin(min(v, 0.5 * math.pi)) * (b - a)
+            across = math.sin(min(v, HALF_PI)) * (b - a)
             if floor:
                 # lengths on the floor; the outermost box is cut down to where it is far
-                depth = math.tan(v) - math.tan(u) if v < 1.5707 else math.inf
-                across = math.tan(v) * (b - a) if v < 1.5707 else 0.0
+                depth = math.tan(v) - math.tan(u) if v < HALF_PI else math.inf
+                across = math.tan(v) * (b - a) if v < HALF_PI else 0.0
             else:
                 depth = v - u
             if across > depth:
