@@ -50,3 +50,15 @@ def test_no_point_takes_much_more_than_its_budget(name: str, changes: dict, disk
         capped += found.status[0] == CAPPED
     assert max(laboured) >= toil * BUDGET
     assert capped > POINTS // 3
+
+
+def test_a_floor_that_is_lit_up_to_its_horizon_meets_its_tolerance() -> None:
+    """A low place of a sphere in a light that stands low: the floor's highlight is felt where it nears the horizon."""
+    a = scene_arrays(load("chapter8").replace({"camera": {"type": "look_at", "eye": (3.0, -3.0, 2.0)}}))
+    point = np.array([[0.9870786764366617, -0.16023381252494034, 0.0009010259543937301]])
+    incoming = np.array([[-0.5014701108232227, 0.7074582836771016, -0.49802661054164]])
+    surface = np.array([FIRST_SPHERE])
+    found = gloss_points(a, point, point, incoming, surface, 1e-5, max_evaluations=200_000)
+    assert found.gloss[0].max() > 1e-3
+    assert found.status[0] == MET and found.error[0] <= 1e-5
+    assert found.evaluations[0] < 100_000
