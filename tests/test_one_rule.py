@@ -15,17 +15,16 @@ import pytest
 from emitted import FORMULAS
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import is_hidden, light_state, texture_side
-from symrender.chambers.walls import POINT, RIM_COS, RIM_SIN, SIDE, SURFACE_NORMAL
-from symrender.chambers.work import View, Work, work_arrays
+from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.numeric.random import pixel_key
 from symrender.numeric.shading import direct_light
 from symrender.numeric.textures import floor_albedo, floor_sign, sphere_albedo
 from symrender.numeric.world import make_world
-from symrender.quadrature import node_rows as rows
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_nodes import mark_nodes, tint_nodes
 from symrender.quadrature.light_nodes import light_nodes, point_light
 from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.node_rows import begin_sums
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
 
@@ -109,11 +108,11 @@ def seen_from(
     if (place - q) @ n <= 0 or (((place - a.spheres[:, :3]) ** 2).sum(axis=1) <= a.spheres[:, 3] ** 2).any():
         return None
     points = light_rows(a, 1)
-    view, work = View(a.spheres, a.floor, points, a.shading, np.zeros(3)), work_arrays(2, len(points))
+    view, work = scene_view(a, points), work_arrays(2, len(points))
     axis = unit(q - place)
-    work.geo[POINT : POINT + 3], work.geo[SURFACE_NORMAL : SURFACE_NORMAL + 3] = place, axis
-    work.geo[SIDE] = 1.0 if place[2] >= 0 else -1.0
-    work.geo[RIM_COS], work.geo[RIM_SIN] = 0.0, 1.0
+    work.chart.point[:], work.chart.normal[:] = place, axis
+    work.chart.side = 1.0 if place[2] >= 0 else -1.0
+    work.chart.rim_cos, work.chart.rim_sin = 0.0, 1.0
     if own < 0:
         floor_chart(-1, axis, view, work)
     else:
@@ -124,29 +123,25 @@ def seen_from(
 def by_the_lobe(own: int, q: Array, n: Array, v: Array, albedo: Array, work: Work, view: View) -> Array:
     """Radiance as a quadrature node of a chart gets it."""
     b = work.nodes
-    for first, vector in ((rows.PLACE, q), (rows.NORMAL, n), (rows.VIEW, v), (rows.FACTOR, view.shading[1] * albedo)):
-        for c in range(3):
-            b[first + c * rows.NODES] = vector[c]
+    b.place[:, 0], b.normal[:, 0], b.toward[:, 0], b.factor[:, 0] = q, n, v, view.shading.kd * albedo
     for l in range(len(view.points)):
         work.lit[0, l] = light_state(l, *q, *n, view, work)
-    work.pieces[0, rows.CELL], work.pieces[0, rows.FIRST], work.pieces[0, rows.COUNT] = 0, 0, 1
-    rows.begin_sums(1, view.shading[0], view.shading, b)
-    light_nodes(1, 1, 0, view.shading[2], view, work, GAUSS)
-    return b[[rows.SUM, rows.SUM + rows.NODES, rows.SUM + 2 * rows.NODES]].copy()
+    work.pieces[0].cell, work.pieces[0].first, work.pieces[0].count = 0, 0, 1
+    begin_sums(1, view.shading.ka, view.shading, b)
+    light_nodes(1, 1, 0, view.shading.ks, view, work, GAUSS)
+    return b.radiance[:, 0].copy()
 
 
 def by_a_lattice(own: int, q: Array, n: Array, v: Array, work: Work, view: View) -> Array:
     """Radiance as a node of a lattice on a sphere gets it."""
     b = work.nodes
-    for first, vector in ((rows.PLACE, q), (rows.NORMAL, n), (rows.VIEW, v)):
-        for c in range(3):
-            b[first + c * rows.NODES] = vector[c]
+    b.place[:, 0], b.normal[:, 0], b.toward[:, 0] = q, n, v
     tint_nodes(1, own, view, work)
-    rows.begin_sums(1, view.shading[0], view.shading, b)
+    begin_sums(1, view.shading.ka, view.shading, b)
     for l in range(len(view.points)):
         if mark_nodes(1, l, own, view, work):
-            point_light(1, b, view.points[l], view.shading[4] == at.PHONG, view.shading[3], view.shading[2])
-    return b[[rows.SUM, rows.SUM + rows.NODES, rows.SUM + 2 * rows.NODES]].copy()
+            point_light(1, b, view.points[l], view.shading.model == at.PHONG, view.shading.shininess, view.shading.ks)
+    return b.radiance[:, 0].copy()
 
 
 def tangent(a: SceneArrays, q: Array) -> bool:
@@ -185,7 +180,7 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
             albedo = np.array(sphere_albedo(a.spheres[own], tuple(n)))
             assert np.abs(albedo - a.spheres[own, at.COLOR : at.COLOR + 3] * factor).max() < 1e-12, a.spheres[own]
             if a.spheres[own, at.TEXTURE] in (at.CHECKER, at.STRIPES):
-                bright = texture_side(a.spheres, own, *n)
+                bright = texture_side(view.spheres, own, *n)
                 assert factor == (1.0 if bright else a.spheres[own, at.DARK]), a.spheres[own]
                 met["dark field"] += factor < 1
         scene = (a.spheres, a.floor, view.points, a.shading)

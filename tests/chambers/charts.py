@@ -10,7 +10,7 @@ import numpy.typing as npt
 from adversary.case import Case
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.events import line_range
-from symrender.chambers.work import View, Work, begin_counts, work_arrays
+from symrender.chambers.work import View, Work, begin_counts, scene_view, work_arrays
 from symrender.errors import SymrenderError
 from symrender.probe import _places
 from symrender.quadrature.light_points import light_rows
@@ -32,7 +32,7 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
         return
     arrays = scene_arrays(scene)
     lights = light_rows(arrays, 0 if case.disk == "exact" else int(case.disk.split("x")[0]))
-    view = View(arrays.spheres, arrays.floor, lights, arrays.shading, np.ascontiguousarray(arrays.camera[1:4]))
+    view = scene_view(arrays, lights)
     work = work_arrays(len(arrays.spheres), len(lights))
     own = surface - FIRST_SPHERE
     shape = scene.floor if surface == FLOOR else scene.spheres[own]
@@ -42,8 +42,8 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
     away = place[0] - arrays.camera[1:4]
     lobe = np.zeros(3)
     begin_counts(10**9, work)
-    place_point(place[0], normal[0], away / np.linalg.norm(away), lobe, work.geo)
-    lobe_setup(shape.lobe.exponent, shape.lobe.theta_max, tol, 1.0, work.geo)
+    place_point(place[0], normal[0], away / np.linalg.norm(away), lobe, work.chart)
+    lobe_setup(shape.lobe.exponent, shape.lobe.theta_max, tol, 1.0, work.chart)
     for j in (*range(len(arrays.spheres)), FLOOR_CHART):
         if j == own:
             continue
@@ -53,6 +53,6 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
             floor_chart(own, lobe, view, work)
         else:
             sphere_chart(j, own, lobe, view, work)
-        low, high = line_range(work.geo)
+        low, high = line_range(work.chart)
         if low < high:
             yield j, view, work, low, high, lobe

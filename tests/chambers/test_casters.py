@@ -6,11 +6,21 @@ import numpy as np
 import pytest
 
 from symrender.chambers.chart import sphere_chart
-from symrender.chambers.penumbra import DISK_AXIS, DISK_E1, DISK_E2, DISK_RADIUS, LIGHT_POINT_COLUMNS
-from symrender.chambers.walls import POINT, SHADOW_EDGE, SURFACE_NORMAL, TAG
-from symrender.chambers.work import CASTERS, WALLS, View, work_arrays
+from symrender.chambers.records import LightPoint
+from symrender.chambers.walls import SHADOW_EDGE
+from symrender.chambers.work import scene_view, work_arrays
 from symrender.quadrature.light_points import disk_frame
-from symrender.scene.arrays import CUT, FLOOR_COLUMNS, OPEN, SHADING_COLUMNS, SPHERE_COLUMNS
+from symrender.records import table
+from symrender.scene.arrays import (
+    CAMERA_COLUMNS,
+    CUT,
+    FLOOR_COLUMNS,
+    LIGHT_COLUMNS,
+    OPEN,
+    SHADING_COLUMNS,
+    SPHERE_COLUMNS,
+    SceneArrays,
+)
 
 Array = np.ndarray
 
@@ -37,30 +47,31 @@ def test_every_shadow_in_view_is_listed(terminator: int, rho: float) -> None:
         spheres[:, :3], spheres[:, 3] = rng.uniform(-1.5, 1.5, (2, 3)), 10 ** rng.uniform(-1, 0.3, 2)
         receiver, caster = spheres[0, :4], spheres[1, :4]
         place = receiver[:3] + unit(rng.normal(size=3)) * receiver[3] * (1 + 10 ** rng.uniform(-2, 1))
-        light = np.zeros((1, LIGHT_POINT_COLUMNS))
-        light[0, :3], light[0, 3:6], light[0, DISK_RADIUS] = rng.uniform(-4, 4, 3), 1.0, rho
-        e1, e2 = disk_frame(light[0, :3], rng.uniform(-1, 1, 3))
-        light[0, DISK_E1 : DISK_E1 + 3], light[0, DISK_E2 : DISK_E2 + 3] = e1, e2
-        light[0, DISK_AXIS : DISK_AXIS + 3] = np.cross(e1, e2)
-        inside = [np.linalg.norm(light[0, :3] - s[:3]) <= s[3] + rho for s in spheres]
+        lights = table(LightPoint, 1)
+        light = lights[0]
+        light.position[:], light.color[:], light.radius = rng.uniform(-4, 4, 3), 1.0, rho
+        e1, e2 = disk_frame(light.position, rng.uniform(-1, 1, 3))
+        light.e1[:], light.e2[:], light.axis[:] = e1, e2, np.cross(e1, e2)
+        inside = [np.linalg.norm(light.position - s[:3]) <= s[3] + rho for s in spheres]
         if any(inside) or np.linalg.norm(place - caster[:3]) < caster[3]:
             continue
         shading = np.zeros(SHADING_COLUMNS)
         shading[:7] = 0.1, 0.7, 0.5, 8.0, 0.0, 0.0, terminator
         work = work_arrays(2, 1)
         pole = unit(receiver[:3] - place)
-        work.geo[POINT : POINT + 3], work.geo[SURFACE_NORMAL : SURFACE_NORMAL + 3] = place, pole
-        sphere_chart(0, -1, pole, View(spheres, np.zeros(FLOOR_COLUMNS), light, shading, np.zeros(3)), work)
-        listed = work.counts[CASTERS] > 0
+        work.chart.point[:], work.chart.normal[:] = place, pole
+        bare = np.zeros(FLOOR_COLUMNS), np.zeros((0, LIGHT_COLUMNS)), shading, np.zeros(CAMERA_COLUMNS)
+        sphere_chart(0, -1, pole, scene_view(SceneArrays(spheres, *bare), lights), work)
+        listed = work.counts.casters > 0
         if rho == 0.0:
-            assert listed == (work.walls[: work.counts[WALLS], TAG] == SHADOW_EDGE).any()
+            assert listed == (work.walls["tag"][: work.counts.walls] == SHADOW_EDGE).any()
         normals = unit(rng.normal(size=(1500, 3)))
         normals = normals[normals @ -pole > receiver[3] / np.linalg.norm(place - receiver[:3])]
         q = receiver[:3] + receiver[3] * normals
         q, normals = (x[((q - caster[:3]) ** 2).sum(axis=1) >= caster[3] ** 2] for x in (q, normals))
         turns = np.linspace(0, 2 * np.pi, 6)
         dark, behind = False, False
-        for point in [light[0, :3], *(light[0, :3] + rho * (np.cos(t) * e1 + np.sin(t) * e2) for t in turns)]:
+        for point in [light.position, *(light.position + rho * (np.cos(t) * e1 + np.sin(t) * e2) for t in turns)]:
             front = ((point - q) * normals).sum(axis=1) > 0
             hidden = shaded(q, point, caster)
             behind |= bool((hidden & ~front).any())

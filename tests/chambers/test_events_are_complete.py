@@ -6,6 +6,7 @@ is searched on lines alone: its level is smooth, and what it cuts off vanishes t
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 
 import numpy as np
@@ -15,8 +16,10 @@ from adversary.families import generate
 from symrender.chambers import crossings, traces
 from symrender.chambers.crossings import all_events
 from symrender.chambers.line import scan_line
-from symrender.chambers.walls import GLEAM_EDGE, KIND, PENUMBRA
-from symrender.chambers.work import CELLS, View, Work
+from symrender.chambers.records import Event
+from symrender.chambers.walls import GLEAM_EDGE, PENUMBRA
+from symrender.chambers.work import View, Work
+from symrender.records import table
 
 from .charts import charts_of
 
@@ -30,9 +33,9 @@ def structure(phi: float, view: View, work: Work) -> tuple[tuple[int, int], ...]
         # signatures wrap
         scan_line(phi, view, work, np.zeros(4))
     found: list[tuple[int, int]] = []
-    for cell in range(work.counts[CELLS]):
+    for cell in range(work.counts.cells):
         wall = int(work.cell_wall[cell])
-        if wall >= 0 and int(work.walls[wall // 4, KIND]) in SEARCHED:
+        if wall >= 0 and work.walls[wall // 4].kind in SEARCHED:
             continue
         found.append((wall, int(work.cell_side[cell])))
     return tuple(found)
@@ -41,12 +44,12 @@ def structure(phi: float, view: View, work: Work) -> tuple[tuple[int, int], ...]
 def gaps_with_events_inside(families: tuple[str, ...], seeds: range) -> tuple[int, Counter[str]]:
     """Gaps between events, and by family those whose lines differ in structure."""
     gaps, broken = 0, Counter[str]()
-    events = np.zeros((2048, 2))
+    events = table(Event, 2048)
     for family in families:
         for seed in seeds:
             for _, view, work, low, high, _ in charts_of(generate(family, seed)):
                 many = all_events(view, work, events, low, high)
-                for a, b in zip(events[: many - 1, 0].tolist(), events[1:many, 0].tolist(), strict=True):
+                for a, b in itertools.pairwise(events["azimuth"][:many].tolist()):
                     if b - a < 1e-4:
                         continue
                     gaps += 1
@@ -75,7 +78,8 @@ def test_a_list_that_leaves_a_kind_out_is_noticed(left_out: str, monkeypatch: py
 
         def apart(work: Work) -> None:
             traces.set_circles(work)
-            work.circles[:, 4], work.circles[:, 5] = -2.0, 0.0
+            for circle in work.circles:
+                circle.cos, circle.sin = -2.0, 0.0
 
         monkeypatch.setattr(crossings, "set_circles", apart)
     gaps, broken = gaps_with_events_inside(("touching", "buried", "anything"), range(24))

@@ -9,9 +9,8 @@ import pytest
 
 from adversary.families import generate
 from symrender.chambers import highlights
-from symrender.chambers.highlights import FIRST, HIGHLIGHTS, LAST, chord_about, find_highlights
+from symrender.chambers.highlights import chord_about, find_highlights
 from symrender.chambers.place import surface_point
-from symrender.chambers.walls import BETA_MAX, EXPONENT, LEAST, LOG_NORMALISER, POINT, RIM_COS, SHAPE_INDEX
 from symrender.chambers.work import View, Work
 from symrender.scene.arrays import CUT, EYE, PHONG
 
@@ -20,12 +19,12 @@ from .charts import charts_of
 
 def chord_at(l: int, q: np.ndarray, n: np.ndarray, view: View, work: Work) -> float:
     """The chord by its definition; 2 where no highlight is."""
-    light = view.points[l, :3] - q
-    viewer = (view.eye if view.shading[5] == EYE else work.geo[POINT : POINT + 3]) - q
+    light = view.points[l].position - q
+    viewer = (view.eye if view.shading.highlight_view == EYE else work.chart.point) - q
     light, viewer = light / np.linalg.norm(light), viewer / np.linalg.norm(viewer)
-    if view.shading[6] == CUT and n @ light < 0:
+    if view.shading.terminator == CUT and n @ light < 0:
         return 2.0
-    if view.shading[4] == PHONG:
+    if view.shading.model == PHONG:
         return float(np.linalg.norm(2 * (n @ light) * n - light - viewer))
     half = light + viewer
     return float(np.linalg.norm(half / np.linalg.norm(half) - n))
@@ -35,7 +34,7 @@ def places(rng: np.random.Generator, many: int, low: float, high: float, work: W
     """Random places (azimuth, inner coordinate, Q, N) of a chart."""
     found = []
     for phi, x in zip(rng.uniform(low, high, many), 0.5 * math.pi * rng.random(many) ** 0.7, strict=True):
-        found.append((phi, x, *surface_point(x, math.cos(phi), math.sin(phi), work.geo)))
+        found.append((phi, x, *surface_point(x, math.cos(phi), math.sin(phi), work.chart)))
     return found
 
 
@@ -74,24 +73,24 @@ def missed(seeds: range, tol: float) -> tuple[int, int, float]:
     for seed in seeds:
         for _, view, work, low, high, lobe in charts_of(generate("highlight", seed)):
             find_highlights(tol, low, high, view, work)
-            geo, rows = work.geo, work.highlights[: work.counts[HIGHLIGHTS]]
-            omega = 4 * math.pi * math.sin(0.5 * geo[BETA_MAX]) ** 2 if geo[SHAPE_INDEX] >= 0 else 2 * math.pi
+            chart, rows = work.chart, [work.highlights[k] for k in range(work.counts.highlights)]
+            omega = 4 * math.pi * math.sin(0.5 * chart.beta_max) ** 2 if chart.shape_index >= 0 else 2 * math.pi
             for phi, _, *here in places(rng, 150, low, high, work):
                 q, n = np.array(here[:3]), np.array(here[3:])
-                w = q - geo[POINT : POINT + 3]
+                w = q - chart.point
                 cosine = float(w @ lobe / np.linalg.norm(w))
-                if cosine < geo[RIM_COS] or cosine <= 0:
+                if cosine < chart.rim_cos or cosine <= 0:
                     continue
-                density = math.exp(geo[EXPONENT] * math.log(cosine) - geo[LOG_NORMALISER])
+                density = math.exp(chart.exponent * math.log(cosine) - chart.log_normaliser)
                 for l in range(len(view.points)):
                     chord = chord_at(l, q, n, view, work)
                     if chord * chord >= 2:
                         continue
-                    gleam = (1 - 0.5 * chord * chord) ** view.shading[3]
-                    held = view.shading[2] * view.points[l, 3:6].max() * gleam * min(1.0, density * omega)
-                    if held > geo[LEAST]:
+                    gleam = (1 - 0.5 * chord * chord) ** view.shading.shininess
+                    held = view.shading.ks * view.points[l].color.max() * gleam * min(1.0, density * omega)
+                    if held > chart.least:
                         felt += 1
-                        if not any(row[0] == l and row[FIRST] <= phi <= row[LAST] for row in rows):
+                        if not any(row.light == l and row.first <= phi <= row.last for row in rows):
                             outside += 1
                             most = max(most, held)
     return felt, outside, most

@@ -7,19 +7,20 @@ import math
 import numpy as np
 
 from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW, rim_interval
-from symrender.chambers.walls import BETA_MAX, GEO_COLUMNS, LOBE_BETA, RATIO, RIM_COS, RIM_SIN
+from symrender.chambers.records import Chart
+from symrender.records import table
 
 
 def test_the_rim_cuts_a_line_where_the_cone_of_the_lobe_does() -> None:
     rng = np.random.default_rng(5)
-    geo = np.zeros(GEO_COLUMNS)
+    chart = table(Chart, 1)[0]
     met = {"none": 0, "low": 0, "high": 0}
     for _ in range(4000):
         beta, theta, phi = rng.uniform(0.0, math.pi), rng.uniform(0.05, 0.5 * math.pi), rng.uniform(-math.pi, math.pi)
         k = rng.choice([1.0, rng.uniform(0.05, 1.0)])
-        geo[LOBE_BETA : LOBE_BETA + 3] = beta, math.cos(beta), math.sin(beta)
-        geo[RIM_COS], geo[RIM_SIN], geo[RATIO], geo[BETA_MAX] = math.cos(theta), math.sin(theta), k, math.asin(k)
-        low, high, first, last = rim_interval(math.cos(phi), math.sin(phi), geo)
+        chart.lobe_beta, chart.lobe_cos, chart.lobe_sin = beta, math.cos(beta), math.sin(beta)
+        chart.rim_cos, chart.rim_sin, chart.ratio, chart.beta_max = math.cos(theta), math.sin(theta), k, math.asin(k)
+        low, high, first, last = rim_interval(math.cos(phi), math.sin(phi), chart)
         # the literal condition, at inner coordinates that are not ends
         x = np.linspace(0.0, 0.5 * math.pi, 402)[1:-1]
         direction = np.arcsin(k * np.sin(x))

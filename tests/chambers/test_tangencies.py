@@ -10,12 +10,14 @@ import pytest
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.events import line_range
 from symrender.chambers.line import scan_line, wall_roots
+from symrender.chambers.records import Event
 from symrender.chambers.tangencies import tangencies
-from symrender.chambers.walls import BALL, KIND, SHADOW, SHADOW_EDGE, TAG
-from symrender.chambers.work import CELLS, WALLS, View, Work, work_arrays
+from symrender.chambers.walls import BALL, SHADOW, SHADOW_EDGE
+from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import lobe_setup
 from symrender.quadrature.split_setup import place_point
+from symrender.records import table
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.load import load
 
@@ -33,7 +35,7 @@ def _turns(i: int, low: float, high: float, view: View, work: Work) -> list[floa
             with np.errstate(over="ignore"):
                 # the signature wraps round
                 scan_line(phi, view, work, out)
-            parted = int((work.cell_wall[1 : work.counts[CELLS]] // 4 == i).sum())
+            parted = int((work.cell_wall[1 : work.counts.cells] // 4 == i).sum())
         if before[0] >= 0 and abs(roots - before[0]) == 2 and abs(parted - before[1]) == 2:
             found.append(float(phi))
         before = roots, parted
@@ -63,23 +65,23 @@ def _places(arrays: SceneArrays, sphere: bool) -> list[tuple[np.ndarray, np.ndar
 def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
     arrays = scene_arrays(load("gloss"))
     lights = light_rows(arrays, 2)
-    view = View(arrays.spheres, arrays.floor, lights, arrays.shading, arrays.camera[1:4].copy())
+    view = scene_view(arrays, lights)
     work, axis, seen = work_arrays(len(arrays.spheres), len(lights)), np.zeros(3), 0
     for place, normal, own in _places(arrays, sphere):
         ray = place - arrays.camera[1:4]
-        place_point(place, normal, ray / np.linalg.norm(ray), axis, work.geo)
-        lobe_setup(4.0, 1.2, 1e-9, 1.0, work.geo)
+        place_point(place, normal, ray / np.linalg.norm(ray), axis, work.chart)
+        lobe_setup(4.0, 1.2, 1e-9, 1.0, work.chart)
         for j in range(len(arrays.spheres)) if sphere else [-1]:
             if sphere:
                 sphere_chart(j, own, axis, view, work)
             else:
                 floor_chart(own, axis, view, work)
-            low, high = line_range(work.geo)
-            events = np.zeros((200, 2))
-            known = events[: tangencies(view, work, events, 0, low, high), 0]
-            for i in range(work.counts[WALLS]):
-                kind = work.walls[i, KIND]
-                if kind == BALL or (kind == SHADOW and work.walls[i, TAG] == SHADOW_EDGE):
+            low, high = line_range(work.chart)
+            events = table(Event, 200)
+            known = events["azimuth"][: tangencies(view, work, events, 0, low, high)]
+            for i in range(work.counts.walls):
+                wall = work.walls[i]
+                if wall.kind == BALL or (wall.kind == SHADOW and wall.tag == SHADOW_EDGE):
                     for phi in _turns(i, low, high, view, work):
                         seen += 1
                         assert np.abs(known - phi).min(initial=math.inf) <= 2 * (high - low) / LINES, (place, j, i, phi)

@@ -6,7 +6,9 @@ import dataclasses
 
 import numpy as np
 
+from symrender.chambers.records import LightPoint
 from symrender.quadrature.light_points import disk_frame, light_rows
+from symrender.records import joined
 from symrender.scene.arrays import DISK, SceneArrays
 
 
@@ -76,15 +78,15 @@ def radiance(a: SceneArrays, origin, directions, own: int, lights) -> np.ndarray
         view = _unit(a.camera[1:4] - q) if sh[5] == 1 else -w
         color = np.tile(sh[0] * sh[7:10], (len(q), 1))
         for p in lights:
-            offset = p[:3] - q
+            offset = p.position - q
             l = _unit(offset)
             clear = np.ones(len(q), bool)
             if a.floor[0]:
                 height = q[:, 2] if j >= 0 else np.full(len(q), np.sign(origin[2]) or 1.0)
-                clear &= height * p[2] >= 0
+                clear &= height * p.position[2] >= 0
             for k, s in enumerate(a.spheres):
                 if k == j:
-                    if ((p[:3] - s[:3]) ** 2).sum() < s[3] ** 2:
+                    if ((p.position - s[:3]) ** 2).sum() < s[3] ** 2:
                         clear[:] = False
                     continue
                 f = q - s[:3]
@@ -99,7 +101,7 @@ def radiance(a: SceneArrays, origin, directions, own: int, lights) -> np.ndarray
             if sh[6] == 0:
                 gleam = np.where(cosine > 0, gleam, 0.0)
             diffuse = sh[1] * albedo * np.maximum(cosine, 0)[:, None]
-            color += clear[:, None] * p[3:6] * (diffuse + sh[2] * gleam[:, None])
+            color += clear[:, None] * p.color * (diffuse + sh[2] * gleam[:, None])
         out[sel] = color
     return out
 
@@ -113,12 +115,12 @@ def exact_rows(a: SceneArrays):
         rows = light_rows(dataclasses.replace(a, lights=light[None]), 1)
         if light[0] == DISK:
             e1, e2 = disk_frame(light[1:4], light[8:11])
-            rows = np.repeat(rows, 32, axis=0)
+            rows = joined(LightPoint, [rows] * 32)
             around = np.outer(np.cos(angle), e1) + np.outer(np.sin(angle), e2)
-            rows[:, :3] = light[1:4] + np.kron(light[4] * np.sqrt(0.5 + 0.5 * nodes)[:, None], around)
-            rows[:, 3:6] = np.repeat(weights / 16, 8)[:, None] * light[5:8]
+            rows["position"][:] = light[1:4] + np.kron(light[4] * np.sqrt(0.5 + 0.5 * nodes)[:, None], around)
+            rows["color"][:] = np.repeat(weights / 16, 8)[:, None] * light[5:8]
         found.append(rows)
-    return np.concatenate(found)
+    return joined(LightPoint, found)
 
 
 def gloss(a: SceneArrays, origin, normal, incoming, own: int, n, theta_max, rings=600, sectors=1200, disk=2):

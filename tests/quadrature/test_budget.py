@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from symrender.chambers.work import EVALUATIONS, LABOUR
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET
@@ -43,10 +42,10 @@ def test_no_point_takes_much_more_than_its_budget(name: str, changes: dict, disk
         surface = np.array([FIRST_SPHERE])
         found = gloss_points(a, point[None], normal[None], ray[None], surface, 1e-12, disk, BUDGET, scratch)
         counts = scratch.work.counts
-        assert found.evaluations[0] == counts[EVALUATIONS] and found.status[0] in (MET, CAPPED)
+        assert found.evaluations[0] == counts.evaluations and found.status[0] in (MET, CAPPED)
         # what is begun is ended: a row of nodes, a panel's first look
-        assert counts[EVALUATIONS] <= 1.5 * BUDGET and counts[LABOUR] <= 1.5 * BUDGET
-        laboured.append(int(counts[LABOUR]))
+        assert counts.evaluations <= 1.5 * BUDGET and counts.labour <= 1.5 * BUDGET
+        laboured.append(int(counts.labour))
         capped += found.status[0] == CAPPED
     assert max(laboured) >= toil * BUDGET
     assert capped > POINTS // 3

@@ -8,22 +8,16 @@ import numpy as np
 import pytest
 
 from symrender.chambers.penumbra import CLEAR, COVERS, CUTS, TOUCHES, WITHIN, cover
-from symrender.chambers.walls import SHAPE_INDEX, SIDE
-from symrender.chambers.work import CASTERS, View, work_arrays
+from symrender.chambers.work import scene_view, work_arrays
 from symrender.quadrature.disk_arcs import arc_point, radial_log
 from symrender.quadrature.disk_curves import (
     BALL,
-    BOUNDS,
-    CURVES,
-    MEETS,
-    ON_CIRCLE,
-    ON_CONE,
     curve_level,
     disk_curves,
     trig_roots,
 )
 from symrender.quadrature.light_points import light_rows
-from symrender.scene.arrays import scene_arrays
+from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.load import load
 
 
@@ -84,27 +78,28 @@ def test_a_ball_hides_what_the_literal_question_says() -> None:
             continue
         a.lights[:] = light
         p = light_rows(a, 0)
-        view, work = View(ball, np.zeros_like(a.floor), p, a.shading, np.zeros(3)), work_arrays(1, 1)
-        work.geo[SHAPE_INDEX], work.geo[SIDE], work.counts[CASTERS] = -1, 1.0, 1
-        work.casters[0] = 0, 0
+        scene, work = SceneArrays(ball, np.zeros_like(a.floor), light, a.shading, a.camera), work_arrays(1, 1)
+        view = scene_view(scene, p)
+        work.chart.shape_index, work.chart.side, work.counts.casters = -1, 1.0, 1
+        work.casters[0].light, work.casters[0].ball = 0, 0
         # a normal towards the light: no terminator
-        normal = (p[0, :3] - q) / np.linalg.norm(p[0, :3] - q)
+        normal = (p[0].position - q) / np.linalg.norm(p[0].position - q)
         n, lifted = disk_curves(0, *q, *normal, view, work)
         assert lifted or n < 0
         how = cover(*q, p[0], *ball[0, :4])
         seen[how] += 1
-        row = work.disk[CURVES]
+        row = work.curves[0]
         if how == COVERS:
             assert n == -1
         elif how == CLEAR:
             assert n == 0
         elif how == TOUCHES:
-            assert n == 2 and row[BOUNDS] == BALL
+            assert n == 2 and row.bounds == BALL
         else:
-            assert n == 1 and (row[MEETS] > 0.0) == (how == CUTS)
-            for k in range(int(row[MEETS])):
-                t = row[ON_CIRCLE + k]
-                x, y, _, _, z = arc_point(0, row[ON_CONE + k], work.disk)
+            assert n == 1 and (row.meets > 0) == (how == CUTS)
+            for k in range(row.meets):
+                t = row.on_circle[k]
+                x, y, _, _, z = arc_point(0, row.on_cone[k], work.curves)
                 assert z > 0.0
                 assert math.hypot(x - math.cos(t), y - math.sin(t)) < 1e-7
                 assert abs(curve_level(row, x, y)) < 1e-12

@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from symrender.chambers.penumbra import DISK_E1, DISK_E2, DISK_RADIUS
 from symrender.chambers.work import work_arrays
 from symrender.quadrature import disk_points as points
 from symrender.quadrature.gauss import DISK_STARTS, gauss_table
@@ -26,26 +25,26 @@ USED = 21
 def test_sums_over_a_list_are_those_of_light_term(phong: bool, shininess: float) -> None:
     rng = np.random.default_rng(12)
     work, p = work_arrays(1, 1), light_rows(scene_arrays(load("penumbra")), 0)[0]
-    y = p[:3] - np.array([0.3, -0.2, 0.1])
+    y = p.position - np.array([0.3, -0.2, 0.1])
     towards = y / np.linalg.norm(y)
     normal = np.array([0.2, 0.1, 0.97]) + towards
     normal /= np.linalg.norm(normal)
     view = 2.0 * (normal @ towards) * normal - towards + 0.01
     view /= np.linalg.norm(view)
     places, shares = rng.uniform(-0.7, 0.7, (USED, 2)), rng.uniform(0.1, 1.0, USED)
-    fill(work, points.ACROSS, places)
-    fill(work, points.SHARE, shares)
-    points.clear_sums(24, work.nodes)
+    fill(work.nodes.across, places)
+    fill(work.nodes.share, shares)
+    points.clear_sums(0, 24, work.nodes)
     expected = np.zeros(2)
     for pull, share in ((0.3, 0.2), (1.0, 0.7)):
         points.add_points(USED, pull, share, p, *y, *normal, *view, phong, shininess, True, work.nodes)
-        for (a, b), w in zip(places * pull * p[DISK_RADIUS], shares, strict=True):
-            offset = y + a * p[DISK_E1 : DISK_E1 + 3] + b * p[DISK_E2 : DISK_E2 + 3]
+        for (a, b), w in zip(places * pull * p.radius, shares, strict=True):
+            offset = y + a * p.e1 + b * p.e2
             expected += share * w * np.array(light_term(*offset, *normal, *view, phong, shininess))
     assert expected[0] > 1.0 and expected[1] > 1e-3
     found = points.weighed_sums(USED, work.nodes)
     np.testing.assert_allclose(found, expected, rtol=1e-13 + shininess * 1e-15)
-    points.clear_sums(24, work.nodes)
+    points.clear_sums(0, 24, work.nodes)
     points.add_points(USED, 1.0, 1.0, p, *y, *normal, *view, phong, shininess, False, work.nodes)
     cosine, gleam = points.weighed_sums(USED, work.nodes)
     assert cosine > 1.0 and gleam == 0.0
@@ -54,12 +53,12 @@ def test_sums_over_a_list_are_those_of_light_term(phong: bool, shininess: float)
 @pytest.mark.parametrize("rule", [0, 3, 7])
 def test_a_whole_disk_takes_all_points_of_its_rule(rule: int) -> None:
     work, p, table = work_arrays(1, 1), light_rows(scene_arrays(load("penumbra")), 0)[0], gauss_table()
-    y, normal = p[:3], np.array([0.0, 0.0, 1.0])
+    y, normal = p.position, np.array([0.0, 0.0, 1.0])
     first, last = DISK_STARTS[rule], DISK_STARTS[rule + 1]
     assert rule != 7 or last - first > points.MOST_POINTS
     expected = np.zeros(2)
     for a, b, w in table[:3, first:last].T:
-        offset = y + p[DISK_RADIUS] * (a * p[DISK_E1 : DISK_E1 + 3] + b * p[DISK_E2 : DISK_E2 + 3])
+        offset = y + p.radius * (a * p.e1 + b * p.e2)
         expected += w * np.array(light_term(*offset, *normal, *normal, False, 3.0))
     found = points.whole_disk(p, *y, *normal, *normal, False, 3.0, True, rule, work.nodes, table)
     assert 0.0 < expected[0] < 1.0 and math.isfinite(expected[1])

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from symrender.chambers.labels import DARK, LIT, PARTLY, light_state
-from symrender.chambers.walls import SHAPE_INDEX, SIDE
-from symrender.chambers.work import CASTERS, View, work_arrays
+from symrender.chambers.work import scene_view, work_arrays
 from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import DISK_DEGREES, DISK_STARTS, gauss_table
@@ -29,12 +28,12 @@ TABLE = gauss_table()
 def mean(a: SceneArrays, q, normal, view, own: int, step: int = 9) -> tuple[int, np.ndarray]:
     """State of the only light, a disk, at q, and its two means."""
     rows = light_rows(a, 0)
-    seen, work = View(a.spheres, a.floor, rows, a.shading, a.camera[1:4]), work_arrays(len(a.spheres), len(rows))
-    work.geo[SHAPE_INDEX], work.geo[SIDE] = own, 1.0
+    seen, work = scene_view(a, rows), work_arrays(len(a.spheres), len(rows))
+    work.chart.shape_index, work.chart.side = own, 1.0
     casters = [k for k in range(len(a.spheres)) if k != own]
     for c, k in enumerate(casters):
-        work.casters[c] = 0, k
-    work.counts[CASTERS] = len(casters)
+        work.casters[c].light, work.casters[c].ball = 0, k
+    work.counts.casters = len(casters)
     state = light_state(0, *q, *normal, seen, work)
     if state == DARK:
         return state, np.zeros(2)

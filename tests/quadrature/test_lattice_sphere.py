@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from symrender.chambers.lobe_mass import cap_share
-from symrender.chambers.work import View
+from symrender.chambers.work import scene_view
 from symrender.quadrature.gauss import gauss_table
-from symrender.quadrature.lattice_sphere import COSETS, SUMS, aim_lattice, scatter
+from symrender.quadrature.lattice_sphere import COSETS, aim_lattice, scatter
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import SplitResult, gloss_points, lobe_setup, split_work
 from symrender.quadrature.split_setup import MET, place_point
@@ -237,13 +237,13 @@ def test_the_floor_hides_what_is_below_it() -> None:
     bare = dataclasses.replace(a, floor=np.where(np.arange(len(a.floor)) == 0, 0.0, a.floor))
     assert gloss_points(bare, *given, 1e-7).gloss.max() > 1.04 * tight.gloss.max()
     lights = light_rows(a, 2)
-    view, s = View(a.spheres, a.floor, lights, a.shading, a.camera[1:4].copy()), split_work(a, lights)
-    geo, lobe = s.work.geo, np.zeros(3)
-    place_point(*(row[0] for row in given[:3]), lobe, geo)
-    lobe_setup(4.0, 1.4, 1e-9, 1.0, geo)
+    view, s = scene_view(a, lights), split_work(a, lights)
+    chart, lobe = s.work.chart, np.zeros(3)
+    place_point(*(row[0] for row in given[:3]), lobe, chart)
+    lobe_setup(4.0, 1.4, 1e-9, 1.0, chart)
     assert aim_lattice(1, lobe, view, s.work) > 0.0
     scatter(1024, 1, 0, view, s.work)
-    found = s.work.nodes[SUMS : SUMS + 3 * COSETS].reshape(3, COSETS).sum(axis=1)
+    found = s.work.aim.sums.reshape(3, COSETS).sum(axis=1)
     assert np.abs(found - tight.gloss[0]).max() <= 8e-3 * tight.gloss.max()
 
 

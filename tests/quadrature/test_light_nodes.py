@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from symrender.chambers.labels import DARK, GLINT, LIT, PARTLY
-from symrender.chambers.penumbra import DISK_RADIUS
-from symrender.chambers.walls import SHAPE_INDEX, SIDE
-from symrender.chambers.work import CASTERS, NODES, View, Work, work_arrays
-from symrender.quadrature import node_rows as rows
+from symrender.chambers.records import LightPoint
+from symrender.chambers.work import Work, scene_view, work_arrays
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.light_nodes import disk_light, mark_states, piece_level, point_light
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.light_term import light_term
+from symrender.records import table
 from symrender.scene.arrays import CUT, OPEN, scene_arrays
 from symrender.scene.load import load
 
@@ -29,7 +28,14 @@ def units(rng: np.random.Generator, n: int) -> np.ndarray:
 
 
 def sums(work: Work) -> np.ndarray:
-    return np.stack([work.nodes[rows.SUM + a * NODES : rows.SUM + a * NODES + USED] for a in range(3)], axis=1)
+    return work.nodes.radiance[:, :USED].T.copy()
+
+
+def own_piece(work: Work, i: int, count: int, state: int) -> None:
+    """Let piece ``i`` own the ``count`` nodes that follow its neighbours', in a cell that sees light 0 so."""
+    piece = work.pieces[i]
+    piece.cell, piece.first, piece.count = i, count * i, count
+    work.lit[i, 0] = state
 
 
 @pytest.mark.parametrize("phong", [False, True])
@@ -37,9 +43,10 @@ def sums(work: Work) -> np.ndarray:
 def test_point_lights_add_light_term(phong: bool, shininess: float, ks: float) -> None:
     rng = np.random.default_rng(8)
     work = work_arrays(1, 1)
-    light = np.array([3.0, -2.0, 5.0, 0.9, 0.7, 0.4])
+    light = table(LightPoint, 1)[0]
+    light.position[:], light.color[:] = (3.0, -2.0, 5.0), (0.9, 0.7, 0.4)
     places = rng.normal(size=(USED, 3))
-    towards = light[:3] - places
+    towards = light.position - places
     towards /= np.linalg.norm(towards, axis=1)[:, None]
     # highlights are seen where normals lie between the light and the eye
     normals = towards + 0.5 * units(rng, USED)
@@ -47,18 +54,18 @@ def test_point_lights_add_light_term(phong: bool, shininess: float, ks: float) -
     views = 2.0 * (normals * towards).sum(axis=1)[:, None] * normals - towards + 0.3 * units(rng, USED)
     views /= np.linalg.norm(views, axis=1)[:, None]
     factors, states = rng.uniform(0.1, 1.0, (USED, 3)), rng.choice([DARK, GLINT, LIT], USED)
-    for row, values in ((rows.PLACE, places), (rows.NORMAL, normals), (rows.VIEW, views), (rows.FACTOR, factors)):
-        fill(work, row, values)
+    b = work.nodes
+    for row, values in ((b.place, places), (b.normal, normals), (b.toward, views), (b.factor, factors)):
+        fill(row, values)
     for i, state in enumerate(states):
-        work.pieces[i, rows.CELL], work.pieces[i, rows.FIRST], work.pieces[i, rows.COUNT] = i, i, 1
-        work.lit[i, 0] = state
+        own_piece(work, i, 1, state)
     assert mark_states(USED, USED, 0, work)
     point_light(USED, work.nodes, light, phong, shininess, ks)
     expected = np.zeros((USED, 3))
     for i in range(USED):
-        cosine, gleam = light_term(*(light[:3] - places[i]), *normals[i], *views[i], phong, shininess)
+        cosine, gleam = light_term(*(light.position - places[i]), *normals[i], *views[i], phong, shininess)
         clear, shining = float(states[i] == LIT), float(states[i] != DARK)
-        expected[i] = light[3:] * (factors[i] * cosine * clear + ks * gleam * shining)
+        expected[i] = light.color * (factors[i] * cosine * clear + ks * gleam * shining)
     assert (np.abs(expected).max(axis=1) > 1e-3).sum() >= USED // 4
     assert len(set(states.tolist())) == 3
     np.testing.assert_allclose(sums(work), expected, rtol=1e-13, atol=1e-14)
@@ -68,12 +75,11 @@ def test_a_light_that_every_cell_sees_alike_is_marked_alike() -> None:
     work = work_arrays(1, 1)
     for state, clear, shining, seen in ((DARK, 0.0, None, False), (GLINT, 0.0, 1.0, True), (LIT, 1.0, 1.0, True)):
         for i in range(4):
-            work.pieces[i, rows.CELL], work.pieces[i, rows.FIRST], work.pieces[i, rows.COUNT] = i, 10 * i, 10
-            work.lit[i, 0] = state
+            own_piece(work, i, 10, state)
         assert mark_states(USED, 4, 0, work) is seen
         if shining is not None:
-            assert (work.nodes[rows.CLEAR : rows.CLEAR + USED] == clear).all()
-            assert (work.nodes[rows.SHINING : rows.SHINING + USED] == shining).all()
+            assert (work.nodes.clear[:USED] == clear).all()
+            assert (work.nodes.shining[:USED] == shining).all()
 
 
 @pytest.mark.parametrize("terminator", [CUT, OPEN])
@@ -87,7 +93,7 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
     a = scene_arrays(load("penumbra"))
     a.shading[2:5], a.shading[6] = (ks, shininess, float(phong)), terminator
     light = light_rows(a, 0)
-    center = light[0, :3]
+    center = light[0].position
     # nodes so near each other that they ask for the same rule
     places = 0.02 * rng.normal(size=(USED, 3)) + np.array([0.0, 0.0, 0.1])
     towards = center - places
@@ -100,19 +106,19 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
     views /= np.linalg.norm(views, axis=1)[:, None]
     factors = rng.uniform(0.1, 1.0, (USED, 3))
     a.spheres[0, :4] = *(0.5 * center + np.array([0.15, 0.0, 0.0])), 0.4
-    view, work = View(a.spheres, a.floor, light, a.shading, a.camera[1:4]), work_arrays(len(a.spheres), 1)
-    work.geo[SHAPE_INDEX], work.geo[SIDE], work.counts[CASTERS] = -1, 1.0, 1
-    work.casters[0] = 0, 0
+    view, work = scene_view(a, light), work_arrays(len(a.spheres), 1)
+    work.chart.shape_index, work.chart.side, work.counts.casters = -1, 1.0, 1
+    work.casters[0].light, work.casters[0].ball = 0, 0
     # two pieces of a kind follow each other, and two kinds that see all of the disk
     states = [LIT, GLINT, DARK, LIT, PARTLY, DARK, LIT, LIT]
-    for row, values in ((rows.PLACE, places), (rows.NORMAL, normals), (rows.VIEW, views), (rows.FACTOR, factors)):
-        fill(work, row, values)
+    b = work.nodes
+    for row, values in ((b.place, places), (b.normal, normals), (b.toward, views), (b.factor, factors)):
+        fill(row, values)
     levels = set()
     for i, state in enumerate(states):
-        work.pieces[i, rows.CELL], work.pieces[i, rows.FIRST], work.pieces[i, rows.COUNT] = i, 5 * i, 5
-        work.lit[i, 0] = state
+        own_piece(work, i, 5, state)
         levels.add(piece_level(work.pieces[i], light[0], phong, shininess, ks != 0.0, step, work.nodes))
-    assert len(levels) == 1 and light[0, DISK_RADIUS] > 0.0
+    assert len(levels) == 1 and light[0].radius > 0.0
     disk_light(0, len(states), step, ks, view, work, TABLE)
     found = sums(work)
     expected = np.zeros((USED, 3))
@@ -123,7 +129,7 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
         cosine, gleam = disk_term(
             0, state, *places[i], *normals[i], *views[i], step, ks != 0.0, view, work_like(work), TABLE
         )
-        expected[i] = light[0, 3:6] * (factors[i] * cosine * (state != GLINT) + ks * gleam)
+        expected[i] = light[0].color * (factors[i] * cosine * (state != GLINT) + ks * gleam)
     whole = disk_term(0, LIT, *places[20], *normals[20], *views[20], step, True, view, work_like(work), TABLE)
     cut = disk_term(0, PARTLY, *places[20], *normals[20], *views[20], step, True, view, work_like(work), TABLE)
     assert 0.0 < cut[0] < 0.9 * whole[0]
@@ -134,17 +140,17 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
 def work_like(work: Work) -> Work:
     """Scratch of its own for the scalar formula, told the same."""
     own = work_arrays(2, 1)
-    own.geo[:], own.counts[:], own.casters[0] = work.geo, work.counts, work.casters[0]
-    return own
+    own.casters[0] = work.casters[0]
+    return own._replace(chart=work.chart.copy(), counts=work.counts.copy())
 
 
 def test_the_nearest_node_of_a_piece_chooses_its_rule() -> None:
     light = light_rows(scene_arrays(load("penumbra")), 0)[0]
     work = work_arrays(1, 1)
     far = np.array([[0.0, 0.0, 0.0], [30.0, 30.0, 0.0]])
-    fill(work, rows.PLACE, far)
-    table = work.pieces
-    table[:3, rows.FIRST], table[:3, rows.COUNT] = (0, 1, 0), (1, 1, 2)
-    levels = [piece_level(table[k], light, False, 32.0, False, 5, work.nodes) for k in range(3)]
+    fill(work.nodes.place, far)
+    pieces = work.pieces
+    pieces["first"][:3], pieces["count"][:3] = (0, 1, 0), (1, 1, 2)
+    levels = [piece_level(pieces[k], light, False, 32.0, False, 5, work.nodes) for k in range(3)]
     assert levels[0] == levels[2] > levels[1]
-    assert piece_level(table[0], light, False, 1000.0, True, 5, work.nodes) > levels[0]
+    assert piece_level(pieces[0], light, False, 1000.0, True, 5, work.nodes) > levels[0]

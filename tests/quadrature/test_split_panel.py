@@ -7,18 +7,12 @@ import math
 import numpy as np
 
 from symrender.chambers.events import ROOT, SMOOTH
+from symrender.chambers.records import Event
 from symrender.chambers.walls import tangent_lines
 from symrender.quadrature.gauss import LEVELS
-from symrender.quadrature.split_panel import (
-    FROM,
-    MAX_FIRST,
-    PANEL_COLUMNS,
-    TO,
-    branch_sum,
-    ellipse_sum,
-    inside,
-    panel_order,
-)
+from symrender.quadrature.records import Panel
+from symrender.quadrature.split_panel import MAX_FIRST, branch_sum, ellipse_sum, inside, panel_order
+from symrender.records import table
 
 
 def test_a_circle_through_the_pole_has_no_branch_point() -> None:
@@ -57,8 +51,9 @@ def test_a_first_look_takes_few_lines() -> None:
 
 
 def test_events_at_the_ends_are_not_inside() -> None:
-    panel = np.zeros(PANEL_COLUMNS)
-    panel[FROM], panel[TO] = -0.5, 1.0
-    events = np.array([[-2.0, 0.0], [-0.5, 0.0], [-0.2, 0.0], [0.4, 0.0], [1.0, 0.0], [1.7, 0.0]])
+    panel = table(Panel, 1)[0]
+    panel.ends[:] = -0.5, 1.0
+    events = table(Event, 6)
+    events["azimuth"][:] = -2.0, -0.5, -0.2, 0.4, 1.0, 1.7
     assert inside(panel, events, len(events)) == 2
     assert inside(panel, events, 3) == 1

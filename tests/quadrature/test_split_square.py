@@ -9,17 +9,18 @@ import pytest
 
 from symrender.chambers.work import Work, work_arrays
 from symrender.quadrature import split_square
-from symrender.quadrature.floor_conics import CONIC_COLUMNS
+from symrender.quadrature.records import Conic
 from symrender.quadrature.split_setup import MET
+from symrender.records import Table, table
 
 from .random_lobe import random_lobe
 
 
-def rows_of(*quadratics: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+def conics_of(*quadratics: tuple[float, ...]) -> tuple[Table[Conic], np.ndarray]:
     """Conics A x^2 + 2 B x y + C y^2 + 2 D x + 2 E y + F, and the list of them all."""
-    conics = np.zeros((len(quadratics), CONIC_COLUMNS))
-    for row, values in zip(conics, quadratics, strict=True):
-        row[: len(values)] = values
+    conics = table(Conic, len(quadratics))
+    for row, (xx, xy, yy, x, y, free) in zip(conics, quadratics, strict=True):
+        row.xx, row.xy, row.yy, row.x, row.y, row.free = xx, xy, yy, x, y, free
     return conics, np.arange(len(quadratics), dtype=float)
 
 
@@ -27,7 +28,7 @@ def line(a: float, b: float, c: float) -> tuple[float, ...]:
     return (0.0, 0.0, 0.0, 0.5 * a, 0.5 * b, c)
 
 
-def change(conics: np.ndarray, which: np.ndarray, low: float, high: float, work: Work) -> float:
+def change(conics: Table[Conic], which: np.ndarray, low: float, high: float, work: Work) -> float:
     return split_square.change_of_rows(low, high, 0.0, 1.0, which, len(which), conics, work)
 
 
@@ -44,9 +45,9 @@ def change(conics: np.ndarray, which: np.ndarray, low: float, high: float, work:
     ],
 )
 def test_the_first_change_of_rows_is_found(quadratics: tuple[tuple[float, ...], ...], expected: float) -> None:
-    conics, which = rows_of(*quadratics)
+    conics, which = conics_of(*quadratics)
     work = work_arrays(2, 1)
-    rows = work.walls, work.geo, work.quartic, work.root_x, work.root_id
+    rows = work.walls, work.chart, work.quartic, work.root_x, work.root_id
     _, before = split_square.row_pieces(0.05, 0.0, 1.0, which, len(which), conics, *rows)
     _, after = split_square.row_pieces(0.95, 0.0, 1.0, which, len(which), conics, *rows)
     assert before != after
@@ -65,7 +66,7 @@ def test_the_first_change_of_rows_is_found(quadratics: tuple[tuple[float, ...], 
 def test_rows_that_change_places_are_followed_not_halved(
     quadratics: tuple[tuple[float, ...], ...], most: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    conics, which = rows_of(*quadratics)
+    conics, which = conics_of(*quadratics)
     looked = 0
     real = split_square.row_pieces
 

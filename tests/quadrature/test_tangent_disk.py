@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symrender.chambers.labels import DARK, light_state
-from symrender.chambers.walls import POINT, SHAPE_INDEX, SIDE
-from symrender.chambers.work import View, work_arrays
+from symrender.chambers.records import LightPoint
+from symrender.chambers.work import scene_view, work_arrays
 from symrender.quadrature.disk_direct import cast_by_all
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import gauss_table
@@ -26,7 +26,16 @@ from symrender.quadrature.tangent_disk import (
     disk_rows,
     functional,
 )
-from symrender.scene.arrays import FLOOR_COLUMNS, OPEN, SHADING_COLUMNS, SPHERE_COLUMNS
+from symrender.records import table
+from symrender.scene.arrays import (
+    CAMERA_COLUMNS,
+    FLOOR_COLUMNS,
+    LIGHT_COLUMNS,
+    OPEN,
+    SHADING_COLUMNS,
+    SPHERE_COLUMNS,
+    SceneArrays,
+)
 
 STEP = 9
 GAUSS = gauss_table()
@@ -50,9 +59,10 @@ class Place:
 
     def parts(self) -> tuple:
         """View and work of this place."""
-        row = np.zeros((1, 17))
-        row[0, :3], row[0, 3:6], row[0, 7] = self.light, 1.0, self.rho
-        row[0, 8:17] = self.frame.ravel()
+        lights = table(LightPoint, 1)
+        row = lights[0]
+        row.position[:], row.color[:], row.radius = self.light, 1.0, self.rho
+        row.e1[:], row.e2[:], row.axis[:] = self.frame
         spheres = np.zeros((2, SPHERE_COLUMNS))
         spheres[:, :4] = self.balls
         floor = np.zeros(FLOOR_COLUMNS)
@@ -60,9 +70,10 @@ class Place:
         shading = np.zeros(SHADING_COLUMNS)
         shading[:7] = 0.1, 0.7, 0.5, self.shininess, float(self.phong), 0.0, float(self.opened) * OPEN
         work = work_arrays(2, 1)
-        work.geo[SHAPE_INDEX], work.geo[SIDE] = -1.0, 1.0
-        work.geo[POINT : POINT + 3] = self.q
-        cast_by_all(0, -1, view := View(spheres, floor, row, shading, np.zeros(3)), work)
+        work.chart.shape_index, work.chart.side = -1, 1.0
+        work.chart.point[:] = self.q
+        scene = SceneArrays(spheres, floor, np.zeros((0, LIGHT_COLUMNS)), shading, np.zeros(CAMERA_COLUMNS))
+        cast_by_all(0, -1, view := scene_view(scene, lights), work)
         return view, work
 
     def state(self) -> int:

@@ -10,11 +10,12 @@ import pytest
 from adversary.families import generate
 from symrender.chambers.chart import set_frame
 from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.records import Chart
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
-from symrender.chambers.walls import GEO_COLUMNS, POLE
 from symrender.errors import SceneError, Unsupported
 from symrender.probe import probe
 from symrender.quadrature.gauss import gauss_table
+from symrender.records import table
 from symrender.scene.load import load
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene
@@ -215,16 +216,16 @@ def test_the_rim_of_a_blunt_lobe_moves(exponent: float, theta_max: float, name: 
 
 def test_a_lobe_aimed_at_a_centre_has_a_square_frame() -> None:
     """There the frame's second axis was the rounding of a product, which leaned into the first one."""
-    geo = np.zeros(GEO_COLUMNS)
+    chart = table(Chart, 1)[0]
     rng = np.random.default_rng(5)
     for size in np.logspace(-16, 0, 200):
         pole, other = rng.normal(size=(2, 3))
         pole /= np.linalg.norm(pole)
         axis = pole + size * other
         axis /= np.linalg.norm(axis)
-        geo[POLE : POLE + 3] = pole
-        set_frame(geo, *axis)
-        frame = geo[POLE : POLE + 9].reshape(3, 3)
+        chart.pole[:] = pole
+        set_frame(chart, *axis)
+        frame = np.stack([chart.pole, chart.e1, chart.e2])
         assert np.abs(frame @ frame.T - np.eye(3)).max() < 1e-14
 
 
