@@ -37,7 +37,7 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
     own = surface - FIRST_SPHERE
     shape = scene.floor if surface == FLOOR else scene.spheres[own]
     assert shape is not None
-    if shape.lobe is None or shape.lobe.mirror or inside_another(place[0], own, arrays.spheres):
+    if shape.lobe is None or shape.lobe.mirror or inside_another(place[0], own, view.spheres):
         return
     away = place[0] - arrays.camera[1:4]
     lobe = np.zeros(3)
