@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from types import FunctionType, ModuleType
@@ -29,9 +30,7 @@ class Reader:
                 return self.types.get(node.id)
             case ast.Attribute():
                 owner = self.type_of(node.value)
-                if is_record(owner) or owner in BUNDLES:
-                    return get_type_hints(owner).get(node.attr)
-                return None
+                return _fields(owner).get(node.attr) if is_record(owner) or owner in BUNDLES else None
             case ast.Subscript():
                 owner = self.type_of(node.value)
                 if not is_table(owner) or isinstance(node.slice, ast.Slice):
@@ -41,7 +40,7 @@ class Reader:
                 called = vars(self.module).get(name)
                 if name in ("table", "rows_of", "joined") and isinstance(node.args[0], ast.Name):
                     return Table[vars(self.module)[node.args[0].id]]
-                return get_type_hints(called).get("return") if isinstance(called, FunctionType) else None
+                return _fields(called).get("return") if isinstance(called, FunctionType) else None
             case ast.IfExp():
                 return self.type_of(node.body) or self.type_of(node.orelse)
         return None
@@ -70,6 +69,11 @@ class Reader:
         for node in ast.walk(function):
             if isinstance(node, ast.Subscript):
                 self.found.append((node, self.type_of(node.value)))
+
+
+@functools.cache
+def _fields(of: Any) -> dict[str, Any]:
+    return get_type_hints(of)
 
 
 def in_order(node: ast.AST) -> Iterator[ast.AST]:

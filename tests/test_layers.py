@@ -16,6 +16,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "limits", "settings", "version"),
     ("jit",),
     ("kernel_cache",),
+    ("records",),
     ("scene", "images"),
     ("numeric", "expression"),
     ("chambers",),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import importlib
 from collections import defaultdict
 from pathlib import Path
@@ -218,9 +219,11 @@ def modules() -> list[Path]:
     return found
 
 
+@functools.cache
 def read(path: Path) -> Any:
+    """All subscripts of a file; see ``subscripts``."""
     name = ".".join(("symrender", path.parent.name, path.stem)).removesuffix(".__init__")
-    return subscripts(importlib.import_module(name), path.read_text("utf-8"))
+    return list(subscripts(importlib.import_module(name), path.read_text("utf-8")))
 
 
 def is_numbered(node: ast.Subscript, of: Any) -> bool:

@@ -14,6 +14,7 @@ from symrender.chambers.records import Event
 from symrender.chambers.tangencies import tangencies
 from symrender.chambers.walls import BALL, SHADOW, SHADOW_EDGE
 from symrender.chambers.work import View, Work, scene_view, work_arrays
+from symrender.kernel_cache import compiled
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import lobe_setup
 from symrender.quadrature.split_setup import place_point
@@ -22,19 +23,18 @@ from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.load import load
 
 LINES = 400
+SCAN, ROOTS, TANGENCIES = compiled(scan_line), compiled(wall_roots), compiled(tangencies)
 
 
 def _turns(i: int, low: float, high: float, view: View, work: Work) -> list[float]:
     """Azimuths, to a line's distance, at which wall ``i`` gains or loses a pair of roots that part two labels."""
     found, before, out = [], (-1, -1), np.zeros(4)
     for phi in low + (high - low) * (np.arange(LINES) + 0.5) / LINES:
-        wall_roots(i, math.cos(phi), math.sin(phi), 0.0, 0.5 * math.pi, work, out)
+        ROOTS(i, math.cos(phi), math.sin(phi), 0.0, 0.5 * math.pi, work, out)
         roots = int(np.isfinite(out).sum())
         parted = 0
         if roots:
-            with np.errstate(over="ignore"):
-                # the signature wraps round
-                scan_line(phi, view, work, out)
+            SCAN(phi, view, work, out)
             parted = int((work.cell_wall[1 : work.counts.cells] // 4 == i).sum())
         if before[0] >= 0 and abs(roots - before[0]) == 2 and abs(parted - before[1]) == 2:
             found.append(float(phi))
@@ -78,7 +78,7 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
                 floor_chart(own, axis, view, work)
             low, high = line_range(work.chart)
             events = table(Event, 200)
-            known = events["azimuth"][: tangencies(view, work, events, 0, low, high)]
+            known = events["azimuth"][: TANGENCIES(view, work, events, 0, low, high)]
             for i in range(work.counts.walls):
                 wall = work.walls[i]
                 if wall.kind == BALL or (wall.kind == SHADOW and wall.tag == SHADOW_EDGE):
