@@ -22,24 +22,36 @@ from symrender.records import table
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.load import load
 
+Array = np.ndarray
 LINES = 400
-SCAN, ROOTS, TANGENCIES = compiled(scan_line), compiled(wall_roots), compiled(tangencies)
 
 
-def _turns(i: int, low: float, high: float, view: View, work: Work) -> list[float]:
-    """Azimuths, to a line's distance, at which wall ``i`` gains or loses a pair of roots that part two labels."""
-    found, before, out = [], (-1, -1), np.zeros(4)
-    for phi in low + (high - low) * (np.arange(LINES) + 0.5) / LINES:
-        ROOTS(i, math.cos(phi), math.sin(phi), 0.0, 0.5 * math.pi, work, out)
-        roots = int(np.isfinite(out).sum())
-        parted = 0
-        if roots:
-            SCAN(phi, view, work, out)
-            parted = int((work.cell_wall[1 : work.counts.cells] // 4 == i).sum())
-        if before[0] >= 0 and abs(roots - before[0]) == 2 and abs(parted - before[1]) == 2:
-            found.append(float(phi))
-        before = roots, parted
-    return found
+def turns(i: int, low: float, high: float, view: View, work: Work, out: Array, found: Array) -> int:
+    """Azimuths, to a line's distance, at which wall ``i`` gains or loses a pair of roots that part two labels.
+
+    Written to ``found``; their number.
+    """
+    count, roots_before, parted_before = 0, -1, -1
+    for k in range(LINES):
+        phi = low + (high - low) * (k + 0.5) / LINES
+        wall_roots(i, math.cos(phi), math.sin(phi), 0.0, 0.5 * math.pi, work, out)
+        roots, parted = 0, 0
+        for b in range(4):
+            if abs(out[b]) < math.inf:
+                roots += 1
+        if roots > 0:
+            scan_line(phi, view, work, out)
+            for cell in range(1, work.counts.cells):
+                if work.cell_wall[cell] // 4 == i:
+                    parted += 1
+        if roots_before >= 0 and abs(roots - roots_before) == 2 and abs(parted - parted_before) == 2:
+            found[count] = phi
+            count += 1
+        roots_before, parted_before = roots, parted
+    return count
+
+
+TURNS = compiled(turns)
 
 
 def _places(arrays: SceneArrays, sphere: bool) -> list[tuple[np.ndarray, np.ndarray, int]]:
@@ -67,6 +79,7 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
     lights = light_rows(arrays, 2)
     view = scene_view(arrays, lights)
     work, axis, seen = work_arrays(len(arrays.spheres), len(lights)), np.zeros(3), 0
+    found, scratch = np.zeros(LINES), np.zeros(4)
     for place, normal, own in _places(arrays, sphere):
         ray = place - arrays.camera[1:4]
         place_point(place, normal, ray / np.linalg.norm(ray), axis, work.chart)
@@ -78,11 +91,11 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
                 floor_chart(own, axis, view, work)
             low, high = line_range(work.chart)
             events = table(Event, 200)
-            known = events["azimuth"][: TANGENCIES(view, work, events, 0, low, high)]
+            known = events["azimuth"][: tangencies(view, work, events, 0, low, high)]
             for i in range(work.counts.walls):
                 wall = work.walls[i]
                 if wall.kind == BALL or (wall.kind == SHADOW and wall.tag == SHADOW_EDGE):
-                    for phi in _turns(i, low, high, view, work):
+                    for phi in found[: TURNS(i, low, high, view, work, scratch, found)]:
                         seen += 1
                         assert np.abs(known - phi).min(initial=math.inf) <= 2 * (high - low) / LINES, (place, j, i, phi)
     assert seen >= 20
