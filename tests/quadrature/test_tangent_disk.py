@@ -11,6 +11,7 @@ import numpy as np
 from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import scene_view, work_arrays
+from symrender.kernel_cache import compiled
 from symrender.quadrature.disk_direct import cast_by_all
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import gauss_table
@@ -39,6 +40,7 @@ from symrender.scene.arrays import (
 
 STEP = 9
 GAUSS = gauss_table()
+MEANS, GRADIENT = compiled(disk_term), compiled(disk_gradient)
 
 
 @dataclass
@@ -85,12 +87,12 @@ class Place:
         state = self.state()
         if state == DARK:
             return np.zeros(2)
-        return np.array(disk_term(0, state, *self.q, *self.n, *self.v, STEP, True, *self.parts(), GAUSS))
+        return np.array(MEANS(0, state, *self.q, *self.n, *self.v, STEP, True, *self.parts(), GAUSS))
 
     def gradient(self) -> np.ndarray:
         """The table of ``disk_gradient``."""
         table = np.zeros((disk_rows(2), 3))
-        disk_gradient(0, self.state(), *self.q, *self.n, *self.v, STEP, True, *self.parts(), GAUSS, table)
+        GRADIENT(0, self.state(), *self.q, *self.n, *self.v, STEP, True, *self.parts(), GAUSS, table)
         assert table[-1, 0] == 0.0
         return table
 
