@@ -11,6 +11,7 @@ import pytest
 
 from symrender.chambers.labels import DARK, LIT, PARTLY, light_state
 from symrender.chambers.work import scene_view, work_arrays
+from symrender.kernel_cache import compiled
 from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import DISK_DEGREES, DISK_STARTS, gauss_table
@@ -23,6 +24,7 @@ from symrender.scene.load import load
 from . import brute_disk
 
 TABLE = gauss_table()
+MEANS = compiled(disk_term)
 
 
 def mean(a: SceneArrays, q, normal, view, own: int, step: int = 9) -> tuple[int, np.ndarray]:
@@ -37,7 +39,7 @@ def mean(a: SceneArrays, q, normal, view, own: int, step: int = 9) -> tuple[int,
     state = light_state(0, *q, *normal, seen, work)
     if state == DARK:
         return state, np.zeros(2)
-    return state, np.array(disk_term(0, state, *q, *normal, *view, step, True, seen, work, TABLE))
+    return state, np.array(MEANS(0, state, *q, *normal, *view, step, True, seen, work, TABLE))
 
 
 def random_world(rng: np.random.Generator) -> tuple[SceneArrays, np.ndarray, np.ndarray, np.ndarray, int]:
