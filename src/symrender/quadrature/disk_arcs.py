@@ -163,7 +163,7 @@ def arc_side(curve: int, t: float, n: int, curves: Table[Curve]) -> float:
 def place_piece(
     m: int, low: float, length: float, share: float, nodes: int, b: Nodes, gauss: Array
 ) -> int:  # fmt: skip
-    """List the nodes of a piece of an arc from point ``m`` on: ``turn`` from its middle, ``share``; new number of points.
+    """List the nodes of a piece of an arc from point ``m`` on: ``turn`` from its middle, ``share``; new count.
 
     ``across`` gets the middle's cosine and sine, on a line its place.
     """

@@ -98,7 +98,7 @@ def tint_nodes(m: int, j: int, view: View, work: Work) -> None:
 
 @jitable
 def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
-    """Fill ``clear`` and ``shining`` of light point ``l`` on sphere ``j``; False where it meets no node that P may see."""
+    """Fill ``clear`` and ``shining`` of light ``l`` on sphere ``j``; False where no node that P may see is lit."""
     m = min(m, BATCH)
     chart, b = work.chart, work.nodes
     x, y, z = view.points[l].position[0], view.points[l].position[1], view.points[l].position[2]

@@ -297,7 +297,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
 
 @inlined
 def weigh_nodes(m: int, work: Work) -> float:
-    """Multiply ``radiance`` by ``weight``; ``power`` gets the channels' sum, ``radix`` their largest magnitude; its sum."""
+    """Multiply ``radiance`` by ``weight``; ``power`` gets the channels' sum, ``radix`` the largest; its sum."""
     b = work.nodes
     for i in range(whole_vectors(m)):
         w = b.weight[i]

@@ -65,7 +65,7 @@ def floor_nodes(
     """Fill ``radiance`` of ``m`` nodes, (``sine``, ``cosine``) from the foot, with what the deviation holds there.
 
     That is ``weight`` times the taper to ``reach`` times lobe density times solid angle per area times the sum of
-    colour N.l over the lights that the nodes' pieces see. ``near`` gets the ratio of the shorter taper to the longer one.
+    colour N.l over the lights that the nodes' pieces see. ``near`` gets the shorter taper over the longer one.
     """
     m = whole_vectors(m)
     chart, b = work.chart, work.nodes
