@@ -1,0 +1,128 @@
+"""Formulas as loops over the rows of nodes.
+
+Emitted by targets/leaf_files.py from expression/formulas: change those, not this file.
+"""
+
+# fmt: off
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.work import NODES
+from symrender.kernel_cache import jitable
+from symrender.quadrature.node_rows import BASE, CHORD, CLEAR, NORMAL, PLACE, POWER, VIEW
+
+Array = npt.NDArray[np.float64]
+
+
+@jitable
+def eye_view_rows(m: int, eye_x: float, eye_y: float, eye_z: float, b: Array) -> None:
+    """Unit vector from a place to the eye, along which its highlight is seen (``highlight_view: eye``), of the first
+    ``m`` nodes of ``b``.
+    """
+    m = min(m, NODES)
+    for i in range(m):
+        place_x = b[PLACE + i]
+        place_y = b[PLACE + NODES + i]
+        place_z = b[PLACE + 2 * NODES + i]
+        offset_x = eye_x - place_x
+        offset_y = eye_y - place_y
+        offset_z = eye_z - place_z
+        t1 = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
+        inverse = 1.0 / t1
+        b[VIEW + i] = offset_x * inverse
+        b[VIEW + NODES + i] = offset_y * inverse
+        b[VIEW + 2 * NODES + i] = offset_z * inverse
+
+
+@jitable
+def lambert_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, b: Array) -> None:
+    """N.l of a light point, of the first ``m`` nodes of ``b``."""
+    m = min(m, NODES)
+    for i in range(m):
+        place_x = b[PLACE + i]
+        place_y = b[PLACE + NODES + i]
+        place_z = b[PLACE + 2 * NODES + i]
+        normal_x = b[NORMAL + i]
+        normal_y = b[NORMAL + NODES + i]
+        normal_z = b[NORMAL + 2 * NODES + i]
+        to_light_x = light_x - place_x
+        to_light_y = light_y - place_y
+        to_light_z = light_z - place_z
+        t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+        t2 = math.sqrt(max(t1, 1e-300))
+        b[CLEAR + i] *= (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) / t2
+
+
+@jitable
+def blinn_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, b: Array) -> None:
+    """(N.l, N.h) of a light point, the second kept within [0, 1], of the first ``m`` nodes of ``b``."""
+    m = min(m, NODES)
+    for i in range(m):
+        place_x = b[PLACE + i]
+        place_y = b[PLACE + NODES + i]
+        place_z = b[PLACE + 2 * NODES + i]
+        normal_x = b[NORMAL + i]
+        normal_y = b[NORMAL + NODES + i]
+        normal_z = b[NORMAL + 2 * NODES + i]
+        view_x = b[VIEW + i]
+        view_y = b[VIEW + NODES + i]
+        view_z = b[VIEW + 2 * NODES + i]
+        to_light_x = light_x - place_x
+        to_light_y = light_y - place_y
+        to_light_z = light_z - place_z
+        t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+        t2 = math.sqrt(max(t1, 1e-300))
+        inverse = 1.0 / t2
+        t3 = to_light_x * inverse
+        t4 = to_light_y * inverse
+        t5 = to_light_z * inverse
+        half_x = t3 + view_x
+        half_y = t4 + view_y
+        half_z = t5 + view_z
+        t6 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
+        base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t6
+        b[CLEAR + i] *= t3 * normal_x + t4 * normal_y + t5 * normal_z
+        b[BASE + i] = min(1.0, max(0.0, base))
+
+
+@jitable
+def phong_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, b: Array) -> None:
+    """(N.l, r.v) of a light point, the second kept within [0, 1], of the first ``m`` nodes of ``b``."""
+    m = min(m, NODES)
+    for i in range(m):
+        place_x = b[PLACE + i]
+        place_y = b[PLACE + NODES + i]
+        place_z = b[PLACE + 2 * NODES + i]
+        normal_x = b[NORMAL + i]
+        normal_y = b[NORMAL + NODES + i]
+        normal_z = b[NORMAL + 2 * NODES + i]
+        view_x = b[VIEW + i]
+        view_y = b[VIEW + NODES + i]
+        view_z = b[VIEW + 2 * NODES + i]
+        to_light_x = light_x - place_x
+        to_light_y = light_y - place_y
+        to_light_z = light_z - place_z
+        t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+        t2 = math.sqrt(max(t1, 1e-300))
+        inverse = 1.0 / t2
+        cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+        t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+        base = 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3
+        b[CLEAR + i] *= cosine
+        b[BASE + i] = min(1.0, max(0.0, base))
+
+
+@jitable
+def lobe_density_rows(m: int, exponent: float, log_normaliser: float, b: Array) -> None:
+    """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m, of the
+    first ``m`` nodes of ``b``.
+    """
+    m = min(m, NODES)
+    for i in range(m):
+        square = b[CHORD + i]
+        depth = -0.5 * square
+        b[POWER + i] = (math.exp(exponent * math.log1p(depth) - log_normaliser) if depth > -1.0 else 0.0)
