@@ -35,8 +35,7 @@ class Leaf:
 
     ``slopes``: the arguments by which every result is differentiated, a reverse sweep a result. ``adjoint``: those
     that one reverse sweep with a weight for every result pulls back to. ``tangents``: those one forward sweep each
-    differentiates all results by. ``pages``: whether pages have it too, as JavaScript and GLSL. ``balls``: whether
-    certificates have it.
+    differentiates all results by. ``pages``: whether pages have it too, as JavaScript and GLSL.
     """
 
     formula: Formula
@@ -46,7 +45,6 @@ class Leaf:
     tangents: tuple[str, ...] = ()
     rows: Rows | None = None
     pages: bool = False
-    balls: bool = False
 
     def __post_init__(self) -> None:
         for argument in (*self.slopes, *self.adjoint, *self.tangents):
