@@ -61,14 +61,12 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
         "quadrature/tangent_light.py": 1,
     },
     "blinn": {
-        "certify.py": 1,
         "quadrature/disk_points.py": 1,
         "quadrature/light_nodes.py": 2,
         "quadrature/light_term.py": 1,
         "quadrature/tangent_light.py": 1,
     },
     "phong": {
-        "certify.py": 1,
         "chambers/highlights.py": 1,
         "chambers/penumbra_walls.py": 1,
         "quadrature/light_nodes.py": 2,
@@ -76,12 +74,10 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
         "quadrature/tangent_light.py": 3,
     },
     "gleam": {
-        "certify.py": 2,
         "quadrature/light_term.py": 2,
         "quadrature/tangent_light.py": 1,
     },
     "lobe density": {
-        "certify.py": 3,
         "chambers/lobe_mass.py": 1,
         "chambers/tangent_share.py": 4,
         "kernel/sight.py": 1,
@@ -97,7 +93,6 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
         "quadrature/split_point.py": 1,
     },
     "normaliser": {
-        "certify.py": 2,
         "chambers/lobe_mass.py": 1,
         "chambers/tangent_share.py": 1,
         "quadrature/split_point.py": 1,
@@ -110,13 +105,12 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
         "quadrature/split_point.py": 1,
     },
     "azimuth coordinate": {
-        "certify.py": 1,
         "chambers/labels.py": 1,
         "quadrature/light_term.py": 1,
         "quadrature/tangent_line.py": 1,
     },
     "polar coordinate": {
-        "certify.py": 2,
+        "certify/floor_point.py": 1,
         "chambers/labels.py": 1,
         "chambers/tangent_walls.py": 2,
         "quadrature/light_term.py": 1,
@@ -132,14 +126,12 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
         "quadrature/tangent_grid.py": 1,
     },
     "sphere place": {
-        "certify.py": 1,
         "chambers/highlights.py": 1,
         "chambers/place.py": 2,
         "chambers/tangent_walls.py": 2,
         "quadrature/split_line.py": 2,
     },
     "sphere measure": {
-        "certify.py": 1,
         "chambers/tangent_walls.py": 1,
         "quadrature/split_line.py": 1,
     },

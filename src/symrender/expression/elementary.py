@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from enum import IntEnum
 from typing import Any, Final, TypeAlias
 
 Real: TypeAlias = Any
@@ -19,24 +20,43 @@ LEAST: Final = 1e-300
 """Squares of lengths below it are taken for it, so that a quotient by a length is finite."""
 
 
-def _is_float(x: Real) -> bool:
-    return isinstance(x, float | int)
+class Kind(IntEnum):
+    """The four kinds of numbers."""
+
+    FLOAT = 0
+    SYMBOL = 1
+    NODE = 2
+    BALL = 3
 
 
-def _is_symbolic(x: Real) -> bool:
-    return hasattr(x, "free_symbols")
+_KINDS: Final[dict[type, Kind]] = {}
+"""What was found of a type, since balls are asked often."""
+
+
+def kind_of(x: Real) -> Kind:
+    """Which of the four a number is."""
+    kind = type(x)
+    if kind not in _KINDS:
+        if issubclass(kind, float | int):
+            _KINDS[kind] = Kind.FLOAT
+        elif hasattr(kind, "free_symbols"):
+            _KINDS[kind] = Kind.SYMBOL
+        else:
+            _KINDS[kind] = Kind.NODE if hasattr(kind, "constant") else Kind.BALL
+    return _KINDS[kind]
 
 
 def _of(name: str, x: Real, on_floats: Callable[..., float]) -> Real:
-    if _is_float(x):
+    kind = kind_of(x)
+    if kind is Kind.FLOAT:
         return on_floats(x)
-    if not _is_symbolic(x):
+    if kind is not Kind.SYMBOL:
         return getattr(x, name)()
     import sympy as sp
 
-    from symrender.expression import lobe
+    from symrender.expression import opaque
 
-    return getattr(lobe if name in ("log1p", "expm1") else sp, name)(x)
+    return getattr(opaque if name in ("log1p", "expm1") else sp, name)(x)
 
 
 def sqrt(x: Real) -> Real:
@@ -86,40 +106,50 @@ def expm1(x: Real) -> Real:
 
 def length(square: Real) -> Real:
     """The root of a sum of squares; of one below ``LEAST`` that of ``LEAST``, whose slope is finite."""
-    if _is_float(square):
-        return math.sqrt(max(square, LEAST))
-    return square.length() if hasattr(square, "constant") else sqrt(square)
+    match kind_of(square):
+        case Kind.FLOAT:
+            return math.sqrt(max(square, LEAST))
+        case Kind.NODE:
+            return square.length()
+    return sqrt(square)
 
 
 def positive(square: Real) -> Real:
     """A sum of squares to divide by: ``LEAST`` where it is less."""
-    if _is_float(square):
-        return max(square, LEAST)
-    return square.positive() if hasattr(square, "constant") else square
+    match kind_of(square):
+        case Kind.FLOAT:
+            return max(square, LEAST)
+        case Kind.NODE:
+            return square.positive()
+    return square
 
 
 def arc_cosine(z: Real) -> Real:
     """The arc cosine of a number that rounding may have taken beyond [-1, 1]; its slope stays finite at the ends."""
-    if _is_float(z):
-        return math.acos(max(-1.0, min(1.0, z)))
-    if _is_symbolic(z):
-        import sympy as sp
+    match kind_of(z):
+        case Kind.FLOAT:
+            return math.acos(max(-1.0, min(1.0, z)))
+        case Kind.SYMBOL:
+            import sympy as sp
 
-        return sp.acos(z)
-    if hasattr(z, "constant"):
-        return z.arc_cosine()
+            return sp.acos(z)
+        case Kind.NODE:
+            return z.arc_cosine()
     return z.max(type(z)(-1)).min(type(z)(1)).acos()
 
 
 def azimuth(y: Real, x: Real) -> Real:
     """atan2(y, x), the angle of (x, y); its slope is 0 at the origin and undefined across the negative axis."""
-    if _is_float(y):
-        return math.atan2(y, x)
-    if _is_symbolic(y):
-        import sympy as sp
+    match kind_of(y):
+        case Kind.FLOAT:
+            return math.atan2(y, x)
+        case Kind.SYMBOL:
+            import sympy as sp
 
-        return sp.atan2(y, x)
-    return y.azimuth(x) if hasattr(y, "constant") else type(y).atan2(y, x)
+            return sp.atan2(y, x)
+        case Kind.NODE:
+            return y.azimuth(x)
+    return type(y).atan2(y, x)
 
 
 def gleam(base: Real, exponent: Real) -> Real:
@@ -127,13 +157,14 @@ def gleam(base: Real, exponent: Real) -> Real:
 
     Of a ball of either sign, all its values; of a complex ball whose real part has either sign, not finite.
     """
-    if _is_float(base):
-        if not base > 0.0:
-            return 0.0 if exponent > 0.0 else 1.0
-        return base**exponent
-    if _is_symbolic(base):
-        return base**exponent
-    return base.gleam(exponent) if hasattr(base, "constant") else _ball_gleam(base, exponent)
+    match kind_of(base):
+        case Kind.FLOAT:
+            return base**exponent if base > 0.0 else (0.0 if exponent > 0.0 else 1.0)
+        case Kind.SYMBOL:
+            return base**exponent
+        case Kind.NODE:
+            return base.gleam(exponent)
+    return _ball_gleam(base, exponent)
 
 
 def _ball_gleam(base: Real, exponent: Real) -> Real:
@@ -150,43 +181,53 @@ def _ball_gleam(base: Real, exponent: Real) -> Real:
 
 
 def _ball_power(base: Real, exponent: Real) -> Real:
-    whole = float(exponent).is_integer() if _is_float(exponent) else exponent.is_integer()
+    whole = exponent.is_integer()
     return base ** int(float(exponent)) if whole else (base.log() * exponent).exp()
 
 
 def clamp(x: Real) -> Real:
     """``x`` kept within [0, 1]; SymPy and balls, which do not round, keep it as it is."""
-    if _is_float(x):
-        return min(1.0, max(0.0, x))
-    return x.clamp() if hasattr(x, "constant") else x
+    match kind_of(x):
+        case Kind.FLOAT:
+            return min(1.0, max(0.0, x))
+        case Kind.NODE:
+            return x.clamp()
+    return x
 
 
 def where_positive(test: Real, value: Callable[[], Real], otherwise: float) -> Real:
     """``value()`` where ``test`` is positive, else the constant; SymPy and balls know the value alone."""
-    if _is_float(test):
-        return value() if test > 0.0 else otherwise
-    return test.where_positive(value(), otherwise) if hasattr(test, "constant") else value()
+    match kind_of(test):
+        case Kind.FLOAT:
+            return value() if test > 0.0 else otherwise
+        case Kind.NODE:
+            return test.where_positive(value(), otherwise)
+    return value()
 
 
 def pi(like: Real) -> Real:
     """The number pi in the arithmetic of ``like``."""
-    if _is_float(like):
-        return math.pi
-    if _is_symbolic(like):
-        import sympy as sp
+    match kind_of(like):
+        case Kind.FLOAT:
+            return math.pi
+        case Kind.SYMBOL:
+            import sympy as sp
 
-        return sp.pi
-    if hasattr(like, "constant"):
-        return like.constant(math.pi)
+            return sp.pi
+        case Kind.NODE:
+            return like.constant(math.pi)
     return type(like)(0).acos() * 2
 
 
 def ratio(p: int, q: int, like: Real) -> Real:
     """p/q in the arithmetic of ``like``: exact in SymPy, enclosed by a ball, the nearest double elsewhere."""
-    if _is_float(like):
-        return p / q
-    if _is_symbolic(like):
-        import sympy as sp
+    match kind_of(like):
+        case Kind.FLOAT:
+            return p / q
+        case Kind.SYMBOL:
+            import sympy as sp
 
-        return sp.Rational(p, q)
-    return like.constant(p / q) if hasattr(like, "constant") else type(like)(p) / q
+            return sp.Rational(p, q)
+        case Kind.NODE:
+            return like.constant(p / q)
+    return type(like)(p) / q

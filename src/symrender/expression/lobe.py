@@ -8,33 +8,8 @@ from __future__ import annotations
 
 import sympy as sp
 
+from symrender.expression.opaque import expm1, log1p
 from symrender.expression.vectors import Vec3, cross, dot, unit
-
-
-class log1p(sp.Function):
-    """log(1 + x), kept opaque: rewriting it would lose the digits it saves."""
-
-    nargs = 1
-
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """1/(1 + x)"""
-        return 1 / (1 + self.args[0])
-
-    def _eval_evalf(self, prec: int) -> sp.Expr:
-        return sp.log(1 + self.args[0])._eval_evalf(prec)
-
-
-class expm1(sp.Function):
-    """exp(x) - 1, kept opaque: rewriting it would lose the digits it saves."""
-
-    nargs = 1
-
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """exp(x)"""
-        return sp.exp(self.args[0])
-
-    def _eval_evalf(self, prec: int) -> sp.Expr:
-        return (sp.exp(self.args[0]) - 1)._eval_evalf(prec)
 
 
 def mirror_direction(incoming: Vec3, normal: Vec3) -> Vec3:

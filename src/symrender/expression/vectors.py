@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     import sympy as sp
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True, unsafe_hash=True)
 class Vec3:
-    """Three numbers; the arithmetic of ordinary space."""
+    """Three numbers, never changed; the arithmetic of ordinary space. Not frozen: that would triple its cost."""
 
     x: sp.Expr
     y: sp.Expr

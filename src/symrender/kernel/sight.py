@@ -8,7 +8,7 @@ from __future__ import annotations
 import sympy as sp
 
 from symrender.expression import intersection, shading
-from symrender.expression.lobe import log1p
+from symrender.expression.elementary import log1p
 from symrender.expression.vectors import Vec3, cross, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function

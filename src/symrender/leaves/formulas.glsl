@@ -189,7 +189,7 @@ float lobe_mass(float log_cosine, float exponent) {
   return -own_expm1((exponent + 1.0) * log_cosine);
 }
 
-// log W, W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max.
+// log W, by which a density is divided in its exponent.
 float log_normaliser(float log_cosine, float exponent) {
   float u = exponent + 1.0;
   return own_log(-(6.283185307179586 * own_expm1(u * log_cosine) / u));

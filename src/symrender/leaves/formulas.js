@@ -115,7 +115,7 @@ function lobe_mass(log_cosine, exponent) {
   return -Math.expm1((exponent + 1.0) * log_cosine);
 }
 
-// log W, W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max.
+// log W, by which a density is divided in its exponent.
 function log_normaliser(log_cosine, exponent) {
   const u = exponent + 1.0;
   return Math.log(-(6.283185307179586 * Math.expm1(u * log_cosine) / u));

@@ -153,10 +153,21 @@ def lobe_mass_slopes(log_cosine: float, exponent: float) -> tuple[float, float, 
 
 
 @inlined
-def log_normaliser_slopes(log_cosine: float, exponent: float) -> tuple[float, float, float]:
-    """log W, W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max; then slopes
-    of log_normaliser in log_cosine, exponent.
+def normaliser_slopes(log_cosine: float, exponent: float) -> tuple[float, float, float]:
+    """W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max; then slopes of
+    whole in log_cosine, exponent.
     """
+    u = exponent + 1.0
+    t1 = math.expm1(u * log_cosine)
+    t2 = 6.283185307179586 * t1 / u
+    t3 = -1.0 / u
+    t4 = t3 * 6.283185307179586 * (1.0 + t1)
+    return -t2, t4 * u, t4 * log_cosine - t3 * t2
+
+
+@inlined
+def log_normaliser_slopes(log_cosine: float, exponent: float) -> tuple[float, float, float]:
+    """log W, by which a density is divided in its exponent; then slopes of log_normaliser in log_cosine, exponent."""
     u = exponent + 1.0
     t1 = math.expm1(u * log_cosine)
     t2 = 6.283185307179586 * t1 / u

@@ -246,8 +246,15 @@ def lobe_mass(log_cosine: float, exponent: float) -> float:
 
 
 @inlined
+def normaliser(log_cosine: float, exponent: float) -> float:
+    """W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max."""
+    u = exponent + 1.0
+    return -(6.283185307179586 * math.expm1(u * log_cosine) / u)
+
+
+@inlined
 def log_normaliser(log_cosine: float, exponent: float) -> float:
-    """log W, W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max."""
+    """log W, by which a density is divided in its exponent."""
     u = exponent + 1.0
     return math.log(-(6.283185307179586 * math.expm1(u * log_cosine) / u))
 

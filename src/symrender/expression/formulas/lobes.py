@@ -52,10 +52,15 @@ def lobe_mass(log_cosine: Real, exponent: Real) -> Real:
     return -expm1((exponent + 1) * log_cosine)
 
 
-def log_normaliser(log_cosine: Real, exponent: Real) -> Real:
-    """log W, W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max."""
+def normaliser(log_cosine: Real, exponent: Real) -> Real:
+    """W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max."""
     u = exponent + 1
-    return log(2 * pi(u) * -expm1(u * log_cosine) / u)
+    return 2 * pi(u) * -expm1(u * log_cosine) / u
+
+
+def log_normaliser(log_cosine: Real, exponent: Real) -> Real:
+    """log W, by which a density is divided in its exponent."""
+    return log(normaliser(log_cosine, exponent))
 
 
 def ring_share(log_low: Real, log_high: Real, log_cosine: Real, exponent: Real) -> Real:
@@ -82,6 +87,7 @@ LEAVES: Final = (
     Leaf(cosine_power, ("power",)),
     Leaf(log_rim, ("log_cosine",), slopes=("theta_max",), pages=True),
     Leaf(lobe_mass, ("mass",), slopes=("log_cosine", "exponent"), pages=True),
+    Leaf(normaliser, ("whole",), slopes=("log_cosine", "exponent")),
     Leaf(log_normaliser, ("log_normaliser",), slopes=("log_cosine", "exponent"), pages=True),
     Leaf(ring_share, ("share",), slopes=("log_low", "log_high", "log_cosine", "exponent"), pages=True),
     Leaf(brdf_scale, ("scale",), slopes=("log_cosine", "exponent")),
