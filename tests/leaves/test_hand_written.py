@@ -52,7 +52,7 @@ def test_light_term(shininess: float) -> None:
     for light, normal, view in lit(400):
         where = (*light, *normal, *view)
         assert values.blinn_term(*where, shininess) == light_term.light_term(*where, False, shininess)
-        # Phong's rows and its scalars were two forms: the light's direction is now divided by its length last
+        # by hand Phong's scalars divide by the light's distance first, its rows last: one text has one form
         mine, theirs = values.phong_term(*where, shininess), light_term.light_term(*where, True, shininess)
         assert abs(mine[0] - theirs[0]) <= 2 * ULP
         assert abs(mine[1] - theirs[1]) <= 8 * ULP * max(1.0, shininess)

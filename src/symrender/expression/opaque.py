@@ -29,3 +29,13 @@ class expm1(sp.Function):
 
     def _eval_evalf(self, prec: int) -> sp.Expr:
         return (sp.exp(self.args[0]) - 1)._eval_evalf(prec)
+
+
+def plain(value: sp.Expr) -> sp.Expr:
+    """An expression without them and without powers by logarithms, to be read."""
+    return value.replace(log1p, lambda x: sp.log(1 + x)).replace(expm1, lambda x: sp.exp(x) - 1).replace(sp.exp, _power)
+
+
+def _power(x: sp.Expr) -> sp.Expr:
+    exponent, rest = x.as_independent(sp.log, as_Add=False)
+    return rest.args[0] ** exponent if isinstance(rest, sp.log) else sp.exp(x)

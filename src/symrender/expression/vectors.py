@@ -69,6 +69,12 @@ def unit(a: Vec3) -> Vec3:
     return a / sqrt(norm2(a))
 
 
+def span(axis: Vec3, up: Vec3) -> tuple[Vec3, Vec3]:
+    """(e1, e2) completing a unit axis: e1 = unit(w x up), e2 = w x e1; ``up`` is y where |w_y| < .9, else x."""
+    first = unit(cross(axis, up))
+    return first, cross(axis, first)
+
+
 def renormalising(a: Vec3) -> sp.Expr:
     """(15 - 10 s + 3 s^2)/8 with s = |a|^2, 1/sqrt(s) to second order about 1: it makes a nearly unit vector unit."""
     s = norm2(a)

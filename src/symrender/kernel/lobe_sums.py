@@ -13,7 +13,7 @@ from contextlib import contextmanager
 import sympy as sp
 
 from symrender.expression.elementary import expm1
-from symrender.expression.lobe import mirror_direction
+from symrender.expression.formulas.lobes import mirror_direction
 from symrender.expression.vectors import Vec3, dot, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS, log_power

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression import intersection, shading
+from symrender.expression import intersection
 from symrender.expression.elementary import log1p
+from symrender.expression.formulas.light_terms import half_vector, light_channel
 from symrender.expression.vectors import Vec3, cross, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function
@@ -98,9 +99,9 @@ def highlight() -> Function:
     normal, view, to_light, model = vec3("n"), vec3("v"), vec3("d"), real("model")
     block = Block()
     light_dir = block.let_vector("l", to_light / block.let("distance", sp.sqrt(norm2(to_light))))
-    cosine = block.let("cosine", shading.lambert(normal, light_dir))
+    cosine = block.let("cosine", dot(normal, light_dir))
     axis = block.let_vector("a", normal)
-    other = block.let_vector("b", shading.half_vector(light_dir, view))
+    other = block.let_vector("b", half_vector(light_dir, view))
     with block.when(sp.Eq(model, at.PHONG)):
         block.let_vector("a", normal * (2 * cosine) - light_dir)
         block.let_vector("b", view)
@@ -166,7 +167,7 @@ def direct() -> Function:
                 block.set(sums[3 + channel], sums[3 + channel] + POINTS[light, 3 + channel] * gleam)
     ka, kd, ks = SHADING[0], SHADING[1], SHADING[2]
     terms = [
-        ka * SHADING[at.AMBIENT + c] + shading.light_term(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
+        ka * SHADING[at.AMBIENT + c] + light_channel(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
         for c in range(3)
     ]
     block.leave(*terms)

@@ -44,12 +44,12 @@ def blinn_term_adjoint(
     t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
-    light_x = to_light_x * inverse
-    light_y = to_light_y * inverse
-    light_z = to_light_z * inverse
-    half_x = light_x + view_x
-    half_y = light_y + view_y
-    half_z = light_z + view_z
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
     t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
     base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3
     power, power_by_base, power_by_exponent = gleam_slopes(base, shininess)
@@ -63,10 +63,10 @@ def blinn_term_adjoint(
     t11 = t8 + cosine_weight * normal_x
     t12 = (t9 * to_light_z + t10 * to_light_y + t11 * to_light_x) * inverse * inverse * inverse
     return (
-        light_x * normal_x + light_y * normal_y + light_z * normal_z, power, t11 * inverse - t12 * to_light_x,
-        t10 * inverse - t12 * to_light_y, t9 * inverse - t12 * to_light_z, t4 * half_x + cosine_weight * light_x,
-        t4 * half_y + cosine_weight * light_y, t4 * half_z + cosine_weight * light_z, t8, t7, t6,
-        highlight_weight * power_by_exponent,
+        light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, power,
+        t11 * inverse - t12 * to_light_x, t10 * inverse - t12 * to_light_y, t9 * inverse - t12 * to_light_z,
+        t4 * half_x + cosine_weight * light_dir_x, t4 * half_y + cosine_weight * light_dir_y,
+        t4 * half_z + cosine_weight * light_dir_z, t8, t7, t6, highlight_weight * power_by_exponent,
     )
 
 
@@ -84,21 +84,22 @@ def phong_term_adjoint(
     inverse = 1.0 / t3
     cosine = t1 * inverse
     t4 = 2.0 * cosine
-    t5 = normal_x * view_x + normal_y * view_y + normal_z * view_z
-    t6 = to_light_x * view_x + to_light_y * view_y + to_light_z * view_z
-    base = t4 * t5 - t6 * inverse
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    t5 = to_light_x * view_x + to_light_y * view_y + to_light_z * view_z
+    toward = t5 * inverse
+    base = t4 * facing - toward
     power, power_by_base, power_by_exponent = gleam_slopes(base, shininess)
-    t7 = highlight_weight * power_by_base
-    t8 = t7 * t4
-    t9 = t7 * inverse
-    t10 = cosine_weight + t7 * t5 * 2.0
-    t11 = t10 * inverse
-    t12 = (t10 * t1 - t7 * t6) * inverse * inverse * inverse
+    t6 = highlight_weight * power_by_base
+    t7 = t6 * t4
+    t8 = t6 * inverse
+    t9 = cosine_weight + t6 * facing * 2.0
+    t10 = t9 * inverse
+    t11 = (t9 * t1 - t6 * t5) * inverse * inverse * inverse
     return (
-        cosine, power, t11 * normal_x - t9 * view_x - t12 * to_light_x,
-        t11 * normal_y - t9 * view_y - t12 * to_light_y, t11 * normal_z - t9 * view_z - t12 * to_light_z,
-        t8 * view_x + t11 * to_light_x, t8 * view_y + t11 * to_light_y, t8 * view_z + t11 * to_light_z,
-        t8 * normal_x - t9 * to_light_x, t8 * normal_y - t9 * to_light_y, t8 * normal_z - t9 * to_light_z,
+        cosine, power, t10 * normal_x - t8 * view_x - t11 * to_light_x,
+        t10 * normal_y - t8 * view_y - t11 * to_light_y, t10 * normal_z - t8 * view_z - t11 * to_light_z,
+        t7 * view_x + t10 * to_light_x, t7 * view_y + t10 * to_light_y, t7 * view_z + t10 * to_light_z,
+        t7 * normal_x - t8 * to_light_x, t7 * normal_y - t8 * to_light_y, t7 * normal_z - t8 * to_light_z,
         highlight_weight * power_by_exponent,
     )
 
@@ -160,9 +161,9 @@ def sphere_place_adjoint(
     cb = math.sqrt(1.0 - sb * sb)
     sg = sine * cb - cosine * sb
     cg = cosine * cb + sine * sb
-    normal_x = across_x * sg - pole_x * cg
-    normal_y = across_y * sg - pole_y * cg
-    normal_z = across_z * sg - pole_z * cg
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
     t1 = ratio * ratio
     t2 = t1 * sine
     t3 = t2 * cosine / cb
@@ -178,12 +179,12 @@ def sphere_place_adjoint(
     t13 = t12 + direction_x_weight * pole_x
     t14 = t11 - t8 * cosine + t9 * sine - (t13 + t8 * sine + t9 * cosine) / cb * sb
     return (
-        center_x + normal_x * radius, center_y + normal_y * radius, center_z + normal_z * radius, normal_x, normal_y,
-        normal_z, pole_x * cb + across_x * sb, pole_y * cb + across_y * sb, pole_z * cb + across_z * sb, t3,
+        center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y,
+        facing_z, pole_x * cb + across_x * sb, pole_y * cb + across_y * sb, pole_z * cb + across_z * sb, t3,
         t10 * t1 + t8 * cb + t9 * sb + t14 * ratio, t7 * t2 - t8 * sb + t9 * cb, direction_x_weight * sb + t6 * sg,
         direction_y_weight * sb + t5 * sg, direction_z_weight * sb + t4 * sg, direction_x_weight * cb - t6 * cg,
         direction_y_weight * cb - t5 * cg, direction_z_weight * cb - t4 * cg, place_x_weight, place_y_weight,
-        place_z_weight, place_z_weight * normal_z + place_y_weight * normal_y + place_x_weight * normal_x,
+        place_z_weight, place_z_weight * facing_z + place_y_weight * facing_y + place_x_weight * facing_x,
         2.0 * (t10 * sine) * ratio + t14 * sine,
     )
 
@@ -372,8 +373,8 @@ def disk_frame_adjoint(
     first_x_weight: float, first_y_weight: float, first_z_weight: float, second_x_weight: float,
     second_y_weight: float, second_z_weight: float,
 ) -> tuple[float, ...]:
-    """(w, e1, e2): w = unit(target - L), e1 = unit(w x up), e2 = w x e1; ``up`` is y where |w_y| < .9, else x; then
-    the slopes of the weighted sum of all of it in position, target.
+    """(w, e1, e2): the axis a disk faces along and what spans it; ``up`` is y where |w_y| < .9, else x; then the
+    slopes of the weighted sum of all of it in position, target.
     """
     t1 = target_x - position_x
     t2 = target_y - position_y
@@ -386,29 +387,29 @@ def disk_frame_adjoint(
     t6 = axis_z * up_x - axis_x * up_z
     t7 = axis_x * up_y - axis_y * up_x
     t8 = math.sqrt(t5 * t5 + t6 * t6 + t7 * t7)
-    first_x = t5 / t8
-    first_y = t6 / t8
-    first_z = t7 / t8
-    t9 = (first_y_weight + second_z_weight * axis_x - second_x_weight * axis_z) / t8
-    t10 = (first_z_weight - second_y_weight * axis_x + second_x_weight * axis_y) / t8
-    t11 = (first_x_weight - second_z_weight * axis_y + second_y_weight * axis_z) / t8
-    t12 = (-(t10 * first_z) - t9 * first_y - t11 * first_x) / t8
-    t13 = t9 + t12 * t6
-    t14 = t11 + t12 * t5
-    t15 = axis_z_weight + second_y_weight * first_x - second_x_weight * first_y + t13 * up_x - t14 * up_y
-    t16 = t15 / t4
-    t17 = t10 + t12 * t7
-    t18 = axis_y_weight - second_z_weight * first_x + second_x_weight * first_z - t17 * up_x + t14 * up_z
+    t9 = t5 / t8
+    t10 = t6 / t8
+    t11 = t7 / t8
+    t12 = (first_y_weight + second_z_weight * axis_x - second_x_weight * axis_z) / t8
+    t13 = (first_z_weight - second_y_weight * axis_x + second_x_weight * axis_y) / t8
+    t14 = (first_x_weight - second_z_weight * axis_y + second_y_weight * axis_z) / t8
+    t15 = (-(t13 * t11) - t12 * t10 - t14 * t9) / t8
+    t16 = t12 + t15 * t6
+    t17 = t14 + t15 * t5
+    t18 = axis_z_weight + second_y_weight * t9 - second_x_weight * t10 + t16 * up_x - t17 * up_y
     t19 = t18 / t4
-    t20 = axis_x_weight + second_z_weight * first_y - second_y_weight * first_z + t17 * up_y - t13 * up_z
-    t21 = t20 / t4
-    t22 = (-(t16 * axis_z) - t19 * axis_y - t21 * axis_x) / t4
-    t23 = t16 + t22 * t3
-    t24 = t19 + t22 * t2
-    t25 = t21 + t22 * t1
+    t20 = t13 + t15 * t7
+    t21 = axis_y_weight - second_z_weight * t9 + second_x_weight * t11 - t20 * up_x + t17 * up_z
+    t22 = t21 / t4
+    t23 = axis_x_weight + second_z_weight * t10 - second_y_weight * t11 + t20 * up_y - t16 * up_z
+    t24 = t23 / t4
+    t25 = (-(t19 * axis_z) - t22 * axis_y - t24 * axis_x) / t4
+    t26 = t19 + t25 * t3
+    t27 = t22 + t25 * t2
+    t28 = t24 + t25 * t1
     return (
-        axis_x, axis_y, axis_z, first_x, first_y, first_z, axis_y * first_z - axis_z * first_y,
-        axis_z * first_x - axis_x * first_z, axis_x * first_y - axis_y * first_x, -t25, -t24, -t23, t25, t24, t23,
+        axis_x, axis_y, axis_z, t9, t10, t11, axis_y * t11 - axis_z * t10, axis_z * t9 - axis_x * t11,
+        axis_x * t10 - axis_y * t9, -t28, -t27, -t26, t28, t27, t26,
     )
 
 

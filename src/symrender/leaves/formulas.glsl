@@ -81,14 +81,14 @@ void blinn(float to_light_x, float to_light_y, float to_light_z, float normal_x,
   float t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z;
   float t2 = own_sqrt(max(t1, 1.0e-37));
   float inverse = 1.0 / t2;
-  float light_x = to_light_x * inverse;
-  float light_y = to_light_y * inverse;
-  float light_z = to_light_z * inverse;
-  float half_x = light_x + view_x;
-  float half_y = light_y + view_y;
-  float half_z = light_z + view_z;
+  float light_dir_x = to_light_x * inverse;
+  float light_dir_y = to_light_y * inverse;
+  float light_dir_z = to_light_z * inverse;
+  float half_x = light_dir_x + view_x;
+  float half_y = light_dir_y + view_y;
+  float half_z = light_dir_z + view_z;
   float t3 = own_sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1.0e-37));
-  out_cosine = light_x * normal_x + light_y * normal_y + light_z * normal_z;
+  out_cosine = light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z;
   out_base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3;
 }
 
@@ -97,16 +97,16 @@ void blinn_square(float to_light_x, float to_light_y, float to_light_z, float no
   float t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z;
   float t2 = own_sqrt(max(t1, 1.0e-37));
   float inverse = 1.0 / t2;
-  float light_x = to_light_x * inverse;
-  float half_x = light_x + view_x;
-  float light_y = to_light_y * inverse;
-  float half_y = light_y + view_y;
-  float light_z = to_light_z * inverse;
-  float half_z = light_z + view_z;
-  float lift = half_x * normal_x + half_y * normal_y + half_z * normal_z;
-  out_cosine = light_x * normal_x + light_y * normal_y + light_z * normal_z;
-  out_lift = lift;
-  out_square = lift * lift / max(half_x * half_x + half_y * half_y + half_z * half_z, 1.0e-37);
+  float light_dir_x = to_light_x * inverse;
+  float light_dir_y = to_light_y * inverse;
+  float light_dir_z = to_light_z * inverse;
+  float half_x = light_dir_x + view_x;
+  float half_y = light_dir_y + view_y;
+  float half_z = light_dir_z + view_z;
+  float t3 = normal_x * half_x + normal_y * half_y + normal_z * half_z;
+  out_cosine = light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z;
+  out_lift = t3;
+  out_square = t3 * t3 / max(half_x * half_x + half_y * half_y + half_z * half_z, 1.0e-37);
 }
 
 // (N.l, r.v) with r = 2 (N.l) N - l.
@@ -115,9 +115,10 @@ void phong(float to_light_x, float to_light_y, float to_light_z, float normal_x,
   float t2 = own_sqrt(max(t1, 1.0e-37));
   float inverse = 1.0 / t2;
   float cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse;
-  float t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse;
+  float facing = normal_x * view_x + normal_y * view_y + normal_z * view_z;
+  float toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse;
   out_cosine = cosine;
-  out_base = 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3;
+  out_base = 2.0 * cosine * facing - toward;
 }
 
 // (N.l, s) with s = (N.h)^shininess, 0 where N.h is not positive.
@@ -125,15 +126,15 @@ void blinn_term(float to_light_x, float to_light_y, float to_light_z, float norm
   float t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z;
   float t2 = own_sqrt(max(t1, 1.0e-37));
   float inverse = 1.0 / t2;
-  float light_x = to_light_x * inverse;
-  float light_y = to_light_y * inverse;
-  float light_z = to_light_z * inverse;
-  float half_x = light_x + view_x;
-  float half_y = light_y + view_y;
-  float half_z = light_z + view_z;
+  float light_dir_x = to_light_x * inverse;
+  float light_dir_y = to_light_y * inverse;
+  float light_dir_z = to_light_z * inverse;
+  float half_x = light_dir_x + view_x;
+  float half_y = light_dir_y + view_y;
+  float half_z = light_dir_z + view_z;
   float t3 = own_sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1.0e-37));
   float base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3;
-  out_cosine = light_x * normal_x + light_y * normal_y + light_z * normal_z;
+  out_cosine = light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z;
   out_highlight = own_pow(base, shininess);
 }
 
@@ -143,8 +144,9 @@ void phong_term(float to_light_x, float to_light_y, float to_light_z, float norm
   float t2 = own_sqrt(max(t1, 1.0e-37));
   float inverse = 1.0 / t2;
   float cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse;
-  float t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse;
-  float base = 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3;
+  float facing = normal_x * view_x + normal_y * view_y + normal_z * view_z;
+  float toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse;
+  float base = 2.0 * cosine * facing - toward;
   out_cosine = cosine;
   out_highlight = own_pow(base, shininess);
 }
@@ -177,7 +179,7 @@ float lobe_density(float square, float exponent, float log_normaliser) {
   return own_exp(exponent * own_log1p(depth) - log_normaliser);
 }
 
-// log cos theta_max = log1p(-2 sin^2(theta_max/2)); ``NO_RIM`` where the rim lies in the plane across the axis.
+// log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis.
 float log_rim(float theta_max) {
   if (!(theta_max < 1.5707963267948966)) return -3.402823e38;
   float t1 = own_sin(0.5 * theta_max);
@@ -249,17 +251,17 @@ void sphere_point(float x, float c, float s, float pole_x, float pole_y, float p
   float cosine = own_cos(x);
   float sg = sine * cb - cosine * sb;
   float cg = cosine * cb + sine * sb;
-  float normal_x = across_x * sg - pole_x * cg;
+  float facing_x = across_x * sg - pole_x * cg;
   float across_y = first_y * c + second_y * s;
-  float normal_y = across_y * sg - pole_y * cg;
+  float facing_y = across_y * sg - pole_y * cg;
   float across_z = first_z * c + second_z * s;
-  float normal_z = across_z * sg - pole_z * cg;
-  out_place_x = center_x + normal_x * radius;
-  out_place_y = center_y + normal_y * radius;
-  out_place_z = center_z + normal_z * radius;
-  out_normal_x = normal_x;
-  out_normal_y = normal_y;
-  out_normal_z = normal_z;
+  float facing_z = across_z * sg - pole_z * cg;
+  out_place_x = center_x + facing_x * radius;
+  out_place_y = center_y + facing_y * radius;
+  out_place_z = center_z + facing_z * radius;
+  out_normal_x = facing_x;
+  out_normal_y = facing_y;
+  out_normal_z = facing_z;
 }
 
 // Hit point at inner coordinate ``x`` of the line (c, s) of the floor's chart; its z is 0.

@@ -15,14 +15,14 @@ function blinn(to_light_x, to_light_y, to_light_z, normal_x, normal_y, normal_z,
   const t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z;
   const t2 = Math.sqrt(Math.max(t1, 1e-300));
   const inverse = 1.0 / t2;
-  const light_x = to_light_x * inverse;
-  const light_y = to_light_y * inverse;
-  const light_z = to_light_z * inverse;
-  const half_x = light_x + view_x;
-  const half_y = light_y + view_y;
-  const half_z = light_z + view_z;
+  const light_dir_x = to_light_x * inverse;
+  const light_dir_y = to_light_y * inverse;
+  const light_dir_z = to_light_z * inverse;
+  const half_x = light_dir_x + view_x;
+  const half_y = light_dir_y + view_y;
+  const half_z = light_dir_z + view_z;
   const t3 = Math.sqrt(Math.max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300));
-  return [light_x * normal_x + light_y * normal_y + light_z * normal_z, (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3];
+  return [light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3];
 }
 
 // (N.l, N.(l + v), (N.h)^2): the cosine's square needs no second root; its sign is that of the second.
@@ -30,14 +30,14 @@ function blinn_square(to_light_x, to_light_y, to_light_z, normal_x, normal_y, no
   const t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z;
   const t2 = Math.sqrt(Math.max(t1, 1e-300));
   const inverse = 1.0 / t2;
-  const light_x = to_light_x * inverse;
-  const half_x = light_x + view_x;
-  const light_y = to_light_y * inverse;
-  const half_y = light_y + view_y;
-  const light_z = to_light_z * inverse;
-  const half_z = light_z + view_z;
-  const lift = half_x * normal_x + half_y * normal_y + half_z * normal_z;
-  return [light_x * normal_x + light_y * normal_y + light_z * normal_z, lift, lift * lift / Math.max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300)];
+  const light_dir_x = to_light_x * inverse;
+  const light_dir_y = to_light_y * inverse;
+  const light_dir_z = to_light_z * inverse;
+  const half_x = light_dir_x + view_x;
+  const half_y = light_dir_y + view_y;
+  const half_z = light_dir_z + view_z;
+  const t3 = normal_x * half_x + normal_y * half_y + normal_z * half_z;
+  return [light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, t3, t3 * t3 / Math.max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300)];
 }
 
 // (N.l, r.v) with r = 2 (N.l) N - l.
@@ -46,8 +46,9 @@ function phong(to_light_x, to_light_y, to_light_z, normal_x, normal_y, normal_z,
   const t2 = Math.sqrt(Math.max(t1, 1e-300));
   const inverse = 1.0 / t2;
   const cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse;
-  const t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse;
-  return [cosine, 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3];
+  const facing = normal_x * view_x + normal_y * view_y + normal_z * view_z;
+  const toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse;
+  return [cosine, 2.0 * cosine * facing - toward];
 }
 
 // (N.l, s) with s = (N.h)^shininess, 0 where N.h is not positive.
@@ -55,15 +56,15 @@ function blinn_term(to_light_x, to_light_y, to_light_z, normal_x, normal_y, norm
   const t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z;
   const t2 = Math.sqrt(Math.max(t1, 1e-300));
   const inverse = 1.0 / t2;
-  const light_x = to_light_x * inverse;
-  const light_y = to_light_y * inverse;
-  const light_z = to_light_z * inverse;
-  const half_x = light_x + view_x;
-  const half_y = light_y + view_y;
-  const half_z = light_z + view_z;
+  const light_dir_x = to_light_x * inverse;
+  const light_dir_y = to_light_y * inverse;
+  const light_dir_z = to_light_z * inverse;
+  const half_x = light_dir_x + view_x;
+  const half_y = light_dir_y + view_y;
+  const half_z = light_dir_z + view_z;
   const t3 = Math.sqrt(Math.max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300));
   const base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3;
-  return [light_x * normal_x + light_y * normal_y + light_z * normal_z, gleam(base, shininess)];
+  return [light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, gleam(base, shininess)];
 }
 
 // (N.l, s) with s = (r.v)^shininess, 0 where r.v is not positive.
@@ -72,8 +73,9 @@ function phong_term(to_light_x, to_light_y, to_light_z, normal_x, normal_y, norm
   const t2 = Math.sqrt(Math.max(t1, 1e-300));
   const inverse = 1.0 / t2;
   const cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse;
-  const t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse;
-  const base = 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3;
+  const facing = normal_x * view_x + normal_y * view_y + normal_z * view_z;
+  const toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse;
+  const base = 2.0 * cosine * facing - toward;
   return [cosine, gleam(base, shininess)];
 }
 
@@ -103,7 +105,7 @@ function lobe_density(square, exponent, log_normaliser) {
   return Math.exp(exponent * Math.log1p(depth) - log_normaliser);
 }
 
-// log cos theta_max = log1p(-2 sin^2(theta_max/2)); ``NO_RIM`` where the rim lies in the plane across the axis.
+// log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis.
 function log_rim(theta_max) {
   if (!(theta_max < 1.5707963267948966)) return -1e+300;
   const t1 = Math.sin(0.5 * theta_max);
@@ -172,12 +174,12 @@ function sphere_point(x, c, s, pole_x, pole_y, pole_z, first_x, first_y, first_z
   const cosine = Math.cos(x);
   const sg = sine * cb - cosine * sb;
   const cg = cosine * cb + sine * sb;
-  const normal_x = across_x * sg - pole_x * cg;
+  const facing_x = across_x * sg - pole_x * cg;
   const across_y = first_y * c + second_y * s;
-  const normal_y = across_y * sg - pole_y * cg;
+  const facing_y = across_y * sg - pole_y * cg;
   const across_z = first_z * c + second_z * s;
-  const normal_z = across_z * sg - pole_z * cg;
-  return [center_x + normal_x * radius, center_y + normal_y * radius, center_z + normal_z * radius, normal_x, normal_y, normal_z];
+  const facing_z = across_z * sg - pole_z * cg;
+  return [center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y, facing_z];
 }
 
 // Hit point at inner coordinate ``x`` of the line (c, s) of the floor's chart; its z is 0.

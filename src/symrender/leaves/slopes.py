@@ -39,14 +39,14 @@ def blinn_term_slopes(
     t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
-    light_x = to_light_x * inverse
-    light_y = to_light_y * inverse
-    light_z = to_light_z * inverse
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
     t3 = (normal_z * to_light_z + normal_y * to_light_y + normal_x * to_light_x) * inverse * inverse
     t4 = t3 * inverse
-    half_x = light_x + view_x
-    half_y = light_y + view_y
-    half_z = light_z + view_z
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
     t5 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
     base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t5
     power, power_by_base, power_by_exponent = gleam_slopes(base, shininess)
@@ -57,10 +57,11 @@ def blinn_term_slopes(
     t10 = t6 * normal_x - t7 * half_x
     t11 = (t8 * to_light_z + t9 * to_light_y + t10 * to_light_x) * inverse * inverse * inverse
     return (
-        light_x * normal_x + light_y * normal_y + light_z * normal_z, power, normal_x * inverse - t4 * to_light_x,
-        normal_y * inverse - t4 * to_light_y, normal_z * inverse - t4 * to_light_z, light_x, light_y, light_z, 0.0,
-        0.0, 0.0, 0.0, t10 * inverse - t11 * to_light_x, t9 * inverse - t11 * to_light_y,
-        t8 * inverse - t11 * to_light_z, t6 * half_x, t6 * half_y, t6 * half_z, t10, t9, t8, power_by_exponent,
+        light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, power,
+        normal_x * inverse - t4 * to_light_x, normal_y * inverse - t4 * to_light_y,
+        normal_z * inverse - t4 * to_light_z, light_dir_x, light_dir_y, light_dir_z, 0.0, 0.0, 0.0, 0.0,
+        t10 * inverse - t11 * to_light_x, t9 * inverse - t11 * to_light_y, t8 * inverse - t11 * to_light_z,
+        t6 * half_x, t6 * half_y, t6 * half_z, t10, t9, t8, power_by_exponent,
     )
 
 
@@ -79,22 +80,23 @@ def phong_term_slopes(
     cosine = t1 * inverse
     t4 = cosine * inverse * inverse
     t5 = 2.0 * cosine
-    t6 = normal_x * view_x + normal_y * view_y + normal_z * view_z
-    t7 = to_light_x * view_x + to_light_y * view_y + to_light_z * view_z
-    base = t5 * t6 - t7 * inverse
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    t6 = to_light_x * view_x + to_light_y * view_y + to_light_z * view_z
+    toward = t6 * inverse
+    base = t5 * facing - toward
     power, power_by_base, power_by_exponent = gleam_slopes(base, shininess)
-    t8 = power_by_base * t5
-    t9 = power_by_base * inverse
-    t10 = power_by_base * t6 * 2.0
-    t11 = t10 * inverse
-    t12 = (t10 * t1 - power_by_base * t7) * inverse * inverse * inverse
+    t7 = power_by_base * t5
+    t8 = power_by_base * inverse
+    t9 = power_by_base * facing * 2.0
+    t10 = t9 * inverse
+    t11 = (t9 * t1 - power_by_base * t6) * inverse * inverse * inverse
     return (
         cosine, power, inverse * normal_x - t4 * to_light_x, inverse * normal_y - t4 * to_light_y,
         inverse * normal_z - t4 * to_light_z, inverse * to_light_x, inverse * to_light_y, inverse * to_light_z, 0.0,
-        0.0, 0.0, 0.0, t11 * normal_x - t9 * view_x - t12 * to_light_x,
-        t11 * normal_y - t9 * view_y - t12 * to_light_y, t11 * normal_z - t9 * view_z - t12 * to_light_z,
-        t8 * view_x + t11 * to_light_x, t8 * view_y + t11 * to_light_y, t8 * view_z + t11 * to_light_z,
-        t8 * normal_x - t9 * to_light_x, t8 * normal_y - t9 * to_light_y, t8 * normal_z - t9 * to_light_z,
+        0.0, 0.0, 0.0, t10 * normal_x - t8 * view_x - t11 * to_light_x,
+        t10 * normal_y - t8 * view_y - t11 * to_light_y, t10 * normal_z - t8 * view_z - t11 * to_light_z,
+        t7 * view_x + t10 * to_light_x, t7 * view_y + t10 * to_light_y, t7 * view_z + t10 * to_light_z,
+        t7 * normal_x - t8 * to_light_x, t7 * normal_y - t8 * to_light_y, t7 * normal_z - t8 * to_light_z,
         power_by_exponent,
     )
 
@@ -128,8 +130,8 @@ def lobe_density_slopes(square: float, exponent: float, log_normaliser: float) -
 
 @inlined
 def log_rim_slopes(theta_max: float) -> tuple[float, float]:
-    """log cos theta_max = log1p(-2 sin^2(theta_max/2)); ``NO_RIM`` where the rim lies in the plane across the axis;
-    then slopes of log_cosine in theta_max.
+    """log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis; then slopes of log_cosine in
+    theta_max.
     """
     if not theta_max < 1.5707963267948966:
         return -1e+300, 0.0
@@ -453,20 +455,21 @@ def phong_edge_level_slopes(
     view_x = to_viewer_x * t7
     view_y = to_viewer_y * t7
     view_z = to_viewer_z * t7
-    t8 = normal_x * view_x + normal_y * view_y + normal_z * view_z
-    t9 = to_light_x * view_x + to_light_y * view_y + to_light_z * view_z
-    t10 = t8 * 2.0
-    t11 = t10 * inverse
-    t12 = (t10 * t1 - t9) * inverse * inverse * inverse
-    t13 = t4 * normal_z - inverse * to_light_z
-    t14 = t4 * normal_y - inverse * to_light_y
-    t15 = t4 * normal_x - inverse * to_light_x
-    t16 = (t13 * to_viewer_z + t14 * to_viewer_y + t15 * to_viewer_x) * t7 * t7 * t7
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    t8 = to_light_x * view_x + to_light_y * view_y + to_light_z * view_z
+    toward = t8 * inverse
+    t9 = facing * 2.0
+    t10 = t9 * inverse
+    t11 = (t9 * t1 - t8) * inverse * inverse * inverse
+    t12 = t4 * normal_z - inverse * to_light_z
+    t13 = t4 * normal_y - inverse * to_light_y
+    t14 = t4 * normal_x - inverse * to_light_x
+    t15 = (t12 * to_viewer_z + t13 * to_viewer_y + t14 * to_viewer_x) * t7 * t7 * t7
     return (
-        t4 * t8 - t9 * inverse, t11 * normal_x - inverse * view_x - t12 * to_light_x,
-        t11 * normal_y - inverse * view_y - t12 * to_light_y, t11 * normal_z - inverse * view_z - t12 * to_light_z,
-        t15 * t7 - t16 * to_viewer_x, t14 * t7 - t16 * to_viewer_y, t13 * t7 - t16 * to_viewer_z,
-        t4 * view_x + t11 * to_light_x, t4 * view_y + t11 * to_light_y, t4 * view_z + t11 * to_light_z,
+        t4 * facing - toward, t10 * normal_x - inverse * view_x - t11 * to_light_x,
+        t10 * normal_y - inverse * view_y - t11 * to_light_y, t10 * normal_z - inverse * view_z - t11 * to_light_z,
+        t14 * t7 - t15 * to_viewer_x, t13 * t7 - t15 * to_viewer_y, t12 * t7 - t15 * to_viewer_z,
+        t4 * view_x + t10 * to_light_x, t4 * view_y + t10 * to_light_y, t4 * view_z + t10 * to_light_z,
     )
 
 

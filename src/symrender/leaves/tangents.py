@@ -23,9 +23,9 @@ def sphere_place_tangents(
     cb = math.sqrt(1.0 - sb * sb)
     sg = sine * cb - cosine * sb
     cg = cosine * cb + sine * sb
-    normal_x = across_x * sg - pole_x * cg
-    normal_y = across_y * sg - pole_y * cg
-    normal_z = across_z * sg - pole_z * cg
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
     t1 = ratio * ratio * sine * cosine / cb
     t2 = 0.5 / cb * (2.0 * sb * sine)
     t3 = -(sine * t2) - cosine * sine
@@ -35,11 +35,11 @@ def sphere_place_tangents(
     t7 = across_z * t3 - pole_z * t4
     t8 = 1.0 / cb
     return (
-        center_x + normal_x * radius, center_y + normal_y * radius, center_z + normal_z * radius, normal_x, normal_y,
-        normal_z, pole_x * cb + across_x * sb, pole_y * cb + across_y * sb, pole_z * cb + across_z * sb, t1,
+        center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y,
+        facing_z, pole_x * cb + across_x * sb, pole_y * cb + across_y * sb, pole_z * cb + across_z * sb, t1,
         radius * t5, radius * t6, radius * t7, t5, t6, t7, across_x * sine - pole_x * t2,
         across_y * sine - pole_y * t2, across_z * sine - pole_z * t2,
-        t8 * (cosine * (sine * (2.0 * ratio))) + t1 * t8 * t2, normal_x, normal_y, normal_z, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t8 * (cosine * (sine * (2.0 * ratio))) + t1 * t8 * t2, facing_x, facing_y, facing_z, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0,
     )
 
@@ -79,15 +79,15 @@ def sphere_sight_tangents(
     t3 = cosine * cb
     t4 = sine * sb
     cg = t3 + t4
-    normal_x = across_x * sg - pole_x * cg
-    normal_y = across_y * sg - pole_y * cg
-    normal_z = across_z * sg - pole_z * cg
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
     t5 = pole_x / ratio
-    t6 = t5 + normal_x
+    t6 = t5 + facing_x
     t7 = pole_y / ratio
-    t8 = t7 + normal_y
+    t8 = t7 + facing_y
     t9 = pole_z / ratio
-    t10 = t9 + normal_z
+    t10 = t9 + facing_z
     t11 = ratio * ratio
     t12 = t11 * sine
     t13 = t12 * cosine / cb
@@ -110,7 +110,7 @@ def sphere_sight_tangents(
     t30 = across_z * t26 - pole_z * t27
     t31 = 1.0 / ratio
     return (
-        t6 * radius, t8 * radius, t10 * radius, normal_x, normal_y, normal_z, pole_x * cb + across_x * sb,
+        t6 * radius, t8 * radius, t10 * radius, facing_x, facing_y, facing_z, pole_x * cb + across_x * sb,
         pole_y * cb + across_y * sb, pole_z * cb + across_z * sb, t13, radius * t20, radius * t21, radius * t22, t20,
         t21, t22, across_x * t16 - pole_x * t17, across_y * t16 - pole_y * t17, across_z * t16 - pole_z * t17,
         t23 * (cosine * (t11 * cosine) - t12 * sine) + t24 * t17, radius * (t28 - t5 * t31),
@@ -164,11 +164,11 @@ def sphere_point_tangents(
     t3 = cosine * cb
     t4 = sine * sb
     cg = t3 + t4
-    normal_x = across_x * sg - pole_x * cg
+    facing_x = across_x * sg - pole_x * cg
     across_y = first_y * c + second_y * s
-    normal_y = across_y * sg - pole_y * cg
+    facing_y = across_y * sg - pole_y * cg
     across_z = first_z * c + second_z * s
-    normal_z = across_z * sg - pole_z * cg
+    facing_z = across_z * sg - pole_z * cg
     t5 = ratio * cosine
     t6 = 0.5 / cb * (2.0 * sb * t5)
     t7 = t3 - sine * t6 - (cosine * t5 - t4)
@@ -177,8 +177,8 @@ def sphere_point_tangents(
     t10 = across_y * t7 - pole_y * t8
     t11 = across_z * t7 - pole_z * t8
     return (
-        center_x + normal_x * radius, center_y + normal_y * radius, center_z + normal_z * radius, normal_x, normal_y,
-        normal_z, radius * t9, radius * t10, radius * t11, t9, t10, t11,
+        center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y,
+        facing_z, radius * t9, radius * t10, radius * t11, t9, t10, t11,
     )
 
 

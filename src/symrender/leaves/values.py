@@ -50,15 +50,15 @@ def blinn(
     t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
-    light_x = to_light_x * inverse
-    light_y = to_light_y * inverse
-    light_z = to_light_z * inverse
-    half_x = light_x + view_x
-    half_y = light_y + view_y
-    half_z = light_z + view_z
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
     t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
     return (
-        light_x * normal_x + light_y * normal_y + light_z * normal_z,
+        light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z,
         (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3,
     )
 
@@ -72,16 +72,16 @@ def blinn_square(
     t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
-    light_x = to_light_x * inverse
-    half_x = light_x + view_x
-    light_y = to_light_y * inverse
-    half_y = light_y + view_y
-    light_z = to_light_z * inverse
-    half_z = light_z + view_z
-    lift = half_x * normal_x + half_y * normal_y + half_z * normal_z
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
+    t3 = normal_x * half_x + normal_y * half_y + normal_z * half_z
     return (
-        light_x * normal_x + light_y * normal_y + light_z * normal_z, lift,
-        lift * lift / max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300),
+        light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, t3,
+        t3 * t3 / max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300),
     )
 
 
@@ -95,8 +95,9 @@ def phong(
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
     cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
-    t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
-    return cosine, 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    return cosine, 2.0 * cosine * facing - toward
 
 
 @inlined
@@ -108,15 +109,15 @@ def blinn_term(
     t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
-    light_x = to_light_x * inverse
-    light_y = to_light_y * inverse
-    light_z = to_light_z * inverse
-    half_x = light_x + view_x
-    half_y = light_y + view_y
-    half_z = light_z + view_z
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
     t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
     base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3
-    return light_x * normal_x + light_y * normal_y + light_z * normal_z, gleam(base, shininess)
+    return light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, gleam(base, shininess)
 
 
 @inlined
@@ -129,8 +130,9 @@ def phong_term(
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
     cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
-    t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
-    base = 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    base = 2.0 * cosine * facing - toward
     return cosine, gleam(base, shininess)
 
 
@@ -160,15 +162,15 @@ def blinn_nodes(
     t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
-    t3 = to_light_x * inverse
-    t4 = to_light_y * inverse
-    t5 = to_light_z * inverse
-    half_x = t3 + view_x
-    half_y = t4 + view_y
-    half_z = t5 + view_z
-    t6 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
-    base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t6
-    return t3 * normal_x + t4 * normal_y + t5 * normal_z, min(1.0, max(0.0, base))
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
+    t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
+    base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3
+    return light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, min(1.0, max(0.0, base))
 
 
 @inlined
@@ -184,8 +186,9 @@ def phong_nodes(
     t2 = math.sqrt(max(t1, 1e-300))
     inverse = 1.0 / t2
     cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
-    t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
-    base = 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    base = 2.0 * cosine * facing - toward
     return cosine, min(1.0, max(0.0, base))
 
 
@@ -232,7 +235,7 @@ def cosine_power(cosine: float, exponent: float) -> float:
 
 @inlined
 def log_rim(theta_max: float) -> float:
-    """log cos theta_max = log1p(-2 sin^2(theta_max/2)); ``NO_RIM`` where the rim lies in the plane across the axis."""
+    """log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis."""
     if not theta_max < 1.5707963267948966:
         return -1e+300
     half = math.sin(0.5 * theta_max)
@@ -343,12 +346,12 @@ def sphere_place(
     cb = math.sqrt(1.0 - sb * sb)
     sg = sine * cb - cosine * sb
     cg = cosine * cb + sine * sb
-    normal_x = across_x * sg - pole_x * cg
-    normal_y = across_y * sg - pole_y * cg
-    normal_z = across_z * sg - pole_z * cg
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
     return (
-        center_x + normal_x * radius, center_y + normal_y * radius, center_z + normal_z * radius, normal_x, normal_y,
-        normal_z, pole_x * cb + across_x * sb, pole_y * cb + across_y * sb, pole_z * cb + across_z * sb,
+        center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y,
+        facing_z, pole_x * cb + across_x * sb, pole_y * cb + across_y * sb, pole_z * cb + across_z * sb,
         ratio * ratio * sine * cosine / cb,
     )
 
@@ -378,12 +381,12 @@ def sphere_sight(
     cosine = math.cos(x)
     sg = sine * cb - cosine * sb
     cg = cosine * cb + sine * sb
-    normal_x = across_x * sg - pole_x * cg
-    normal_y = across_y * sg - pole_y * cg
-    normal_z = across_z * sg - pole_z * cg
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
     return (
-        (pole_x / ratio + normal_x) * radius, (pole_y / ratio + normal_y) * radius,
-        (pole_z / ratio + normal_z) * radius, normal_x, normal_y, normal_z, pole_x * cb + across_x * sb,
+        (pole_x / ratio + facing_x) * radius, (pole_y / ratio + facing_y) * radius,
+        (pole_z / ratio + facing_z) * radius, facing_x, facing_y, facing_z, pole_x * cb + across_x * sb,
         pole_y * cb + across_y * sb, pole_z * cb + across_z * sb, ratio * ratio * sine * cosine / cb,
     )
 
@@ -418,14 +421,14 @@ def sphere_point(
     cosine = math.cos(x)
     sg = sine * cb - cosine * sb
     cg = cosine * cb + sine * sb
-    normal_x = across_x * sg - pole_x * cg
+    facing_x = across_x * sg - pole_x * cg
     across_y = first_y * c + second_y * s
-    normal_y = across_y * sg - pole_y * cg
+    facing_y = across_y * sg - pole_y * cg
     across_z = first_z * c + second_z * s
-    normal_z = across_z * sg - pole_z * cg
+    facing_z = across_z * sg - pole_z * cg
     return (
-        center_x + normal_x * radius, center_y + normal_y * radius, center_z + normal_z * radius, normal_x, normal_y,
-        normal_z,
+        center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y,
+        facing_z,
     )
 
 
@@ -610,8 +613,9 @@ def phong_edge_level(
     view_x = to_viewer_x * t5
     view_y = to_viewer_y * t5
     view_z = to_viewer_z * t5
-    t6 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
-    return 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t6
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    return 2.0 * cosine * facing - toward
 
 
 @inlined
@@ -659,7 +663,7 @@ def disk_frame(
     position_x: float, position_y: float, position_z: float, target_x: float, target_y: float, target_z: float,
     up_x: float, up_y: float, up_z: float,
 ) -> tuple[float, ...]:
-    """(w, e1, e2): w = unit(target - L), e1 = unit(w x up), e2 = w x e1; ``up`` is y where |w_y| < .9, else x."""
+    """(w, e1, e2): the axis a disk faces along and what spans it; ``up`` is y where |w_y| < .9, else x."""
     t1 = target_x - position_x
     t2 = target_y - position_y
     t3 = target_z - position_z
@@ -671,12 +675,12 @@ def disk_frame(
     t6 = axis_z * up_x - axis_x * up_z
     t7 = axis_x * up_y - axis_y * up_x
     t8 = math.sqrt(t5 * t5 + t6 * t6 + t7 * t7)
-    first_x = t5 / t8
-    first_y = t6 / t8
-    first_z = t7 / t8
+    t9 = t5 / t8
+    t10 = t6 / t8
+    t11 = t7 / t8
     return (
-        axis_x, axis_y, axis_z, first_x, first_y, first_z, axis_y * first_z - axis_z * first_y,
-        axis_z * first_x - axis_x * first_z, axis_x * first_y - axis_y * first_x,
+        axis_x, axis_y, axis_z, t9, t10, t11, axis_y * t11 - axis_z * t10, axis_z * t9 - axis_x * t11,
+        axis_x * t10 - axis_y * t9,
     )
 
 

@@ -77,15 +77,15 @@ def blinn_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, b: 
         t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
         t2 = math.sqrt(max(t1, 1e-300))
         inverse = 1.0 / t2
-        t3 = to_light_x * inverse
-        t4 = to_light_y * inverse
-        t5 = to_light_z * inverse
-        half_x = t3 + view_x
-        half_y = t4 + view_y
-        half_z = t5 + view_z
-        t6 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
-        base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t6
-        b[CLEAR + i] *= t3 * normal_x + t4 * normal_y + t5 * normal_z
+        light_dir_x = to_light_x * inverse
+        light_dir_y = to_light_y * inverse
+        light_dir_z = to_light_z * inverse
+        half_x = light_dir_x + view_x
+        half_y = light_dir_y + view_y
+        half_z = light_dir_z + view_z
+        t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
+        base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3
+        b[CLEAR + i] *= light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z
         b[BASE + i] = min(1.0, max(0.0, base))
 
 
@@ -110,8 +110,9 @@ def phong_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, b: 
         t2 = math.sqrt(max(t1, 1e-300))
         inverse = 1.0 / t2
         cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
-        t3 = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
-        base = 2.0 * cosine * (normal_x * view_x + normal_y * view_y + normal_z * view_z) - t3
+        facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+        toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+        base = 2.0 * cosine * facing - toward
         b[CLEAR + i] *= cosine
         b[BASE + i] = min(1.0, max(0.0, base))
 

@@ -6,14 +6,18 @@ from typing import Final
 
 from symrender.expression.elementary import Real, cos, pi, sin, sqrt
 from symrender.expression.leaf import Leaf
-from symrender.expression.vectors import Vec3, cross, unit
+from symrender.expression.vectors import Vec3, span, unit
+
+
+def facing(position: Vec3, target: Vec3) -> Vec3:
+    """w = unit(target - L), the axis a disk faces along."""
+    return unit(target - position)
 
 
 def disk_frame(position: Vec3, target: Vec3, up: Vec3) -> tuple[Vec3, Vec3, Vec3]:
-    """(w, e1, e2): w = unit(target - L), e1 = unit(w x up), e2 = w x e1; ``up`` is y where |w_y| < .9, else x."""
-    axis = unit(target - position)
-    first = unit(cross(axis, up))
-    return axis, first, cross(axis, first)
+    """(w, e1, e2): the axis a disk faces along and what spans it; ``up`` is y where |w_y| < .9, else x."""
+    axis = facing(position, target)
+    return axis, *span(axis, up)
 
 
 def disk_point(center: Vec3, radius: Real, first: Vec3, second: Vec3, u: Real, v: Real) -> Vec3:

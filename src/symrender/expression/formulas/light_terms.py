@@ -31,12 +31,27 @@ def lambert(to_light: Vec3, normal: Vec3) -> Real:
     return dot(to_light, normal) / length(norm2(to_light))
 
 
+def half_vector(light_dir: Vec3, view: Vec3) -> Vec3:
+    """l + v, not normalised."""
+    return light_dir + view
+
+
+def blinn_cosine2(normal: Vec3, half: Vec3) -> Real:
+    """(N.h)^2 with h = (l + v)/|l + v|; its sign is that of N.(l + v), and the square needs no root."""
+    return dot(normal, half) ** 2 / positive(norm2(half))
+
+
+def phong_cosine(cosine: Real, facing: Real, toward: Real) -> Real:
+    """r.v with r = 2 (N.l) N - l, of N.l, N.v and l.v."""
+    return 2 * cosine * facing - toward
+
+
 def blinn(to_light: Vec3, normal: Vec3, view: Vec3) -> tuple[Real, Real]:
     """(N.l, N.h) with h = (l + v)/|l + v|; N.h is 0 where l and v are opposite."""
     inverse = 1 / length(norm2(to_light))
     light = to_light * inverse
     cosine = dot(light, normal)
-    half = light + view
+    half = half_vector(light, view)
     return cosine, dot(half, normal) / length(norm2(half))
 
 
@@ -44,16 +59,15 @@ def blinn_square(to_light: Vec3, normal: Vec3, view: Vec3) -> tuple[Real, Real, 
     """(N.l, N.(l + v), (N.h)^2): the cosine's square needs no second root; its sign is that of the second."""
     inverse = 1 / length(norm2(to_light))
     light = to_light * inverse
-    half = light + view
-    lift = dot(half, normal)
-    return dot(light, normal), lift, lift * lift / positive(norm2(half))
+    half = half_vector(light, view)
+    return dot(light, normal), dot(normal, half), blinn_cosine2(normal, half)
 
 
 def phong(to_light: Vec3, normal: Vec3, view: Vec3) -> tuple[Real, Real]:
     """(N.l, r.v) with r = 2 (N.l) N - l."""
     inverse = 1 / length(norm2(to_light))
     cosine = dot(to_light, normal) * inverse
-    return cosine, 2 * cosine * dot(normal, view) - dot(to_light, view) * inverse
+    return cosine, phong_cosine(cosine, dot(normal, view), dot(to_light, view) * inverse)
 
 
 def blinn_term(to_light: Vec3, normal: Vec3, view: Vec3, shininess: Real) -> tuple[Real, Real]:

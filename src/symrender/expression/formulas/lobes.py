@@ -41,10 +41,15 @@ def cosine_power(cosine: Real, exponent: Real) -> Real:
     return exp(exponent * log(cosine))
 
 
+def log_cosine(angle: Real) -> Real:
+    """log cos t = log1p(-2 sin^2(t/2)), which keeps its digits at small angles."""
+    half = sin(ratio(1, 2, angle) * angle)
+    return log1p(-2 * half * half)
+
+
 def log_rim(theta_max: Real) -> Real:
-    """log cos theta_max = log1p(-2 sin^2(theta_max/2)); ``NO_RIM`` where the rim lies in the plane across the axis."""
-    half = sin(ratio(1, 2, theta_max) * theta_max)
-    return where_positive(QUARTER - theta_max, lambda: log1p(-2 * half * half), NO_RIM)
+    """log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis."""
+    return where_positive(QUARTER - theta_max, lambda: log_cosine(theta_max), NO_RIM)
 
 
 def lobe_mass(log_cosine: Real, exponent: Real) -> Real:

@@ -11,8 +11,9 @@ from __future__ import annotations
 from typing import Final
 
 from symrender.expression.elementary import Real, cos, sin, sqrt, tan
+from symrender.expression.intersection import approach, discriminant, normal, root
 from symrender.expression.leaf import Leaf
-from symrender.expression.vectors import Vec3, cross, dot, norm2
+from symrender.expression.vectors import Vec3, dot
 
 
 def chart_across(c: Real, s: Real, first: Vec3, second: Vec3) -> Vec3:
@@ -27,8 +28,8 @@ def sphere_place(
     sb = ratio * sine
     cb = sqrt(1 - sb * sb)
     cg, sg = cosine * cb + sine * sb, sine * cb - cosine * sb
-    normal = across * sg - pole * cg
-    return center + normal * radius, normal, pole * cb + across * sb, ratio * ratio * sine * cosine / cb
+    facing = across * sg - pole * cg
+    return center + facing * radius, facing, pole * cb + across * sb, ratio * ratio * sine * cosine / cb
 
 
 def floor_place(
@@ -46,8 +47,8 @@ def sphere_sight(x: Real, across: Vec3, pole: Vec3, radius: Real, ratio: Real) -
     sb = ratio * sine
     cb = sqrt(1 - sb * sb)
     cg, sg = cosine * cb + sine * sb, sine * cb - cosine * sb
-    normal = across * sg - pole * cg
-    return (pole / ratio + normal) * radius, normal, pole * cb + across * sb, ratio * ratio * sine * cosine / cb
+    facing = across * sg - pole * cg
+    return (pole / ratio + facing) * radius, facing, pole * cb + across * sb, ratio * ratio * sine * cosine / cb
 
 
 def floor_sight(x: Real, across: Vec3, pole: Vec3, height: Real) -> tuple[Vec3, Vec3, Real]:
@@ -60,8 +61,8 @@ def sphere_point(x: Real, c: Real, s: Real, pole: Vec3, first: Vec3, second: Vec
                  ratio: Real) -> tuple[Vec3, Vec3]:  # fmt: skip
     """(hit point, unit normal) at inner coordinate ``x`` of the line (c, s) of a sphere's chart."""
     across = chart_across(c, s, first, second)
-    place, normal, _, _ = sphere_place(sin(x), cos(x), across, pole, center, radius, ratio)
-    return place, normal
+    place, facing, _, _ = sphere_place(sin(x), cos(x), across, pole, center, radius, ratio)
+    return place, facing
 
 
 def floor_point(x: Real, c: Real, s: Real, first: Vec3, second: Vec3, point: Vec3, height: Real) -> Vec3:
@@ -76,9 +77,9 @@ def sphere_hit(offset: Vec3, direction: Vec3, radius: Real) -> tuple[Real, Vec3]
 
     The miss distance is |f x w|: nothing subtracts two large numbers that nearly agree.
     """
-    along = dot(offset, direction)
-    half = sqrt(radius * radius - norm2(cross(offset, direction)))
-    return along - half, ((offset - direction * along) + direction * half) / (-radius)
+    along = approach(offset, direction)
+    half = sqrt(discriminant(offset, direction, radius))
+    return root(along, half, 1), normal(offset, direction, along, half, 1, radius)
 
 
 def floor_hit(point: Vec3, direction: Vec3) -> tuple[Real, Vec3]:
