@@ -8,8 +8,8 @@ from __future__ import annotations
 import sympy as sp
 
 from symrender.expression import intersection
-from symrender.expression.elementary import log1p
 from symrender.expression.formulas.light_terms import half_vector, light_channel
+from symrender.expression.formulas.lobes import log_power
 from symrender.expression.vectors import Vec3, cross, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function
@@ -90,7 +90,7 @@ def power() -> Function:
     block = Block()
     with block.when(n * depth > _FAINT):
         block.leave(sp.Integer(0))
-    block.leave(sp.exp(n * log1p(-sp.Min(depth, _GRAZING))))
+    block.leave(sp.exp(log_power(sp.Min(depth, _GRAZING), n)))
     return Function("power", (depth, n), block.statements, "(1 - depth)^n for 0 <= depth <= 1, 0 below e^-60")
 
 

@@ -172,11 +172,16 @@ float lobe_chord(float direction_x, float direction_y, float direction_z, float 
   return t1 * t1 + t2 * t2 + t3 * t3;
 }
 
+// log cos^n theta of depth = 1 - cos theta.
+float log_power(float depth, float exponent) {
+  return exponent * own_log1p(-depth);
+}
+
 // cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m.
 float lobe_density(float square, float exponent, float log_normaliser) {
-  float depth = -0.5 * square;
-  if (!(depth > -1.0)) return 0.0;
-  return own_exp(exponent * own_log1p(depth) - log_normaliser);
+  float depth = 0.5 * square;
+  if (!(depth < 1.0)) return 0.0;
+  return own_exp(exponent * own_log1p(-depth) - log_normaliser);
 }
 
 // log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis.

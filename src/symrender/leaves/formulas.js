@@ -98,11 +98,16 @@ function lobe_chord(direction_x, direction_y, direction_z, axis_x, axis_y, axis_
   return t1 * t1 + t2 * t2 + t3 * t3;
 }
 
+// log cos^n theta of depth = 1 - cos theta.
+function log_power(depth, exponent) {
+  return exponent * Math.log1p(-depth);
+}
+
 // cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m.
 function lobe_density(square, exponent, log_normaliser) {
-  const depth = -0.5 * square;
-  if (!(depth > -1.0)) return 0.0;
-  return Math.exp(exponent * Math.log1p(depth) - log_normaliser);
+  const depth = 0.5 * square;
+  if (!(depth < 1.0)) return 0.0;
+  return Math.exp(exponent * Math.log1p(-depth) - log_normaliser);
 }
 
 // log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis.
@@ -215,5 +220,5 @@ function disk_point(center_x, center_y, center_z, radius, first_x, first_y, firs
   return [center_x + (first_x * t1 + second_x * t2) * t3, center_y + (first_y * t1 + second_y * t2) * t3, center_z + (first_z * t1 + second_z * t2) * t3];
 }
 
-return {lambert, blinn, blinn_square, phong, blinn_term, phong_term, light_channel, mirror_direction, lobe_chord, lobe_density, log_rim, lobe_mass, log_normaliser, ring_share, texture_coordinates, texture_phases, vein, marble, floor_phases, mixed, sphere_point, floor_point, sphere_hit, floor_hit, disk_point};
+return {lambert, blinn, blinn_square, phong, blinn_term, phong_term, light_channel, mirror_direction, lobe_chord, log_power, lobe_density, log_rim, lobe_mass, log_normaliser, ring_share, texture_coordinates, texture_phases, vein, marble, floor_phases, mixed, sphere_point, floor_point, sphere_hit, floor_hit, disk_point};
 })();

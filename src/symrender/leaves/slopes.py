@@ -120,12 +120,12 @@ def lobe_density_slopes(square: float, exponent: float, log_normaliser: float) -
     """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m; then
     slopes of density in square, exponent, log_normaliser.
     """
-    depth = -0.5 * square
-    if not depth > -1.0:
+    depth = 0.5 * square
+    if not depth < 1.0:
         return 0.0, 0.0, 0.0, 0.0
-    t1 = math.log1p(depth)
+    t1 = math.log1p(-depth)
     t2 = math.exp(exponent * t1 - log_normaliser)
-    return t2, t2 * exponent * (1.0 / (1.0 + depth)) * -0.5, t2 * t1, -t2
+    return t2, -(t2 * exponent * (1.0 / (1.0 - depth)) * 0.5), t2 * t1, -t2
 
 
 @inlined

@@ -219,12 +219,18 @@ def lobe_chord(
 
 
 @inlined
+def log_power(depth: float, exponent: float) -> float:
+    """log cos^n theta of depth = 1 - cos theta."""
+    return exponent * math.log1p(-depth)
+
+
+@inlined
 def lobe_density(square: float, exponent: float, log_normaliser: float) -> float:
     """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m."""
-    depth = -0.5 * square
-    if not depth > -1.0:
+    depth = 0.5 * square
+    if not depth < 1.0:
         return 0.0
-    return math.exp(exponent * math.log1p(depth) - log_normaliser)
+    return math.exp(exponent * math.log1p(-depth) - log_normaliser)
 
 
 @inlined

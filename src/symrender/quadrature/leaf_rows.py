@@ -125,5 +125,5 @@ def lobe_density_rows(m: int, exponent: float, log_normaliser: float, b: Array) 
     m = min(m, NODES)
     for i in range(m):
         square = b[CHORD + i]
-        depth = -0.5 * square
-        b[POWER + i] = (math.exp(exponent * math.log1p(depth) - log_normaliser) if depth > -1.0 else 0.0)
+        depth = 0.5 * square
+        b[POWER + i] = (math.exp(exponent * math.log1p(-depth) - log_normaliser) if depth < 1.0 else 0.0)

@@ -28,12 +28,15 @@ def lobe_chord(direction: Vec3, axis: Vec3) -> Real:
     return norm2(direction - axis)
 
 
+def log_power(depth: Real, exponent: Real) -> Real:
+    """log cos^n theta of depth = 1 - cos theta."""
+    return exponent * log1p(-depth)
+
+
 def lobe_density(square: Real, exponent: Real, log_normaliser: Real) -> Real:
     """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m."""
-    depth = -ratio(1, 2, square) * square
-    return where_positive(
-        depth - (-1), lambda: exp(exponent * log1p(depth) - log_normaliser), 0.0
-    )  # fmt: skip
+    depth = ratio(1, 2, square) * square
+    return where_positive(1 - depth, lambda: exp(log_power(depth, exponent) - log_normaliser), 0.0)
 
 
 def cosine_power(cosine: Real, exponent: Real) -> Real:
@@ -87,6 +90,7 @@ def brdf_normaliser(exponent: Real) -> Real:
 LEAVES: Final = (
     Leaf(mirror_direction, ("axis:3",), adjoint=("incoming", "normal"), pages=True),
     Leaf(lobe_chord, ("square",), slopes=("direction", "axis"), pages=True),
+    Leaf(log_power, ("level",), pages=True),
     Leaf(lobe_density, ("density",), slopes=("square", "exponent", "log_normaliser"), pages=True,
          rows=Rows((("square", "CHORD"),), (("density", "POWER", "set"),))),
     Leaf(cosine_power, ("power",)),
