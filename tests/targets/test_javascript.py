@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from symrender.expression.lobe import expm1, log1p
+from symrender.expression.opaque import expm1, log1p
 from symrender.kernel.assemble_pixels import Table, pixel_program
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function, Program

@@ -16,7 +16,7 @@ import pytest
 import sympy as sp
 
 from emitted import plain as plain_module
-from symrender.expression.lobe import expm1, log1p
+from symrender.expression.opaque import expm1, log1p
 from symrender.kernel.assemble import ENTRIES, ONCE, image_program
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function, Program

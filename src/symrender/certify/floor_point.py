@@ -8,12 +8,27 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from symrender.certify.balls import unit
+from symrender.expression.formulas.lobes import (
+    NO_RIM,
+    brdf_normaliser,
+    cosine_power,
+    log_rim,
+    mirror_direction,
+    normaliser,
+)
+from symrender.expression.vectors import Vec3, unit
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import is_brdf
 from symrender.scene.arrays import SceneArrays
 
 Array = npt.NDArray[np.float64]
+
+
+def ball_vector(numbers: Array) -> Vec3:
+    """Three doubles as balls without a radius."""
+    from flint import arb
+
+    return Vec3(*(arb(float(x)) for x in numbers))
 
 
 class FloorPoint:
@@ -23,27 +38,25 @@ class FloorPoint:
         from flint import arb
 
         self.a = arrays
-        self.p = [arb(x) for x in point.tolist()]
-        eye = [arb(x) for x in arrays.camera.eye.tolist()]
-        d = unit([p - e for p, e in zip(self.p, eye, strict=True)])
-        self.m = [d[0], d[1], -d[2]]
-        self.eye = eye
+        self.p, self.eye = ball_vector(point), ball_vector(arrays.camera.eye)
+        self.up = Vec3(arb(0), arb(0), arb(1))
+        self.m = mirror_direction(unit(self.p - self.eye), self.up)
         n = arb(float(arrays.floor.exponent))
         theta = float(arrays.floor.theta_max)
         self.n = n
         self.rim = arb(theta).cos() if theta < math.pi / 2 else arb(0)
-        self.total = 2 * arb.pi() * (1 - (self.rim.log() * (n + 1)).exp() if theta < math.pi / 2 else arb(1)) / (n + 1)
+        self.log_rim = log_rim(arb(theta)) if theta < math.pi / 2 else arb(NO_RIM)
+        self.total = normaliser(self.log_rim, n)
         # in BRDF units the floor's cosine stands inside, and the normaliser is that of the whole lobe
         self.brdf = is_brdf(arrays)
         if self.brdf:
-            self.total = 2 * arb.pi() / (n + 2)
+            self.total = brdf_normaliser(n)
         rows = light_rows(arrays, disk_order)
-        self.lights = [([arb(x) for x in row.position.tolist()], row.color.tolist()) for row in rows]
-        most = arrays.shading.ka * arrays.shading.ambient + rows["color"].sum(axis=0) * (
-            arrays.shading.kd + arrays.shading.ks
-        )
+        self.lights = [(ball_vector(row.position), row.color.tolist()) for row in rows]
+        shading = arrays.shading
+        most = shading.ka * shading.ambient + rows["color"].sum(axis=0) * (shading.kd + shading.ks)
         self.most = [arb(float(x)) * (1 + arb(2) ** -40) for x in most]
-        self.balls = [([arb(x) for x in s.center.tolist()], arb(float(s.radius))) for s in arrays.spheres]
+        self.balls = [(ball_vector(s.center), arb(float(s.radius))) for s in arrays.spheres]
 
     def share(self) -> Any:
         """Share of the lobe above the horizon: rings, on each of which the visible azimuths fall with the angle.
@@ -53,7 +66,7 @@ class FloorPoint:
         """
         from flint import arb
 
-        lift = self.m[2]
+        lift = self.m.z
         across = (1 - lift * lift).sqrt()
         rings = 4096
         u = self.n + 1
@@ -63,7 +76,7 @@ class FloorPoint:
         for k in range(1, rings + 1):
             theta = theta_max * k / rings
             c, s = theta.cos(), theta.sin()
-            rest = (c.log() * u).exp() if c > 0 else arb(0)
+            rest = cosine_power(c, u) if c > 0 else arb(0)
             if s * across <= c * lift:
                 seen = arb(1)
             elif c * lift <= -s * across:

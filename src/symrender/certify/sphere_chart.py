@@ -10,8 +10,13 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from symrender.certify.balls import blocked, cross, dot, highlight, unit
+from symrender.certify.balls import blocked
 from symrender.certify.floor_point import FloorPoint
+from symrender.expression.formulas.light_terms import blinn_term, eye_view, light_channel, phong_term, ray_view
+from symrender.expression.formulas.lobes import cosine_power
+from symrender.expression.formulas.shapes import chart_across, sphere_place
+from symrender.expression.formulas.textures import texture_phases
+from symrender.expression.vectors import Vec3, cross, dot, norm2, unit
 from symrender.scene import arrays as at
 
 NODES: Final = 3
@@ -28,29 +33,20 @@ class SphereChart:
         self.of, self.j = of, j
         center, self.r = of.balls[j]
         self.center = center
-        away = [c - p for c, p in zip(center, of.p, strict=True)]
-        dist = dot(away, away).sqrt()
-        self.k = self.r / dist
-        self.pole = [x / dist for x in away]
-        side = arb(1), arb(0), arb(0)
-        if abs(float(self.pole[0].mid())) > 0.6:
-            side = arb(0), arb(1), arb(0)
-        self.e1 = unit(cross(self.pole, list(side)))
+        away = center - of.p
+        self.k = self.r / norm2(away).sqrt()
+        self.pole = unit(away)
+        side = Vec3(arb(1), arb(0), arb(0))
+        if abs(float(self.pole.x.mid())) > 0.6:
+            side = Vec3(arb(0), arb(1), arb(0))
+        self.e1 = unit(cross(self.pole, side))
         self.e2 = cross(self.pole, self.e1)
         self.turn = 3.0
 
-    def place(self, phi: Any, psi: Any) -> tuple[list[Any], list[Any], list[Any], Any]:
-        """Direction, normal, hit point and solid angle per dphi dpsi."""
-        sp, cp = psi.sin(), psi.cos()
-        sb = self.k * sp
-        cb = (1 - sb * sb).sqrt()
-        cg, sg = cp * cb + sp * sb, sp * cb - cp * sb
-        c, s = phi.cos(), phi.sin()
-        e = [c * x + s * y for x, y in zip(self.e1, self.e2, strict=True)]
-        w = [cb * x + sb * y for x, y in zip(self.pole, e, strict=True)]
-        normal = [sg * y - cg * x for x, y in zip(self.pole, e, strict=True)]
-        q = [x + self.r * y for x, y in zip(self.center, normal, strict=True)]
-        return w, normal, q, self.k * self.k * sp * cp / cb
+    def place(self, phi: Any, psi: Any) -> tuple[Vec3, Vec3, Vec3, Any]:
+        """Hit point, normal, direction and solid angle per dphi dpsi."""
+        across = chart_across(phi.cos(), phi.sin(), self.e1, self.e2)
+        return sphere_place(psi.sin(), psi.cos(), across, self.pole, self.center, self.r, self.k)
 
     def contribution(self, box: tuple[float, float, float, float]) -> list[Any] | None:
         """Balls (3,) around the box's part of the integral, None where that is zero; the background is subtracted."""
@@ -60,14 +56,14 @@ class SphereChart:
         phi = turn * arb(box[0]).union(arb(box[1]))
         psi = quarter * arb(box[2]).union(arb(box[3]))
         area = turn * (box[1] - box[0]) * quarter * (box[3] - box[2])
-        w, normal, q, measure = self.place(phi, psi)
+        q, normal, w, measure = self.place(phi, psi)
         toward = dot(w, self.of.m)
-        if toward <= self.of.rim or w[2] <= 0 or q[2] <= 0:
+        if toward <= self.of.rim or w.z <= 0 or q.z <= 0:
             return None
-        inside = True if toward > self.of.rim and w[2] > 0 and q[2] > 0 else None
+        inside = True if toward > self.of.rim and w.z > 0 and q.z > 0 else None
         for h, (center, radius) in enumerate(self.of.balls):
             if h != self.j and inside is not False:
-                met = blocked(self.of.p, [x - p for x, p in zip(q, self.of.p, strict=True)], center, radius)
+                met = blocked(self.of.p, q - self.of.p, center, radius)
                 inside = False if met else (inside if met is False else None)
         if inside is False:
             return None
@@ -75,10 +71,10 @@ class SphereChart:
         if not measure.is_finite():
             measure = arb(0).union(self.k * self.k / (1 - self.k * self.k).sqrt())
         cosine = toward.max(arb(0)).min(arb(1))
-        density = (cosine.upper().log() * self.of.n).exp() if cosine.upper() > 0 else arb(0)
-        floor = (cosine.lower().log() * self.of.n).exp() if inside and cosine.lower() > 0 else arb(0)
+        density = cosine_power(cosine.upper(), self.of.n) if cosine.upper() > 0 else arb(0)
+        floor = cosine_power(cosine.lower(), self.of.n) if inside and cosine.lower() > 0 else arb(0)
         if self.of.brdf:
-            up = w[2].max(arb(0)).min(arb(1))
+            up = w.z.max(arb(0)).min(arb(1))
             density, floor = density * up.upper(), floor * up.lower()
         most = (area * measure.upper() * density / self.of.total).upper()
         least = (area * measure.max(arb(0)).lower() * floor / self.of.total).lower()
@@ -98,16 +94,16 @@ class SphereChart:
         exact = self._gauss(box, label)
         return exact if exact is not None and max(x.rad() for x in exact) < max(x.rad() for x in rough) else rough
 
-    def _label(self, normal: list[Any], q: list[Any]) -> tuple[Any, ...]:
+    def _label(self, normal: Vec3, q: Vec3) -> tuple[Any, ...]:
         """Whether the texture is bright, then of each light 0 dark, 1 behind the terminator, 2 lit; None undecided."""
         of = self.of
         opened = of.a.shading.terminator == at.OPEN and of.a.shading.ks > 0
         states: list[int | None] = []
         for light, _ in of.lights:
-            to = [x - y for x, y in zip(light, q, strict=True)]
+            to = light - q
             cosine = dot(to, normal)
-            apart = dot(own := [x - y for x, y in zip(light, self.center, strict=True)], own) - self.r * self.r
-            if light[2] < 0 or apart < 0 or (cosine <= 0 and not opened):
+            apart = norm2(light - self.center) - self.r * self.r
+            if light.z < 0 or apart < 0 or (cosine <= 0 and not opened):
                 states.append(0)
                 continue
             state: int | None = 2 if cosine > 0 else (1 if cosine <= 0 and apart >= 0 else None)
@@ -118,18 +114,15 @@ class SphereChart:
             states.append(state)
         return (self._bright(normal), *states)
 
-    def _bright(self, normal: list[Any]) -> bool | None:
+    def _bright(self, normal: Vec3) -> bool | None:
         """Whether a box lies on the bright side of its sphere's texture; None where it lies on both."""
-        from flint import arb
-
         s = self.of.a.spheres[self.j]
         if s.texture == at.SOLID:
             return True
-        u = arb.atan2(normal[1], normal[0]) / (2 * arb.pi()) + 0.5
-        sign = (u * float(s.ku)).sin_pi()
+        across, down = texture_phases(normal, float(s.ku), float(s.kv))
+        sign = across.sin_pi()
         if s.texture == at.CHECKER:
-            v = normal[2].max(arb(-1)).min(arb(1)).acos() / arb.pi()
-            sign = sign * (v * float(s.kv)).sin_pi()
+            sign = sign * down.sin_pi()
         return True if sign >= 0 else (False if sign < 0 else None)
 
     def radiance(self, phi: Any, psi: Any, label: tuple[Any, ...], *, weighted: bool = True) -> list[Any]:
@@ -141,15 +134,12 @@ class SphereChart:
 
         of = self.of
         shading = of.a.shading
-        w, normal, q, measure = self.place(phi, psi)
-        weight = (dot(w, of.m).log() * of.n).exp() * measure / of.total if weighted else arb(1)
+        q, normal, w, measure = self.place(phi, psi)
+        weight = cosine_power(dot(w, of.m), of.n) * measure / of.total if weighted else arb(1)
         if self.of.brdf and weighted:
-            weight *= w[2]
-        view = (
-            unit([e - x for e, x in zip(of.eye, q, strict=True)])
-            if shading.highlight_view == at.EYE
-            else [-x for x in w]
-        )
+            weight *= w.z
+        view = eye_view(of.eye, q) if shading.highlight_view == at.EYE else ray_view(w)
+        term = phong_term if shading.model == at.PHONG else blinn_term
         s = of.a.spheres[self.j]
         factor = arb(1 if label[0] else float(s.dark))
         if label[0] is None:
@@ -158,18 +148,15 @@ class SphereChart:
         for (light, color), state in zip(of.lights, label[1:], strict=True):
             if state == 0:
                 continue
-            l = unit([x - y for x, y in zip(light, q, strict=True)])
-            cosine = dot(l, normal)
-            if shading.model == at.PHONG:
-                base = 2 * cosine * dot(normal, view) - dot(l, view)
-            else:
-                base = dot(unit([x + y for x, y in zip(l, view, strict=True)]), normal)
-            gleam = highlight(base, float(shading.shininess))
+            cosine, gleam = term(light - q, normal, view, float(shading.shininess))
             if state is None:
                 cosine, gleam = cosine.max(arb(0)).union(arb(0)), gleam.union(arb(0))
+            if state == 1:
+                cosine = arb(0)
             for c in range(3):
-                lambert = float(shading.kd) * float(s.color[c]) * factor * cosine if state != 1 else 0
-                sums[c] = sums[c] + color[c] * (lambert + float(shading.ks) * gleam)
+                albedo = float(s.color[c]) * factor
+                part = light_channel(color[c], float(shading.kd), float(shading.ks), albedo, cosine, gleam)
+                sums[c] = sums[c] + part
         return [x * weight for x in sums]
 
     def _gauss(self, box: tuple[float, float, float, float], label: tuple[Any, ...]) -> list[Any] | None:

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from symrender.expression import intersection, shading, texture
+from symrender.expression import intersection, texture
+from symrender.expression.formulas.light_terms import blinn_cosine2, half_vector, light_channel, phong_cosine, ray_view
+from symrender.expression.formulas.textures import mixed, texture_coordinates, vein
 from symrender.expression.symbols import ParameterTable
 from symrender.expression.vectors import Vec3, cross, dot, norm2, unit, vec3
 from symrender.scene.scene import Scene
@@ -119,7 +121,7 @@ def floor_case(scene: Scene, table: ParameterTable) -> Case:
         tie = sp.Or(sp.Eq(a, sp.floor(a)), sp.Eq(c, sp.floor(c)))
         guards = (Guard(SIDE, sp.Or(sp.Eq(sp.Mod(number, 2), 0), tie)),)
         bright, dark = (table.vector(f"floor.texture.{tone}", "rgb").parts for tone in ("bright", "dark"))
-        albedo = [d + SIDE * (w - d) for w, d in zip(bright, dark, strict=True)]
+        albedo = [mixed(d, w, SIDE) for w, d in zip(bright, dark, strict=True)]
     else:
         albedo = list(table.vector("floor.texture.color", "rgb").parts)
     blockers = tuple(_ball(scene, table, k) for k in range(len(scene.spheres)))
@@ -139,10 +141,10 @@ def _sphere_texture(
     kind = sphere.texture
     if isinstance(kind, Solid):
         return sp.Integer(1), ()
-    u, v = texture.chart(normal)
+    u, v = texture_coordinates(normal)
     ku = table.symbols[f"{name}.texture.ku"]
     if isinstance(kind, Marble):
-        return texture.marble(u, v, ku, table.symbols[f"{name}.texture.kv"]), ()
+        return vein(u, v, ku, table.symbols[f"{name}.texture.kv"]), ()
     whole_u = kind.ku % 2 == 0 and kind.ku <= _MAX_POLYNOMIAL
     sign = texture.azimuth_polynomial(normal, int(kind.ku)) if whole_u else texture.wave(u, ku)
     if isinstance(kind, Checker):
@@ -151,7 +153,7 @@ def _sphere_texture(
         sign *= texture.polar_polynomial(normal, int(kind.kv)) if whole_v else texture.wave(v, kv)
     assert isinstance(kind, Checker | Stripes)
     dark = table.symbols[f"{name}.texture.dark"]
-    return dark + SIDE * (1 - dark), (Guard(SIDE, sp.Ge(sign, 0)),)
+    return mixed(dark, sp.Integer(1), SIDE), (Guard(SIDE, sp.Ge(sign, 0)),)
 
 
 def _shaded(
@@ -170,24 +172,24 @@ def _shaded(
 ) -> Case:
     rules = scene.shading
     ka, kd, ks, power = (table.symbols[f"shading.{key}"] for key in ("ka", "kd", "ks", "shininess"))
-    view = unit(table.vector("camera.eye") - q) if rules.highlight_view == "eye" else -DIRECTION
+    view = unit(table.vector("camera.eye") - q) if rules.highlight_view == "eye" else ray_view(DIRECTION)
     view = s.let_vector("v", view)
     one = _Stages()
     to_light = one.let_vector("d", LIGHT - q)
     light_dir = one.let_vector("l", unit(to_light))
-    cosine = one.let("mu", shading.lambert(normal, light_dir))
+    cosine = one.let("mu", dot(normal, light_dir))
     if rules.model == "phong":
-        sign = one.let("sigma", shading.phong_cosine(normal, light_dir, view, cosine))
+        sign = one.let("sigma", phong_cosine(cosine, dot(normal, view), dot(light_dir, view)))
         square = sign**2
     else:
-        half = one.let_vector("hv", shading.half_vector(light_dir, view))
+        half = one.let_vector("hv", half_vector(light_dir, view))
         sign = one.let("sigma", dot(normal, half))
-        square = shading.blinn_cosine2(normal, half)
+        square = blinn_cosine2(normal, half)
     gleam = one.let("s", square ** (power / 2))
     gleams = sign > 0 if rules.specular_terminator == "open" else sp.And(sign > 0, cosine > 0)
     light_guards = (Guard(FACING, cosine > 0), Guard(GLEAMING, gleams))
     light = tuple(
-        shading.light_term(c, kd, ks, a, cosine * FACING, gleam * GLEAMING)
+        light_channel(c, kd, ks, a, cosine * FACING, gleam * GLEAMING)
         for c, a in zip(LIGHT_COLOR.parts, albedo, strict=True)
     )
     ambient = tuple(ka * table.symbols[f"ambient.{c}"] for c in "rgb")

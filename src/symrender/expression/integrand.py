@@ -16,9 +16,12 @@ import sympy as sp
 
 from symrender.errors import OptionError, SceneError
 from symrender.expression import case as cases_of
-from symrender.expression import light as disk
-from symrender.expression import lobe, tangent
+from symrender.expression import tangent
 from symrender.expression.case import DIRECTION, LIGHT, LIGHT_COLOR, POINT, Case, Guard, Stage
+from symrender.expression.elementary import gleam
+from symrender.expression.formulas import lobes
+from symrender.expression.formulas.disks import disk_frame, disk_point
+from symrender.expression.opaque import plain
 from symrender.expression.symbols import ParameterTable, parameter_table
 from symrender.expression.vectors import Vec3, dot, unit, vec3
 from symrender.expression.walls import Wall, walls
@@ -240,15 +243,15 @@ def expression(scene: Any = "gloss", *, surface: str = "floor", disk_order: int 
         leaves = [f"spheres.{sphere.name}" for sphere in loaded.spheres].index(surface)
     stages = [Stage(s, x) for s, x in zip(POINT.parts, place.parts, strict=True)]
     stages += [Stage(s, x) for s, x in zip(vec3("D").parts, unit(POINT - eye).parts, strict=True)]
-    mirror = lobe.mirror_direction(vec3("D"), normal)
+    mirror = lobes.mirror_direction(vec3("D"), normal)
     stages += [Stage(s, x) for s, x in zip(vec3("m").parts, mirror.parts, strict=True)]
     seen = [cases_of.sphere_case(loaded, table, j) for j in range(len(loaded.spheres)) if j != leaves]
     if surface != "floor" and loaded.floor is not None:
         seen.append(cases_of.floor_case(loaded, table))
     exponent, theta_max = (table.symbols[f"{surface}.lobe.{key}"] for key in ("exponent", "theta_max"))
     brdf = loaded.shading.lobe_units == "brdf_normalised"
-    toward = sp.DiracDelta(_ANGLE) if found.mirror else lobe.weight(dot(DIRECTION, vec3("m")), exponent)
-    whole = lobe.brdf_normaliser(exponent) if brdf else lobe.normaliser(theta_max, exponent)
+    toward = sp.DiracDelta(_ANGLE) if found.mirror else gleam(dot(DIRECTION, vec3("m")), exponent)
+    whole = lobes.brdf_normaliser(exponent) if brdf else _whole(theta_max, exponent)
     cases = tuple(seen)
     return Integrand(
         surface=surface,
@@ -263,6 +266,11 @@ def expression(scene: Any = "gloss", *, surface: str = "floor", disk_order: int 
         table=table,
         units=loaded.shading.lobe_units,
     )
+
+
+def _whole(theta_max: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """The normaliser of a cone as one writes it: digits are kept by computing with more of them."""
+    return plain(lobes.normaliser(sp.log(sp.cos(theta_max)), exponent))
 
 
 _SURFACE = vec3("x")
@@ -291,16 +299,15 @@ def _light_points(scene: Scene, table: ParameterTable, order: int) -> tuple[Ligh
             points.append(LightPoint(position, color, _ZERO, _ZERO))
             continue
         target = table.vector(f"{name}.target")
-        axis = disk.facing(position, target)
         away = [t - p for t, p in zip(source.target, source.position, strict=True)]
         upright = away[1] ** 2 < 0.81 * sum(x * x for x in away)
         up = Vec3(*(sp.Integer(x) for x in ((0, 1, 0) if upright else (1, 0, 0))))
-        e1, e2 = disk.disk_frame(axis, up)
+        _, e1, e2 = disk_frame(position, target, up)
         radius, share = table.symbols[f"{name}.radius"], sp.Rational(1, order * order)
         middles = [sp.Rational(2 * k + 1, 2 * order) for k in range(order)]
         for u in middles:
             for v in middles:
-                place = disk.disk_point(position, radius, e1, e2, u, v)
+                place = disk_point(position, radius, e1, e2, u, v)
                 points.append(LightPoint(place, color * share, _ZERO, _ZERO))
     return tuple(points)
 

@@ -7,9 +7,12 @@ numbers that nearly agree, so a far or small sphere keeps its digits (Haines, GÃ
 
 from __future__ import annotations
 
-import sympy as sp
+from typing import TYPE_CHECKING
 
 from symrender.expression.vectors import Vec3, cross, dot, norm2
+
+if TYPE_CHECKING:
+    import sympy as sp
 
 
 def power(f: Vec3, radius: sp.Expr) -> sp.Expr:
@@ -52,13 +55,10 @@ def segment_meets(a: sp.Expr, b: sp.Expr, c: sp.Expr, end: sp.Expr) -> sp.Basic:
     Either the ends lie on different sides, or neither lies inside and the nearest point of the line is inside the
     segment and inside (or on) the sphere. Both ends may lie on the sphere: the chord between them is in its way.
     """
-    return sp.Or(
-        sp.And(c < 0, end > 0),
-        sp.And(c > 0, end < 0),
-        sp.And(c >= 0, end >= 0, b < 0, a + b > 0, b**2 >= a * c),
-    )
+    inside = (c >= 0) & (end >= 0) & (b < 0) & (a + b > 0) & (b**2 >= a * c)
+    return ((c < 0) & (end > 0)) | ((c > 0) & (end < 0)) | inside
 
 
 def segment_crosses(a: sp.Expr, b: sp.Expr, c: sp.Expr, end: sp.Expr) -> sp.Basic:
     """``segment_meets`` in fewer comparisons."""
-    return sp.Or(c * end < 0, sp.And(c >= 0, end >= 0, b < 0, a + b > 0, b**2 >= a * c))
+    return (c * end < 0) | ((c >= 0) & (end >= 0) & (b < 0) & (a + b > 0) & (b**2 >= a * c))

@@ -1,4 +1,4 @@
-"""The lobe: mirror direction, frame, weight, normaliser, and the integral of the weight over a stratum.
+"""Strata of a lobe: integrals of its weight, barycentres, and the angle that a share of it lies within.
 
 The weight is cos^n theta on the cone theta <= theta_max about the mirror direction; write u = n + 1. In BRDF units it
 is cos^n theta (w.N), and the normaliser that of the whole lobe at normal incidence.
@@ -8,52 +8,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression.vectors import Vec3, cross, dot, unit
-
-
-class log1p(sp.Function):
-    """log(1 + x), kept opaque: rewriting it would lose the digits it saves."""
-
-    nargs = 1
-
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """1/(1 + x)"""
-        return 1 / (1 + self.args[0])
-
-    def _eval_evalf(self, prec: int) -> sp.Expr:
-        return sp.log(1 + self.args[0])._eval_evalf(prec)
-
-
-class expm1(sp.Function):
-    """exp(x) - 1, kept opaque: rewriting it would lose the digits it saves."""
-
-    nargs = 1
-
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """exp(x)"""
-        return sp.exp(self.args[0])
-
-    def _eval_evalf(self, prec: int) -> sp.Expr:
-        return (sp.exp(self.args[0]) - 1)._eval_evalf(prec)
-
-
-def mirror_direction(incoming: Vec3, normal: Vec3) -> Vec3:
-    """m = D - 2 (D.N) N"""
-    return incoming - normal * (2 * dot(incoming, normal))
-
-
-def lobe_frame(axis: Vec3, up: Vec3) -> tuple[Vec3, Vec3]:
-    """(u1, u2) completing the mirror direction: u1 = unit(m x up), u2 = m x u1.
-
-    ``up`` is (0, 1, 0) where |m_y| < .9, else (1, 0, 0).
-    """
-    u1 = unit(cross(axis, up))
-    return u1, cross(axis, u1)
-
-
-def weight(cosine: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-    """cos^n theta, per solid angle."""
-    return cosine**exponent
+from symrender.expression.opaque import expm1, log1p
 
 
 def stratum_integral(a: sp.Expr, b: sp.Expr, exponent: sp.Expr) -> sp.Expr:
@@ -66,11 +21,6 @@ def stratum_integral(a: sp.Expr, b: sp.Expr, exponent: sp.Expr) -> sp.Expr:
         antiderivative = antiderivative.args[0].expr
     primitive = -antiderivative.subs(c, sp.cos(t))
     return sp.simplify(primitive.subs(t, b) - primitive.subs(t, a))
-
-
-def log_cos(angle: sp.Expr) -> sp.Expr:
-    """log cos t as log1p(-2 sin^2(t/2)), which keeps its digits at small angles."""
-    return log1p(-2 * sp.sin(angle / 2) ** 2)
 
 
 def log_cos_drop(a: sp.Expr, b: sp.Expr) -> sp.Expr:
@@ -110,16 +60,6 @@ def one_minus_cos(share: sp.Expr, log_cos_max: sp.Expr, u: sp.Expr) -> sp.Expr:
 def angle(vers: sp.Expr) -> sp.Expr:
     """The angle whose 1 - cos is ``vers``, exact for small angles: 2 asin(sqrt(vers/2))."""
     return 2 * sp.asin(sp.sqrt(vers / 2))
-
-
-def normaliser(theta_max: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-    """W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n+1)."""
-    return 2 * sp.pi * (1 - sp.cos(theta_max) ** (exponent + 1)) / (exponent + 1)
-
-
-def brdf_normaliser(exponent: sp.Expr) -> sp.Expr:
-    """2 pi/(n+2) = int cos^(n+1) theta dw over the hemisphere: ``brdf_weight`` at normal incidence, without a rim."""
-    return 2 * sp.pi / (exponent + 2)
 
 
 def disc_cosines(along: sp.Expr, across: sp.Expr, tangent: sp.Expr, radius: sp.Expr) -> tuple[sp.Expr, sp.Expr]:

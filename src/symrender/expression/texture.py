@@ -1,4 +1,4 @@
-"""Textures, with atan2 and acos eliminated from every sign.
+"""Signs of textures, with atan2 and acos eliminated from every one.
 
 With azimuth phi and polar angle theta of the unit normal, the chart is u = (phi + pi)/(2 pi), v = theta/pi, so
 sin(pi u ku) = sin(m (phi + pi)) with m = ku/2. For whole m that is (-1)^m Im (Nx + i Ny)^m / sin^m theta, and for
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sympy as sp
 
+from symrender.expression.formulas.textures import floor_phases
 from symrender.expression.vectors import Vec3
 
 
@@ -42,20 +43,9 @@ def polar_polynomial(normal: Vec3, kv: int) -> sp.Expr:
     return current
 
 
-def chart(normal: Vec3) -> tuple[sp.Expr, sp.Expr]:
-    """(u, v) of a unit normal, both in [0, 1]; only a texture that is not a sign needs it."""
-    return (sp.atan2(normal.y, normal.x) + sp.pi) / (2 * sp.pi), sp.acos(normal.z) / sp.pi
-
-
 def wave(coordinate: sp.Expr, frequency: sp.Expr) -> sp.Expr:
     """sin(pi coordinate frequency), whose sign is a checker's or a stripe's."""
     return sp.sin(sp.pi * coordinate * frequency)
-
-
-def marble(u: sp.Expr, v: sp.Expr, ku: sp.Expr, kv: sp.Expr) -> sp.Expr:
-    """Albedo factor of the smooth veins, .55 + .45 (1 + sin(2 pi (ku u + .35 sin(3 pi kv v))))/2."""
-    vein = sp.sin(2 * sp.pi * (ku * u + sp.Rational(35, 100) * sp.sin(3 * sp.pi * kv * v)))
-    return sp.Rational(55, 100) + sp.Rational(45, 200) * (1 + vein)
 
 
 def floor_parity(x: sp.Expr, y: sp.Expr, cell: sp.Expr, offset_x: sp.Expr, offset_y: sp.Expr) -> sp.Expr:
@@ -63,4 +53,5 @@ def floor_parity(x: sp.Expr, y: sp.Expr, cell: sp.Expr, offset_x: sp.Expr, offse
 
     sin(pi a) sin(pi b) is positive exactly where floor(a) + floor(b) is even.
     """
-    return sp.floor((x - offset_x) / cell) + sp.floor((y - offset_y) / cell)
+    east, north = floor_phases(x, y, cell, offset_x, offset_y)
+    return sp.floor(east) + sp.floor(north)

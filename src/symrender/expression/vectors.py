@@ -1,15 +1,19 @@
-"""Vectors of SymPy expressions."""
+"""Vectors of numbers of any kind: SymPy expressions, floats, nodes of a tape, balls."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import sympy as sp
+from symrender.expression.elementary import sqrt
+
+if TYPE_CHECKING:
+    import sympy as sp
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True, unsafe_hash=True)
 class Vec3:
-    """Three scalar expressions; the arithmetic of ordinary space."""
+    """Three numbers, never changed; the arithmetic of ordinary space. Not frozen: that would triple its cost."""
 
     x: sp.Expr
     y: sp.Expr
@@ -40,6 +44,8 @@ class Vec3:
 
 def vec3(name: str) -> Vec3:
     """Three real symbols ``name_x``, ``name_y``, ``name_z``."""
+    import sympy as sp
+
     return Vec3(*(sp.Symbol(f"{name}_{axis}", real=True) for axis in "xyz"))
 
 
@@ -60,7 +66,13 @@ def norm2(a: Vec3) -> sp.Expr:
 
 def unit(a: Vec3) -> Vec3:
     """a / |a|"""
-    return a / sp.sqrt(norm2(a))
+    return a / sqrt(norm2(a))
+
+
+def span(axis: Vec3, up: Vec3) -> tuple[Vec3, Vec3]:
+    """(e1, e2) completing a unit axis: e1 = unit(w x up), e2 = w x e1; ``up`` is y where |w_y| < .9, else x."""
+    first = unit(cross(axis, up))
+    return first, cross(axis, first)
 
 
 def renormalising(a: Vec3) -> sp.Expr:

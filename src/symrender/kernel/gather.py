@@ -11,8 +11,9 @@ from __future__ import annotations
 import sympy as sp
 
 from symrender.expression import intersection
-from symrender.expression.lobe import disc_cosines, lobe_frame, mirror_direction
-from symrender.expression.vectors import Vec3, cross, dot, norm2, vec3
+from symrender.expression.formulas.lobes import mirror_direction
+from symrender.expression.lobe import disc_cosines
+from symrender.expression.vectors import Vec3, cross, dot, norm2, span, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
@@ -44,7 +45,7 @@ def frame() -> Function:
 
 
 def _frame(block: Block, axis: Vec3, up: Vec3) -> tuple[Vec3, Vec3]:
-    u1, _ = lobe_frame(axis, up)
+    u1, _ = span(axis, up)
     bound = block.let_vector("a", u1)
     return bound, block.let_vector("b", cross(axis, bound))
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression import texture
-from symrender.expression.lobe import mirror_direction
+from symrender.expression.formulas.lobes import mirror_direction
+from symrender.expression.formulas.textures import texture_coordinates
 from symrender.expression.vectors import Vec3, dot, norm2, unit, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_sums import ESTIMATE
@@ -63,7 +63,7 @@ def _numbered(name: str, apart: bool, doc: str) -> Function:
         with block.when(sp.Ne(SPHERES.field("texture", j), at.MARBLE)):
             block.call("texture_factor", (j, outward, SPHERES), "bright")
             if apart:
-                u, v = texture.chart(Vec3(outward.x, outward.y, sp.Max(-1, sp.Min(1, outward.z))))
+                u, v = texture_coordinates(Vec3(outward.x, outward.y, sp.Max(-1, sp.Min(1, outward.z))))
                 with block.when(sp.Ne(SPHERES.field("texture", j), at.SOLID)):
                     _mix(block, mixed, u * SPHERES.field("ku", j))
                 with block.when(sp.Eq(SPHERES.field("texture", j), at.CHECKER)):

@@ -12,10 +12,11 @@ from contextlib import contextmanager
 
 import sympy as sp
 
-from symrender.expression.lobe import expm1, mirror_direction
+from symrender.expression.elementary import expm1
+from symrender.expression.formulas.lobes import log_power, mirror_direction
 from symrender.expression.vectors import Vec3, dot, vec3
 from symrender.kernel.block import Block, real, whole
-from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS, log_power
+from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, SHADING, SPHERES
 from symrender.kernel.sight import WORLD

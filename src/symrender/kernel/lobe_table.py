@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression.lobe import log1p
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function
 
@@ -130,8 +129,3 @@ def lobe_widths() -> Function:
     block.leave(sp.sqrt(squares), mean)
     doc = "(RMS polar angle, angle of the mean cosine) in radians"
     return Function("lobe_widths", (exponent, theta_max), block.statements, doc)
-
-
-def log_power(depth: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-    """log cos^n theta from depth = 1 - cos theta."""
-    return exponent * log1p(-depth)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression import intersection, shading, texture
+from symrender.expression import intersection, texture
+from symrender.expression.formulas.light_terms import blinn_cosine2, half_vector, light_channel, phong_cosine
+from symrender.expression.formulas.textures import mixed, texture_coordinates, vein
 from symrender.expression.vectors import Vec3, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function, Records
@@ -62,8 +64,8 @@ def texture_factor() -> Function:
         block.leave(sp.Integer(1))
     ku, kv = block.let("ku", SPHERES.field("ku", j)), block.let("kv", SPHERES.field("kv", j))
     with block.when(sp.Eq(kind, at.MARBLE)):
-        u, v = texture.chart(Vec3(normal.x, normal.y, sp.Max(-1, sp.Min(1, normal.z))))
-        block.leave(block.let("veins", texture.marble(u, v, ku, kv)))
+        u, v = texture_coordinates(Vec3(normal.x, normal.y, sp.Max(-1, sp.Min(1, normal.z))))
+        block.leave(block.let("veins", vein(u, v, ku, kv)))
     side = block.let("side", sp.Integer(1))
     azimuth_steps = block.count("azimuth_steps", sp.floor(ku / 2))
     with block.when(sp.And(sp.Eq(2 * azimuth_steps, ku), ku <= MAX_TEXTURE_DEGREE)):
@@ -75,7 +77,7 @@ def texture_factor() -> Function:
             block.set(re, re_next)
         block.set(side, im)
     with block.otherwise():
-        u, _ = texture.chart(normal)
+        u, _ = texture_coordinates(normal)
         block.set(side, wave_sign(block, u * ku))
     with block.when(sp.Eq(kind, at.CHECKER)):
         # at a pole the wave is 0, its polynomial is not
@@ -91,7 +93,7 @@ def texture_factor() -> Function:
                 block.set(current, following)
             block.set(side, side * current)
         with block.otherwise():
-            _, v = texture.chart(Vec3(normal.x, normal.y, sp.Max(-1, sp.Min(1, normal.z))))
+            _, v = texture_coordinates(Vec3(normal.x, normal.y, sp.Max(-1, sp.Min(1, normal.z))))
             block.set(side, side * wave_sign(block, v * kv))
     with block.when(side >= 0):
         block.leave(sp.Integer(1))
@@ -163,15 +165,15 @@ def light_factors() -> Function:
     block = Block()
     distance = block.let("distance", sp.sqrt(norm2(to_light)))
     light_dir = block.let_vector("l", to_light / distance)
-    cosine = block.let("cosine", shading.lambert(normal, light_dir))
+    cosine = block.let("cosine", dot(normal, light_dir))
     with block.when(sp.Eq(model, at.PHONG)):
-        phong = block.let("phong", shading.phong_cosine(normal, light_dir, view, cosine))
+        phong = block.let("phong", phong_cosine(cosine, dot(normal, view), dot(light_dir, view)))
         block.leave(cosine, phong, phong**2)
-    half = block.let_vector("h", shading.half_vector(light_dir, view))
+    half = block.let_vector("h", half_vector(light_dir, view))
     gleam = block.let("gleam", dot(normal, half))
     with block.when(sp.Eq(norm2(half), 0)):
         block.leave(cosine, sp.Integer(0), sp.Integer(0))
-    block.leave(cosine, gleam, shading.blinn_cosine2(normal, half))
+    block.leave(cosine, gleam, blinn_cosine2(normal, half))
     parameters = (*normal.parts, *view.parts, *to_light.parts, model)
     doc = "(N.l, sign of the highlight's cosine, its square) of one light point, unguarded"
     return Function("light_factors", parameters, block.statements, doc, inline=True)
@@ -204,8 +206,7 @@ def direct() -> Function:
             for channel in range(3):
                 block.set(sums[3 + channel], sums[3 + channel] + POINTS[light, 3 + channel] * gleam)
     terms = [
-        ka * SHADING.field("ambient", part=c)
-        + shading.light_term(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
+        ka * SHADING.field("ambient", part=c) + light_channel(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
         for c in range(3)
     ]
     block.leave(*terms)
@@ -239,10 +240,7 @@ def sphere_albedo(block: Block, j: sp.Expr, outward: Vec3) -> tuple[sp.Expr, ...
 
 def floor_albedo(bright_share: sp.Expr) -> tuple[sp.Expr, ...]:
     """Albedo of the floor where ``bright_share`` of what is seen is bright."""
-    return tuple(
-        FLOOR.field("dark", part=c) + bright_share * (FLOOR.field("bright", part=c) - FLOOR.field("dark", part=c))
-        for c in range(3)
-    )
+    return tuple(mixed(FLOOR.field("dark", part=c), FLOOR.field("bright", part=c), bright_share) for c in range(3))
 
 
 def facing_cosine(direction: Vec3, normal: Vec3) -> sp.Expr:

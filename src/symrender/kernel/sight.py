@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression import intersection, shading
-from symrender.expression.lobe import log1p
+from symrender.expression import intersection
+from symrender.expression.formulas.light_terms import half_vector, light_channel
+from symrender.expression.formulas.lobes import log_power
 from symrender.expression.vectors import Vec3, cross, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function
@@ -89,7 +90,7 @@ def power() -> Function:
     block = Block()
     with block.when(n * depth > _FAINT):
         block.leave(sp.Integer(0))
-    block.leave(sp.exp(n * log1p(-sp.Min(depth, _GRAZING))))
+    block.leave(sp.exp(log_power(sp.Min(depth, _GRAZING), n)))
     return Function("power", (depth, n), block.statements, "(1 - depth)^n for 0 <= depth <= 1, 0 below e^-60")
 
 
@@ -98,9 +99,9 @@ def highlight() -> Function:
     normal, view, to_light, model = vec3("n"), vec3("v"), vec3("d"), real("model")
     block = Block()
     light_dir = block.let_vector("l", to_light / block.let("distance", sp.sqrt(norm2(to_light))))
-    cosine = block.let("cosine", shading.lambert(normal, light_dir))
+    cosine = block.let("cosine", dot(normal, light_dir))
     axis = block.let_vector("a", normal)
-    other = block.let_vector("b", shading.half_vector(light_dir, view))
+    other = block.let_vector("b", half_vector(light_dir, view))
     with block.when(sp.Eq(model, at.PHONG)):
         block.let_vector("a", normal * (2 * cosine) - light_dir)
         block.let_vector("b", view)
@@ -168,8 +169,7 @@ def direct() -> Function:
                 block.set(sums[3 + channel], sums[3 + channel] + POINTS[light, 3 + channel] * gleam)
     ka, kd, ks = SHADING.field("ka"), SHADING.field("kd"), SHADING.field("ks")
     terms = [
-        ka * SHADING.field("ambient", part=c)
-        + shading.light_term(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
+        ka * SHADING.field("ambient", part=c) + light_channel(sp.Integer(1), kd, ks, albedo[c], sums[c], sums[3 + c])
         for c in range(3)
     ]
     block.leave(*terms)

@@ -7,6 +7,7 @@ import math
 import sympy as sp
 
 from symrender.expression import lobe
+from symrender.expression.formulas.lobes import log_cosine
 from symrender.kernel.block import Block, real
 from symrender.kernel.program import Function
 
@@ -16,7 +17,7 @@ _THIN = 0.03
 
 def _log_cos(block: Block, name: str, angle: sp.Expr) -> sp.Symbol:
     """Write log cos t by the form that keeps its digits: log1p below 45 degrees, the logarithm above."""
-    value = block.let(name, lobe.log_cos(angle))
+    value = block.let(name, log_cosine(angle))
     with block.when(angle > math.pi / 4):
         block.set(value, sp.log(sp.cos(angle)))
     return value

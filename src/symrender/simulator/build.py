@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 _SCRIPTS: Final = ("tables.js", "gpu.js", "reference.js", "present.js", "disc.js", "controls.js", "video.js", "page.js")
 _DISK_STRATA: Final = 2
+_FORMULAS: Final = ("log_power",)
 _LIT: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic")
 """Passes that do nothing with light points but sum their light."""
 _VERTEX: Final = """#version 300 es
@@ -110,6 +111,15 @@ def script() -> str:
     from symrender.targets import javascript
 
     return javascript.emit(_program())
+
+
+@cache
+def formulas() -> str:
+    """The formulas the page's own scripts name, in JavaScript."""
+    from symrender.expression.formulas.every import LEAVES
+    from symrender.targets.leaf_braces import javascript_module
+
+    return javascript_module([LEAVES[name] for name in _FORMULAS])
 
 
 @cache
@@ -194,7 +204,7 @@ def escaped(data: Any) -> str:
 def _page(scene: Scene) -> str:
     files = resources.files("symrender.simulator") / "page"
     style = (files / "style.css").read_text(encoding="utf-8")
-    code = "\n".join([script(), *((files / name).read_text(encoding="utf-8") for name in _SCRIPTS)])
+    code = "\n".join([script(), formulas(), *((files / name).read_text(encoding="utf-8") for name in _SCRIPTS)])
     code = f'(() => {{\n"use strict";\n{code}\n}})();'
     policy = (
         f"default-src 'none'; script-src {_digest(code)}; style-src {_digest(style)}; img-src data: blob:; "

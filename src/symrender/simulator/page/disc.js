@@ -182,7 +182,7 @@ class Disc {
         program.sample_direction(depth, turn);
         const [x, y, z] = program.R, across = Math.hypot(x, y), theta = Math.atan2(across, z);
         const distance = own.thetaMax === 0 ? 0 : program.disc_radius(theta, own.exponent, own.thetaMax, t.disc[10]);
-        const level = own.exponent * Math.log1p(-depth);
+        const level = formulas.log_power(depth, own.exponent);
         found.push({ x: across ? (distance * x) / across : 0, y: across ? (distance * y) / across : 0, level });
       }
     }

@@ -1,0 +1,1 @@
+"""The smooth formulas of the symbolic side, each written once; ``every.py`` lists them."""

@@ -1,0 +1,109 @@
+"""Places on a shape's chart, and where a ray meets a shape.
+
+About a sphere (centre C, radius R, seen from P, c = unit(C - P), k = R/|C - P|) an azimuth phi and the angle of
+incidence psi at the hit fix, with beta = asin(k sin psi) and gamma = psi - beta, w = cos(beta) c + sin(beta) e(phi) and
+N = sin(gamma) e(phi) - cos(gamma) c. About the floor c is straight down and the inner coordinate is beta itself.
+``across`` is e(phi); ``sine`` and ``cosine`` are those of the inner coordinate.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symrender.expression.elementary import Real, cos, sin, sqrt, tan
+from symrender.expression.intersection import approach, discriminant, normal, root
+from symrender.expression.leaf import Leaf
+from symrender.expression.vectors import Vec3, dot
+
+
+def chart_across(c: Real, s: Real, first: Vec3, second: Vec3) -> Vec3:
+    """e(phi) = cos(phi) e1 + sin(phi) e2"""
+    return first * c + second * s
+
+
+def sphere_place(
+    sine: Real, cosine: Real, across: Vec3, pole: Vec3, center: Vec3, radius: Real, ratio: Real
+) -> tuple[Vec3, Vec3, Vec3, Real]:
+    """(hit point Q, unit normal N, direction w, solid angle per dpsi dphi) of a place on a sphere's chart."""
+    sb = ratio * sine
+    cb = sqrt(1 - sb * sb)
+    cg, sg = cosine * cb + sine * sb, sine * cb - cosine * sb
+    facing = across * sg - pole * cg
+    return center + facing * radius, facing, pole * cb + across * sb, ratio * ratio * sine * cosine / cb
+
+
+def floor_place(
+    sine: Real, cosine: Real, across: Vec3, pole: Vec3, point: Vec3, height: Real
+) -> tuple[Vec3, Vec3, Real]:
+    """(hit point Q, direction w, solid angle per dbeta dphi) of a place on the floor's chart; Q's z is 0."""
+    far = height * sine / cosine
+    place = Vec3(point.x + across.x * far, point.y + across.y * far, 0 * far)
+    return place, pole * cosine + across * sine, sine
+
+
+def sphere_sight(x: Real, across: Vec3, pole: Vec3, radius: Real, ratio: Real) -> tuple[Vec3, Vec3, Vec3, Real]:
+    """(Q - P, N, w, solid angle per dpsi dphi) at inner coordinate ``x`` of a sphere's chart, free of the centre."""
+    sine, cosine = sin(x), cos(x)
+    sb = ratio * sine
+    cb = sqrt(1 - sb * sb)
+    cg, sg = cosine * cb + sine * sb, sine * cb - cosine * sb
+    facing = across * sg - pole * cg
+    return (pole / ratio + facing) * radius, facing, pole * cb + across * sb, ratio * ratio * sine * cosine / cb
+
+
+def floor_sight(x: Real, across: Vec3, pole: Vec3, height: Real) -> tuple[Vec3, Vec3, Real]:
+    """(Q - P, w, solid angle per dbeta dphi) at inner coordinate ``x`` of the floor's chart."""
+    sine, cosine = sin(x), cos(x)
+    return (across * (sine / cosine) + pole) * height, pole * cosine + across * sine, sine
+
+
+def sphere_point(x: Real, c: Real, s: Real, pole: Vec3, first: Vec3, second: Vec3, center: Vec3, radius: Real,
+                 ratio: Real) -> tuple[Vec3, Vec3]:  # fmt: skip
+    """(hit point, unit normal) at inner coordinate ``x`` of the line (c, s) of a sphere's chart."""
+    across = chart_across(c, s, first, second)
+    place, facing, _, _ = sphere_place(sin(x), cos(x), across, pole, center, radius, ratio)
+    return place, facing
+
+
+def floor_point(x: Real, c: Real, s: Real, first: Vec3, second: Vec3, point: Vec3, height: Real) -> Vec3:
+    """Hit point at inner coordinate ``x`` of the line (c, s) of the floor's chart; its z is 0."""
+    across = chart_across(c, s, first, second)
+    far = height * tan(x)
+    return Vec3(point.x + across.x * far, point.y + across.y * far, 0 * far)
+
+
+def sphere_hit(offset: Vec3, direction: Vec3, radius: Real) -> tuple[Real, Vec3]:
+    """(distance, unit normal) where a ray meets a sphere from outside; ``offset`` = C - P, ``direction`` unit.
+
+    The miss distance is |f x w|: nothing subtracts two large numbers that nearly agree.
+    """
+    along = approach(offset, direction)
+    half = sqrt(discriminant(offset, direction, radius))
+    return root(along, half, 1), normal(offset, direction, along, half, 1, radius)
+
+
+def floor_hit(point: Vec3, direction: Vec3) -> tuple[Real, Vec3]:
+    """(distance, place) where a ray meets the floor."""
+    far = -point.z / direction.z
+    return far, point + direction * far
+
+
+def area_measure(direction: Vec3, normal: Vec3, far: Real) -> Real:
+    """Solid angle per area of a surface at distance ``far``: -(w.N)/far^2."""
+    return -dot(direction, normal) / (far * far)
+
+
+LEAVES: Final = (
+    Leaf(chart_across, ("across:3",)),
+    Leaf(sphere_place, ("place:3", "normal:3", "direction:3", "measure"),
+         adjoint=("sine", "cosine", "across", "pole", "center", "radius", "ratio"), tangents=("ratio", "radius")),
+    Leaf(floor_place, ("place:3", "direction:3", "measure"),
+         adjoint=("sine", "cosine", "across", "pole", "point", "height"), tangents=("height",)),
+    Leaf(sphere_sight, ("offset:3", "normal:3", "direction:3", "measure"), tangents=("x", "ratio", "radius")),
+    Leaf(floor_sight, ("offset:3", "direction:3", "measure"), tangents=("x", "height")),
+    Leaf(sphere_point, ("place:3", "normal:3"), tangents=("x",), pages=True),
+    Leaf(floor_point, ("place:3",), tangents=("x",), pages=True),
+    Leaf(sphere_hit, ("far", "normal:3"), adjoint=("offset", "direction", "radius"), pages=True),
+    Leaf(floor_hit, ("far", "place:3"), adjoint=("point", "direction"), pages=True),
+    Leaf(area_measure, ("measure",), adjoint=("direction", "normal", "far")),
+)  # fmt: skip

@@ -1,0 +1,42 @@
+"""The guarded power of a highlight, in the language of kernels: called by emitted text, never differentiated by it."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from symrender.kernel_cache import inlined, jitable
+
+MOST_SQUARED: Final = 4096.0
+"""Whole exponents up to this one are taken by squaring, several times quicker than a general power."""
+FALLEN: Final = 40.0
+"""A power whose logarithm is known to lie below minus this is 0: ln base <= base - 1."""
+
+
+@jitable
+def gleam(base: float, exponent: float) -> float:
+    """base^exponent of a cosine at most 1; 0 where it is not positive (1 if the exponent is 0) or below 1e-17."""
+    if not base > 0.0:
+        return 0.0 if exponent > 0.0 else 1.0
+    if exponent * (1.0 - base) > FALLEN:
+        return 0.0
+    power = int(min(exponent, MOST_SQUARED))
+    if power != exponent:
+        return float(base**exponent)
+    found = 1.0
+    while power > 0:
+        if power % 2 == 1:
+            found *= base
+        base *= base
+        power //= 2
+    return found
+
+
+@inlined
+def gleam_slopes(base: float, exponent: float) -> tuple[float, float, float]:
+    """(base^exponent, its slope in the base, that in the exponent); slopes are 0 where the base is not positive."""
+    if not base > 0.0:
+        return (0.0 if exponent > 0.0 else 1.0), 0.0, 0.0
+    log = math.log(base)
+    power = math.exp(exponent * log)
+    return power, exponent * power / base, power * log

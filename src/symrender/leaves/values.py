@@ -1,0 +1,706 @@
+"""Formulas as scalar functions.
+
+Emitted by targets/leaf_files.py from expression/formulas: change those, not this file.
+"""
+
+# fmt: off
+from __future__ import annotations
+
+import math
+
+from symrender.kernel_cache import inlined
+from symrender.leaves.gleams import gleam
+
+
+@inlined
+def eye_view(
+    eye_x: float, eye_y: float, eye_z: float, place_x: float, place_y: float, place_z: float,
+) -> tuple[float, float, float]:
+    """Unit vector from a place to the eye, along which its highlight is seen (``highlight_view: eye``)."""
+    offset_x = eye_x - place_x
+    offset_y = eye_y - place_y
+    offset_z = eye_z - place_z
+    t1 = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
+    inverse = 1.0 / t1
+    return offset_x * inverse, offset_y * inverse, offset_z * inverse
+
+
+@inlined
+def ray_view(direction_x: float, direction_y: float, direction_z: float) -> tuple[float, float, float]:
+    """Unit vector along which a highlight is seen by the ray that meets it (``highlight_view: ray``)."""
+    return -direction_x, -direction_y, -direction_z
+
+
+@inlined
+def lambert(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+) -> float:
+    """N.l, the cosine before its cut at the terminator."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    return (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) / t2
+
+
+@inlined
+def blinn(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+    view_x: float, view_y: float, view_z: float,
+) -> tuple[float, float]:
+    """(N.l, N.h) with h = (l + v)/|l + v|; N.h is 0 where l and v are opposite."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
+    t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
+    return (
+        light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z,
+        (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3,
+    )
+
+
+@inlined
+def blinn_square(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+    view_x: float, view_y: float, view_z: float,
+) -> tuple[float, float, float]:
+    """(N.l, N.(l + v), (N.h)^2): the cosine's square needs no second root; its sign is that of the second."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
+    t3 = normal_x * half_x + normal_y * half_y + normal_z * half_z
+    return (
+        light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, t3,
+        t3 * t3 / max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300),
+    )
+
+
+@inlined
+def phong(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+    view_x: float, view_y: float, view_z: float,
+) -> tuple[float, float]:
+    """(N.l, r.v) with r = 2 (N.l) N - l."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    return cosine, 2.0 * cosine * facing - toward
+
+
+@inlined
+def blinn_term(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+    view_x: float, view_y: float, view_z: float, shininess: float,
+) -> tuple[float, float]:
+    """(N.l, s) with s = (N.h)^shininess, 0 where N.h is not positive."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
+    t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
+    base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3
+    return light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, gleam(base, shininess)
+
+
+@inlined
+def phong_term(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+    view_x: float, view_y: float, view_z: float, shininess: float,
+) -> tuple[float, float]:
+    """(N.l, s) with s = (r.v)^shininess, 0 where r.v is not positive."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    base = 2.0 * cosine * facing - toward
+    return cosine, gleam(base, shininess)
+
+
+@inlined
+def lambert_nodes(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float,
+) -> float:
+    """N.l of a light point."""
+    to_light_x = light_x - place_x
+    to_light_y = light_y - place_y
+    to_light_z = light_z - place_z
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    return (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) / t2
+
+
+@inlined
+def blinn_nodes(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float,
+) -> tuple[float, float]:
+    """(N.l, N.h) of a light point, the second kept within [0, 1]."""
+    to_light_x = light_x - place_x
+    to_light_y = light_y - place_y
+    to_light_z = light_z - place_z
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
+    t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
+    base = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3
+    return light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, min(1.0, max(0.0, base))
+
+
+@inlined
+def phong_nodes(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float,
+) -> tuple[float, float]:
+    """(N.l, r.v) of a light point, the second kept within [0, 1]."""
+    to_light_x = light_x - place_x
+    to_light_y = light_y - place_y
+    to_light_z = light_z - place_z
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    base = 2.0 * cosine * facing - toward
+    return cosine, min(1.0, max(0.0, base))
+
+
+@inlined
+def light_channel(color: float, kd: float, ks: float, albedo: float, cosine: float, highlight: float) -> float:
+    """One channel of one unblocked light: color (kd albedo N.l + ks s)."""
+    return color * (kd * albedo * cosine + ks * highlight)
+
+
+@inlined
+def mirror_direction(
+    incoming_x: float, incoming_y: float, incoming_z: float, normal_x: float, normal_y: float, normal_z: float,
+) -> tuple[float, float, float]:
+    """m = D - 2 (D.N) N"""
+    t1 = 2.0 * (incoming_x * normal_x + incoming_y * normal_y + incoming_z * normal_z)
+    return incoming_x - normal_x * t1, incoming_y - normal_y * t1, incoming_z - normal_z * t1
+
+
+@inlined
+def lobe_chord(
+    direction_x: float, direction_y: float, direction_z: float, axis_x: float, axis_y: float, axis_z: float,
+) -> float:
+    """|w - m|^2 = 2 (1 - cos theta) of unit vectors."""
+    t1 = direction_x - axis_x
+    t2 = direction_y - axis_y
+    t3 = direction_z - axis_z
+    return t1 * t1 + t2 * t2 + t3 * t3
+
+
+@inlined
+def log_power(depth: float, exponent: float) -> float:
+    """log cos^n theta of depth = 1 - cos theta."""
+    return exponent * math.log1p(-depth)
+
+
+@inlined
+def lobe_density(square: float, exponent: float, log_normaliser: float) -> float:
+    """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m."""
+    depth = 0.5 * square
+    if not depth < 1.0:
+        return 0.0
+    return math.exp(exponent * math.log1p(-depth) - log_normaliser)
+
+
+@inlined
+def cosine_power(cosine: float, exponent: float) -> float:
+    """cos^n theta = exp(n log cos theta) of a positive cosine: for balls, where it is analytic."""
+    return math.exp(exponent * math.log(cosine))
+
+
+@inlined
+def log_rim(theta_max: float) -> float:
+    """log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis."""
+    if not theta_max < 1.5707963267948966:
+        return -1e+300
+    half = math.sin(0.5 * theta_max)
+    return math.log1p(-2.0 * half * half)
+
+
+@inlined
+def lobe_mass(log_cosine: float, exponent: float) -> float:
+    """1 - cos^(n+1) theta, the share of the rimless lobe within theta, of log cos theta."""
+    return -math.expm1((exponent + 1.0) * log_cosine)
+
+
+@inlined
+def normaliser(log_cosine: float, exponent: float) -> float:
+    """W = int_cone cos^n theta dw = 2 pi (1 - cos^(n+1) theta_max)/(n + 1), of log cos theta_max."""
+    u = exponent + 1.0
+    return -(6.283185307179586 * math.expm1(u * log_cosine) / u)
+
+
+@inlined
+def log_normaliser(log_cosine: float, exponent: float) -> float:
+    """log W, by which a density is divided in its exponent."""
+    u = exponent + 1.0
+    return math.log(-(6.283185307179586 * math.expm1(u * log_cosine) / u))
+
+
+@inlined
+def ring_share(log_low: float, log_high: float, log_cosine: float, exponent: float) -> float:
+    """Share of a ring: (cos^u low - cos^u high)/(1 - cos^u theta_max), u = n + 1, of logarithms of cosines."""
+    u = exponent + 1.0
+    return math.exp(u * log_low) * math.expm1(u * (log_high - log_low)) / math.expm1(u * log_cosine)
+
+
+@inlined
+def brdf_scale(log_cosine: float, exponent: float) -> float:
+    """W (n + 2)/(2 pi): what a lobe average is multiplied by to become the BRDF's integral."""
+    t1 = exponent + 1.0
+    return -((exponent + 2.0) / t1 * math.expm1(t1 * log_cosine))
+
+
+@inlined
+def brdf_normaliser(exponent: float) -> float:
+    """2 pi/(n+2) = int cos^(n+1) theta dw over the hemisphere: the normaliser in BRDF units."""
+    return 6.283185307179586 / (exponent + 2.0)
+
+
+@inlined
+def texture_coordinates(normal_x: float, normal_y: float, normal_z: float) -> tuple[float, float]:
+    """(u, v) of a unit normal, both in [0, 1]."""
+    return (
+        (math.atan2(normal_y, normal_x) + math.pi) / 6.283185307179586,
+        math.acos(max(-1.0, min(1.0, normal_z))) / math.pi,
+    )
+
+
+@inlined
+def texture_phases(normal_x: float, normal_y: float, normal_z: float, ku: float, kv: float) -> tuple[float, float]:
+    """(u ku, v kv): whole numbers are the edges of a sphere's fields."""
+    u = (math.atan2(normal_y, normal_x) + math.pi) / 6.283185307179586
+    v = math.acos(max(-1.0, min(1.0, normal_z))) / math.pi
+    return u * ku, v * kv
+
+
+@inlined
+def vein(u: float, v: float, ku: float, kv: float) -> float:
+    """Albedo factor of the smooth veins, .55 + .225 (1 + sin(2 pi (ku u + .35 sin(3 pi kv v))))."""
+    wave = math.sin(6.283185307179586 * (ku * u + 0.35 * math.sin(9.42477796076938 * kv * v)))
+    return 0.55 + 0.225 * (1.0 + wave)
+
+
+@inlined
+def marble(normal_x: float, normal_y: float, normal_z: float, ku: float, kv: float) -> float:
+    """Albedo factor of the veins at a unit normal."""
+    u = (math.atan2(normal_y, normal_x) + math.pi) / 6.283185307179586
+    v = math.acos(max(-1.0, min(1.0, normal_z))) / math.pi
+    wave = math.sin(6.283185307179586 * (ku * u + 0.35 * math.sin(9.42477796076938 * kv * v)))
+    return 0.55 + 0.225 * (1.0 + wave)
+
+
+@inlined
+def floor_phases(x: float, y: float, cell: float, offset_x: float, offset_y: float) -> tuple[float, float]:
+    """((x - ox)/cell, (y - oy)/cell): squares of the floor, bright where their floors add up to an even number."""
+    return (x - offset_x) / cell, (y - offset_y) / cell
+
+
+@inlined
+def mixed(dark: float, bright: float, share: float) -> float:
+    """One channel of a field of which ``share`` is bright."""
+    return dark + share * (bright - dark)
+
+
+@inlined
+def chart_across(
+    c: float, s: float, first_x: float, first_y: float, first_z: float, second_x: float, second_y: float,
+    second_z: float,
+) -> tuple[float, float, float]:
+    """e(phi) = cos(phi) e1 + sin(phi) e2"""
+    return first_x * c + second_x * s, first_y * c + second_y * s, first_z * c + second_z * s
+
+
+@inlined
+def sphere_place(
+    sine: float, cosine: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
+    pole_z: float, center_x: float, center_y: float, center_z: float, radius: float, ratio: float,
+) -> tuple[float, ...]:
+    """(hit point Q, unit normal N, direction w, solid angle per dpsi dphi) of a place on a sphere's chart."""
+    sb = ratio * sine
+    cb = math.sqrt(1.0 - sb * sb)
+    sg = sine * cb - cosine * sb
+    cg = cosine * cb + sine * sb
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
+    return (
+        center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y,
+        facing_z, pole_x * cb + across_x * sb, pole_y * cb + across_y * sb, pole_z * cb + across_z * sb,
+        ratio * ratio * sine * cosine / cb,
+    )
+
+
+@inlined
+def floor_place(
+    sine: float, cosine: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
+    pole_z: float, point_x: float, point_y: float, point_z: float, height: float,
+) -> tuple[float, ...]:
+    """(hit point Q, direction w, solid angle per dbeta dphi) of a place on the floor's chart; Q's z is 0."""
+    far = height * sine / cosine
+    return (
+        point_x + across_x * far, point_y + across_y * far, 0.0, pole_x * cosine + across_x * sine,
+        pole_y * cosine + across_y * sine, pole_z * cosine + across_z * sine, sine,
+    )
+
+
+@inlined
+def sphere_sight(
+    x: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float, pole_z: float,
+    radius: float, ratio: float,
+) -> tuple[float, ...]:
+    """(Q - P, N, w, solid angle per dpsi dphi) at inner coordinate ``x`` of a sphere's chart, free of the centre."""
+    sine = math.sin(x)
+    sb = ratio * sine
+    cb = math.sqrt(1.0 - sb * sb)
+    cosine = math.cos(x)
+    sg = sine * cb - cosine * sb
+    cg = cosine * cb + sine * sb
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
+    return (
+        (pole_x / ratio + facing_x) * radius, (pole_y / ratio + facing_y) * radius,
+        (pole_z / ratio + facing_z) * radius, facing_x, facing_y, facing_z, pole_x * cb + across_x * sb,
+        pole_y * cb + across_y * sb, pole_z * cb + across_z * sb, ratio * ratio * sine * cosine / cb,
+    )
+
+
+@inlined
+def floor_sight(
+    x: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float, pole_z: float,
+    height: float,
+) -> tuple[float, ...]:
+    """(Q - P, w, solid angle per dbeta dphi) at inner coordinate ``x`` of the floor's chart."""
+    sine = math.sin(x)
+    cosine = math.cos(x)
+    t1 = sine / cosine
+    return (
+        (across_x * t1 + pole_x) * height, (across_y * t1 + pole_y) * height, (across_z * t1 + pole_z) * height,
+        pole_x * cosine + across_x * sine, pole_y * cosine + across_y * sine, pole_z * cosine + across_z * sine,
+        sine,
+    )
+
+
+@inlined
+def sphere_point(
+    x: float, c: float, s: float, pole_x: float, pole_y: float, pole_z: float, first_x: float, first_y: float,
+    first_z: float, second_x: float, second_y: float, second_z: float, center_x: float, center_y: float,
+    center_z: float, radius: float, ratio: float,
+) -> tuple[float, ...]:
+    """(hit point, unit normal) at inner coordinate ``x`` of the line (c, s) of a sphere's chart."""
+    across_x = first_x * c + second_x * s
+    sine = math.sin(x)
+    sb = ratio * sine
+    cb = math.sqrt(1.0 - sb * sb)
+    cosine = math.cos(x)
+    sg = sine * cb - cosine * sb
+    cg = cosine * cb + sine * sb
+    facing_x = across_x * sg - pole_x * cg
+    across_y = first_y * c + second_y * s
+    facing_y = across_y * sg - pole_y * cg
+    across_z = first_z * c + second_z * s
+    facing_z = across_z * sg - pole_z * cg
+    return (
+        center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y,
+        facing_z,
+    )
+
+
+@inlined
+def floor_point(
+    x: float, c: float, s: float, first_x: float, first_y: float, first_z: float, second_x: float, second_y: float,
+    second_z: float, point_x: float, point_y: float, point_z: float, height: float,
+) -> tuple[float, float, float]:
+    """Hit point at inner coordinate ``x`` of the line (c, s) of the floor's chart; its z is 0."""
+    across_x = first_x * c + second_x * s
+    far = height * math.tan(x)
+    across_y = first_y * c + second_y * s
+    return point_x + across_x * far, point_y + across_y * far, 0.0
+
+
+@inlined
+def sphere_hit(
+    offset_x: float, offset_y: float, offset_z: float, direction_x: float, direction_y: float, direction_z: float,
+    radius: float,
+) -> tuple[float, float, float, float]:
+    """(distance, unit normal) where a ray meets a sphere from outside; ``offset`` = C - P, ``direction`` unit."""
+    along = offset_x * direction_x + offset_y * direction_y + offset_z * direction_z
+    t1 = offset_y * direction_z - offset_z * direction_y
+    t2 = offset_z * direction_x - offset_x * direction_z
+    t3 = offset_x * direction_y - offset_y * direction_x
+    half = math.sqrt(radius * radius - (t1 * t1 + t2 * t2 + t3 * t3))
+    return (
+        along - half, -((offset_x - direction_x * along + direction_x * half) / radius),
+        -((offset_y - direction_y * along + direction_y * half) / radius),
+        -((offset_z - direction_z * along + direction_z * half) / radius),
+    )
+
+
+@inlined
+def floor_hit(
+    point_x: float, point_y: float, point_z: float, direction_x: float, direction_y: float, direction_z: float,
+) -> tuple[float, float, float, float]:
+    """(distance, place) where a ray meets the floor."""
+    t1 = point_z / direction_z
+    return -t1, point_x - direction_x * t1, point_y - direction_y * t1, point_z - direction_z * t1
+
+
+@inlined
+def area_measure(
+    direction_x: float, direction_y: float, direction_z: float, normal_x: float, normal_y: float, normal_z: float,
+    far: float,
+) -> float:
+    """Solid angle per area of a surface at distance ``far``: -(w.N)/far^2."""
+    t1 = (direction_x * normal_x + direction_y * normal_y + direction_z * normal_z) / (far * far)
+    return -t1
+
+
+@inlined
+def rim_level(
+    direction_x: float, direction_y: float, direction_z: float, axis_x: float, axis_y: float, axis_z: float,
+    rim_cosine: float,
+) -> float:
+    """w.m - cos(theta_max): positive inside the lobe."""
+    return direction_x * axis_x + direction_y * axis_y + direction_z * axis_z - rim_cosine
+
+
+@inlined
+def horizon_level(
+    direction_x: float, direction_y: float, direction_z: float, horizon_x: float, horizon_y: float, horizon_z: float,
+) -> float:
+    """w.N_P: positive above the horizon of the surface P lies on."""
+    return direction_x * horizon_x + direction_y * horizon_y + direction_z * horizon_z
+
+
+@inlined
+def silhouette_level(
+    direction_x: float, direction_y: float, direction_z: float, center_x: float, center_y: float, center_z: float,
+    radius: float, point_x: float, point_y: float, point_z: float,
+) -> float:
+    """w.(C - P) less the length of a tangent from P: positive inside the disc a sphere covers."""
+    offset_x = center_x - point_x
+    offset_y = center_y - point_y
+    offset_z = center_z - point_z
+    t1 = math.sqrt(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z - radius * radius)
+    return direction_x * offset_x + direction_y * offset_y + direction_z * offset_z - t1
+
+
+@inlined
+def ball_level(
+    place_x: float, place_y: float, place_z: float, center_x: float, center_y: float, center_z: float, radius: float,
+) -> float:
+    """|Q - C|^2 - R^2: negative where a shape enters a ball."""
+    t1 = place_x - center_x
+    t2 = place_y - center_y
+    t3 = place_z - center_z
+    return t1 * t1 + t2 * t2 + t3 * t3 - radius * radius
+
+
+@inlined
+def terminator_level(
+    normal_x: float, normal_y: float, normal_z: float, light_x: float, light_y: float, light_z: float,
+    center_x: float, center_y: float, center_z: float, radius: float,
+) -> float:
+    """N.(L - C) - R: positive where a sphere faces a light point."""
+    t1 = normal_x * (light_x - center_x) + normal_y * (light_y - center_y)
+    t2 = t1 + normal_z * (light_z - center_z)
+    return t2 - radius
+
+
+@inlined
+def shadow_level(
+    place_x: float, place_y: float, place_z: float, light_x: float, light_y: float, light_z: float, center_x: float,
+    center_y: float, center_z: float, radius: float,
+) -> float:
+    """R^2 |Q - L|^2 - |(Q - L) x (C - L)|^2: positive inside the double cone a sphere's shadow lies in."""
+    away_x = place_x - light_x
+    away_y = place_y - light_y
+    away_z = place_z - light_z
+    t1 = center_z - light_z
+    t2 = center_y - light_y
+    t3 = away_y * t1 - away_z * t2
+    t4 = center_x - light_x
+    t5 = away_z * t4 - away_x * t1
+    t6 = away_x * t2 - away_y * t4
+    t7 = radius * radius * (away_x * away_x + away_y * away_y + away_z * away_z)
+    return t7 - (t3 * t3 + t5 * t5 + t6 * t6)
+
+
+@inlined
+def shadow_row_level(
+    origin_f: float, origin_h: float, square: float, sine2: float, step_f: float, step_h: float, along: float,
+    reach: float,
+) -> float:
+    """``shadow_level``/|C - L|^2 at an origin plus ``reach`` times a unit vector, as on a line of the floor's chart."""
+    u2 = square + reach * (reach + 2.0 * along)
+    fx = origin_f + reach * step_f
+    fy = origin_h + reach * step_h
+    return sine2 * u2 - fx * fx - fy * fy
+
+
+@inlined
+def meridian_level(normal_x: float, normal_y: float, normal_z: float, number: float, ku: float) -> float:
+    """N_y cos(phi) - N_x sin(phi) with phi = 2 pi number/ku - pi: zero on an edge of a sphere's fields."""
+    angle = 6.283185307179586 * number / ku - math.pi
+    return normal_y * math.cos(angle) - normal_x * math.sin(angle)
+
+
+@inlined
+def parallel_level(normal_x: float, normal_y: float, normal_z: float, number: float, kv: float) -> float:
+    """N_z - cos(pi number/kv): zero on an edge of a checker's fields."""
+    return normal_z - math.cos(math.pi * number / kv)
+
+
+@inlined
+def floor_line_level(x: float, number: float, cell: float, offset: float) -> float:
+    """x - offset - number cell: zero on a line of the floor's checker."""
+    return x - offset - number * cell
+
+
+@inlined
+def blinn_edge_level(
+    to_light_x: float, to_light_y: float, to_light_z: float, to_viewer_x: float, to_viewer_y: float,
+    to_viewer_z: float, normal_x: float, normal_y: float, normal_z: float,
+) -> float:
+    """N.(l + v) of unit vectors: positive where Blinn's highlight is."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    t3 = to_viewer_x * to_viewer_x + to_viewer_y * to_viewer_y + to_viewer_z * to_viewer_z
+    t4 = math.sqrt(max(t3, 1e-300))
+    t5 = (to_viewer_x * normal_x + to_viewer_y * normal_y + to_viewer_z * normal_z) / t4
+    return (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) / t2 + t5
+
+
+@inlined
+def phong_edge_level(
+    to_light_x: float, to_light_y: float, to_light_z: float, to_viewer_x: float, to_viewer_y: float,
+    to_viewer_z: float, normal_x: float, normal_y: float, normal_z: float,
+) -> float:
+    """r.v: positive where Phong's highlight is."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+    t3 = to_viewer_x * to_viewer_x + to_viewer_y * to_viewer_y + to_viewer_z * to_viewer_z
+    t4 = math.sqrt(max(t3, 1e-300))
+    t5 = 1.0 / t4
+    view_x = to_viewer_x * t5
+    view_y = to_viewer_y * t5
+    view_z = to_viewer_z * t5
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    return 2.0 * cosine * facing - toward
+
+
+@inlined
+def cone_conic(
+    axis_x: float, axis_y: float, axis_z: float, sine2: float, apex_x: float, apex_y: float, apex_z: float,
+) -> tuple[float, ...]:
+    """(A..F) of sin^2 |w|^2 - |w x a|^2 with w from the apex: where a cone of revolution meets the floor."""
+    k = sine2 - 1.0
+    a = k + axis_x * axis_x
+    t1 = axis_x * axis_y
+    c = k + axis_y * axis_y
+    t2 = a * apex_x
+    t3 = c * apex_y
+    at_apex = apex_z * apex_z * (k + axis_z * axis_z)
+    t4 = at_apex + t2 * apex_x + 2.0 * t1 * apex_x * apex_y + t3 * apex_y
+    return (
+        a, t1, c, -(axis_x * axis_z * apex_z) - (t2 + t1 * apex_y), -(axis_y * axis_z * apex_z) - (t1 * apex_x + t3),
+        t4 + 2.0 * apex_z * axis_z * (axis_x * apex_x + axis_y * apex_y),
+    )
+
+
+@inlined
+def ball_conic(center_x: float, center_y: float, center_z: float, radius: float) -> tuple[float, ...]:
+    """(A..F) of the circle in which a ball meets the floor."""
+    return (
+        1.0, 0.0, 1.0, -center_x, -center_y,
+        center_x * center_x + center_y * center_y - (radius - center_z) * (radius + center_z),
+    )
+
+
+@inlined
+def plane_conic(normal_x: float, normal_y: float, normal_z: float, height: float) -> tuple[float, ...]:
+    """(A..F) of the line in which the floor meets the plane across ``normal`` through a point ``height`` above it."""
+    return 0.0, 0.0, 0.0, 0.5 * normal_x, 0.5 * normal_y, -(height * normal_z)
+
+
+@inlined
+def conic_level(a: float, b: float, c: float, d: float, e: float, f: float, x: float, y: float) -> float:
+    """A x^2 + 2 B x y + C y^2 + 2 D x + 2 E y + F"""
+    return a * x * x + 2.0 * b * x * y + c * y * y + 2.0 * (d * x + e * y) + f
+
+
+@inlined
+def disk_frame(
+    position_x: float, position_y: float, position_z: float, target_x: float, target_y: float, target_z: float,
+    up_x: float, up_y: float, up_z: float,
+) -> tuple[float, ...]:
+    """(w, e1, e2): the axis a disk faces along and what spans it; ``up`` is y where |w_y| < .9, else x."""
+    t1 = target_x - position_x
+    t2 = target_y - position_y
+    t3 = target_z - position_z
+    t4 = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
+    axis_x = t1 / t4
+    axis_y = t2 / t4
+    axis_z = t3 / t4
+    t5 = axis_y * up_z - axis_z * up_y
+    t6 = axis_z * up_x - axis_x * up_z
+    t7 = axis_x * up_y - axis_y * up_x
+    t8 = math.sqrt(t5 * t5 + t6 * t6 + t7 * t7)
+    t9 = t5 / t8
+    t10 = t6 / t8
+    t11 = t7 / t8
+    return (
+        axis_x, axis_y, axis_z, t9, t10, t11, axis_y * t11 - axis_z * t10, axis_z * t9 - axis_x * t11,
+        axis_x * t10 - axis_y * t9,
+    )
+
+
+@inlined
+def disk_point(
+    center_x: float, center_y: float, center_z: float, radius: float, first_x: float, first_y: float, first_z: float,
+    second_x: float, second_y: float, second_z: float, u: float, v: float,
+) -> tuple[float, float, float]:
+    """L + rho sqrt(u) (cos(2 pi v) e1 + sin(2 pi v) e2): uniform over the disk for uniform (u, v)."""
+    angle = 6.283185307179586 * v
+    t1 = math.cos(angle)
+    t2 = math.sin(angle)
+    t3 = radius * math.sqrt(u)
+    return (
+        center_x + (first_x * t1 + second_x * t2) * t3, center_y + (first_y * t1 + second_y * t2) * t3,
+        center_z + (first_z * t1 + second_z * t2) * t3,
+    )

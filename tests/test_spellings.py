@@ -1,0 +1,197 @@
+"""Every smooth formula is spelled once in ``expression/formulas`` and once, independently, in ``numeric/``.
+
+What is still written by hand elsewhere is listed here, and the list may only shrink: replace a spelling by the emitted
+function (``docs/leaves.md``) and lower its number. A pattern is the most telling line of a formula, so that a copy with
+other names may escape it; it is a fence, not a proof.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
+EXEMPT = (
+    "expression/",
+    "numeric/",
+    "leaves/",
+    "chapter/",
+    "quadrature/leaf_rows.py",
+    "kernel/tape.py",
+    "kernel/sweeps.py",
+)
+
+PATTERNS = {
+    # the light's direction, or the view's, by its length
+    "unit offset": r"1\.0 / math\.sqrt\(max\((?:1e-300, )?[a-z]x \* [a-z]x",
+    "blinn": r"\(?hx \* nx \+ hy \* ny \+ hz \* nz",
+    "phong": r"2(?:\.0)? \* (?:cosine|nl|facing) \* (?:\(|facing|nv|_dot|nx)",
+    "gleam": r"\*\* int\(shininess\)|math\.exp\(shininess \* log|base\*\*shininess|found \*= base",
+    "lobe density": r"exponent \* Math\.log1p|exp\((?:n|geo\[(?:GEO_)?EXPONENT\]) \* (?:math\.)?log|n\)\.exp\(\)",
+    "log cosine": r"log1p\(-2\.0 \* (?:half|math\.sin)",
+    "normaliser": r"2(?:\.0)? \* (?:math\.pi|arb\.pi\(\)) \* (?:-math\.expm1|\(1 - )",
+    "lobe mass": r"-math\.expm1\(\(?(?:u|n \+ 1\.0|exponent \+ 1\.0)\)? \*",
+    "azimuth coordinate": r"atan2\([^)]*\)+ \+ math\.pi\) / \(2\.0 \* math\.pi\)|atan2\(.*\) / \(2 \* arb\.pi\(\)\)",
+    "polar coordinate": r"acos\(.*\)+ / math\.pi|acos\(\) / arb\.pi\(\)",
+    "veins": r"0\.35 \* math\.(?:sin|cos)",
+    "floor phase": r"floor\((?:\(?[a-z]+(?: \+ [a-z]+)?\)?) / cell\)",
+    "sphere place": r"s[gx] \* e[xyz]? ?- cg \* |cg, sg = c[xp] \* cb",
+    "sphere measure": r"k \* s[xp] \* c[xp] / cb",
+    "floor place": r"(?:height|geo\[HEIGHT\]) \* (?:sx / cx|math\.tan\(x\))|h \* \(t \* e \+ pole\)",
+    "silhouette": r"math\.sqrt\(far2 - r \* r\)",
+    "terminator": r"view\.points\[shape, a\] - geo\[CENTER \+ a\]",
+    "shadow": r"row\[20\] \* u2 - fx \* fx|r \* r \* ux - \(gy \* zz",
+    "cone conic": r"row\[0\] = k \+ ax \* ax",
+    "conic level": r"row\[0\] \* x \* x \+ 2\.0 \* row\[1\]",
+    "disk frame": r"np\.cross\(w, up\)",
+}
+
+HAND_WRITTEN: dict[str, dict[str, int]] = {
+    "unit offset": {
+        "chambers/highlights.py": 3,
+        "chambers/penumbra_walls.py": 2,
+        "chambers/traces.py": 1,
+        "quadrature/disk_points.py": 3,
+        "quadrature/light_nodes.py": 4,
+        "quadrature/light_term.py": 1,
+        "quadrature/node_rows.py": 1,
+        "quadrature/tangent_light.py": 1,
+    },
+    "blinn": {
+        "quadrature/disk_points.py": 1,
+        "quadrature/light_nodes.py": 2,
+        "quadrature/light_term.py": 1,
+        "quadrature/tangent_light.py": 1,
+    },
+    "phong": {
+        "chambers/highlights.py": 1,
+        "chambers/penumbra_walls.py": 1,
+        "quadrature/disk_refined.py": 1,
+        "quadrature/light_nodes.py": 2,
+        "quadrature/light_term.py": 1,
+        "quadrature/tangent_light.py": 3,
+    },
+    "gleam": {
+        "quadrature/light_term.py": 2,
+        "quadrature/tangent_light.py": 1,
+    },
+    "lobe density": {
+        "chambers/lobe_mass.py": 1,
+        "chambers/tangent_share.py": 4,
+        "quadrature/lattice_sphere.py": 1,
+        "quadrature/node_rows.py": 1,
+        "quadrature/split_line.py": 1,
+        "quadrature/tangent_grid.py": 1,
+        "quadrature/tangent_line.py": 2,
+    },
+    "log cosine": {
+        "chambers/lobe_mass.py": 6,
+        "chambers/tangent_share.py": 5,
+        "quadrature/split_point.py": 1,
+    },
+    "normaliser": {
+        "chambers/lobe_mass.py": 1,
+        "chambers/tangent_share.py": 1,
+        "quadrature/split_point.py": 1,
+    },
+    "lobe mass": {
+        "chambers/lobe_mass.py": 3,
+        "chambers/tangent_share.py": 4,
+        "quadrature/lattice_sphere.py": 1,
+        "quadrature/lobe_units.py": 1,
+        "quadrature/split_point.py": 1,
+    },
+    "azimuth coordinate": {
+        "chambers/labels.py": 1,
+        "quadrature/light_term.py": 1,
+        "quadrature/tangent_line.py": 1,
+    },
+    "polar coordinate": {
+        "certify/floor_point.py": 1,
+        "chambers/labels.py": 1,
+        "chambers/tangent_walls.py": 2,
+        "quadrature/light_term.py": 1,
+        "quadrature/tangent_line.py": 1,
+    },
+    "veins": {
+        "quadrature/light_term.py": 1,
+        "quadrature/tangent_line.py": 3,
+    },
+    "floor phase": {
+        "quadrature/mirror.py": 1,
+        "quadrature/split_grid.py": 2,
+        "quadrature/tangent_grid.py": 1,
+    },
+    "sphere place": {
+        "chambers/highlights.py": 1,
+        "chambers/place.py": 2,
+        "chambers/tangent_walls.py": 2,
+        "quadrature/split_line.py": 2,
+    },
+    "sphere measure": {
+        "chambers/tangent_walls.py": 1,
+        "quadrature/split_line.py": 1,
+    },
+    "floor place": {
+        "chambers/line.py": 1,
+        "chambers/place.py": 2,
+        "chambers/tangent_walls.py": 1,
+        "quadrature/split_line.py": 1,
+    },
+    "silhouette": {
+        "chambers/tangent_walls.py": 1,
+    },
+    "terminator": {
+        "chambers/tangent_walls.py": 1,
+    },
+    "shadow": {
+        "chambers/place.py": 2,
+        "chambers/tangent_walls.py": 1,
+    },
+    "cone conic": {
+        "quadrature/floor_conics.py": 1,
+    },
+    "conic level": {
+        "quadrature/floor_conics.py": 1,
+    },
+    "disk frame": {
+        "quadrature/light_points.py": 1,
+        "quadrature/tangent_lights.py": 1,
+    },
+}
+
+
+def found() -> dict[str, dict[str, list[int]]]:
+    """Pattern to file to the lines that match."""
+    table: dict[str, dict[str, list[int]]] = {name: {} for name in PATTERNS}
+    for path in sorted([*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.js")]):
+        name = path.relative_to(PACKAGE).as_posix()
+        if name.startswith(EXEMPT):
+            continue
+        for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
+            for formula, pattern in PATTERNS.items():
+                if re.search(pattern, line):
+                    table[formula].setdefault(name, []).append(number)
+    return table
+
+
+@pytest.mark.parametrize("formula", PATTERNS)
+def test_no_formula_is_spelled_anew(formula: str) -> None:
+    counted = {name: len(lines) for name, lines in found()[formula].items()}
+    known = HAND_WRITTEN.get(formula, {})
+    more = {name: n for name, n in counted.items() if n > known.get(name, 0)}
+    assert not more, f"{formula}: written by hand in {more}; take it from symrender.leaves"
+    fewer = {name: n for name, n in known.items() if counted.get(name, 0) < n}
+    assert not fewer, f"{formula}: {fewer} is no longer so often there; lower the number in HAND_WRITTEN"
+
+
+def test_the_two_texts_that_stay_are_seen() -> None:
+    """The patterns find what they are made for: the independent pipeline's own spellings, and a planted one."""
+    planted = "half = (hx * nx + hy * ny + hz * nz) / size\nc = 0.35 * math.sin(t)\n"
+    seen = Counter(
+        formula for formula, pattern in PATTERNS.items() for line in planted.splitlines() if re.search(pattern, line)
+    )
+    assert seen == {"blinn": 1, "veins": 1}
