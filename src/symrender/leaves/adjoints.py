@@ -296,40 +296,40 @@ def cone_conic_adjoint(
     """
     k = sine2 - 1.0
     a = k + axis_x * axis_x
-    t1 = axis_x * axis_y
+    b = axis_x * axis_y
     c = k + axis_y * axis_y
-    t2 = axis_x * axis_z
-    t3 = a * apex_x
-    t4 = axis_y * axis_z
-    t5 = c * apex_y
-    t6 = apex_z * apex_z
-    t7 = k + axis_z * axis_z
-    at_apex = t6 * t7
-    t8 = 2.0 * t1
-    t9 = t8 * apex_x
-    t10 = 2.0 * apex_z
-    t11 = t10 * axis_z
-    t12 = axis_x * apex_x + axis_y * apex_y
-    t13 = f_weight * t11
-    t14 = f_weight * apex_y
-    t15 = t14 - e_weight
-    t16 = f_weight * apex_x - d_weight
-    t17 = f_weight * t12
-    t18 = f_weight * t6
-    t19 = e_weight * apex_z
-    t20 = d_weight * apex_z
-    t21 = c_weight + t15 * apex_y
-    t22 = b_weight + t14 * apex_x * 2.0 - e_weight * apex_x - d_weight * apex_y
-    t23 = a_weight + t16 * apex_x
+    t1 = axis_x * axis_z
+    t2 = a * apex_x
+    t3 = axis_y * axis_z
+    t4 = c * apex_y
+    t5 = apex_z * apex_z
+    t6 = k + axis_z * axis_z
+    at_apex = t5 * t6
+    t7 = 2.0 * b
+    t8 = t7 * apex_x
+    t9 = 2.0 * apex_z
+    t10 = t9 * axis_z
+    t11 = axis_x * apex_x + axis_y * apex_y
+    t12 = f_weight * t10
+    t13 = f_weight * apex_y
+    t14 = t13 - e_weight
+    t15 = f_weight * apex_x - d_weight
+    t16 = f_weight * t11
+    t17 = f_weight * t5
+    t18 = e_weight * apex_z
+    t19 = d_weight * apex_z
+    t20 = c_weight + t14 * apex_y
+    t21 = b_weight + t13 * apex_x * 2.0 - e_weight * apex_x - d_weight * apex_y
+    t22 = a_weight + t15 * apex_x
     return (
-        a, t1, c, -(t2 * apex_z) - (t3 + t1 * apex_y), -(t4 * apex_z) - (t1 * apex_x + t5),
-        at_apex + t3 * apex_x + t9 * apex_y + t5 * apex_y + t11 * t12,
-        t13 * apex_x - t20 * axis_z + t22 * axis_y + 2.0 * t23 * axis_x,
-        t13 * apex_y - t19 * axis_z + 2.0 * t21 * axis_y + t22 * axis_x,
-        t17 * t10 + 2.0 * t18 * axis_z - t19 * axis_y - t20 * axis_x, t18 + t21 + t23,
-        t13 * axis_x + t14 * t8 + f_weight * t3 - e_weight * t1 + t16 * a,
-        t13 * axis_y + f_weight * t5 + f_weight * t9 + t15 * c - d_weight * t1,
-        t17 * axis_z * 2.0 + 2.0 * (f_weight * t7) * apex_z - e_weight * t4 - d_weight * t2,
+        a, b, c, -(t1 * apex_z) - (t2 + b * apex_y), -(t3 * apex_z) - (b * apex_x + t4),
+        at_apex + t2 * apex_x + t8 * apex_y + t4 * apex_y + t10 * t11,
+        t12 * apex_x - t19 * axis_z + t21 * axis_y + 2.0 * t22 * axis_x,
+        t12 * apex_y - t18 * axis_z + 2.0 * t20 * axis_y + t21 * axis_x,
+        t16 * t9 + 2.0 * t17 * axis_z - t18 * axis_y - t19 * axis_x, t17 + t20 + t22,
+        t12 * axis_x + t13 * t7 + f_weight * t2 - e_weight * b + t15 * a,
+        t12 * axis_y + f_weight * t4 + f_weight * t8 + t14 * c - d_weight * b,
+        t16 * axis_z * 2.0 + 2.0 * (f_weight * t6) * apex_z - e_weight * t3 - d_weight * t1,
     )
 
 

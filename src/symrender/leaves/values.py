@@ -631,15 +631,15 @@ def cone_conic(
     """(A..F) of sin^2 |w|^2 - |w x a|^2 with w from the apex: where a cone of revolution meets the floor."""
     k = sine2 - 1.0
     a = k + axis_x * axis_x
-    t1 = axis_x * axis_y
+    b = axis_x * axis_y
     c = k + axis_y * axis_y
-    t2 = a * apex_x
-    t3 = c * apex_y
+    t1 = a * apex_x
+    t2 = c * apex_y
     at_apex = apex_z * apex_z * (k + axis_z * axis_z)
-    t4 = at_apex + t2 * apex_x + 2.0 * t1 * apex_x * apex_y + t3 * apex_y
+    t3 = at_apex + t1 * apex_x + 2.0 * b * apex_x * apex_y + t2 * apex_y
     return (
-        a, t1, c, -(axis_x * axis_z * apex_z) - (t2 + t1 * apex_y), -(axis_y * axis_z * apex_z) - (t1 * apex_x + t3),
-        t4 + 2.0 * apex_z * axis_z * (axis_x * apex_x + axis_y * apex_y),
+        a, b, c, -(axis_x * axis_z * apex_z) - (t1 + b * apex_y), -(axis_y * axis_z * apex_z) - (b * apex_x + t2),
+        t3 + 2.0 * apex_z * axis_z * (axis_x * apex_x + axis_y * apex_y),
     )
 
 
