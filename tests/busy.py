@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Final
 
 WORK: Final = 0.1
@@ -23,3 +24,13 @@ def in_time(seconds: float, limit: float) -> bool:
     On a quiet machine this is ``seconds < limit``.
     """
     return seconds < limit or seconds < limit * stretch()
+
+
+def soon(holds: Callable[[], bool], limit: float) -> bool:
+    """Whether a condition comes to hold within ``limit`` seconds of this machine; it is asked every hundredth."""
+    begun = time.monotonic()
+    while not holds():
+        if not in_time(time.monotonic() - begun, limit):
+            return False
+        time.sleep(0.01)
+    return True

@@ -15,6 +15,14 @@ def test_a_limit_is_a_limit() -> None:
     assert not busy.in_time(1e4, 1.0)
 
 
+def test_what_comes_soon_is_waited_for() -> None:
+    answers = iter([False, False, True])
+    assert busy.soon(lambda: next(answers), 0.3)
+    begun = time.monotonic()
+    assert not busy.soon(lambda: False, 0.05)
+    assert time.monotonic() - begun > 0.05
+
+
 def test_the_stretch_is_how_long_others_keep_us_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(busy, "WORK", 0.02)
     alone = min(busy.stretch() for _ in range(5))

@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from busy import in_time
+from busy import in_time, soon
 from symrender.cli._deadline import TIME_TO_END, ends_in_time
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
@@ -70,8 +70,7 @@ def test_a_process_that_does_not_listen_is_ended(program: str) -> None:
             assert process.wait(20) == 130
             took = time.monotonic() - sent
             assert took > TIME_TO_END / 2 and in_time(took, 1.5)
-            time.sleep(0.3)
-            assert not alive(process.pid)
+            assert soon(lambda: not alive(process.pid), 0.3), alive(process.pid)
         finally:
             if alive(process.pid):
                 os.killpg(process.pid, signal.SIGKILL)

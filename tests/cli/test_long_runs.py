@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from busy import in_time
+from busy import in_time, soon
 from symrender.cli import main
 
 SLOW = (
@@ -72,7 +72,7 @@ def test_a_signal_ends_a_run_and_resume_goes_on(
         assert in_time(time.monotonic() - sent, 1.0)
         said = process.stderr.read()
         assert "Traceback" not in said and ("interrupted" in said) == (number == "SIGINT")
-        assert not alive(process.pid)
+        assert soon(lambda: not alive(process.pid), 0.3), alive(process.pid)
     assert [p.name for p in tmp_path.iterdir()] == ["render.journal"]
     assert main([*COMMAND, "--out", str(tmp_path)]) == 2
     assert "--resume continues it, --restart discards it" in capfd.readouterr().err
@@ -124,8 +124,7 @@ def test_the_end_of_a_local_cluster_is_at_most_a_line(
         said = [line for line in process.stderr.read().splitlines() if not line.startswith("{")]
         assert said == last
         assert in_time(time.monotonic() - sent, 5.0)
-        time.sleep(0.3)
-        assert not alive(process.pid)
+        assert soon(lambda: not alive(process.pid), 0.3), alive(process.pid)
 
 
 def test_restart_discards(tmp_path: Path, whole: dict[str, str]) -> None:
