@@ -101,7 +101,7 @@ FAULTS = (
     Fault("colour", "expression/shading.py", "return 2 * cosine * dot(normal, view_dir)",
           "return cosine * dot(normal, view_dir)", BOTH, "a Phong lobe about the wrong axis"),
     Fault("texture", "expression/texture.py", "sp.floor((y - offset_y) / cell)", "sp.floor((y + offset_y) / cell)",
-          ("expression/test_floor_offset.py",), "a chessboard moved the other way"),
+          ("expression/test_floor_offset.py",), "a checker moved the other way"),
     Fault("texture", "expression/texture.py", "return current, 2 * z * current - previous",
           "return current, 2 * z * current + previous", ("expression/test_texture.py",), "a recurrence with a plus"),
     Fault("tiling", "execution/tiles.py", "yield x, y, min(x + side, width), min(y + side, height)",
