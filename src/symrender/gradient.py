@@ -55,7 +55,7 @@ def gradient(
     that of the side it is on. All edges inside a lobe contribute.
     Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
     parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
-    or where the scene changes its structure, Unsupported for a discontinuity the method does not cover.
+    or where the scene changes its structure, Unsupported for a wall the method does not cover.
     """
     loaded = load(scene)
     settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile)

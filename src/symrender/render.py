@@ -125,6 +125,8 @@ def render(
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j). Raises SceneError, OptionError, and NonFiniteError naming the pixels.
+
+    Keywords are many because each is an option of ``symrender render``, by its name.
     """
     loaded = load(scene)
     width, height = image_size(size)

@@ -61,7 +61,8 @@ def truth(
     centre alone. ``threads``, ``tile`` and ``cluster`` change no byte. ``preview``: a PNG
     file that shows the image while it is made. ``verify`` is a share of the pixels, drawn at random, that brute force
     makes again (``verify.py``); what it says is the metadata ``verified``. Choose truth whenever an image is to be
-    trusted, ``render`` when it is to be quick.
+    trusted, ``render`` when it is to be quick. Keywords are many because each is an option of ``symrender truth``, by
+    its name.
     """
     loaded = load(scene)
     settings = split_settings(

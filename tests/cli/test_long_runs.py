@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from busy import in_time, soon
 from symrender.cli import main
 
 SLOW = (
@@ -67,11 +68,11 @@ def test_a_signal_ends_a_run_and_resume_goes_on(
             assert '"numeric"' in process.stderr.readline()
         sent = time.monotonic()
         os.kill(process.pid, getattr(signal, number))
-        assert process.wait(10) == code
-        assert time.monotonic() - sent < 1.0
+        assert process.wait(30) == code
+        assert in_time(time.monotonic() - sent, 1.0)
         said = process.stderr.read()
         assert "Traceback" not in said and ("interrupted" in said) == (number == "SIGINT")
-        assert not alive(process.pid)
+        assert soon(lambda: not alive(process.pid), 0.3), alive(process.pid)
     assert [p.name for p in tmp_path.iterdir()] == ["render.journal"]
     assert main([*COMMAND, "--out", str(tmp_path)]) == 2
     assert "--resume continues it, --restart discards it" in capfd.readouterr().err
@@ -117,14 +118,13 @@ def test_the_end_of_a_local_cluster_is_at_most_a_line(
             os.killpg(process.pid, number)
         else:
             process.kill()
-        assert process.wait(20) == code
-        assert time.monotonic() - sent < 1.5
+        assert process.wait(30) == code
+        assert in_time(time.monotonic() - sent, 1.5)
         # the end of stderr is the end of the last process that holds it
         said = [line for line in process.stderr.read().splitlines() if not line.startswith("{")]
         assert said == last
-        assert time.monotonic() - sent < 5.0
-        time.sleep(0.3)
-        assert not alive(process.pid)
+        assert in_time(time.monotonic() - sent, 5.0)
+        assert soon(lambda: not alive(process.pid), 0.3), alive(process.pid)
 
 
 def test_restart_discards(tmp_path: Path, whole: dict[str, str]) -> None:

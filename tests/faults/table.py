@@ -102,7 +102,7 @@ FAULTS = (
     Fault("colour", "expression/formulas/light_terms.py", "return 2 * cosine * facing - toward",
           "return cosine * facing - toward", BOTH, "a Phong lobe about the wrong axis"),
     Fault("texture", "expression/formulas/textures.py", "(y - offset_y) / cell", "(y + offset_y) / cell",
-          ("expression/test_floor_offset.py",), "a chessboard moved the other way"),
+          ("expression/test_floor_offset.py",), "a checker moved the other way"),
     Fault("texture", "expression/texture.py", "return current, 2 * z * current - previous",
           "return current, 2 * z * current + previous", ("expression/test_texture.py",), "a recurrence with a plus"),
     Fault("tiling", "execution/tiles.py", "yield x, y, min(x + side, width), min(y + side, height)",

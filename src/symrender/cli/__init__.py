@@ -1,6 +1,7 @@
 """The command line: ``symrender VERB``; a verb is a file of this folder holding a function of its own name.
 
-Files that begin with an underscore hold what verbs share. Nothing slow is imported before a verb needs it.
+Files that begin with an underscore hold what verbs share. Nothing slow is imported before a verb needs it. A verb has
+as many arguments as it has options, for its signature is what typer reads them from.
 """
 
 from __future__ import annotations

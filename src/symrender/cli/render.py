@@ -47,6 +47,7 @@ from symrender.settings import Antialias, Nodes, Partition, Sampler, Settings, S
 
 if TYPE_CHECKING:
     from symrender.images.image import Image
+    from symrender.ledger.ledger import Ledger
     from symrender.settings import Tonemap
 
 Land = Callable[[str, str], None]
@@ -110,25 +111,11 @@ def render(
     """
     width, height = image_size(parse_size(size))
     asked = {
-        "width": width,
-        "height": height,
-        "lobe": lobe,
-        "numeric": numeric,
-        "normalised": normalised,
-        "symbolic": symbolic,
-        "weights": weights,
-        "nodes": nodes,
-        "partition": partition,
-        "disk": disk,
-        "aa": aa,
-        "tol": tol,
-        "budget": budget,
-        "silhouettes": silhouettes,
-        "seed": seed,
-        "threads": threads,
-        "tile": tile,
+        "width": width, "height": height, "lobe": lobe, "numeric": numeric, "normalised": normalised,
+        "symbolic": symbolic, "weights": weights, "nodes": nodes, "partition": partition, "disk": disk, "aa": aa,
+        "tol": tol, "budget": budget, "silhouettes": silhouettes, "seed": seed, "threads": threads, "tile": tile,
         "max_pixels": max_pixels,
-    }
+    }  # fmt: skip
     settings = Settings(**as_made(asked, settings_of(scene), ctx))
     chosen = scene_with(scene, define)
     if not quiet:
@@ -189,12 +176,7 @@ def render(
         report = {"files": written, "ledger": pair.ledger.as_json()}
         typer.echo(json_module.dumps(report, indent=2, allow_nan=False))
     elif not quiet:
-        if sys.stdout.isatty():
-            from rich.console import Console
-
-            Console().print(pair.ledger)
-        else:
-            typer.echo(pair.ledger.text())
+        _print_ledger(pair.ledger)
 
 
 def as_made(asked: dict[str, Any], made: dict[str, Any], ctx: typer.Context) -> dict[str, Any]:
@@ -206,6 +188,15 @@ def as_made(asked: dict[str, Any], made: dict[str, Any], ctx: typer.Context) -> 
 
     decisive = {field.name for field in fields(Settings)} - {"threads", "tile", "max_pixels"}
     return asked | {name: value for name, value in made.items() if name in decisive and not given(name)}
+
+
+def _print_ledger(ledger: Ledger) -> None:
+    if sys.stdout.isatty():
+        from rich.console import Console
+
+        Console().print(ledger)
+    else:
+        typer.echo(ledger.text())
 
 
 def _file_names(sides: list[str], *, views: bool) -> list[str]:

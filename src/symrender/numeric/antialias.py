@@ -1,4 +1,4 @@
-"""Mean of the floor's chessboard over the patch of floor a pixel covers, in closed form.
+"""Mean of the floor's checker over the patch of floor a pixel covers, in closed form.
 
 With s(x) = sign(sin pi x) and S its triangle-wave integral, Green's theorem turns the mean over a polygon into
 edge integrals: area * mean = contour integral of (S(x) - c) s(y) dy for any constant c. An edge is cut where it crosses
@@ -120,7 +120,7 @@ def mean_sign(cx: float, cy: float, quad: Quad) -> float:
 
 @inlined
 def pixel_sign(floor: Floor, frame: Array, a: float, b: float, da: float, db: float, x: float, y: float) -> float:
-    """Mean sign of the chessboard over the pixel's patch of floor, area measure; 0 where it reaches the horizon.
+    """Mean sign of the checker over the pixel's patch of floor, area measure; 0 where it reaches the horizon.
 
     Exact for both cameras up to rounding; a patch too small to have an area is its own point.
     """

@@ -1,4 +1,4 @@
-"""Textures, by angles: the chart of a sphere and the chessboard of the floor. Ties go to the bright side."""
+"""Textures, by angles: the chart of a sphere and the checker of the floor. Ties go to the bright side."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def floor_sign(floor: Floor, x: float, y: float) -> float:
 
 @inlined
 def floor_albedo(floor: Floor, sign: float) -> Vector:
-    """Albedo of the floor where the (mean) sign of its chessboard is ``sign`` in [-1, 1]."""
+    """Albedo of the floor where the (mean) sign of its checker is ``sign`` in [-1, 1]."""
     bright = 0.5 + 0.5 * sign
     dark = 0.5 - 0.5 * sign
     return (

@@ -42,7 +42,8 @@ def pixel(
 ) -> tuple[int, Vector, Vector, float, int]:
     """Hit class, direct light, gloss, lobe weight and lobe evaluations of the pixel in column i of row j.
 
-    ``from_eye`` holds the ``count`` spheres as seen from the eye, ``from_point`` is room for as many.
+    ``from_eye`` holds the ``count`` spheres as seen from the eye, ``from_point`` is room for as many. Arguments are
+    many because a kernel takes numbers and arrays, and this is one pixel of one.
     """
     key = pixel_key(seed, i, j)
     eye = (frame[1], frame[2], frame[3])
@@ -101,7 +102,8 @@ def render_tile(
 ) -> int:
     """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; returns the lobe evaluations.
 
-    ``from_eye`` and ``from_point`` are room for the candidates, (n, CANDIDATE_COLUMNS) each.
+    ``from_eye`` and ``from_point`` are room for the candidates, (n, CANDIDATE_COLUMNS) each. Arguments are many because
+    a kernel takes numbers and arrays.
     """
     count = gather(world, from_eye, NOTHING, (frame[1], frame[2], frame[3]))
     evaluations = 0

@@ -73,7 +73,7 @@ def report(
     ``size`` shrinks until the truth, to ``tol`` a pixel, should take at most ``seconds``. ``estimators``: ``best``
     follow the lobe, ``chapter`` are the source chapter's. ``silhouettes``: K of the K x K points whose mean a pixel
     beside another shape is. ``finished(name, image)`` is told ``numeric``, ``symbolic`` and ``truth`` as they stand.
-    The rest is as in ``render``.
+    The rest is as in ``render``. Keywords are many because each is an option of ``symrender demo``, by its name.
     """
     loaded = load(scene)
     settings = demo_settings(size, lobe, estimators, silhouettes, disk, seed, threads)

@@ -16,7 +16,7 @@ class Solid(Part):
 
 
 class Checker(Part):
-    """Chessboard on the chart (u, v): albedo times 1 where sin(pi u ku) sin(pi v kv) >= 0, else times ``dark``."""
+    """Checker on the chart (u, v): albedo times 1 where sin(pi u ku) sin(pi v kv) >= 0, else times ``dark``."""
 
     type: Literal["checker"] = "checker"
     ku: Annotated[Frequency, Field(description="half-periods around the axis")] = 8.0
@@ -51,13 +51,13 @@ class FloorSolid(Part):
 
 
 class FloorChecker(Part):
-    """Chessboard floor: ``bright`` where sin(pi (x - ox)/cell) sin(pi (y - oy)/cell) >= 0, else ``dark``."""
+    """Checkered floor: ``bright`` where sin(pi (x - ox)/cell) sin(pi (y - oy)/cell) >= 0, else ``dark``."""
 
     type: Literal["checker"] = "checker"
     bright: Annotated[Albedo, Field(description="albedo of the bright fields")] = (0.6375, 0.6375, 0.85)
     dark: Annotated[Albedo, Field(description="albedo of the dark fields")] = (0.1125, 0.1125, 0.15)
     cell: Annotated[Length, Field(description="side of a field")] = 1.0
-    offset: Annotated[Point2, Field(description="a corner of the chessboard")] = (0.0, 0.0)
+    offset: Annotated[Point2, Field(description="a corner of the checker")] = (0.0, 0.0)
 
 
 FloorTexture = Annotated[FloorSolid | FloorChecker, Field(discriminator="type")]

@@ -41,7 +41,8 @@ def animate(
 
     ``over``: ``"floor.lobe.exponent=8:512:24:log"``, 24 values from 8 to 512, a frame each. ``orbit``: frames of one
     turn. ``folder`` receives the frames as PNG and, unless ``video`` is ``none``, a film of ``rate`` frames a second
-    (extra ``video``). The estimators follow the lobe. The rest is as in ``render``.
+    (extra ``video``). The estimators follow the lobe. The rest is as in ``render``. Keywords are many because each is
+    an option of ``symrender animate``, by its name.
     """
     if bool(over) == bool(orbit):
         raise OptionError("over, orbit: give exactly one of them")

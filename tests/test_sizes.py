@@ -1,0 +1,136 @@
+"""No function over 80 lines or 12 arguments and no file over 400 lines, but where its docstring gives the reason.
+
+A reason is a sentence that says what is long or many because of what. The options of a verb of the command line are
+its arguments, so what is counted there is the work below the docstring.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
+LINES, ARGUMENTS, FILE = 80, 12, 400
+REASON = re.compile(r"\b(?:[Ll]ong|[Mm]any)\b[^.]*\bbecause\b")
+DUE = frozenset(
+    [
+        "chambers/chart.py::sphere_chart",
+        "chambers/crossings.py::along_circle",
+        "chambers/crossings.py::circle_crossings",
+        "chambers/events.py::circle_events",
+        "chambers/highlights.py",
+        "chambers/line.py::scan_line",
+        "chambers/traces.py::add_contacts",
+        "chambers/traces.py::solve_trace",
+        "kernel/gather.py::gather",
+        "quadrature/disk_arcs.py::arc_term",
+        "quadrature/disk_arcs.py::boundary_sums",
+        "quadrature/disk_chords.py::chord_term",
+        "quadrature/disk_direct.py::direct_kernel",
+        "quadrature/disk_direct.py::is_tame",
+        "quadrature/disk_direct.py::toleranced",
+        "quadrature/disk_points.py::add_points",
+        "quadrature/disk_points.py::whole_disk",
+        "quadrature/disk_refined.py::panel_shines",
+        "quadrature/disk_refined.py::panel_sum",
+        "quadrature/disk_refined.py::piece_sum",
+        "quadrature/disk_refined.py::refined_chord",
+        "quadrature/disk_refined.py::refined_term",
+        "quadrature/disk_term.py::cut_or_whole",
+        "quadrature/disk_term.py::disk_term",
+        "quadrature/split_grid.py::grid_once",
+        "quadrature/split_grid.py::smooth_block",
+        "quadrature/split_line.py",
+        "quadrature/split_line.py::integrate_cells",
+        "quadrature/split_panel.py",
+        "quadrature/split_panel.py::evaluate_panel",
+        "quadrature/split_panel.py::split_chart",
+        "quadrature/split_point.py::gloss_kernel",
+        "quadrature/split_square.py",
+        "quadrature/split_square.py::cut_square",
+        "quadrature/split_square.py::strip_integral",
+        "quadrature/tangent_direct.py::direct_gradient_kernel",
+        "quadrature/tangent_disk.py::arc_gradient",
+        "quadrature/tangent_disk.py::disk_gradient",
+        "quadrature/tangent_disk.py::disk_node",
+        "quadrature/tangent_disk.py::moving_arc",
+        "quadrature/tangent_grid.py",
+        "quadrature/tangent_grid.py::grid_node",
+        "quadrature/tangent_grid.py::replay_grid",
+        "quadrature/tangent_grid.py::replay_once",
+        "quadrature/tangent_grid.py::row_adjoint",
+        "quadrature/tangent_grid.py::square_adjoint",
+        "quadrature/tangent_grid.py::strip_adjoint",
+        "quadrature/tangent_light.py::offset_gradient",
+        "quadrature/tangent_line.py",
+        "quadrature/tangent_line.py::line_adjoint",
+        "quadrature/tangent_line.py::node_adjoint",
+        "quadrature/tangent_line.py::piece_adjoint",
+        "quadrature/tangent_line.py::walls_adjoint",
+        "quadrature/tangent_panel.py",
+        "quadrature/tangent_panel.py::panel_adjoint",
+        "quadrature/tangent_panel.py::replay_chart",
+        "quadrature/tangent_point.py",
+        "quadrature/tangent_point.py::gradient_kernel",
+        "targets/glsl.py",
+    ]
+)
+"""What is too large today and gives no reason: the list may only become shorter."""
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def reasoned(node: ast.Module | Function) -> bool:
+    return bool(REASON.search(" ".join((ast.get_docstring(node) or "").split())))
+
+
+def size(node: Function, *, verb: bool = False) -> tuple[int, int]:
+    """Lines, with the docstring, and arguments, without ``self``."""
+    every = [*node.args.posonlyargs, *node.args.args]
+    count = len(every) - (bool(every) and every[0].arg in ("self", "cls")) + len(node.args.kwonlyargs)
+    count += (node.args.vararg is not None) + (node.args.kwarg is not None)
+    assert node.end_lineno is not None
+    if verb:
+        return node.end_lineno - node.body[1].lineno + 1, 0
+    return node.end_lineno - node.lineno + 1, count
+
+
+def too_large(name: str, text: str) -> Iterator[str]:
+    """``file.py`` and ``file.py::function`` of what is too large in a file and gives no reason."""
+    tree = ast.parse(text)
+    if len(text.splitlines()) > FILE and not reasoned(tree):
+        yield name
+    for node in ast.walk(tree):
+        if isinstance(node, Function):
+            verb = name == f"cli/{node.name}.py" and node in tree.body
+            lines, count = size(node, verb=verb)
+            if (lines > LINES or count > ARGUMENTS) and not reasoned(node):
+                yield f"{name}::{node.name}"
+
+
+def test_what_is_large_gives_its_reason() -> None:
+    files = {
+        path.relative_to(PACKAGE).as_posix(): path.read_text("utf-8")
+        for path in PACKAGE.rglob("*.py")
+        if path.parent != PACKAGE / "chapter" / "cells"
+    }
+    assert len(files) > 250
+    found = {entry for name, text in files.items() for entry in too_large(name, text)}
+    assert sorted(found - DUE) == [], "too large, without a reason in its docstring"
+    assert sorted(DUE - found) == [], "small enough by now: strike it from the list"
+    assert not {entry for entry in DUE if entry.split("/")[0] not in ("chambers", "quadrature", "kernel", "targets")}
+
+
+def test_what_is_planted_is_seen() -> None:
+    body = "\n".join("    x = 1" for _ in range(LINES))
+    many = ", ".join(f"a{k}" for k in range(ARGUMENTS + 1))
+    excuse = '    """Long because the world is."""'
+    assert list(too_large("a.py", f"def f():\n{body}")) == ["a.py::f"]
+    assert list(too_large("a.py", f"def f():\n{excuse}\n{body}")) == []
+    assert list(too_large("a.py", f"def f({many}): pass")) == ["a.py::f"]
+    assert list(too_large("a.py", f"class A:\n    def f(self, {many.removeprefix('a0, ')}): pass")) == []
+    assert list(too_large("cli/f.py", f"def f({many}):\n    'Does it.'\n    x = 1")) == []
+    assert list(too_large("cli/f.py", f"def f({many}):\n    'Does it.'\n{body}\n    x = 1")) == ["cli/f.py::f"]
+    assert list(too_large("a.py", "\n" * (FILE + 1))) == ["a.py"]
