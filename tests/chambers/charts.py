@@ -16,7 +16,7 @@ from symrender.probe import _places
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import lobe_setup
 from symrender.quadrature.split_setup import inside_another, place_point
-from symrender.scene.arrays import FIRST_SPHERE, FLOOR, FLOOR_PRESENT, scene_arrays
+from symrender.scene.arrays import FIRST_SPHERE, FLOOR, scene_arrays
 from symrender.scene.load import load
 
 FLOOR_CHART = -1
@@ -39,7 +39,7 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
     assert shape is not None
     if shape.lobe is None or shape.lobe.mirror or inside_another(place[0], own, view.spheres):
         return
-    away = place[0] - arrays.camera[1:4]
+    away = place[0] - arrays.camera.eye
     lobe = np.zeros(3)
     begin_counts(10**9, work)
     place_point(place[0], normal[0], away / np.linalg.norm(away), lobe, work.chart)
@@ -48,7 +48,7 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
         if j == own:
             continue
         if j == FLOOR_CHART:
-            if surface == FLOOR or arrays.floor[FLOOR_PRESENT] == 0.0 or place[0, 2] == 0.0:
+            if surface == FLOOR or arrays.floor.present == 0.0 or place[0, 2] == 0.0:
                 continue
             floor_chart(own, lobe, view, work)
         else:

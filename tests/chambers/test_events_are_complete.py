@@ -19,19 +19,19 @@ from symrender.chambers.line import scan_line
 from symrender.chambers.records import Event
 from symrender.chambers.walls import GLEAM_EDGE, PENUMBRA
 from symrender.chambers.work import View, Work
+from symrender.kernel_cache import compiled
 from symrender.records import table
 
 from .charts import charts_of
 
 INSIDE = (0.003, 0.1, 0.3, 0.5, 0.7, 0.9, 0.997)
 SEARCHED = (GLEAM_EDGE, PENUMBRA)
+SCAN = compiled(scan_line)
 
 
 def structure(phi: float, view: View, work: Work) -> tuple[tuple[int, int], ...]:
     """Walls below the cells of a line and what is seen of them, without walls that are searched."""
-    with np.errstate(over="ignore"):
-        # signatures wrap
-        scan_line(phi, view, work, np.zeros(4))
+    SCAN(phi, view, work, np.zeros(4))
     found: list[tuple[int, int]] = []
     for cell in range(work.counts.cells):
         wall = int(work.cell_wall[cell])

@@ -65,10 +65,11 @@ def _places(arrays: SceneArrays, sphere: bool) -> list[tuple[np.ndarray, np.ndar
         place = (
             np.append(rng.uniform(-2.5, 2.5, 2), 0.0)
             if sphere
-            else arrays.spheres[own, :3] + normal * arrays.spheres[own, 3]
+            else arrays.spheres[own].center + normal * arrays.spheres[own].radius
         )
-        inside = np.linalg.norm(arrays.spheres[:, :3] - place, axis=1) < arrays.spheres[:, 3] * (1 - 1e-9)
-        if place[2] >= 0.0 and not inside.any() and (arrays.camera[1:4] - place) @ normal > 0.0:
+        away = np.linalg.norm(arrays.spheres["center"] - place, axis=1)
+        inside = away < arrays.spheres["radius"] * (1 - 1e-9)
+        if place[2] >= 0.0 and not inside.any() and (arrays.camera.eye - place) @ normal > 0.0:
             found.append((place, normal, own))
     return found
 
@@ -81,7 +82,7 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
     work, axis, seen = work_arrays(len(arrays.spheres), len(lights)), np.zeros(3), 0
     found, scratch = np.zeros(LINES), np.zeros(4)
     for place, normal, own in _places(arrays, sphere):
-        ray = place - arrays.camera[1:4]
+        ray = place - arrays.camera.eye
         place_point(place, normal, ray / np.linalg.norm(ray), axis, work.chart)
         lobe_setup(4.0, 1.2, 1e-9, 1.0, work.chart)
         for j in range(len(arrays.spheres)) if sphere else [-1]:

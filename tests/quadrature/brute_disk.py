@@ -6,34 +6,34 @@ import itertools
 
 import numpy as np
 
-from symrender.scene.arrays import SceneArrays
+from symrender.scene.arrays import CUT, PHONG, SceneArrays
 
 
 def integrand(a: SceneArrays, q, normal, view, own: int, disk, points):
-    """(V max(0, N.l), V s) at points (m, 3) of the light ``disk``, a row of ``arrays.lights``; own -1 is the floor."""
+    """(V max(0, N.l), V s) at points (m, 3) of the light ``disk``, one of ``arrays.lights``; own -1 is the floor."""
     offset = points - q
     l = offset / np.sqrt((offset**2).sum(-1, keepdims=True))
     cosine = l @ normal
     clear = np.ones(len(points), bool)
-    if a.floor[0]:
+    if a.floor.present:
         clear &= (points[:, 2] if own < 0 else q[2] * points[:, 2]) > 0
     for k, s in enumerate(a.spheres):
         if k == own:
-            clear &= ((points - s[:3]) ** 2).sum(-1) >= s[3] ** 2
+            clear &= ((points - s.center) ** 2).sum(-1) >= s.radius**2
             continue
-        f = q - s[:3]
+        f = q - s.center
         t = np.clip(-(offset @ f) / (offset**2).sum(-1), 0, 1)
-        met = ((f + t[:, None] * offset) ** 2).sum(-1) < s[3] ** 2
-        if f @ f < s[3] ** 2:
-            met = ((points - s[:3]) ** 2).sum(-1) >= s[3] ** 2
+        met = ((f + t[:, None] * offset) ** 2).sum(-1) < s.radius**2
+        if f @ f < s.radius**2:
+            met = ((points - s.center) ** 2).sum(-1) >= s.radius**2
         clear &= ~met
-    if a.shading[4] == 1:
+    if a.shading.model == PHONG:
         base = 2 * cosine * (normal @ view) - l @ view
     else:
         h = l + view
         base = (h @ normal) / np.sqrt((h**2).sum(-1))
-    gleam = np.maximum(base, 0.0) ** a.shading[3]
-    if a.shading[6] == 0:
+    gleam = np.maximum(base, 0.0) ** a.shading.shininess
+    if a.shading.terminator == CUT:
         gleam = np.where(cosine > 0, gleam, 0.0)
     return clear * np.maximum(cosine, 0), clear * gleam, clear, cosine > 0
 
@@ -48,10 +48,10 @@ def means(a: SceneArrays, q, normal, view, own: int, disk, e1, e2, azimuths: int
     grid = np.linspace(0, 1, 201)
     total = np.zeros(2)
     for angle in 2 * np.pi * (np.arange(azimuths) + 0.5) / azimuths:
-        ray = disk[4] * (np.cos(angle) * e1 + np.sin(angle) * e2)
+        ray = disk.radius * (np.cos(angle) * e1 + np.sin(angle) * e2)
 
         def label(r, ray=ray):
-            _, _, clear, above = integrand(a, q, normal, view, own, disk, disk[1:4] + np.outer(r, ray))
+            _, _, clear, above = integrand(a, q, normal, view, own, disk, disk.position + np.outer(r, ray))
             return 2 * clear + above
 
         marks = label(grid)
@@ -65,6 +65,6 @@ def means(a: SceneArrays, q, normal, view, own: int, disk, e1, e2, azimuths: int
         cuts.append(1.0)
         for low, high in itertools.pairwise(cuts):
             r = low + (high - low) * 0.5 * (1 + x)
-            d, s, _, _ = integrand(a, q, normal, view, own, disk, disk[1:4] + np.outer(r, ray))
+            d, s, _, _ = integrand(a, q, normal, view, own, disk, disk.position + np.outer(r, ray))
             total += (high - low) * np.array([(w * r * d).sum(), (w * r * s).sum()])
     return total / azimuths

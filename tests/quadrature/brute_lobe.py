@@ -8,8 +8,19 @@ import numpy as np
 
 from symrender.chambers.records import LightPoint
 from symrender.quadrature.light_points import disk_frame, light_rows
-from symrender.records import joined
-from symrender.scene.arrays import DISK, SceneArrays
+from symrender.records import joined, table
+from symrender.scene.arrays import (
+    BRDF_NORMALISED,
+    CHECKER,
+    CUT,
+    DISK,
+    EYE,
+    MARBLE,
+    PHONG,
+    STRIPES,
+    SceneArrays,
+)
+from symrender.scene.records import Light
 
 
 def _unit(v):
@@ -31,16 +42,16 @@ def radiance(a: SceneArrays, origin, directions, own: int, lights) -> np.ndarray
     for j, s in enumerate(a.spheres):
         if j == own:
             continue
-        hit, near, far = _sphere_roots(origin, directions, s[:3], s[3])
+        hit, near, far = _sphere_roots(origin, directions, s.center, s.radius)
         t = np.where(near > 0, near, far)
         closer = hit & (t > 0) & (t < best)
         best, shape = np.where(closer, t, best), np.where(closer, j, shape)
-    if a.floor[0] and own != -1:
+    if a.floor.present and own != -1:
         with np.errstate(divide="ignore", invalid="ignore"):
             t = -origin[2] / directions[:, 2]
         closer = (t > 0) & (t < best) & (directions[:, 2] != 0)
         best, shape = np.where(closer, t, best), np.where(closer, -2, shape)
-    out = np.tile(a.shading[10:13], (m, 1))
+    out = np.tile(a.shading.background, (m, 1))
     sh = a.shading
     for j in (-2, *range(len(a.spheres))):
         sel = shape == j
@@ -54,54 +65,54 @@ def radiance(a: SceneArrays, origin, directions, own: int, lights) -> np.ndarray
                 continue
             q[:, 2] = 0.0
             normal = np.tile([0.0, 0.0, 1.0], (len(q), 1))
-            if a.floor[1] == 1:
-                x, y = (q[:, 0] - a.floor[9]) / a.floor[8], (q[:, 1] - a.floor[10]) / a.floor[8]
+            if a.floor.kind == CHECKER:
+                x, y = ((q[:, :2] - a.floor.offset) / a.floor.cell).T
                 side = (np.sin(np.pi * x) * np.sin(np.pi * y) >= 0)[:, None]
             else:
                 side = np.ones((len(q), 1), bool)
-            albedo = np.where(side, a.floor[2:5], a.floor[5:8])
+            albedo = np.where(side, a.floor.bright, a.floor.dark)
         else:
             s = a.spheres[j]
-            normal = (q - s[:3]) / s[3]
+            normal = (q - s.center) / s.radius
             u = (np.arctan2(normal[:, 1], normal[:, 0]) + np.pi) / (2 * np.pi)
             v = np.arccos(np.clip(normal[:, 2], -1, 1)) / np.pi
-            sign_u, sign_v = np.sin(np.pi * u * s[8]), np.sin(np.pi * v * s[9])
+            sign_u, sign_v = np.sin(np.pi * u * s.ku), np.sin(np.pi * v * s.kv)
             factor = np.ones(len(q))
-            if s[7] == 1:
-                factor = np.where(sign_u * sign_v >= 0, 1.0, s[10])
-            elif s[7] == 2:
-                factor = np.where(sign_u >= 0, 1.0, s[10])
-            elif s[7] == 3:
-                vein = np.sin(2 * np.pi * (s[8] * u + 0.35 * np.sin(3 * np.pi * s[9] * v)))
+            if s.texture == CHECKER:
+                factor = np.where(sign_u * sign_v >= 0, 1.0, s.dark)
+            elif s.texture == STRIPES:
+                factor = np.where(sign_u >= 0, 1.0, s.dark)
+            elif s.texture == MARBLE:
+                vein = np.sin(2 * np.pi * (s.ku * u + 0.35 * np.sin(3 * np.pi * s.kv * v)))
                 factor = 0.55 + 0.45 * (0.5 + 0.5 * vein)
-            albedo = s[4:7] * factor[:, None]
-        view = _unit(a.camera[1:4] - q) if sh[5] == 1 else -w
-        color = np.tile(sh[0] * sh[7:10], (len(q), 1))
+            albedo = s.color * factor[:, None]
+        view = _unit(a.camera.eye - q) if sh.highlight_view == EYE else -w
+        color = np.tile(sh.ka * sh.ambient, (len(q), 1))
         for p in lights:
             offset = p.position - q
             l = _unit(offset)
             clear = np.ones(len(q), bool)
-            if a.floor[0]:
+            if a.floor.present:
                 height = q[:, 2] if j >= 0 else np.full(len(q), np.sign(origin[2]) or 1.0)
                 clear &= height * p.position[2] >= 0
             for k, s in enumerate(a.spheres):
                 if k == j:
-                    if ((p.position - s[:3]) ** 2).sum() < s[3] ** 2:
+                    if ((p.position - s.center) ** 2).sum() < s.radius**2:
                         clear[:] = False
                     continue
-                f = q - s[:3]
+                f = q - s.center
                 t = np.clip(-(f * offset).sum(-1) / (offset * offset).sum(-1), 0, 1)
-                clear &= ((f + t[:, None] * offset) ** 2).sum(-1) >= s[3] ** 2
+                clear &= ((f + t[:, None] * offset) ** 2).sum(-1) >= s.radius**2
             cosine = (normal * l).sum(-1)
-            if sh[4] == 1:
+            if sh.model == PHONG:
                 base = 2 * cosine * (normal * view).sum(-1) - (l * view).sum(-1)
             else:
                 base = (normal * _unit(l + view)).sum(-1)
-            gleam = np.maximum(base, 0.0) ** sh[3]
-            if sh[6] == 0:
+            gleam = np.maximum(base, 0.0) ** sh.shininess
+            if sh.terminator == CUT:
                 gleam = np.where(cosine > 0, gleam, 0.0)
-            diffuse = sh[1] * albedo * np.maximum(cosine, 0)[:, None]
-            color += clear[:, None] * p.color * (diffuse + sh[2] * gleam[:, None])
+            diffuse = sh.kd * albedo * np.maximum(cosine, 0)[:, None]
+            color += clear[:, None] * p.color * (diffuse + sh.ks * gleam[:, None])
         out[sel] = color
     return out
 
@@ -112,13 +123,15 @@ def exact_rows(a: SceneArrays):
     angle = 2 * np.pi * (np.arange(8) + 0.5) / 8
     found = []
     for light in a.lights:
-        rows = light_rows(dataclasses.replace(a, lights=light[None]), 1)
-        if light[0] == DISK:
-            e1, e2 = disk_frame(light[1:4], light[8:11])
+        alone = table(Light, 1)
+        alone[0] = light
+        rows = light_rows(dataclasses.replace(a, lights=alone), 1)
+        if light.kind == DISK:
+            e1, e2 = disk_frame(light.position, light.target)
             rows = joined(LightPoint, [rows] * 32)
             around = np.outer(np.cos(angle), e1) + np.outer(np.sin(angle), e2)
-            rows["position"][:] = light[1:4] + np.kron(light[4] * np.sqrt(0.5 + 0.5 * nodes)[:, None], around)
-            rows["color"][:] = np.repeat(weights / 16, 8)[:, None] * light[5:8]
+            rows["position"][:] = light.position + np.kron(light.radius * np.sqrt(0.5 + 0.5 * nodes)[:, None], around)
+            rows["color"][:] = np.repeat(weights / 16, 8)[:, None] * light.color
         found.append(rows)
     return joined(LightPoint, found)
 
@@ -144,7 +157,7 @@ def gloss(a: SceneArrays, origin, normal, incoming, own: int, n, theta_max, ring
     for c, s in zip(cosine, sine, strict=True):
         w = c * m + s * (np.cos(phi)[:, None] * e1 + np.sin(phi)[:, None] * e2)
         f = radiance(a, origin, _unit(w), own, lights)
-        if a.shading[13] == 1:
+        if a.shading.units == BRDF_NORMALISED:
             f = f * ((n + 2) / u * end * (w @ normal))[:, None]
         total += np.where((w @ normal > 0)[:, None], f, 0.0).sum(0)
     return total / (rings * sectors)

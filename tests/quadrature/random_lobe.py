@@ -9,7 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.quadrature.split_point import SplitResult, gloss_points
-from symrender.scene.arrays import CHECKER, DISK, MARBLE, SHADING_COLUMNS, SOLID, STRIPES, SceneArrays
+from symrender.records import record, table
+from symrender.scene.arrays import CHECKER, DISK, MARBLE, SOLID, STRIPES, SceneArrays
+from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 
 from . import brute_lobe
 
@@ -65,58 +67,58 @@ def _unit(rng: np.random.Generator) -> Array:
 
 def _attempt(rng: np.random.Generator, seed: int) -> RandomLobe | None:
     count = int(rng.integers(1, 5))
-    spheres = np.zeros((count, 14))
+    spheres = table(Sphere, count)
     for s in spheres:
-        s[3] = math.exp(rng.uniform(math.log(0.05), math.log(1.5)))
-        s[:3] = rng.uniform(-2, 2, 3)
-        s[2] = s[3] + rng.uniform(0, 2) if rng.random() < 0.8 else rng.uniform(-0.5, 1)
-        s[4:7] = rng.uniform(0, 1, 3)
-        s[7] = rng.choice((SOLID, SOLID, CHECKER, STRIPES, MARBLE))
-        s[8], s[9], s[10] = rng.integers(1, 13), rng.integers(1, 9), rng.uniform(0, 0.5)
-    floor = np.zeros(14)
-    floor[0] = float(rng.random() < 0.85)
-    floor[1] = float(rng.integers(0, 2))
-    floor[2:8] = rng.uniform(0, 1, 6)
-    if floor[1] == SOLID:
-        floor[5:8] = floor[2:5]
-    floor[8], floor[9:11] = rng.choice((1.0, 0.5, 2.0)), rng.uniform(-1, 1, 2)
-    lights = np.zeros((int(rng.integers(1, 4)), 11))
+        s.radius = math.exp(rng.uniform(math.log(0.05), math.log(1.5)))
+        s.center[:] = rng.uniform(-2, 2, 3)
+        s.center[2] = s.radius + rng.uniform(0, 2) if rng.random() < 0.8 else rng.uniform(-0.5, 1)
+        s.color[:] = rng.uniform(0, 1, 3)
+        s.texture = rng.choice((SOLID, SOLID, CHECKER, STRIPES, MARBLE))
+        s.ku, s.kv, s.dark = rng.integers(1, 13), rng.integers(1, 9), rng.uniform(0, 0.5)
+    floor = record(Floor)
+    floor.present = float(rng.random() < 0.85)
+    floor.kind = float(rng.integers(0, 2))
+    floor.bright[:], floor.dark[:] = rng.uniform(0, 1, (2, 3))
+    if floor.kind == SOLID:
+        floor.dark[:] = floor.bright
+    floor.cell, floor.offset[:] = rng.choice((1.0, 0.5, 2.0)), rng.uniform(-1, 1, 2)
+    lights = table(Light, int(rng.integers(1, 4)))
     for light in lights:
-        light[0] = float(rng.random() < 0.4)
-        light[1:4] = _unit(rng) * rng.uniform(3, 20)
-        light[3] = abs(light[3]) + 1.0
-        light[5:8] = rng.uniform(0, 1, 3)
-        if light[0] == DISK:
-            light[4] = rng.uniform(0.05, 1.0)
-    shading = np.zeros(SHADING_COLUMNS)
-    shading[:3] = 0.1, rng.uniform(0.2, 1.0), rng.choice((0.0, 0.3, 0.5))
-    shading[3] = math.exp(rng.uniform(math.log(1.0), math.log(300.0))) if rng.random() < 0.7 else 32.0
-    shading[4:7] = rng.integers(0, 2, 3)
-    shading[7:10] = rng.uniform(0, 0.3, 3)
+        light.kind = float(rng.random() < 0.4)
+        light.position[:] = _unit(rng) * rng.uniform(3, 20)
+        light.position[2] = abs(light.position[2]) + 1.0
+        light.color[:] = rng.uniform(0, 1, 3)
+        if light.kind == DISK:
+            light.radius = rng.uniform(0.05, 1.0)
+    shading = record(Shading)
+    shading.ka, shading.kd, shading.ks = 0.1, rng.uniform(0.2, 1.0), rng.choice((0.0, 0.3, 0.5))
+    shading.shininess = math.exp(rng.uniform(math.log(1.0), math.log(300.0))) if rng.random() < 0.7 else 32.0
+    shading.model, shading.highlight_view, shading.terminator = rng.integers(0, 2, 3)
+    shading.ambient[:] = rng.uniform(0, 0.3, 3)
     if rng.random() < 0.4:
-        shading[10:13] = rng.uniform(0, 0.5, 3)
+        shading.background[:] = rng.uniform(0, 0.5, 3)
     eye = _unit(rng) * rng.uniform(3, 6)
     eye[2] = abs(eye[2]) + 0.3
-    if (np.linalg.norm(spheres[:, :3] - eye, axis=1) <= spheres[:, 3]).any():
+    if (np.linalg.norm(spheres["center"] - eye, axis=1) <= spheres["radius"]).any():
         return None
-    camera = np.zeros(11)
-    camera[1:4] = eye
+    camera = record(Camera)
+    camera.eye[:] = eye
     exponent = 0.0 if rng.random() < 0.05 else math.exp(rng.uniform(0, math.log(rng.choice((100.0, 1e4, 1e9)))))
     theta_max = math.pi / 2 if rng.random() < 0.2 else rng.uniform(0.02, math.pi / 2)
-    spheres[:, 12], spheres[:, 13] = exponent, theta_max
-    floor[12:14] = exponent, theta_max
+    for lobed in (floor, *spheres):
+        lobed.exponent, lobed.theta_max = exponent, theta_max
     arrays = SceneArrays(spheres, floor, lights, shading, camera)
     own = int(rng.integers(-1, count))
     if own < 0:
         point, normal = np.array([*rng.uniform(-3, 3, 2), 0.0]), np.array([0.0, 0.0, 1.0])
-        floor[0] = 1.0
+        floor.present = 1.0
     else:
         normal = _unit(rng)
-        point = spheres[own, :3] + spheres[own, 3] * normal
-        if floor[0] and point[2] <= 0:
+        point = spheres[own].center + spheres[own].radius * normal
+        if floor.present and point[2] <= 0:
             return None
-    distance = np.linalg.norm(spheres[:, :3] - point, axis=1)
-    if any(distance[k] <= spheres[k, 3] * (1 + 1e-6) for k in range(count) if k != own):
+    distance = np.linalg.norm(spheres["center"] - point, axis=1)
+    if any(distance[k] <= spheres[k].radius * (1 + 1e-6) for k in range(count) if k != own):
         return None
     incoming = (point - eye) / np.linalg.norm(point - eye)
     if incoming @ normal >= -1e-3:

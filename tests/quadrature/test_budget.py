@@ -31,8 +31,8 @@ def test_no_point_takes_much_more_than_its_budget(name: str, changes: dict, disk
     normals = rng.normal(size=(POINTS, 3))
     normals[:, 2] = np.abs(normals[:, 2])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    points = a.spheres[0, :3] + a.spheres[0, 3] * normals
-    incoming = points - a.camera[1:4]
+    points = a.spheres[0].center + a.spheres[0].radius * normals
+    incoming = points - a.camera.eye
     incoming /= np.linalg.norm(incoming, axis=1, keepdims=True)
     towards = (incoming * normals).sum(axis=1, keepdims=True)
     incoming -= 2.0 * np.maximum(towards, 0.0) * normals

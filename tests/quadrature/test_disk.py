@@ -11,15 +11,23 @@ from emitted import FORMULAS
 from symrender.errors import OptionError
 from symrender.limits import MAX_LIGHT_POINTS
 from symrender.quadrature.disk import centroids, light_points
-from symrender.scene import arrays as at
-from symrender.scene.arrays import scene_arrays
+from symrender.records import Table, table
+from symrender.scene.arrays import DISK, scene_arrays
 from symrender.scene.load import load
+from symrender.scene.records import Light
 
 PLACE = FORMULAS.light_point
 
 
-def disk(position: tuple[float, float, float], target: tuple[float, float, float], radius: float) -> np.ndarray:
-    return np.array([[at.DISK, *position, radius, 1.5, 1.0, 0.25, *target]])
+def disk(
+    position: tuple[float, float, float], target: tuple[float, float, float], radius: float, count: int = 1
+) -> Table[Light]:
+    """The same disk ``count`` times."""
+    rows = table(Light, count)
+    for row in rows:
+        row.kind, row.radius = DISK, radius
+        row.position[:], row.color[:], row.target[:] = position, (1.5, 1.0, 0.25), target
+    return rows
 
 
 @pytest.mark.parametrize("k", [1, 2, 3, 8])
@@ -76,10 +84,10 @@ def test_mean_cosine_of_a_disk_on_axis() -> None:
 
 def test_too_many_points_are_refused_before_they_are_made() -> None:
     k = 256
-    lights = np.repeat(disk((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), 1.0), 2, axis=0)
+    lights = disk((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), 1.0, 2)
     with pytest.raises(OptionError, match=f"{2 * k * k} light points exceed {MAX_LIGHT_POINTS}"):
         light_points(lights, k, PLACE)
 
 
 def test_no_lights_are_no_points() -> None:
-    assert light_points(np.zeros((0, at.LIGHT_COLUMNS)), 2, PLACE).shape == (0, 6)
+    assert light_points(table(Light, 0), 2, PLACE).shape == (0, 6)

@@ -17,8 +17,10 @@ from symrender.quadrature.disk_curves import (
     trig_roots,
 )
 from symrender.quadrature.light_points import light_rows
+from symrender.records import copied, record
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.load import load
+from symrender.scene.records import Floor
 
 
 def level(k: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -68,17 +70,18 @@ def test_a_ball_hides_what_the_literal_question_says() -> None:
     a = scene_arrays(load("penumbra"))
     seen = dict.fromkeys((CLEAR, CUTS, WITHIN, COVERS, TOUCHES), 0)
     for _ in range(4000):
-        ball, light = a.spheres[:1].copy(), a.lights.copy()
-        light[0, 1:4], light[0, 4], light[0, 8:11] = rng.uniform(-1, 1, 3), 10 ** rng.uniform(-1, 0), rng.normal(size=3)
+        balls, lights = copied(a.spheres[:1]), copied(a.lights)
+        ball, light = balls[0], lights[0]
+        light.position[:], light.radius = rng.uniform(-1, 1, 3), 10 ** rng.uniform(-1, 0)
+        light.target[:] = rng.normal(size=3)
         q = rng.normal(size=3)
         q *= rng.uniform(2, 4) / np.linalg.norm(q)
-        ball[0, :3] = q + rng.uniform(-0.3, 1.3) * (light[0, 1:4] - q) + 0.3 * rng.normal(size=3)
-        ball[0, 3] = 10 ** rng.uniform(-1.3, -0.1)
-        if np.linalg.norm(q - ball[0, :3]) < 1.02 * ball[0, 3]:
+        ball.center[:] = q + rng.uniform(-0.3, 1.3) * (light.position - q) + 0.3 * rng.normal(size=3)
+        ball.radius = 10 ** rng.uniform(-1.3, -0.1)
+        if np.linalg.norm(q - ball.center) < 1.02 * ball.radius:
             continue
-        a.lights[:] = light
-        p = light_rows(a, 0)
-        scene, work = SceneArrays(ball, np.zeros_like(a.floor), light, a.shading, a.camera), work_arrays(1, 1)
+        scene, work = SceneArrays(balls, record(Floor), lights, a.shading, a.camera), work_arrays(1, 1)
+        p = light_rows(scene, 0)
         view = scene_view(scene, p)
         work.chart.shape_index, work.chart.side, work.counts.casters = -1, 1.0, 1
         work.casters[0].light, work.casters[0].ball = 0, 0
@@ -86,7 +89,7 @@ def test_a_ball_hides_what_the_literal_question_says() -> None:
         normal = (p[0].position - q) / np.linalg.norm(p[0].position - q)
         n, lifted = disk_curves(0, *q, *normal, view, work)
         assert lifted or n < 0
-        how = cover(*q, p[0], *ball[0, :4])
+        how = cover(*q, p[0], *ball.center, ball.radius)
         seen[how] += 1
         row = work.curves[0]
         if how == COVERS:

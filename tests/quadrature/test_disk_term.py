@@ -47,22 +47,23 @@ def random_world(rng: np.random.Generator) -> tuple[SceneArrays, np.ndarray, np.
     while True:
         a = scene_arrays(load("penumbra"))
         count = rng.integers(2, 5)
-        spheres = np.repeat(a.spheres[:1], count, axis=0)
-        spheres[:, :3] = rng.uniform([-1.5, -1.5, 0.2], [1.5, 1.5, 2.5], (count, 3))
-        spheres[:, 3] = rng.uniform(0.1, 0.8, count)
+        spheres = np.repeat(a.spheres[:1], count)
+        spheres["center"] = rng.uniform([-1.5, -1.5, 0.2], [1.5, 1.5, 2.5], (count, 3))
+        spheres["radius"] = rng.uniform(0.1, 0.8, count)
         a = replace(a, spheres=spheres)
-        a.lights[0, 1:4] = rng.uniform([-4, -4, 1], [4, 4, 6])
-        a.lights[0, 4], a.lights[0, 8:11] = 10 ** rng.uniform(-1, 0.2), rng.uniform(-1, 1, 3)
-        a.shading[3:5], a.shading[6] = (rng.choice([32, 200]), rng.integers(2)), rng.integers(2)
+        light, shading = a.lights[0], a.shading
+        light.position[:] = rng.uniform([-4, -4, 1], [4, 4, 6])
+        light.radius, light.target[:] = 10 ** rng.uniform(-1, 0.2), rng.uniform(-1, 1, 3)
+        shading.shininess, shading.model, shading.terminator = rng.choice([32, 200]), rng.integers(2), rng.integers(2)
         own = int(rng.integers(-1, count))
         normal = np.array([0.0, 0.0, 1.0])
         q = np.array([*rng.uniform(-2, 2, 2), 0.0])
         if own >= 0:
             normal = rng.normal(size=3)
             normal /= math.sqrt(normal @ normal)
-            q = spheres[own, :3] + spheres[own, 3] * normal
+            q = spheres[own].center + spheres[own].radius * normal
         others = [s for k, s in enumerate(spheres) if k != own]
-        if q[2] < 0 or any(((q - s[:3]) ** 2).sum() < s[3] ** 2 for s in others):
+        if q[2] < 0 or any(((q - s.center) ** 2).sum() < s.radius**2 for s in others):
             continue
         view = rng.normal(size=3)
         view /= math.sqrt(view @ view)
@@ -87,7 +88,7 @@ def against_brute_force(a: SceneArrays, q, normal, view, own: int, found: np.nda
     Kinks in azimuth leave its midpoint rule an error of order 3/2 and an erratic sign.
     """
     light = a.lights[0]
-    frame = disk_frame(light[1:4], light[8:11])
+    frame = disk_frame(light.position, light.target)
     coarse, fine = (brute_disk.means(a, q, normal, view, own, light, *frame, n) for n in (40, 80))
     assert np.abs(found - fine).max() <= 6 * np.abs(fine - coarse).max() + 2e-3, (found, fine, own)
 
@@ -98,7 +99,9 @@ def test_disks_through_the_floor() -> None:
     seen = {"floor": 0, "floor, below": 0, "floor, open": 0, "sphere": 0}
     while min(seen.values()) < 5:
         a, q, normal, view, own = random_world(rng)
-        a.lights[0, 3], a.lights[0, 4], a.shading[3] = rng.uniform(-0.5, 0.5), rng.uniform(0.5, 2), rng.choice([0, 2])
+        light = a.lights[0]
+        light.position[2], light.radius = rng.uniform(-0.5, 0.5), rng.uniform(0.5, 2)
+        a.shading.shininess = rng.choice([0, 2])
         state, found = mean(a, q, normal, view, own)
         if state < PARTLY:
             continue
@@ -106,8 +109,8 @@ def test_disks_through_the_floor() -> None:
         seen["sphere"] += own >= 0
         if own < 0 and found[0] > 0:
             seen["floor"] += 1
-            seen["floor, below"] += a.lights[0, 3] < 0
-            seen["floor, open"] += a.shading[6] == OPEN and found[1] > 0.01
+            seen["floor, below"] += light.position[2] < 0
+            seen["floor, open"] += a.shading.terminator == OPEN and found[1] > 0.01
 
 
 def test_half_a_disk_over_the_floor_in_closed_form() -> None:
@@ -118,7 +121,8 @@ def test_half_a_disk_over_the_floor_in_closed_form() -> None:
     a = scene_arrays(load("penumbra"))
     a = replace(a, spheres=a.spheres[:0])
     for h, rho in ((2.0, 0.5), (1.0, 0.9), (3.0, 2.0)):
-        a.lights[0, 1:4], a.lights[0, 4], a.lights[0, 8:11] = (h, 0, 0), rho, (0, 0, 0)
+        light = a.lights[0]
+        light.position[:], light.radius, light.target[:] = (h, 0, 0), rho, (0, 0, 0)
         state, found = mean(a, np.zeros(3), np.array([0, 0, 1.0]), np.array([0, 0, 1.0]), -1)
         assert state >= PARTLY
         integral = 0.5 * (rho * math.hypot(h, rho) - h * h * math.asinh(rho / h))
@@ -132,18 +136,18 @@ def test_disks_seen_edge_on() -> None:
     while min(cut.values()) < 4:
         a, q, normal, view, own = random_world(rng)
         light = a.lights[0]
-        a.shading[3] = 2.0
-        away = light[1:4] - q
+        a.shading.shininess = 2.0
+        away = light.position - q
         far = math.sqrt(away @ away)
         axis = np.cross(away, rng.normal(size=3))
         raised = float(rng.choice(list(cut)))
         axis = axis / math.sqrt(axis @ axis) + raised * away / far
-        light[8:11], light[4] = light[1:4] + axis, min(light[4], 0.6 * far)
+        light.target[:], light.radius = light.position + axis, min(light.radius, 0.6 * far)
         ball = int(rng.integers(len(a.spheres)))
         if ball == own:
             continue
-        a.spheres[ball, :3] = q + rng.uniform(0.2, 0.8) * away + rng.normal(size=3) * 0.3 * light[4]
-        if any(((q - s[:3]) ** 2).sum() < s[3] ** 2 for k, s in enumerate(a.spheres) if k != own):
+        a.spheres[ball].center[:] = q + rng.uniform(0.2, 0.8) * away + rng.normal(size=3) * 0.3 * light.radius
+        if any(((q - s.center) ** 2).sum() < s.radius**2 for k, s in enumerate(a.spheres) if k != own):
             continue
         state, found = mean(a, q, normal, view, own)
         if state < PARTLY:
@@ -162,16 +166,17 @@ def test_disks_seen_from_within_a_ball() -> None:
         around %= len(a.spheres)
         if around == own:
             continue
-        a.spheres[around, :3], a.spheres[around, 3] = q + 0.3 * rng.normal(size=3), rng.uniform(1, 3)
-        a.lights[0, 1:4] = q + np.abs(rng.normal(size=3)) * rng.choice([0.3, 1.0])
-        a.lights[0, 4], a.shading[3] = rng.uniform(0.1, 0.8), 2.0
+        ball, light = a.spheres[around], a.lights[0]
+        ball.center[:], ball.radius = q + 0.3 * rng.normal(size=3), rng.uniform(1, 3)
+        light.position[:] = q + np.abs(rng.normal(size=3)) * rng.choice([0.3, 1.0])
+        light.radius, a.shading.shininess = rng.uniform(0.1, 0.8), 2.0
         state, found = mean(a, q, normal, view, own)
-        if math.dist(q, a.spheres[around, :3]) >= a.spheres[around, 3] or state < PARTLY:
+        if math.dist(q, ball.center) >= ball.radius or state < PARTLY:
             continue
         against_brute_force(a, q, normal, view, own, found)
-        away = math.dist(a.lights[0, 1:4], a.spheres[around, :3])
+        away = math.dist(light.position, ball.center)
         lit += found[0] > 0.05
-        partly += abs(away - a.spheres[around, 3]) < a.lights[0, 4]
+        partly += abs(away - ball.radius) < light.radius
 
 
 def test_steps_converge_to_rounding_in_a_penumbra() -> None:
@@ -181,7 +186,7 @@ def test_steps_converge_to_rounding_in_a_penumbra() -> None:
     while met < 12:
         normal = rng.normal(size=3)
         normal /= math.sqrt(normal @ normal)
-        q = a.spheres[0, :3] + a.spheres[0, 3] * normal
+        q = a.spheres[0].center + a.spheres[0].radius * normal
         state, fine = mean(a, q, normal, normal, 0)
         if state < PARTLY:
             continue
@@ -207,7 +212,8 @@ def test_mean_cosine_on_the_axis(radius: float) -> None:
     """2 h/(h + sqrt(h^2 + rho^2)) at height h over the floor."""
     a = scene_arrays(load("penumbra"))
     h = 2.0
-    a.lights[0, 1:4], a.lights[0, 4], a.lights[0, 8:11] = (0, 0, h), radius, (0, 0, 0)
+    light = a.lights[0]
+    light.position[:], light.radius, light.target[:] = (0, 0, h), radius, (0, 0, 0)
     a = replace(a, spheres=a.spheres[:0])
     state, found = mean(a, np.zeros(3), np.array([0, 0, 1.0]), np.array([0, 0, 1.0]), -1)
     assert state == LIT
@@ -217,7 +223,7 @@ def test_mean_cosine_on_the_axis(radius: float) -> None:
 def seen_points(name: str, count: int) -> tuple[SceneArrays, list[np.ndarray]]:
     """Points of the floor and of the glossy ball that face the eye."""
     a = scene_arrays(load(name))
-    eye, rng = a.camera[1:4], np.random.default_rng(1)
+    eye, rng = a.camera.eye, np.random.default_rng(1)
     rows: list[tuple[np.ndarray, np.ndarray, int]] = []
     while len(rows) < count:
         q = np.array([*rng.uniform([-0.8, -3.2], [0.6, -1.6]), 0.0])
@@ -225,7 +231,7 @@ def seen_points(name: str, count: int) -> tuple[SceneArrays, list[np.ndarray]]:
     while len(rows) < 2 * count:
         normal = rng.normal(size=3)
         normal /= math.sqrt(normal @ normal)
-        q = a.spheres[1, :3] + a.spheres[1, 3] * normal
+        q = a.spheres[1].center + a.spheres[1].radius * normal
         if (q - eye) @ normal < 0 and q[2] > 0:
             rows.append((q, normal, 3))
     places, normals = (np.array([row[k] for row in rows]) for k in (0, 1))
@@ -259,7 +265,7 @@ def test_channels_batches_and_order_change_no_bit_of_direct_light(dark: int) -> 
     a, points = seen_points("penumbra", 30)
     albedo = np.full((60, 3), 0.5)
     white, _ = disk_direct(a, *points, albedo, 1e-6)
-    a.lights[:, 5 + dark] = 0.0
+    a.lights["color"][:, dark] = 0.0
     whole, error = disk_direct(a, *points, albedo, 1e-6)
     kept = [c for c in range(3) if c != dark]
     assert (white[:, dark] > 0.1).sum() > 20 and (whole[:, dark] == 0.0).all()

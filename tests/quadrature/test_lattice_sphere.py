@@ -16,6 +16,7 @@ from symrender.quadrature.lattice_sphere import COSETS, aim_lattice, scatter
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import SplitResult, gloss_points, lobe_setup, split_work
 from symrender.quadrature.split_setup import MET, place_point
+from symrender.records import copied
 from symrender.scene.arrays import (
     BRDF_NORMALISED,
     CHECKER,
@@ -25,8 +26,8 @@ from symrender.scene.arrays import (
     OPEN,
     PHONG,
     RAY,
+    SOLID,
     STRIPES,
-    UNITS,
     SceneArrays,
     scene_arrays,
 )
@@ -40,17 +41,17 @@ UP = np.array([0.0, 0.0, 1.0])
 def scene(exponent: float = 16.0, theta_max: float = math.pi / 3) -> SceneArrays:
     """The spheres and lights of ``chapter8`` from the side, plain, without highlights."""
     a = scene_arrays(load("chapter8"))
-    for row, column in ((a.floor, 12), (a.spheres[0], 12), (a.spheres[1], 12)):
-        row[column : column + 2] = exponent, theta_max
-    a.spheres[:, 7] = 0
-    a.camera[1:4] = 3.0, -3.0, 2.0
-    a.shading[2] = 0.0
+    for row in (a.floor, *a.spheres):
+        row.exponent, row.theta_max = exponent, theta_max
+    a.spheres["texture"][:] = SOLID
+    a.camera.eye[:] = 3.0, -3.0, 2.0
+    a.shading.ks = 0.0
     return a
 
 
 def of_floor(a: SceneArrays, tol: float, xy: np.ndarray, *, walled: bool = False, disk: int = 2) -> SplitResult:
     points = np.column_stack([xy, np.zeros(len(xy))])
-    d = points - a.camera[1:4]
+    d = points - a.camera.eye
     d /= np.linalg.norm(d, axis=1)[:, None]
     return gloss_points(a, points, np.tile(UP, (len(xy), 1)), d, np.ones(len(xy), np.int64), tol, disk, walled=walled)
 
@@ -58,11 +59,11 @@ def of_floor(a: SceneArrays, tol: float, xy: np.ndarray, *, walled: bool = False
 def of_sphere(a: SceneArrays, tol: float, own: int, i: int, *, walled: bool = False) -> SplitResult:
     """The lobe of one of three points of a sphere, which mirrors the eye towards the other one."""
     other = 1 - own
-    eye = a.camera[1:4]
-    towards = a.spheres[other, :3] - a.spheres[own, :3] + 0.3 * np.eye(3)[i]
+    eye = a.camera.eye
+    towards = a.spheres[other].center - a.spheres[own].center + 0.3 * np.eye(3)[i]
     normal = towards / np.linalg.norm(towards) + eye / np.linalg.norm(eye)
     normal /= np.linalg.norm(normal)
-    point = a.spheres[own, :3] + a.spheres[own, 3] * normal
+    point = a.spheres[own].center + a.spheres[own].radius * normal
     d = (point - eye) / np.linalg.norm(point - eye)
     return gloss_points(a, point[None], normal[None], d[None], np.array([own + 2]), tol, walled=walled)
 
@@ -85,17 +86,17 @@ PLACES = np.array([[1.2, -0.3], [0.4, -1.3], [0.9, -0.9], [1.3, 0.1], [0.7, -1.1
 @pytest.mark.parametrize("exponent", [0.0, 1.0, 16.0, 100.5, 4000.0])
 def test_an_even_sphere_fills_its_share_of_the_lobe(exponent: float) -> None:
     a = scene(exponent, 1.3)
-    a = dataclasses.replace(a, spheres=a.spheres[1:].copy(), lights=a.lights[:0])
-    a.floor[0] = 0.0
-    a.shading[0], a.shading[7:10] = 1.0, (1.0, 0.5, 0.25)
-    a.shading[1] = 0.0
+    a = dataclasses.replace(a, spheres=copied(a.spheres[1:]), lights=a.lights[:0])
+    a.floor.present = 0.0
+    a.shading.ka, a.shading.ambient[:] = 1.0, (1.0, 0.5, 0.25)
+    a.shading.kd = 0.0
     # in the lobe's middle, at its side, across its rim, around its axis, and so near that it fills most of it
     m = np.array([0.6, 0.0, 0.8])
     aside = np.array([-0.8, 0.0, 0.6])
     shares = []
     for angle, alpha in ((0.0, 0.3), (0.5, 0.3), (1.2, 0.3), (0.1, 0.2), (0.2, 1.2), (0.05, 0.01)):
-        a.spheres[0, :3] = 2.0 * (math.cos(angle) * m + math.sin(angle) * np.array([0.0, 1.0, 0.0]))
-        a.spheres[0, 3] = 2.0 * math.sin(alpha)
+        a.spheres[0].center[:] = 2.0 * (math.cos(angle) * m + math.sin(angle) * np.array([0.0, 1.0, 0.0]))
+        a.spheres[0].radius = 2.0 * math.sin(alpha)
         # a surface whose horizon cuts nothing off: its normal is the axis itself
         point, normal, d = np.zeros((1, 3)), m[None], -m[None]
         share = cap_share(exponent, 1.3, angle, alpha, gauss_table())
@@ -111,40 +112,40 @@ def test_an_even_sphere_fills_its_share_of_the_lobe(exponent: float) -> None:
 
 
 def occluded(a: SceneArrays) -> None:
-    a.spheres[1, :7] = 1.0, -0.35, 0.55, 0.3, 0.02, 0.02, 0.02
+    small = a.spheres[1]
+    small.center[:], small.radius, small.color[:] = (1.0, -0.35, 0.55), 0.3, 0.02
 
 
 def shaded(a: SceneArrays) -> None:
     # between the key light and the great sphere
-    a.spheres[1, :4] = 1.3, 0.2, 1.6, 0.4
+    a.spheres[1].center[:], a.spheres[1].radius = (1.3, 0.2, 1.6), 0.4
 
 
 def textured(kind: int, ku: float, kv: float):
     def change(a: SceneArrays) -> None:
-        a.spheres[:, 7:11] = kind, ku, kv, 0.1
+        for row in a.spheres:
+            row.texture, row.ku, row.kv, row.dark = kind, ku, kv, 0.1
 
     return change
 
 
-def shading(*, brdf: bool = False, **entries: float):
-    names = {"ks": 2, "shininess": 3, "model": 4, "view": 5, "terminator": 6, "sky": 10}
-
+def shading(*, brdf: bool = False, **entries: float | tuple[float, ...]):
     def change(a: SceneArrays) -> None:
         for name, value in entries.items():
-            a.shading[names[name]] = value
-        a.shading[UNITS] = BRDF_NORMALISED if brdf else a.shading[UNITS]
+            setattr(a.shading, name, value)
+        a.shading.units = BRDF_NORMALISED if brdf else a.shading.units
 
     return change
 
 
 def low_light(a: SceneArrays) -> None:
     # the key light is behind a part of what is seen
-    a.lights[:, 1:4] = (-3.0, 1.0, 0.8), (-2.0, 3.0, 0.5)
+    a.lights["position"][:] = (-3.0, 1.0, 0.8), (-2.0, 3.0, 0.5)
 
 
 def across(a: SceneArrays) -> None:
     # half of what is seen lies behind terminators, towards which highlights reach
-    a.lights[:, 1:4] = (3.0, 3.0, 0.5), (-2.0, -3.0, 0.5)
+    a.lights["position"][:] = (3.0, 3.0, 0.5), (-2.0, -3.0, 0.5)
 
 
 SHINY = {"ks": 0.5, "shininess": 8.0}
@@ -160,12 +161,12 @@ FEATURES = {
     "stripes": [textured(STRIPES, 6, 0)],
     "odd stripes": [textured(STRIPES, 3, 0)],
     "marble": [textured(MARBLE, 2, 1)],
-    "highlight": [shading(**SHINY, view=EYE)],
-    "highlight along the ray": [shading(**SHINY, view=RAY)],
+    "highlight": [shading(**SHINY, highlight_view=EYE)],
+    "highlight along the ray": [shading(**SHINY, highlight_view=RAY)],
     "phong": [shading(**SHINY, model=PHONG)],
     "whole highlight": [across, shading(ks=0.5, shininess=1.0, terminator=OPEN)],
     "cut highlight": [across, shading(ks=0.5, shininess=1.0, terminator=CUT)],
-    "sky": [shading(sky=0.4)],
+    "sky": [shading(background=(0.4, 0.0, 0.0))],
     "brdf": [shading(brdf=True)],
 }
 
@@ -211,7 +212,7 @@ def test_every_feature_shows() -> None:
 @pytest.mark.parametrize("name", ["plain", "even checker", "highlight along the ray", "brdf", "sky"])
 def test_lobes_of_spheres_agree_with_walls(name: str, own: int) -> None:
     a = scene(4.0, 1.4)
-    a.floor[0] = 0.0
+    a.floor.present = 0.0
     for change in FEATURES[name]:
         change(a)
     size, away = np.transpose([
@@ -224,17 +225,18 @@ def test_lobes_of_spheres_agree_with_walls(name: str, own: int) -> None:
 def test_the_floor_hides_what_is_below_it() -> None:
     # a black floor adds nothing itself; the lights stand low enough to reach below it, were it not there
     a = scene(4.0, 1.4)
-    a.lights[:, 1:4] = 0.6, -1.6, 0.1
-    a.spheres[1, :4] = 1.6, -0.6, 0.05, 0.5
-    a.shading[0] = 0.0
-    a.floor[2:8] = 0.0
+    a.lights["position"][:] = 0.6, -1.6, 0.1
+    a.spheres[1].center[:], a.spheres[1].radius = (1.6, -0.6, 0.05), 0.5
+    a.shading.ka = 0.0
+    a.floor.bright[:] = a.floor.dark[:] = 0.0
     point = normal = np.array([0.8, -0.36, 0.48])
-    m = a.spheres[1, :3] - point
+    m = a.spheres[1].center - point
     m /= np.linalg.norm(m)
     d = m - 2.0 * (m @ normal) * normal
     given = point[None], normal[None], d[None], np.array([2])
     tight = gloss_points(a, *given, 1e-7)
-    bare = dataclasses.replace(a, floor=np.where(np.arange(len(a.floor)) == 0, 0.0, a.floor))
+    bare = dataclasses.replace(a, floor=copied(a.floor))
+    bare.floor.present = 0.0
     assert gloss_points(bare, *given, 1e-7).gloss.max() > 1.04 * tight.gloss.max()
     lights = light_rows(a, 2)
     view, s = scene_view(a, lights), split_work(a, lights)
@@ -254,11 +256,10 @@ def test_stated_errors_hold() -> None:
         a = lobe.arrays
         if lobe.surface > 1:
             # what a lobe sees of the floor is never done on a lattice
-            floor = a.floor.copy()
-            floor[0] = 0.0
-            a = dataclasses.replace(a, floor=floor)
+            a = dataclasses.replace(a, floor=copied(a.floor))
+            a.floor.present = 0.0
         if seed % 3 == 0:
-            a.shading[UNITS] = BRDF_NORMALISED
+            a.shading.units = BRDF_NORMALISED
         given = a, lobe.point[None], lobe.normal[None], lobe.incoming[None], np.array([lobe.surface])
         first = gloss_points(*given, 10.0 * lobe.tol)
         size = np.abs(first.gloss).max()
@@ -295,12 +296,12 @@ def test_tight_tolerances_are_left_to_walls() -> None:
 def test_what_lattices_cannot_do_is_left_to_walls(why: str) -> None:
     a = scene(1e8 if why == "needle" else 16.0)
     place = np.array([[1.3, -0.2]])
-    d = np.array([*place[0], 0.0]) - a.camera[1:4]
+    d = np.array([*place[0], 0.0]) - a.camera.eye
     m = d / np.linalg.norm(d) * [1, 1, -1]
-    a.spheres[1, :3] = np.array([*place[0], 0.0]) + 2.0 * m
-    a.spheres[1, 3] = 1e-5 if why == "tiny" else 0.3
+    a.spheres[1].center[:] = np.array([*place[0], 0.0]) + 2.0 * m
+    a.spheres[1].radius = 1e-5 if why == "tiny" else 0.3
     if why == "tiny":
-        a = dataclasses.replace(a, spheres=a.spheres[1:].copy())
+        a = dataclasses.replace(a, spheres=copied(a.spheres[1:]))
     disk, most = (0 if why == "disk" else 2), (31 if why == "budget" else 1_000_000)
     given = a, np.array([[*place[0], 0.0]]), UP[None], d[None] / np.linalg.norm(d), np.ones(1, np.int64)
     tol = 1e-12 if why == "tiny" else 1e-2

@@ -91,7 +91,8 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
     """Pieces of five nodes that see a disk wholly, its highlight, none of it or, behind a ball, some of it."""
     rng = np.random.default_rng(8)
     a = scene_arrays(load("penumbra"))
-    a.shading[2:5], a.shading[6] = (ks, shininess, float(phong)), terminator
+    a.shading.ks, a.shading.shininess = ks, shininess
+    a.shading.model, a.shading.terminator = float(phong), terminator
     light = light_rows(a, 0)
     center = light[0].position
     # nodes so near each other that they ask for the same rule
@@ -105,7 +106,7 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
     views = 2.0 * (normals * towards).sum(axis=1)[:, None] * normals - towards + 0.2 * units(rng, USED)
     views /= np.linalg.norm(views, axis=1)[:, None]
     factors = rng.uniform(0.1, 1.0, (USED, 3))
-    a.spheres[0, :4] = *(0.5 * center + np.array([0.15, 0.0, 0.0])), 0.4
+    a.spheres[0].center[:], a.spheres[0].radius = 0.5 * center + np.array([0.15, 0.0, 0.0]), 0.4
     view, work = scene_view(a, light), work_arrays(len(a.spheres), 1)
     work.chart.shape_index, work.chart.side, work.counts.casters = -1, 1.0, 1
     work.casters[0].light, work.casters[0].ball = 0, 0

@@ -9,9 +9,11 @@ from emitted import FORMULAS
 from symrender.quadrature.disk import light_points as emitted_points
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.light_term import light_term, marble_factor
+from symrender.records import table
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
+from symrender.scene.records import Sphere
 
 
 def units(rng: np.random.Generator, n: int) -> np.ndarray:
@@ -43,10 +45,10 @@ def test_light_term_is_the_emitted_one(model: int, shininess: float) -> None:
 
 def test_marble_is_the_emitted_one() -> None:
     rng = np.random.default_rng(3)
-    spheres = np.zeros((1, at.SPHERE_COLUMNS))
+    spheres = table(Sphere, 1)
     for normal in units(rng, 300).tolist():
         ku, kv = rng.uniform(0, 9, 2)
-        spheres[0, at.TEXTURE], spheres[0, at.KU], spheres[0, at.KV] = at.MARBLE, ku, kv
+        spheres[0].texture, spheres[0].ku, spheres[0].kv = at.MARBLE, ku, kv
         assert abs(marble_factor(*normal, ku, kv) - FORMULAS.texture_factor(0, *normal, spheres)) < 1e-14
 
 
@@ -54,7 +56,7 @@ def test_marble_is_the_emitted_one() -> None:
 @pytest.mark.parametrize("order", [1, 2, 5])
 def test_light_points_are_the_emitted_ones(name: str, order: int) -> None:
     arrays = scene_arrays(load(name))
-    assert (arrays.lights[:, 0] == at.DISK).any()
+    assert (arrays.lights["kind"] == at.DISK).any()
     expected = emitted_points(arrays.lights, order, FORMULAS.light_point)
     rows = light_rows(arrays, order)
     np.testing.assert_allclose(np.hstack([rows["position"], rows["color"]]), expected, rtol=1e-13, atol=1e-13)

@@ -147,8 +147,8 @@ def test_brute_force(where: str, place: tuple[float, float, float], exponent: fl
     a = scene_arrays(scene)
     own = -1 if where == "floor" else 0
     normal = np.array([0.0, 0.0, 1.0]) if own < 0 else np.array(place) / np.linalg.norm(place)
-    point = np.array(place) if own < 0 else a.spheres[0, :3] + a.spheres[0, 3] * normal
-    d = point - a.camera[1:4]
+    point = np.array(place) if own < 0 else a.spheres[0].center + a.spheres[0].radius * normal
+    d = point - a.camera.eye
     d /= np.linalg.norm(d)
     found = gloss_points(a, point[None], normal[None], d[None], np.array([own + 2]), 1e-6)
     coarse, fine = (brute_lobe.gloss(a, point, normal, d, own, exponent, 1.3, k, 2 * k) for k in (60, 120))

@@ -8,21 +8,20 @@ import pytest
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.quadrature.split_setup import MET
 from symrender.runtimes import image
-from symrender.scene.arrays import FIRST_SPHERE, FLOOR, FLOOR_LOBE, LOBE, NOTHING, SceneArrays, scene_arrays
+from symrender.scene.arrays import FIRST_SPHERE, FLOOR, NOTHING, SceneArrays, scene_arrays
 from symrender.scene.load import load
 
-THETA_MAX = 2
 POINTS = 1500
 
 
 def mirrors(name: str, theta_max: float) -> SceneArrays:
     a = scene_arrays(load(name))
-    a.spheres[:, LOBE + THETA_MAX] = a.floor[FLOOR_LOBE + THETA_MAX] = theta_max
+    a.spheres["theta_max"][:] = a.floor.theta_max = theta_max
     return a
 
 
 def rays_to(a: SceneArrays, points: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    rays = points - a.camera[1:4]
+    rays = points - a.camera.eye
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     return rays, rays - 2.0 * (rays * normals).sum(axis=1, keepdims=True) * normals
 
@@ -44,16 +43,16 @@ def test_a_mirror_shows_what_a_ray_sees(name: str, theta_max: float, backwards: 
             normals[:] = 0.0, 0.0, 1.0
         else:
             sphere = a.spheres[leaves - FIRST_SPHERE]
-            points = sphere[:3] + sphere[3] * normals
+            points = sphere.center + sphere.radius * normals
         rays, directions = rays_to(a, points, normals)
         free = (points[:, 2] >= 0.0) & ((rays * normals).sum(axis=1) < -1e-3)
         through = np.zeros(POINTS, np.int64)
         for k, sphere in enumerate(a.spheres):
             if leaves != FIRST_SPHERE + k:
-                away = sphere[:3] - points
+                away = sphere.center - points
                 along = (away * directions).sum(axis=1)
-                free &= np.linalg.norm(away, axis=1) > sphere[3]
-                through += (along > 0.0) & (np.linalg.norm(away, axis=1) ** 2 - along**2 < sphere[3] ** 2)
+                free &= np.linalg.norm(away, axis=1) > sphere.radius
+                through += (along > 0.0) & (np.linalg.norm(away, axis=1) ** 2 - along**2 < sphere.radius**2)
         points, normals, rays, directions = (np.ascontiguousarray(x[free]) for x in (points, normals, rays, directions))
         found = gloss_points(a, points, normals, rays, np.full(len(points), leaves), 1e-6)
         expected, shape, _ = image.trace(a, points, directions, leaves, 2)

@@ -14,9 +14,10 @@ import pytest
 import symrender as sr
 from adversary.sweep import swept_value
 from adversary.world import lobe_of, world_of
-from symrender.chambers.walls import BETA_MAX, GEO_COLUMNS
+from symrender.chambers.records import Chart
 from symrender.quadrature.tangent_line import rim_power
 from symrender.quadrature.tangent_point import outline
+from symrender.records import record
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene
 
@@ -127,7 +128,7 @@ def test_a_derivative_there_is_met_alone_and_with_others() -> None:
 
 @pytest.mark.parametrize("angle", [1e-3, 0.4, 0.5 * math.pi])
 def test_the_outline_of_a_chart(angle: float) -> None:
-    geo = np.zeros(GEO_COLUMNS)
-    geo[BETA_MAX] = angle
+    chart = record(Chart)
+    chart.beta_max = angle
     length, solid_angle = 2.0 * math.pi * math.sin(angle), 4.0 * math.pi * math.sin(0.5 * angle) ** 2
-    assert abs(outline(geo) - (1.0 + length / solid_angle)) < 1e-9 * outline(geo)
+    assert abs(outline(chart) - (1.0 + length / solid_angle)) < 1e-9 * outline(chart)

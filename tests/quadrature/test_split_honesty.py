@@ -10,6 +10,8 @@ import pytest
 
 from symrender.probe import probe
 from symrender.quadrature.split_setup import MET
+from symrender.records import copied
+from symrender.scene.arrays import POINT, SOLID
 
 from .random_lobe import RandomLobe, random_lobe
 
@@ -74,12 +76,12 @@ def _turned(lobe: RandomLobe, angle: float) -> RandomLobe:
     """The lobe with its world turned about z; textures, which do not turn, are made plain."""
     turn = np.array([[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1.0]])
     a = lobe.arrays
-    spheres, lights, camera, floor = a.spheres.copy(), a.lights.copy(), a.camera.copy(), a.floor.copy()
-    spheres[:, 7] = 0
-    floor[1], floor[5:8] = 0, floor[2:5]
+    spheres, lights, camera, floor = (copied(x) for x in (a.spheres, a.lights, a.camera, a.floor))
+    spheres["texture"][:] = SOLID
+    floor.kind, floor.dark[:] = SOLID, floor.bright
     # the frame of a disk's centroids is tied to the axes
-    lights[:, 0] = 0
-    for rows in (spheres[:, :3], lights[:, 1:4], camera[None, 1:4]):
+    lights["kind"][:] = POINT
+    for rows in (spheres["center"], lights["position"], camera.eye):
         rows[:] = rows @ turn.T
     arrays = dataclasses.replace(a, spheres=spheres, lights=lights, camera=camera, floor=floor)
     return dataclasses.replace(
@@ -89,14 +91,14 @@ def _turned(lobe: RandomLobe, angle: float) -> RandomLobe:
 
 def _permuted(lobe: RandomLobe) -> RandomLobe:
     a = lobe.arrays
-    arrays = dataclasses.replace(a, spheres=a.spheres[::-1].copy(), lights=a.lights[::-1].copy())
+    arrays = dataclasses.replace(a, spheres=copied(a.spheres[::-1]), lights=copied(a.lights[::-1]))
     own = lobe.surface - 2
     return dataclasses.replace(lobe, arrays=arrays, surface=1 if own < 0 else len(a.spheres) + 1 - own)
 
 
 def _halved(lobe: RandomLobe) -> RandomLobe:
-    lights = np.repeat(lobe.arrays.lights, 2, axis=0)
-    lights[:, 5:8] *= 0.5
+    lights = np.repeat(lobe.arrays.lights, 2)
+    lights["color"] *= 0.5
     return dataclasses.replace(lobe, arrays=dataclasses.replace(lobe.arrays, lights=lights))
 
 

@@ -12,7 +12,8 @@ import pytest
 
 from symrender.quadrature.split_point import gloss_points
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
-from symrender.scene.arrays import CHECKER, LOBE, SceneArrays, scene_arrays
+from symrender.records import Table, copied
+from symrender.scene.arrays import CHECKER, SOLID, SceneArrays, scene_arrays
 from symrender.scene.load import load
 
 from . import brute_lobe
@@ -22,12 +23,11 @@ UP = np.array([[0.0, 0.0, 1.0]])
 FLOOR = np.array([1])
 
 
-def chapter8(exponent: float = 16.0, theta_max: float = math.pi / 3, **parts: np.ndarray) -> SceneArrays:
+def chapter8(exponent: float = 16.0, theta_max: float = math.pi / 3, **parts: Table) -> SceneArrays:
     a = scene_arrays(load("chapter8"))
-    floor, spheres = a.floor.copy(), a.spheres.copy()
-    spheres[:, 12], spheres[:, 13] = exponent, theta_max
-    floor[12], floor[13] = exponent, theta_max
-    return dataclasses.replace(a, floor=floor, spheres=spheres, **parts)
+    for lobed in (a.floor, *a.spheres):
+        lobed.exponent, lobed.theta_max = exponent, theta_max
+    return dataclasses.replace(a, **parts)
 
 
 def seen_from(points: np.ndarray, eye: np.ndarray) -> np.ndarray:
@@ -38,7 +38,7 @@ def seen_from(points: np.ndarray, eye: np.ndarray) -> np.ndarray:
 def on_floor(a: SceneArrays, xy: np.ndarray, tol: float, disk: int = 2):
     points = np.column_stack([np.atleast_2d(xy), np.zeros(len(np.atleast_2d(xy)))])
     normals = np.repeat(UP, len(points), axis=0)
-    return gloss_points(a, points, normals, seen_from(points, a.camera[1:4]), np.ones(len(points), np.int64), tol, disk)
+    return gloss_points(a, points, normals, seen_from(points, a.camera.eye), np.ones(len(points), np.int64), tol, disk)
 
 
 @pytest.mark.parametrize(
@@ -89,15 +89,15 @@ CASES = [
 @pytest.mark.parametrize("sky", [0.0, 0.3])
 def test_brute_force(where, place, floor, exponent, theta_max, sky) -> None:
     a = chapter8(exponent, theta_max)
-    a.camera[1:4] = eye = np.array([3.0, -3.0, 2.0])
-    a.shading[10:13] = sky, 0.5 * sky, 0.25 * sky
-    a.floor[0] = float(floor)
+    a.camera.eye[:] = eye = np.array([3.0, -3.0, 2.0])
+    a.shading.background[:] = sky, 0.5 * sky, 0.25 * sky
+    a.floor.present = float(floor)
     if where == "floor":
         point, normal, own = np.array(place), UP[0], -1
     else:
         own = "AB".index(where)
         normal = np.array(place) / np.linalg.norm(place)
-        point = a.spheres[own, :3] + a.spheres[own, 3] * normal
+        point = a.spheres[own].center + a.spheres[own].radius * normal
     d = seen_from(point, eye)[0]
     found = gloss_points(a, point[None], normal[None], d[None], np.array([own + 2 if own >= 0 else 1]), 1e-5)
     rings = (60, 120)
@@ -108,9 +108,9 @@ def test_brute_force(where, place, floor, exponent, theta_max, sky) -> None:
 
 def test_constant_world_is_returned() -> None:
     a = chapter8(7.5, 1.2)
-    a.camera[1:4] = 3.0, -3.0, 2.0
-    a.shading[:3] = 1.0, 0.0, 0.0
-    a.shading[7:13] = 0.25
+    a.camera.eye[:] = 3.0, -3.0, 2.0
+    a.shading.ka, a.shading.kd, a.shading.ks = 1.0, 0.0, 0.0
+    a.shading.ambient[:] = a.shading.background[:] = 0.25
     found = on_floor(a, np.array([[1.0, -0.6]]), 1e-8)
     # the lobe lies within 0.25 of the horizon's share, whatever it meets
     share = found.gloss[0] / 0.25
@@ -122,18 +122,18 @@ def test_constant_world_is_returned() -> None:
 def test_needle_finds_its_disc(exponent: float) -> None:
     # a tiny sphere in the mirror direction, far smaller than any sampling would meet at n = 0, larger than the needle
     a = chapter8(exponent)
-    p, eye = np.array([1.3, -0.2, 0.0]), a.camera[1:4]
+    p, eye = np.array([1.3, -0.2, 0.0]), a.camera.eye
     d = seen_from(p, eye)[0]
     m = d * [1, 1, -1]
-    spheres = a.spheres.copy()
-    spheres[1, :3] = p + 2.0 * m
-    spheres[1, 3] = 1.0 / math.sqrt(exponent)
+    spheres = copied(a.spheres)
+    spheres[1].center[:] = p + 2.0 * m
+    spheres[1].radius = 1.0 / math.sqrt(exponent)
     lit = dataclasses.replace(a, spheres=spheres)
-    lit.shading[1] = lit.shading[2] = 0.0
-    lit.shading[0], lit.shading[7:10] = 1.0, 1.0
+    lit.shading.kd = lit.shading.ks = 0.0
+    lit.shading.ka, lit.shading.ambient[:] = 1.0, 1.0
     found = on_floor(lit, p[:2], 1e-9)
     # radiance 1 over a disc of angular radius alpha about the axis: share 1 - cos^u alpha of the lobe
-    sine = spheres[1, 3] / 2.0
+    sine = spheres[1].radius / 2.0
     u = exponent + 1.0
     share = math.expm1(0.5 * u * math.log1p(-(sine**2))) / math.expm1(u * math.log(0.5))
     assert 0.05 < share < 0.2
@@ -143,36 +143,38 @@ def test_needle_finds_its_disc(exponent: float) -> None:
 def test_small_disc_in_a_wide_lobe() -> None:
     a = chapter8(0.0, math.pi / 2)
     p = np.array([1.3, -0.2, 0.0])
-    spheres = a.spheres[1:].copy()
-    spheres[0, :3], spheres[0, 3] = (2.0, 1.0, 1.5), 1e-6
+    spheres = copied(a.spheres[1:])
+    spheres[0].center[:], spheres[0].radius = (2.0, 1.0, 1.5), 1e-6
     lit = dataclasses.replace(a, spheres=spheres)
-    lit.shading[1] = lit.shading[2] = 0.0
-    lit.shading[0], lit.shading[7:10] = 1.0, 1.0
+    lit.shading.kd = lit.shading.ks = 0.0
+    lit.shading.ka, lit.shading.ambient[:] = 1.0, 1.0
     found = on_floor(lit, p[:2], 1e-16)
-    dist2 = ((spheres[0, :3] - p) ** 2).sum()
+    dist2 = ((spheres[0].center - p) ** 2).sum()
     share = 1e-12 / dist2 / 2  # (1 - cos alpha) of the half-space's solid angle
     assert found.gloss[0, 0] == pytest.approx(share, rel=1e-6)
 
 
 def test_permutation_splitting_and_rotation() -> None:
     a = chapter8(16.0)
-    a.floor[0] = 0.0
+    a.floor.present = 0.0
     spot = np.array([[1.05, 0.3], [-0.75, 0.75]])
     base = on_floor(a, spot, 1e-8)
     assert base.gloss.max() > 5e-4
-    swapped = on_floor(dataclasses.replace(a, spheres=a.spheres[::-1].copy(), lights=a.lights[::-1].copy()), spot, 1e-8)
-    halves = np.repeat(a.lights, 2, axis=0)
-    halves[:, 5:8] *= 0.5
+    swapped = on_floor(
+        dataclasses.replace(a, spheres=copied(a.spheres[::-1]), lights=copied(a.lights[::-1])), spot, 1e-8
+    )
+    halves = np.repeat(a.lights, 2)
+    halves["color"] *= 0.5
     split = on_floor(dataclasses.replace(a, lights=halves), spot, 1e-8)
     angle = 0.7
     turn = np.array([[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1.0]])
-    plain = a.spheres.copy()
-    plain[:, 7] = 0
+    plain = copied(a.spheres)
+    plain["texture"][:] = SOLID
     plain_scene = dataclasses.replace(a, spheres=plain)
-    spheres, lights = plain.copy(), a.lights[1:].copy()
-    spheres[:, :3] = spheres[:, :3] @ turn.T
-    still = on_floor(dataclasses.replace(plain_scene, lights=lights.copy()), spot, 1e-8)
-    lights[:, 1:4] = lights[:, 1:4] @ turn.T
+    spheres, lights = copied(plain), copied(a.lights[1:])
+    spheres["center"][:] = spheres["center"] @ turn.T
+    still = on_floor(dataclasses.replace(plain_scene, lights=copied(lights)), spot, 1e-8)
+    lights["position"][:] = lights["position"] @ turn.T
     turned = on_floor(dataclasses.replace(plain_scene, spheres=spheres, lights=lights), spot @ turn[:2, :2].T, 1e-8)
     for one, other in ((base, swapped), (base, split), (still, turned)):
         assert (np.abs(one.gloss - other.gloss).max(axis=1) <= one.error + other.error).all()
@@ -190,22 +192,22 @@ def test_inside_a_sphere_is_unsupported_and_a_cap_is_told() -> None:
     a = chapter8(16.0)
     assert on_floor(a, np.array([[0.3, 0.2]]), 1e-6).status[0] == UNSUPPORTED
     point = np.array([[1.05, 0.3, 0.0]])
-    few = gloss_points(a, point, UP, seen_from(point, a.camera[1:4]), FLOOR, 1e-9, 2, 50)
+    few = gloss_points(a, point, UP, seen_from(point, a.camera.eye), FLOOR, 1e-9, 2, 50)
     assert few.status[0] == CAPPED
     assert few.error[0] > 1e-9
 
 
 def test_checker_of_the_floor_matters_and_closes() -> None:
     a = chapter8(16.0)
-    a.camera[1:4] = eye = np.array([3.0, -3.0, 2.0])
-    assert a.floor[1] == CHECKER
-    assert a.spheres[0, LOBE] > 0
+    a.camera.eye[:] = eye = np.array([3.0, -3.0, 2.0])
+    assert a.floor.kind == CHECKER
+    assert a.spheres[0].weight > 0
     normal = np.array([[0.6, -0.7, 0.2]]) / np.linalg.norm([0.6, -0.7, 0.2])
-    point = a.spheres[0, :3] + a.spheres[0, 3] * normal
+    point = a.spheres[0].center + a.spheres[0].radius * normal
     d = seen_from(point, eye)
     loose, tight = (gloss_points(a, point, normal, d, np.array([2]), tol) for tol in (1e-4, 1e-7))
-    flat = dataclasses.replace(a, floor=a.floor.copy())
-    flat.floor[2:5] = flat.floor[5:8] = 0.5 * (a.floor[2:5] + a.floor[5:8])
+    flat = dataclasses.replace(a, floor=copied(a.floor))
+    flat.floor.bright[:] = flat.floor.dark[:] = 0.5 * (a.floor.bright + a.floor.dark)
     mean = gloss_points(flat, point, normal, d, np.array([2]), 1e-7)
     assert np.abs(mean.gloss - tight.gloss).max() > 1e-3
     assert np.abs(loose.gloss - tight.gloss).max() <= loose.error[0] + tight.error[0]

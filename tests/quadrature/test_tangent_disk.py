@@ -27,16 +27,9 @@ from symrender.quadrature.tangent_disk import (
     disk_rows,
     functional,
 )
-from symrender.records import table
-from symrender.scene.arrays import (
-    CAMERA_COLUMNS,
-    FLOOR_COLUMNS,
-    LIGHT_COLUMNS,
-    OPEN,
-    SHADING_COLUMNS,
-    SPHERE_COLUMNS,
-    SceneArrays,
-)
+from symrender.records import record, table
+from symrender.scene.arrays import CUT, OPEN, SceneArrays
+from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 
 STEP = 9
 GAUSS = gauss_table()
@@ -65,16 +58,16 @@ class Place:
         row = lights[0]
         row.position[:], row.color[:], row.radius = self.light, 1.0, self.rho
         row.e1[:], row.e2[:], row.axis[:] = self.frame
-        spheres = np.zeros((2, SPHERE_COLUMNS))
-        spheres[:, :4] = self.balls
-        floor = np.zeros(FLOOR_COLUMNS)
-        floor[0] = float(self.floor)
-        shading = np.zeros(SHADING_COLUMNS)
-        shading[:7] = 0.1, 0.7, 0.5, self.shininess, float(self.phong), 0.0, float(self.opened) * OPEN
+        spheres = table(Sphere, 2)
+        spheres["center"][:], spheres["radius"][:] = self.balls[:, :3], self.balls[:, 3]
+        floor, shading = record(Floor), record(Shading)
+        floor.present = float(self.floor)
+        shading.ka, shading.kd, shading.ks, shading.shininess = 0.1, 0.7, 0.5, self.shininess
+        shading.model, shading.terminator = float(self.phong), OPEN if self.opened else CUT
         work = work_arrays(2, 1)
         work.chart.shape_index, work.chart.side = -1, 1.0
         work.chart.point[:] = self.q
-        scene = SceneArrays(spheres, floor, np.zeros((0, LIGHT_COLUMNS)), shading, np.zeros(CAMERA_COLUMNS))
+        scene = SceneArrays(spheres, floor, table(Light, 0), shading, record(Camera))
         cast_by_all(0, -1, view := scene_view(scene, lights), work)
         return view, work
 
