@@ -6,18 +6,21 @@ It needs no compiler, so that a page is written as quickly as its text: a few th
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
+from types import SimpleNamespace
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
+from symrender.images.srgb import encode_srgb
 from symrender.kernel.assemble_pixels import TABLES, pixel_program
 from symrender.quadrature.light_points import light_rows
+from symrender.records import Record
 from symrender.scene import arrays as at
+from symrender.scene.arrays import lobes_of
 from symrender.scene.scene import Scene
-from symrender.srgb import encode_srgb
 
 Array = npt.NDArray[np.float64]
 
@@ -55,13 +58,10 @@ def _radiance(scene: Scene) -> Array:
     """Linear radiance (SIZE, SIZE, 3)."""
     call, arrays = _functions(), at.scene_arrays(scene)
     rows = len(arrays.spheres) + 1
+    lights = light_rows(arrays, _DISK_STRATA)
     tables: dict[str, Array] = {
-        "spheres": arrays.spheres,
-        "floor": arrays.floor,
-        "shading": arrays.shading,
-        "camera": arrays.camera,
-        "eye": arrays.camera[1:4],
-        "points": light_rows(arrays, _DISK_STRATA),
+        "eye": arrays.camera.eye,
+        "points": np.hstack([lights["position"], lights["color"]]),
         "image_frame": np.array([0.0, 0.0, SIZE, SIZE, SIZE, SIZE, 1.0]),
         "axes": np.zeros(TABLES["axes"].columns),
         "seen": np.zeros(TABLES["seen"].columns),
@@ -71,17 +71,18 @@ def _radiance(scene: Scene) -> Array:
         "sectors": np.zeros((_SIDE, TABLES["sectors"].columns)),
         "estimate": np.array([_SIDE, 0.0, 0.0, _SIDE, -np.inf, 0.0]),
     }
-    if arrays.camera[0] == at.LOOK_AT:
-        call["camera_axes"](tables["camera"], tables["axes"])
-    weights = [arrays.floor[at.FLOOR_LOBE :], *(row[at.LOBE :] for row in arrays.spheres)]
-    for row, (weight, exponent, theta_max) in enumerate(w[:3] for w in weights):
+    if arrays.camera.kind == at.LOOK_AT:
+        call["camera_axes"](arrays.camera, tables["axes"])
+    for row, (weight, exponent, theta_max) in enumerate(lobes_of(arrays).tolist()):
         if weight > 0.0:
             rule = (_SIDE, _SIDE, _EQUAL_WEIGHT, 0, 0, 0, 0.0)
             call["fill_lobe"](row, exponent, theta_max, *rule, tables["lobes"], tables["rings"])
     call["fill_sectors"](_SIDE, tables["sectors"])
-    # rows of tables are read number by number, which plain lists do several times as fast as arrays
+    # tables and records are read number by number, which plain lists and objects do several times as fast as arrays
     plain: dict[str, Any] = {name: table.tolist() for name, table in tables.items()}
-    plain |= {name: _Rows(tables[name]) for name in ("spheres", "points", "lobes", "rings", "sectors")}
+    plain |= {name: _Rows(tables[name]) for name in ("points", "lobes", "rings", "sectors")}
+    plain |= {name: _plain(getattr(arrays, name)) for name in ("floor", "shading", "camera")}
+    plain["spheres"] = _Records(arrays.spheres)
     program = {f.name: f for f in pixel_program().functions}
     taken = {name: [plain[p.name] for p in program[name].parameters[2:]] for name in _USED[3:]}
     found = np.zeros((SIZE, SIZE, 3))
@@ -92,6 +93,19 @@ def _radiance(scene: Scene) -> Array:
             gloss = call["pixel_symbolic"](column, row, *taken["pixel_symbolic"])
             found[row, column] = [direct[c] + gloss[3] * gloss[c] for c in range(3)]
     return found
+
+
+def _plain(row: Record) -> SimpleNamespace:
+    """A record as a plain object."""
+    return SimpleNamespace(**{name: np.asarray(getattr(row, name)).tolist() for name in row.names()})
+
+
+class _Records(list[SimpleNamespace]):
+    """A table of records as the program reads it: ``table[row].radius`` and ``table.shape``."""
+
+    def __init__(self, rows: Iterable[Record]) -> None:
+        super().__init__(map(_plain, rows))
+        self.shape = (len(self),)
 
 
 class _Rows:

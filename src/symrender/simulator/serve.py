@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,7 @@ def certified(scene: Scene, asked: Any) -> dict[str, Any]:
 
     A page replaces a disk light by 2 x 2 points, and so does what is enclosed. OptionError says what is wrong.
     """
-    from symrender.certify import certify
+    from symrender.certify.enclosure import certify
 
     try:
         state, point = from_url(str(asked["fragment"])), np.array([float(v) for v in asked["point"]])
@@ -64,7 +63,8 @@ def server(page: Simulator, port: int = 0, *, scene: Scene | None = None) -> Thr
 
         def do_POST(self) -> None:
             """Proved bounds at ``/certify``."""
-            host, port = self.headers.get("Host"), self.server.server_address[1]
+            host, address = self.headers.get("Host"), self.server.server_address
+            port = address[1] if isinstance(address, tuple) else 0
             length = int(self.headers.get("Content-Length") or 0)
             kind = self.headers.get("Content-Type") == "application/json"
             status, answer = 404, {"error": "not found"}
