@@ -163,7 +163,7 @@ def flat(records: Table[R] | R) -> Array:
     """The numbers of records of float64 alone: (n, k) of a table, (k,) of one record; memory is shared."""
     rows = np.asarray(records)
     # only arrays with axes can be looked at as other numbers
-    return rows[None].view(np.float64).reshape((*rows.shape, -1))
+    return rows[None].view(np.float64).reshape((*rows.shape, rows.dtype.itemsize // 8))
 
 
 def column(kind: type[Record], name: str) -> int:
