@@ -19,7 +19,23 @@ from symrender.jit.kernel import Kernel
 from symrender.jit.marks import jitable
 from symrender.jit.types import type_of
 from symrender.quadrature.light_points import light_rows
-from symrender.records import Array, Record, Table, Three, Two, joined, rows_of, table
+from symrender.records import (
+    Array,
+    Record,
+    Table,
+    Three,
+    Two,
+    chosen,
+    column,
+    columns,
+    copied,
+    flat,
+    joined,
+    named,
+    record,
+    rows_of,
+    table,
+)
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 from symrender.scene.records import Floor, Shading, Sphere
@@ -88,19 +104,57 @@ def test_joined_copies_tables_in_order() -> None:
     assert len(empty) == 0 and np.asarray(empty).dtype == Inner.layout
 
 
-def test_the_scenes_arrays_are_read_as_records_without_a_copy() -> None:
+def test_a_view_of_a_scene_copies_none_of_its_records() -> None:
     a = scene_arrays(load("chapter8"))
     view = scene_view(a, light_rows(a, 2))
     assert len(view.spheres) == len(a.spheres) >= 2
-    for kind, array in ((Sphere, a.spheres[0]), (Floor, a.floor), (Shading, a.shading)):
-        assert kind.layout.itemsize == 8 * len(array)
-        assert np.shares_memory(np.asarray(rows_of(kind, array)), array)
-    assert view.spheres[1].center.tolist() == a.spheres[1, :3].tolist() and view.spheres[1].radius == a.spheres[1, 3]
-    a.spheres[1, 3], a.floor[0], a.shading[2] = 0.125, 0.0, 0.75
+    for kind, ours, seen in (
+        (Sphere, a.spheres, view.spheres), (Floor, a.floor, view.floor), (Shading, a.shading, view.shading),
+    ):  # fmt: skip
+        assert kind.layout.itemsize == 8 * columns(kind) == 8 * flat(ours).shape[-1]
+        assert np.shares_memory(flat(ours), flat(seen))
+    a.spheres[1].radius, a.floor.present, a.shading.ks = 0.125, 0.0, 0.75
     assert view.spheres[1].radius == 0.125 and view.floor.present == 0.0 and view.shading.ks == 0.75
     view.spheres[1].center[2] = 11.0
-    assert a.spheres[1, 2] == 11.0
-    assert len(rows_of(Sphere, a.spheres[:0])) == 0
+    assert a.spheres[1].center[2] == 11.0
+
+
+def test_flat_records_are_rows_of_their_numbers_and_back() -> None:
+    rows = table(Sphere, 3)
+    rows["radius"][:], rows["center"][1] = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0)
+    numbers = flat(rows)
+    assert numbers.shape == (3, columns(Sphere)) and flat(rows[1]).shape == (columns(Sphere),)
+    assert numbers[:, column(Sphere, "radius")].tolist() == [1.0, 2.0, 3.0]
+    assert flat(rows[1])[: column(Sphere, "radius")].tolist() == [4.0, 5.0, 6.0]
+    numbers[2, column(Sphere, "color") + 1] = 0.5
+    flat(rows[0])[-1] = 0.25
+    assert rows[2].color.tolist() == [0.0, 0.5, 0.0] and rows[0].theta_max == 0.25
+    again = rows_of(Sphere, numbers)
+    assert np.shares_memory(np.asarray(again), numbers) and again[1].radius == 2.0
+    assert len(rows_of(Sphere, numbers[:0])) == 0 and flat(rows_of(Sphere, numbers[:0])).shape == (0, columns(Sphere))
+
+
+def test_copied_and_chosen_records_have_memory_of_their_own() -> None:
+    rows = table(Inner, 3)
+    rows["tag"][:] = 1, 2, 3
+    whole, one, some = copied(rows), copied(rows[1]), chosen(rows, rows["tag"] != 2)
+    rows["tag"][:] = 9
+    assert whole["tag"].tolist() == [1, 2, 3] and one.tag == 2 and some["tag"].tolist() == [1, 3]
+    assert isinstance(whole[0], Inner) and isinstance(one, Inner) and isinstance(some[0], Inner)
+    bare = record(Floor)
+    own = copied(bare)
+    own.present = 1.0
+    assert bare.present == 0.0 and isinstance(own, Floor)
+
+
+def test_places_of_flat_records_have_their_fields_names() -> None:
+    names = [named(Sphere, k) for k in range(columns(Sphere))]
+    assert names[:5] == ["center[0]", "center[1]", "center[2]", "radius", "color[0]"] and len(set(names)) == len(names)
+    assert all(names[column(Sphere, name)] in (name, f"{name}[0]") for name in Sphere.names())
+    with pytest.raises(KeyError, match="Sphere has no number 14"):
+        named(Sphere, 14)
+    with pytest.raises(KeyError):
+        column(Sphere, "colour")
 
 
 @pytest.mark.parametrize(
@@ -269,6 +323,7 @@ GIVEN = ("gauss", "lobes", "arrays.", "moved[", "tangents.")
 """Arrays that are no records: the table of rules, and what a scene, a surface and a parameter are given as."""
 NUMBERED = {
     "disk_curves.py": {"table"},
+    "disk_refined.py": {"room"},
     "split_panel.py": {"scratch"},
     "tangent_direct.py": {"rows"},
     "tangent_disk.py": {"out", "rows", "table"},
