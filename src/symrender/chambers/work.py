@@ -139,6 +139,6 @@ def work_arrays(spheres: int, points: int) -> Work:
         aim=table(Aim, 1)[0],
         pieces=table(Piece, NODES + PENDING),
         spots=table(Spot, max(1, 3 * points)),
-        highlights=table(Highlight, 64 + 8 * points),
+        highlights=table(Highlight, 64 + 192 * points),
         boxes=table(Box, 96),
     )

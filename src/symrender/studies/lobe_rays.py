@@ -13,7 +13,7 @@ from symrender.chambers.labels import segment_meets, texture_side
 from symrender.kernel_cache import compiled
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.lobe_units import is_brdf, lobe_scale
-from symrender.records import rows_of
+from symrender.records import Table
 from symrender.runtimes import image as symbolic
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
@@ -89,7 +89,7 @@ class LobeRays:
         return counts
 
 
-def _label(hits: Array, spheres: Array, points: Array, labels: Labels) -> None:
+def _label(hits: Array, spheres: Table[Sphere], points: Array, labels: Labels) -> None:
     """Fill the texture and light columns of rays whose shape column is known."""
     for r in range(len(hits)):
         shape = labels[r, 0]
@@ -100,10 +100,10 @@ def _label(hits: Array, spheres: Array, points: Array, labels: Labels) -> None:
         nx, ny, nz = 0.0, 0.0, 1.0
         if own >= 0:
             s = spheres[own]
-            nx, ny, nz = qx - s[0], qy - s[1], qz - s[2]
+            nx, ny, nz = qx - s.center[0], qy - s.center[1], qz - s.center[2]
             length = math.sqrt(nx * nx + ny * ny + nz * nz)
             nx, ny, nz = nx / length, ny / length, nz / length
-            labels[r, 1] = texture_side(rows_of(Sphere, spheres), own, nx, ny, nz)
+            labels[r, 1] = texture_side(spheres, own, nx, ny, nz)
         for i in range(len(points)):
             lx, ly, lz = points[i, 0] - qx, points[i, 1] - qy, points[i, 2] - qz
             if not lx * nx + ly * ny + lz * nz > 0.0:
@@ -112,6 +112,7 @@ def _label(hits: Array, spheres: Array, points: Array, labels: Labels) -> None:
             labels[r, 2 + i] = LIT
             for k in range(len(spheres)):
                 t = spheres[k]
-                if k != own and segment_meets(qx, qy, qz, lx, ly, lz, t[0], t[1], t[2], t[3]):
+                c = t.center
+                if k != own and segment_meets(qx, qy, qz, lx, ly, lz, c[0], c[1], c[2], t.radius):
                     labels[r, 2 + i] = SHADED
                     break
