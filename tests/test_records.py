@@ -19,7 +19,7 @@ from symrender.jit.kernel import Kernel
 from symrender.jit.marks import jitable
 from symrender.jit.types import type_of
 from symrender.quadrature.light_points import light_rows
-from symrender.records import Array, Record, Table, Three, Two, joined, rows_of, table
+from symrender.records import Array, Record, Table, Three, Two, column, columns, flat, joined, rows_of, table
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 from symrender.scene.records import Floor, Shading, Sphere
@@ -88,19 +88,24 @@ def test_joined_copies_tables_in_order() -> None:
     assert len(empty) == 0 and np.asarray(empty).dtype == Inner.layout
 
 
-def test_the_scenes_arrays_are_read_as_records_without_a_copy() -> None:
+def test_a_view_and_flat_numbers_share_the_scenes_memory() -> None:
     a = scene_arrays(load("chapter8"))
     view = scene_view(a, light_rows(a, 2))
     assert len(view.spheres) == len(a.spheres) >= 2
-    for kind, array in ((Sphere, a.spheres[0]), (Floor, a.floor), (Shading, a.shading)):
-        assert kind.layout.itemsize == 8 * len(array)
-        assert np.shares_memory(np.asarray(rows_of(kind, array)), array)
-    assert view.spheres[1].center.tolist() == a.spheres[1, :3].tolist() and view.spheres[1].radius == a.spheres[1, 3]
-    a.spheres[1, 3], a.floor[0], a.shading[2] = 0.125, 0.0, 0.75
+    for kind, row in ((Sphere, a.spheres[0]), (Floor, a.floor), (Shading, a.shading)):
+        numbers = flat(row)
+        assert numbers.dtype == np.float64 and kind.layout.itemsize == 8 * len(numbers) == 8 * columns(kind)
+        assert np.shares_memory(np.asarray(rows_of(kind, numbers)), numbers)
+        assert np.shares_memory(numbers, np.asarray(row))
+    spheres, floor, shading = flat(a.spheres), flat(a.floor), flat(a.shading)
+    center, radius = column(Sphere, "center"), column(Sphere, "radius")
+    assert view.spheres[1].center.tolist() == spheres[1, center : center + 3].tolist()
+    assert view.spheres[1].radius == spheres[1, radius] > 0.0
+    spheres[1, radius], floor[column(Floor, "present")], shading[column(Shading, "ks")] = 0.125, 0.0, 0.75
     assert view.spheres[1].radius == 0.125 and view.floor.present == 0.0 and view.shading.ks == 0.75
     view.spheres[1].center[2] = 11.0
-    assert a.spheres[1, 2] == 11.0
-    assert len(rows_of(Sphere, a.spheres[:0])) == 0
+    assert spheres[1, center + 2] == a.spheres[1].center[2] == 11.0
+    assert len(rows_of(Sphere, spheres[:0])) == 0
 
 
 @pytest.mark.parametrize(
