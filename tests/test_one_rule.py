@@ -25,8 +25,10 @@ from symrender.quadrature.lattice_nodes import mark_nodes, tint_nodes
 from symrender.quadrature.light_nodes import light_nodes, point_light
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.node_rows import begin_sums
+from symrender.records import Table, record, table
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
+from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 
 Array = np.ndarray
 KEY = pixel_key(0, 0, 0)
@@ -44,60 +46,63 @@ def random_scene(rng: np.random.Generator) -> SceneArrays:
 
     Numbers at boundaries are short in binary, so that arithmetic meets them exactly.
     """
-    spheres = np.zeros((2, at.SPHERE_COLUMNS))
-    spheres[:, :3], spheres[:, 3] = rng.integers(-8, 9, (2, 3)) / 4, rng.integers(1, 7, 2) / 4
+    spheres = table(Sphere, 2)
+    a, b = spheres
+    spheres["center"][:], spheres["radius"][:] = rng.integers(-8, 9, (2, 3)) / 4, rng.integers(1, 7, 2) / 4
     match rng.integers(8):
         case 0:  # they touch
-            spheres[1, :3] = spheres[0, :3] + AXES[rng.integers(6)] * spheres[:, 3].sum()
+            b.center[:] = a.center + AXES[rng.integers(6)] * (a.radius + b.radius)
         case 1:  # one stands on the floor, the other is half buried
-            spheres[0, 2], spheres[1, 2] = spheres[0, 3], 0.0
+            a.center[2], b.center[2] = a.radius, 0.0
         case 2:  # one hangs below the floor and touches it
-            spheres[0, 2] = -spheres[0, 3]
+            a.center[2] = -a.radius
         case 3:  # one in the other, touching it or not
-            spheres[1, 3] = 0.5 * spheres[0, 3]
-            spheres[1, :3] = spheres[0, :3] + AXES[rng.integers(6)] * rng.choice([0.0, 0.5]) * spheres[0, 3]
+            b.radius = 0.5 * a.radius
+            b.center[:] = a.center + AXES[rng.integers(6)] * rng.choice([0.0, 0.5]) * a.radius
         case 4:  # one centre; equal spheres are one
-            spheres[1, :3] = spheres[0, :3]
-    if (spheres[0, :4] == spheres[1, :4]).all():
-        spheres[1, 3] += 0.25
-    spheres[:, at.COLOR : at.COLOR + 3] = rng.choice([0.0, 0.4, 0.9], (2, 3))
-    spheres[:, at.TEXTURE] = rng.choice([at.SOLID, at.CHECKER, at.CHECKER, at.STRIPES, at.MARBLE], 2)
-    spheres[:, at.KU], spheres[:, at.KV] = rng.choice(FREQUENCIES, 2), rng.choice(FREQUENCIES, 2)
-    spheres[:, at.DARK] = rng.choice([0.0, 0.2])
-    lights = np.zeros((int(rng.integers(1, 4)), at.LIGHT_COLUMNS))
+            b.center[:] = a.center
+    if (a.center == b.center).all() and a.radius == b.radius:
+        b.radius += 0.25
+    spheres["color"][:] = rng.choice([0.0, 0.4, 0.9], (2, 3))
+    spheres["texture"][:] = rng.choice([at.SOLID, at.CHECKER, at.CHECKER, at.STRIPES, at.MARBLE], 2)
+    spheres["ku"][:], spheres["kv"][:] = rng.choice(FREQUENCIES, 2), rng.choice(FREQUENCIES, 2)
+    spheres["dark"][:] = rng.choice([0.0, 0.2])
+    lights = table(Light, int(rng.integers(1, 4)))
     for light in lights:
-        light[1:4], light[5:8] = rng.integers(-16, 17, 3) / 4, rng.choice([0.0, 0.5, 1.0], 3)
-        ball = spheres[rng.integers(2)]
+        light.position[:], light.color[:] = rng.integers(-16, 17, 3) / 4, rng.choice([0.0, 0.5, 1.0], 3)
+        ball = spheres[int(rng.integers(2))]
         match rng.integers(8):
             case 0:
-                light[3] = 0.0
+                light.position[2] = 0.0
             case 1:  # on a ball's surface
-                light[1:4] = ball[:3] + AXES[rng.integers(6)] * ball[3]
+                light.position[:] = ball.center + AXES[rng.integers(6)] * ball.radius
             case 2:  # in a ball
-                light[1:4] = ball[:3] + AXES[rng.integers(6)] * 0.5 * ball[3]
+                light.position[:] = ball.center + AXES[rng.integers(6)] * 0.5 * ball.radius
             case 3:
-                light[1:4] = rng.uniform(-4, 4, 3)
-    floor = np.zeros(at.FLOOR_COLUMNS)
-    floor[at.FLOOR_PRESENT] = rng.random() < 0.8
-    floor[at.FLOOR_KIND] = rng.choice([at.SOLID, at.CHECKER])
-    floor[at.FLOOR_BRIGHT : at.FLOOR_BRIGHT + 3], floor[at.FLOOR_DARK : at.FLOOR_DARK + 3] = (0.8, 0.7, 0.0), 0.1
-    floor[at.FLOOR_CELL], floor[at.FLOOR_OFFSET : at.FLOOR_OFFSET + 2] = 0.5, rng.choice([0.0, 0.25], 2)
-    shading = np.zeros(at.SHADING_COLUMNS)
-    shading[:7] = (
-        0.1, rng.choice([0.0, 0.7]), rng.choice([0.0, 0.5]), rng.choice([0.0, 1.0, 2.0, 7.5, 32.0]), rng.integers(2),
-        at.RAY, rng.integers(2),
-    )  # fmt: skip
-    shading[at.AMBIENT : at.AMBIENT + 3] = 0.3, 0.2, 0.0
-    return SceneArrays(spheres, floor, lights, shading, np.zeros(at.CAMERA_COLUMNS))
+                light.position[:] = rng.uniform(-4, 4, 3)
+    floor, shading = record(Floor), record(Shading)
+    floor.present = rng.random() < 0.8
+    floor.kind = rng.choice([at.SOLID, at.CHECKER])
+    floor.bright[:], floor.dark[:] = (0.8, 0.7, 0.0), 0.1
+    floor.cell, floor.offset[:] = 0.5, rng.choice([0.0, 0.25], 2)
+    shading.ka, shading.kd, shading.ks = 0.1, rng.choice([0.0, 0.7]), rng.choice([0.0, 0.5])
+    shading.shininess, shading.model = rng.choice([0.0, 1.0, 2.0, 7.5, 32.0]), rng.integers(2)
+    shading.highlight_view, shading.terminator = at.RAY, rng.integers(2)
+    shading.ambient[:] = 0.3, 0.2, 0.0
+    return SceneArrays(spheres, floor, lights, shading, record(Camera))
 
 
 def lit_point(a: SceneArrays, rng: np.random.Generator) -> tuple[int, Array, Array]:
     """(sphere or -1, place, normal), often at poles, seams and lines."""
-    own = int(rng.integers(-1 if a.floor[0] else 0, 2))
+    own = int(rng.integers(-1 if a.floor.present else 0, 2))
     if own < 0:
         return own, np.array([*rng.integers(-12, 13, 2) / 8, 0.0]), np.array([0.0, 0.0, 1.0])
     normal = AXES[rng.integers(6)] if rng.random() < 0.4 else unit(rng.normal(size=3))
-    return own, a.spheres[own, :3] + a.spheres[own, 3] * normal, normal
+    return own, a.spheres[own].center + a.spheres[own].radius * normal, normal
+
+
+def _inside_a_ball(place: Array, spheres: Table[Sphere]) -> bool:
+    return bool((((place - spheres["center"]) ** 2).sum(axis=1) <= spheres["radius"] ** 2).any())
 
 
 def seen_from(
@@ -105,7 +110,7 @@ def seen_from(
 ) -> tuple[Array, Work, View] | None:
     """The view along which q is seen from a point P, and P's chart of its shape; None where P does not see it."""
     place = q + unit(n + 0.7 * unit(rng.normal(size=3))) * 10 ** rng.uniform(-1, 0.5)
-    if (place - q) @ n <= 0 or (((place - a.spheres[:, :3]) ** 2).sum(axis=1) <= a.spheres[:, 3] ** 2).any():
+    if (place - q) @ n <= 0 or _inside_a_ball(place, a.spheres):
         return None
     points = light_rows(a, 1)
     view, work = scene_view(a, points), work_arrays(2, len(points))
@@ -147,9 +152,9 @@ def by_a_lattice(own: int, q: Array, n: Array, v: Array, work: Work, view: View)
 def tangent(a: SceneArrays, q: Array) -> bool:
     """Whether a segment from q to a light all but touches a ball: there a text may say either."""
     for light in a.lights:
-        d, f = light[1:4] - q, a.spheres[:, :3] - q
+        d, f = light.position - q, a.spheres["center"] - q
         t = (f @ d) / max(d @ d, 1e-300)
-        miss = np.sqrt(np.maximum(0, (f * f).sum(axis=1) - t * t * (d @ d))) - a.spheres[:, 3]
+        miss = np.sqrt(np.maximum(0, (f * f).sum(axis=1) - t * t * (d @ d))) - a.spheres["radius"]
         if ((np.abs(miss) < 1e-6) & (t > -1e-6) & (t < 1 + 1e-6)).any():
             return True
     return False
@@ -171,17 +176,17 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
             leaves = at.FLOOR
             if view.eye[2] > (q + v)[2]:
                 continue
-            side = FORMULAS.floor_side(q[0], q[1], a.floor) if a.floor[at.FLOOR_KIND] == at.CHECKER else 1.0
+            side = FORMULAS.floor_side(q[0], q[1], a.floor) if a.floor.kind == at.CHECKER else 1.0
             albedo = np.array(floor_albedo(a.floor, floor_sign(a.floor, q[0], q[1])))
             assert 2.0 * side - 1.0 == floor_sign(a.floor, q[0], q[1])
             met["floor"] += 1
         else:
             factor = FORMULAS.texture_factor(own, *n, a.spheres)
             albedo = np.array(sphere_albedo(a.spheres[own], tuple(n)))
-            assert np.abs(albedo - a.spheres[own, at.COLOR : at.COLOR + 3] * factor).max() < 1e-12, a.spheres[own]
-            if a.spheres[own, at.TEXTURE] in (at.CHECKER, at.STRIPES):
+            assert np.abs(albedo - a.spheres[own].color * factor).max() < 1e-12, a.spheres[own]
+            if a.spheres[own].texture in (at.CHECKER, at.STRIPES):
                 bright = texture_side(view.spheres, own, *n)
-                assert factor == (1.0 if bright else a.spheres[own, at.DARK]), a.spheres[own]
+                assert factor == (1.0 if bright else a.spheres[own].dark), a.spheres[own]
                 met["dark field"] += factor < 1
         points = np.hstack([view.points["position"], view.points["color"]])
         scene = (a.spheres, a.floor, points, a.shading)
@@ -201,11 +206,11 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
             program = np.array(FORMULAS.direct(*q, *-n, *-v, *albedo, leaves, -1.0, *scene))
             within = direct_light(world, leaves, True, tuple(q), tuple(-n), tuple(-v), tuple(albedo), KEY, 0, 1)
             assert np.abs(program - np.array(within)).max() < 1e-12, told
-            met["lit from within"] += bool((program > a.shading[0] * a.shading[7:10] + 1e-9).any())
-        met["lit"] += bool((lobe > a.shading[0] * a.shading[7:10] + 1e-9).any())
+            met["lit from within"] += bool((program > a.shading.ka * a.shading.ambient + 1e-9).any())
+        met["lit"] += bool((lobe > a.shading.ka * a.shading.ambient + 1e-9).any())
         met["all"] += 1
-        met["on z = 0"] += bool((a.lights[:, 3] == 0).any())
-        met["open"] += bool(a.shading[6] == at.OPEN and a.shading[2] > 0)
+        met["on z = 0"] += bool((a.lights["position"][:, 2] == 0).any())
+        met["open"] += bool(a.shading.terminator == at.OPEN and a.shading.ks > 0)
     assert met["all"] > 1000 and met["lit"] > 300 and met["floor"] > 150 and met["dark field"] > 50, met
     assert met["on z = 0"] > 150 and met["open"] > 200 and met["on a lattice"] > 200, met
     assert met["lit from within"] > 20, met
