@@ -49,12 +49,12 @@ def labels(arrays: SceneArrays, origin: np.ndarray, direction: np.ndarray) -> np
     rows = np.zeros((len(shape), 2 + len(light_points(arrays.lights, 2)[0])), dtype=np.int64)
     rows[:, 0] = shape
     j = shape[met].astype(int) - at.FIRST_SPHERE
-    sphere = arrays.spheres[j]
+    sphere = np.asarray(arrays.spheres)[j]
     q = origin[met] + distance[met, None] * direction[met]
-    n = unit(q - sphere[:, :3])
+    n = unit(q - sphere["center"])
     u, v = (np.arctan2(n[:, 1], n[:, 0]) + np.pi) / (2 * np.pi), np.arccos(np.clip(n[:, 2], -1, 1)) / np.pi
-    side = np.sin(np.pi * u * sphere[:, at.KU]) * np.sin(np.pi * v * sphere[:, at.KV]) >= 0
-    rows[met, 1] = side & (sphere[:, at.TEXTURE] == at.CHECKER)
+    side = np.sin(np.pi * u * sphere["ku"]) * np.sin(np.pi * v * sphere["kv"]) >= 0
+    rows[met, 1] = side & (sphere["texture"] == at.CHECKER)
     for k, light in enumerate(light_points(arrays.lights, 2)[0]):
         away = light - q
         reach = np.linalg.norm(away, axis=1)

@@ -27,20 +27,20 @@ def lobe_rays(arrays: SceneArrays, count: int) -> tuple[np.ndarray, np.ndarray, 
     bounding cube, so that most of the rays meet something.
     """
     rng = np.random.default_rng(SEED)
-    spheres = arrays.spheres
-    which = rng.integers(0, len(spheres), count)
+    centers, radii = arrays.spheres["center"], arrays.spheres["radius"]
+    which = rng.integers(0, len(radii), count)
     on_floor = rng.random(count) < 0.5
-    center, radius = spheres[which, :3], spheres[which, 3]
+    center, radius = centers[which], radii[which]
     normal = unit(rng.standard_normal((count, 3)))
-    spread = 2.5 * (np.abs(spheres[:, :3]).max() + spheres[:, 3].max())
+    spread = 2.5 * (np.abs(centers).max() + radii.max())
     spot = np.concatenate([rng.uniform(-spread, spread, (count, 2)), np.zeros((count, 1))], axis=1)
-    covered = [np.hypot(*(spot[:, :2] - s[:2]).T) < s[3] for s in spheres if s[2] < s[3]]
+    covered = [np.hypot(*(spot[:, :2] - c[:2]).T) < r for c, r in zip(centers, radii, strict=True) if c[2] < r]
     on_floor &= ~np.any(covered, axis=0) if covered else True
     origin = np.where(on_floor[:, None], spot, center + radius[:, None] * normal)
     normal = np.where(on_floor[:, None], (0.0, 0.0, 1.0), normal)
     leaves = np.where(on_floor, at.FLOOR, at.FIRST_SPHERE + which)
-    aim = rng.integers(0, len(spheres), count)
-    target = spheres[aim, :3] + spheres[aim, 3:4] * rng.uniform(-1, 1, (count, 3))
+    aim = rng.integers(0, len(radii), count)
+    target = centers[aim] + radii[aim, None] * rng.uniform(-1, 1, (count, 3))
     direction = np.where(rng.random(count)[:, None] < 0.5, unit(rng.standard_normal((count, 3))), unit(target - origin))
     height = (direction * normal).sum(axis=1, keepdims=True)
     direction -= 2 * np.minimum(height, 0) * normal
@@ -53,9 +53,9 @@ def unit(v: np.ndarray) -> np.ndarray:
 
 def nearness(arrays: SceneArrays, origin: np.ndarray, direction: np.ndarray) -> float:
     """Smallest |distance from a sphere's centre - radius| of one ray, over the radius."""
-    f = arrays.spheres[:, :3] - origin
+    f = arrays.spheres["center"] - origin
     offset = np.linalg.norm(f - (f @ direction)[:, None] * direction, axis=1)
-    return float(np.abs(offset / arrays.spheres[:, 3] - 1).min())
+    return float(np.abs(offset / arrays.spheres["radius"] - 1).min())
 
 
 def main() -> None:

@@ -9,7 +9,6 @@ medians are printed as ratios beside their targets (<= 2, .5, .05 at 1e-2, 1e-3,
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import subprocess
 import tempfile
@@ -19,8 +18,10 @@ import numpy as np
 from measure import Report, arguments, cpu_seconds, median
 
 from symrender.quadrature.split_point import SplitResult, gloss_points
+from symrender.records import Table
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
+from symrender.scene.records import Sphere
 
 SIZE, ROUNDS = 64, 3
 TARGETS = {1e-2: 2.0, 1e-3: 0.5, 1e-4: 0.05}
@@ -32,7 +33,7 @@ TOLERANCES = (
 SAMPLES = (64, 256, 1024, 4096)
 
 
-def floor_pixels(eye: np.ndarray, spheres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def floor_pixels(eye: np.ndarray, spheres: Table[Sphere]) -> tuple[np.ndarray, np.ndarray]:
     half = 1.25 * 4 / np.sqrt(15)
     i = np.arange(SIZE)
     x = half * (2 * (i + 0.5) / SIZE - 1)
@@ -43,9 +44,9 @@ def floor_pixels(eye: np.ndarray, spheres: np.ndarray) -> tuple[np.ndarray, np.n
     d /= far[:, None]
     seen = np.ones(len(points), bool)
     for s in spheres:
-        f = eye - s[:3]
+        f = eye - s.center
         b = d @ f
-        inside = b * b - (f @ f - s[3] ** 2)
+        inside = b * b - (f @ f - s.radius**2)
         # a sphere met behind the floor is its buried part
         seen &= ~((inside > 0) & (b < 0) & (-b - np.sqrt(np.maximum(inside, 0.0)) < far))
     return seen, points
@@ -70,10 +71,7 @@ def main() -> None:
 def compare(report: Report, program: str, eye: np.ndarray, exponent: int, out: Path, rounds: int) -> None:
     """One eye and exponent: both kinds of images at growing accuracy, in turns, then the ratios of their times."""
     a = scene_arrays(load("chapter8"))
-    a.camera[1:4] = eye
-    floor = a.floor.copy()
-    floor[12] = exponent
-    a = dataclasses.replace(a, floor=floor)
+    a.camera.eye[:], a.floor.exponent = eye, exponent
     seen, points = floor_pixels(eye, a.spheres)
     p = points[seen]
     d = (p - eye) / np.linalg.norm(p - eye, axis=1)[:, None]

@@ -47,7 +47,7 @@ def test_a_planted_fault_is_caught(clean: sr.Image, fault: str) -> None:
     layers = {name: clean.layer(name).copy() for name in clean.layers}
     match fault:
         case "missing":
-            layers["radiance"] -= scene_arrays(scene).floor[11] * layers["gloss"]
+            layers["radiance"] -= scene_arrays(scene).floor.weight * layers["gloss"]
         case "scaled":
             layers["radiance"] *= 1.0 + 8.0 * receipt["power"][1] * rms / np.abs(layers["radiance"]).mean()
         case "channel":

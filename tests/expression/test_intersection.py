@@ -13,7 +13,9 @@ import sympy as sp
 from emitted import FORMULAS
 from symrender.expression import intersection
 from symrender.expression.vectors import dot, norm2, renormalising, vec3
+from symrender.records import Table, record, table
 from symrender.scene import arrays as at
+from symrender.scene.records import Floor, Sphere
 
 Vector = tuple[float, float, float]
 F, W = vec3("f"), vec3("w")
@@ -66,10 +68,10 @@ def test_far_sphere_keeps_its_discriminant(distance: float) -> None:
     assert naive_wrong > 0 or distance < 1e8
 
 
-def _scene_of(spheres: list[tuple[Vector, float]]) -> np.ndarray:
-    rows = np.zeros((len(spheres), at.SPHERE_COLUMNS))
+def _scene_of(spheres: list[tuple[Vector, float]]) -> Table[Sphere]:
+    rows = table(Sphere, len(spheres))
     for row, (center, radius) in zip(rows, spheres, strict=True):
-        row[:4] = *center, radius
+        row.center[:], row.radius = center, radius
     return rows
 
 
@@ -83,7 +85,7 @@ def test_nearest_hit_from_outside_and_inside() -> None:
         w = (center - p) + rng.normal(size=3) * radius if rng.random() < 0.7 else w
         w /= np.linalg.norm(w)
         shape, distance = FORMULAS.nearest(
-            *p.tolist(), *w.tolist(), 0, _scene_of([(tuple(center.tolist()), radius)]), np.zeros(at.FLOOR_COLUMNS)
+            *p.tolist(), *w.tolist(), 0, _scene_of([(tuple(center.tolist()), radius)]), record(Floor)
         )
         with mpmath.workdps(60):
             o = [mpmath.mpf(x) - mpmath.mpf(y) for x, y in zip(p.tolist(), center.tolist(), strict=True)]

@@ -12,9 +12,19 @@ import sympy as sp
 from emitted import FORMULAS
 from symrender.expression import texture
 from symrender.expression.vectors import vec3
+from symrender.records import Table, record, table
 from symrender.scene import arrays as at
+from symrender.scene.records import Floor, Sphere
 
 NORMAL = vec3("n")
+
+
+def textured(kind: int, ku: float, kv: float, dark: float) -> Table[Sphere]:
+    """One sphere of this texture; nothing else of it matters here."""
+    spheres = table(Sphere, 1)
+    sphere = spheres[0]
+    sphere.texture, sphere.ku, sphere.kv, sphere.dark = kind, ku, kv, dark
+    return spheres
 
 
 def normals(count: int, seed: int) -> np.ndarray:
@@ -70,8 +80,7 @@ def test_polynomials_are_the_identities_they_claim() -> None:
 @pytest.mark.parametrize("kind", [at.CHECKER, at.STRIPES])
 @pytest.mark.parametrize(("ku", "kv"), [(8, 4), (16, 8), (7, 3), (2.5, 1.75), (64, 64), (66, 65), (0, 4), (8, 0)])
 def test_emitted_factor_is_the_sign_of_the_waves(kind: int, ku: float, kv: float) -> None:
-    spheres = np.zeros((1, at.SPHERE_COLUMNS))
-    spheres[0, at.TEXTURE], spheres[0, at.KU], spheres[0, at.KV], spheres[0, at.DARK] = kind, ku, kv, 0.2
+    spheres = textured(kind, ku, kv, 0.2)
     n = normals(3000, 17)
     azimuthal, polar = waves(n, ku, kv)
     wave = azimuthal * (polar if kind == at.CHECKER else 1)
@@ -90,8 +99,7 @@ def test_emitted_factor_is_the_sign_of_the_waves(kind: int, ku: float, kv: float
 
 
 def test_marble_against_thirty_digits() -> None:
-    spheres = np.zeros((1, at.SPHERE_COLUMNS))
-    spheres[0, at.TEXTURE], spheres[0, at.KU], spheres[0, at.KV] = at.MARBLE, 3.0, 2.0
+    spheres = textured(at.MARBLE, 3.0, 2.0, 0.0)
     values = []
     for row in normals(200, 5).tolist():
         with mpmath.workdps(30):
@@ -106,8 +114,7 @@ def test_marble_against_thirty_digits() -> None:
 
 @pytest.mark.parametrize("kind", [at.CHECKER, at.STRIPES])
 def test_ties_on_a_sphere_are_bright(kind: int) -> None:
-    spheres = np.zeros((1, at.SPHERE_COLUMNS))
-    spheres[0, at.TEXTURE], spheres[0, at.KU], spheres[0, at.KV], spheres[0, at.DARK] = kind, 8, 4, 0.2
+    spheres = textured(kind, 8, 4, 0.2)
     # sin(4 (phi + pi)) = 0 exactly at phi = 0, pi/2, pi, and at both poles; U_3 = 0 on the equator
     ties = [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.6, 0.0, 0.8), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
     if kind == at.CHECKER:
@@ -118,8 +125,8 @@ def test_ties_on_a_sphere_are_bright(kind: int) -> None:
 
 @pytest.mark.parametrize(("cell", "offset"), [(1.0, (0.0, 0.0)), (0.5, (0.25, -3.0)), (3.0, (1.0, 2.0))])
 def test_floor_parity_and_its_ties(cell: float, offset: tuple[float, float]) -> None:
-    floor = np.zeros(at.FLOOR_COLUMNS)
-    floor[at.FLOOR_CELL], floor[at.FLOOR_OFFSET : at.FLOOR_OFFSET + 2] = cell, offset
+    floor = record(Floor)
+    floor.cell, floor.offset[:] = cell, offset
     rng = np.random.default_rng(8)
     dark = ties = 0
     for a, b in rng.uniform(-9, 9, size=(500, 2)).tolist():

@@ -95,7 +95,7 @@ FAULTS = (
     Fault("colour", "images/srgb.py", "np.floor(255.0 * encoded + 0.5)", "np.floor(255.0 * encoded)",
           ("images/test_srgb.py",),
           "truncation for rounding"),
-    Fault("colour", "numeric/shading.py", "red += world.lights[index, 5]", "red += world.lights[index, 6]",
+    Fault("colour", "numeric/shading.py", "red += world.lights[index].color[0]", "red += world.lights[index].color[1]",
           ("numeric/test_shading.py", *BOTH), "green light into red"),
     Fault("colour", "quadrature/disk.py", "c / (k * k)", "c / k", ("quadrature/test_disk.py", *BOTH),
           "a disk brighter than its colour"),

@@ -11,15 +11,17 @@ from hypothesis import strategies as st
 
 from emitted import FORMULAS
 from symrender.limits import MAX_FOOTPRINT_LINES
+from symrender.records import record
 from symrender.scene import arrays as at
+from symrender.scene.records import Floor
 
 Corners = np.ndarray
 
 
-def checker(cell: float = 1.0, offset: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+def checker(cell: float = 1.0, offset: tuple[float, float] = (0.0, 0.0)) -> Floor:
     """A floor with a checker; only cell and offset matter here."""
-    floor = np.zeros(at.FLOOR_COLUMNS)
-    floor[at.FLOOR_KIND], floor[at.FLOOR_CELL], floor[at.FLOOR_OFFSET : at.FLOOR_OFFSET + 2] = at.CHECKER, cell, offset
+    floor = record(Floor)
+    floor.kind, floor.cell, floor.offset[:] = at.CHECKER, cell, offset
     return floor
 
 

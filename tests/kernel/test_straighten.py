@@ -9,6 +9,7 @@ from symrender.kernel.assemble_pixels import TABLES, pixel_program
 from symrender.kernel.block import Block
 from symrender.kernel.program import Array, Function, Loop, Next, Program, When
 from symrender.kernel.straighten import straightened
+from symrender.records import flat
 from symrender.runtimes import interpreter
 from symrender.scene import arrays as at
 from symrender.scene.load import load
@@ -63,8 +64,8 @@ def test_every_pass_computes_the_same_pixels():
     made = pixel_program()
     tables = {name: np.zeros(t.columns) if t.rows == 1 else np.zeros((t.rows, t.columns)) for name, t in TABLES.items()}
     for name in ("spheres", "floor", "shading", "camera"):
-        tables[name] = np.array(getattr(arrays, name), dtype=float)
-    tables["eye"] = tables["camera"][1:4]
+        tables[name] = flat(getattr(arrays, name))
+    tables["eye"] = arrays.camera.eye
     tables["image_frame"] = np.array([0, 0, 8, 8, 8, 8, 1.0])
     tables["points"] = np.array([[*light.position, *light.color] for light in scene.lights])
     interpreter.run(made, "camera_axes", (tables["camera"], tables["axes"]))

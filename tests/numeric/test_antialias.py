@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 from symrender.numeric.antialias import MAX_CROSSINGS, Quad, footprint, mean_sign, pixel_sign, wave
 from symrender.numeric.rays import camera_frame, primary_ray
 from symrender.numeric.textures import floor_sign
-from symrender.scene.arrays import CAMERA_COLUMNS, CHECKER, FLOOR_COLUMNS, LOOK_AT, Array
+from symrender.records import record
+from symrender.scene.arrays import CHECKER, LOOK_AT, PLANE
+from symrender.scene.records import Camera, Floor
 
 Point = tuple[float, float]
 
@@ -69,8 +71,7 @@ def test_rectangles_are_the_product_of_two_box_means(x: float, y: float, w: floa
 def test_pixels_of_the_chapter_camera() -> None:
     """Every pixel of a 64 x 64 window: to 1e-13 the closed form, and a fair share of them on an edge."""
     width, half, center_y = 64, 1.2909944487358056, -0.19364916731037082
-    camera = np.zeros(CAMERA_COLUMNS)
-    camera[1:7] = 0, 0, 4, half, 0, center_y
+    camera = _plane((0, 0, 4), half, (0, center_y))
     frame, floor = camera_frame(camera, width, width), _checker()
     worst, mixed = 0.0, 0
     for j in range(width):
@@ -85,9 +86,9 @@ def test_pixels_of_the_chapter_camera() -> None:
     assert worst <= 1e-13
 
 
-def _checker(cell: float = 1.0) -> Array:
-    floor = np.zeros(FLOOR_COLUMNS)
-    floor[0:2], floor[2:5], floor[8] = (1, CHECKER), 1.0, cell
+def _checker(cell: float = 1.0) -> Floor:
+    floor = record(Floor)
+    floor.present, floor.kind, floor.bright[:], floor.cell = 1, CHECKER, 1.0, cell
     return floor
 
 
@@ -104,9 +105,16 @@ def test_any_convex_patch_equals_cutting_it_cell_by_cell(x: float, y: float, rad
     assert mean_sign(x, y, backwards) == pytest.approx(expected, abs=1e-10)
 
 
-def _look_at() -> Array:
-    camera = np.zeros(CAMERA_COLUMNS)
-    camera[0], camera[1:4], camera[4:7], camera[7:10], camera[10] = LOOK_AT, (3, -4, 2), (0, 0, 0), (0, 0, 1), 40
+def _plane(eye: tuple[float, float, float], half: float, center: Point) -> Camera:
+    camera = record(Camera)
+    camera.kind, camera.eye[:], camera.window_half, camera.window_center[:] = PLANE, eye, half, center
+    return camera
+
+
+def _look_at() -> Camera:
+    camera = record(Camera)
+    camera.kind, camera.eye[:], camera.target[:] = LOOK_AT, (3, -4, 2), (0, 0, 0)
+    camera.up[:], camera.fov = (0, 0, 1), 40
     return camera
 
 
@@ -154,9 +162,8 @@ def test_horizon_and_overflow_fall_back() -> None:
     assert mean_sign(0.3, 0.4, wide) == 0.0
     assert math.isnan(mean_sign(0.3, 0.4, _rectangle(1e300, 1e300)))
     assert math.isnan(mean_sign(0.3, 0.4, (0.0,) * 8))
-    point = pixel_sign(
-        _checker(), camera_frame(np.array([0, 0, 0, 4, 1e-200, 0.3, 0.4, 0, 0, 0, 0.0]), 1, 1), 0, 0, 1, 1, 0.3, 0.4
-    )
+    nowhere = camera_frame(_plane((0, 0, 4), 1e-200, (0.3, 0.4)), 1, 1)
+    point = pixel_sign(_checker(), nowhere, 0, 0, 1, 1, 0.3, 0.4)
     assert point == 1.0, "a pixel without area is its own point"
 
 

@@ -9,15 +9,18 @@ from hypothesis import strategies as st
 
 from symrender.errors import OptionError
 from symrender.numeric.lights import disk_axes, light_points
-from symrender.scene.arrays import DISK, LIGHT_COLUMNS, POINT, Array
+from symrender.records import Table, joined, table
+from symrender.scene.arrays import DISK, POINT
+from symrender.scene.records import Light
 
 Vector = tuple[float, float, float]
 
 
-def _lights(*, position: Vector, radius: float, target: Vector) -> Array:
-    lights = np.zeros((2, LIGHT_COLUMNS))
-    lights[0, 0], lights[0, 1:4] = POINT, (1, 2, 3)
-    lights[1, 0], lights[1, 1:4], lights[1, 4], lights[1, 8:11] = DISK, position, radius, target
+def _lights(*, position: Vector, radius: float, target: Vector) -> Table[Light]:
+    lights = table(Light, 2)
+    point, disk = lights
+    point.kind, point.position[:] = POINT, (1, 2, 3)
+    disk.kind, disk.position[:], disk.radius, disk.target[:] = DISK, position, radius, target
     return lights
 
 
@@ -72,6 +75,6 @@ def test_exact_disk_has_no_points_and_too_many_are_refused() -> None:
     lights = _lights(position=(0, 0, 3), radius=1, target=(0, 0, 0))
     points, first, _ = light_points(lights, 0)
     assert first.tolist() == [0, 1, 1] and len(points) == 1
-    assert len(light_points(lights[:0], 2)[0]) == 0
+    assert len(light_points(table(Light, 0), 2)[0]) == 0
     with pytest.raises(OptionError, match="light points"):
-        light_points(np.repeat(lights, 2, axis=0), 256)
+        light_points(joined(Light, [lights, lights]), 256)

@@ -200,7 +200,7 @@ def test_trace_finds_the_nearest_by_brute_force(oblique: Scene) -> None:
     rng = np.random.default_rng(8)
     origins = rng.uniform((-2, -2, -1), (2, 2, 3), (500, 3))
     directions = rng.normal(size=origins.shape)
-    directions[::2] = arrays.spheres[rng.integers(0, 2, 250), :3] + 0.3 * directions[::2] - origins[::2]
+    directions[::2] = arrays.spheres["center"][rng.integers(0, 2, 250)] + 0.3 * directions[::2] - origins[::2]
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     _, hit_class, distance = trace(arrays, origins, directions, NOTHING)
     with mpmath.workdps(40):
@@ -210,10 +210,10 @@ def test_trace_finds_the_nearest_by_brute_force(oblique: Scene) -> None:
             if -mpmath.mpf(o[2]) / slope > 0:
                 best = (-mpmath.mpf(o[2]) / slope, FLOOR, mpmath.mpf(1))
             for j, sphere in enumerate(arrays.spheres):
-                f = [mpmath.mpf(x) - mpmath.mpf(c) for x, c in zip(o, sphere[:3], strict=True)]
+                f = [mpmath.mpf(x) - mpmath.mpf(c) for x, c in zip(o, sphere.center, strict=True)]
                 a = sum(mpmath.mpf(x) ** 2 for x in d)
                 b = sum(x * mpmath.mpf(y) for x, y in zip(f, d, strict=True))
-                delta = b * b - a * (sum(x * x for x in f) - mpmath.mpf(sphere[3]) ** 2)
+                delta = b * b - a * (sum(x * x for x in f) - mpmath.mpf(sphere.radius) ** 2)
                 if delta >= 0:
                     for root in ((-b - mpmath.sqrt(delta)) / a, (-b + mpmath.sqrt(delta)) / a):
                         if 0 < root < best[0]:

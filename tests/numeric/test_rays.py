@@ -18,7 +18,9 @@ from symrender.numeric.rays import (
     window_direction,
 )
 from symrender.numeric.vectors import dot
-from symrender.scene.arrays import CAMERA_COLUMNS, LOOK_AT, Array
+from symrender.records import record
+from symrender.scene.arrays import LOOK_AT
+from symrender.scene.records import Camera
 
 Vector = tuple[float, float, float]
 
@@ -121,10 +123,10 @@ def test_floor_is_met_strictly_ahead() -> None:
     assert floor_distance(2.0, 0.5) == floor_distance(2.0, 0.0) == floor_distance(0.0, -1.0) == math.inf
 
 
-def _look_at(eye: Vector, target: Vector, up: Vector, fov: float) -> Array:
-    camera = np.zeros(CAMERA_COLUMNS)
-    camera[0], camera[10] = LOOK_AT, fov
-    camera[1:4], camera[4:7], camera[7:10] = eye, target, up
+def _look_at(eye: Vector, target: Vector, up: Vector, fov: float) -> Camera:
+    camera = record(Camera)
+    camera.kind, camera.fov = LOOK_AT, fov
+    camera.eye[:], camera.target[:], camera.up[:] = eye, target, up
     return camera
 
 

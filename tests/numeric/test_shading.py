@@ -9,15 +9,17 @@ from hypothesis import strategies as st
 
 from symrender.numeric.shading import light_terms, power, sphere_blocks, visible
 from symrender.numeric.world import World, make_world
-from symrender.scene.arrays import FIRST_SPHERE, FLOOR, SPHERE_COLUMNS, Array, scene_arrays
+from symrender.records import record
+from symrender.scene.arrays import FIRST_SPHERE, FLOOR, scene_arrays
+from symrender.scene.records import Sphere
 from symrender.scene.scene import Scene
 
 Vector = tuple[float, float, float]
 
 
-def _sphere(center: Vector, radius: float) -> Array:
-    sphere = np.zeros(SPHERE_COLUMNS)
-    sphere[:3], sphere[3] = center, radius
+def _sphere(center: Vector, radius: float) -> Sphere:
+    sphere = record(Sphere)
+    sphere.center[:], sphere.radius = center, radius
     return sphere
 
 

@@ -3,22 +3,25 @@ from __future__ import annotations
 import math
 
 import mpmath
-import numpy as np
 import pytest
 
 from symrender.numeric.textures import floor_albedo, floor_sign, sin_pi, sphere_albedo, sphere_factor
-from symrender.scene.arrays import CHECKER, FLOOR_COLUMNS, MARBLE, SOLID, SPHERE_COLUMNS, STRIPES, Array
+from symrender.records import record
+from symrender.scene.arrays import CHECKER, MARBLE, SOLID, STRIPES
+from symrender.scene.records import Floor, Sphere
 
 
-def _sphere(kind: int, ku: float = 8.0, kv: float = 4.0, dark: float = 0.2) -> Array:
-    sphere = np.zeros(SPHERE_COLUMNS)
-    sphere[3], sphere[4:7], sphere[7:11] = 1.0, (0.5, 0.25, 1.0), (kind, ku, kv, dark)
+def _sphere(kind: int, ku: float = 8.0, kv: float = 4.0, dark: float = 0.2) -> Sphere:
+    sphere = record(Sphere)
+    sphere.radius, sphere.color[:] = 1.0, (0.5, 0.25, 1.0)
+    sphere.texture, sphere.ku, sphere.kv, sphere.dark = kind, ku, kv, dark
     return sphere
 
 
-def _floor(cell: float = 1.0, offset: tuple[float, float] = (0.0, 0.0)) -> Array:
-    floor = np.zeros(FLOOR_COLUMNS)
-    floor[0:2], floor[2:5], floor[5:8], floor[8], floor[9:11] = (1, CHECKER), 0.8, 0.1, cell, offset
+def _floor(cell: float = 1.0, offset: tuple[float, float] = (0.0, 0.0)) -> Floor:
+    floor = record(Floor)
+    floor.present, floor.kind, floor.bright[:], floor.dark[:] = 1, CHECKER, 0.8, 0.1
+    floor.cell, floor.offset[:] = cell, offset
     return floor
 
 

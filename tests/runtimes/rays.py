@@ -19,7 +19,7 @@ def lobe_rays(arrays: SceneArrays, count: int, seed: int) -> Rays:
     Half start on the floor, half on spheres; six in ten aim at a sphere's ball widened by a tenth, the others anywhere.
     """
     rng = np.random.default_rng(seed)
-    centers, radii = arrays.spheres[:, :3], arrays.spheres[:, 3]
+    centers, radii = arrays.spheres["center"], arrays.spheres["radius"]
     low, high = (centers - 3 * radii[:, None]).min(axis=0), (centers + 3 * radii[:, None]).max(axis=0)
     own = rng.integers(0, len(radii), count)
     normals = rng.normal(size=(count, 3))

@@ -21,7 +21,7 @@ from symrender.quadrature.disk import light_points
 from symrender.runtimes import image as symbolic
 from symrender.scene import arrays as at
 from symrender.scene import gallery
-from symrender.scene.arrays import Array, SceneArrays, scene_arrays
+from symrender.scene.arrays import Array, SceneArrays, lobes_of, scene_arrays
 from symrender.scene.load import load
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
@@ -76,7 +76,7 @@ def _plain_trace(text: str, arrays: SceneArrays, rays: tuple[Array, Array, Array
     points = light_points(arrays.lights, 2, module.light_point)
     results = np.empty((len(rays[0]), 5))
     rows = np.concatenate(rays[:2], axis=1)
-    module.trace(rows, rays[2], arrays.camera[1:4], arrays.spheres, arrays.floor, points, arrays.shading, results)
+    module.trace(rows, rays[2], arrays.camera.eye, arrays.spheres, arrays.floor, points, arrays.shading, results)
     return results[:, :3], results[:, 3], results[:, 4]
 
 
@@ -133,18 +133,21 @@ def test_filtered_floors_differ_from_read_ones() -> None:
 
 
 def _primary(arrays: SceneArrays, size: int) -> tuple[Array, Array]:
-    """Eye and unit directions (size, size, 3) through pixel centres, from the documented camera columns."""
+    """Eye and unit directions (size, size, 3) through pixel centres, from the documented camera."""
     c = arrays.camera
-    eye = c[1:4]
+    eye = c.eye
     sx = 2 * (np.arange(size) + 0.5) / size - 1
     x, y = np.meshgrid(sx, -sx)
-    if c[0] == at.PLANE:
-        d = np.stack([c[5] + c[4] * x, c[6] + c[4] * y, 0 * x], axis=-1) - eye
+    if c.kind == at.PLANE:
+        d = (
+            np.stack([c.window_center[0] + c.window_half * x, c.window_center[1] + c.window_half * y, 0 * x], axis=-1)
+            - eye
+        )
     else:
-        forward = (c[4:7] - eye) / np.linalg.norm(c[4:7] - eye)
-        right = np.cross(forward, c[7:10])
+        forward = (c.target - eye) / np.linalg.norm(c.target - eye)
+        right = np.cross(forward, c.up)
         right /= np.linalg.norm(right)
-        tangent = math.tan(math.radians(c[10]) / 2)
+        tangent = math.tan(math.radians(c.fov) / 2)
         d = forward + tangent * (x[..., None] * right + y[..., None] * np.cross(right, forward))
     return eye, d / np.linalg.norm(d, axis=-1)[..., None]
 
@@ -164,14 +167,16 @@ def direct_sum(scene: Scene, size: int, k: int) -> Layers:
     flat = d.reshape(-1, 3)
     _, shape, distance = numeric.trace(arrays, np.tile(eye, (len(flat), 1)), flat, 0)
     gloss, weight = np.zeros((len(flat), 3)), np.zeros(len(flat))
+    lobes = lobes_of(arrays)
     for i in np.nonzero(shape)[0]:
         own = int(shape[i])
+        lobe = lobes[own - at.FLOOR]
         p = eye + distance[i] * flat[i]
         if own == at.FLOOR:
-            p, normal, lobe = p * [1, 1, 0], np.array([0.0, 0.0, 1.0]), arrays.floor[at.FLOOR_LOBE :]
+            p, normal = p * [1, 1, 0], np.array([0.0, 0.0, 1.0])
         else:
-            row = arrays.spheres[own - at.FIRST_SPHERE]
-            normal, lobe = (p - row[:3]) / np.linalg.norm(p - row[:3]), row[at.LOBE :]
+            center = arrays.spheres[own - at.FIRST_SPHERE].center
+            normal = (p - center) / np.linalg.norm(p - center)
         weight[i] = lobe[0]
         if lobe[0] == 0:
             continue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -17,6 +17,7 @@ from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function, Loop, Program, Return, Statement, When
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.strata import rings, rule
+from symrender.records import copied, flat
 from symrender.runtimes import interpreter
 from symrender.runtimes import numba as runtime
 from symrender.scene import arrays as at
@@ -55,7 +56,7 @@ def _arrays(name: str) -> dict[str, Any]:
     formulas = plain(runtime.image_text())
     ratio = rule(rings(formulas, 16.0, 1.0, 3), sectors=3, normalised=False)
     axes = np.zeros(10)
-    if scene.camera[0] == at.LOOK_AT:
+    if scene.camera.kind == at.LOOK_AT:
         formulas.camera_axes(scene.camera, axes)
     rules = np.concatenate([ratio.directions, ratio.weights[:, None]], axis=1)[None]
     return {
@@ -63,7 +64,7 @@ def _arrays(name: str) -> dict[str, Any]:
         "floor": scene.floor,
         "shading": scene.shading,
         "camera": scene.camera,
-        "eye": np.ascontiguousarray(scene.camera[1:4]),
+        "eye": np.ascontiguousarray(scene.camera.eye),
         "points": light_points(scene.lights, 2, formulas.light_point),
         "axes": axes,
         "rules": np.ascontiguousarray(rules),
@@ -91,7 +92,16 @@ def _scalars(function: Function, row: np.ndarray, spheres: int) -> list[float | 
 
 def _calls(function: Function, arrays: dict[str, Any], row: np.ndarray) -> list[Any]:
     scalars = iter(_scalars(function, row, len(arrays["spheres"])))
-    return [arrays[p.name].copy() if isinstance(p, Array) else next(scalars) for p in function.parameters]
+    return [copied(arrays[p.name]) if isinstance(p, Array) else next(scalars) for p in function.parameters]
+
+
+def _numbers(argument: Any) -> Any:
+    """What the interpreter takes for an argument of the text: of records their numbers, in the same memory."""
+    return flat(argument) if isinstance(argument, (np.ndarray, np.void)) and argument.dtype.names else argument
+
+
+def _walk(name: str, arguments: Sequence[Any]) -> tuple[float | int, ...]:
+    return interpreter.run(PROGRAM, name, [_numbers(argument) for argument in arguments])
 
 
 def _random(seed: int, count: int) -> np.ndarray:
@@ -114,7 +124,7 @@ def _answer(call: Callable[..., Any], arguments: list[Any]) -> Numbers | None:
     except (ValueError, ZeroDivisionError, OverflowError):
         return None
     values = () if result is None else result if isinstance(result, tuple) else (result,)
-    stored = [a.ravel() for a in arguments if isinstance(a, np.ndarray)]
+    stored = [_numbers(a).ravel() for a in arguments if isinstance(a, (np.ndarray, np.void))]
     return tuple(float(v) for v in (*values, *np.concatenate([np.zeros(0), *stored])))
 
 
@@ -142,7 +152,7 @@ def test_interpreter_and_text_agree(function: Function, module: ModuleType) -> N
         arrays = _arrays(name)
 
         def both(row: np.ndarray, arrays: dict[str, Any] = arrays) -> tuple[Numbers | None, Numbers | None]:
-            walked = _answer(lambda *a: interpreter.run(PROGRAM, function.name, a), _calls(function, arrays, row))
+            walked = _answer(lambda *a: _walk(function.name, a), _calls(function, arrays, row))
             return walked, _answer(getattr(module, function.name), _calls(function, arrays, row))
 
         for row in rows:
@@ -205,7 +215,7 @@ def test_compiled_and_text_agree(function: Function, module: ModuleType, compile
         table = np.zeros((len(rows), COLUMNS))
         for line, values in zip(table, scalars, strict=True):
             line[: len(values)] = values
-        found = compiled(function, {k: v.copy() for k, v in arrays.items()}, table)
+        found = compiled(function, {k: copied(v) for k, v in arrays.items()}, table)
         for values, result, row in zip(scalars, found, rows, strict=True):
             arguments = _calls(function, arrays, row)
             expected = _answer(getattr(module, function.name), arguments)

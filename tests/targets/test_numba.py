@@ -25,6 +25,7 @@ from symrender.runtimes import interpreter
 from symrender.runtimes import numba as runtime
 from symrender.scene import gallery
 from symrender.scene.load import load
+from symrender.scene.records import Camera, Floor, Shading, Sphere
 from symrender.targets import numba as target
 
 X, Y, Z = real("x"), real("y"), real("z")
@@ -206,12 +207,12 @@ def compiled_table() -> Callable[..., None]:
 @pytest.mark.parametrize("expression", [sp.sign(X), sp.ceiling(X), sp.gamma(X), sp.Piecewise((X, Y > 0), (Y, True))])
 def test_what_has_no_text_is_refused_by_name(expression: sp.Expr) -> None:
     with pytest.raises(NotImplementedError, match=f"no Python text for {type(expression).__name__}"):
-        target._Printer().doprint(expression)
+        target._Printer({}).doprint(expression)
 
 
 @pytest.mark.parametrize(("value", "expected"), [(sp.oo, math.inf), (-sp.oo, -math.inf), (sp.nan, math.nan)])
 def test_values_that_are_not_finite(value: sp.Expr, expected: float) -> None:
-    printed = eval(target._Printer().doprint(value), {"math": math})  # noqa: S307 - text of the printer under test
+    printed = eval(target._Printer({}).doprint(value), {"math": math})  # noqa: S307 - text of the printer under test
     assert printed == expected or (math.isnan(printed) and math.isnan(expected))
 
 
@@ -239,7 +240,10 @@ def test_identifiers_are_safe_and_none_is_of_a_scene(text: str) -> None:
     attributes = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     assert len(names) > 100
     assert all(re.fullmatch(r"[A-Za-z][a-z0-9_]{0,24}|ENTRIES|CALLED|INLINE", name) for name in names), names
-    assert attributes <= {value.removeprefix("math.") for value in target._FUNCTIONS.values()} | {
+    fields = {name for kind in (Sphere, Floor, Shading, Camera) for name in kind.names()}
+    # exponents come to the program as rules
+    assert fields - attributes == {"exponent"}
+    assert attributes <= fields | {value.removeprefix("math.") for value in target._FUNCTIONS.values()} | {
         *("sqrt", "pow", "pi", "inf", "shape")
     }
     scenes = [load(name) for name in gallery.names()]
