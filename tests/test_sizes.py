@@ -1,6 +1,6 @@
 """No function over 80 lines or 12 arguments and no file over 400 lines, but where its docstring gives the reason.
 
-A reason is a sentence that says what is long or many because of what. The options of a verb of the command line are
+Emitted files are as long as what they say. A reason is a sentence that says what is long or many because of what. The options of a verb of the command line are
 its arguments, so what is counted there is the work below the docstring.
 """
 
@@ -100,6 +100,8 @@ def size(node: Function, *, verb: bool = False) -> tuple[int, int]:
 def too_large(name: str, text: str) -> Iterator[str]:
     """``file.py`` and ``file.py::function`` of what is too large in a file and gives no reason."""
     tree = ast.parse(text)
+    if "Emitted by targets/" in (ast.get_docstring(tree) or ""):
+        return
     if len(text.splitlines()) > FILE and not reasoned(tree):
         yield name
     for node in ast.walk(tree):

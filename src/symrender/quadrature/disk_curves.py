@@ -260,6 +260,7 @@ def disk_curves(
 
     Then whether what they leave is above the terminator where no ``TERMINATOR`` curve, the last one, says otherwise: a
     point above it has a positive level of that curve. At a point of the floor the terminator is the floor's line.
+    Long because every kind of curve is listed here, so that none is left out.
     """
     p = view.points[i]
     rho = p.radius
