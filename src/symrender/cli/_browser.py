@@ -10,6 +10,10 @@ import typer
 
 def open_page(path: Path) -> None:
     """Show ``path`` in the browser; where there is none, say what to open."""
-    address = path.resolve().as_uri()
+    open_address(path.resolve().as_uri())
+
+
+def open_address(address: str) -> None:
+    """Show ``address`` in the browser; where there is none, say what to open."""
     if not webbrowser.open(address):
         typer.echo(f"no browser was found; open {address}", err=True)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from symrender.cli._browser import open_page
+from symrender.cli._browser import open_address, open_page
 from symrender.cli._options import DEFAULT_SCENE, Define, Force, Quiet, SceneArgument, scene_files, scene_with
 
 
@@ -15,7 +15,7 @@ def simulator(
     scene: SceneArgument = DEFAULT_SCENE,
     out: Annotated[Path, typer.Option("--out", "-o", help="The HTML file to write.")] = Path("simulator.html"),
     serve: Annotated[
-        bool, typer.Option("--serve", help="Serve the page on this machine instead of writing it.")
+        bool, typer.Option("--serve", help="Serve the page on this machine instead; it can prove intervals.")
     ] = False,
     port: Annotated[int, typer.Option(help="Port to serve on; 0 takes a free one.", min=0, max=65535)] = 0,
     open_: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
@@ -32,13 +32,14 @@ def simulator(
     chosen = scene_with(scene, define)
     if not serve:
         check_target(out, force=force, inputs=scene_files(scene))
-    from symrender.simulator.build import simulator as build
+    from symrender.simulator.build import simulator_page
 
-    made = build(chosen)
+    made = simulator_page(chosen, served=serve)
     if serve:
         from symrender.simulator.serve import serve as serve_page
 
-        serve_page(made, port=port, told=None if quiet else typer.echo)
+        told, opened = None if quiet else typer.echo, open_address if open_ else None
+        serve_page(made, port=port, scene=chosen, told=told, opened=opened)
         return
     made.save(out, force=force)
     if not quiet:

@@ -61,12 +61,13 @@ TABLES: Final[dict[str, Table]] = {
 
 PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers", "pixel_disc")
 """Functions of a column and a row with four results: what a fragment shader runs."""
-_PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "lobe_widths", "disc_radius", "disc_place")
+_PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "ring_edge", "lobe_widths")
+_DISC = ("disc_radius", "disc_place", "disc_direction")
 _CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
 _REFERENCE = ("lobe_direction", "meridian_meets", "silhouette_circle", "silhouette_turns", "cell")
 _SEEN = ("look", "pixel_seen", "nearest", "pixel_word")
 _PROBE = ("sight", "strata_gloss", "jittered_gloss", "sample_depth", "sample_direction", "frame", "reflected")
-ENTRIES: Final = (*PASSES, *_PAGE, *_CURVES, *_REFERENCE, *_SEEN, *_PROBE)
+ENTRIES: Final = (*PASSES, *_PAGE, *_DISC, *_CURVES, *_REFERENCE, *_SEEN, *_PROBE)
 """What a page calls."""
 
 
@@ -119,6 +120,7 @@ def pixel_program() -> Program:
             lobe_disc.disc_radius(),
             lobe_disc.disc_angle(),
             lobe_disc.disc_place(),
+            lobe_disc.disc_direction(),
             lobe_disc.pixel_disc(),
             lobe_disc.silhouette_direction(),
             lobe_disc.terminator_direction(),

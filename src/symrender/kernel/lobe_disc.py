@@ -167,6 +167,23 @@ def disc_place() -> Function:
     return Function("disc_place", (lobe, *w.parts, DISC, LOBES), block.statements, doc)
 
 
+def disc_direction() -> Function:
+    """The direction drawn at a place of the unit disc: unit vector, its cosine to the normal, its angle."""
+    x, y, lobe = real("x"), real("y"), whole("lobe")
+    block = Block()
+    rho = block.let("rho", sp.sqrt(x**2 + y**2))
+    (theta,) = block.call("disc_angle", (rho, LOBES[lobe, 0], LOBES[lobe, 3], DISC[10]), "theta")
+    normal = row_vector(DISC, None, 3)
+    u1, u2, m = lobe_frame(block, normal, row_vector(DISC, None, 6))
+    across = block.let("across", sp.Integer(0))
+    with block.when(rho > 0):
+        block.set(across, sp.sin(theta) / rho)
+    w = block.let_vector("w", u1 * (across * x) + u2 * (across * y) + m * sp.cos(theta))
+    block.leave(*w.parts, dot(w, normal), theta)
+    doc = "(unit direction, cosine to the normal, angle) drawn at (x, y) of the unit disc"
+    return Function("disc_direction", (lobe, x, y, DISC, LOBES), block.statements, doc)
+
+
 def pixel_disc() -> Function:
     """What the direction drawn at a pixel of the disc sees, and its chamber."""
     column, row = whole("column"), whole("row")

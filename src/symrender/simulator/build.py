@@ -25,6 +25,7 @@ from symrender.scene.light import DiskLight
 from symrender.scene.load import load
 from symrender.scene.texture import Checker
 from symrender.simulator.columns import entries
+from symrender.simulator.picture import picture
 from symrender.simulator.presets import glossy, presets
 from symrender.simulator.state import State
 from symrender.version import VERSION
@@ -33,7 +34,10 @@ if TYPE_CHECKING:
     from symrender.kernel.program import Program
     from symrender.scene.scene import Scene
 
-_SCRIPTS: Final = ("tables.js", "gpu.js", "reference.js", "present.js", "disc.js", "controls.js", "video.js", "page.js")
+_SCRIPTS: Final = (
+    *("tables.js", "gpu.js", "cpu.js", "reference.js", "present.js", "controls.js", "legend.js", "converge.js"),
+    *("disc.js", "pointer.js", "space.js", "video.js", "recipe.js", "certify.js", "links.js", "events.js", "page.js"),
+)
 _DISK_STRATA: Final = 2
 _LIT: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic")
 """Passes that do nothing with light points but sum their light."""
@@ -69,16 +73,22 @@ class Simulator:
 def simulator(scene: Scene | str | Path | dict[str, Any], path: str | Path | None = None) -> Simulator:
     """Compile ``scene`` to one offline HTML page, and write it to ``path`` if one is given.
 
-    The page needs a browser with WebGL 2 and float targets; it opens from the file system and inside a frame. Raises
+    The page opens from the file system and inside a frame. It draws by WebGL 2 with float targets; where a browser has
+    none it draws by JavaScript, slowly, and without JavaScript it holds a picture. Raises
     ``Unsupported`` beyond ``MAX_SIMULATOR_SPHERES`` spheres or ``MAX_SIMULATOR_LIGHT_POINTS`` light points (a disk
     counts four) and for lobes in BRDF units, and ``OutputError`` when the file cannot be written.
     """
     chosen = load(scene)
-    _check(chosen)
-    made = Simulator(_page(chosen), chosen.name)
+    made = simulator_page(chosen)
     if path is not None:
         made.save(path)
     return made
+
+
+def simulator_page(scene: Scene, *, served: bool = False) -> Simulator:
+    """The page of ``scene``; ``served``, it may ask the server it came from for proved intervals, and nothing else."""
+    _check(scene)
+    return Simulator(_page(scene, served), scene.name)
 
 
 def _check(scene: Scene) -> None:
@@ -135,6 +145,15 @@ def reads() -> dict[str, list[str]]:
     }
 
 
+@cache
+def takes() -> dict[str, list[str]]:
+    """The arguments of each pass, by name."""
+    from symrender.kernel.assemble_pixels import PASSES
+
+    functions = {function.name: function for function in _program().functions}
+    return {name: [p.name for p in functions[name].parameters] for name in PASSES}
+
+
 def light_point_count(scene: Scene) -> int:
     """Points the lights of a scene are replaced by in a page: a disk is four, whatever its radius."""
     return sum(_DISK_STRATA**2 if isinstance(light, DiskLight) else 1 for light in scene.lights)
@@ -172,6 +191,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "tables": {name: {"columns": t.columns, "rows": t.rows} for name, t in TABLES.items()},
         "blocks": blocks(),
         "reads": reads(),
+        "takes": takes(),
         "shaders": shaders(len(scene.spheres), light_point_count(scene)),
         "vertex": _VERTEX,
         "classes": CLASSES,
@@ -185,25 +205,27 @@ def escaped(data: Any) -> str:
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def _page(scene: Scene) -> str:
+def _page(scene: Scene, served: bool) -> str:
     files = resources.files("symrender.simulator") / "page"
     style = (files / "style.css").read_text(encoding="utf-8")
     code = "\n".join([script(), *((files / name).read_text(encoding="utf-8") for name in _SCRIPTS)])
     code = f'(() => {{\n"use strict";\n{code}\n}})();'
     policy = (
         f"default-src 'none'; script-src {_digest(code)}; style-src {_digest(style)}; img-src data: blob:; "
-        "media-src blob:; base-uri 'none'; form-action 'none'"
+        "media-src blob:; base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if served else "")
     )
     holes = {
         "policy": html_text.escape(policy),
         "title": html_text.escape(f"{scene.name}: symrender simulator"),
+        "name": html_text.escape(scene.name),
+        "picture": base64.b64encode(picture(scene)).decode(),
         "style": style,
         "script": code,
-        "data": escaped(page_data(scene)),
+        "data": escaped(page_data(scene) | {"served": served}),
     }
     text = (files / "page.html").read_text(encoding="utf-8")
     parts = text.split("@@")
-    if sorted(parts[1::2]) != sorted(holes):
+    if set(parts[1::2]) != set(holes):
         raise ValueError("page.html: holes and values differ")
     return "".join(holes[part] if k % 2 else part for k, part in enumerate(parts))
 

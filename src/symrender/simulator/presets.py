@@ -32,7 +32,7 @@ def presets(scene: Scene) -> tuple[Preset, ...]:
         Preset(
             "Collapse to the mirror",
             "n = 4096 inside a cone of half a degree: the lobe is all but one direction. Both panels show the mirror "
-            "image and the difference goes dark.",
+            "image, and the scale of the difference falls to a fraction.",
             {"scene": lobes(exponent=4096.0, theta_max=_NARROW)},
         ),
         Preset(

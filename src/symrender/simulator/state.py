@@ -17,9 +17,10 @@ from symrender.settings import Partition, Weights
 View = Literal["full", "gloss", "direct", "class", "chambers"]
 Node = Literal["midpoint", "barycentre"]
 Disc = Literal["weight", "angle"]
+Pair = Literal["numeric-symbolic", "numeric-reference", "symbolic-reference"]
 _VERSION: Final = 1
 _SIZES: Final = (16, 1024)
-_CHOICES: Final = {"weights": Weights, "nodes": Node, "partition": Partition, "view": View, "disc": Disc}
+_CHOICES: Final = {"weights": Weights, "nodes": Node, "partition": Partition, "view": View, "disc": Disc, "pair": Pair}
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,9 @@ class State:
     """What a page shows: changes to the scene by dotted name, and how it is rendered.
 
     ``scene`` maps dotted names to numbers and choices, as ``Scene.replace`` takes them; ``off`` names the lights that
-    are switched off. ``exposure`` is in stops, ``difference`` the power of ten the difference is multiplied by,
-    ``cursor`` the probed pixel (column, row) of the image.
+    are switched off. ``exposure`` is in stops, ``pair`` the two panels whose difference is shown,
+    ``difference`` the power of ten it is multiplied by (None: scaled to what is there), ``cursor`` the probed pixel
+    (column, row) of the image.
     """
 
     scene: dict[str, float | str] = field(default_factory=dict)
@@ -42,7 +44,8 @@ class State:
     seed: int = 7
     view: View = "full"
     exposure: float = 0.0
-    difference: int = 2
+    pair: Pair = "numeric-symbolic"
+    difference: int | None = None
     disc: Disc = "weight"
     cursor: tuple[int, int] | None = None
 
@@ -57,6 +60,8 @@ class State:
             ("difference", 0, 6),
         ):
             value = getattr(self, name)
+            if name == "difference" and value is None:
+                continue
             if type(value) is not int or not low <= value <= high:
                 raise OptionError(f"{name}: must be a whole number from {low} to {high}, got {value!r}")
         if type(self.normalised) is not bool:

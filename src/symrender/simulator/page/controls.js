@@ -125,7 +125,9 @@ function makeControls(app) {
   groups.push(["Picture", [
     selectControl({ label: "Resolution", options: [64, 96, 128, 192, 256, 384, 512].map((n) => [String(n), `${n} × ${n}`]), get: () => String(app.state.size), set: (v) => app.resize(Number(v)) }),
     stateNumber("exposure", { label: "Exposure", unit: "stops", low: -4, high: 8, step: 0.1 }),
-    stateNumber("difference", { label: "Difference × 10^k", unit: "k", low: 0, high: 6, step: 1, digits: 1, hint: "Magnifies the third panel." }),
+    selectControl({ label: "Difference of", options: Object.entries(PAIR_WORDS), get: () => app.state.pair, set: (v) => app.change((s) => (s.pair = v)) }),
+    selectControl({ label: "Its scale", options: [["auto", "what is there"], ...[0, 1, 2, 3, 4, 5, 6].map((k) => [String(k), `up to ${short(10 ** -k)}`])], get: () => String(app.state.difference ?? "auto"), set: (v) => app.change((s) => (s.difference = v === "auto" ? null : Number(v))) }),
+    checkControl({ label: "Reference converges while nothing moves", get: () => !app.paused, set: (on) => { app.paused = !on; app.rest(); } }),
   ]]);
   const shows = [], form = document.getElementById("form");
   for (const [title, controls] of groups) {

@@ -1,6 +1,6 @@
 // The lobe as a disc: what each direction sees, the walls, the strata and the samples.
 
-const CURVE_STEPS = 360, INSIDE = 0.004, LABEL_WIDTH = 38;
+const CURVE_STEPS = 240, INSIDE = 0.004, LABEL_WIDTH = 38, DISC_MARGIN = 14;
 
 class Disc {
   constructor(canvas) {
@@ -37,7 +37,7 @@ class Disc {
   draw(t, seen, state, pixel) {
     const box = this.canvas.clientWidth || 320, ratio = Math.min(2, window.devicePixelRatio || 1);
     this.canvas.width = this.canvas.height = Math.round(box * ratio);
-    const g = this.canvas.getContext("2d"), margin = 14;
+    const g = this.canvas.getContext("2d"), margin = DISC_MARGIN;
     g.scale(ratio, ratio);
     const middle = box / 2, radius = middle - margin;
     const style = getComputedStyle(document.documentElement);
@@ -50,7 +50,8 @@ class Disc {
       g.fillStyle = style.getPropertyValue("--quiet");
       g.font = `15px ${style.getPropertyValue("--text")}`;
       g.textAlign = "center";
-      g.fillText("no lobe here: point at something glossy", middle, middle);
+      g.fillText("no lobe here: point at something glossy", middle, middle, box - 8);
+      this.still = null;
       return;
     }
     const lobe = seen.shape - 1, at = (x, y) => [middle + radius * x, middle - radius * y];
@@ -71,6 +72,24 @@ class Disc {
     g.font = `11px ${style.getPropertyValue("--figures")}`;
     g.textAlign = "right";
     g.fillText(`rim ${short((surfaceLobe(t, lobe).thetaMax * 180) / Math.PI)}°`, box - 2, box - 4);
+    this.still = document.createElement("canvas");
+    this.still.width = this.still.height = this.canvas.width;
+    this.still.getContext("2d").drawImage(this.canvas, 0, 0);
+  }
+
+  // A cross at the direction asked about, over what was last drawn.
+  cross(found) {
+    if (!this.still || this.still.width !== this.canvas.width) return;
+    const g = this.canvas.getContext("2d"), box = this.canvas.clientWidth, middle = 0.5 * box, radius = middle - DISC_MARGIN;
+    g.save();
+    g.resetTransform();
+    g.drawImage(this.still, 0, 0);
+    g.restore();
+    if (!found) return;
+    const x = middle + radius * found.x, y = middle - radius * found.y;
+    for (const [width, color] of [[4.5, "rgba(0,0,0,.7)"], [2, "#ffd23f"]]) {
+      for (const [dx, dy] of [[7, 0], [0, 7]]) stroke(g, [[x - dx, y - dy], [x + dx, y + dy]], color, width);
+    }
   }
 
   place(t, lobe, w) {

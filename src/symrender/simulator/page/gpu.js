@@ -22,6 +22,10 @@ class Gpu {
     gl.bindVertexArray(gl.createVertexArray());
   }
 
+  lost() {
+    return this.gl.isContextLost();
+  }
+
   program(pass) {
     if (this.programs.has(pass)) return this.programs.get(pass);
     const gl = this.gl, made = gl.createProgram();

@@ -26,32 +26,90 @@ function shown(frame, side, view, k, c) {
   return program.reflected(view === "gloss" ? 0 : direct, weight, gloss);
 }
 
-function present(canvases, frame, state) {
-  const size = frame.size, gain = 2 ** state.exposure, scale = 10 ** state.difference * gain;
-  const categorical = state.view === "class" || state.view === "chambers";
-  const most = state.view === "chambers" ? frame.pixel_chambers.reduce((m, v, k) => (k % 4 ? m : Math.max(m, v)), 1) : 1;
-  const sides = { numeric: "pixel_numeric", symbolic: "pixel_symbolic" };
-  let beyond = 0;
-  for (const [name, canvas] of Object.entries(canvases)) {
-    if (canvas.width !== size) canvas.width = canvas.height = size;
+const SHARE_SHOWN = 0.99;
+
+// Draws the named panels; returns what their legends say.
+function present(canvases, frame, state, names = Object.keys(canvases)) {
+  const size = frame.size, gain = 2 ** state.exposure, categorical = state.view === "class" || state.view === "chambers";
+  const told = { most: state.view === "chambers" ? frame.pixel_chambers.reduce((m, v, k) => (k % 4 ? m : Math.max(m, v)), 1) : 1 };
+  for (const name of names) {
+    const canvas = canvases[name];
+    if (name === "difference") {
+      Object.assign(told, presentDifference(canvas, frame, state));
+      continue;
+    }
+    const side = `pixel_${name}`;
+    if (!frame[side]) continue;
     const image = new ImageData(size, size), out = image.data;
+    let clipped = 0;
     for (let k = 0; k < size * size; k++) {
       out[4 * k + 3] = 255;
-      if (categorical && name !== "difference") {
-        const color = state.view === "class" ? classColor(frame.pixel_direct[4 * k + 3]) : chambersColor(frame.pixel_chambers[4 * k], most);
+      if (categorical && name !== "reference") {
+        const color = state.view === "class" ? classColor(frame.pixel_direct[4 * k + 3]) : chambersColor(frame.pixel_chambers[4 * k], told.most);
         out.set(color, 4 * k);
         continue;
       }
+      let over = false;
       for (let c = 0; c < 3; c++) {
-        const value = name in sides ? gain * shown(frame, sides[name], state.view, k, c)
-          : scale * Math.abs(shown(frame, sides.numeric, state.view, k, c) - shown(frame, sides.symbolic, state.view, k, c));
+        const value = gain * shown(frame, side, state.view, k, c);
+        over ||= value > 1;
         out[4 * k + c] = encoded(value);
-        if (name === "difference" && value > 1) beyond++;
       }
+      if (over) clipped++;
     }
-    canvas.getContext("2d").putImageData(image, 0, 0);
+    if (name === "symbolic") told.clipped = clipped / (size * size);
+    put(canvas, image, size);
   }
-  return { most, beyond: beyond / (3 * size * size) };
+  return told;
+}
+
+// The largest channel's difference in colours of a scale: what 99 % of the pixels stay below, or what the state asks for.
+function presentDifference(canvas, frame, state) {
+  const size = frame.size, [left, right] = state.pair.split("-").map((name) => `pixel_${name}`), image = new ImageData(size, size), out = image.data;
+  const kind = state.view === "gloss" || state.view === "direct" ? state.view : "full", found = new Float32Array(size * size);
+  if (!frame[left] || !frame[right]) {
+    for (let k = 0; k < size * size; k++) out[4 * k + 3] = 255;
+    put(canvas, image, size);
+    return { scale: null, beyond: 0 };
+  }
+  for (let k = 0; k < size * size; k++) {
+    for (let c = 0; c < 3; c++) found[k] = Math.max(found[k], Math.abs(shown(frame, left, kind, k, c) - shown(frame, right, kind, k, c)));
+  }
+  const scale = state.difference === null ? rounded(share(found, SHARE_SHOWN)) : 10 ** -state.difference;
+  let beyond = 0;
+  for (let k = 0; k < size * size; k++) {
+    out.set(scale > 0 ? onScale(found[k] / scale) : scaleColors[0], 4 * k);
+    out[4 * k + 3] = 255;
+    if (found[k] > scale) beyond++;
+  }
+  put(canvas, image, size);
+  return { scale, beyond: beyond / (size * size) };
+}
+
+function put(canvas, image, size) {
+  if (canvas.width !== size) canvas.width = canvas.height = size;
+  canvas.getContext("2d").putImageData(image, 0, 0);
+}
+
+// The value that a share of all others does not exceed; the largest where that would be none.
+function share(values, part) {
+  const sorted = values.slice().sort();
+  return sorted[Math.floor(part * (sorted.length - 1))] || sorted[sorted.length - 1];
+}
+
+// Up to 1, 2 or 5 in its decade, so that the scale stands still while a slider moves a little.
+function rounded(value) {
+  if (!(value > 0)) return 0;
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return decade * [1, 2, 5, 10].find((step) => value <= step * decade * 1.0001);
+}
+
+// RMS of a panel less the reference over all pixels.
+function errorOf(frame, side, view) {
+  let squares = 0;
+  const count = 3 * frame.size ** 2;
+  for (let k = 0; k < count; k++) squares += (shown(frame, side, view, Math.floor(k / 3), k % 3) - shown(frame, "pixel_reference", view, Math.floor(k / 3), k % 3)) ** 2;
+  return Math.sqrt(squares / count);
 }
 
 function chambersColor(count, most) {

@@ -86,7 +86,7 @@ function inputs(pass, t) {
   return own.join(";");
 }
 
-const hits = new Float64Array(data.tables.hits.columns), seen = new Float64Array(data.tables.seen.columns);
+const hits = new Float64Array(data.tables.hits.columns), labels = new Float64Array(data.tables.labels.columns), seen = new Float64Array(data.tables.seen.columns);
 const world = (t) => [t.eye, t.spheres, t.floor, t.points, t.shading];
 const lens = (t) => [t.image_frame, t.camera, t.axes];
 

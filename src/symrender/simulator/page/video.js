@@ -1,6 +1,50 @@
-// A sweep of one number as a WebM file: every frame is rendered to the end before it is encoded, so none is lost.
+// Video of the panels: a sweep of one number, every frame rendered to the end before it is encoded, so that none is lost;
+// or a recording of what is done, by MediaRecorder.
 
 const FRAMES_A_SECOND = 25;
+
+// A strip of all panels, drawn again when asked.
+function panelStrip(app) {
+  const size = Math.max(2, app.state.size - (app.state.size % 2)), strip = document.createElement("canvas"), g = strip.getContext("2d");
+  const canvases = Object.values(app.canvases);
+  strip.width = canvases.length * size;
+  strip.height = size;
+  return { strip, draw: () => canvases.forEach((canvas, i) => g.drawImage(canvas, i * size, 0, size, size)) };
+}
+
+// Records the panels as they change, until told to stop; resolves to the file.
+function recording(app) {
+  const { strip, draw } = panelStrip(app), recorder = new MediaRecorder(strip.captureStream(FRAMES_A_SECOND), { videoBitsPerSecond: 8e6 }), chunks = [];
+  recorder.ondataavailable = (event) => chunks.push(event.data);
+  const file = new Promise((resolve) => (recorder.onstop = () => resolve(new Blob(chunks, { type: recorder.mimeType }))));
+  draw();
+  app.filming = draw;
+  recorder.start();
+  return () => {
+    app.filming = null;
+    recorder.stop();
+    return file;
+  };
+}
+
+function recordButton(app, told) {
+  const button = element("button", { type: "button", id: "record", text: "Record", disabled: typeof MediaRecorder === "undefined" });
+  let stop = null;
+  button.addEventListener("click", async () => {
+    if (!stop) {
+      stop = recording(app);
+      button.textContent = "Stop recording";
+      told.textContent = "recording the panels";
+      return;
+    }
+    const file = await stop();
+    stop = null;
+    button.textContent = "Record";
+    save(file, `${safeName()}.${file.type.includes("mp4") ? "mp4" : "webm"}`);
+    told.textContent = `${(file.size / 1024).toFixed(0)} kB written`;
+  });
+  return button;
+}
 
 function makeSweep(app) {
   const form = document.getElementById("sweep");
@@ -10,9 +54,9 @@ function makeSweep(app) {
   name.value = preferred;
   const from = element("input", { type: "number", id: "sweep-from", value: 4, step: "any" }), to = element("input", { type: "number", id: "sweep-to", value: 1024, step: "any" });
   const frames = element("input", { type: "number", id: "sweep-frames", value: 50, min: 2, max: 1000, step: 1 });
-  const go = element("button", { type: "submit", text: "Export video" }), told = element("output", { id: "sweep-told" });
+  const go = element("button", { type: "submit", text: "Export sweep" }), told = element("output", { id: "sweep-told" });
   const field = (id, text, input) => element("div", { class: "control" }, element("label", { for: id, text }), input);
-  form.append(field("sweep-name", "Number", name), field("sweep-from", "From", from), field("sweep-to", "To", to), field("sweep-frames", "Frames", frames), go, told);
+  form.append(field("sweep-name", "Number", name), field("sweep-from", "From", from), field("sweep-to", "To", to), field("sweep-frames", "Frames", frames), go, recordButton(app, told), told);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     if (go.disabled) return;
@@ -36,8 +80,8 @@ function sweepValue({ from, to, frames }, k) {
 
 async function filmed(app, sweep, progress) {
   if (typeof VideoEncoder === "undefined") throw new Error("this browser cannot encode video");
-  const p = parameters.get(sweep.name), before = structuredClone(app.state), size = Math.max(2, app.state.size - (app.state.size % 2));
-  const width = 3 * size, height = size, chunks = [];
+  const p = parameters.get(sweep.name), before = structuredClone(app.state), { strip, draw } = panelStrip(app);
+  const { width, height } = strip, chunks = [];
   const configuration = { codec: "vp8", width, height, bitrate: 8e6, framerate: FRAMES_A_SECOND };
   const encoder = new VideoEncoder({
     output: (chunk) => {
@@ -48,15 +92,11 @@ async function filmed(app, sweep, progress) {
     error: (error) => (sweep.failed = error),
   });
   encoder.configure(configuration);
-  const strip = document.createElement("canvas");
-  strip.width = width;
-  strip.height = height;
-  const g = strip.getContext("2d");
   try {
     for (let k = 0; k < sweep.frames; k++) {
       const value = Math.min(p.high, Math.max(p.low, sweepValue(sweep, k)));
       await app.settle((s) => (s.scene[sweep.name] = value));
-      Object.values(app.canvases).forEach((canvas, i) => g.drawImage(canvas, i * size, 0, size, size));
+      draw();
       const picture = new VideoFrame(strip, { timestamp: Math.round((k * 1e6) / FRAMES_A_SECOND), duration: Math.round(1e6 / FRAMES_A_SECOND) });
       encoder.encode(picture, { keyFrame: k % FRAMES_A_SECOND === 0 });
       picture.close();

@@ -1,0 +1,53 @@
+// Without WebGL 2 the JavaScript program draws: the same passes, in double precision, in slices of the main thread.
+
+class Cpu {
+  constructor() {
+    this.targets = new Map();
+    this.slow = true;
+  }
+
+  lost() {
+    return false;
+  }
+
+  upload(t) {
+    this.t = t;
+  }
+
+  see(pixels, size, columns) {
+    Object.assign(this, { pixels, columns });
+  }
+
+  async draw(pass, size, y0, y1) {
+    const start = performance.now();
+    await this.finished(this.submit(pass, size, y0, y1));
+    return performance.now() - start;
+  }
+
+  // Nothing runs beside the page: the rows are drawn when they are waited for.
+  submit(pass, size, y0, y1) {
+    return { pass, size, y0, y1 };
+  }
+
+  async finished({ pass, size, y0, y1 }) {
+    const key = `${pass} ${size}`, names = data.takes[pass].slice(2), tables = { ...this.t, hits, labels };
+    if (!this.targets.has(key)) this.targets.set(key, new Float32Array(4 * size * size));
+    const out = this.targets.get(key), own = names.map((name) => tables[name]), place = names.indexOf("seen");
+    let rested = performance.now();
+    for (let y = y0; y < y1; y++) {
+      for (let x = 0; x < size; x++) {
+        const k = y * size + x;
+        if (place >= 0) own[place] = this.pixels.subarray(k * this.columns, (k + 1) * this.columns);
+        program[pass](x, y, ...own);
+        out.set(program.R.subarray(0, 4), 4 * k);
+      }
+      if (performance.now() - rested < SLICE) continue;
+      await nextTask();
+      rested = performance.now();
+    }
+  }
+
+  read(pass, size) {
+    return this.targets.get(`${pass} ${size}`).slice();
+  }
+}

@@ -1,0 +1,39 @@
+// What the colours of each picture stand for, and a line of figures under each.
+
+const PARTITION_WORDS = { equal_angle: "equal angles", equal_solid_angle: "equal solid angles", equal_weight: "equal weights" };
+const PAIR_WORDS = { "numeric-symbolic": "numeric − symbolic", "numeric-reference": "numeric − reference", "symbolic-reference": "symbolic − reference" };
+const LIGHT = ["full", "gloss", "direct"];
+
+// A bar of colours between two numbers.
+function bar(colors, low, high, note) {
+  const strip = element("i", { class: "bar", "aria-hidden": "true" });
+  strip.style.background = `linear-gradient(90deg, ${colors.map((c) => `rgb(${c})`).join(", ")})`;
+  return [element("span", { text: low }), strip, element("span", { text: high }), element("span", { class: "note", text: note })];
+}
+
+const GREYS = Array.from({ length: 9 }, (_, k) => Array(3).fill(encoded(k / 8)));
+
+function tellLegend(app, frame) {
+  const { view } = frame.state, white = short(2 ** -app.state.exposure);
+  const parts = view === "class" ? surfaceKey(frame)
+    : view === "chambers" ? bar(scaleColors, "1", String(frame.most), "chambers one lobe meets; dark: no lobe")
+    : bar(GREYS, "0", white, frame.clipped > 0.0005 ? `linear radiance; ${percent(frame.clipped)} of pixels are brighter` : "linear radiance, shown as sRGB");
+  by("legend").replaceChildren(...parts);
+}
+
+// Captions and the line under each panel.
+function tellPanels(app, frame) {
+  const { view, pair, partition, weights } = frame.state, light = LIGHT.includes(view), note = (id, text) => (by(id).textContent = text);
+  const gloss = view === "full" || view === "gloss", errors = frame.errors ?? {}, off = (side) => (errors[side] === undefined ? "" : `, RMS error ${short(errors[side])}`);
+  note("numeric-note", gloss ? "jittered samples: speckle" : light ? "direct light, the same in all" : view === "class" ? "what the primary ray meets" : "kinds of thing the strata meet");
+  note("symbolic-note", gloss ? `${PARTITION_WORDS[partition]}, ${weights} weights: bands` : "the same in both");
+  note("numeric-line", `${frame.took.pixel_numeric.toFixed(0)} ms${gloss ? off("numeric") : ""}`);
+  note("symbolic-line", `${frame.took.pixel_symbolic.toFixed(0)} ms${gloss ? off("symbolic") : ""}`);
+  note("difference-note", PAIR_WORDS[pair]);
+  by("difference-line").replaceChildren(...(frame.scale > 0 ? bar(scaleColors, "0", short(frame.scale), frame.beyond > 0.005 ? `${percent(frame.beyond)} beyond` : "") : [frame.scale === 0 ? "nothing differs" : "waits for the reference"]));
+  const made = frame.converger, told = made?.told;
+  by("panel-reference").classList.toggle("stale", !told);
+  note("reference-note", !told ? "waits until nothing moves" : made.done && told.within >= SEEN_SHARE ? "no error left that 8 bits would show" : made.done ? "budget spent" : "converging");
+  note("reference-line", told ? `${told.directions} directions, RMS ±${short(told.rms)}; ${percent(Math.floor(1000 * told.within) / 1000)} unseen` : "");
+  by("reference-line").title = "± is the standard error of four independent streams, over pixels with a lobe; unseen: pixels whose error is below half an 8-bit step";
+}
