@@ -486,5 +486,5 @@ function moveCursorAgain() {
   app.showDirection();
 }
 
-window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, directionAt, carried, poster, withText, Converger, applyPreset, filmed };
+window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, directionAt, carried, poster, recording, Converger, applyPreset, filmed };
 begin().catch((error) => trouble(error.message));

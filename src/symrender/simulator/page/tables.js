@@ -1,7 +1,7 @@
 // The scene as the tables the program reads, and the state that changes them.
 
 const data = JSON.parse(document.getElementById("data").textContent);
-const LOOK_AT = 1, DISK_STRATA = 2, FLOOR_LOBE = 11, SPHERE_LOBE = 11, HALF_SEED = 1 << 16;
+const LOOK_AT = 1, DISK_STRATA = 2, FLOOR_LOBE = 11, SPHERE_LOBE = 11, SPHERE_COLOR = 4, HALF_SEED = 1 << 16;
 const PARTITIONS = ["equal_angle", "equal_solid_angle", "equal_weight"];
 const WEIGHTS = ["exact", "midpoint"], NODES = ["midpoint", "barycentre"];
 const parameters = new Map(data.parameters.map((p) => [p.name, p]));
