@@ -18,7 +18,7 @@ from symrender.simulator.build import simulator, simulator_page
 from symrender.simulator.serve import server
 from symrender.simulator.state import State, from_url, to_fragment
 
-from .conftest import CHROMIUM, FLAGS, Page
+from .conftest import Page
 
 
 def converged(page, limit=120):
@@ -112,8 +112,14 @@ def test_space_turns_and_shows_the_scene(fresh):
     page = fresh(32)
     pixels = "() => document.getElementById('space').toDataURL()"
     before = page.run(pixels)
-    colors = page.run("""() => { const c = document.getElementById('space'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
-      const met = new Set(); for (let k = 0; k < d.length; k += 4) if (d[k + 3]) met.add((d[k] >> 5) << 6 | (d[k + 1] >> 5) << 3 | d[k + 2] >> 5); return met.size; }""")  # fmt: skip
+    colors = page.run("""() => {
+      const c = document.getElementById('space'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+      const met = new Set();
+      for (let k = 0; k < d.length; k += 4) {
+        if (d[k + 3]) met.add((d[k] >> 5) << 6 | (d[k + 1] >> 5) << 3 | d[k + 2] >> 5);
+      }
+      return met.size;
+    }""")
     assert colors > 20
     page.page.locator("#space").focus()
     page.page.keyboard.press("ArrowLeft")
@@ -159,11 +165,12 @@ def test_pictures_and_controls_are_on_one_screen(fresh, width, height):
         page.page.locator("#sheet").click()
     page.page.wait_for_timeout(200)
     shown = page.run("""() => {
-      const inside = (e) => { const b = e.getBoundingClientRect(); return b.width > 100 && b.top >= 0 && b.bottom <= innerHeight && b.right <= innerWidth; };
-      const rail = document.getElementById('drawer').getBoundingClientRect();
-      const free = (e) => { const b = e.getBoundingClientRect(); return inside(e) && (b.bottom <= rail.top || b.right <= rail.left); };
-      return [...document.querySelectorAll('.panels canvas')].map(free).concat(inside(document.querySelector('#presets button')));
-    }""")  # fmt: skip
+      const box = (e) => e.getBoundingClientRect(), rail = box(document.getElementById('drawer'));
+      const inside = (b) => b.width > 100 && b.top >= 0 && b.bottom <= innerHeight && b.right <= innerWidth;
+      const free = (b) => inside(b) && (b.bottom <= rail.top || b.right <= rail.left);
+      const panels = [...document.querySelectorAll('.panels canvas')].map((e) => free(box(e)));
+      return [...panels, inside(box(document.querySelector('#presets button')))];
+    }""")
     assert page.run("() => document.documentElement.scrollWidth <= innerWidth")
     if width < 500:
         page.page.locator("#sheet").click()
@@ -171,34 +178,32 @@ def test_pictures_and_controls_are_on_one_screen(fresh, width, height):
     assert shown == [True] * 5
 
 
-def test_without_webgl_the_javascript_program_draws(tmp_path):
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    if CHROMIUM is None:
-        pytest.skip("no chromium on this machine")
+def test_without_webgl_the_javascript_program_draws(browser, tmp_path):
     simulator("gloss", tmp_path / "page.html")
-    flags = [flag for flag in FLAGS if "angle" not in flag and "swiftshader" not in flag]
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=[*flags, "--disable-3d-apis"])
-        page = Page(browser.new_page())
-        page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=24))}")
-        page.settle()
-        assert "Drawn by JavaScript" in page.run("() => document.getElementById('slow').textContent")
-        off = page.run("""() => {
-          const {app, glossExact} = simulator, f = app.frame;
-          let off = 0, signal = 0;
-          for (let k = 0; k < 576; k++) {
-            const exact = glossExact('pixel_symbolic', f.tables, k % 24, Math.floor(k / 24));
-            for (let c = 0; c < 3; c++) {
-              off = Math.max(off, Math.abs(exact[c] - f.pixel_symbolic[4 * k + c]));
-              signal = Math.max(signal, exact[c]);
-            }
-          }
-          return [off, signal, app.gpu.slow];
-        }""")
-        assert off[1] > 0.1 and off[2] is True
-        assert off[0] < 2e-5
-        assert page.run("() => simulator.app.facts.weight") > 0
-        browser.close()
+    context = browser.new_context()
+    context.add_init_script("""HTMLCanvasElement.prototype.getContext = ((own) => function (kind, ...rest) {
+      return kind === "webgl2" ? null : own.call(this, kind, ...rest);
+    })(HTMLCanvasElement.prototype.getContext);""")
+    page = Page(context.new_page())
+    page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=24))}")
+    page.settle()
+    assert "Drawn by JavaScript" in page.run("() => document.getElementById('slow').textContent")
+    off = page.run("""() => {
+      const {app, glossExact} = simulator, f = app.frame;
+      let off = 0, signal = 0;
+      for (let k = 0; k < 576; k++) {
+        const exact = glossExact('pixel_symbolic', f.tables, k % 24, Math.floor(k / 24));
+        for (let c = 0; c < 3; c++) {
+          off = Math.max(off, Math.abs(exact[c] - f.pixel_symbolic[4 * k + c]));
+          signal = Math.max(signal, exact[c]);
+        }
+      }
+      return [off, signal, app.gpu.slow];
+    }""")
+    assert off[1] > 0.1 and off[2] is True
+    assert off[0] < 2e-5
+    assert page.run("() => simulator.app.facts.weight") > 0
+    context.close()
 
 
 def test_without_javascript_there_is_a_picture_and_a_sentence(browser, tmp_path):

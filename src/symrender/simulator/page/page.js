@@ -434,7 +434,7 @@ async function begin() {
   sheet.addEventListener("click", () => {
     const open = sheet.getAttribute("aria-expanded") !== "true";
     sheet.setAttribute("aria-expanded", String(open));
-    if (open) document.querySelector(".images").scrollIntoView();
+    if (open) document.querySelector(".panels").scrollIntoView({ behavior: "instant" });
   });
   makeCertify(app);
   document.addEventListener("visibilitychange", () => app.frame && app.rest());
