@@ -17,7 +17,7 @@ from symrender.kernel.assemble_pixels import TABLES, pixel_program
 from symrender.quadrature.light_points import light_rows
 from symrender.scene import arrays as at
 from symrender.scene.scene import Scene
-from symrender.srgb import encode_srgb
+from symrender.images.srgb import encode_srgb
 
 Array = npt.NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def _functions() -> dict[str, Callable[..., Any]]:
 
     program, held = pixel_program(), dict[str, Any]()
     for name in _USED:
-        exec(compile(numba.emit(program.part(name)), name, "exec"), held)
+        exec(compile(numba.emit(program.part(name)), name, "exec"), held)  # noqa: S102 (the text is our own, of no scene)
     return held
 
 
