@@ -13,11 +13,11 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.images.srgb import encode_srgb
 from symrender.kernel.assemble_pixels import TABLES, pixel_program
 from symrender.quadrature.light_points import light_rows
 from symrender.scene import arrays as at
 from symrender.scene.scene import Scene
-from symrender.images.srgb import encode_srgb
 
 Array = npt.NDArray[np.float64]
 

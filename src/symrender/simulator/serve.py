@@ -26,7 +26,7 @@ def certified(scene: Scene, asked: Any) -> dict[str, Any]:
 
     A page replaces a disk light by 2 x 2 points, and so does what is enclosed. OptionError says what is wrong.
     """
-    from symrender.certify import certify
+    from symrender.certify.enclosure import certify
 
     try:
         state, point = from_url(str(asked["fragment"])), np.array([float(v) for v in asked["point"]])
