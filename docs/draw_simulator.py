@@ -17,7 +17,8 @@ from tests.simulator.conftest import CHROMIUM, FLAGS, Page
 from symrender.simulator.build import simulator
 from symrender.simulator.state import State, to_fragment
 
-VIEWPORT, SIZE, QUALITY = {"width": 1280, "height": 1160}, 256, 82
+VIEWPORT, SIZE, QUALITY = {"width": 1440, "height": 900}, 256, 82
+_MOST_WAITS = 240
 TARGET = Path(__file__).resolve().parent / "images" / "simulator.webp"
 
 
@@ -30,7 +31,10 @@ def main() -> None:
         page = Page(browser.new_page(viewport=VIEWPORT, color_scheme="light"))
         page.page.goto(f"{file.as_uri()}{to_fragment(State(size=SIZE))}")
         page.settle()
-        page.page.wait_for_timeout(3000)
+        for _ in range(_MOST_WAITS):
+            if page.run("() => (simulator.app.frame.converger?.told?.directions ?? 0) >= 1024"):
+                break
+            page.page.wait_for_timeout(500)
         picture = Image.open(io.BytesIO(page.page.screenshot(timeout=120_000))).convert("RGB")
         browser.close()
     picture.save(TARGET, quality=QUALITY, method=6)

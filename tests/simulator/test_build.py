@@ -34,7 +34,7 @@ HOSTILE = (
 def test_a_page_is_one_file_below_a_megabyte_that_loads_nothing(name):
     page = simulator(name).html
     assert len(page.encode()) < 1_000_000
-    assert re.findall(r"(?:src|href)=\"(?!#)", page.split("<script type")[0]) == []
+    assert re.findall(r"(?:src|href)=\"(?!#|data:image/jpeg)", page.split("<script type")[0]) == []
     assert "http://" not in page and "https://" not in page
     assert page.count("<script") == 2
 

@@ -99,6 +99,8 @@ def test_gallery_scenes(open_page, name):
 
 RANDOM = """async (states) => {
   const {app, makeTables, directExact, glossExact, onWall} = simulator, n = 16, out = [];
+  app.paused = true;
+  while (app.sampling) await new Promise((r) => setTimeout(r, 5));
   for (const edit of states) {
     const t = makeTables({...app.state, ...edit, size: n}), gpu = {};
     await app.see(n, () => false, t);

@@ -192,10 +192,8 @@ def page_data(scene: Scene) -> dict[str, Any]:
             name: flat(getattr(arrays, name)).tolist() for name in ("spheres", "floor", "lights", "shading", "camera")
         },
         "fields": {
-            "light": {"columns": columns(Light), **{name: column(Light, name) for name in Light.names()}},
-            "eye": column(Camera, "eye"),
-            "floorLobe": column(Floor, "weight"),
-            "sphereLobe": column(Sphere, "weight"),
+            name: {"columns": columns(kind), **{field: column(kind, field) for field in kind.names()}}
+            for name, kind in (("sphere", Sphere), ("floor", Floor), ("light", Light), ("camera", Camera))
         },
         "spheres": [sphere.name for sphere in scene.spheres],
         "lights": [{"name": light.name, "disk": isinstance(light, DiskLight)} for light in scene.lights],

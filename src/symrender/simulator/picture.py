@@ -33,13 +33,12 @@ _USED: Final = ("camera_axes", "fill_lobe", "fill_sectors", "pixel_seen", "pixel
 
 
 def picture(scene: Scene) -> bytes:
-    """``scene`` as a small PNG: SIZE x SIZE pixels, each lobe by 2 x 2 directions of equal weight, shown larger."""
+    """``scene`` as a small JPEG: SIZE x SIZE pixels, each lobe by 2 x 2 directions of equal weight, shown larger."""
     from PIL import Image
 
     pixels = Image.fromarray(encode_srgb(np.clip(_radiance(scene), 0.0, 1.0)))
     file = io.BytesIO()
-    large = pixels.resize((_SHOWN, _SHOWN), Image.Resampling.BICUBIC).quantize(128)
-    large.save(file, "PNG", optimize=True)
+    pixels.resize((_SHOWN, _SHOWN), Image.Resampling.BICUBIC).save(file, "JPEG", quality=84, optimize=True)
     return file.getvalue()
 
 

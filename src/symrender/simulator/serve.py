@@ -18,7 +18,7 @@ from symrender.simulator.state import from_url
 _HERE = "127.0.0.1"
 _MOST_BYTES = 20_000
 _DISK_STRATA = 2
-_WIDTH, _MOST_BOXES = 1e-4, 20_000
+_WIDTH, _MOST_BOXES = 1e-4, 40_000
 
 
 def certified(scene: Scene, asked: Any) -> dict[str, Any]:
@@ -63,8 +63,7 @@ def server(page: Simulator, port: int = 0, *, scene: Scene | None = None) -> Thr
 
         def do_POST(self) -> None:
             """Proved bounds at ``/certify``."""
-            host, address = self.headers.get("Host"), self.server.server_address
-            port = address[1] if isinstance(address, tuple) else 0
+            host, port = self.headers.get("Host"), self.connection.getsockname()[1]
             length = int(self.headers.get("Content-Length") or 0)
             kind = self.headers.get("Content-Type") == "application/json"
             status, answer = 404, {"error": "not found"}

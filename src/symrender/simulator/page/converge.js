@@ -38,6 +38,15 @@ class Converger {
     this.passes++;
   }
 
+  // The mean of the first passes, of which no error can be told yet.
+  sketch() {
+    const { frame, streams, pixels, passes } = this;
+    for (let k = 0; k < frame.size ** 2; k++) {
+      pixels[4 * k + 3] = frame.pixel_symbolic[4 * k + 3];
+      for (let c = 0; c < 3; c++) pixels[4 * k + c] = streams.reduce((sum, stream) => sum + stream[3 * k + c], 0) / passes;
+    }
+  }
+
   // Mean, stated error and whether it is below what 8 bits show, after every stream has had its turn.
   measure(exposure) {
     const { frame, streams, pixels } = this, turns = this.passes / STREAMS, gain = 2 ** exposure, count = frame.size ** 2;
@@ -87,6 +96,13 @@ async function converge(app) {
       app.gpu.upload(made.tables(frame.tables));
       if ((await app.bands("pixel_symbolic", frame.size, stale)) === null || app.gpu.lost()) break;
       made.add(app.gpu.read("pixel_symbolic", frame.size));
+      if (made.passes < STREAMS) {
+        made.sketch();
+        frame.pixel_reference = made.pixels;
+        Object.assign(frame, present(app.canvases, frame, app.state, ["reference"]));
+        tellPanels(app, frame);
+        continue;
+      }
       if (made.passes % STREAMS) continue;
       if (performance.now() - told < 250 && made.passes > STREAMS && made.passes < MOST_PASSES) continue;
       made.measure(app.state.exposure);
@@ -105,4 +121,5 @@ function showReference(app, frame) {
   Object.assign(frame, present(app.canvases, frame, app.state, names));
   tellPanels(app, frame);
   if (app.ledger) tellLedger(app, frame);
+  app.filming?.();
 }

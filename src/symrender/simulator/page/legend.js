@@ -25,15 +25,15 @@ function tellLegend(app, frame) {
 function tellPanels(app, frame) {
   const { view, pair, partition, weights } = frame.state, light = LIGHT.includes(view), note = (id, text) => (by(id).textContent = text);
   const gloss = view === "full" || view === "gloss", errors = frame.errors ?? {}, off = (side) => (errors[side] === undefined ? "" : `, RMS error ${short(errors[side])}`);
-  note("numeric-note", gloss ? "jittered samples: speckle" : light ? "direct light, the same in all" : view === "class" ? "what the primary ray meets" : "kinds of thing the strata meet");
-  note("symbolic-note", gloss ? `${PARTITION_WORDS[partition]}, ${weights} weights: bands` : "the same in both");
+  note("numeric-note", gloss ? "jittered: speckle" : light ? "direct light, the same in all" : view === "class" ? "what the primary ray meets" : "kinds of thing the strata meet");
+  note("symbolic-note", gloss ? `${PARTITION_WORDS[partition]}, ${weights}` : "the same in both");
   note("numeric-line", `${frame.took.pixel_numeric.toFixed(0)} ms${gloss ? off("numeric") : ""}`);
   note("symbolic-line", `${frame.took.pixel_symbolic.toFixed(0)} ms${gloss ? off("symbolic") : ""}`);
   note("difference-note", PAIR_WORDS[pair]);
   by("difference-line").replaceChildren(...(frame.scale > 0 ? bar(scaleColors, "0", short(frame.scale), frame.beyond > 0.005 ? `${percent(frame.beyond)} beyond` : "") : [frame.scale === 0 ? "nothing differs" : "waits for the reference"]));
   const made = frame.converger, told = made?.told;
-  by("panel-reference").classList.toggle("stale", !told);
-  note("reference-note", !told ? "waits until nothing moves" : made.done && told.within >= SEEN_SHARE ? "no error left that 8 bits would show" : made.done ? "budget spent" : "converging");
-  note("reference-line", told ? `${told.directions} directions, RMS ±${short(told.rms)}; ${percent(Math.floor(1000 * told.within) / 1000)} unseen` : "");
-  by("reference-line").title = "± is the standard error of four independent streams, over pixels with a lobe; unseen: pixels whose error is below half an 8-bit step";
+  by("panel-reference").classList.toggle("stale", !made?.passes);
+  note("reference-note", !made?.passes ? "waits until nothing moves" : !told ? "first directions" : made.done && told.within >= SEEN_SHARE ? "as exact as 8 bits show" : made.done ? "budget spent" : "converging");
+  note("reference-line", told ? `±${short(told.rms)} RMS, ${told.directions} directions` : "");
+  by("reference-line").title = `${told ? `${percent(Math.floor(1000 * told.within) / 1000)} of pixels err by less than half an 8-bit step. ` : ""}± is the standard error of four independent streams, over pixels with a lobe`;
 }

@@ -434,7 +434,7 @@ async function begin() {
   sheet.addEventListener("click", () => {
     const open = sheet.getAttribute("aria-expanded") !== "true";
     sheet.setAttribute("aria-expanded", String(open));
-    if (open) document.querySelector(".images").scrollIntoView();
+    if (open) document.querySelector(".panels").scrollIntoView({ behavior: "instant" });
   });
   makeCertify(app);
   document.addEventListener("visibilitychange", () => app.frame && app.rest());
@@ -486,5 +486,5 @@ function moveCursorAgain() {
   app.showDirection();
 }
 
-window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, directionAt, carried, poster, withText, Converger, applyPreset, filmed };
+window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, directionAt, carried, poster, recording, Converger, applyPreset, filmed };
 begin().catch((error) => trouble(error.message));

@@ -55,7 +55,10 @@ class Space {
 
   look() {
     const { t, seen } = this, columns = data.tables.spheres.columns, balls = [];
-    for (let j = 0; j < t.spheres.length / columns; j++) balls.push({ c: Array.from(t.spheres.subarray(j * columns, j * columns + 3)), r: t.spheres[j * columns + 3], j });
+    for (let j = 0; j < t.spheres.length / columns; j++) {
+      const row = t.spheres.subarray(j * columns), at = data.fields.sphere;
+      balls.push({ c: Array.from(row.subarray(at.center, at.center + 3)), r: row[at.radius], j, color: [0, 1, 2].map((k) => encoded(row[at.color + k])) });
+    }
     const eye = Array.from(t.eye), middle = seen?.q ?? balls[0]?.c ?? [0, 0, 0];
     // small balls and near ones frame the picture; what is very large or far is cut off
     const near = balls.filter((b) => Math.hypot(...add(b.c, middle, -1)) - b.r < 12 && b.r < 12), far = Math.hypot(...add(eye, middle, -1));
@@ -64,7 +67,7 @@ class Space {
     const center = low.map((v, k) => 0.5 * (v + high[k])), radius = Math.max(1, 0.5 * Math.hypot(...add(high, low, -1)));
     const toEye = add(eye, center, -1);
     this.start = Math.atan2(toEye[1], toEye[0]) + 0.9;
-    return { balls, eye, center, radius };
+    return { balls, near, eye, center, radius, framed: far < 14 ? [middle, eye] : [middle] };
   }
 
   draw() {
@@ -72,15 +75,17 @@ class Space {
     if (!t) return;
     const box = canvas.clientWidth || 320, ratio = Math.min(2, window.devicePixelRatio || 1), style = getComputedStyle(document.documentElement);
     canvas.width = canvas.height = Math.round(box * ratio);
-    const g = canvas.getContext("2d"), { balls, eye, center, radius } = this.look();
+    const g = canvas.getContext("2d"), { balls, near, eye, center, radius, framed } = this.look();
     g.scale(ratio, ratio);
-    const a = this.around ?? this.start, h = this.height, scale = (0.47 * box) / radius;
+    const a = this.around ?? this.start, h = this.height;
     const towards = [Math.cos(a) * Math.cos(h), Math.sin(a) * Math.cos(h), Math.sin(h)], right = [-Math.sin(a), Math.cos(a), 0];
     const up = [-Math.cos(a) * Math.sin(h), -Math.sin(a) * Math.sin(h), Math.cos(h)];
-    const at = (p) => {
-      const v = add(p, center, -1);
-      return [0.5 * box + scale * inner(v, right), 0.5 * box - scale * inner(v, up)];
-    };
+    const [across, along] = [right, up].map((axis) => {
+      const spans = [...framed.map((p) => [inner(p, axis), 0]), ...near.map((b) => [inner(b.c, axis), b.r])];
+      return [Math.min(...spans.map(([v, r]) => v - r)), Math.max(...spans.map(([v, r]) => v + r))];
+    });
+    const scale = (0.86 * box) / Math.max(across[1] - across[0], along[1] - along[0], 1e-6), middle = [across, along].map(([low, high]) => 0.5 * (low + high));
+    const at = (p) => [0.5 * box + scale * (inner(p, right) - middle[0]), 0.5 * box - scale * (inner(p, up) - middle[1])];
     const depth = (p) => inner(p, towards), items = [], colors = { ink: style.getPropertyValue("--ink"), quiet: style.getPropertyValue("--quiet"), accent: style.getPropertyValue("--accent"), line: style.getPropertyValue("--line") };
     const line = (points, color, width, dash = [], lift = 0) => {
       for (let k = 1; k < points.length; k++) {
@@ -91,7 +96,7 @@ class Space {
     };
     const ray = (p, q, color, width, dash) => line(Array.from({ length: RAY_PARTS + 1 }, (_, k) => add(p, add(q, p, -1), k / RAY_PARTS)), color, width, dash);
     if (t.floor[0] > 0) this.floor(g, at, center, radius, colors.line);
-    for (const ball of balls) items.push({ depth: depth(ball.c), draw: () => this.ball(g, at(ball.c), scale * ball.r, classColors[2 + (ball.j % (classColors.length - 2))]) });
+    for (const ball of balls) items.push({ depth: depth(ball.c), draw: () => this.ball(g, at(ball.c), scale * ball.r, ball.color) });
     if (seen?.shape) this.lobe(seen, line, ray, items, depth, at, g, radius, colors);
     if (seen) {
       const far = Math.hypot(...add(eye, center, -1)) > 1.6 * radius, from = far ? add(seen.q, add(eye, seen.q, -1), (1.4 * radius) / Math.hypot(...add(eye, seen.q, -1))) : eye;
@@ -128,6 +133,8 @@ class Space {
     if (!(own.weight > 0)) return;
     const turns = Array.from({ length: TURN_STEPS + 1 }, (_, k) => k / TURN_STEPS), three = () => Array.from(program.R.subarray(0, 3));
     const direction = (rho, turn) => {
+      // a place outside the disc by rounding has no direction
+      rho = Math.min(rho, 1 - 1e-12);
       program.disc_direction(lobe, rho * Math.cos(2 * Math.PI * turn), rho * Math.sin(2 * Math.PI * turn), t.disc, t.lobes);
       return { w: three(), cosine: program.R[3], theta: program.R[4] };
     };

@@ -21,7 +21,7 @@ function makeTables(state, least = 0, frame = null) {
   }
   const size = state.size;
   t.image_frame = frame ?? Float64Array.of(0, 0, size, size, size, size, 1);
-  t.eye = t.camera.slice(data.fields.eye, data.fields.eye + 3);
+  t.eye = t.camera.slice(data.fields.camera.eye, data.fields.camera.eye + 3);
   t.axes = new Float64Array(10);
   if (t.camera[0] === LOOK_AT) program.camera_axes(t.camera, t.axes);
   t.points = lightPoints(t.lights, state.off);
@@ -53,7 +53,7 @@ function lightPoints(lights, off) {
 
 function surfaceLobe(t, row) {
   const columns = data.tables.spheres.columns;
-  const first = row === 0 ? t.floor.subarray(data.fields.floorLobe, data.fields.floorLobe + 3) : t.spheres.subarray((row - 1) * columns + data.fields.sphereLobe, row * columns);
+  const first = row === 0 ? t.floor.subarray(data.fields.floor.weight, data.fields.floor.weight + 3) : t.spheres.subarray((row - 1) * columns + data.fields.sphere.weight, row * columns);
   return { weight: first[0], exponent: first[1], thetaMax: first[2] };
 }
 
@@ -78,8 +78,8 @@ function inputs(pass, t) {
   const own = data.reads[pass].map((name) => {
     if (name === "seen") return pass === "pixel_seen" ? "" : inputs("pixel_seen", t);
     const values = Array.from(t[name]), columns = data.tables[name].columns, lobeless = pass === "pixel_direct" || pass === "pixel_seen";
-    if (lobeless && name === "floor") values.fill(0, data.fields.floorLobe, data.fields.floorLobe + 3);
-    if (lobeless && name === "spheres") values.forEach((_, k) => k % columns >= data.fields.sphereLobe && (values[k] = 0));
+    if (lobeless && name === "floor") values.fill(0, data.fields.floor.weight, data.fields.floor.weight + 3);
+    if (lobeless && name === "spheres") values.forEach((_, k) => k % columns >= data.fields.sphere.weight && (values[k] = 0));
     if (pass !== "pixel_numeric" && name === "estimate") values[1] = values[5] = 0;
     return values.join();
   });
