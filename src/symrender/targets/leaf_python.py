@@ -75,7 +75,7 @@ def function(name: str, arguments: Sequence[str], tape: Tape, results: Sequence[
     body += scribe.lines()
     values = [scribe.text(x) for x in scribe.results]
     kind = "float" if len(values) == 1 else f"tuple[{', '.join(['float'] * len(values))}]"
-    if len(kind) > 40:
+    if len(kind) > 90:
         kind = "tuple[float, ...]"
     head = folded(f"def {name}(", [f"{a}: float" for a in arguments], f") -> {kind}:", "")
     leave = [f"return {', '.join(values)}"]
