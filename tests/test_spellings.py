@@ -52,82 +52,48 @@ PATTERNS = {
 HAND_WRITTEN: dict[str, dict[str, int]] = {
     "unit offset": {
         "chambers/highlights.py": 3,
-        "chambers/penumbra_walls.py": 2,
         "chambers/traces.py": 1,
         "quadrature/disk_points.py": 3,
-        "quadrature/light_nodes.py": 4,
-        "quadrature/light_term.py": 1,
-        "quadrature/node_rows.py": 1,
-        "quadrature/tangent_light.py": 1,
+        "quadrature/light_nodes.py": 2,
     },
     "blinn": {
         "quadrature/disk_points.py": 1,
-        "quadrature/light_nodes.py": 2,
-        "quadrature/light_term.py": 1,
-        "quadrature/tangent_light.py": 1,
+        "quadrature/light_nodes.py": 1,
     },
     "phong": {
         "chambers/highlights.py": 1,
-        "chambers/penumbra_walls.py": 1,
         "quadrature/disk_refined.py": 1,
-        "quadrature/light_nodes.py": 2,
-        "quadrature/light_term.py": 1,
-        "quadrature/tangent_light.py": 3,
-    },
-    "gleam": {
-        "quadrature/light_term.py": 2,
-        "quadrature/tangent_light.py": 1,
+        "quadrature/light_nodes.py": 1,
     },
     "lobe density": {
         "chambers/lobe_mass.py": 1,
         "chambers/tangent_share.py": 4,
         "quadrature/lattice_sphere.py": 1,
-        "quadrature/node_rows.py": 1,
-        "quadrature/split_line.py": 1,
-        "quadrature/tangent_grid.py": 1,
-        "quadrature/tangent_line.py": 2,
+        "quadrature/tangent_line.py": 1,
     },
     "log cosine": {
-        "chambers/lobe_mass.py": 6,
+        "chambers/lobe_mass.py": 1,
         "chambers/tangent_share.py": 5,
-        "quadrature/split_point.py": 1,
     },
     "normaliser": {
         "chambers/lobe_mass.py": 1,
         "chambers/tangent_share.py": 1,
-        "quadrature/split_point.py": 1,
     },
     "lobe mass": {
-        "chambers/lobe_mass.py": 3,
+        "chambers/lobe_mass.py": 2,
         "chambers/tangent_share.py": 4,
         "quadrature/lattice_sphere.py": 1,
-        "quadrature/lobe_units.py": 1,
-        "quadrature/split_point.py": 1,
-    },
-    "azimuth coordinate": {
-        "chambers/labels.py": 1,
-        "quadrature/light_term.py": 1,
-        "quadrature/tangent_line.py": 1,
     },
     "polar coordinate": {
         "certify/floor_point.py": 1,
-        "chambers/labels.py": 1,
         "chambers/tangent_walls.py": 2,
-        "quadrature/light_term.py": 1,
-        "quadrature/tangent_line.py": 1,
-    },
-    "veins": {
-        "quadrature/light_term.py": 1,
-        "quadrature/tangent_line.py": 3,
     },
     "floor phase": {
-        "quadrature/mirror.py": 1,
         "quadrature/split_grid.py": 2,
         "quadrature/tangent_grid.py": 1,
     },
     "sphere place": {
         "chambers/highlights.py": 1,
-        "chambers/place.py": 2,
         "chambers/tangent_walls.py": 2,
         "quadrature/split_line.py": 2,
     },
@@ -137,25 +103,15 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
     },
     "floor place": {
         "chambers/line.py": 1,
-        "chambers/place.py": 2,
+        "chambers/place.py": 1,
         "chambers/tangent_walls.py": 1,
         "quadrature/split_line.py": 1,
     },
     "silhouette": {
         "chambers/tangent_walls.py": 1,
     },
-    "terminator": {
-        "chambers/tangent_walls.py": 1,
-    },
     "shadow": {
-        "chambers/place.py": 2,
         "chambers/tangent_walls.py": 1,
-    },
-    "cone conic": {
-        "quadrature/floor_conics.py": 1,
-    },
-    "conic level": {
-        "quadrature/floor_conics.py": 1,
     },
     "disk frame": {
         "quadrature/light_points.py": 1,

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from emitted import FORMULAS
+from symrender.leaves.values import marble
 from symrender.quadrature.disk import light_points as emitted_points
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.light_term import light_term, marble_factor
+from symrender.quadrature.light_term import light_term
 from symrender.records import table
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
@@ -49,7 +50,7 @@ def test_marble_is_the_emitted_one() -> None:
     for normal in units(rng, 300).tolist():
         ku, kv = rng.uniform(0, 9, 2)
         spheres[0].texture, spheres[0].ku, spheres[0].kv = at.MARBLE, ku, kv
-        assert abs(marble_factor(*normal, ku, kv) - FORMULAS.texture_factor(0, *normal, spheres)) < 1e-14
+        assert abs(marble(*normal, ku, kv) - FORMULAS.texture_factor(0, *normal, spheres)) < 1e-14
 
 
 @pytest.mark.parametrize("name", ["chapter8", "penumbra", "gloss"])

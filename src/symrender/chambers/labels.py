@@ -15,6 +15,7 @@ from symrender.chambers.penumbra import CLEAR, COVERS, cover
 from symrender.chambers.records import Chart
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves.values import texture_phases
 from symrender.records import Table
 from symrender.scene.arrays import CHECKER, CUT, STRIPES
 from symrender.scene.records import Sphere
@@ -51,10 +52,9 @@ def texture_side(spheres: Table[Sphere], j: int, nx: float, ny: float, nz: float
     if kind != CHECKER and kind != STRIPES:
         return 1
     # the sign of sin(pi x) is the parity of floor(x), and a tie where x is whole, as it is everywhere if ku or kv is 0
-    x = (math.atan2(ny, nx) + math.pi) / (2.0 * math.pi) * spheres[j].ku
-    y = 0.5
-    if kind == CHECKER:
-        y = math.acos(max(-1.0, min(1.0, nz))) / math.pi * spheres[j].kv
+    x, y = texture_phases(nx, ny, nz, spheres[j].ku, spheres[j].kv)
+    if kind != CHECKER:
+        y = 0.5
     fields = math.floor(x) + math.floor(y)
     return 1 if fields % 2 == 0 or x == math.floor(x) or y == math.floor(y) else 0
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.kernel_cache import jitable
+from symrender.leaves import values
 
 Array = npt.NDArray[np.float64]
 
@@ -23,11 +24,7 @@ NODES: Final = _ORDER * _PIECES
 @jitable
 def ring_share(n: float, low: float, high: float, theta_max: float) -> float:
     """Lobe share of the ring low <= theta <= high: (cos^u low - cos^u high)/(1 - cos^u theta_max), u = n + 1."""
-    u = n + 1.0
-    lc = math.log1p(-2.0 * math.sin(0.5 * low) ** 2) if low < 0.5 * math.pi else -1e300
-    hc = math.log1p(-2.0 * math.sin(0.5 * high) ** 2) if high < 1.5707963267948966 else -1e300
-    mc = math.log1p(-2.0 * math.sin(0.5 * theta_max) ** 2) if theta_max < 1.5707963267948966 else -1e300
-    return float(math.exp(u * lc) * -math.expm1(u * (hc - lc)) / -math.expm1(u * mc))
+    return values.ring_share(values.log_rim(low), values.log_rim(high), values.log_rim(theta_max), n)
 
 
 @jitable
@@ -71,7 +68,7 @@ def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Arra
     if not low < high:
         return share
     ca, cb, sb = math.cos(alpha), math.cos(beta), math.sin(beta)
-    mc = math.log1p(-2.0 * math.sin(0.5 * theta_max) ** 2) if theta_max < 1.5707963267948966 else -1e300
+    mc = values.log_rim(theta_max)
     scale = u / (2.0 * math.pi * -math.expm1(u * mc))
     for node in range(NODES):
         weight, st, ct = ring_node(node, low, high, n, gauss)
@@ -88,7 +85,7 @@ def facing_mass(n: float, theta_max: float, beta: float, gauss: Array) -> float:
     with half-arc a above, it is (cos theta cos beta a + sin theta sin beta sin a)/pi. Nodes as in ``cap_share``.
     """
     u = n + 1.0
-    mc = math.log1p(-2.0 * math.sin(0.5 * theta_max) ** 2) if theta_max < 1.5707963267948966 else -1e300
+    mc = values.log_rim(theta_max)
     mass = -math.expm1(u * mc)
     full = 0.5 * math.pi - beta
     cb, sb = math.cos(beta), math.sin(beta)

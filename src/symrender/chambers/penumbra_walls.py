@@ -28,6 +28,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves import values
 from symrender.scene.arrays import CUT
 from symrender.scene.records import Sphere
 
@@ -181,20 +182,11 @@ def penumbra_level(row: Wall, x: float, c: float, s: float, chart: Chart) -> flo
 def highlight_level(row: Wall, x: float, c: float, s: float, chart: Chart) -> float:
     """Level of a ``GLEAM_EDGE`` at inner coordinate ``x`` of the line (c, s): N.(l + v) of unit vectors, or r.v."""
     qx, qy, qz, nx, ny, nz = surface_point(x, c, s, chart)
-    lx, ly, lz, vx, vy, vz = (
-        row.lit_from[0] - qx,
-        row.lit_from[1] - qy,
-        row.lit_from[2] - qz,
-        row.seen_from[0] - qx,
-        row.seen_from[1] - qy,
-        row.seen_from[2] - qz,
-    )
-    far_l = 1.0 / math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
-    far_v = 1.0 / math.sqrt(max(1e-300, vx * vx + vy * vy + vz * vz))
-    nl, nv = (nx * lx + ny * ly + nz * lz) * far_l, (nx * vx + ny * vy + nz * vz) * far_v
-    if row.phong != 0.0:
-        return float(2.0 * nl * nv - (lx * vx + ly * vy + lz * vz) * far_l * far_v)
-    return float(nl + nv)
+    lx, ly, lz = row.lit_from[0] - qx, row.lit_from[1] - qy, row.lit_from[2] - qz
+    vx, vy, vz = row.seen_from[0] - qx, row.seen_from[1] - qy, row.seen_from[2] - qz
+    if row.phong != 0:
+        return values.phong_edge_level(lx, ly, lz, vx, vy, vz, nx, ny, nz)
+    return values.blinn_edge_level(lx, ly, lz, vx, vy, vz, nx, ny, nz)
 
 
 @inlined

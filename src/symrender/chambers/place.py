@@ -10,6 +10,7 @@ import numpy.typing as npt
 from symrender.chambers.records import Chart, Wall
 from symrender.chambers.roots import quadratic_roots
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves import values
 
 Array = npt.NDArray[np.float64]
 
@@ -53,21 +54,15 @@ def shadow_quartic(row: Wall, radius: float, c: float, s: float, top: float, out
 @inlined
 def surface_point(x: float, c: float, s: float, chart: Chart) -> tuple[float, float, float, float, float, float]:
     """Hit point and unit normal at inner coordinate ``x`` of the line."""
-    ex, ey, ez = (
-        c * chart.e1[0] + s * chart.e2[0],
-        c * chart.e1[1] + s * chart.e2[1],
-        c * chart.e1[2] + s * chart.e2[2],
-    )
+    e, f, p = chart.e1, chart.e2, chart.pole
     if chart.shape_index >= 0.0:
-        sx, cx = math.sin(x), math.cos(x)
-        sb = chart.ratio * sx
-        cb = math.sqrt(1.0 - sb * sb)
-        cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
-        nx, ny, nz = sg * ex - cg * chart.pole[0], sg * ey - cg * chart.pole[1], sg * ez - cg * chart.pole[2]
-        r = chart.radius
-        return chart.center[0] + r * nx, chart.center[1] + r * ny, chart.center[2] + r * nz, nx, ny, nz
-    r = chart.height * math.tan(x)
-    return chart.point[0] + r * ex, chart.point[1] + r * ey, 0.0, 0.0, 0.0, 1.0
+        o = chart.center
+        return values.sphere_point(
+            x, c, s, p[0], p[1], p[2], e[0], e[1], e[2], f[0], f[1], f[2], o[0], o[1], o[2], chart.radius, chart.ratio
+        )
+    o = chart.point
+    qx, qy, qz = values.floor_point(x, c, s, e[0], e[1], e[2], f[0], f[1], f[2], o[0], o[1], o[2], chart.height)
+    return qx, qy, qz, 0.0, 0.0, 1.0
 
 
 @jitable
@@ -81,11 +76,11 @@ def shadow_level(row: Wall, x: float, c: float, s: float, chart: Chart) -> float
         fy = row.second_level + r * (row.second[0] * n0 + (row.second[1] * c + row.second[2] * s) * n1)
         u2 = row.origin2 + r * r + 2.0 * r * (row.origin[0] * n0 + (row.origin[1] * c + row.origin[2] * s) * n1)
         return float(row.sine2 * u2 - fx * fx - fy * fy)
-    r = chart.height * math.tan(x)
-    fx = row.first_level + r * (row.first[1] * c + row.first[2] * s)
-    fy = row.second_level + r * (row.second[1] * c + row.second[2] * s)
-    u2 = row.origin2 + r * (r + 2.0 * (row.origin[1] * c + row.origin[2] * s))
-    return float(row.sine2 * u2 - fx * fx - fy * fy)
+    by_first, by_second = row.first[1] * c + row.first[2] * s, row.second[1] * c + row.second[2] * s
+    along, reach = row.origin[1] * c + row.origin[2] * s, chart.height * math.tan(x)
+    return values.shadow_row_level(
+        row.first_level, row.second_level, row.origin2, row.sine2, by_first, by_second, along, reach
+    )
 
 
 @jitable

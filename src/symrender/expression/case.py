@@ -15,7 +15,7 @@ from symrender.expression import intersection, texture
 from symrender.expression.formulas.light_terms import blinn_cosine2, half_vector, light_channel, phong_cosine, ray_view
 from symrender.expression.formulas.textures import mixed, texture_coordinates, vein
 from symrender.expression.symbols import ParameterTable
-from symrender.expression.vectors import Vec3, cross, dot, norm2, unit, vec3
+from symrender.expression.vectors import Vec3, dot, norm2, unit, vec3
 from symrender.scene.scene import Scene
 from symrender.scene.shape import Sphere
 from symrender.scene.texture import Checker, FloorChecker, Marble, Solid, Stripes
@@ -197,8 +197,3 @@ def _shaded(
     blocks = intersection.segment_meets(a, b, c, intersection.power(LIGHT - BLOCKER, BLOCKER_RADIUS))
     parts = (met, depth, tuple(s.list), guards, ambient, tuple(one.list), light_guards, light)
     return Case(shape, *parts, blockers, blocks, behind)
-
-
-def silhouette(f: Vec3, radius: sp.Expr) -> sp.Expr:
-    """r^2 - |f x w|^2: zero on the circle of directions that graze a sphere."""
-    return radius**2 - norm2(cross(f, DIRECTION))

@@ -16,7 +16,7 @@ from symrender.leaves.gleams import gleam_slopes
 def eye_view_adjoint(
     eye_x: float, eye_y: float, eye_z: float, place_x: float, place_y: float, place_z: float, view_x_weight: float,
     view_y_weight: float, view_z_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float]:
     """Unit vector from a place to the eye, along which its highlight is seen (``highlight_view: eye``); then the
     slopes of the weighted sum of all of it in eye, place.
     """
@@ -37,7 +37,7 @@ def eye_view_adjoint(
 def blinn_term_adjoint(
     to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
     view_x: float, view_y: float, view_z: float, shininess: float, cosine_weight: float, highlight_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float]:
     """(N.l, s) with s = (N.h)^shininess, 0 where N.h is not positive; then the slopes of the weighted sum of all of
     it in to_light, normal, view, shininess.
     """
@@ -74,7 +74,7 @@ def blinn_term_adjoint(
 def phong_term_adjoint(
     to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
     view_x: float, view_y: float, view_z: float, shininess: float, cosine_weight: float, highlight_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float]:
     """(N.l, s) with s = (r.v)^shininess, 0 where r.v is not positive; then the slopes of the weighted sum of all of
     it in to_light, normal, view, shininess.
     """
@@ -107,7 +107,7 @@ def phong_term_adjoint(
 @inlined
 def light_channel_adjoint(
     color: float, kd: float, ks: float, albedo: float, cosine: float, highlight: float, radiance_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float]:
     """One channel of one unblocked light: color (kd albedo N.l + ks s); then the slopes of the weighted sum of all of
     it in color, kd, ks, albedo, cosine, highlight.
     """
@@ -122,7 +122,7 @@ def light_channel_adjoint(
 def mirror_direction_adjoint(
     incoming_x: float, incoming_y: float, incoming_z: float, normal_x: float, normal_y: float, normal_z: float,
     axis_x_weight: float, axis_y_weight: float, axis_z_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float]:
     """m = D - 2 (D.N) N; then the slopes of the weighted sum of all of it in incoming, normal."""
     t1 = 2.0 * (incoming_x * normal_x + incoming_y * normal_y + incoming_z * normal_z)
     t2 = (-(axis_z_weight * normal_z) - axis_y_weight * normal_y - axis_x_weight * normal_x) * 2.0
@@ -217,7 +217,7 @@ def floor_place_adjoint(
 def sphere_hit_adjoint(
     offset_x: float, offset_y: float, offset_z: float, direction_x: float, direction_y: float, direction_z: float,
     radius: float, far_weight: float, normal_x_weight: float, normal_y_weight: float, normal_z_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
     """(distance, unit normal) where a ray meets a sphere from outside; ``offset`` = C - P, ``direction`` unit; then
     the slopes of the weighted sum of all of it in offset, direction, radius.
     """
@@ -255,7 +255,7 @@ def sphere_hit_adjoint(
 def floor_hit_adjoint(
     point_x: float, point_y: float, point_z: float, direction_x: float, direction_y: float, direction_z: float,
     far_weight: float, place_x_weight: float, place_y_weight: float, place_z_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """(distance, place) where a ray meets the floor; then the slopes of the weighted sum of all of it in point,
     direction.
     """
@@ -273,7 +273,7 @@ def floor_hit_adjoint(
 def area_measure_adjoint(
     direction_x: float, direction_y: float, direction_z: float, normal_x: float, normal_y: float, normal_z: float,
     far: float, measure_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float]:
     """Solid angle per area of a surface at distance ``far``: -(w.N)/far^2; then the slopes of the weighted sum of all
     of it in direction, normal, far.
     """
@@ -337,7 +337,7 @@ def cone_conic_adjoint(
 def ball_conic_adjoint(
     center_x: float, center_y: float, center_z: float, radius: float, a_weight: float, b_weight: float,
     c_weight: float, d_weight: float, e_weight: float, f_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """(A..F) of the circle in which a ball meets the floor; then the slopes of the weighted sum of all of it in
     center, radius.
     """
@@ -356,7 +356,7 @@ def ball_conic_adjoint(
 def plane_conic_adjoint(
     normal_x: float, normal_y: float, normal_z: float, height: float, a_weight: float, b_weight: float,
     c_weight: float, d_weight: float, e_weight: float, f_weight: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """(A..F) of the line in which the floor meets the plane across ``normal`` through a point ``height`` above it;
     then the slopes of the weighted sum of all of it in normal, height.
     """

@@ -15,7 +15,7 @@ from symrender.leaves.gleams import gleam_slopes
 @inlined
 def lambert_slopes(
     to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float]:
     """N.l, the cosine before its cut at the terminator; then slopes of cosine in to_light, normal."""
     t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
     t2 = math.sqrt(max(t1, 1e-300))
@@ -104,7 +104,7 @@ def phong_term_slopes(
 @inlined
 def lobe_chord_slopes(
     direction_x: float, direction_y: float, direction_z: float, axis_x: float, axis_y: float, axis_z: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float]:
     """|w - m|^2 = 2 (1 - cos theta) of unit vectors; then slopes of square in direction, axis."""
     t1 = direction_x - axis_x
     t2 = direction_y - axis_y
@@ -225,7 +225,7 @@ def brdf_normaliser_slopes(exponent: float) -> tuple[float, float]:
 @inlined
 def texture_phases_slopes(
     normal_x: float, normal_y: float, normal_z: float, ku: float, kv: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float]:
     """(u ku, v kv): whole numbers are the edges of a sphere's fields; then slopes of across and down in normal, ku,
     kv.
     """
@@ -240,7 +240,9 @@ def texture_phases_slopes(
 
 
 @inlined
-def marble_slopes(normal_x: float, normal_y: float, normal_z: float, ku: float, kv: float) -> tuple[float, ...]:
+def marble_slopes(
+    normal_x: float, normal_y: float, normal_z: float, ku: float, kv: float,
+) -> tuple[float, float, float, float, float, float]:
     """Albedo factor of the veins at a unit normal; then slopes of factor in normal, ku, kv."""
     u = (math.atan2(normal_y, normal_x) + math.pi) / 6.283185307179586
     t1 = 9.42477796076938 * kv
@@ -260,7 +262,9 @@ def marble_slopes(normal_x: float, normal_y: float, normal_z: float, ku: float, 
 
 
 @inlined
-def floor_phases_slopes(x: float, y: float, cell: float, offset_x: float, offset_y: float) -> tuple[float, ...]:
+def floor_phases_slopes(
+    x: float, y: float, cell: float, offset_x: float, offset_y: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float]:
     """((x - ox)/cell, (y - oy)/cell): squares of the floor, bright where their floors add up to an even number; then
     slopes of east and north in x, y, cell, offset_x, offset_y.
     """
@@ -275,7 +279,7 @@ def floor_phases_slopes(x: float, y: float, cell: float, offset_x: float, offset
 def rim_level_slopes(
     direction_x: float, direction_y: float, direction_z: float, axis_x: float, axis_y: float, axis_z: float,
     rim_cosine: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float]:
     """w.m - cos(theta_max): positive inside the lobe; then slopes of level in direction, axis, rim_cosine."""
     return (
         direction_x * axis_x + direction_y * axis_y + direction_z * axis_z - rim_cosine, axis_x, axis_y, axis_z,
@@ -286,7 +290,7 @@ def rim_level_slopes(
 @inlined
 def horizon_level_slopes(
     direction_x: float, direction_y: float, direction_z: float, horizon_x: float, horizon_y: float, horizon_z: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float]:
     """w.N_P: positive above the horizon of the surface P lies on; then slopes of level in direction, horizon."""
     return (
         direction_x * horizon_x + direction_y * horizon_y + direction_z * horizon_z, horizon_x, horizon_y, horizon_z,
@@ -298,7 +302,7 @@ def horizon_level_slopes(
 def silhouette_level_slopes(
     direction_x: float, direction_y: float, direction_z: float, center_x: float, center_y: float, center_z: float,
     radius: float, point_x: float, point_y: float, point_z: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
     """w.(C - P) less the length of a tangent from P: positive inside the disc a sphere covers; then slopes of level
     in direction, center, radius, point.
     """
@@ -319,7 +323,7 @@ def silhouette_level_slopes(
 @inlined
 def ball_level_slopes(
     place_x: float, place_y: float, place_z: float, center_x: float, center_y: float, center_z: float, radius: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float]:
     """|Q - C|^2 - R^2: negative where a shape enters a ball; then slopes of level in place, center, radius."""
     t1 = place_x - center_x
     t2 = place_y - center_y
@@ -334,7 +338,7 @@ def ball_level_slopes(
 def terminator_level_slopes(
     normal_x: float, normal_y: float, normal_z: float, light_x: float, light_y: float, light_z: float,
     center_x: float, center_y: float, center_z: float, radius: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
     """N.(L - C) - R: positive where a sphere faces a light point; then slopes of level in normal, light, center,
     radius.
     """
@@ -351,7 +355,7 @@ def terminator_level_slopes(
 def shadow_level_slopes(
     place_x: float, place_y: float, place_z: float, light_x: float, light_y: float, light_z: float, center_x: float,
     center_y: float, center_z: float, radius: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
     """R^2 |Q - L|^2 - |(Q - L) x (C - L)|^2: positive inside the double cone a sphere's shadow lies in; then slopes
     of level in place, light, center, radius.
     """
@@ -415,7 +419,7 @@ def floor_line_level_slopes(x: float, number: float, cell: float, offset: float)
 def blinn_edge_level_slopes(
     to_light_x: float, to_light_y: float, to_light_z: float, to_viewer_x: float, to_viewer_y: float,
     to_viewer_z: float, normal_x: float, normal_y: float, normal_z: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """N.(l + v) of unit vectors: positive where Blinn's highlight is; then slopes of level in to_light, to_viewer,
     normal.
     """
@@ -441,7 +445,7 @@ def blinn_edge_level_slopes(
 def phong_edge_level_slopes(
     to_light_x: float, to_light_y: float, to_light_z: float, to_viewer_x: float, to_viewer_y: float,
     to_viewer_z: float, normal_x: float, normal_y: float, normal_z: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """r.v: positive where Phong's highlight is; then slopes of level in to_light, to_viewer, normal."""
     t1 = to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z
     t2 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
@@ -476,7 +480,7 @@ def phong_edge_level_slopes(
 @inlined
 def conic_level_slopes(
     a: float, b: float, c: float, d: float, e: float, f: float, x: float, y: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float]:
     """A x^2 + 2 B x y + C y^2 + 2 D x + 2 E y + F; then slopes of level in a, b, c, d, e, f, x, y."""
     t1 = a * x
     t2 = 2.0 * b

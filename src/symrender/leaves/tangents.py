@@ -149,7 +149,7 @@ def sphere_point_tangents(
     x: float, c: float, s: float, pole_x: float, pole_y: float, pole_z: float, first_x: float, first_y: float,
     first_z: float, second_x: float, second_y: float, second_z: float, center_x: float, center_y: float,
     center_z: float, radius: float, ratio: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float]:
     """(hit point, unit normal) at inner coordinate ``x`` of the line (c, s) of a sphere's chart; then the slopes of
     all of it in x.
     """
@@ -186,7 +186,7 @@ def sphere_point_tangents(
 def floor_point_tangents(
     x: float, c: float, s: float, first_x: float, first_y: float, first_z: float, second_x: float, second_y: float,
     second_z: float, point_x: float, point_y: float, point_z: float, height: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float]:
     """Hit point at inner coordinate ``x`` of the line (c, s) of the floor's chart; its z is 0; then the slopes of all
     of it in x.
     """

@@ -346,7 +346,7 @@ def chart_across(
 def sphere_place(
     sine: float, cosine: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
     pole_z: float, center_x: float, center_y: float, center_z: float, radius: float, ratio: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """(hit point Q, unit normal N, direction w, solid angle per dpsi dphi) of a place on a sphere's chart."""
     sb = ratio * sine
     cb = math.sqrt(1.0 - sb * sb)
@@ -366,7 +366,7 @@ def sphere_place(
 def floor_place(
     sine: float, cosine: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
     pole_z: float, point_x: float, point_y: float, point_z: float, height: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float]:
     """(hit point Q, direction w, solid angle per dbeta dphi) of a place on the floor's chart; Q's z is 0."""
     far = height * sine / cosine
     return (
@@ -379,7 +379,7 @@ def floor_place(
 def sphere_sight(
     x: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float, pole_z: float,
     radius: float, ratio: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """(Q - P, N, w, solid angle per dpsi dphi) at inner coordinate ``x`` of a sphere's chart, free of the centre."""
     sine = math.sin(x)
     sb = ratio * sine
@@ -401,7 +401,7 @@ def sphere_sight(
 def floor_sight(
     x: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float, pole_z: float,
     height: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float]:
     """(Q - P, w, solid angle per dbeta dphi) at inner coordinate ``x`` of the floor's chart."""
     sine = math.sin(x)
     cosine = math.cos(x)
@@ -418,7 +418,7 @@ def sphere_point(
     x: float, c: float, s: float, pole_x: float, pole_y: float, pole_z: float, first_x: float, first_y: float,
     first_z: float, second_x: float, second_y: float, second_z: float, center_x: float, center_y: float,
     center_z: float, radius: float, ratio: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float]:
     """(hit point, unit normal) at inner coordinate ``x`` of the line (c, s) of a sphere's chart."""
     across_x = first_x * c + second_x * s
     sine = math.sin(x)
@@ -627,7 +627,7 @@ def phong_edge_level(
 @inlined
 def cone_conic(
     axis_x: float, axis_y: float, axis_z: float, sine2: float, apex_x: float, apex_y: float, apex_z: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float]:
     """(A..F) of sin^2 |w|^2 - |w x a|^2 with w from the apex: where a cone of revolution meets the floor."""
     k = sine2 - 1.0
     a = k + axis_x * axis_x
@@ -644,7 +644,9 @@ def cone_conic(
 
 
 @inlined
-def ball_conic(center_x: float, center_y: float, center_z: float, radius: float) -> tuple[float, ...]:
+def ball_conic(
+    center_x: float, center_y: float, center_z: float, radius: float,
+) -> tuple[float, float, float, float, float, float]:
     """(A..F) of the circle in which a ball meets the floor."""
     return (
         1.0, 0.0, 1.0, -center_x, -center_y,
@@ -653,7 +655,9 @@ def ball_conic(center_x: float, center_y: float, center_z: float, radius: float)
 
 
 @inlined
-def plane_conic(normal_x: float, normal_y: float, normal_z: float, height: float) -> tuple[float, ...]:
+def plane_conic(
+    normal_x: float, normal_y: float, normal_z: float, height: float,
+) -> tuple[float, float, float, float, float, float]:
     """(A..F) of the line in which the floor meets the plane across ``normal`` through a point ``height`` above it."""
     return 0.0, 0.0, 0.0, 0.5 * normal_x, 0.5 * normal_y, -(height * normal_z)
 
@@ -668,7 +672,7 @@ def conic_level(a: float, b: float, c: float, d: float, e: float, f: float, x: f
 def disk_frame(
     position_x: float, position_y: float, position_z: float, target_x: float, target_y: float, target_z: float,
     up_x: float, up_y: float, up_z: float,
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float, float, float, float]:
     """(w, e1, e2): the axis a disk faces along and what spans it; ``up`` is y where |w_y| < .9, else x."""
     t1 = target_x - position_x
     t2 = target_y - position_y

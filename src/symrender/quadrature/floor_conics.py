@@ -15,6 +15,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves import values
 from symrender.quadrature.records import Conic
 from symrender.records import Table
 
@@ -36,18 +37,9 @@ def add_cone(
     """
     if count >= conics.shape[0]:
         return count + 1
-    k = sine2 - 1.0
     row = conics[count]
     row.soft = 0
-    row.xx = k + ax * ax
-    row.xy = ax * ay
-    row.yy = k + ay * ay
-    row.x = -ax * az * height - (row.xx * fx + row.xy * fy)
-    row.y = -ay * az * height - (row.xy * fx + row.yy * fy)
-    at_apex = height * height * (k + az * az)
-    row.free = (
-        at_apex + row.xx * fx * fx + 2.0 * row.xy * fx * fy + row.yy * fy * fy + 2.0 * height * az * (ax * fx + ay * fy)
-    )
+    row.xx, row.xy, row.yy, row.x, row.y, row.free = values.cone_conic(ax, ay, az, sine2, fx, fy, height)
     return count + 1
 
 
@@ -56,9 +48,8 @@ def add_line(conics: Table[Conic], n: int, ax: float, ay: float, az: float, h: f
     """Append the line in which the plane through the point across ``a`` meets the floor, ``h`` below; new count."""
     if n < conics.shape[0]:
         row = conics[n]
-        row.xx = row.xy = row.yy = 0.0
         row.soft = 0
-        row.x, row.y, row.free = 0.5 * ax, 0.5 * ay, -h * az
+        row.xx, row.xy, row.yy, row.x, row.y, row.free = values.plane_conic(ax, ay, az, h)
     return n + 1
 
 
@@ -121,7 +112,7 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
 @jitable
 def may_cross(row: Conic, x: float, y: float, half: float) -> bool:
     """Whether the conic can vanish, or a disk be partly hidden, in the square of half-width ``half`` about (x, y)."""
-    value = row.xx * x * x + 2.0 * row.xy * x * y + row.yy * y * y + 2.0 * (row.x * x + row.y * y) + row.free
+    value = values.conic_level(row.xx, row.xy, row.yy, row.x, row.y, row.free, x, y)
     gx = 2.0 * (row.xx * x + row.xy * y + row.x)
     gy = 2.0 * (row.xy * x + row.yy * y + row.y)
     reach = (abs(gx) + abs(gy)) * half + (abs(row.xx) + 2.0 * abs(row.xy) + abs(row.yy)) * half * half

@@ -14,7 +14,7 @@ from symrender.chambers.chart import casts, shadow_in_view
 from symrender.chambers.labels import texture_side
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.light_term import marble_factor
+from symrender.leaves.values import marble
 from symrender.scene.arrays import CHECKER, CUT, MARBLE, STRIPES
 
 BATCH: Final = 128
@@ -60,7 +60,7 @@ def tint_nodes(m: int, j: int, view: View, work: Work) -> None:
         b.inner[i] = 1.0
     if kind == MARBLE:
         for i in range(m):
-            b.inner[i] = marble_factor(b.normal[0, i], b.normal[1, i], b.normal[2, i], ku, kv)
+            b.inner[i] = marble(b.normal[0, i], b.normal[1, i], b.normal[2, i], ku, kv)
     elif kind in (CHECKER, STRIPES):
         down = kv if kind == CHECKER else 1.0
         planes = ku % 2.0 == 0.0 and ku > 0.0 and down % 1.0 == 0.0 and down > 0.0 and 0.5 * ku + down <= PLANES

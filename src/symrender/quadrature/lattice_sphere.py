@@ -26,11 +26,11 @@ import numpy.typing as npt
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.lattice_nodes import BATCH, hide_nodes, mark_nodes, tint_nodes
+from symrender.quadrature.leaf_rows import eye_view_rows
 from symrender.quadrature.light_nodes import point_light
 from symrender.quadrature.node_rows import (
     begin_sums,
     powers,
-    views_to,
 )
 from symrender.scene.arrays import EYE, PHONG
 
@@ -168,7 +168,7 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
     for i in range(m):
         b.weight[i] *= b.power[i]
     if view.shading.highlight_view == EYE:
-        views_to(m, view.eye, b)
+        eye_view_rows(m, view.eye[0], view.eye[1], view.eye[2], b)
 
 
 @jitable

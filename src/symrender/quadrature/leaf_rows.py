@@ -120,4 +120,6 @@ def lobe_density_rows(m: int, exponent: float, log_normaliser: float, nodes: Nod
     for i in range(m):
         square = nodes.chord[i]
         depth = 0.5 * square
-        nodes.power[i] = (math.exp(exponent * math.log1p(-depth) - log_normaliser) if depth < 1.0 else 0.0)
+        t1 = (math.exp(exponent * math.log1p(-depth) - log_normaliser) if depth < 1.0 else 0.0)
+        nodes.power[i] = t1
+        nodes.weight[i] *= t1

@@ -18,6 +18,7 @@ from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_points import clear_sums, highlights
 from symrender.quadrature.disk_term import disk_log, disk_term, served
 from symrender.quadrature.gauss import DISK_STARTS, disk_level
+from symrender.quadrature.leaf_rows import blinn_nodes_rows, lambert_nodes_rows, phong_nodes_rows
 from symrender.quadrature.node_rows import (
     powers,
     whole_vectors,
@@ -61,31 +62,13 @@ def point_light(m: int, b: Nodes, p: LightPoint, phong: bool, shininess: float, 
     m = min(m, NODES)
     x, y, z, red, green, blue = p.position[0], p.position[1], p.position[2], p.color[0], p.color[1], p.color[2]
     if ks == 0.0:
+        lambert_nodes_rows(m, x, y, z, b)
         for i in range(m):
-            lx, ly, lz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
-            dot = lx * b.normal[0, i] + ly * b.normal[1, i] + lz * b.normal[2, i]
-            b.clear[i] *= dot / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
             b.shining[i] = 0.0
     elif phong:
-        for i in range(m):
-            lx, ly, lz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
-            nx, ny, nz = b.normal[0, i], b.normal[1, i], b.normal[2, i]
-            vx, vy, vz = b.toward[0, i], b.toward[1, i], b.toward[2, i]
-            inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-            cosine = (lx * nx + ly * ny + lz * nz) * inv
-            mirrored = 2.0 * cosine * (nx * vx + ny * vy + nz * vz) - (lx * vx + ly * vy + lz * vz) * inv
-            b.clear[i] *= cosine
-            b.radix[i] = min(1.0, max(0.0, mirrored))
+        phong_nodes_rows(m, x, y, z, b)
     else:
-        for i in range(m):
-            lx, ly, lz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
-            nx, ny, nz = b.normal[0, i], b.normal[1, i], b.normal[2, i]
-            inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-            lx, ly, lz = lx * inv, ly * inv, lz * inv
-            hx, hy, hz = lx + b.toward[0, i], ly + b.toward[1, i], lz + b.toward[2, i]
-            half = (hx * nx + hy * ny + hz * nz) / math.sqrt(max(hx * hx + hy * hy + hz * hz, 1e-300))
-            b.clear[i] *= lx * nx + ly * ny + lz * nz
-            b.radix[i] = min(1.0, max(0.0, half))
+        blinn_nodes_rows(m, x, y, z, b)
     if ks != 0.0:
         powers(0, m, b, shininess)
         for i in range(m):

@@ -8,8 +8,7 @@ the two are different images, not multiples of each other.
 
 from __future__ import annotations
 
-import math
-
+from symrender.leaves.values import brdf_scale, log_rim
 from symrender.scene.arrays import BRDF_NORMALISED, SceneArrays
 
 
@@ -25,6 +24,4 @@ def lobe_scale(arrays: SceneArrays, exponent: float, theta_max: float) -> float:
     """
     if not is_brdf(arrays) or theta_max == 0.0:
         return 1.0
-    versine = min(1.0, 2.0 * math.sin(0.5 * theta_max) ** 2)
-    mass = -math.expm1((exponent + 1.0) * math.log1p(-versine)) if versine < 1.0 else 1.0
-    return (exponent + 2.0) / (exponent + 1.0) * mass
+    return brdf_scale(log_rim(theta_max), exponent)

@@ -16,6 +16,7 @@ from symrender.chambers.place import surface_point
 from symrender.chambers.records import NODES, Chart
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves.values import floor_phases
 from symrender.quadrature.gauss import LEVELS
 from symrender.quadrature.split_line import place_nodes, shade_nodes, shape_nodes
 from symrender.scene.arrays import (
@@ -67,9 +68,8 @@ def floor_albedo(x: float, y: float, view: View, out: Array) -> None:
     """Albedo of the floor at (x, y) into ``out``."""
     bright = True
     if view.floor.kind == CHECKER:
-        cell = view.floor.cell
-        east, north = x - view.floor.offset[0], y - view.floor.offset[1]
-        bright = (math.floor(east / cell) + math.floor(north / cell)) % 2 == 0
+        east, north = floor_phases(x, y, view.floor.cell, view.floor.offset[0], view.floor.offset[1])
+        bright = (math.floor(east) + math.floor(north)) % 2 == 0
     for a in range(3):
         out[a] = view.floor.bright[a] if bright else view.floor.dark[a]
 

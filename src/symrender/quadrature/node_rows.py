@@ -15,8 +15,9 @@ import numpy.typing as npt
 
 from symrender.chambers.records import NODES, Chart, Nodes
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves.gleams import MOST_SQUARED
 from symrender.quadrature.gauss import FALLS
-from symrender.quadrature.light_term import MOST_SQUARED
+from symrender.quadrature.leaf_rows import lobe_density_rows
 from symrender.scene.records import Shading
 
 Array = npt.NDArray[np.float64]
@@ -32,17 +33,6 @@ times the exponent: that is what rounding leaves of them."""
 def whole_vectors(m: int) -> int:
     """``m`` rounded up to eights: nodes beyond the last one are computed too, from what lies there, and never read."""
     return min(NODES, 8 * ((m + 7) // 8))
-
-
-@inlined
-def views_to(m: int, eye: Array, b: Nodes) -> None:
-    """``toward`` of the first ``m`` nodes: unit vectors from ``place`` to the eye."""
-    m = min(m, NODES)
-    ox, oy, oz = eye[0], eye[1], eye[2]
-    for i in range(m):
-        vx, vy, vz = ox - b.place[0, i], oy - b.place[1, i], oz - b.place[2, i]
-        inv = 1.0 / math.sqrt(max(vx * vx + vy * vy + vz * vz, 1e-300))
-        b.toward[0, i], b.toward[1, i], b.toward[2, i] = vx * inv, vy * inv, vz * inv
 
 
 @inlined
@@ -146,7 +136,4 @@ def densities(m: int, step: int, b: Nodes, chart: Chart) -> None:
             b.power[i] *= scale
             b.weight[i] *= b.power[i]
         return
-    for i in range(m):
-        c = -0.5 * b.chord[i]
-        b.power[i] = 0.0 if c <= -1.0 else math.exp(n * math.log1p(c) - log_w)
-        b.weight[i] *= b.power[i]
+    lobe_density_rows(m, n, log_w, b)

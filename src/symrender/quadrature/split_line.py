@@ -17,14 +17,14 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves import values
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
+from symrender.quadrature.leaf_rows import eye_view_rows
 from symrender.quadrature.light_nodes import light_nodes
-from symrender.quadrature.light_term import marble_factor
 from symrender.quadrature.node_rows import (
     begin_sums,
     densities,
     sines,
-    views_to,
     whole_vectors,
 )
 from symrender.scene.arrays import CUT, EYE, MARBLE, PHONG
@@ -53,10 +53,7 @@ SOFT_LOG = 1.5
 @jitable
 def lobe_density(squared_chord: float, chart: Chart) -> float:
     """cos^n theta / W at a direction whose distance from m has this square: 1 - cos theta without cancellation."""
-    c = -0.5 * squared_chord
-    if c <= -1.0:
-        return 0.0
-    return math.exp(chart.exponent * math.log1p(c) - chart.log_normaliser)
+    return values.lobe_density(squared_chord, chart.exponent, chart.log_normaliser)
 
 
 @inlined
@@ -269,7 +266,7 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
         b.chord[i] = d0 * d0 + d1 * d1 + d2 * d2
         b.weight[i] *= flat + cb * lift + sb * lean
     if view.shading.highlight_view == EYE:
-        views_to(m, view.eye, b)
+        eye_view_rows(m, view.eye[0], view.eye[1], view.eye[2], b)
     else:
         for i in range(m):
             sb, cb = b.sine[i], b.cosine[i]
@@ -289,7 +286,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
     begin_sums(m, ambient, shading, b)
     if j >= 0 and view.spheres[j].texture == MARBLE:
         for i in range(m):
-            vein = marble_factor(b.normal[0, i], b.normal[1, i], b.normal[2, i], view.spheres[j].ku, view.spheres[j].kv)
+            vein = values.marble(b.normal[0, i], b.normal[1, i], b.normal[2, i], view.spheres[j].ku, view.spheres[j].kv)
             for a in range(3):
                 b.factor[a, i] *= vein
     light_nodes(m, pieces, step, shading.ks, view, work, gauss)

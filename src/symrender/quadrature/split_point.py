@@ -23,6 +23,7 @@ from symrender.chambers.work import (
     work_arrays,
 )
 from symrender.kernel_cache import compiled, jitable
+from symrender.leaves.values import log_normaliser, log_rim
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
@@ -89,13 +90,12 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, chart: Char
     A rim within 1e-7 of the plane across the axis is taken to be there.
     """
     u = n + 1.0
-    half = math.sin(0.5 * theta_max)
-    log_c = math.log1p(-2.0 * half * half) if theta_max < 1.5707963267948966 else -math.inf
+    log_c = log_rim(theta_max)
     beyond = math.exp(u * log_c)
     chart.exponent = n
     chart.facing[0] = chart.facing[1] = chart.facing[2] = 0.0
     chart.facing_level = 1.0
-    chart.log_normaliser = math.log(2.0 * math.pi * -math.expm1(u * log_c) / u)
+    chart.log_normaliser = log_normaliser(log_c, n)
     cut = 0.1 * tol / bound
     chart.rim_cos = math.cos(theta_max)
     chart.rim_sin = math.sin(theta_max)

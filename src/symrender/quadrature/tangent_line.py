@@ -51,6 +51,8 @@ from symrender.chambers.tangent_walls import DARK as DARK_COLUMN
 from symrender.chambers.walls import FLOOR_CUT, HORIZON, TEXTURE_EDGE
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves.slopes import marble_slopes
+from symrender.leaves.values import marble
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.light_term import light_term
@@ -124,23 +126,6 @@ def set_view(here: Array, view: View, chart: Chart) -> float:
     return far
 
 
-@jitable
-def vein(n: Array, ku: float, kv: float) -> tuple[float, float, float, float, float, float]:
-    """Factor of a marble's veins at unit normal ``n``; its gradient in n, ku and kv."""
-    u = (math.atan2(n[1], n[0]) + math.pi) / (2.0 * math.pi)
-    z = max(-1.0, min(1.0, n[2]))
-    v = math.acos(z) / math.pi
-    inner = 3.0 * math.pi * kv * v
-    wave = 2.0 * math.pi * (ku * u + 0.35 * math.sin(inner))
-    slope = 0.225 * math.cos(wave) * 2.0 * math.pi
-    flat = max(n[0] * n[0] + n[1] * n[1], 1e-300)
-    by_u, by_v = slope * ku, slope * 0.35 * math.cos(inner) * 3.0 * math.pi * kv
-    turn = by_u / (2.0 * math.pi * flat)
-    fall = -by_v / (math.pi * math.sqrt(max(1.0 - z * z, 1e-300)))
-    by_kv = slope * 0.35 * math.cos(inner) * 3.0 * math.pi * v
-    return 0.55 + 0.225 * (1.0 + math.sin(wave)), -n[1] * turn, n[0] * turn, fall, slope * u, by_kv
-
-
 @inlined
 def radiance(
     side: int, lit: npt.NDArray[np.uint8], step: int, here: Array, view: View, work: Work, gauss: Array,
@@ -157,7 +142,8 @@ def radiance(
     if j >= 0:
         factor = 1.0 if side == 1 else view.spheres[j].dark
         if view.spheres[j].texture == MARBLE:
-            factor = vein(here[FACING], view.spheres[j].ku, view.spheres[j].kv)[0]
+            n = here[FACING]
+            factor = marble(n[0], n[1], n[2], view.spheres[j].ku, view.spheres[j].kv)
     ambient = 0.0 if j < 0 and chart.side < 0.0 else shading.ka
     for i in range(view.points.shape[0]):
         if lit[i] == UNLIT:
@@ -206,7 +192,10 @@ def node_adjoint(
     marble = j >= 0 and view.spheres[j].texture == MARBLE
     factor, by_nx, by_ny, by_nz, by_ku, by_kv = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if marble:
-        factor, by_nx, by_ny, by_nz, by_ku, by_kv = vein(here[FACING], view.spheres[j].ku, view.spheres[j].kv)
+        n = here[FACING]
+        factor, by_nx, by_ny, by_nz, by_ku, by_kv = marble_slopes(
+            n[0], n[1], n[2], view.spheres[j].ku, view.spheres[j].kv
+        )
     elif j >= 0 and side != 1:
         factor = view.spheres[j].dark
     ka = 0.0 if j < 0 and chart.side < 0.0 else shading.ka

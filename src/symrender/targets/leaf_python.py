@@ -75,7 +75,7 @@ def function(name: str, arguments: Sequence[str], tape: Tape, results: Sequence[
     body += scribe.lines()
     values = [scribe.text(x) for x in scribe.results]
     kind = "float" if len(values) == 1 else f"tuple[{', '.join(['float'] * len(values))}]"
-    if len(kind) > 40:
+    if len(kind) > 90:
         kind = "tuple[float, ...]"
     head = folded(f"def {name}(", [f"{a}: float" for a in arguments], f") -> {kind}:", "")
     leave = [f"return {', '.join(values)}"]
@@ -139,7 +139,10 @@ def rows(leaf: Leaf) -> str:
         for k, part in enumerate(leaf.parts(argument))
     }  # fmt: skip
     uniform = [str(x.detail) for x in inputs if str(x.detail) not in places]
-    scribe = _Python(tape, results, taken=_TAKEN)
+    found = dict(zip(leaf.result_names, results, strict=True))
+    stores = [(row, mode, [n for n in found if n == name or n[:-2] == name]) for name, row, mode in leaf.rows.stores]
+    # a result that goes to two rows is used twice
+    scribe = _Python(tape, [found[part] for _, _, parts in stores for part in parts], taken=_TAKEN)
     varying = {x.index for x in inputs if str(x.detail) in places}
     for node in scribe.needed:
         if any(scribe.same(x).index in varying for x in node.operands):
@@ -149,13 +152,10 @@ def rows(leaf: Leaf) -> str:
     read = {str(x.detail) for x in scribe.needed if x.operation == "input"}
     body = [f"{part} = {place}" for part, place in places.items() if part in read]
     body += scribe.lines(frozenset(varying))
-    names = iter(scribe.results)
-    for (result, row, mode), declared in zip(leaf.rows.stores, leaf.results, strict=True):
-        width = 3 if declared.endswith(":3") else 1
-        assert declared.partition(":")[0] == result, f"{leaf.name}: stores {result} for {declared}"
-        for k in range(width):
+    for row, mode, parts in stores:
+        for k, part in enumerate(parts):
             sign = {"set": "=", "scale": "*="}[mode]
-            body.append(f"{_element(row, k)} {sign} {scribe.text(next(names))}")
+            body.append(f"{_element(row, k)} {sign} {scribe.text(found[part])}")
     arguments = ["m: int", *(f"{name}: float" for name in uniform), "nodes: Nodes"]
     head = folded(f"def {leaf.name}_rows(", arguments, ") -> None:", "")
     doc = f"{_plain(leaf.doc)}, of the first ``m`` nodes."

@@ -92,7 +92,7 @@ LEAVES: Final = (
     Leaf(lobe_chord, ("square",), slopes=("direction", "axis"), pages=True),
     Leaf(log_power, ("level",), pages=True),
     Leaf(lobe_density, ("density",), slopes=("square", "exponent", "log_normaliser"), pages=True,
-         rows=Rows((("square", "chord"),), (("density", "power", "set"),))),
+         rows=Rows((("square", "chord"),), (("density", "power", "set"), ("density", "weight", "scale")))),
     Leaf(cosine_power, ("power",)),
     Leaf(log_rim, ("log_cosine",), slopes=("theta_max",), pages=True),
     Leaf(lobe_mass, ("mass",), slopes=("log_cosine", "exponent"), pages=True),
