@@ -30,7 +30,7 @@ PATTERNS = {
     "blinn": r"\(?hx \* nx \+ hy \* ny \+ hz \* nz",
     "phong": r"2(?:\.0)? \* (?:cosine|nl|facing) \* (?:\(|facing|nv|_dot|nx)",
     "gleam": r"\*\* int\(shininess\)|math\.exp\(shininess \* log|base\*\*shininess|found \*= base",
-    "lobe density": r"exponent \* Math\.log1p|exp\((?:n|geo\[(?:GEO_)?EXPONENT\]) \* (?:math\.)?log|n\)\.exp\(\)",
+    "lobe density": r"exponent \* Math\.log1p|exp\((?:n|(?:chart|geo)\.exponent) \* (?:math\.)?log|n\)\.exp\(\)",
     "log cosine": r"log1p\(-2\.0 \* (?:half|math\.sin)",
     "normaliser": r"2(?:\.0)? \* (?:math\.pi|arb\.pi\(\)) \* (?:-math\.expm1|\(1 - )",
     "lobe mass": r"-math\.expm1\(\(?(?:u|n \+ 1\.0|exponent \+ 1\.0)\)? \*",
@@ -40,12 +40,12 @@ PATTERNS = {
     "floor phase": r"floor\((?:\(?[a-z]+(?: \+ [a-z]+)?\)?) / cell\)",
     "sphere place": r"s[gx] \* e[xyz]? ?- cg \* |cg, sg = c[xp] \* cb",
     "sphere measure": r"k \* s[xp] \* c[xp] / cb",
-    "floor place": r"(?:height|geo\[HEIGHT\]) \* (?:sx / cx|math\.tan\(x\))|h \* \(t \* e \+ pole\)",
+    "floor place": r"(?:chart\.)?height \* (?:sx / cx|math\.tan\(x\))|h \* \(t \* e \+ pole\)",
     "silhouette": r"math\.sqrt\(far2 - r \* r\)",
-    "terminator": r"view\.points\[shape, a\] - geo\[CENTER \+ a\]",
-    "shadow": r"row\[20\] \* u2 - fx \* fx|r \* r \* ux - \(gy \* zz",
-    "cone conic": r"row\[0\] = k \+ ax \* ax",
-    "conic level": r"row\[0\] \* x \* x \+ 2\.0 \* row\[1\]",
+    "terminator": r"position\[a\] - (?:chart|geo)\.center\[a\]",
+    "shadow": r"sine2 \* u2 - fx \* fx|r \* r \* ux - \(gy \* zz",
+    "cone conic": r"row\.xx = k \+ ax \* ax",
+    "conic level": r"row\.xx \* x \* x \+ 2\.0 \* row\.xy",
     "disk frame": r"np\.cross\(w, up\)",
 }
 
@@ -69,7 +69,8 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
         "chambers/lobe_mass.py": 1,
         "chambers/tangent_share.py": 4,
         "quadrature/lattice_sphere.py": 1,
-        "quadrature/tangent_line.py": 1,
+        "quadrature/tangent_grid.py": 1,
+        "quadrature/tangent_line.py": 2,
     },
     "log cosine": {
         "chambers/lobe_mass.py": 1,
@@ -110,7 +111,12 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
     "silhouette": {
         "chambers/tangent_walls.py": 1,
     },
+    "terminator": {
+        "chambers/tangencies.py": 1,
+        "chambers/tangent_walls.py": 1,
+    },
     "shadow": {
+        "chambers/place.py": 1,
         "chambers/tangent_walls.py": 1,
     },
     "disk frame": {
