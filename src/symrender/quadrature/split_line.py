@@ -105,6 +105,16 @@ def kinked(view: View) -> bool:
 
 
 @inlined
+def broken_rim(chart: Chart) -> bool:
+    """Whether the density ends at the rim, or just beyond it, with a power that is small and not whole.
+
+    Coefficients then fall no faster than that power says: cos^n is 0 in the plane across the axis.
+    """
+    n = chart.exponent
+    return bool(chart.rim_cos < 0.1 and n < BLUNT and n != math.floor(n))
+
+
+@inlined
 def cell_log(
     start: float, stop: float, phi: float, c: float, s: float, view: View, work: Work
 ) -> tuple[float, int]:  # fmt: skip
@@ -350,7 +360,7 @@ def integrate_cells(
     kd = view.shading.kd
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    promise, blunt, small = 100.0 * FALLS[step], kinked(view), SMALL
+    promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart), SMALL
     for i in range(lights):
         if view.points[i].radius > 0.0:
             small = 1.0

@@ -27,7 +27,7 @@ from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.records import Panel, Span
-from symrender.quadrature.split_line import integrate_cells, kinked, lobe_density, tail_error
+from symrender.quadrature.split_line import broken_rim, integrate_cells, kinked, lobe_density, tail_error
 from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -422,7 +422,7 @@ def evaluate_panel(
         error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
     else:
         known = max(last, 0.5 * before) * math.exp(-(n + 1) * p.log_rho)
-        if kinked(view):
+        if kinked(view) or broken_rim(work.chart):
             known = max(known, last, 0.5 * before)
         error = 2.0 * max(tail_error(n, last, before, middle, size, p.log_rho), known)
     for i in range(view.points.shape[0]):
