@@ -46,8 +46,8 @@ USUAL: Final[Mapping[str, list[Any]]] = {
     "surface": ["floor", "sphere"],
     "aim": ["sphere", "sphere", "edge", "random"],
     "disk": ["1x1", "2x2"],
-    "tol": [1e-4, 1e-5, 1e-6],
-    "points": [2],
+    "tol": [1e-3, 1e-4, 1e-5, 1e-6],
+    "points": [1, 1, 2],
     "budget": [1_000_000],
     "scale": [1.0],
 }
