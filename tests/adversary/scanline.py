@@ -252,9 +252,13 @@ def slivers(
 
 @kernel
 def line(
-    w: World, lobe: Array, chart: Array, charted: Array, phi: float, cells: int, tol: float, on_disk: Array, out: Array
-) -> tuple[float, int]:
-    """Integral over t at one phi, into ``out``; returns its error and how many looks it took."""
+    w: World, lobe: Array, chart: Array, charted: Array, phi: float, cells: int, tol: float, ease: float,
+    on_disk: Array, out: Array,
+) -> tuple[float, int]:  # fmt: skip
+    """Integral over t at one phi, into ``out``; returns its error and how many looks it took.
+
+    Seven nodes of a piece are enough where their error is below the share ``ease`` of what is allowed.
+    """
     high = 1.0 if chart[0] == 0.0 else 0.5 * math.pi
     lights = w.points.shape[0] + w.disks.shape[0]
     t, seen = np.empty(cells + 1), np.full((cells + 1, lights), -3.0)
@@ -336,7 +340,7 @@ def line(
                     values[k] = rgb
                     looks += 1
                 miss = gauss(values, b - a, part) if first == 1 else embedded(values, b - a, part)
-                if miss <= 0.1 * enough:
+                if miss <= ease * enough:
                     break
             if miss <= enough or level >= _DEEP:
                 for c in range(3):

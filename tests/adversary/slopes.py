@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from .case import Case
-from .judge import LOOKS, ROUGH
+from .judge import EASE, LOOKS, ROUGH
 from .sweep import swept_value
 from .world import NORMAL, PLACE, SURFACE, Array, lobe_of, world_of
 
@@ -132,9 +132,8 @@ def differences(
         for offset in (step, -step):
             scene = moved(case.scene, name, offset)
             world, lobe = world_of(scene, case.disk), lobe_of(scene, case.surface, case.points[index])
-            found = swept_value(
-                world, lobe, tol, turn=turn, cells=cells, most_looks=3_000_000 if claim is None else LOOKS
-            )
+            ease, looks = (0.0, 3_000_000) if claim is None else (EASE, LOOKS)
+            found = swept_value(world, lobe, tol, turn=turn, cells=cells, ease=ease, most_looks=looks)
             ends.append(found.value)
             noise = max(noise, found.doubt)
             if not np.isfinite(noise):

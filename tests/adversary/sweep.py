@@ -149,33 +149,33 @@ def climb(
 
 @kernel
 def panel(
-    w: World, lobe: Array, chart: Array, charted: Array, a: float, b: float, cells: int, tol: float, on_disk: Array,
-    values: Array, out: Array,
+    w: World, lobe: Array, chart: Array, charted: Array, a: float, b: float, cells: int, tol: float, ease: float,
+    on_disk: Array, values: Array, out: Array,
 ) -> tuple[float, float, int, int]:  # fmt: skip
     """One panel of lines: its integral into ``out``; the sweep's error, the lines' own, the lines and the looks.
 
-    Seven lines where they are enough for a share of ``tol``, else fifteen.
+    Seven lines where their error is below the share ``ease`` of what is allowed, else fifteen.
     """
     own, lines, looks, miss = 0.0, 0, 0, 0.0
     for first in (1, 0):
         for k in range(first, 15, 2):
             phi = 0.5 * (a + b) + 0.5 * (b - a) * TICKS[k]
-            error, spent = line(w, lobe, chart, charted, phi, cells, 0.02 * tol, on_disk, values[k])
+            error, spent = line(w, lobe, chart, charted, phi, cells, 0.02 * tol, ease, on_disk, values[k])
             own = max(own, error)
             looks += spent
             lines += 1
             if own == math.inf:
                 return own, own, lines, looks
         miss = gauss(values, b - a, out) if first == 1 else embedded(values, b - a, out)
-        if miss <= 0.2 * tol * (b - a) / _FULL:
+        if miss <= ease * tol * (b - a) / _FULL:
             break
     return miss, own * (b - a), lines, looks
 
 
 @kernel
 def begun(
-    w: World, lobe: Array, chart: Array, charted: Array, cells: int, offset: float, tol: float, most_looks: int,
-    on_disk: Array,
+    w: World, lobe: Array, chart: Array, charted: Array, cells: int, offset: float, tol: float, ease: float,
+    most_looks: int, on_disk: Array,
 ) -> tuple[Array, int, int]:  # fmt: skip
     """The first panels of a chart (n, PANEL), the lines and the looks they took; endless errors where it ends early."""
     start = seeds(w, lobe, chart, charted, cells, offset)
@@ -189,7 +189,7 @@ def begun(
             continue
         panels[count, 0], panels[count, 1] = a, b
         panels[count, 2], panels[count, 3], n, spent = panel(
-            w, lobe, chart, charted, a, b, cells, tol, on_disk, values, panels[count, 4:]
+            w, lobe, chart, charted, a, b, cells, tol, ease, on_disk, values, panels[count, 4:]
         )
         lines += n
         looks += spent
@@ -202,8 +202,8 @@ def begun(
 
 @kernel
 def refined(
-    w: World, lobe: Array, chart: Array, charted: Array, cells: int, tol: float, most: int, most_looks: int,
-    on_disk: Array, panels: Array,
+    w: World, lobe: Array, chart: Array, charted: Array, cells: int, tol: float, ease: float, most: int,
+    most_looks: int, on_disk: Array, panels: Array,
 ) -> tuple[Array, int, int]:  # fmt: skip
     """The panels of a chart, the worst halved until their errors sum to ``tol``; and the lines and looks it took."""
     count, lines, looks = panels.shape[0], 0, 0
@@ -221,7 +221,7 @@ def refined(
         out[worst, 1], out[count, 0], out[count, 1] = m, m, b
         for k in (worst, count):
             out[k, 2], out[k, 3], n, spent = panel(
-                w, lobe, chart, charted, out[k, 0], out[k, 1], cells, tol, on_disk, values, out[k, 4:]
+                w, lobe, chart, charted, out[k, 0], out[k, 1], cells, tol, ease, on_disk, values, out[k, 4:]
             )
             lines += n
             looks += spent
@@ -248,16 +248,18 @@ def charts_of(world: World, lobe: Array) -> tuple[list[Array], Array]:
 class Sweep:
     """One sweep of every chart of a lobe under point lights, to be refined as far as somebody asks."""
 
-    def __init__(self, world: World, lobe: Array, tol: float, turn: float, cells: int, most_looks: int) -> None:
+    def __init__(
+        self, world: World, lobe: Array, tol: float, turn: float, cells: int, ease: float, most_looks: int
+    ) -> None:
         if len(world.disks):
             raise ValueError("lines take point lights")
-        self._world, self._lobe, self._cells = world, lobe, cells
+        self._world, self._lobe, self._cells, self._ease = world, lobe, cells, ease
         self._charts, self._charted = charts_of(world, lobe)
         self._panels: list[Array] = []
         self.lines, self.looks = 0, 0
         for chart in self._charts:
             panels, lines, looks = begun(
-                world, lobe, chart, self._charted, cells, turn, tol / len(self._charts),
+                world, lobe, chart, self._charted, cells, turn, tol / len(self._charts), ease,
                 most_looks - self.looks, np.empty(0),
             )  # fmt: skip
             self._panels.append(panels)
@@ -271,8 +273,8 @@ class Sweep:
             return
         for j, chart in enumerate(self._charts):
             self._panels[j], lines, looks = refined(
-                self._world, self._lobe, chart, self._charted, self._cells, tol / len(self._charts), most,
-                most_looks - self.looks, np.empty(0), self._panels[j],
+                self._world, self._lobe, chart, self._charted, self._cells, tol / len(self._charts),
+                self._ease, most, most_looks - self.looks, np.empty(0), self._panels[j],
             )  # fmt: skip
             self.lines, self.looks = self.lines + lines, self.looks + looks
 
@@ -290,12 +292,13 @@ def swept_value(
     *,
     turn: float = 0.1,
     cells: int = 48,
+    ease: float = 0.0,
     most: int = 3000,
     most_looks: int = 3_000_000,
 ) -> Swept:
     """The lobe integral of point lights by one sweep of every chart."""
     if lobe[THETA_MAX] == 0.0 and not len(world.disks):
         return Swept(mirror_value(world, lobe, np.empty(0)), 1e-15, 0, 1)
-    sweep = Sweep(world, lobe, tol, turn, cells, most_looks)
+    sweep = Sweep(world, lobe, tol, turn, cells, ease, most_looks)
     sweep.refine(tol, most, most_looks)
     return sweep.result()
