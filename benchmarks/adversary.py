@@ -190,6 +190,13 @@ def keep(options: argparse.Namespace, name: str, text: str) -> None:
         (options.found / name.replace(" ", "_")).write_text(text, "utf-8")
 
 
+def write(path: Path, tables: dict[str, Counts]) -> None:
+    """Write counts so that whoever reads them meanwhile finds them whole."""
+    fresh = path.with_suffix(".fresh")
+    fresh.write_text(json.dumps(tables, indent=1), "utf-8")
+    fresh.replace(path)
+
+
 def count(options: argparse.Namespace, slopes: bool, tables: dict[str, Counts]) -> None:
     """Judge cases and count on in ``tables``; contradictions are said and kept as they come."""
     rows, saved = tables["slopes" if slopes else "values"], time.perf_counter()
@@ -216,7 +223,7 @@ def count(options: argparse.Namespace, slopes: bool, tables: dict[str, Counts]) 
                     keep(options, f"min_{name}", shrunk(replace(case, points=[case.points[v.index]]), is_beyond).text())
         asked += int(new["derivatives"]) if slopes else 0
         if options.counts and time.perf_counter() > saved + SAVED:
-            options.counts.write_text(json.dumps(tables, indent=1), "utf-8")
+            write(options.counts, tables)
             saved = time.perf_counter()
         if slopes and asked >= options.gradients:
             break
@@ -261,7 +268,7 @@ def main() -> None:
     if options.gradients:
         count(options, True, tables)
     if options.counts:
-        options.counts.write_text(json.dumps(tables, indent=1), "utf-8")
+        write(options.counts, tables)
     report.say(f"{time.perf_counter() - begun:.0f} s with {options.workers} workers.")
     if tables["values"]:
         everything = tabled(report, tables["values"])

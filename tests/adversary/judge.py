@@ -18,7 +18,7 @@ from scipy.integrate import quad
 
 from .case import Case
 from .lattice import lattice_value, mirror_value
-from .sweep import Sweep, swept_value
+from .sweep import Sweep, Swept, swept_value
 from .world import (
     AMBIENT,
     BACKGROUND,
@@ -46,15 +46,19 @@ UNSEEN: Final = 10.0
 """A part of the lobe that none of N looks met is smaller than this over N, but for a chance of e^-10."""
 FINEST: Final = 3e-9
 """What lines are trusted to, relative to the value: in symmetric scenes two sweeps may share an error below it."""
-AGREES: Final = 0.5
-"""So close to a claim, in stated errors, an evaluator that has not seen it ends early: what is wrong by more than
-stated would have to be met by an error of the evaluator's own, of the same size and sign."""
-ROUGH: Final = 10.0
-"""And its own doubt is no more than so many stated errors then."""
+CHANCE: Final = 5.0
+"""An evaluator that has not seen the claim ends early where its distance from it, times its doubt, is below this times
+the stated error squared: half the stated error at a doubt of ten, a twentieth at a hundred. A claim that is wrong by
+more than stated would have to be met by an error of the evaluator's own of the same size and sign; of errors spread as
+far as the doubt, one in so many (the ratio of the two) lies there."""
+ROUGH: Final = 300.0
+"""First lines take this many times the stated error, and half the cells."""
 EASE: Final = 0.2
 """A quick judge takes seven lines or nodes for fifteen where their error is so small a share of what is allowed."""
-LOOKS: Final = 250_000
-"""What lines may look at before a quick judge leaves them."""
+LOOKS: Final = 80_000
+"""What lines may look at before a quick judge leaves them; with many lights, of which each look takes all, fewer."""
+DEEP: Final = 4
+"""Of so many cases one may look four times as long."""
 AUDITED: Final = 16
 """Of so many cases one is judged the dear way from the first."""
 SPENT: Final = 2.0
@@ -73,7 +77,7 @@ class Opinion:
     doubt: Array
     method: str
     agrees: bool = False
-    """Whether it ended early, since it came as close to the claim as ``AGREES`` says."""
+    """Whether it ended early, since it came as close to the claim as ``CHANCE`` says."""
 
 
 @dataclass(frozen=True)
@@ -178,16 +182,28 @@ def quickly(world: World, lobe: Array, claim: Array, stated: float, seed: int) -
     best = None
     for opinion in opinions(world, lobe, stated, seed):
         if not _within(opinion, claim, stated):
+            if opinion.method == "rough":
+                continue
             return contradicts(world, lobe, claim, stated, seed)
         best = opinion if best is None else _finer(opinion, best)
         if opinion.method == "hint":
             continue
         if opinion.doubt.max() <= 0.5 * stated:
             return opinion, "honest"
-        if np.abs(opinion.value - claim).max() <= AGREES * stated and opinion.doubt.max() <= ROUGH * stated:
+        if agrees(float(np.abs(opinion.value - claim).max()), float(opinion.doubt.max()), stated):
             return replace(opinion, agrees=True), "honest"
     assert best is not None
     return best, "honest"
+
+
+def looks_for(world: World, seed: int) -> int:
+    """How long lines of a quick judge may look."""
+    return int((4 if seed % DEEP == 0 else 1) * LOOKS * 6.0 / (6.0 + len(world.points)))
+
+
+def agrees(away: float, doubt: float, stated: float) -> bool:
+    """Whether an opinion so far from a claim may end early, as ``CHANCE`` says."""
+    return away <= 0.5 * stated and away * doubt <= CHANCE * stated * stated
 
 
 def opinions(world: World, lobe: Array, stated: float, seed: int) -> Iterator[Opinion]:
@@ -198,17 +214,18 @@ def opinions(world: World, lobe: Array, stated: float, seed: int) -> Iterator[Op
         yield sky
         return
     if not len(world.disks):
-        small = rounding(world, lobe)
-        coarse = max(ROUGH * stated, 1e-9)
-        sweep = Sweep(world, lobe, coarse, 0.1, 48, EASE, LOOKS)
-        for tol in (coarse, max(stated, 1e-10), max(0.3 * stated, 1e-10)):
-            sweep.refine(tol, 3000, LOOKS)
-            found = sweep.result()
-            if not np.isfinite(found.doubt):
+        rough, most = max(ROUGH * stated, 1e-9), looks_for(world, seed)
+        first = Sweep(world, lobe, rough, 0.1, 24, EASE, most // 2)
+        first.refine(rough, 3000, most // 2)
+        if np.isfinite(first.result().doubt):
+            yield replace(of_lines(world, lobe, first.result()), method="rough")
+        fine = Sweep(world, lobe, max(3.0 * stated, 1e-10), 0.77, 48, EASE, most)
+        for tol in (max(3.0 * stated, 1e-10), max(0.3 * stated, 1e-10)):
+            fine.refine(tol, 3000, most)
+            if not np.isfinite(fine.result().doubt):
                 break
-            own = FINEST * np.abs(found.value).max() + small * np.abs(found.value)
-            yield Opinion(found.value, found.doubt + own, "lines")
-            if found.looks >= LOOKS:
+            yield of_lines(world, lobe, fine.result())
+            if fine.looks >= most:
                 return
         else:
             return
@@ -322,8 +339,11 @@ def by_lines(world: World, lobe: Array, tol: float, turn: float, cells: int, *, 
     if sky is not None:
         return sky
     found = swept_value(world, lobe, tol, turn=turn, cells=cells, most=most, most_looks=400 * most)
-    if not np.isfinite(found.doubt):
-        return None
+    return of_lines(world, lobe, found) if np.isfinite(found.doubt) else None
+
+
+def of_lines(world: World, lobe: Array, found: Swept) -> Opinion:
+    """What a sweep found, with what sweeps may share and rounding."""
     small = FINEST * np.abs(found.value).max() + rounding(world, lobe) * np.abs(found.value)
     return Opinion(found.value, found.doubt + small, "lines")
 

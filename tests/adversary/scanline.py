@@ -13,10 +13,10 @@ from typing import Final
 import numpy as np
 from numpy.polynomial.legendre import legval
 
-from .chart import base_at, direction, gap, look, place_of
+from .chart import SINE, base_at, direction, gap, look, place_of
 from .compile import kernel
 from .light import Vector
-from .world import EXPONENT, MIRROR, PLACE, SHININESS, SURFACE, THETA_MAX, Array, World
+from .world import EXPONENT, MASS, MIRROR, PLACE, SHININESS, SURFACE, THETA_MAX, Array, World
 
 _NODES = np.array([
     0.991455371120812639206854697526329, 0.949107912342758524526189684047851, 0.864864423359769072789712788640926,
@@ -257,7 +257,8 @@ def line(
 ) -> tuple[float, int]:  # fmt: skip
     """Integral over t at one phi, into ``out``; returns its error and how many looks it took.
 
-    Seven nodes of a piece are enough where their error is below the share ``ease`` of what is allowed.
+    With ``ease`` seven nodes of a piece are enough where their error is below that share of what is allowed, and
+    places of jumps are found as closely as the tolerance needs.
     """
     high = 1.0 if chart[0] == 0.0 else 0.5 * math.pi
     lights = w.points.shape[0] + w.disks.shape[0]
@@ -285,6 +286,13 @@ def line(
         else:
             labels[i] = look(w, lobe, chart, charted, at[i], phi, on_disk, bases, rgb, False)
     looks += count
+    cut = _CUT
+    if ease > 0.0:
+        # what a jump displaced by so much is worth, by the largest weight of the chart
+        most = 1.0
+        if chart[0] != 0.0:
+            most = max(1.0, (lobe[EXPONENT] + 2.0) / (2.0 * math.pi * lobe[MASS]) * chart[SINE] * chart[SINE])
+        cut = min(1e-7, max(_CUT, 1e-3 * tol / most))
     stack_t, stack_l = np.empty((128, 2)), np.empty((128, 2), np.int64)
     cuts, cut_labels = np.empty(_MOST), np.empty(_MOST, np.int64)
     cuts[0], cut_labels[0], pieces = 0.0, labels[0], 1
@@ -307,7 +315,7 @@ def line(
             if l_a == l_b:
                 continue
             m = 0.5 * (a + b)
-            if b - a <= _CUT * high or m <= a or m >= b:
+            if b - a <= cut * high or m <= a or m >= b:
                 cuts[pieces], cut_labels[pieces] = m, l_b
                 pieces += 1
                 continue

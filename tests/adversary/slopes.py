@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from .case import Case
-from .judge import EASE, LOOKS, ROUGH
+from .judge import EASE, LOOKS, agrees
 from .sweep import swept_value
 from .world import NORMAL, PLACE, SURFACE, Array, lobe_of, world_of
 
@@ -132,7 +132,7 @@ def differences(
         for offset in (step, -step):
             scene = moved(case.scene, name, offset)
             world, lobe = world_of(scene, case.disk), lobe_of(scene, case.surface, case.points[index])
-            ease, looks = (0.0, 3_000_000) if claim is None else (EASE, LOOKS)
+            ease, looks = (0.0, 3_000_000) if claim is None else (EASE, 4 * LOOKS)
             found = swept_value(world, lobe, tol, turn=turn, cells=cells, ease=ease, most_looks=looks)
             ends.append(found.value)
             noise = max(noise, found.doubt)
@@ -148,7 +148,7 @@ def differences(
             away = np.abs(best - claim).max()
             if away <= 3.0 * stated + doubt and doubt <= 1.5 * stated:
                 return best, doubt, False
-            if away <= stated and doubt <= ROUGH * stated:
+            if agrees(float(away), doubt, stated):
                 return best, doubt, True
         rows, step = row, 0.5 * step
     return best, doubt, False
@@ -184,8 +184,8 @@ def judge_slope(case: Case, name: str, one: Any, many: Any) -> Slope:
     stated = float(one.gradient_error[name][0]), float(many.gradient_error[name][0])
     status = int(one.gradient_status[name][0])
 
-    def told(value: Array, doubt: float, called: str, agrees: bool = False) -> Slope:
-        return Slope(case, name, alone, together, stated, status, value, doubt, called, agrees)
+    def told(value: Array, doubt: float, called: str, early: bool = False) -> Slope:
+        return Slope(case, name, alone, together, stated, status, value, doubt, called, early)
 
     if status >= 3:
         return told(np.zeros(3), np.inf, "none")
@@ -194,9 +194,9 @@ def judge_slope(case: Case, name: str, one: Any, many: Any) -> Slope:
         return told(np.zeros(3), np.inf, "torn")
     if not np.isfinite(alone).all():
         return told(np.zeros(3), 0.0, "beyond")
-    value, doubt, agrees = differences(case, 0, name, turn=0.1, cells=48, claim=alone, stated=stated[0])
+    value, doubt, early = differences(case, 0, name, turn=0.1, cells=48, claim=alone, stated=stated[0])
     if not np.abs(alone - value).max() > 3.0 * stated[0] + doubt:
-        return told(value, doubt, "honest" if np.isfinite(doubt) else "untold", agrees)
+        return told(value, doubt, "honest" if np.isfinite(doubt) else "untold", early)
     value, doubt, _ = differences(case, 0, name, turn=0.1, cells=48)
     again, doubt_again, _ = differences(case, 0, name, turn=0.77, cells=97)
     doubt = max(doubt, doubt_again) + float(np.abs(again - value).max())
