@@ -55,10 +55,10 @@ ROUGH: Final = 300.0
 """First lines take this many times the stated error, and half the cells."""
 EASE: Final = 0.2
 """A quick judge takes seven lines or nodes for fifteen where their error is so small a share of what is allowed."""
-LOOKS: Final = 80_000
+LOOKS: Final = 160_000
 """What lines may look at before a quick judge leaves them; with many lights, of which each look takes all, fewer."""
-DEEP: Final = 4
-"""Of so many cases one may look four times as long."""
+DEEP: Final = 3
+"""Of so many cases one is asked on where first lines and a short lattice agree with a claim as far as they can tell."""
 AUDITED: Final = 16
 """Of so many cases one is judged the dear way from the first."""
 SPENT: Final = 2.0
@@ -173,32 +173,29 @@ def verdict(
 def quickly(world: World, lobe: Array, claim: Array, stated: float, seed: int) -> tuple[Opinion, str]:
     """As ``contradicts``, which has the last word on every contradiction, but no dearer than a claim that holds needs.
 
-    A short lattice tells what is wrong by much; lines are refined until they doubt less than half the stated error, or
-    agree. Longer lattices are left to what lines cannot take.
+    A short lattice tells what is wrong by much; coarse lines come next, and fine ones where coarse ones contradict, and
+    in a share of the cases. Longer lattices are left to what lines cannot take.
     """
     finite = np.isfinite(claim).all() and np.isfinite(stated)
     if not finite or (lobe[THETA_MAX] == 0.0 and not len(world.disks)):
         return contradicts(world, lobe, claim, stated, seed)
-    best = None
+    best, doubtful = None, seed % DEEP == 0
     for opinion in opinions(world, lobe, stated, seed):
-        if not _within(opinion, claim, stated):
-            if opinion.method == "rough":
-                continue
+        holds = _within(opinion, claim, stated)
+        if not holds and opinion.method != "coarse lines":
             return contradicts(world, lobe, claim, stated, seed)
-        best = opinion if best is None else _finer(opinion, best)
-        if opinion.method == "hint":
+        best = opinion if best is None or not holds else _finer(opinion, best)
+        if opinion.method == "short lattice":
             continue
-        if opinion.doubt.max() <= 0.5 * stated:
+        if holds and opinion.doubt.max() <= 0.5 * stated:
             return opinion, "honest"
         if agrees(float(np.abs(opinion.value - claim).max()), float(opinion.doubt.max()), stated):
             return replace(opinion, agrees=True), "honest"
+        doubtful = doubtful or not holds
+        if not doubtful and (opinion.method != "lattice" or opinion.doubt.max() > 3.0 * stated):
+            break
     assert best is not None
     return best, "honest"
-
-
-def looks_for(world: World, seed: int) -> int:
-    """How long lines of a quick judge may look."""
-    return int((4 if seed % DEEP == 0 else 1) * LOOKS * 6.0 / (6.0 + len(world.points)))
 
 
 def agrees(away: float, doubt: float, stated: float) -> bool:
@@ -208,17 +205,20 @@ def agrees(away: float, doubt: float, stated: float) -> bool:
 
 def opinions(world: World, lobe: Array, stated: float, seed: int) -> Iterator[Opinion]:
     """Opinions of a lobe, each dearer and finer than the one before, as long as somebody asks."""
-    yield replace(by_lattice(world, lobe, 128, seed, careful=False), method="hint")
+    short = by_lattice(world, lobe, 128, seed, careful=False)
+    yield replace(short, method="short lattice")
     sky = sky_alone(world, lobe)
     if sky is not None:
         yield sky
         return
+    if short.doubt.max() <= 2.0 * stated:
+        yield by_lattice(world, lobe, 512, seed + 6)
     if not len(world.disks):
-        rough, most = max(ROUGH * stated, 1e-9), looks_for(world, seed)
+        rough, most = max(ROUGH * stated, 1e-9), int(LOOKS * 6.0 / (6.0 + len(world.points)))
         first = Sweep(world, lobe, rough, 0.1, 24, EASE, most // 2)
         first.refine(rough, 3000, most // 2)
         if np.isfinite(first.result().doubt):
-            yield replace(of_lines(world, lobe, first.result()), method="rough")
+            yield replace(of_lines(world, lobe, first.result()), method="coarse lines")
         fine = Sweep(world, lobe, max(3.0 * stated, 1e-10), 0.77, 48, EASE, most)
         for tol in (max(3.0 * stated, 1e-10), max(0.3 * stated, 1e-10)):
             fine.refine(tol, 3000, most)
@@ -246,17 +246,14 @@ def contradicts(world: World, lobe: Array, claim: Array, stated: float, seed: in
         if first is not None and not _within(first, claim, stated):
             second = by_lines(world, lobe, max(0.05 * stated, 1e-11), 0.77, 97, most=12_000)
             long = by_lattice(world, lobe, 16_384, seed + 1)
-            if second is not None and (np.abs(second.value - first.value) > first.doubt + second.doubt).any():
-                # two sweeps that contradict each other missed something; what a third confirms of them counts
-                third = by_lines(world, lobe, max(0.05 * stated, 1e-11), 0.33, 193, most=12_000)
-                if (
-                    third is not None
-                    and np.abs(third.value - first.value).max() > np.abs(third.value - second.value).max()
-                ):
-                    first = second
-                second = third
             if second is not None:
                 apart = np.abs(second.value - first.value)
+                if (apart > first.doubt + second.doubt).any():
+                    # sweeps that contradict each other pass by something: as far as any two of three lie apart
+                    third = by_lines(world, lobe, max(0.05 * stated, 1e-11), 0.33, 193, most=12_000)
+                    if third is not None:
+                        apart = np.maximum(apart, np.abs(third.value - second.value))
+                        apart = np.maximum(apart, np.abs(third.value - first.value))
                 twice = Opinion(second.value, second.doubt + apart, "lines twice")
                 if (np.abs(long.value - twice.value) <= long.doubt + twice.doubt).all():
                     if not _within(twice, claim, stated):

@@ -207,11 +207,18 @@ def special(
                     if 0.0 < at + f * width < high and count < room:
                         more[count, 0], more[count, 1] = at + f * width, 1.0
                         count += 1
+    places, met = np.empty((t.shape[0], 3)), np.empty(t.shape[0], np.bool_)
+    for a in range(t.shape[0]):
+        met[a], q = place_of(w, lobe, chart, t[a], phi)
+        places[a, 0], places[a, 1], places[a, 2] = q
     for k in range(points):
         light = (w.points[k, 0], w.points[k, 1], w.points[k, 2])
         for i in range(w.spheres.shape[0]):
             if 1 + i == int(chart[0]) or w.spheres[i, 3] == 0.0 or count >= room:
                 continue
+            for a in range(t.shape[0]):
+                q = (places[a, 0], places[a, 1], places[a, 2])
+                ends[a] = gap(w.spheres, i, q, light) if met[a] else 1e9
             count = slivers(w, lobe, chart, i, light, phi, t, ends, more, count, room)
     return count
 
@@ -222,9 +229,6 @@ def slivers(
     count: int, room: int,
 ) -> int:  # fmt: skip
     """Add to ``more`` the places at which the shadow of sphere i comes nearest between looks."""
-    for a in range(t.shape[0]):
-        met, q = place_of(w, lobe, chart, t[a], phi)
-        gaps[a] = gap(w.spheres, i, q, light) if met else 1e9
     g = 0.6180339887498949
     for a in range(1, t.shape[0] - 1):
         here = gaps[a]

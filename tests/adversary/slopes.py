@@ -132,7 +132,7 @@ def differences(
         for offset in (step, -step):
             scene = moved(case.scene, name, offset)
             world, lobe = world_of(scene, case.disk), lobe_of(scene, case.surface, case.points[index])
-            ease, looks = (0.0, 3_000_000) if claim is None else (EASE, 4 * LOOKS)
+            ease, looks = (0.0, 3_000_000) if claim is None else (EASE, 2 * LOOKS)
             found = swept_value(world, lobe, tol, turn=turn, cells=cells, ease=ease, most_looks=looks)
             ends.append(found.value)
             noise = max(noise, found.doubt)

@@ -182,6 +182,9 @@ def begun(
     panels = np.zeros((start.shape[0], 7))
     values = np.empty((15, 3))
     count, lines, looks = 0, 0, 0
+    if start.shape[0] * 7 * cells > most_looks:
+        panels[0, 2] = math.inf
+        return panels[:1], 0, 0
     for k in range(start.shape[0]):
         a = start[k]
         b = start[k + 1] if k + 1 < start.shape[0] else start[0] + _FULL
