@@ -46,6 +46,8 @@ UNSEEN: Final = 10.0
 """A part of the lobe that none of N looks met is smaller than this over N, but for a chance of e^-10."""
 FINEST: Final = 3e-9
 """What lines are trusted to, relative to the value: in symmetric scenes two sweeps may share an error below it."""
+NEAR: Final = 0.5
+"""Stated errors from a claim at which coarse lines leave it alone, but for a share of the cases."""
 CHANCE: Final = 5.0
 """An evaluator that has not seen the claim ends early where its distance from it, times its doubt, is below this times
 the stated error squared: half the stated error at a doubt of ten, a twentieth at a hundred. A claim that is wrong by
@@ -58,7 +60,7 @@ EASE: Final = 0.2
 LOOKS: Final = 160_000
 """What lines may look at before a quick judge leaves them; with many lights, of which each look takes all, fewer."""
 DEEP: Final = 3
-"""Of so many cases one is asked on where first lines and a short lattice agree with a claim as far as they can tell."""
+"""Of so many cases one is asked on where coarse lines come near the claim, but doubt more than that is worth."""
 AUDITED: Final = 16
 """Of so many cases one is judged the dear way from the first."""
 SPENT: Final = 2.0
@@ -173,8 +175,8 @@ def verdict(
 def quickly(world: World, lobe: Array, claim: Array, stated: float, seed: int) -> tuple[Opinion, str]:
     """As ``contradicts``, which has the last word on every contradiction, but no dearer than a claim that holds needs.
 
-    A short lattice tells what is wrong by much; coarse lines come next, and fine ones where coarse ones contradict, and
-    in a share of the cases. Longer lattices are left to what lines cannot take.
+    A short lattice tells what is wrong by much; coarse lines come next, and fine ones where coarse ones do not come
+    near the claim, and in a share of the cases. Longer lattices are left to what lines cannot take.
     """
     finite = np.isfinite(claim).all() and np.isfinite(stated)
     if not finite or (lobe[THETA_MAX] == 0.0 and not len(world.disks)):
@@ -189,9 +191,10 @@ def quickly(world: World, lobe: Array, claim: Array, stated: float, seed: int) -
             continue
         if holds and opinion.doubt.max() <= 0.5 * stated:
             return opinion, "honest"
-        if agrees(float(np.abs(opinion.value - claim).max()), float(opinion.doubt.max()), stated):
+        away = float(np.abs(opinion.value - claim).max())
+        if agrees(away, float(opinion.doubt.max()), stated):
             return replace(opinion, agrees=True), "honest"
-        doubtful = doubtful or not holds
+        doubtful = doubtful or away > NEAR * stated
         if not doubtful and (opinion.method != "lattice" or opinion.doubt.max() > 3.0 * stated):
             break
     assert best is not None
@@ -200,7 +203,7 @@ def quickly(world: World, lobe: Array, claim: Array, stated: float, seed: int) -
 
 def agrees(away: float, doubt: float, stated: float) -> bool:
     """Whether an opinion so far from a claim may end early, as ``CHANCE`` says."""
-    return away <= 0.5 * stated and away * doubt <= CHANCE * stated * stated
+    return away <= NEAR * stated and away * doubt <= CHANCE * stated * stated
 
 
 def opinions(world: World, lobe: Array, stated: float, seed: int) -> Iterator[Opinion]:

@@ -29,5 +29,4 @@ def test_a_thousand_cases() -> None:
     # a judge that cannot contradict would find nothing either
     assert counts["told at 1.5x"] > 0.6 * counts["values"] and counts["told at 100x"] > 0.75 * counts["values"]
     assert not [v for v in verdicts if v.called in ("beyond", "torn") or v.overspent]
-    print(seconds, counts)
-    assert seconds < SECONDS
+    assert seconds < SECONDS, seconds
