@@ -250,14 +250,14 @@ def contradicts(world: World, lobe: Array, claim: Array, stated: float, seed: in
             second = by_lines(world, lobe, max(0.05 * stated, 1e-11), 0.77, 97, most=12_000)
             long = by_lattice(world, lobe, 16_384, seed + 1)
             if second is not None:
-                apart = np.abs(second.value - first.value)
+                # a sliver that all lines of two sweeps miss is no contradiction: a third looks far closer
+                third = by_lines(world, lobe, max(0.05 * stated, 1e-11), 1.234, 400, most=12_000)
+                sweeps = [first, second] if third is None else [first, second, third]
+                values = np.array([opinion.value for opinion in sweeps])
+                apart = values.max(axis=0) - values.min(axis=0)
                 if (apart > first.doubt + second.doubt).any():
-                    # sweeps that contradict each other pass by something: as far as any two of three lie apart
-                    third = by_lines(world, lobe, max(0.05 * stated, 1e-11), 0.33, 193, most=12_000)
-                    if third is not None:
-                        apart = np.maximum(apart, np.abs(third.value - second.value))
-                        apart = np.maximum(apart, np.abs(third.value - first.value))
-                twice = Opinion(second.value, second.doubt + apart, "lines twice")
+                    apart *= 2.0
+                twice = Opinion(np.median(values, axis=0), second.doubt + apart, "lines thrice")
                 if (np.abs(long.value - twice.value) <= long.doubt + twice.doubt).all():
                     if not _within(twice, claim, stated):
                         return twice, "beyond"
