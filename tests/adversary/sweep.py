@@ -42,6 +42,7 @@ def seeds(w: World, lobe: Array, chart: Array, charted: Array, cells: int, offse
         found[count] = offset + k * _FULL / 8.0
         count += 1
     o = (lobe[PLACE], lobe[PLACE + 1], lobe[PLACE + 2])
+    count = corners(w, lobe, chart, found, count)
     for i in range(w.spheres.shape[0]):
         s = w.spheres[i]
         if 1 + i == int(chart[0]) or 1 + i == int(lobe[SURFACE]) or s[3] == 0.0:
@@ -76,6 +77,50 @@ def circle(chart: Array, c: Vector, half: float, found: Array, count: int) -> in
         found[count], found[count + 1] = turn + math.asin(ratio), turn - math.asin(ratio)
         found[count + 2], found[count + 3] = math.pi + found[count], math.pi + found[count + 1]
         count += 4
+    return count
+
+
+@kernel
+def corners(w: World, lobe: Array, chart: Array, found: Array, count: int) -> int:
+    """Add the lines through the crossings of outlines, rim and horizon: a kink close to an end shows on no line."""
+    n = w.spheres.shape[0]
+    circles = np.empty((n + 2, 4))
+    circles[0, :3], circles[0, 3] = lobe[MIRROR : MIRROR + 3], math.cos(lobe[THETA_MAX])
+    circles[1, :3], circles[1, 3] = lobe[NORMAL : NORMAL + 3], 0.0
+    many = 2
+    for i in range(n):
+        d = (w.spheres[i, 0] - lobe[PLACE], w.spheres[i, 1] - lobe[PLACE + 1], w.spheres[i, 2] - lobe[PLACE + 2])
+        distance = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+        if 1 + i == int(lobe[SURFACE]) or distance <= w.spheres[i, 3]:
+            continue
+        sine = w.spheres[i, 3] / distance
+        for c in range(3):
+            circles[many, c] = d[c] / distance
+        circles[many, 3] = math.sqrt((1.0 - sine) * (1.0 + sine))
+        many += 1
+    for i in range(many):
+        for j in range(i):
+            a, b = circles[i], circles[j]
+            between = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+            room = (1.0 - between) * (1.0 + between)
+            if room < 1e-12 or count > found.shape[0] // 2:
+                continue
+            p, q = (a[3] - between * b[3]) / room, (b[3] - between * a[3]) / room
+            square = (1.0 - p * a[3] - q * b[3]) / room
+            if square <= 0.0:
+                continue
+            g = math.sqrt(square)
+            across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+            for sign in (g, -g):
+                found[count] = axis_turn(
+                    chart,
+                    (
+                        p * a[0] + q * b[0] + sign * across[0],
+                        p * a[1] + q * b[1] + sign * across[1],
+                        p * a[2] + q * b[2] + sign * across[2],
+                    ),
+                )
+                count += 1
     return count
 
 
