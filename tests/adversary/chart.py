@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from .compile import kernel
-from .light import Vector, beyond, dot, lit, nearest, outward_normal
+from .light import Vector, base_of, beyond, center_of, dot, lit, minus, nearest, on_surface, outward_normal, view_of
 from .world import (
     ACROSS,
     BACKGROUND,
@@ -80,7 +80,6 @@ def direction(lobe: Array, chart: Array, t: float, phi: float) -> tuple[Vector, 
 @kernel
 def on_sphere(w: World, chart: Array, t: float, phi: float, z: float, x: float) -> tuple[Vector, Vector]:
     """Place and normal of a sphere's chart: the triangle of eye, centre and hit has the angles psi, t - psi, pi - t."""
-    s = w.spheres[int(chart[0]) - 1]
     a, b = math.cos(t) * z + math.sin(t) * x, math.sin(t) * z - math.cos(t) * x
     p, q = b * math.cos(phi), b * math.sin(phi)
     n = (
@@ -88,7 +87,7 @@ def on_sphere(w: World, chart: Array, t: float, phi: float, z: float, x: float) 
         -a * chart[2] + p * chart[5] + q * chart[8],
         -a * chart[3] + p * chart[6] + q * chart[9],
     )
-    return (s[0] + s[3] * n[0], s[1] + s[3] * n[1], s[2] + s[3] * n[2]), n
+    return on_surface(w.spheres, int(chart[0]) - 1, n), n
 
 
 @kernel
@@ -97,7 +96,7 @@ def between(w: World, own: int, shape: int, o: Vector, q: Vector) -> int:
     found = 1 if w.floor[0] != 0.0 and own != 0 and o[2] * q[2] < 0.0 else 0
     for i in range(w.spheres.shape[0]):
         found *= 2
-        if own != 1 + i and shape != 1 + i and beyond(w.spheres[i], o, q):
+        if own != 1 + i and shape != 1 + i and beyond(w.spheres, i, o, q):
             found += 1
     return found
 
@@ -139,9 +138,8 @@ def look(
         if shape == 0:
             q, normal = (o[0] + distance * d[0], o[1] + distance * d[1], 0.0), (0.0, 0.0, 1.0)
         else:
-            s = w.spheres[shape - 1]
-            normal = outward_normal(s, o, d, inside)
-            q = (s[0] + s[3] * normal[0], s[1] + s[3] * normal[1], s[2] + s[3] * normal[2])
+            normal = outward_normal(w.spheres, shape - 1, o, d, inside)
+            q = on_surface(w.spheres, shape - 1, normal)
         label = lit(w, shape, inside, q, normal, d, on_disk, bases, rgb, whole)
         for c in range(3):
             rgb[c] *= weight
@@ -170,6 +168,38 @@ def look(
 
 
 @kernel
+def shining(
+    w: World, lobe: Array, chart: Array, charted: Array, t: float, phi: float
+) -> tuple[bool, Vector, Vector, Vector]:
+    """Whether a direction meets anything of its chart, then place, normal and view of what it meets."""
+    d, z, x = direction(lobe, chart, t, phi)
+    if chart[0] != 0.0:
+        q, normal = on_sphere(w, chart, t, phi, z, x)
+        return True, q, normal, view_of(w, q, d)
+    o = (lobe[PLACE], lobe[PLACE + 1], lobe[PLACE + 2])
+    if dot(d, (lobe[NORMAL], lobe[NORMAL + 1], lobe[NORMAL + 2])) <= 0.0:
+        return False, d, d, d
+    shape, inside, distance = nearest(w, int(lobe[SURFACE]), o, d)
+    if shape < 0 or (shape == 0 and d[2] > 0.0) or (shape > 0 and not inside and charted[shape - 1]):
+        return False, d, d, d
+    if shape == 0:
+        q, normal = (o[0] + distance * d[0], o[1] + distance * d[1], 0.0), (0.0, 0.0, 1.0)
+    else:
+        normal = outward_normal(w.spheres, shape - 1, o, d, inside)
+        q = on_surface(w.spheres, shape - 1, normal)
+        if inside:
+            normal = (-normal[0], -normal[1], -normal[2])
+    return True, q, normal, view_of(w, q, d)
+
+
+@kernel
+def base_at(w: World, lobe: Array, chart: Array, charted: Array, t: float, phi: float, k: int) -> float:
+    """Base of the highlight of point light k at a direction, whatever hides it; -3 where nothing is met."""
+    met, q, n, v = shining(w, lobe, chart, charted, t, phi)
+    return base_of(w, q, n, v, (w.points[k, 0], w.points[k, 1], w.points[k, 2]))[1] if met else -3.0
+
+
+@kernel
 def place_of(w: World, lobe: Array, chart: Array, t: float, phi: float) -> tuple[bool, Vector]:
     """Where the direction meets what the chart is of (of the lobe's: the floor), whatever hides it."""
     d, z, x = direction(lobe, chart, t, phi)
@@ -183,10 +213,9 @@ def place_of(w: World, lobe: Array, chart: Array, t: float, phi: float) -> tuple
 
 
 @kernel
-def gap(sphere: Array, q: Vector, light: Vector) -> float:
-    """How far the segment stays off the sphere, in radii; negative where it meets it."""
-    f = (q[0] - sphere[0], q[1] - sphere[1], q[2] - sphere[2])
-    d = (light[0] - q[0], light[1] - q[1], light[2] - q[2])
+def gap(spheres: Array, i: int, q: Vector, light: Vector) -> float:
+    """How far the segment stays off sphere i, in radii; negative where it meets it."""
+    f, d = minus(q, center_of(spheres, i)), minus(light, q)
     share = min(1.0, max(0.0, -dot(f, d) / dot(d, d)))
     l = (f[0] + share * d[0], f[1] + share * d[1], f[2] + share * d[2])
-    return math.sqrt(dot(l, l)) / sphere[3] - 1.0
+    return math.sqrt(dot(l, l)) / spheres[i, 3] - 1.0

@@ -46,8 +46,8 @@ USUAL: Final[Mapping[str, list[Any]]] = {
     "surface": ["floor", "sphere"],
     "aim": ["sphere", "sphere", "edge", "random"],
     "disk": ["1x1", "2x2"],
-    "tol": [1e-4, 1e-5, 1e-6],
-    "points": [2],
+    "tol": [1e-3, 1e-4, 1e-5, 1e-6],
+    "points": [1, 1, 2],
     "budget": [1_000_000],
     "scale": [1.0],
 }
@@ -278,15 +278,16 @@ def _point(rng: Rng, pick: Any, scene: Scene, surface: str) -> list[float] | Non
             normal = rng.normal(size=3)
             if pick("symmetric"):
                 normal = np.round(normal)
-            if np.linalg.norm(normal) == 0.0:
+            size = math.hypot(*normal)
+            if size == 0.0:
                 continue
-            normal /= np.linalg.norm(normal)
+            normal /= size
             place = center + radius * normal
-            if (eye - place) @ normal <= 1e-3 * np.linalg.norm(eye - place):
+            if (eye - place) @ normal <= 1e-3 * math.dist(eye, place):
                 continue
             if "floor" in scene and place[2] < 0.0 and rng.random() < 0.8:
                 continue
-            if any(np.linalg.norm(place - s["center"]) < s["radius"] for s in others):
+            if any(math.dist(place, s["center"]) < s["radius"] for s in others):
                 continue
             return normal.tolist()
         return None
@@ -303,7 +304,7 @@ def _point(rng: Rng, pick: Any, scene: Scene, surface: str) -> list[float] | Non
         if pick("symmetric"):
             place = np.round(place)
         place[2] = 0.0
-        clear = all(np.linalg.norm(place - s["center"]) >= s["radius"] for s in scene["spheres"])
-        if (clear or rng.random() < 0.05) and np.linalg.norm(place[:2]) < 1e4:
+        clear = all(math.dist(place, s["center"]) >= s["radius"] for s in scene["spheres"])
+        if (clear or rng.random() < 0.05) and math.hypot(place[0], place[1]) < 1e4:
             return place.tolist()
     return None

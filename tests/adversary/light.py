@@ -47,15 +47,27 @@ def unit(a: Vector) -> Vector:
 
 
 @kernel
-def beyond(sphere: Array, a: Vector, b: Vector) -> bool:
-    """Whether the open segment from a to b meets the surface of the sphere."""
-    radius = sphere[3]
+def center_of(spheres: Array, j: int) -> Vector:
+    """Centre of sphere j."""
+    # a row taken as a view counts references, at several times the cost of what is read
+    return (spheres[j, 0], spheres[j, 1], spheres[j, 2])
+
+
+@kernel
+def minus(a: Vector, b: Vector) -> Vector:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+@kernel
+def beyond(spheres: Array, j: int, a: Vector, b: Vector) -> bool:
+    """Whether the open segment from a to b meets the surface of sphere j."""
+    radius = spheres[j, 3]
     if radius == 0.0:
         return False
-    f = (a[0] - sphere[0], a[1] - sphere[1], a[2] - sphere[2])
-    g = (b[0] - sphere[0], b[1] - sphere[1], b[2] - sphere[2])
+    center = center_of(spheres, j)
+    f, g = minus(a, center), minus(b, center)
     start, end = dot(f, f) - radius * radius, dot(g, g) - radius * radius
-    d = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    d = minus(b, a)
     along, length = -dot(f, d), dot(d, d)
     if start < 0.0:
         return end > 0.0
@@ -78,14 +90,13 @@ def blockers(w: World, shape: int, inside: bool, q: Vector, light: Vector) -> in
     if w.floor[0] != 0.0 and ((shape == 0 and light[2] <= 0.0) or (shape != 0 and q[2] * light[2] < 0.0)):
         found = 1
     for j in range(w.spheres.shape[0]):
-        sphere = w.spheres[j]
         found *= 2
         if shape == 1 + j:
-            g = (light[0] - sphere[0], light[1] - sphere[1], light[2] - sphere[2])
-            level = dot(g, g) - sphere[3] * sphere[3]
+            g = minus(light, center_of(w.spheres, j))
+            level = dot(g, g) - w.spheres[j, 3] * w.spheres[j, 3]
             if (inside and level > 0.0) or (not inside and level < 0.0):
                 found += 1
-        elif beyond(sphere, q, light):
+        elif beyond(w.spheres, j, q, light):
             found += 1
     return found
 
@@ -109,24 +120,24 @@ def albedo(w: World, shape: int, q: Vector, n: Vector) -> tuple[float, float, fl
         if wave(x) * wave(y) >= 0.0:
             return f[2], f[3], f[4], field
         return f[5], f[6], f[7], field
-    s = w.spheres[shape - 1]
-    kind, factor, field = s[7], 1.0, 0
+    j = shape - 1
+    kind, factor, field = w.spheres[j, 7], 1.0, 0
     if kind != SOLID:
         u = (math.atan2(n[1], n[0]) + math.pi) / (2.0 * math.pi)
         v = math.acos(min(1.0, max(-1.0, n[2]))) / math.pi
         if kind == MARBLE:
-            bend = 0.35 * math.sin(3.0 * math.pi * s[9] * v)
-            factor = 0.55 + 0.225 * (1.0 + math.sin(2.0 * math.pi * (s[8] * u + bend)))
+            bend = 0.35 * math.sin(3.0 * math.pi * w.spheres[j, 9] * v)
+            factor = 0.55 + 0.225 * (1.0 + math.sin(2.0 * math.pi * (w.spheres[j, 8] * u + bend)))
             # the seam is a jump of value or slope where the frequency is not whole
             field = 1 if u < 0.5 else 2
         else:
-            sign = wave(u * s[8])
-            field = np.int64(np.floor(u * s[8])) + 1
+            sign = wave(u * w.spheres[j, 8])
+            field = np.int64(np.floor(u * w.spheres[j, 8])) + 1
             if kind == CHECKER:
-                sign *= wave(v * s[9])
-                field += 7919 * np.int64(np.floor(v * s[9]))
-            factor = 1.0 if sign >= 0.0 else s[10]
-    return s[4] * factor, s[5] * factor, s[6] * factor, field
+                sign *= wave(v * w.spheres[j, 9])
+                field += 7919 * np.int64(np.floor(v * w.spheres[j, 9]))
+            factor = 1.0 if sign >= 0.0 else w.spheres[j, 10]
+    return w.spheres[j, 4] * factor, w.spheres[j, 5] * factor, w.spheres[j, 6] * factor, field
 
 
 @kernel
@@ -174,14 +185,14 @@ def view_of(w: World, q: Vector, d: Vector) -> Vector:
 
 
 @kernel
-def disk_place(disk: Array, a: float, b: float) -> Vector:
-    """The point of a disk that (a, b) of the unit square stands for, evenly."""
+def disk_place(disks: Array, i: int, a: float, b: float) -> Vector:
+    """The point of disk i that (a, b) of the unit square stands for, evenly."""
     r = math.sqrt(a)
     x, y = r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b)
     return (
-        disk[0] + x * disk[3] + y * disk[6],
-        disk[1] + x * disk[4] + y * disk[7],
-        disk[2] + x * disk[5] + y * disk[8],
+        disks[i, 0] + x * disks[i, 3] + y * disks[i, 6],
+        disks[i, 1] + x * disks[i, 4] + y * disks[i, 7],
+        disks[i, 2] + x * disks[i, 5] + y * disks[i, 8],
     )
 
 
@@ -218,21 +229,22 @@ def lit(
         rgb[c] = p[KA] * p[AMBIENT + c]
     for k in range(count + w.disks.shape[0]):
         if k < count:
-            row = w.points[k]
-            place, at = (row[0], row[1], row[2]), 3
+            place = (w.points[k, 0], w.points[k, 1], w.points[k, 2])
+            color = (w.points[k, 3], w.points[k, 4], w.points[k, 5])
         else:
-            row = w.disks[k - count]
-            place, at = disk_place(row, on_disk[2 * (k - count)], on_disk[2 * (k - count) + 1]), 9
-        if row[at] + row[at + 1] + row[at + 2] <= 0.0:
+            i = k - count
+            place = disk_place(w.disks, i, on_disk[2 * i], on_disk[2 * i + 1])
+            color = (w.disks[i, 9], w.disks[i, 10], w.disks[i, 11])
+        if color[0] + color[1] + color[2] <= 0.0:
             continue
         code, diffuse, base, bases[k] = term(w, shape, inside, q, n, v, place)
         label = label * _MIX + code
         if whole and code % 2 == 1:
             s = p[KS] * power(base, p[SHININESS]) if base >= 0.0 and p[KS] > 0.0 else 0.0
             k_d = p[KD] * diffuse
-            rgb[0] += row[at] * (k_d * r + s)
-            rgb[1] += row[at + 1] * (k_d * g + s)
-            rgb[2] += row[at + 2] * (k_d * b + s)
+            rgb[0] += color[0] * (k_d * r + s)
+            rgb[1] += color[1] * (k_d * g + s)
+            rgb[2] += color[2] * (k_d * b + s)
     return label
 
 
@@ -245,18 +257,18 @@ def nearest(w: World, own: int, o: Vector, d: Vector) -> tuple[int, bool, float]
         if 0.0 < t < 1e150:
             best, distance = 0, t
     for j in range(w.spheres.shape[0]):
-        s = w.spheres[j]
-        if own == 1 + j or s[3] == 0.0:
+        radius = w.spheres[j, 3]
+        if own == 1 + j or radius == 0.0:
             continue
-        f = (o[0] - s[0], o[1] - s[1], o[2] - s[2])
+        f = minus(o, center_of(w.spheres, j))
         along = -dot(f, d)
         l = (f[0] + along * d[0], f[1] + along * d[1], f[2] + along * d[2])
-        room = s[3] * s[3] - dot(l, l)
+        room = radius * radius - dot(l, l)
         if room < 0.0:
             continue
         root = math.sqrt(room)
         far = along + root
-        level = dot(f, f) - s[3] * s[3]
+        level = dot(f, f) - radius * radius
         near = level / far if along > 0.0 and far > _EVEN else along - root
         if along <= 0.0 and level < 0.0:
             far = level / near
@@ -269,15 +281,22 @@ def nearest(w: World, own: int, o: Vector, d: Vector) -> tuple[int, bool, float]
 
 
 @kernel
-def outward_normal(sphere: Array, o: Vector, d: Vector, inside: bool) -> Vector:
-    """Outward unit normal where the ray meets the sphere."""
-    f = (o[0] - sphere[0], o[1] - sphere[1], o[2] - sphere[2])
+def outward_normal(spheres: Array, j: int, o: Vector, d: Vector, inside: bool) -> Vector:
+    """Outward unit normal where the ray meets sphere j."""
+    f = minus(o, center_of(spheres, j))
     along = -dot(f, d)
     l = (f[0] + along * d[0], f[1] + along * d[1], f[2] + along * d[2])
-    root = math.sqrt(max(0.0, sphere[3] * sphere[3] - dot(l, l)))
+    root = math.sqrt(max(0.0, spheres[j, 3] * spheres[j, 3] - dot(l, l)))
     if not inside:
         root = -root
     return unit((l[0] + root * d[0], l[1] + root * d[1], l[2] + root * d[2]))
+
+
+@kernel
+def on_surface(spheres: Array, j: int, n: Vector) -> Vector:
+    """The place of sphere j whose outward normal is n."""
+    r = spheres[j, 3]
+    return (spheres[j, 0] + r * n[0], spheres[j, 1] + r * n[1], spheres[j, 2] + r * n[2])
 
 
 @kernel
@@ -294,10 +313,8 @@ def seen(w: World, own: int, o: Vector, d: Vector, on_disk: Array, bases: Array,
             return
         lit(w, 0, False, (o[0] + t * d[0], o[1] + t * d[1], 0.0), (0.0, 0.0, 1.0), d, on_disk, bases, rgb, True)
         return
-    s = w.spheres[shape - 1]
-    n = outward_normal(s, o, d, inside)
-    q = (s[0] + s[3] * n[0], s[1] + s[3] * n[1], s[2] + s[3] * n[2])
-    lit(w, shape, inside, q, n, d, on_disk, bases, rgb, True)
+    n = outward_normal(w.spheres, shape - 1, o, d, inside)
+    lit(w, shape, inside, on_surface(w.spheres, shape - 1, n), n, d, on_disk, bases, rgb, True)
 
 
 def trace(w: World, own: int, origin: Array, direction: Array, on_disk: Array) -> Array:

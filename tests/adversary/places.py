@@ -49,7 +49,7 @@ def base_along(w: World, shape: int, inside: bool, o: Vector, d: Vector, light: 
         l = (f[0] + along * d[0], f[1] + along * d[1], f[2] + along * d[2])
         if dot(l, l) > s[3] * s[3] or (along <= 0.0 and not inside):
             return -2.0
-        n = outward_normal(s, o, d, inside)
+        n = outward_normal(w.spheres, shape - 1, o, d, inside)
         q = (s[0] + s[3] * n[0], s[1] + s[3] * n[1], s[2] + s[3] * n[2])
         if inside:
             n = (-n[0], -n[1], -n[2])

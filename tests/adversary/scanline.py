@@ -11,11 +11,12 @@ import math
 from typing import Final
 
 import numpy as np
+from numpy.polynomial.legendre import legval
 
-from .chart import direction, gap, look, place_of
+from .chart import SINE, base_at, direction, gap, look, place_of
 from .compile import kernel
 from .light import Vector
-from .world import EXPONENT, MIRROR, PLACE, SHININESS, SURFACE, THETA_MAX, Array, World
+from .world import EXPONENT, MASS, MIRROR, PLACE, SHININESS, SURFACE, THETA_MAX, Array, World
 
 _NODES = np.array([
     0.991455371120812639206854697526329, 0.949107912342758524526189684047851, 0.864864423359769072789712788640926,
@@ -29,6 +30,11 @@ _GAUSS = np.array([
     0.0, 0.129484966168869693270611432679082, 0.0, 0.279705391489276667901467771423780,
     0.0, 0.381830050505118944950369775488975, 0.0, 0.417959183673469387755102040816327])  # fmt: skip
 
+# Legendre coefficients of orders 5 and 6 from the seven nodes of Gauss, which are every second of the fifteen
+_X7 = np.concatenate([-_NODES[1:7:2], _NODES[7::-2]])
+_W7 = np.concatenate([_GAUSS[1:7:2], _GAUSS[7::-2]])
+_LAST = np.stack([0.5 * (2 * k + 1) * _W7 * legval(_X7, np.eye(7)[k]) for k in (5, 6)])
+
 TICKS: Final = np.concatenate([-_NODES[:7], _NODES[::-1]])
 KRONROD: Final = np.concatenate([_KRONROD[:7], _KRONROD[::-1]])
 GAUSS: Final = np.concatenate([_GAUSS[:7], _GAUSS[::-1]])
@@ -36,6 +42,7 @@ _CUT = 1e-12
 _DEEP = 16
 _MOST = 400
 _SHARP = 4.0
+_BROAD = 4.0  # peaks so many steps wide are met by the nodes of any piece
 
 
 @kernel
@@ -60,35 +67,47 @@ def embedded(values: Array, length: float, total: Array) -> float:
 
 
 @kernel
-def base_at(
-    w: World, lobe: Array, chart: Array, charted: Array, t: float, phi: float, k: int,
-    on_disk: Array, bases: Array, rgb: Array,
-) -> float:  # fmt: skip
-    """Base of highlight k at a direction; -3 where nothing is met."""
-    bases[:] = -3.0
-    look(w, lobe, chart, charted, t, phi, on_disk, bases, rgb, False)
-    return bases[k]
+def gauss(values: Array, length: float, total: Array) -> float:
+    """Gauss's sum of every second of 15 rows into ``total``; the error of its worst channel by its last coefficients.
+
+    Coefficients that fall like r^k leave r^14 where the last is r^6; its power 1.5 is r^9.
+    """
+    worst = 0.0
+    for c in range(3):
+        g, fifth, sixth = 0.0, 0.0, 0.0
+        for i in range(7):
+            f = values[2 * i + 1, c]
+            g += _W7[i] * f
+            fifth += _LAST[0, i] * f
+            sixth += _LAST[1, i] * f
+        spread, size = 0.0, 0.0
+        for i in range(7):
+            spread += _W7[i] * abs(values[2 * i + 1, c] - 0.5 * g)
+            size += _W7[i] * abs(values[2 * i + 1, c])
+        error = abs(fifth) + abs(sixth)
+        if spread > 0.0 and error > 0.0:
+            error = spread * min(1.0, (10.0 * error / spread) ** 1.5)
+        total[c] = 0.5 * length * g
+        worst = max(worst, 0.5 * length * max(error, 4e-16 * size))
+    return worst
 
 
 @kernel
-def top(
-    w: World, lobe: Array, chart: Array, charted: Array, low: float, high: float, phi: float, k: int,
-    on_disk: Array, bases: Array, rgb: Array,
-) -> float:  # fmt: skip
+def top(w: World, lobe: Array, chart: Array, charted: Array, low: float, high: float, phi: float, k: int) -> float:
     """Where highlight k is brightest on a stretch of a line, by golden section."""
     g = 0.6180339887498949
     a, b = high - g * (high - low), low + g * (high - low)
-    f_a = base_at(w, lobe, chart, charted, a, phi, k, on_disk, bases, rgb)
-    f_b = base_at(w, lobe, chart, charted, b, phi, k, on_disk, bases, rgb)
-    for _ in range(24):
+    f_a = base_at(w, lobe, chart, charted, a, phi, k)
+    f_b = base_at(w, lobe, chart, charted, b, phi, k)
+    for _ in range(16):
         if f_a > f_b:
             high, b, f_b = b, a, f_a
             a = high - g * (high - low)
-            f_a = base_at(w, lobe, chart, charted, a, phi, k, on_disk, bases, rgb)
+            f_a = base_at(w, lobe, chart, charted, a, phi, k)
         else:
             low, a, f_a = a, b, f_b
             b = low + g * (high - low)
-            f_b = base_at(w, lobe, chart, charted, b, phi, k, on_disk, bases, rgb)
+            f_b = base_at(w, lobe, chart, charted, b, phi, k)
     return 0.5 * (low + high)
 
 
@@ -128,9 +147,8 @@ def tilt_to_t(lobe: Array, chart: Array, angle: float) -> float:
 
 @kernel
 def special(
-    w: World, lobe: Array, chart: Array, charted: Array, phi: float, t: Array, seen: Array, ends: Array, more: Array,
-    on_disk: Array, bases: Array, rgb: Array,
-) -> int:  # fmt: skip
+    w: World, lobe: Array, chart: Array, charted: Array, phi: float, t: Array, seen: Array, ends: Array, more: Array
+) -> int:
     """Fill ``more`` with places of a line that even steps may pass over: peaks and their flanks, nearest approaches,
     shadows that may touch between two looks. Returns how many; their second column marks ends of pieces."""
     count, high = 0, t[-1]
@@ -172,26 +190,35 @@ def special(
                 if here < 0.3 or here < left or here <= right or count >= room:
                     continue
                 low, top_t = max(0.0, t[i] - step), min(high, t[i] + step)
-                at = top(w, lobe, chart, charted, low, top_t, phi, k, on_disk, bases, rgb)
+                at = top(w, lobe, chart, charted, low, top_t, phi, k)
                 h = 0.05 * step
                 width = bent(
-                    base_at(w, lobe, chart, charted, at - h if at > h else at, phi, k, on_disk, bases, rgb),
-                    base_at(w, lobe, chart, charted, at, phi, k, on_disk, bases, rgb),
-                    base_at(w, lobe, chart, charted, min(high, at + h), phi, k, on_disk, bases, rgb),
+                    base_at(w, lobe, chart, charted, at - h if at > h else at, phi, k),
+                    base_at(w, lobe, chart, charted, at, phi, k),
+                    base_at(w, lobe, chart, charted, min(high, at + h), phi, k),
                     h,
                     w.rules[SHININESS],
                 )
                 if width <= 0.0 or at <= h or at >= high - h:
                     width = step / w.rules[SHININESS]
+                if width > _BROAD * step:
+                    continue
                 for f in (-12.0, -4.0, -1.5, 0.0, 1.5, 4.0, 12.0):
                     if 0.0 < at + f * width < high and count < room:
                         more[count, 0], more[count, 1] = at + f * width, 1.0
                         count += 1
+    places, met = np.empty((t.shape[0], 3)), np.empty(t.shape[0], np.bool_)
+    for a in range(t.shape[0]):
+        met[a], q = place_of(w, lobe, chart, t[a], phi)
+        places[a, 0], places[a, 1], places[a, 2] = q
     for k in range(points):
         light = (w.points[k, 0], w.points[k, 1], w.points[k, 2])
         for i in range(w.spheres.shape[0]):
             if 1 + i == int(chart[0]) or w.spheres[i, 3] == 0.0 or count >= room:
                 continue
+            for a in range(t.shape[0]):
+                q = (places[a, 0], places[a, 1], places[a, 2])
+                ends[a] = gap(w.spheres, i, q, light) if met[a] else 1e9
             count = slivers(w, lobe, chart, i, light, phi, t, ends, more, count, room)
     return count
 
@@ -202,9 +229,6 @@ def slivers(
     count: int, room: int,
 ) -> int:  # fmt: skip
     """Add to ``more`` the places at which the shadow of sphere i comes nearest between looks."""
-    for a in range(t.shape[0]):
-        met, q = place_of(w, lobe, chart, t[a], phi)
-        gaps[a] = gap(w.spheres[i], q, light) if met else 1e9
     g = 0.6180339887498949
     for a in range(1, t.shape[0] - 1):
         here = gaps[a]
@@ -217,8 +241,8 @@ def slivers(
         best = t[a]
         for _ in range(20):
             p, r = high - g * (high - low), low + g * (high - low)
-            f_p = gap(w.spheres[i], place_of(w, lobe, chart, p, phi)[1], light)
-            f_r = gap(w.spheres[i], place_of(w, lobe, chart, r, phi)[1], light)
+            f_p = gap(w.spheres, i, place_of(w, lobe, chart, p, phi)[1], light)
+            f_r = gap(w.spheres, i, place_of(w, lobe, chart, r, phi)[1], light)
             if f_p < f_r:
                 high, best = r, p
             else:
@@ -232,9 +256,14 @@ def slivers(
 
 @kernel
 def line(
-    w: World, lobe: Array, chart: Array, charted: Array, phi: float, cells: int, tol: float, on_disk: Array, out: Array
-) -> tuple[float, int]:
-    """Integral over t at one phi, into ``out``; returns its error and how many looks it took."""
+    w: World, lobe: Array, chart: Array, charted: Array, phi: float, cells: int, tol: float, ease: float,
+    on_disk: Array, out: Array,
+) -> tuple[float, int]:  # fmt: skip
+    """Integral over t at one phi, into ``out``; returns its error and how many looks it took.
+
+    With ``ease`` seven nodes of a piece are enough where their error is below that share of what is allowed, and
+    places of jumps are found as closely as the tolerance needs.
+    """
     high = 1.0 if chart[0] == 0.0 else 0.5 * math.pi
     lights = w.points.shape[0] + w.disks.shape[0]
     t, seen = np.empty(cells + 1), np.full((cells + 1, lights), -3.0)
@@ -245,9 +274,10 @@ def line(
         t[i] = high * i / cells
     # the very ends stand on walls
     t[0], t[cells] = 1e-9 * high, high * (1.0 - 1e-12)
+    even = np.empty(cells + 1, np.int64)
     for i in range(cells + 1):
-        look(w, lobe, chart, charted, t[i], phi, on_disk, seen[i], rgb, False)
-    count = special(w, lobe, chart, charted, phi, t, seen, gaps, more, on_disk, bases, rgb)
+        even[i] = look(w, lobe, chart, charted, t[i], phi, on_disk, seen[i], rgb, False)
+    count = special(w, lobe, chart, charted, phi, t, seen, gaps, more)
     at, ends = np.empty(cells + 1 + count), np.zeros(cells + 1 + count)
     at[: cells + 1] = t
     at[cells + 1 :], ends[cells + 1 :] = more[:count, 0], more[:count, 1]
@@ -255,8 +285,18 @@ def line(
     at, ends = at[order], ends[order]
     labels = np.empty(at.shape[0], np.int64)
     for i in range(at.shape[0]):
-        labels[i] = look(w, lobe, chart, charted, at[i], phi, on_disk, bases, rgb, False)
-    looks += at.shape[0]
+        if order[i] <= cells:
+            labels[i] = even[order[i]]
+        else:
+            labels[i] = look(w, lobe, chart, charted, at[i], phi, on_disk, bases, rgb, False)
+    looks += count
+    cut = _CUT
+    if ease > 0.0:
+        # what a jump displaced by so much is worth, by the largest weight of the chart
+        most = 1.0
+        if chart[0] != 0.0:
+            most = max(1.0, (lobe[EXPONENT] + 2.0) / (2.0 * math.pi * lobe[MASS]) * chart[SINE] * chart[SINE])
+        cut = min(1e-7, max(_CUT, 1e-3 * tol / most))
     stack_t, stack_l = np.empty((128, 2)), np.empty((128, 2), np.int64)
     cuts, cut_labels = np.empty(_MOST), np.empty(_MOST, np.int64)
     cuts[0], cut_labels[0], pieces = 0.0, labels[0], 1
@@ -279,7 +319,7 @@ def line(
             if l_a == l_b:
                 continue
             m = 0.5 * (a + b)
-            if b - a <= _CUT * high or m <= a or m >= b:
+            if b - a <= cut * high or m <= a or m >= b:
                 cuts[pieces], cut_labels[pieces] = m, l_b
                 pieces += 1
                 continue
@@ -303,13 +343,18 @@ def line(
         while depth > 0:
             depth -= 1
             a, b, level = stack_t[depth, 0], stack_t[depth, 1], stack_l[depth, 0]
-            for k in range(15):
-                rgb[:] = 0.0
-                look(w, lobe, chart, charted, 0.5 * (a + b) + 0.5 * (b - a) * TICKS[k], phi, on_disk, bases, rgb, True)
-                values[k] = rgb
-            looks += 15
-            miss = embedded(values, b - a, part)
-            if miss <= tol * max((b - a) / high, 0.02) or level >= _DEEP:
+            enough = tol * max((b - a) / high, 0.02)
+            for first in (1, 0):
+                for k in range(first, 15, 2):
+                    rgb[:] = 0.0
+                    x = 0.5 * (a + b) + 0.5 * (b - a) * TICKS[k]
+                    look(w, lobe, chart, charted, x, phi, on_disk, bases, rgb, True)
+                    values[k] = rgb
+                    looks += 1
+                miss = gauss(values, b - a, part) if first == 1 else embedded(values, b - a, part)
+                if miss <= ease * enough:
+                    break
+            if miss <= enough or level >= _DEEP:
                 for c in range(3):
                     out[c] += part[c]
                 error += miss

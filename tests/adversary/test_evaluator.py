@@ -12,7 +12,7 @@ from .families import FAMILIES, generate
 from .judge import UNSEEN, by_lattice, by_lines, contradicts
 from .lattice import REPLICATES, lattice_value
 from .sweep import swept_value
-from .world import lobe_of, world_of
+from .world import Array, lobe_of, world_of
 
 pytestmark = pytest.mark.timeout(1200)
 
@@ -106,3 +106,33 @@ def test_exact_disks_are_the_limit_of_finer_centroids() -> None:
     fine = by_lattice(world_of(case.scene, "24x24"), lobe, 512, 3)
     found = by_lattice(whole, lobe, 2048, 4)
     assert (np.abs(found.value - fine.value) <= found.doubt + fine.doubt + 0.01 * fine.value.max()).all()
+
+
+def test_a_ball_that_the_horizon_cuts_leaves_of_an_even_lobe_what_arcs_leave() -> None:
+    """Outline and horizon cross close to where one of them touches a line: the kink there shows on no line."""
+    place, center = np.array([-1.149, -1.353, 0.0]), np.array([-1.7, -1.4, 0.3])
+    scene = cap_scene(center.tolist(), 0.5, 0.0, math.pi / 2)
+    scene["camera"]["eye"] = [0.26, -3.33, 1.51]
+    incoming = place - np.array(scene["camera"]["eye"])
+    mirror = incoming / np.linalg.norm(incoming) * np.array([1.0, 1.0, -1.0])
+    away = center - place
+    level = math.sqrt(1.0 - 0.25 / (away @ away))
+    away /= np.linalg.norm(away)
+    # heights z of the hemisphere; on each, what the lobe's half-space and the ball's cone have of the azimuths
+    turns = (np.arange(2_000_000) + 0.5) / 2_000_000 * math.pi / 2
+    z, width = np.sin(turns), np.cos(turns) * math.pi / 2 / len(turns)
+
+    def half(axis: Array, cosine: float) -> Array:
+        flat = np.sqrt(1.0 - z * z) * math.hypot(axis[0], axis[1])
+        return np.arccos(np.clip((cosine - axis[2] * z) / flat, -1.0, 1.0))
+
+    one, other = half(mirror, 0.0), half(away, level)
+    apart = abs(math.remainder(math.atan2(mirror[1], mirror[0]) - math.atan2(away[1], away[0]), 2 * math.pi))
+    both = sum(
+        np.maximum(0.0, np.minimum(one, d + other) - np.maximum(-one, d - other)) for d in (apart, apart - 2 * math.pi)
+    )
+    expected = float(((2 * one - both) * width).sum()) / (2 * math.pi) * np.array([1.0, 0.5, 0.25])
+    world, lobe = world_of(scene, "1x1"), lobe_of(scene, "floor", place)
+    for turn in (0.1, 0.77):
+        found = swept_value(world, lobe, 1e-10, turn=turn)
+        assert 0.2 < found.value[0] < 0.6 and np.abs(found.value - expected).max() < 2e-9

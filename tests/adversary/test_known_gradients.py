@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from .case import Case
-from .slopes import differences, judge_slope, names_of
+from .slopes import asked, differences, judge_slope, names_of
 
 KNOWN: list[dict[str, Any]] = json.loads((Path(__file__).parent / "known_gradients.json").read_text("utf-8"))
 
@@ -23,12 +23,16 @@ def case_of(entry: dict[str, Any]) -> Case:
 
 def test_alone_is_together() -> None:
     case = case_of(KNOWN[0])
-    assert judge_slope(case, "shading.shininess", names_of(case)).called != "torn"
+    assert (
+        judge_slope(case, "shading.shininess", asked(case, ["shading.shininess"]), asked(case, names_of(case))).called
+        != "torn"
+    )
 
 
 def test_a_ball_that_covers_the_lobe_moves_nothing() -> None:
     case = case_of(KNOWN[1])
-    slope = judge_slope(case, "camera.eye.x", ["camera.eye.x"])
+    alone = asked(case, ["camera.eye.x"])
+    slope = judge_slope(case, "camera.eye.x", alone, alone)
     assert slope.called in ("honest", "untold"), slope
 
 
@@ -44,6 +48,6 @@ def test_differences_know_a_closed_form() -> None:
         "shading": {"ka": 0.0},
     }
     case = Case("closed form", 0, scene, "floor", [[0.0, 0.0, 0.0]], "1x1", 1e-9)
-    value, doubt = differences(case, 0, "spheres.A.radius", turn=0.1, cells=48)
+    value, doubt, _ = differences(case, 0, "spheres.A.radius", turn=0.1, cells=48)
     # mean = (1 - R^2/16)^2
     assert abs(value[0] - 2.0 * (1.0 - 1.0 / 16.0) * (-2.0 / 16.0)) <= doubt + 1e-9 and doubt < 1e-5
