@@ -111,7 +111,7 @@ def light_along(world: World, eye: Array, direction: Array, tol: float, turn: fl
     q, n = (o[0] + t * d[0], o[1] + t * d[1], 0.0), (0.0, 0.0, 1.0)
     if shape > 0:
         s = world.spheres[shape - 1]
-        n = outward_normal(s, o, d, inside)
+        n = outward_normal(world.spheres, shape - 1, o, d, inside)
         q = (s[0] + s[3] * n[0], s[1] + s[3] * n[1], s[2] + s[3] * n[2])
     color = np.array(albedo(dark, shape, q, n)[:3])
     towards = (-n[0], -n[1], -n[2]) if inside else n

@@ -66,7 +66,7 @@ def judge_image(seed: int, count: Count) -> list[str]:
             surface, point = "floor", [*(eye + t * d)[:2], 0.0]
             if shape > 0:
                 surface = f"spheres.{case.scene['spheres'][shape - 1]['name']}"
-                point = list(outward_normal(world.spheres[shape - 1], tuple(eye.tolist()), tuple(d.tolist()), inside))
+                point = list(outward_normal(world.spheres, shape - 1, tuple(eye.tolist()), tuple(d.tolist()), inside))
             try:
                 found = sr.probe(
                     case.scene, [point], surface=surface, tol=asked["tol"], disk=case.disk, budget=40_000, threads=1
