@@ -11,9 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.events import CROSSING, ROOT, SMOOTH, add_event, within_lobe
+from symrender.chambers.penumbra_walls import edge_search
 from symrender.chambers.records import Chart, Event, LightPoint, Wall
 from symrender.chambers.walls import (
     BALL,
+    GLEAM_EDGE,
     PENUMBRA,
     SHADOW,
     SHADOW_EDGE,
@@ -26,6 +28,8 @@ from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 
+EDGE_LINES = 48
+"""Scan lines on which the end of a highlight is asked for."""
 RAYS = 32
 """Rays along a shadow's edge between which its azimuth is looked at for turns."""
 
@@ -190,6 +194,32 @@ def sphere_tangencies(
     return n
 
 
+@jitable
+def gleam_tangencies(row: Wall, work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
+    """Azimuths at which a scan line begins or ceases to meet the end of a highlight: no closed form.
+
+    How often the line meets it is asked on ``EDGE_LINES`` lines; where the number changes from one to the next the
+    place is found by halving. An end that is met on fewer than two neighbouring lines may be missed.
+    """
+    end = 0.5 * math.pi * (1.0 - 1e-12)
+    before, at = 0, low
+    for k in range(EDGE_LINES + 1):
+        phi = low + (high - low) * k / EDGE_LINES
+        met = edge_search(row, 0.0, end, math.cos(phi), math.sin(phi), work.chart, work.bernstein)
+        if k > 0 and met != before:
+            left, right = at, phi
+            for _ in range(50):
+                middle = 0.5 * (left + right)
+                c, s = math.cos(middle), math.sin(middle)
+                if edge_search(row, 0.0, end, c, s, work.chart, work.bernstein) == before:
+                    left = middle
+                else:
+                    right = middle
+            n = add_event(events, n, 0.5 * (left + right), low, high, ROOT)
+        before, at = met, phi
+    return n
+
+
 @inlined
 def tangencies(view: View, work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
     """Add them to ``events``; new count."""
@@ -197,7 +227,9 @@ def tangencies(view: View, work: Work, events: Table[Event], n: int, low: float,
     for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
         kind = row.kind
-        if chart.shape_index < 0.0:
+        if kind == GLEAM_EDGE:
+            n = gleam_tangencies(row, work, events, n, low, high)
+        elif chart.shape_index < 0.0:
             if kind in (SHADOW, BALL, PENUMBRA):
                 n = floor_tangencies(row, chart, events, n, low, high)
         elif kind == SHADOW and row.tag == SHADOW_EDGE:
