@@ -35,7 +35,12 @@ def test_it_serves_the_page_until_it_is_interrupted(tmp_path):
             address = re.match(r"http://127\.0\.0\.1:\d+/", line)
             assert address is not None, line
             with urllib.request.urlopen(address.group(0), timeout=60) as answer:
-                assert answer.read().decode() == simulator("furnace").html
+                # a page that is served may ask its own server, and says so; else it is the page of a file
+                served = answer.read().decode()
+                told = served.replace("; connect-src &#x27;self&#x27;", "", 1).replace(
+                    '"served":true', '"served":false', 1
+                )
+                assert told == simulator("furnace").html != served
             process.send_signal(signal.SIGINT)
             _, said = process.communicate(timeout=60)
         finally:

@@ -47,13 +47,16 @@ CASES = [
 ]
 
 
-def differences(scene: Scene, point: tuple, surface: str, name: str, step: float) -> tuple[np.ndarray, float]:
-    """Richardson's extrapolation of central differences, and its last change."""
+def differences(
+    scene: Scene, point: tuple, surface: str, name: str, step: float, known: float = 1e-11
+) -> tuple[np.ndarray, float]:
+    """Richardson's extrapolation of central differences of values ``known`` so well, and its last change."""
     at = float(get(scene, name))
 
     def value(x: float) -> np.ndarray:
-        found = probe(scene.replace({name: x}), [point], surface=surface, tol=1e-12, budget=4_000_000)
-        assert found.error[0] <= 1e-11
+        tol = 0.1 * known if known < 1e-10 else known
+        found = probe(scene.replace({name: x}), [point], surface=surface, tol=tol, budget=4_000_000)
+        assert found.error[0] <= known
         return found.gloss[0]
 
     rows: list[np.ndarray] = []
@@ -207,11 +210,13 @@ def test_the_rim_of_a_blunt_lobe_moves(exponent: float, theta_max: float, name: 
     scene = scene.replace({"floor.lobe.theta_max": theta_max})
     place = (0.3, -0.2, 0.0)
     found = probe(scene, [place], tol=tol, wrt=[name])
-    expected, change = differences(scene, place, "floor", name, 1e-3)
+    # a density that ends with a broken power costs too much to be known to more digits
+    known = 1e-10 if exponent != math.floor(exponent) else 1e-11
+    expected, change = differences(scene, place, "floor", name, 1e-3, known)
     assert np.abs(expected).max() > (1e-4 if exponent < 1.0 else 1e-7)
     gap = float(np.abs(found.gradient[name][0] - expected).max())
     # the values' own error over the shortest step
-    assert gap <= found.gradient_error[name][0] + change + 1e-11 / 2.5e-4
+    assert gap <= found.gradient_error[name][0] + change + known / 2.5e-4
 
 
 def test_a_lobe_aimed_at_a_centre_has_a_square_frame() -> None:

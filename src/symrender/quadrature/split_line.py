@@ -108,10 +108,11 @@ def kinked(view: View) -> bool:
 def broken_rim(chart: Chart) -> bool:
     """Whether the density ends at the rim, or just beyond it, with a power that is small and not whole.
 
-    Coefficients then fall no faster than that power says: cos^n is 0 in the plane across the axis.
+    Coefficients then fall no faster than that power says: cos^n is 0 in the plane across the axis. Of an exponent below
+    1e-12 all that it takes away is less than rounding leaves.
     """
     n = chart.exponent
-    return bool(chart.rim_cos < 0.1 and n < BLUNT and n != math.floor(n))
+    return bool(chart.rim_cos < 0.1 and 1e-12 < n < BLUNT and n != math.floor(n))
 
 
 @inlined

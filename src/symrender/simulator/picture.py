@@ -45,13 +45,11 @@ def picture(scene: Scene) -> bytes:
 @cache
 def _functions() -> dict[str, Callable[..., Any]]:
     """What a picture takes of the program, as plain Python functions."""
-    from symrender.targets import numba
+    from symrender.runtimes import numba as runtime
+    from symrender.targets import numba as target
 
-    program, held = pixel_program(), dict[str, Any]()
-    for name in _USED:
-        # our own emitted text, no part of which is a scene's
-        exec(compile(numba.emit(program.part(name)), name, "exec"), held)  # noqa: S102
-    return held
+    program = pixel_program()
+    return {name: getattr(runtime.plain(target.emit(program.part(name))), name) for name in _USED}
 
 
 def _radiance(scene: Scene) -> Array:
