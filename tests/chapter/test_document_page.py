@@ -6,14 +6,12 @@ import html
 import json
 import re
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from simulator.conftest import CHROMIUM, FLAGS
 from symrender.chapter import lab
 from symrender.chapter.document import build
 from symrender.chapter.document.effort import QUICK
@@ -161,16 +159,10 @@ def test_the_command_refuses_before_it_works(tmp_path: Path, capsys: pytest.Capt
 
 
 @pytest.fixture(scope="module")
-def opened(built: Built, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, str]]:
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    if CHROMIUM is None:
-        pytest.skip("no chromium on this machine: apt-get install chromium, or name one in CHROMIUM")
+def opened(browser: Any, built: Built, tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, str]:
     path = tmp_path_factory.mktemp("chapter") / "chapter8.html"
     path.write_text(built.page, encoding="utf-8")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield browser, path.as_uri()
-        browser.close()
+    return browser, path.as_uri()
 
 
 class Reader:
