@@ -18,9 +18,11 @@ MAX_MAPPING: Final = 64
 MAX_NAME: Final = 100
 """Longest name of a scene, characters."""
 MAX_PART_NAME: Final = 32
-"""Longest name of a sphere or a light, characters."""
+"""Longest name of a sphere, a plane or a light, characters."""
 MAX_SPHERES: Final = 4096
 """Most spheres in a scene."""
+MAX_PLANES: Final = 16
+"""Most planes in a scene, beside its floor."""
 MAX_LIGHTS: Final = 256
 """Most lights in a scene."""
 MAX_LIGHT_POINTS: Final = 65_536

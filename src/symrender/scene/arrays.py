@@ -7,7 +7,7 @@ starts from by its identity, and would meet the other one there, by the last bit
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -18,9 +18,9 @@ from symrender.records import Table, record, table
 from symrender.scene.camera import PlaneCamera
 from symrender.scene.light import DiskLight
 from symrender.scene.lobe import Lobe
-from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
+from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere
 from symrender.scene.scene import Scene
-from symrender.scene.texture import Checker, FloorChecker, Marble, Stripes
+from symrender.scene.texture import Checker, FloorChecker, FloorSolid, Marble, Stripes
 
 Array = npt.NDArray[np.float64]
 
@@ -52,7 +52,7 @@ LOOK_AT: Final = 1
 NOTHING: Final = 0
 FLOOR: Final = 1
 FIRST_SPHERE: Final = 2
-"""Sphere j of the scene has hit class ``FIRST_SPHERE + j``."""
+"""Sphere j of the scene has hit class ``FIRST_SPHERE + j``; planes follow the spheres."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,7 @@ class SceneArrays:
     lights: Table[Light]
     shading: Shading
     camera: Camera
+    planes: Table[Plane] = field(default_factory=lambda: table(Plane, 0))
 
 
 def scene_arrays(scene: Scene) -> SceneArrays:
@@ -88,13 +89,12 @@ def scene_arrays(scene: Scene) -> SceneArrays:
     if scene.floor is not None:
         floor.present = 1.0
         floor.weight, floor.exponent, floor.theta_max = _lobe(scene.floor.lobe)
-        match scene.floor.texture:
-            case FloorChecker(bright=bright, dark=dark_color, cell=cell, offset=offset):
-                floor.kind, floor.cell = CHECKER, cell
-                floor.bright[:], floor.dark[:], floor.offset[:] = bright, dark_color, offset
-            case solid:
-                floor.kind, floor.cell = SOLID, 1.0
-                floor.bright[:] = floor.dark[:] = solid.color
+        _surface(scene.floor.texture, floor)
+    planes = table(Plane, len(scene.planes))
+    for plane_row, plane in zip(planes, scene.planes, strict=True):
+        plane_row.point[:], plane_row.normal[:], plane_row.along[:] = plane.point, plane.normal, plane.along
+        plane_row.weight, plane_row.exponent, plane_row.theta_max = _lobe(plane.lobe)
+        _surface(plane.texture, plane_row)
 
     lights = table(Light, len(scene.lights))
     for light_row, light in zip(lights, scene.lights, strict=True):
@@ -120,15 +120,29 @@ def scene_arrays(scene: Scene) -> SceneArrays:
     else:
         camera.kind, camera.fov = LOOK_AT, scene.camera.fov
         camera.target[:], camera.up[:] = scene.camera.target, scene.camera.up
-    return SceneArrays(spheres, floor, lights, shading, camera)
+    return SceneArrays(spheres, floor, lights, shading, camera, planes)
 
 
 def lobes_of(arrays: SceneArrays) -> Array:
-    """(1 + n, 3): weight, exponent and theta_max of the floor's lobe, then of each sphere's."""
+    """(1 + n + k, 3): weight, exponent and theta_max of the lobes of the floor, of each sphere and of each plane.
+
+    Hit class h has row h - 1.
+    """
     floor = arrays.floor
     rows = [(floor.weight, floor.exponent, floor.theta_max)]
     rows += [(sphere.weight, sphere.exponent, sphere.theta_max) for sphere in arrays.spheres]
+    rows += [(plane.weight, plane.exponent, plane.theta_max) for plane in arrays.planes]
     return np.array(rows)
+
+
+def _surface(texture: FloorSolid | FloorChecker, row: Floor | Plane) -> None:
+    match texture:
+        case FloorChecker(bright=bright, dark=dark, cell=cell, offset=offset):
+            row.kind, row.cell = CHECKER, cell
+            row.bright[:], row.dark[:], row.offset[:] = bright, dark, offset
+        case FloorSolid(color=color):
+            row.kind, row.cell = SOLID, 1.0
+            row.bright[:] = row.dark[:] = color
 
 
 def _lobe(lobe: Lobe | None) -> tuple[float, float, float]:

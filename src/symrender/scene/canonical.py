@@ -20,9 +20,12 @@ def _canonical(value: Any) -> Any:
 def canonical(scene: Part) -> str:
     """``scene`` as text that depends on its values alone: keys sorted, defaults filled in, floats in hexadecimal.
 
-    ``name`` and ``description`` are left out, for no image depends on them. -0.0 is 0.0.
+    ``name`` and ``description`` are left out, for no image depends on them. -0.0 is 0.0. A scene without planes says
+    nothing of them, as before there were any.
     """
     data = scene.model_dump(mode="python", exclude={"name", "description"})
+    if not data.get("planes"):
+        data.pop("planes", None)
     return json.dumps(_canonical(data), sort_keys=True, separators=(",", ":"), ensure_ascii=True)
 
 

@@ -27,6 +27,11 @@ def _unit(v: Triple) -> Triple:
 
 def parallel(v: Triple, start: Triple, end: Triple) -> bool:
     """Whether ``v`` is along the line from ``start`` to ``end``; none of the two directions is zero."""
+    return along(v, (end[0] - start[0], end[1] - start[1], end[2] - start[2]))
+
+
+def along(v: Triple, w: Triple) -> bool:
+    """Whether ``v`` and ``w`` lie on one line; none of the two is zero."""
     ax, ay, az = _unit(v)
-    bx, by, bz = _unit((end[0] - start[0], end[1] - start[1], end[2] - start[2]))
+    bx, by, bz = _unit(w)
     return math.hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx) < _PARALLEL

@@ -15,7 +15,7 @@ from symrender.scene.fields import number_range
 from symrender.scene.names import letters, resolve
 from symrender.scene.parameters import get
 from symrender.scene.plain import plain
-from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
+from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere
 from symrender.scene.scene import Scene
 
 Move: TypeAlias = tuple[str, tuple[tuple[str, tuple[int, ...]], ...]]
@@ -87,6 +87,7 @@ class SceneMoves:
 
     spheres: Grid[Sphere]
     floor: Table[Floor]
+    planes: Grid[Plane]
     lights: Grid[Light]
     shading: Table[Shading]
     camera: Table[Camera]
@@ -98,6 +99,7 @@ def scene_moves(arrays: SceneArrays, moved: tuple[Move, ...]) -> SceneMoves:
     tangents = SceneMoves(
         spheres=grid(Sphere, count, len(arrays.spheres)),
         floor=table(Floor, count),
+        planes=grid(Plane, count, len(arrays.planes)),
         lights=grid(Light, count, len(arrays.lights)),
         shading=table(Shading, count),
         camera=table(Camera, count),

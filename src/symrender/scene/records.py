@@ -38,6 +38,34 @@ class Floor(Record):
     theta_max: float
 
 
+class Plane(Record):
+    """A plane as it is written: a point of it, the side it shows, where its texture's x runs; then the floor's fields.
+
+    ``normal`` and ``along`` have any length; ``scene/frames.py`` makes unit vectors of them.
+    """
+
+    point: Three
+    normal: Three
+    along: Three
+    kind: float
+    bright: Three
+    dark: Three
+    cell: float
+    offset: Two
+    weight: float
+    exponent: float
+    theta_max: float
+
+
+class Frame(Record):
+    """Where a plane lies: its origin, and the unit vectors along its texture's x and y and its normal."""
+
+    origin: Three
+    east: Three
+    north: Three
+    up: Three
+
+
 class Shading(Record):
     """What all surfaces share: factors of the three terms, conventions, ambient and background light."""
 

@@ -8,26 +8,27 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from symrender.limits import MAX_LIGHTS, MAX_NAME, MAX_SPHERES
+from symrender.limits import MAX_LIGHTS, MAX_NAME, MAX_PLANES, MAX_SPHERES
 from symrender.scene.camera import Camera
 from symrender.scene.canonical import scene_hash
 from symrender.scene.light import Light
 from symrender.scene.parameters import Parameter, parameters
 from symrender.scene.replace import replace
 from symrender.scene.shading import Shading
-from symrender.scene.shape import Floor, Sphere
+from symrender.scene.shape import Floor, Plane, Sphere
 from symrender.scene.table import html
 from symrender.scene.values import Colour, Part, at_most
 
 
 class Scene(Part):
-    """A camera, spheres, at most one floor, lights; right-handed, z up, lengths and radiance in scene units."""
+    """A camera, spheres, at most one floor, planes, lights; right-handed, z up, lengths and radiance in scene units."""
 
     name: Annotated[str, Field(max_length=MAX_NAME)] = "scene"
     description: Annotated[str, Field(max_length=4000)] = ""
     camera: Camera
     spheres: Annotated[tuple[Sphere, ...], Field(max_length=MAX_SPHERES), BeforeValidator(at_most(MAX_SPHERES))] = ()
     floor: Floor | None = None
+    planes: Annotated[tuple[Plane, ...], Field(max_length=MAX_PLANES), BeforeValidator(at_most(MAX_PLANES))] = ()
     lights: Annotated[tuple[Light, ...], Field(max_length=MAX_LIGHTS), BeforeValidator(at_most(MAX_LIGHTS))] = ()
     ambient: Annotated[Colour, Field(description="ambient radiance, weighted by ka")] = (0.0, 0.0, 0.0)
     background: Annotated[Colour, Field(description="radiance where nothing is hit")] = (0.0, 0.0, 0.0)
@@ -35,7 +36,7 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _has_unique_names(self) -> Self:
-        for field, parts in (("spheres", self.spheres), ("lights", self.lights)):
+        for field, parts in (("spheres", self.spheres), ("planes", self.planes), ("lights", self.lights)):
             first: dict[str, int] = {}
             for index, part in enumerate(parts):
                 if part.name in first:

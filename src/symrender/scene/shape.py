@@ -1,11 +1,13 @@
-"""Shapes: spheres and the floor plane z = 0."""
+"""Shapes: spheres, the floor plane z = 0, planes anywhere."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
+from symrender.scene.directions import along, coincide
 from symrender.scene.lobe import Lobe
 from symrender.scene.texture import FloorChecker, FloorTexture, Solid, SphereTexture
 from symrender.scene.values import Albedo, Length, Part, PartName, Point3
@@ -27,3 +29,32 @@ class Floor(Part):
 
     texture: FloorTexture = FloorChecker()
     lobe: Lobe | None = None
+
+
+class Plane(Part):
+    """A plane through ``point``, seen from the side its ``normal`` shows to; from behind it is black.
+
+    Its texture is the floor's, in coordinates (x, y) whose origin is ``point``: x runs along the part of ``along`` that
+    lies in the plane, y along normal x x. Planes are endless and hide what is behind them, so that a point sees no
+    further than the room of half-spaces it lies in.
+    """
+
+    name: PartName
+    point: Annotated[Point3, Field(description="a point of the plane, origin of its texture")]
+    normal: Annotated[Point3, Field(description="the side it reflects on, of any length")]
+    along: Annotated[Point3, Field(description="direction of the texture's x, less its part along the normal")] = (
+        1.0,
+        0.0,
+        0.0,
+    )
+    texture: FloorTexture = FloorChecker()
+    lobe: Lobe | None = None
+
+    @model_validator(mode="after")
+    def _has_a_frame(self) -> Self:
+        for name, direction in (("normal", self.normal), ("along", self.along)):
+            if coincide(direction, (0.0, 0.0, 0.0)):
+                raise PydanticCustomError("scene", f"{name} must be longer than zero")
+        if along(self.along, self.normal):
+            raise PydanticCustomError("scene", "along must not be parallel to normal: the texture would have no x")
+        return self
