@@ -10,6 +10,7 @@ import numpy.typing as npt
 from symrender.chambers.events import line_range
 from symrender.chambers.penumbra_walls import disk_on_floor, disk_on_sphere
 from symrender.chambers.records import Chart, Counts, Wall
+from symrender.chambers.rooms import height
 from symrender.chambers.walls import (
     BALL,
     DIRECTION,
@@ -179,7 +180,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
     k = min(r / dist, 1.0 - 1e-15)
     chart.pole[0], chart.pole[1], chart.pole[2] = dx / dist, dy / dist, dz / dist
     chart.center[0], chart.center[1], chart.center[2] = sphere.center[0], sphere.center[1], sphere.center[2]
-    chart.radius, chart.ratio, chart.shape_index = r, k, j
+    chart.radius, chart.ratio, chart.shape_index, chart.plane = r, k, j, -1
     chart.beta_max, chart.gamma_max = math.asin(k), math.acos(k)
     chart.bright = UNBOUNDED
     chart.clipped = 0
@@ -191,9 +192,10 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
     # the plane through P that bounds what its surface can see cuts the sphere in a circle
     nx, ny, nz = chart.normal[0], chart.normal[1], chart.normal[2]
     add_normal(walls, counts, chart, nx, ny, nz, -(nx * dx + ny * dy + nz * dz) / r, HORIZON, -1)
-    floor = view.floor.present != 0.0
-    if floor:
-        add_normal(walls, counts, chart, 0.0, 0.0, 1.0, -sphere.center[2] / r, FLOOR_CUT, -1)
+    for side in range(view.sides.shape[0]):
+        up = view.sides[side].up
+        above = height(view.sides[side], sphere.center[0], sphere.center[1], sphere.center[2])
+        add_normal(walls, counts, chart, up[0], up[1], up[2], -above / r, FLOOR_CUT, side)
 
     # spheres in front
     power = (dist - r) * (dist + r)
@@ -262,12 +264,16 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
 
 
 @jitable
-def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
-    """Fill ``work`` for the floor seen from the chart's point, which is off the floor: polar about the nadir."""
+def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> None:
+    """Fill ``work`` for a plane seen from the chart's point, which is off it: polar about the nadir.
+
+    ``view``, the chart's point and normal and ``lobe`` are in the plane's coordinates (``rooms.frame_view``).
+    """
     walls, counts, chart = work.walls, work.counts, work.chart
     px, py, pz = chart.point[0], chart.point[1], chart.point[2]
+    chart.side = work.room[plane]
     chart.pole[0], chart.pole[1], chart.pole[2] = 0.0, 0.0, -chart.side
-    chart.radius, chart.ratio, chart.shape_index = 0.0, 1.0, -1
+    chart.radius, chart.ratio, chart.shape_index, chart.plane = 0.0, 1.0, -1, plane
     chart.beta_max = chart.gamma_max = 0.5 * math.pi
     chart.height = abs(pz)
     chart.bright = UNBOUNDED
@@ -277,6 +283,15 @@ def floor_chart(own: int, lobe: Array, view: View, work: Work) -> None:
     add_direction(
         walls, counts, chart, chart.normal[0], chart.normal[1], chart.normal[2], 0.0, HORIZON, -1
     )  # fmt: skip
+    for side in range(view.sides.shape[0]):
+        # the edge in which another plane meets this one lies in a plane through P
+        up = view.sides[side].up
+        above = height(view.sides[side], px, py, pz)
+        across = math.hypot(pz * up[0], pz * up[1])
+        if side != plane and across > 0.0:
+            x, y, z = -pz * up[0], -pz * up[1], above - pz * up[2]
+            size = math.hypot(across, z)
+            add_direction(walls, counts, chart, x / size, y / size, z / size, 0.0, FLOOR_CUT, side)
     for i in range(view.spheres.shape[0]):
         s = view.spheres[i]
         if i == own or chart.side * s.center[2] <= -s.radius:

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.penumbra import CLEAR, COVERS, cover
-from symrender.chambers.records import Chart
+from symrender.chambers.rooms import disk_over, height, is_walled_off, planes_hide
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.leaves.values import texture_phases
@@ -61,13 +61,13 @@ def texture_side(spheres: Table[Sphere], j: int, nx: float, ny: float, nz: float
 
 @inlined
 def is_hidden(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
-    """Whether P does not see Q: below its horizon, behind the floor or behind another sphere."""
+    """Whether P does not see Q: below its horizon, in another room or behind another sphere."""
     chart = work.chart
     px, py, pz = chart.point[0], chart.point[1], chart.point[2]
     dx, dy, dz = qx - px, qy - py, qz - pz
     if dx * chart.normal[0] + dy * chart.normal[1] + dz * chart.normal[2] <= 0.0:
         return True
-    if view.floor.present != 0.0 and chart.shape_index >= 0.0 and qz * chart.side < 0.0:
+    if is_walled_off(qx, qy, qz, view, work):
         return True
     spheres = view.spheres
     for i in range(work.counts.occluders):
@@ -79,18 +79,6 @@ def is_hidden(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
     return False
 
 
-@inlined
-def floor_hides(z: float, qz: float, j: int, view: View, chart: Chart) -> bool:
-    """Whether the floor hides a light at height ``z`` from Q, a point of sphere ``j`` or, -1, of the floor itself.
-
-    The floor is lit on its upper side, by what is above it. A sphere's point is lit by what is not on the other side
-    of the floor, and what lies in the floor's plane is on neither.
-    """
-    if j < 0:
-        return bool(not z > 0.0 or chart.side < 0.0)
-    return bool(view.floor.present != 0.0 and qz * z < 0.0)
-
-
 @jitable
 def disk_state(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
@@ -99,11 +87,17 @@ def disk_state(
     j = work.chart.shape_index
     p = view.points[i]
     rho = p.radius
-    rise = rho * math.hypot(p.e1[2], p.e2[2])
-    # the floor cuts the disk, or hides all of it or nothing
-    partly = view.floor.present != 0.0 and abs(p.position[2]) < rise
-    if floor_hides(rise if partly else p.position[2], 0.0 if partly else qz, j, view, work.chart):
-        return DARK
+    partly = False
+    for k in range(view.sides.shape[0]):
+        # a plane cuts the disk, or hides all of it or nothing
+        up, rise = disk_over(p, view.sides[k])
+        cut = abs(up) < rise
+        partly = partly or cut
+        if k == work.chart.plane:
+            if not (cut or up > 0.0) or work.room[k] < 0.0:
+                return DARK
+        elif not cut and height(view.sides[k], qx, qy, qz) * up < 0.0:
+            return DARK
     lift = (p.position[0] - qx) * nx + (p.position[1] - qy) * ny + (p.position[2] - qz) * nz
     tilt = rho * math.hypot(
         nx * p.e1[0] + ny * p.e1[1] + nz * p.e1[2],
@@ -150,7 +144,7 @@ def light_state(
         return disk_state(i, qx, qy, qz, nx, ny, nz, view, work)
     j = work.chart.shape_index
     ax, ay, az = view.points[i].position[0], view.points[i].position[1], view.points[i].position[2]
-    if floor_hides(az, qz, j, view, work.chart):
+    if planes_hide(ax, ay, az, qx, qy, qz, view, work):
         return DARK
     lx, ly, lz = ax - qx, ay - qy, az - qz
     state = LIT

@@ -53,12 +53,15 @@ class Chart(Record):
     rim_sin: float
     normal: Three
     side: float
-    """+1 where the point is on or above the floor, -1 below it."""
+    """+1 where P is on or above the charted plane, -1 below it."""
     exponent: float
     log_normaliser: float
     height: float
     shape_index: int
-    """The charted sphere, -1 for the floor."""
+    """The charted sphere, -1 for a plane."""
+    plane: int
+    """The charted plane, -1 for a sphere; then the plane that P is a point of, -1 if none."""
+    home: int
     strip_along: float
     """Half-width of the strip of analyticity used for node counts along a line, then across lines."""
     strip_across: float
@@ -147,6 +150,13 @@ class Counts(Record):
     highlights: int
     limit: int
     """The most evaluations, and the most labour; whatever refines asks ``is_spent``."""
+
+
+class Side(Record):
+    """A plane as what bounds rooms: the points x with up.x = ``level``, in the coordinates of the view."""
+
+    up: Three
+    level: float
 
 
 class Caster(Record):

@@ -19,13 +19,16 @@ from symrender.chambers.records import (
     LightPoint,
     Nodes,
     Piece,
+    Side,
     Spot,
     Wall,
 )
 from symrender.kernel_cache import inlined, jitable
-from symrender.records import Table, table
-from symrender.scene.arrays import SceneArrays
-from symrender.scene.records import Floor, Shading, Sphere
+from symrender.limits import MAX_PLANES
+from symrender.records import Grid, Table, grid, joined, table
+from symrender.scene.arrays import FIRST_SPHERE, FLOOR, SceneArrays
+from symrender.scene.frames import frames
+from symrender.scene.records import Floor, Frame, Shading, Sphere
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -38,13 +41,33 @@ PENDING: Final = 3 * NODES
 
 
 class View(NamedTuple):
-    """What kernels read of a scene: its records, with lights replaced by points. ``eye`` is (3,)."""
+    """What kernels read of a scene: its records, with lights replaced by points. ``eye`` is (3,).
+
+    In the coordinates of a plane that plane is the floor z = 0, and ``floor`` what it is made of. ``sides`` are all
+    planes of the scene, the floor first.
+    """
 
     spheres: Table[Sphere]
     floor: Floor
     points: Table[LightPoint]
     shading: Shading
     eye: Array
+    sides: Table[Side]
+
+
+class Frames(NamedTuple):
+    """The scene in the coordinates of each of its k planes, the floor first: a row a plane.
+
+    ``eyes`` is (k, 3). ``homes`` tells of every hit class which plane it is, -1 of spheres.
+    """
+
+    axes: Table[Frame]
+    spheres: Grid[Sphere]
+    floors: Table[Floor]
+    points: Grid[LightPoint]
+    eyes: Array
+    sides: Grid[Side]
+    homes: Ints
 
 
 class Work(NamedTuple):
@@ -80,6 +103,7 @@ class Work(NamedTuple):
     nodes: Nodes
     aim: Aim
     pieces: Table[Piece]
+    room: Array
 
 
 @inlined
@@ -105,7 +129,61 @@ def scene_view(arrays: SceneArrays, points: Table[LightPoint]) -> View:
         points=points,
         shading=arrays.shading,
         eye=np.ascontiguousarray(arrays.camera.eye),
+        sides=_sides(_axes(arrays)),
     )
+
+
+def scene_frames(arrays: SceneArrays, points: Table[LightPoint]) -> Frames:
+    """A scene whose lights are ``points``, in the coordinates of each of its planes."""
+    axes, sides = _axes(arrays), _sides(_axes(arrays))
+    count = len(axes)
+    made = Frames(
+        axes=axes,
+        spheres=grid(Sphere, count, len(arrays.spheres)),
+        floors=table(Floor, count),
+        points=grid(LightPoint, count, len(points)),
+        eyes=np.zeros((count, 3)),
+        sides=grid(Side, count, count),
+        homes=np.full(FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), -1),
+    )
+    first = count - len(arrays.planes)
+    made.homes[FLOOR : FLOOR + first] = 0
+    made.homes[FIRST_SPHERE + len(arrays.spheres) :] = np.arange(first, count)
+    if first:
+        made.floors[0] = arrays.floor
+    for row, plane in zip(made.floors[first:], arrays.planes, strict=True):
+        row.present = 1.0
+        for name in Floor.names()[1:]:
+            row[name] = plane[name]
+    for k, frame in enumerate(axes):
+        turn = np.array([frame.east, frame.north, frame.up])
+        made.eyes[k] = turn @ (arrays.camera.eye - frame.origin)
+        made.spheres[k][:] = arrays.spheres
+        made.spheres[k]["center"][:] = (arrays.spheres["center"] - frame.origin) @ turn.T
+        made.points[k][:] = points
+        made.points[k]["position"][:] = (points["position"] - frame.origin) @ turn.T
+        for name in ("e1", "e2", "axis"):
+            made.points[k][name][:] = points[name] @ turn.T
+        made.sides[k]["up"][:] = sides["up"] @ turn.T
+        made.sides[k]["level"][:] = sides["level"] - sides["up"] @ frame.origin
+        # its own, without rounding
+        made.sides[k, k].up[:], made.sides[k, k].level = (0.0, 0.0, 1.0), 0.0
+    return made
+
+
+def _axes(arrays: SceneArrays) -> Table[Frame]:
+    """The frame of every plane, the floor's first."""
+    floor = table(Frame, 1 if arrays.floor.present else 0)
+    for row in floor:
+        row.east[0] = row.north[1] = row.up[2] = 1.0
+    return joined(Frame, [floor, frames(arrays.planes)])
+
+
+def _sides(axes: Table[Frame]) -> Table[Side]:
+    rows = table(Side, len(axes))
+    rows["up"][:] = axes["up"]
+    rows["level"][:] = (axes["up"] * axes["origin"]).sum(axis=1)
+    return rows
 
 
 def work_arrays(spheres: int, points: int) -> Work:
@@ -141,4 +219,5 @@ def work_arrays(spheres: int, points: int) -> Work:
         spots=table(Spot, max(1, 3 * points)),
         highlights=table(Highlight, 64 + 192 * points),
         boxes=table(Box, 96),
+        room=np.zeros(MAX_PLANES + 1),
     )

@@ -21,6 +21,7 @@ from symrender.chambers.penumbra import (
     segment_distance2,
 )
 from symrender.chambers.records import Curve, LightPoint
+from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.records import Table
@@ -318,21 +319,25 @@ def disk_curves(
     n1, n2 = nx * e1x + ny * e1y + nz * e1z, nx * e2x + ny * e2y + nz * e2z
     lift = yx * nx + yy * ny + yz * nz
     lifted, flush = lift > 0.0, False
-    if (
-        view.floor.present != 0.0
-        and abs(p.position[2]) < rho * math.sqrt(e1z * e1z + e2z * e2z)
-        and n < curves.shape[0]
-    ):
-        up = 1.0 if (qz if j >= 0 else work.chart.side) >= 0.0 else -1.0
+    for k in range(view.sides.shape[0]):
+        side = view.sides[k]
+        up = side.up
+        above = height(side, p.position[0], p.position[1], p.position[2])
+        u1, u2 = up[0] * e1x + up[1] * e1y + up[2] * e1z, up[0] * e2x + up[1] * e2y + up[2] * e2z
+        if not abs(above) < rho * math.sqrt(u1 * u1 + u2 * u2) or n >= curves.shape[0]:
+            continue
+        here = work.room[k] if k == work.chart.plane else height(side, qx, qy, qz)
+        facing = 1.0 if here >= 0.0 else -1.0
         row = curves[n]
-        row.k0, row.k1, row.k2, row.bounds = up * p.position[2], up * rho * e1z, up * rho * e2z, LINE
+        row.k0, row.k1, row.k2, row.bounds = facing * above, facing * rho * u1, facing * rho * u2, LINE
         row.k11 = row.k12 = row.k22 = 0.0
         row.meets = trig_roots(row.k0, row.k1, row.k2, 0.0, 0.0, 0.0, row.on_circle, 0)
         n += 1
-        apart = abs(lift - nz * p.position[2]) + rho * (abs(n1 - nz * e1z) + abs(n2 - nz * e2z))
-        if abs(nz) > 0.5 and apart < FLUSH * rho * math.sqrt(e1z * e1z + e2z * e2z):
+        level = nx * up[0] + ny * up[1] + nz * up[2]
+        apart = abs(lift - level * above) + rho * (abs(n1 - level * u1) + abs(n2 - level * u2))
+        if abs(level) > 0.5 and apart < FLUSH * rho * math.sqrt(u1 * u1 + u2 * u2):
             # two curves in one place would both bound what is seen, or neither
-            lifted, flush = nz * up > 0.0, True
+            lifted, flush = level * facing > 0.0, True
     if not flush and abs(lift) < rho * math.sqrt(n1 * n1 + n2 * n2) and n < curves.shape[0]:
         row = curves[n]
         row.k0, row.k1, row.k2, row.bounds = lift, rho * n1, rho * n2, TERMINATOR

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, PARTLY, light_state
 from symrender.chambers.records import LightPoint
-from symrender.chambers.work import View, Work, scene_view, work_arrays
+from symrender.chambers.rooms import carry, enter_room, frame_view, turn
+from symrender.chambers.work import Frames, View, Work, scene_frames, scene_view, work_arrays
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.disk_curves import (
     BALL,
@@ -44,12 +45,18 @@ ROUNDING: Final = 1e-14
 
 
 @jitable
-def stand_at(point: Array, normal: Array, incoming: Array, j: int, view: View, work: Work) -> bool:
-    """Tell ``work`` that the lit point is on sphere ``j``, -1 the floor; whether it is seen from within the sphere."""
-    work.chart.shape_index = j
+def stand_at(point: Array, normal: Array, incoming: Array, j: int, home: int, view: View, work: Work) -> bool:
+    """Tell ``work`` that the lit point is on sphere ``j`` or else on plane ``home``; whether it is seen from within.
+
+    From within the sphere, that is. Of a plane, ``view`` and all arguments are in its coordinates.
+    """
+    chart = work.chart
+    chart.shape_index, chart.plane, chart.home = j, home, home
     for a in range(3):
-        work.chart.point[a] = point[a]
-    work.chart.side = 1.0 if j >= 0 or incoming[2] < 0.0 else -1.0
+        chart.point[a] = point[a]
+    enter_room(view, work)
+    if home >= 0:
+        work.room[home] = chart.side = 1.0 if incoming[2] < 0.0 else -1.0
     lift = 0.0
     if j >= 0:
         for a in range(3):
@@ -153,39 +160,63 @@ def toleranced(
 
 def direct_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, step: int, tol: float, view: View,
-    work: Work, table: Array, room: Array, direct: Array, error: Array,
+    work: Work, table: Array, room: Array, framed: Array, frames: Frames, direct: Array, error: Array,
 ) -> None:  # fmt: skip
-    """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``."""
-    ks = view.shading.ks
+    """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``. ``framed`` (3, 3) is scratch."""
     for k in range(points.shape[0]):
-        qx, qy, qz = points[k, 0], points[k, 1], points[k, 2]
-        nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
-        vx, vy, vz = -incoming[k, 0], -incoming[k, 1], -incoming[k, 2]
-        j = surface[k] - FIRST_SPHERE
-        inside = stand_at(points[k], normals[k], incoming[k], j, view, work)
-        for i in range(view.points.shape[0]):
-            p = view.points[i]
-            if not p.radius > 0.0:
-                continue
-            if inside:
-                # a wall of a ball from within is no chart's: no value is claimed
-                error[k] = math.inf
-                continue
-            cast_by_all(i, j, view, work)
-            state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
-            if state == DARK:
-                continue
-            most = max(p.color[0], p.color[1], p.color[2])
-            lambert = 0.0
-            for c in range(3):
-                lambert = max(lambert, view.shading.kd * albedo[k, c] * p.color[c])
-            d, s, change = toleranced(
-                i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, lambert, ks * most, tol / view.points.shape[0],
-                view, work, table, room,
-            )  # fmt: skip
-            for c in range(3):
-                direct[k, c] += view.shading.kd * albedo[k, c] * p.color[c] * d + ks * p.color[c] * s
-            error[k] += change + ROUNDING * (lambert + ks * most)
+        home = frames.homes[surface[k]]
+        if home < 0:
+            j = surface[k] - FIRST_SPHERE
+            error[k] = disks_at(
+                points[k], normals[k], incoming[k], j, home, albedo[k], step, tol, view, work, table, room, direct[k]
+            )
+            continue
+        carry(points[k], home, frames, framed[0])
+        turn(normals[k], home, frames, framed[1])
+        turn(incoming[k], home, frames, framed[2])
+        error[k] = disks_at(
+            framed[0], framed[1], framed[2], -1, home, albedo[k], step, tol, frame_view(home, view, frames), work,
+            table, room, direct[k],
+        )  # fmt: skip
+
+
+@jitable
+def disks_at(
+    point: Array, normal: Array, incoming: Array, j: int, home: int, albedo: Array, step: int, tol: float, view: View,
+    work: Work, table: Array, room: Array, direct: Array,
+) -> float:  # fmt: skip
+    """Add to ``direct`` (3,) what all disks add at a point; the error. ``stand_at`` says where ``j`` and ``home`` are.
+
+    A point has many numbers, and two places ask: of spheres and, in their own coordinates, of planes.
+    """
+    ks, error = view.shading.ks, 0.0
+    qx, qy, qz = point[0], point[1], point[2]
+    nx, ny, nz = normal[0], normal[1], normal[2]
+    vx, vy, vz = -incoming[0], -incoming[1], -incoming[2]
+    inside = stand_at(point, normal, incoming, j, home, view, work)
+    for i in range(view.points.shape[0]):
+        p = view.points[i]
+        if not p.radius > 0.0:
+            continue
+        if inside:
+            # a wall of a ball from within is no chart's: no value is claimed
+            return math.inf
+        cast_by_all(i, j, view, work)
+        state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
+        if state == DARK:
+            continue
+        most = max(p.color[0], p.color[1], p.color[2])
+        lambert = 0.0
+        for c in range(3):
+            lambert = max(lambert, view.shading.kd * albedo[c] * p.color[c])
+        d, s, change = toleranced(
+            i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, lambert, ks * most, tol / view.points.shape[0],
+            view, work, table, room,
+        )  # fmt: skip
+        for c in range(3):
+            direct[c] += view.shading.kd * albedo[c] * p.color[c] * d + ks * p.color[c] * s
+        error += change + ROUNDING * (lambert + ks * most)
+    return error
 
 
 @functools.lru_cache(maxsize=1)
@@ -218,7 +249,7 @@ def disk_direct(
     given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]
     _kernel()(
         *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), disk_step(tol), tol,
-        view, *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), np.zeros((ROOM, 5)), direct,
-        error,
+        view, *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), np.zeros((ROOM, 5)),
+        np.zeros((3, 3)), scene_frames(arrays, rows), direct, error,
     )  # fmt: skip
     return direct, error

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from symrender.chambers.penumbra_walls import edge_search
 from symrender.chambers.records import Chart, Wall
+from symrender.chambers.rooms import height
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import (
     PENUMBRA,
@@ -65,6 +66,11 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         # the cone is a plane, of which its quadratic is the square
         n = add_line(conics, 0, lobe[0], lobe[1], lobe[2], h)
     n = add_line(conics, n, chart.normal[0], chart.normal[1], chart.normal[2], h)
+    for k in range(view.sides.shape[0]):
+        up = view.sides[k].up
+        if k != chart.plane and (up[0] != 0.0 or up[1] != 0.0):
+            above = height(view.sides[k], px, py, pz)
+            n = add_line(conics, n, -pz * up[0], -pz * up[1], above - pz * up[2], h)
     for i in range(work.counts.occluders):
         k = work.occluders[i]
         sx, sy, sz, r = (

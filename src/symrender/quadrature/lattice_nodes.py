@@ -12,6 +12,7 @@ from typing import Final
 
 from symrender.chambers.chart import casts, shadow_in_view
 from symrender.chambers.labels import texture_side
+from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.leaves.values import marble
@@ -48,6 +49,19 @@ def hide_nodes(m: int, j: int, own: int, view: View, work: Work) -> None:
             clear = clear if dot > 0.0 else 1.0
             clear = clear if dot < l2 else 1.0
             b.weight[i] *= clear if ex * ex + ey * ey + ez * ez >= r2 else 0.0
+
+
+@jitable
+def wall_off_nodes(m: int, view: View, work: Work) -> None:
+    """``weight`` 0 beyond the planes of P's room."""
+    m = min(m, BATCH)
+    b = work.nodes
+    for k in range(view.sides.shape[0]):
+        side, room = view.sides[k], work.room[k]
+        x, y, z, level = room * side.up[0], room * side.up[1], room * side.up[2], room * side.level
+        for i in range(m):
+            above = x * b.place[0, i] + y * b.place[1, i] + z * b.place[2, i] - level
+            b.weight[i] *= 1.0 if above >= 0.0 else 0.0
 
 
 @jitable
@@ -102,8 +116,9 @@ def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
     m = min(m, BATCH)
     chart, b = work.chart, work.nodes
     x, y, z = view.points[l].position[0], view.points[l].position[1], view.points[l].position[2]
-    if view.floor.present != 0.0 and chart.side * z < 0.0:
-        return False
+    for k in range(view.sides.shape[0]):
+        if work.room[k] * height(view.sides[k], x, y, z) < 0.0:
+            return False
     sphere = view.spheres[j]
     lx, ly, lz = x - sphere.center[0], y - sphere.center[1], z - sphere.center[2]
     far, k = math.sqrt(lx * lx + ly * ly + lz * lz), chart.ratio

@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.lattice_nodes import BATCH, hide_nodes, mark_nodes, tint_nodes
+from symrender.quadrature.lattice_nodes import BATCH, hide_nodes, mark_nodes, tint_nodes, wall_off_nodes
 from symrender.quadrature.leaf_rows import eye_view_rows
 from symrender.quadrature.light_nodes import point_light
 from symrender.quadrature.node_rows import (
@@ -129,7 +129,6 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
     dx, dy, dz, power = aim.far[0], aim.far[1], aim.far[2], aim.far_power
     sx, sy, sz = chart.normal[0], chart.normal[1], chart.normal[2]
     flat, fx, fy, fz = chart.facing_level, chart.facing[0], chart.facing[1], chart.facing[2]
-    side = chart.side if view.floor.present != 0.0 else 0.0
     level, step, z = aim.level / size, 1.0 / size, float(generator)
     inverse, inverse_rate = 1.0 / radius, 1.0 / rate
     for i in range(m):
@@ -156,12 +155,10 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
         near = wx * dx + wy * dy + wz * dz
         far = near - math.sqrt(max(0.0, near * near - power))
         nx, ny, nz = (far * wx - dx) * inverse, (far * wy - dy) * inverse, (far * wz - dz) * inverse
-        qz = pz + far * wz
         seen = 1.0 if wx * sx + wy * sy + wz * sz > 0.0 else 0.0
-        seen = seen if qz * side >= 0.0 else 0.0
         b.radix[i] = 1.0 - s
         b.weight[i] = level * (y * y) * (y * y) * y * arc * d * seen * (flat + wx * fx + wy * fy + wz * fz)
-        b.place[0, i], b.place[1, i], b.place[2, i] = px + far * wx, py + far * wy, qz
+        b.place[0, i], b.place[1, i], b.place[2, i] = px + far * wx, py + far * wy, pz + far * wz
         b.normal[0, i], b.normal[1, i], b.normal[2, i] = nx, ny, nz
         b.toward[0, i], b.toward[1, i], b.toward[2, i] = -wx, -wy, -wz
     powers(0, m, b, chart.exponent)
@@ -186,6 +183,7 @@ def scatter(size: int, j: int, own: int, view: View, work: Work) -> float:
     while start < size:
         m = min(BATCH, size - start)
         place_lattice(m, start, size, GENERATORS[generator], view.spheres[j].radius, view, work)
+        wall_off_nodes(m, view, work)
         hide_nodes(m, j, own, view, work)
         tint_nodes(m, j, view, work)
         begin_sums(m, shading.ka, shading, b)

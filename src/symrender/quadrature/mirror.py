@@ -14,11 +14,13 @@ from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import light_state, texture_side
 from symrender.chambers.place import surface_point
 from symrender.chambers.records import NODES, Chart
-from symrender.chambers.work import View, Work
+from symrender.chambers.rooms import frame_view, height
+from symrender.chambers.work import Frames, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.leaves.values import floor_phases
 from symrender.quadrature.gauss import LEVELS
 from symrender.quadrature.split_line import place_nodes, shade_nodes, shape_nodes
+from symrender.quadrature.split_setup import stand_in_frame
 from symrender.scene.arrays import (
     BRDF_NORMALISED,
     CHECKER,
@@ -35,11 +37,11 @@ COARSER = FINEST - 2
 
 @jitable
 def first_hit(own: int, lobe: Array, view: View, chart: Chart) -> int:
-    """What the direction ``lobe`` meets first from P: a sphere's index, -1 for the floor, -2 for nothing.
+    """What the direction ``lobe`` meets first from P: a sphere's index, of plane k -2 - k, and -1 for nothing.
 
-    ``own`` is the sphere the point lies on, -1 if that is the floor.
+    ``own`` is the sphere the point lies on, any other number if there is none.
     """
-    nearest, found = math.inf, -2
+    nearest, found = math.inf, -1
     for j in range(view.spheres.shape[0]):
         if j == own:
             continue
@@ -56,10 +58,12 @@ def first_hit(own: int, lobe: Array, view: View, chart: Chart) -> int:
         t = (fx * fx + fy * fy + fz * fz - s.radius * s.radius) / (b + math.sqrt(square))
         if 0.0 < t < nearest:
             nearest, found = t, j
-    if view.floor.present != 0.0 and own >= 0 and chart.point[2] * lobe[2] < 0.0:
-        t = -chart.point[2] / lobe[2]
-        if t < nearest:
-            found = -1
+    for k in range(view.sides.shape[0]):
+        up = view.sides[k].up
+        above = height(view.sides[k], chart.point[0], chart.point[1], chart.point[2])
+        rate = up[0] * lobe[0] + up[1] * lobe[1] + up[2] * lobe[2]
+        if k != chart.home and above * rate < 0.0 and -above / rate < nearest:
+            nearest, found = -above / rate, -2 - k
     return found
 
 
@@ -75,10 +79,12 @@ def floor_albedo(x: float, y: float, view: View, out: Array) -> None:
 
 
 @jitable
-def mirror_radiance(own: int, lobe: Array, view: View, work: Work, gauss: Array, step: int, value: Array) -> None:
+def mirror_radiance(
+    own: int, lobe: Array, view: View, frames: Frames, work: Work, gauss: Array, step: int, room: Array, value: Array
+) -> None:  # fmt: skip
     """Radiance along ``lobe`` from the chart's point into ``value`` (3,), times its cosine to the normal in BRDF units.
 
-    The rules over disk lights are those of ``step``.
+    The rules over disk lights are those of ``step``. ``room`` (9,) is scratch.
     """
     chart, shading = work.chart, view.shading
     weight = 1.0
@@ -87,19 +93,32 @@ def mirror_radiance(own: int, lobe: Array, view: View, work: Work, gauss: Array,
     for a in range(3):
         value[a] = weight * shading.background[a]
     j = first_hit(own, lobe, view, chart)
-    if j == -2 or (j == -1 and chart.point[2] == 0.0):
+    if j == -1:
         return
     chart.exponent = chart.log_normaliser = 0.0
     chart.facing[0] = chart.facing[1] = chart.facing[2] = 0.0
     chart.facing_level = 1.0
-    color = chart.albedo
     if j >= 0:
         sphere_chart(j, own, lobe, view, work)
         # the sine of incidence; at the limb rounding may take it beyond 1
-        x = math.asin(min(1.0, chart.lobe_sin / chart.ratio))
-    else:
-        floor_chart(own, lobe, view, work)
-        x = chart.lobe_beta
+        hit_radiance(math.asin(min(1.0, chart.lobe_sin / chart.ratio)), weight, step, view, work, gauss, value)
+        return
+    k = -2 - j
+    for a in range(3):
+        room[a], room[3 + a] = chart.point[a], chart.normal[a]
+    stand_in_frame(k, room[0:3], room[3:6], lobe, frames, work, room[6:9])
+    framed = frame_view(k, view, frames)
+    floor_chart(k, own, room[6:9], framed, work)
+    hit_radiance(chart.lobe_beta, weight, step, framed, work, gauss, value)
+    for a in range(3):
+        chart.point[a], chart.normal[a] = room[a], room[3 + a]
+
+
+@jitable
+def hit_radiance(x: float, weight: float, step: int, view: View, work: Work, gauss: Array, value: Array) -> None:
+    """Add to ``value`` what the charted shape has more than the background at inner coordinate x, towards the lobe."""
+    chart, shading = work.chart, view.shading
+    j, color = chart.shape_index, chart.albedo
     qx, qy, qz, nx, ny, nz = surface_point(x, 1.0, 0.0, chart)
     work.cell_side[0] = 1
     factor = shading.kd
@@ -126,10 +145,13 @@ def mirror_radiance(own: int, lobe: Array, view: View, work: Work, gauss: Array,
 
 
 @jitable
-def mirror_value(own: int, lobe: Array, view: View, work: Work, gauss: Array, coarse: Array, value: Array) -> float:
+def mirror_value(
+    own: int, lobe: Array, view: View, frames: Frames, work: Work, gauss: Array, room: Array, coarse: Array, value:
+    Array
+) -> float:  # fmt: skip
     """``mirror_radiance`` by the finest rules into ``value``; how far coarser ones, into ``coarse``, are off."""
-    mirror_radiance(own, lobe, view, work, gauss, COARSER, coarse)
-    mirror_radiance(own, lobe, view, work, gauss, FINEST, value)
+    mirror_radiance(own, lobe, view, frames, work, gauss, COARSER, room, coarse)
+    mirror_radiance(own, lobe, view, frames, work, gauss, FINEST, room, value)
     return largest_gap(coarse, value)
 
 

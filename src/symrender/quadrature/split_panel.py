@@ -294,6 +294,12 @@ def split_span(
 
 
 @inlined
+def shape_key(chart: Chart) -> int:
+    """A number of the charted shape: 2 and more of spheres, 1 and less of planes."""
+    return chart.shape_index + 2 if chart.shape_index >= 0 else 1 - chart.plane
+
+
+@inlined
 def note_chambers(work: Work) -> None:
     """Count the labels of the scanned line that this point has not met before, and mark its walls as met."""
     for cell in range(work.counts.cells):
@@ -301,7 +307,7 @@ def note_chambers(work: Work) -> None:
             work.walls[work.cell_wall[cell] // 4].met = 1
         if work.cell_side[cell] == HIDDEN:
             continue
-        key = (work.chart.shape_index + 2) * 1099511628211 + work.cell_side[cell]
+        key = shape_key(work.chart) * 1099511628211 + work.cell_side[cell]
         for i in range(work.lit.shape[1]):
             key = (key ^ work.lit[cell, i]) * 1099511628211
         known = min(work.counts.chambers, work.labels.shape[0])

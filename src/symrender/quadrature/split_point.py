@@ -13,12 +13,15 @@ import numpy.typing as npt
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share, facing_mass
 from symrender.chambers.records import Chart, Event, LightPoint
+from symrender.chambers.rooms import frame_view
 from symrender.chambers.work import (
     MAX_ROOTS,
+    Frames,
     View,
     Work,
     begin_counts,
     is_spent,
+    scene_frames,
     scene_view,
     work_arrays,
 )
@@ -42,6 +45,7 @@ from symrender.quadrature.split_setup import (
     inside_another,
     place_point,
     sphere_strips,
+    stand_in_frame,
 )
 from symrender.records import Table, table
 from symrender.scene.arrays import (
@@ -147,16 +151,17 @@ def gloss_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, work: Work, gauss: Array,
     panels: Table[Panel], spans: Table[Span], ids: Ints, events: Table[Event], scratch: Array, tol: float, bound: float,
     max_evaluations: int, walled: bool, gloss: Array, error: Array, evaluations: Ints, status: Ints, chambers: Ints,
-    crossings: Ints, conics: Table[Conic], states: Array, grid_stack: Array,
+    crossings: Ints, conics: Table[Conic], states: Array, grid_stack: Array, frames: Frames,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
-    lobe = scratch[24:27]
+    lobe, axis = scratch[24:27], scratch[36:39]
     chart = work.chart
     # a rounded base errs by so much more as its power is higher
     powers = ROUNDED * view.shading.shininess if view.shading.ks > 0.0 else 0.0
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
-        place_point(points[i], normals[i], incoming[i], lobe, chart)
+        home = frames.homes[surface[i]]
+        place_point(points[i], normals[i], incoming[i], home, lobe, view, work)
         own = surface[i] - 2
         n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], NARROWEST)
         value = gloss[i]
@@ -167,7 +172,7 @@ def gloss_kernel(
             evaluations[i] = chambers[i] = crossings[i] = 0
             continue
         if lobes[surface[i], 1] == 0.0:
-            largest = mirror_value(own, lobe, view, work, gauss, scratch[28:31], value)
+            largest = mirror_value(own, lobe, view, frames, work, gauss, scratch[40:49], scratch[28:31], value)
             error[i] = largest + (1e-15 + powers) * max(abs(value[0]), abs(value[1]), abs(value[2])) + 1e-15
             evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
@@ -229,34 +234,48 @@ def gloss_kernel(
             )
             total += e
             bad += b
-        if view.floor.present != 0.0 and surface[i] != FLOOR and points[i, 2] != 0.0:
-            floor_chart(own, lobe, view, work)
-            if chart.side > 0.0 or sky > 0.0:
-                floor_strips(n, view, work)
-                chart.bright = bound
-                e, b = split_chart(
-                    max(0.5 * (tol - total), 0.05 * tol), view, work, gauss, panels, spans, ids, events, scratch,
-                    max_evaluations, value,
+        for k in range(view.sides.shape[0]):
+            if k == home:
+                continue
+            stand_in_frame(k, points[i], normals[i], lobe, frames, work, axis)
+            if chart.point[2] == 0.0:
+                continue
+            if brdf:
+                for a in range(3):
+                    chart.facing[a] = chart.normal[a]
+            front = work.room[k] > 0.0
+            if not front and sky == 0.0:
+                continue
+            framed = frame_view(k, view, frames)
+            floor_chart(k, own, axis, framed, work)
+            floor_strips(n, framed, work)
+            chart.bright = bound
+            e, b = split_chart(
+                max(0.5 * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
+                max_evaluations, value,
+            )  # fmt: skip
+            total += e
+            bad += b
+            if not front or framed.floor.kind != CHECKER:
+                continue
+            contrast = 0.0
+            for a in range(3):
+                half = 0.5 * view.shading.kd * (framed.floor.bright[a] - framed.floor.dark[a])
+                scratch[16 + a] = half
+                scratch[20 + a] = 0.0
+                contrast = max(contrast, abs(half))
+            if contrast > 0.0:
+                total += contrast * split_grid(
+                    max(0.5 * (tol - total), 0.05 * tol) / contrast, own, axis, framed, work, conics, gauss,
+                    states, grid_stack, max_evaluations, scratch[20:23],
                 )  # fmt: skip
-                total += e
-                bad += b
-                if chart.side > 0.0 and view.floor.kind == CHECKER:
-                    contrast = 0.0
-                    for a in range(3):
-                        half = 0.5 * view.shading.kd * (view.floor.bright[a] - view.floor.dark[a])
-                        scratch[16 + a] = half
-                        scratch[20 + a] = 0.0
-                        contrast = max(contrast, abs(half))
-                    if contrast > 0.0:
-                        total += contrast * split_grid(
-                            max(0.5 * (tol - total), 0.05 * tol) / contrast, own, lobe, view, work, conics, gauss,
-                            states, grid_stack, max_evaluations, scratch[20:23],
-                        )  # fmt: skip
-                        for a in range(3):
-                            value[a] += scratch[16 + a] * scratch[20 + a]
+                for a in range(3):
+                    value[a] += scratch[16 + a] * scratch[20 + a]
+        for a in range(3):
+            chart.point[a], chart.normal[a] = points[i, a], normals[i, a]
         if lobes[surface[i], 1] < NARROWEST:
             # between a mirror and a lobe still wider
-            total += mirror_value(own, lobe, view, work, gauss, scratch[28:31], scratch[31:34])
+            total += mirror_value(own, lobe, view, frames, work, gauss, scratch[40:49], scratch[28:31], scratch[31:34])
             total += largest_gap(value, scratch[31:34])
             for a in range(3):
                 value[a] = scratch[31 + a]
@@ -304,7 +323,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=table(Event, 2048),
         scratch=np.zeros(64),
-        conics=table(Conic, 2 + 2 * len(arrays.spheres) + len(points) * len(arrays.spheres)),
+        conics=table(Conic, 2 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres)),
         states=np.zeros(max(1, len(points))),
         grid_stack=np.zeros((256, 256)),
     )
@@ -334,15 +353,15 @@ def gloss_points(
     In BRDF units, int_cone (n + 2)/(2 pi) cos^n theta (w.N) f(P, w) dw: the surface cosine has no walls.
 
     ``points`` (N, 3) on surfaces, unit ``normals`` (N, 3), unit ``incoming`` (N, 3) directions of travel towards the
-    points, ``surface`` (N,) hit classes (1 the floor, 2 + j sphere j), whose lobe is used. ``tol`` is absolute,
-    in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids, 0
+    points, ``surface`` (N,) hit classes (1 the floor, 2 + j sphere j, then planes), whose lobe is used. ``tol`` is
+    absolute, in scene units of radiance. ``disk_order`` K replaces a disk light by its K x K centroids, 0
     integrates it. Where not ``walled``, a sphere is done on a lattice of directions as far as that is good enough:
     quicker at loose tolerances, and ``chambers`` and ``crossings`` then leave it out. Deterministic; choose it whenever
     an error is wanted with the value, or more than two digits. Points inside a sphere are ``UNSUPPORTED``.
     """
     lights = light_rows(arrays, disk_order)
     view = scene_view(arrays, lights)
-    lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
+    lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
     n = len(points)
@@ -355,6 +374,6 @@ def gloss_points(
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
         radiance_bound(arrays, lights), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics, s.states,
-        s.grid_stack,
+        s.grid_stack, scene_frames(arrays, lights),
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

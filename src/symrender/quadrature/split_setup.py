@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.records import Chart
-from symrender.chambers.work import View, Work
+from symrender.chambers.rooms import carry, enter_room, turn
+from symrender.chambers.work import Frames, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.split_line import NEAR_LIGHT
 from symrender.records import Table
@@ -29,8 +29,11 @@ UNSUPPORTED: Final = 3
 
 
 @jitable
-def place_point(point: Array, normal: Array, incoming: Array, lobe: Array, chart: Chart) -> None:
-    """Write the point, its normal and its side of the floor into ``chart`` and the axis of its lobe into ``lobe``."""
+def place_point(
+    point: Array, normal: Array, incoming: Array, home: int, lobe: Array, view: View, work: Work
+) -> None:  # fmt: skip
+    """Write the point, its normal and its plane ``home`` into the chart, its room and the axis of its lobe."""
+    chart = work.chart
     d = incoming[0] * normal[0] + incoming[1] * normal[1] + incoming[2] * normal[2]
     size = 0.0
     for a in range(3):
@@ -40,8 +43,17 @@ def place_point(point: Array, normal: Array, incoming: Array, lobe: Array, chart
         size += lobe[a] * lobe[a]
     for a in range(3):
         lobe[a] /= math.sqrt(size)
-    chart.side = 1.0 if point[2] >= 0.0 else -1.0
+    chart.home = home
+    enter_room(view, work)
     chart.pace = 1.0
+
+
+@inlined
+def stand_in_frame(k: int, point: Array, normal: Array, lobe: Array, frames: Frames, work: Work, axis: Array) -> None:
+    """Write the point and its normal into the chart, and the lobe's axis into ``axis``, all as plane ``k`` has them."""
+    carry(point, k, frames, work.chart.point)
+    turn(normal, k, frames, work.chart.normal)
+    turn(lobe, k, frames, axis)
 
 
 @jitable

@@ -1,0 +1,109 @@
+"""Rooms: planes cut space into convex parts, and a point sees no further than the one it lies in.
+
+A room is convex, so no plane lies between two of its points: a plane hides a light from a lit point exactly where the
+two are on different sides of it. A plane is a ``Side`` of the view, its normal and its level; ``Work.room`` says on
+which side of each the point P lies. Points of a charted plane are compared with the other planes only.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.records import Chart, LightPoint, Side
+from symrender.chambers.work import Frames, View, Work
+from symrender.kernel_cache import inlined, jitable
+
+Array = npt.NDArray[np.float64]
+
+
+@inlined
+def height(side: Side, x: float, y: float, z: float) -> float:
+    """Distance of a point from a plane, negative behind it."""
+    return float(side.up[0] * x + side.up[1] * y + side.up[2] * z - side.level)
+
+
+@jitable
+def enter_room(view: View, work: Work) -> None:
+    """Note on which side of every plane the chart's point lies; on the plane it is a point of, in front."""
+    chart = work.chart
+    for k in range(view.sides.shape[0]):
+        behind = height(view.sides[k], chart.point[0], chart.point[1], chart.point[2]) < 0.0
+        work.room[k] = -1.0 if behind and k != chart.home else 1.0
+
+
+@inlined
+def is_walled_off(qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
+    """Whether Q lies in another room than P, as far as planes other than the charted one tell."""
+    for k in range(view.sides.shape[0]):
+        if k != work.chart.plane and height(view.sides[k], qx, qy, qz) * work.room[k] < 0.0:
+            return True
+    return False
+
+
+@inlined
+def planes_hide(x: float, y: float, z: float, qx: float, qy: float, qz: float, view: View, work: Work) -> bool:
+    """Whether a plane hides a light at (x, y, z) from Q.
+
+    A charted plane is lit on its upper side, by what is above it. Elsewhere a point is lit by what is not on the other
+    side of a plane, and what lies in the plane is on neither.
+    """
+    for k in range(view.sides.shape[0]):
+        side = view.sides[k]
+        up = height(side, x, y, z)
+        if k == work.chart.plane:
+            if not up > 0.0 or work.room[k] < 0.0:
+                return True
+        elif height(side, qx, qy, qz) * up < 0.0:
+            return True
+    return False
+
+
+@inlined
+def disk_over(p: LightPoint, side: Side) -> tuple[float, float]:
+    """Height of a disk's centre over a plane, and how far its rim rises above and falls below it."""
+    e, f, up = p.e1, p.e2, side.up
+    first = e[0] * up[0] + e[1] * up[1] + e[2] * up[2]
+    second = f[0] * up[0] + f[1] * up[1] + f[2] * up[2]
+    return height(side, p.position[0], p.position[1], p.position[2]), p.radius * math.hypot(first, second)
+
+
+@jitable
+def frame_view(k: int, view: View, frames: Frames) -> View:
+    """The scene in the coordinates of plane ``k``, in which it is the floor."""
+    return View(
+        spheres=frames.spheres[k],
+        floor=frames.floors[k],
+        points=frames.points[k],
+        shading=view.shading,
+        eye=frames.eyes[k],
+        sides=frames.sides[k],
+    )
+
+
+@inlined
+def turn(v: Array, k: int, frames: Frames, out: Array) -> None:
+    """A direction in the coordinates of plane ``k``."""
+    frame = frames.axes[k]
+    x, y, z = v[0], v[1], v[2]
+    out[0] = x * frame.east[0] + y * frame.east[1] + z * frame.east[2]
+    out[1] = x * frame.north[0] + y * frame.north[1] + z * frame.north[2]
+    out[2] = x * frame.up[0] + y * frame.up[1] + z * frame.up[2]
+
+
+@inlined
+def carry(p: Array, k: int, frames: Frames, out: Array) -> None:
+    """A point in the coordinates of plane ``k``."""
+    frame = frames.axes[k]
+    x, y, z = p[0] - frame.origin[0], p[1] - frame.origin[1], p[2] - frame.origin[2]
+    out[0] = x * frame.east[0] + y * frame.east[1] + z * frame.east[2]
+    out[1] = x * frame.north[0] + y * frame.north[1] + z * frame.north[2]
+    out[2] = x * frame.up[0] + y * frame.up[1] + z * frame.up[2]
+
+
+@inlined
+def has_front(chart: Chart, work: Work) -> bool:
+    """Whether P is on the side that the charted plane shows."""
+    return bool(work.room[chart.plane] > 0.0)
