@@ -154,7 +154,7 @@ def gloss_kernel(
     crossings: Ints, conics: Table[Conic], states: Array, grid_stack: Array, frames: Frames,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
-    lobe, axis = scratch[24:27], scratch[36:39]
+    lobe, axis = scratch[24:27], scratch[50:53]
     chart = work.chart
     # a rounded base errs by so much more as its power is higher
     powers = ROUNDED * view.shading.shininess if view.shading.ks > 0.0 else 0.0
@@ -172,7 +172,7 @@ def gloss_kernel(
             evaluations[i] = chambers[i] = crossings[i] = 0
             continue
         if lobes[surface[i], 1] == 0.0:
-            largest = mirror_value(own, lobe, view, frames, work, gauss, scratch[40:49], scratch[28:31], value)
+            largest = mirror_value(own, lobe, view, frames, work, gauss, scratch[53:62], scratch[28:31], value)
             error[i] = largest + (1e-15 + powers) * max(abs(value[0]), abs(value[1]), abs(value[2])) + 1e-15
             evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
@@ -275,7 +275,7 @@ def gloss_kernel(
             chart.point[a], chart.normal[a] = points[i, a], normals[i, a]
         if lobes[surface[i], 1] < NARROWEST:
             # between a mirror and a lobe still wider
-            total += mirror_value(own, lobe, view, frames, work, gauss, scratch[40:49], scratch[28:31], scratch[31:34])
+            total += mirror_value(own, lobe, view, frames, work, gauss, scratch[53:62], scratch[28:31], scratch[31:34])
             total += largest_gap(value, scratch[31:34])
             for a in range(3):
                 value[a] = scratch[31 + a]
