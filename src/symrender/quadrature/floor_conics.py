@@ -68,7 +68,7 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
     n = add_line(conics, n, chart.normal[0], chart.normal[1], chart.normal[2], h)
     for k in range(view.sides.shape[0]):
         up = view.sides[k].up
-        if k != chart.plane and (up[0] != 0.0 or up[1] != 0.0):
+        if k not in (chart.plane, chart.home) and (up[0] != 0.0 or up[1] != 0.0):
             above = height(view.sides[k], px, py, pz)
             n = add_line(conics, n, -pz * up[0], -pz * up[1], above - pz * up[2], h)
     for i in range(work.counts.occluders):
