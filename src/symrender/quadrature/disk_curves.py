@@ -330,6 +330,7 @@ def disk_curves(
         facing = 1.0 if here >= 0.0 else -1.0
         row = curves[n]
         row.k0, row.k1, row.k2, row.bounds = facing * above, facing * rho * u1, facing * rho * u2, LINE
+        row.ball = k
         row.k11 = row.k12 = row.k22 = 0.0
         row.meets = trig_roots(row.k0, row.k1, row.k2, 0.0, 0.0, 0.0, row.on_circle, 0)
         n += 1

@@ -55,6 +55,13 @@ def add_line(conics: Table[Conic], n: int, ax: float, ay: float, az: float, h: f
 
 
 @inlined
+def is_edge(k: int, view: View, chart: Chart) -> bool:
+    """Whether plane ``k`` meets the charted one in an edge of its own; that of P's plane is the horizon."""
+    up = view.sides[k].up
+    return bool(k != chart.plane and k != chart.home and (up[0] != 0.0 or up[1] != 0.0))
+
+
+@inlined
 def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Conic]) -> int:
     """All conics of the floor chart about the point's foot; their number."""
     chart = work.chart
@@ -67,8 +74,8 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         n = add_line(conics, 0, lobe[0], lobe[1], lobe[2], h)
     n = add_line(conics, n, chart.normal[0], chart.normal[1], chart.normal[2], h)
     for k in range(view.sides.shape[0]):
-        up = view.sides[k].up
-        if k not in (chart.plane, chart.home) and (up[0] != 0.0 or up[1] != 0.0):
+        if is_edge(k, view, chart):
+            up = view.sides[k].up
             above = height(view.sides[k], px, py, pz)
             n = add_line(conics, n, -pz * up[0], -pz * up[1], above - pz * up[2], h)
     for i in range(work.counts.occluders):
