@@ -42,7 +42,7 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
     away = place[0] - arrays.camera.eye
     lobe = np.zeros(3)
     begin_counts(10**9, work)
-    place_point(place[0], normal[0], away / np.linalg.norm(away), lobe, work.chart)
+    place_point(place[0], normal[0], away / np.linalg.norm(away), surface == FLOOR, lobe, work.chart)
     lobe_setup(shape.lobe.exponent, shape.lobe.theta_max, tol, 1.0, work.chart)
     for j in (*range(len(arrays.spheres)), FLOOR_CHART):
         if j == own:

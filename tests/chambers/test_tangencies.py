@@ -83,7 +83,7 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
     found, scratch = np.zeros(LINES), np.zeros(4)
     for place, normal, own in _places(arrays, sphere):
         ray = place - arrays.camera.eye
-        place_point(place, normal, ray / np.linalg.norm(ray), axis, work.chart)
+        place_point(place, normal, ray / np.linalg.norm(ray), own < 0, axis, work.chart)
         lobe_setup(4.0, 1.2, 1e-9, 1.0, work.chart)
         for j in range(len(arrays.spheres)) if sphere else [-1]:
             if sphere:

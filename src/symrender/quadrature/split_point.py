@@ -156,7 +156,7 @@ def gloss_kernel(
     powers = ROUNDED * view.shading.shininess if view.shading.ks > 0.0 else 0.0
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
-        place_point(points[i], normals[i], incoming[i], lobe, chart)
+        place_point(points[i], normals[i], incoming[i], surface[i] == FLOOR, lobe, chart)
         own = surface[i] - 2
         n, theta_max = lobes[surface[i], 0], max(lobes[surface[i], 1], NARROWEST)
         value = gloss[i]
@@ -195,7 +195,7 @@ def gloss_kernel(
         for j in range(view.spheres.shape[0]):
             if j == own:
                 continue
-            if not walled:
+            if not walled and (chart.side != 0.0 or view.floor.present == 0.0):
                 mass = aim_lattice(j, lobe, view, work)
                 if mass >= 0.0:
                     spare = max(0.5 * (tol - total), 0.05 * tol)

@@ -29,8 +29,12 @@ UNSUPPORTED: Final = 3
 
 
 @jitable
-def place_point(point: Array, normal: Array, incoming: Array, lobe: Array, chart: Chart) -> None:
-    """Write the point, its normal and its side of the floor into ``chart`` and the axis of its lobe into ``lobe``."""
+def place_point(point: Array, normal: Array, incoming: Array, floor: bool, lobe: Array, chart: Chart) -> None:
+    """Write the point, its normal and its side of the floor into ``chart`` and the axis of its lobe into ``lobe``.
+
+    A point of a sphere that lies in the floor's plane is on neither side: no ray from there meets the floor, and it
+    sees what is below. ``floor``: whether it is the floor's own point.
+    """
     d = incoming[0] * normal[0] + incoming[1] * normal[1] + incoming[2] * normal[2]
     size = 0.0
     for a in range(3):
@@ -40,7 +44,11 @@ def place_point(point: Array, normal: Array, incoming: Array, lobe: Array, chart
         size += lobe[a] * lobe[a]
     for a in range(3):
         lobe[a] /= math.sqrt(size)
-    chart.side = 1.0 if point[2] >= 0.0 else -1.0
+    chart.side = 0.0
+    if floor or point[2] > 0.0:
+        chart.side = 1.0
+    elif point[2] < 0.0:
+        chart.side = -1.0
     chart.pace = 1.0
 
 

@@ -321,7 +321,7 @@ def gradient_kernel(
     count = t.moves.shape[0]
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
-        place_point(points[i], normals[i], incoming[i], lobe, chart)
+        place_point(points[i], normals[i], incoming[i], surface[i] == FLOOR, lobe, chart)
         own = surface[i] - FIRST_SPHERE
         n, theta_max = lobes[surface[i], 0], lobes[surface[i], 1]
         # a lobe narrower than its rim's rounding has values, but no slopes
