@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from symrender.cli._options import DEFAULT_SCENE, Define, Force, Quiet, SceneArgument, scene_files, scene_with
+from symrender.cli._completions import DEFAULT_SCENE
+from symrender.cli._options import Define, Force, Quiet, SceneArgument, scene_files, scene_with
 from symrender.limits import MAX_LISTED_LOBE
 
 
