@@ -20,6 +20,7 @@ from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 from symrender.scene.moves import SceneMoves, moves, scene_moves
+from symrender.scene.nearest import did_you_mean
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
 
@@ -190,7 +191,8 @@ def _places(scene: Scene, points: Array, surface: str) -> tuple[Array, Array, in
         return flat, np.tile([0.0, 0.0, 1.0], (len(flat), 1)), at.FLOOR
     names = {f"spheres.{sphere.name}": k for k, sphere in enumerate(scene.spheres)}
     if surface not in names:
-        raise SceneError(f"surface: must be one of {', '.join(['floor', *names])}, got {surface!r}")
+        known = ["floor", *names]
+        raise SceneError(f"surface: must be one of {', '.join(known)}, got {surface!r}{did_you_mean(surface, known)}")
     sphere = scene.spheres[names[surface]]
     if sphere.lobe is None:
         raise SceneError(f"surface: {surface} has no lobe")

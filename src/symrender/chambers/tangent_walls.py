@@ -316,6 +316,8 @@ def wall_gradient(
             own[balls + 4 * shape + a] += by_g[a]
             own[LIGHTS + 6 * light + a] -= bar[HIT, a] + by_g[a]
         own[balls + 4 * shape + 3] += 2.0 * r * (ux * ux + uy * uy + uz * uz)
+    elif tag == SHADOW_EDGE:
+        _contact_gradient(row, here, view, work, bar, own)
     else:
         # where Q is on a plane
         side, column = tag - CUT_BY, plane_columns(view) + 4 * (tag - CUT_BY)
@@ -323,6 +325,18 @@ def wall_gradient(
             bar[HIT, a] = view.sides[side].up[a]
             own[column + a] += here[HIT, a] + chart.point[a]
         own[column + 3] -= 1.0
+
+
+@jitable
+def _contact_gradient(row: Wall, here: Array, view: View, work: Work, bar: Array, own: Array) -> None:
+    """``wall_gradient`` of the plane behind which a ball hides a light on its surface, where light and ball keep so."""
+    light, shape, p = row.light, row.shape_index, here[HIT]
+    balls = LIGHTS + 6 * view.points.shape[0]
+    for a in range(3):
+        bar[HIT, a] = view.spheres[shape].center[a] - view.points[light].position[a]
+        u = p[a] + work.chart.point[a] - view.points[light].position[a]
+        own[balls + 4 * shape + a] += u
+        own[LIGHTS + 6 * light + a] -= bar[HIT, a] + u
 
 
 @jitable

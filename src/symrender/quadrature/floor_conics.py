@@ -12,6 +12,7 @@ from symrender.chambers.records import Chart, Wall
 from symrender.chambers.rooms import height
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import (
+    CONTACT,
     PENUMBRA,
 )
 from symrender.chambers.work import View, Work
@@ -111,6 +112,14 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         rho = view.points[light].radius
         reach = view.spheres[k].radius + rho
         t = rho / reach
+        if rho == 0.0 and abs(far2 - reach * reach) < CONTACT * far2:
+            # a light on the ball itself: the plane that touches there
+            if n < conics.shape[0]:
+                row = conics[n]
+                row.xx, row.xy, row.yy, row.x, row.y, row.soft = 0.0, 0.0, 0.0, 0.5 * ex / far, 0.5 * ey / far, 0
+                row.free = -(ex * lx + ey * ly + ez * lz) / far
+            n += 1
+            continue
         n = add_cone(
             conics, n, ex / far, ey / far, ez / far, reach * reach / far2, lx + t * ex, ly + t * ey, lz + t * ez
         )

@@ -450,11 +450,9 @@ def gradient_kernel(
                 tol, spent, max_evaluations, exact,
             )  # fmt: skip
         for k in range(view.sides.shape[0]):
-            if k == home:
+            if k == home or work.room[k] == 0.0:
                 continue
             stand_in_frame(k, points[i], normals[i], lobe, frames, work, axis)
-            if chart.point[2] == 0.0:
-                continue
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
             floor_strips(n, framed, work)
