@@ -76,7 +76,8 @@ def _plain_trace(text: str, arrays: SceneArrays, rays: tuple[Array, Array, Array
     points = light_points(arrays.lights, 2, module.light_point)
     results = np.empty((len(rays[0]), 5))
     rows = np.concatenate(rays[:2], axis=1)
-    module.trace(rows, rays[2], arrays.camera.eye, arrays.spheres, arrays.floor, points, arrays.shading, results)
+    shapes = (arrays.spheres, arrays.floor, arrays.planes)
+    module.trace(rows, rays[2], arrays.camera.eye, *shapes, points, arrays.shading, results)
     return results[:, :3], results[:, 3], results[:, 4]
 
 
