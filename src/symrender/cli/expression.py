@@ -11,7 +11,9 @@ from symrender.cli._options import DEFAULT_SCENE, Define, SceneArgument, scene_w
 
 def expression(
     scene: SceneArgument = DEFAULT_SCENE,
-    surface: Annotated[str, typer.Option(help="Surface whose lobe is written out: floor or spheres.NAME.")] = "floor",
+    surface: Annotated[
+        str, typer.Option(help="Surface whose lobe is written out: floor, spheres.NAME or planes.NAME.")
+    ] = "floor",
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX instead of plain text.")] = False,
     define: Define = None,
 ) -> None:

@@ -10,10 +10,19 @@ if TYPE_CHECKING:
     import sympy as sp
 
 
-def axes(normal: Vec3, along: Vec3) -> tuple[Vec3, Vec3]:
-    """(up, east), orthonormal: up along the normal, east = n x up with n = unit(up x a) the direction y runs in."""
-    up = unit(normal)
-    return up, cross(unit(cross(up, along)), up)
+def upward(normal: Vec3) -> Vec3:
+    """Unit normal."""
+    return unit(normal)
+
+
+def northward(up: Vec3, along: Vec3) -> Vec3:
+    """The unit direction y runs in, across the normal and the direction given for x."""
+    return unit(cross(up, along))
+
+
+def eastward(up: Vec3, north: Vec3) -> Vec3:
+    """The unit direction x runs in."""
+    return cross(north, up)
 
 
 def height(p: Vec3, point: Vec3, up: Vec3) -> sp.Expr:
@@ -27,6 +36,11 @@ def reach(above: sp.Expr, fall: sp.Expr) -> sp.Expr:
 
 
 def coordinates(q: Vec3, point: Vec3, east: Vec3, up: Vec3) -> tuple[sp.Expr, sp.Expr]:
-    """(x, y) of a point of the plane: its offset along east and along up x east."""
+    """(x, y) of a point of the plane: its offset along east and along north = up x east."""
     offset = q - point
     return dot(offset, east), dot(offset, cross(up, east))
+
+
+def place(x: sp.Expr, y: sp.Expr, point: Vec3, east: Vec3, up: Vec3) -> Vec3:
+    """The point of the plane whose coordinates are (x, y)."""
+    return point + east * x + cross(up, east) * y

@@ -99,9 +99,9 @@ def stand_planes() -> Function:
             raw = PLANES.vector(name, k)
             size = block.let(f"{name}_size", sp.Max(*(sp.Abs(part) for part in raw.parts)))
             given.append(block.let_vector(name, raw / size))
-        found = plane.axes(*given)
-        made = [block.let_vector(name, axis) for name, axis in zip(("up", "east"), found, strict=True)]
-        for name, axis in zip(("normal", "along"), made, strict=True):
+        up = block.let_vector("up", plane.upward(given[0]))
+        north = block.let_vector("north", plane.northward(up, given[1]))
+        for name, axis in (("normal", up), ("along", block.let_vector("east", plane.eastward(up, north)))):
             for part, value in enumerate(axis.parts):
                 block.store(PLANES.field(name, k, part), value)
     return Function("stand_planes", (PLANES,), block.statements, "makes the axes of every plane orthonormal")
