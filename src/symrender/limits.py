@@ -59,6 +59,10 @@ MAX_FOOTPRINT_LINES: Final = 4096
 """Most checker lines the contour of a pixel's footprint may cross; beyond, the checker is its mean."""
 MAX_SIMULATOR_SPHERES: Final = 60
 """Most spheres of a scene in the simulator: a uniform block of a GPU holds no more."""
+MAX_SIMULATOR_PLANES: Final = 8
+"""Most planes of a scene in the simulator, beside its floor."""
+MAX_SIMULATOR_LOBES: Final = 64
+"""Most surfaces of a scene in the simulator, its floor (counted also where there is none), spheres and planes."""
 MAX_SIMULATOR_LIGHT_POINTS: Final = 128
 """Most points all lights together are replaced by in the simulator."""
 MAX_SIMULATOR_LOBE: Final = 16

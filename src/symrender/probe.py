@@ -18,10 +18,13 @@ from symrender.ledger.tables import html_table
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
+from symrender.scene.frames import frames
 from symrender.scene.load import load
 from symrender.scene.moves import SceneMoves, moves, scene_moves
 from symrender.scene.nearest import did_you_mean
+from symrender.scene.planes_due import refuse_planes
 from symrender.scene.scene import Scene
+from symrender.scene.shape import Plane
 from symrender.settings import Settings
 
 if TYPE_CHECKING:
@@ -101,6 +104,8 @@ def probe(
     loaded = load(scene)
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
+    if certify:
+        refuse_planes(loaded, "certify")
     place, normal, hit_class = _places(loaded, np.atleast_2d(np.asarray(points, dtype=np.float64)), surface)
     away = place - arrays.camera.eye
     length = np.linalg.norm(away, axis=1, keepdims=True)
@@ -189,14 +194,27 @@ def _places(scene: Scene, points: Array, surface: str) -> tuple[Array, Array, in
         if flat.shape[1] != 3 or (flat[:, 2] != 0).any():
             raise OptionError("points: must be (x, y) or (x, y, 0) on the floor")
         return flat, np.tile([0.0, 0.0, 1.0], (len(flat), 1)), at.FLOOR
-    names = {f"spheres.{sphere.name}": k for k, sphere in enumerate(scene.spheres)}
-    if surface not in names:
-        known = ["floor", *names]
+    spheres = [f"spheres.{sphere.name}" for sphere in scene.spheres]
+    planes = [f"planes.{plane.name}" for plane in scene.planes]
+    if surface not in (*spheres, *planes):
+        known = ["floor", *spheres, *planes]
         raise SceneError(f"surface: must be one of {', '.join(known)}, got {surface!r}{did_you_mean(surface, known)}")
-    sphere = scene.spheres[names[surface]]
-    if sphere.lobe is None:
+    shapes = dict(zip((*spheres, *planes), (*scene.spheres, *scene.planes), strict=True))
+    shape, hit_class = shapes[surface], at.FIRST_SPHERE + list(shapes).index(surface)
+    if shape.lobe is None:
         raise SceneError(f"surface: {surface} has no lobe")
+    if isinstance(shape, Plane):
+        return *_on_plane(scene, points, surface, planes.index(surface)), hit_class
     if points.shape[1] != 3 or (np.abs(np.linalg.norm(points, axis=1) - 1) > 1e-9).any():
         raise OptionError(f"points: must be unit outward normals of {surface}")
     normals = points / np.linalg.norm(points, axis=1, keepdims=True)
-    return np.asarray(sphere.center) + sphere.radius * normals, normals, at.FIRST_SPHERE + names[surface]
+    return np.asarray(shape.center) + shape.radius * normals, normals, hit_class
+
+
+def _on_plane(scene: Scene, points: Array, surface: str, k: int) -> tuple[Array, Array]:
+    """Positions and normals of points given by the coordinates of plane ``k``."""
+    if points.shape[1] != 2:
+        raise OptionError(f"points: must be (x, y) of the texture of {surface}")
+    frame = frames(scene_arrays(scene).planes)[k]
+    place = frame.origin + points[:, :1] * frame.east + points[:, 1:] * frame.north
+    return place, np.tile(frame.up, (len(points), 1))

@@ -124,7 +124,7 @@ def render(
     the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
-    (0 nothing, 1 floor, 2 + j sphere j). Raises SceneError, OptionError, and NonFiniteError naming the pixels.
+    (0 nothing, 1 floor, 2 + j sphere j, then the planes). Raises SceneError, OptionError, and NonFiniteError naming the pixels.
 
     Keywords are many because each is an option of ``symrender render``, by its name.
     """
@@ -216,6 +216,7 @@ def _symbolic_estimator(settings: Settings) -> str:
 def _lobes(scene: Scene) -> list[tuple[str, float, float]]:
     surfaces = [] if scene.floor is None else [("floor", scene.floor.lobe)]
     surfaces += [(f"spheres.{sphere.name}", sphere.lobe) for sphere in scene.spheres]
+    surfaces += [(f"planes.{plane.name}", plane.lobe) for plane in scene.planes]
     return [
         (name, lobe.exponent, 0.0 if lobe.mirror else lobe.theta_max)
         for name, lobe in surfaces

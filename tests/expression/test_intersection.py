@@ -15,7 +15,7 @@ from symrender.expression import intersection
 from symrender.expression.vectors import dot, norm2, renormalising, vec3
 from symrender.records import Table, record, table
 from symrender.scene import arrays as at
-from symrender.scene.records import Floor, Sphere
+from symrender.scene.records import Floor, Plane, Sphere
 
 Vector = tuple[float, float, float]
 F, W = vec3("f"), vec3("w")
@@ -85,7 +85,7 @@ def test_nearest_hit_from_outside_and_inside() -> None:
         w = (center - p) + rng.normal(size=3) * radius if rng.random() < 0.7 else w
         w /= np.linalg.norm(w)
         shape, distance = FORMULAS.nearest(
-            *p.tolist(), *w.tolist(), 0, _scene_of([(tuple(center.tolist()), radius)]), record(Floor)
+            *p.tolist(), *w.tolist(), 0, _scene_of([(tuple(center.tolist()), radius)]), record(Floor), table(Plane, 0)
         )
         with mpmath.workdps(60):
             o = [mpmath.mpf(x) - mpmath.mpf(y) for x, y in zip(p.tolist(), center.tolist(), strict=True)]

@@ -12,9 +12,9 @@ import sympy as sp
 from emitted import FORMULAS
 from symrender.expression import texture
 from symrender.expression.vectors import vec3
-from symrender.records import Table, record, table
+from symrender.records import Table, table
 from symrender.scene import arrays as at
-from symrender.scene.records import Floor, Sphere
+from symrender.scene.records import Sphere
 
 NORMAL = vec3("n")
 
@@ -125,17 +125,15 @@ def test_ties_on_a_sphere_are_bright(kind: int) -> None:
 
 @pytest.mark.parametrize(("cell", "offset"), [(1.0, (0.0, 0.0)), (0.5, (0.25, -3.0)), (3.0, (1.0, 2.0))])
 def test_floor_parity_and_its_ties(cell: float, offset: tuple[float, float]) -> None:
-    floor = record(Floor)
-    floor.cell, floor.offset[:] = cell, offset
     rng = np.random.default_rng(8)
     dark = ties = 0
     for a, b in rng.uniform(-9, 9, size=(500, 2)).tolist():
         bright = math.sin(math.pi * a) * math.sin(math.pi * b) >= 0
         dark += not bright
-        assert FORMULAS.floor_side(offset[0] + cell * a, offset[1] + cell * b, floor) == bright
+        assert FORMULAS.floor_side(offset[0] + cell * a, offset[1] + cell * b, cell, *offset) == bright
         for x, y in ((math.floor(a), b), (a, math.floor(b)), (math.floor(a), math.floor(b))):
             ties += 1
-            assert FORMULAS.floor_side(offset[0] + cell * x, offset[1] + cell * y, floor) == 1
+            assert FORMULAS.floor_side(offset[0] + cell * x, offset[1] + cell * y, cell, *offset) == 1
     assert 200 < dark < 300 and ties == 1500
 
 

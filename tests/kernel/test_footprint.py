@@ -11,21 +11,11 @@ from hypothesis import strategies as st
 
 from emitted import FORMULAS
 from symrender.limits import MAX_FOOTPRINT_LINES
-from symrender.records import record
-from symrender.scene import arrays as at
-from symrender.scene.records import Floor
 
 Corners = np.ndarray
-
-
-def checker(cell: float = 1.0, offset: tuple[float, float] = (0.0, 0.0)) -> Floor:
-    """A floor with a checker; only cell and offset matter here."""
-    floor = record(Floor)
-    floor.kind, floor.cell, floor.offset[:] = at.CHECKER, cell, offset
-    return floor
-
-
-FLOOR = checker()
+Squares = tuple[float, float, float]
+"""Side of the squares of a checker, and where one begins in x and y."""
+UNIT: Squares = (1.0, 0.0, 0.0)
 
 
 def rectangle(x: float, y: float, width: float, height: float) -> list[float]:
@@ -67,7 +57,7 @@ def test_box_is_the_closed_form(width: float) -> None:
     mixed = 0
     for x, y in rng.uniform(-20, 20, size=(200, 2)).tolist():
         height = width * float(rng.uniform(0.5, 2))
-        share = FORMULAS.box_share(x, y, width, height, FLOOR)
+        share = FORMULAS.box_share(x, y, width, height, *UNIT)
         expected = (1 + closed_form(x, width) * closed_form(y, height)) / 2
         # a difference of two triangle waves at coordinates up to 20, over the width
         assert abs(share - expected) <= 8 * 2.0**-53 * (1 + 20 / width)
@@ -86,9 +76,9 @@ def test_box_is_the_closed_form(width: float) -> None:
 def test_quad_is_box_on_rectangles(
     x: float, y: float, width: float, height: float, cell: float, offset: tuple[float, float]
 ) -> None:
-    floor = checker(cell, offset)
-    box = FORMULAS.box_share(x, y, width, height, floor)
-    quad = FORMULAS.quad_share(*rectangle(x, y, width, height), floor)
+    squares = (cell, *offset)
+    box = FORMULAS.box_share(x, y, width, height, *squares)
+    quad = FORMULAS.quad_share(*rectangle(x, y, width, height), *squares)
     # coordinates to 60 over a side of at least .05 cells of .01: their ulps over the side
     assert abs(box - quad) <= 1e-13 * max(1.0, 60 / min(width, height))
 
@@ -96,8 +86,8 @@ def test_quad_is_box_on_rectangles(
 def test_quad_is_box_to_thirteen_digits() -> None:
     rng = np.random.default_rng(1)
     for x, y, w, h in zip(*rng.uniform(-4, 4, (2, 300)), *rng.uniform(0.4, 9, (2, 300)), strict=True):
-        box = FORMULAS.box_share(x, y, w, h, FLOOR)
-        assert abs(box - FORMULAS.quad_share(*rectangle(x, y, w, h), FLOOR)) <= 1e-13
+        box = FORMULAS.box_share(x, y, w, h, *UNIT)
+        assert abs(box - FORMULAS.quad_share(*rectangle(x, y, w, h), *UNIT)) <= 1e-13
 
 
 def test_quad_against_counting() -> None:
@@ -117,7 +107,7 @@ def test_quad_against_counting() -> None:
         jacobian = du[..., 0] * dv[..., 1] - du[..., 1] * dv[..., 0]
         bright = np.floor(point).sum(axis=-1) % 2 == 0
         counted = (bright * jacobian).sum() / jacobian.sum()
-        share = FORMULAS.quad_share(*quad.ravel(), FLOOR)
+        share = FORMULAS.quad_share(*quad.ravel(), *UNIT)
         mixed += 0.05 < share < 0.95
         # a line crosses at most 2 m of the m^2 samples, half of each wrong at random places; about 12 lines
         assert abs(share - counted) <= 6e-3
@@ -134,32 +124,32 @@ def test_splitting_a_quad_conserves_its_bright_area(size: float) -> None:
         a, b, c, d = quad
         left, right = a + s * (b - a), d + t * (c - d)
         parts = [np.array([a, left, right, d]), np.array([left, b, c, right])]
-        whole = FORMULAS.quad_share(*quad.ravel(), FLOOR) * area(quad)
-        split = sum(FORMULAS.quad_share(*part.ravel(), FLOOR) * area(part) for part in parts)
+        whole = FORMULAS.quad_share(*quad.ravel(), *UNIT) * area(quad)
+        split = sum(FORMULAS.quad_share(*part.ravel(), *UNIT) * area(part) for part in parts)
         assert abs(whole - split) <= 1e-12 * (area(quad) + 12 * size)
 
 
 def test_orientation_and_start_do_not_matter() -> None:
     for quad in random_quads(30, 7, 2.0):
-        share = FORMULAS.quad_share(*quad.ravel(), FLOOR)
+        share = FORMULAS.quad_share(*quad.ravel(), *UNIT)
         for turned in (np.roll(quad, 1, axis=0), quad[::-1]):
-            assert abs(FORMULAS.quad_share(*turned.ravel(), FLOOR) - share) <= 1e-12
+            assert abs(FORMULAS.quad_share(*turned.ravel(), *UNIT) - share) <= 1e-12
 
 
 def test_whole_cells_and_a_tiny_patch_far_out() -> None:
-    assert FORMULAS.quad_share(*rectangle(0.5, 0.5, 1, 1), FLOOR) == 1
-    assert FORMULAS.quad_share(*rectangle(1.5, 0.5, 1, 1), FLOOR) == 0
-    assert FORMULAS.quad_share(*rectangle(1, 1, 2, 2), FLOOR) == 0.5
+    assert FORMULAS.quad_share(*rectangle(0.5, 0.5, 1, 1), *UNIT) == 1
+    assert FORMULAS.quad_share(*rectangle(1.5, 0.5, 1, 1), *UNIT) == 0
+    assert FORMULAS.quad_share(*rectangle(1, 1, 2, 2), *UNIT) == 0.5
     for far in (1e3, 1e6, 1e9):
-        assert abs(FORMULAS.quad_share(*rectangle(far + 0.5, far + 0.5, 0.25, 0.25), FLOOR) - 1) <= 1e-12
-        assert abs(FORMULAS.quad_share(*rectangle(far + 1.5, far + 0.5, 0.25, 0.25), FLOOR)) <= 1e-12
+        assert abs(FORMULAS.quad_share(*rectangle(far + 0.5, far + 0.5, 0.25, 0.25), *UNIT) - 1) <= 1e-12
+        assert abs(FORMULAS.quad_share(*rectangle(far + 1.5, far + 0.5, 0.25, 0.25), *UNIT)) <= 1e-12
 
 
 def test_too_many_lines_and_no_area_give_the_mean() -> None:
     side = MAX_FOOTPRINT_LINES / 4 + 10
-    assert FORMULAS.quad_share(*rectangle(0.3, 0.2, side, side), FLOOR) == 0.5
-    assert FORMULAS.quad_share(*rectangle(0.3, 0.2, side / 1.1, 0.1), FLOOR) != 0.5
-    assert FORMULAS.quad_share(*[0.3, 0.2] * 4, FLOOR) == 0.5
+    assert FORMULAS.quad_share(*rectangle(0.3, 0.2, side, side), *UNIT) == 0.5
+    assert FORMULAS.quad_share(*rectangle(0.3, 0.2, side / 1.1, 0.1), *UNIT) != 0.5
+    assert FORMULAS.quad_share(*[0.3, 0.2] * 4, *UNIT) == 0.5
 
 
 @pytest.mark.parametrize("fault", ["sign", "wave"])

@@ -63,13 +63,13 @@ def test_every_pass_computes_the_same_pixels():
     arrays = at.scene_arrays(scene)
     made = pixel_program()
     tables = {name: np.zeros(t.columns) if t.rows == 1 else np.zeros((t.rows, t.columns)) for name, t in TABLES.items()}
-    for name in ("spheres", "floor", "shading", "camera"):
+    for name in ("spheres", "floor", "planes", "shading", "camera"):
         tables[name] = flat(getattr(arrays, name))
     tables["eye"] = arrays.camera.eye
     tables["image_frame"] = np.array([0, 0, 8, 8, 8, 8, 1.0])
     tables["points"] = np.array([[*light.position, *light.color] for light in scene.lights])
     interpreter.run(made, "camera_axes", (tables["camera"], tables["axes"]))
-    rows = {"spheres": len(scene.spheres)}
+    rows = {"spheres": len(scene.spheres), "planes": len(scene.planes)}
     signal = 0.0
     look = next(f for f in made.functions if f.name == "pixel_seen")
     for column, row in ((1, 6), (3, 3), (5, 6)):

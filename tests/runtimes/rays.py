@@ -43,13 +43,14 @@ def lobe_rays(arrays: SceneArrays, count: int, seed: int) -> Rays:
     return origins, directions, leaves.astype(np.float64)
 
 
-def assert_agree(a: Answers, b: Answers, *, rays: int) -> None:
+def assert_agree(a: Answers, b: Answers, *, rays: int, closed: bool = False) -> None:
     """Classes equal, radiance within TOLERANCE of the RMS radiance of the hits, distances relative; signal first.
 
-    No ray is left out: of rays drawn at random none comes within 1e-12 of a tie.
+    No ray is left out: of rays drawn at random none comes within 1e-12 of a tie. In a room that is ``closed`` hardly
+    any need miss everything.
     """
     hits = a[1] != at.NOTHING
-    assert len(a[1]) == rays and hits.sum() >= rays / 4 and (~hits).sum() >= rays / 10
+    assert len(a[1]) == rays and hits.sum() >= rays / 4 and (closed or (~hits).sum() >= rays / 10)
     rms = np.sqrt((a[0][hits] ** 2).mean())
     assert rms > 0.05
     assert len(np.unique(a[1])) >= 3

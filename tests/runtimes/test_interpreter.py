@@ -58,10 +58,14 @@ def _arrays(name: str) -> dict[str, Any]:
     axes = np.zeros(10)
     if scene.camera.kind == at.LOOK_AT:
         formulas.camera_axes(scene.camera, axes)
+    # so that every function of planes has some to read
+    planes = copied(scene_arrays(load("room")).planes)
+    formulas.stand_planes(planes)
     rules = np.concatenate([ratio.directions, ratio.weights[:, None]], axis=1)[None]
     return {
         "spheres": scene.spheres,
         "floor": scene.floor,
+        "planes": planes,
         "shading": scene.shading,
         "camera": scene.camera,
         "eye": np.ascontiguousarray(scene.camera.eye),
@@ -74,10 +78,11 @@ def _arrays(name: str) -> dict[str, Any]:
     }
 
 
-def _scalars(function: Function, row: np.ndarray, spheres: int) -> list[float | int]:
+def _scalars(function: Function, row: np.ndarray, spheres: int, planes: int) -> list[float | int]:
     """Values of the parameters that are not arrays: reals from a row, whole numbers in the range they index."""
     values: list[float | int] = []
-    ranges = {"j": (0, spheres), "leaves": (0, spheres + 2), "rule": (0, 1), "row": (0, 6), "column": (0, 8)}
+    ranges = {"j": (0, spheres), "k": (0, planes), "leaves": (0, spheres + planes + 2), "rule": (0, 1)}
+    ranges |= {"row": (0, 6), "column": (0, 8)}
     for k, parameter in enumerate(function.parameters):
         if isinstance(parameter, Array):
             continue
@@ -91,7 +96,7 @@ def _scalars(function: Function, row: np.ndarray, spheres: int) -> list[float | 
 
 
 def _calls(function: Function, arrays: dict[str, Any], row: np.ndarray) -> list[Any]:
-    scalars = iter(_scalars(function, row, len(arrays["spheres"])))
+    scalars = iter(_scalars(function, row, len(arrays["spheres"]), len(arrays["planes"])))
     return [copied(arrays[p.name]) if isinstance(p, Array) else next(scalars) for p in function.parameters]
 
 
@@ -175,7 +180,20 @@ def compiled() -> Callable[..., None]:
     """Every function in one kernel that reads its arguments from a row, so that the compiler runs once."""
     block, inputs, results = Block(), Array("inputs", 2), Array("results", 2)
     chosen = whole("chosen")
-    names = ("spheres", "floor", "shading", "camera", "eye", "points", "axes", "rules", "sizes", "image_frame", "work")
+    names = (
+        "spheres",
+        "floor",
+        "planes",
+        "shading",
+        "camera",
+        "eye",
+        "points",
+        "axes",
+        "rules",
+        "sizes",
+        "image_frame",
+    )
+    names = (*names, "work")
     axes = {p.name: p for f in SMALL for p in f.parameters if isinstance(p, Array)}
     with block.loop("at_row", inputs.length) as at_row:
         for number, function in enumerate(SMALL):
@@ -211,7 +229,7 @@ def test_compiled_and_text_agree(function: Function, module: ModuleType, compile
     rows = np.concatenate([_random(1, 200), _hostile(300)])
     for name in ("gloss", "chapter8"):
         arrays = _arrays(name)
-        scalars = [_scalars(function, row, len(arrays["spheres"])) for row in rows]
+        scalars = [_scalars(function, row, len(arrays["spheres"]), len(arrays["planes"])) for row in rows]
         table = np.zeros((len(rows), COLUMNS))
         for line, values in zip(table, scalars, strict=True):
             line[: len(values)] = values
@@ -237,7 +255,7 @@ def test_compiled_functions_return_from_anything(function: Function, compiled: C
     arrays = _arrays("gloss")
     table = np.zeros_like(rows)
     for line, row in zip(table, rows, strict=True):
-        values = _scalars(function, row, len(arrays["spheres"]))
+        values = _scalars(function, row, len(arrays["spheres"]), len(arrays["planes"]))
         line[: len(values)] = values
     out = compiled(function, arrays, table)
     assert out.shape == (200, WIDTHS[function.name])

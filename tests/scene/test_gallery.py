@@ -63,7 +63,7 @@ def image(name: str, **settings: Any) -> dict[str, Array]:
 
 
 def test_names_and_descriptions() -> None:
-    assert set(gallery.names()) == {"chapter8", "furnace", "gloss", "grazing", "mirror", "needle", "penumbra"}
+    assert set(gallery.names()) == {"chapter8", "furnace", "gloss", "grazing", "mirror", "needle", "penumbra", "room"}
     for name in gallery.names():
         assert load(name).name == name
         assert load(name).description.endswith(".")

@@ -25,7 +25,7 @@ from symrender.runtimes import interpreter
 from symrender.runtimes import numba as runtime
 from symrender.scene import gallery
 from symrender.scene.load import load
-from symrender.scene.records import Camera, Floor, Shading, Sphere
+from symrender.scene.records import Camera, Floor, Plane, Shading, Sphere
 from symrender.targets import numba as target
 
 X, Y, Z = real("x"), real("y"), real("z")
@@ -240,14 +240,14 @@ def test_identifiers_are_safe_and_none_is_of_a_scene(text: str) -> None:
     attributes = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     assert len(names) > 100
     assert all(re.fullmatch(r"[A-Za-z][a-z0-9_]{0,24}|ENTRIES|CALLED|INLINE", name) for name in names), names
-    fields = {name for kind in (Sphere, Floor, Shading, Camera) for name in kind.names()}
+    fields = {name for kind in (Sphere, Floor, Plane, Shading, Camera) for name in kind.names()}
     # exponents come to the program as rules
     assert fields - attributes == {"exponent"}
     assert attributes <= fields | {value.removeprefix("math.") for value in target._FUNCTIONS.values()} | {
         *("sqrt", "pow", "pi", "inf", "shape")
     }
     scenes = [load(name) for name in gallery.names()]
-    parts = {part.name for scene in scenes for part in (*scene.spheres, *scene.lights)}
+    parts = {part.name for scene in scenes for part in (*scene.spheres, *scene.planes, *scene.lights)}
     assert {"A", "B", "key", "fill"} <= parts
     assert not names & parts
     allowed = (ast.Import, ast.FunctionDef, ast.Assign)

@@ -21,10 +21,19 @@ def probe(
     scene: SceneArgument,
     point: Annotated[
         list[str],
-        typer.Option("--point", "-p", metavar="X,Y[,Z]", help="X,Y on the floor; the unit normal X,Y,Z on a sphere."),
+        typer.Option(
+            "--point",
+            "-p",
+            metavar="X,Y[,Z]",
+            help="X,Y on the floor or of a plane's texture; the unit normal X,Y,Z on a sphere.",
+        ),
     ],
     surface: Annotated[
+<<<<<<< HEAD
         str, typer.Option(help="Surface the points are on: floor or spheres.NAME.", autocompletion=surfaces)
+=======
+        str, typer.Option(help="Surface the points are on: floor, spheres.NAME or planes.NAME.")
+>>>>>>> flat
     ] = "floor",
     tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance.")] = 1e-9,
     budget: Annotated[int, typer.Option(help="Most evaluations a point may take.")] = 1_000_000,

@@ -28,6 +28,7 @@ def check_finite(layers: Mapping[str, Array], scene: Scene, method: str) -> None
     rows, columns = np.nonzero(bad)
     names = {at.NOTHING: "nothing", at.FLOOR: "floor"}
     names |= {at.FIRST_SPHERE + k: f"spheres.{sphere.name}" for k, sphere in enumerate(scene.spheres)}
+    names |= {at.FIRST_SPHERE + len(scene.spheres) + k: f"planes.{plane.name}" for k, plane in enumerate(scene.planes)}
     where = ", ".join(
         f"({i}, {j}) on {names[int(layers['hit_class'][j, i])]}"
         for i, j in zip(columns[:_SHOWN], rows[:_SHOWN], strict=True)

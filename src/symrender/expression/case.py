@@ -1,4 +1,4 @@
-"""One way a direction can end: on a sphere or on the floor, shaded there.
+"""One way a direction can end: on a sphere, on the floor or on a plane, shaded there.
 
 Nothing is multiplied out. A case is a list of stages (a symbol and its definition, in order), the same list once for
 a light in general, and guards beside them: symbols that are 1 where a condition holds and 0 elsewhere. Inside a
@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from symrender.expression import intersection, texture
+from symrender.expression import intersection, plane, texture
 from symrender.expression.formulas.light_terms import blinn_cosine2, half_vector, light_channel, phong_cosine, ray_view
 from symrender.expression.formulas.textures import mixed, texture_coordinates, vein
 from symrender.expression.symbols import ParameterTable
 from symrender.expression.vectors import Vec3, dot, norm2, unit, vec3
 from symrender.scene.scene import Scene
 from symrender.scene.shape import Sphere
-from symrender.scene.texture import Checker, FloorChecker, Marble, Solid, Stripes
+from symrender.scene.texture import Checker, FloorChecker, FloorTexture, Marble, Solid, Stripes
 
 POINT, DIRECTION = vec3("P"), vec3("w")
 LIGHT, LIGHT_COLOR = vec3("L"), Vec3(*sp.symbols("c_r c_g c_b", real=True))
@@ -26,6 +26,7 @@ BLOCKER, BLOCKER_RADIUS = vec3("B"), sp.Symbol("r_B", real=True)
 LIT = sp.Symbol("V", integer=True)
 FACING, GLEAMING = sp.Symbol("H_l", integer=True), sp.Symbol("H_h", integer=True)
 SIDE = sp.Symbol("S", integer=True)
+SHOWN = sp.Symbol("F", integer=True)
 _MAX_POLYNOMIAL = 64
 
 
@@ -67,7 +68,7 @@ class Case:
     blockers: tuple[tuple[Vec3, sp.Expr], ...]
     blocks: sp.Basic
     behind: sp.Basic
-    """Where the shape itself, or the floor under it, hides the light."""
+    """Where the shape itself, the floor under it or a plane hides the light."""
 
 
 class _Stages:
@@ -100,33 +101,89 @@ def sphere_case(scene: Scene, table: ParameterTable, j: int) -> Case:
     albedo = [part * factor for part in table.vector(f"{name}.color", "rgb").parts]
     blockers = tuple(_ball(scene, table, k) for k in range(len(scene.spheres)) if k != j)
     own = norm2(LIGHT - center) < radius**2
-    under = sp.Lt(q.z * LIGHT.z, 0) if scene.floor is not None else sp.false
+    behind = sp.Or(own, _under(scene, q), *_walled_off(scene, table, q))
     met = sp.And(b > 0, chord2 >= 0, depth > 0)
-    return _shaded(scene, table, f"sphere {j}", s, guards, met, depth, q, normal, albedo, blockers, sp.Or(own, under))
+    return _shaded(scene, table, f"sphere {j}", s, guards, met, depth, q, normal, albedo, blockers, behind)
 
 
 def floor_case(scene: Scene, table: ParameterTable) -> Case:
-    """The direction meets the floor from above."""
+    """The direction meets the floor; from below it is black."""
     s = _Stages()
     depth = s.let("t", -POINT.z / DIRECTION.z)
     q = s.let_vector("Q", POINT + DIRECTION * depth)
     normal = Vec3(sp.Integer(0), sp.Integer(0), sp.Integer(1))
     assert scene.floor is not None
-    guards: tuple[Guard, ...] = ()
-    if isinstance(scene.floor.texture, FloorChecker):
-        cell = table.symbols["floor.texture.cell"]
-        ox, oy = (table.symbols[f"floor.texture.offset.{axis}"] for axis in "xy")
-        number = texture.floor_parity(q.x, q.y, cell, ox, oy)
-        a, c = (q.x - ox) / cell, (q.y - oy) / cell
-        tie = sp.Or(sp.Eq(a, sp.floor(a)), sp.Eq(c, sp.floor(c)))
-        guards = (Guard(SIDE, sp.Or(sp.Eq(sp.Mod(number, 2), 0), tie)),)
-        bright, dark = (table.vector(f"floor.texture.{tone}", "rgb").parts for tone in ("bright", "dark"))
-        albedo = [mixed(d, w, SIDE) for w, d in zip(bright, dark, strict=True)]
-    else:
-        albedo = list(table.vector("floor.texture.color", "rgb").parts)
+    albedo, guards = _squares(scene.floor.texture, table, "floor", q.x, q.y)
     blockers = tuple(_ball(scene, table, k) for k in range(len(scene.spheres)))
-    met = sp.And(POINT.z > 0, DIRECTION.z < 0)
-    return _shaded(scene, table, "floor", s, guards, met, depth, q, normal, albedo, blockers, sp.Le(LIGHT.z, 0))
+    met = sp.Lt(POINT.z * DIRECTION.z, 0)
+    guards = (Guard(SHOWN, DIRECTION.z < 0), *guards)
+    behind = sp.Or(sp.Le(LIGHT.z, 0), *_walled_off(scene, table, q))
+    return _shaded(scene, table, "floor", s, guards, met, depth, q, normal, albedo, blockers, behind)
+
+
+def plane_stages(scene: Scene, table: ParameterTable) -> list[Stage]:
+    """The axes of every plane: unit normal, and the unit directions its texture's y and x run in."""
+    s = _Stages()
+    for k, wall in enumerate(scene.planes):
+        normal, along = (table.vector(f"planes.{wall.name}.{key}") for key in ("normal", "along"))
+        up = s.let_vector(f"up_p{k}", plane.upward(normal))
+        north = s.let_vector(f"north_p{k}", plane.northward(up, along))
+        s.let_vector(f"east_p{k}", plane.eastward(up, north))
+    return s.list
+
+
+def plane_axes(scene: Scene, table: ParameterTable, k: int) -> tuple[Vec3, Vec3, Vec3]:
+    """(point, east, up) of plane k, the last two as ``plane_stages`` names them."""
+    return table.vector(f"planes.{scene.planes[k].name}.point"), vec3(f"east_p{k}"), vec3(f"up_p{k}")
+
+
+def plane_case(scene: Scene, table: ParameterTable, k: int) -> Case:
+    """The direction meets plane k; from behind it is black."""
+    s = _Stages()
+    name = f"planes.{scene.planes[k].name}"
+    point, east, up = plane_axes(scene, table, k)
+    above = s.let("b", plane.height(POINT, point, up))
+    fall = dot(DIRECTION, up)
+    depth = s.let("t", plane.reach(above, fall))
+    q = s.let_vector("Q", POINT + DIRECTION * depth)
+    x, y = (s.let(axis, value) for axis, value in zip("xy", plane.coordinates(q, point, east, up), strict=True))
+    albedo, guards = _squares(scene.planes[k].texture, table, name, x, y)
+    blockers = tuple(_ball(scene, table, j) for j in range(len(scene.spheres)))
+    met = sp.Lt(above * fall, 0)
+    guards = (Guard(SHOWN, fall < 0), *guards)
+    own = sp.Le(plane.height(LIGHT, point, up), 0)
+    behind = sp.Or(own, _under(scene, q), *_walled_off(scene, table, q, but=k))
+    return _shaded(scene, table, f"plane {k}", s, guards, met, depth, q, up, albedo, blockers, behind)
+
+
+def _under(scene: Scene, q: Vec3) -> sp.Basic:
+    return sp.Lt(q.z * LIGHT.z, 0) if scene.floor is not None else sp.false
+
+
+def _walled_off(scene: Scene, table: ParameterTable, q: Vec3, but: int = -1) -> list[sp.Basic]:
+    """For each plane but one, whether it lies between Q and the light."""
+    found = []
+    for k in range(len(scene.planes)):
+        if k != but:
+            point, _, up = plane_axes(scene, table, k)
+            found.append(sp.Lt(plane.height(q, point, up) * plane.height(LIGHT, point, up), 0))
+    return found
+
+
+def _squares(
+    kind: FloorTexture, table: ParameterTable, name: str, x: sp.Expr, y: sp.Expr
+) -> tuple[list[sp.Expr], tuple[Guard, ...]]:
+    """Albedo of a floor or plane at (x, y), and the guard it stands on."""
+    if not isinstance(kind, FloorChecker):
+        return list(table.vector(f"{name}.texture.color", "rgb").parts), ()
+    cell = table.symbols[f"{name}.texture.cell"]
+    ox, oy = (table.symbols[f"{name}.texture.offset.{axis}"] for axis in "xy")
+    number = texture.floor_parity(x, y, cell, ox, oy)
+    a, c = (x - ox) / cell, (y - oy) / cell
+    tie = sp.Or(sp.Eq(a, sp.floor(a)), sp.Eq(c, sp.floor(c)))
+    bright, dark = (table.vector(f"{name}.texture.{tone}", "rgb").parts for tone in ("bright", "dark"))
+    albedo = [mixed(d, w, SIDE) for w, d in zip(bright, dark, strict=True)]
+    return albedo, (Guard(SIDE, sp.Or(sp.Eq(sp.Mod(number, 2), 0), tie)),)
 
 
 def _ball(scene: Scene, table: ParameterTable, k: int) -> tuple[Vec3, sp.Expr]:
@@ -193,6 +250,8 @@ def _shaded(
         for c, a in zip(LIGHT_COLOR.parts, albedo, strict=True)
     )
     ambient = tuple(ka * table.symbols[f"ambient.{c}"] for c in "rgb")
+    if any(guard.symbol == SHOWN for guard in guards):
+        light, ambient = (tuple(SHOWN * part for part in parts) for parts in (light, ambient))
     a, b, c = intersection.segment_coefficients(q - BLOCKER, LIGHT - q, BLOCKER_RADIUS)
     blocks = intersection.segment_meets(a, b, c, intersection.power(LIGHT - BLOCKER, BLOCKER_RADIUS))
     parts = (met, depth, tuple(s.list), guards, ambient, tuple(one.list), light_guards, light)

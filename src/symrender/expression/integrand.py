@@ -22,6 +22,7 @@ from symrender.expression.elementary import gleam
 from symrender.expression.formulas import lobes
 from symrender.expression.formulas.disks import disk_frame, disk_point
 from symrender.expression.opaque import plain
+from symrender.expression.plane import place as plane_place
 from symrender.expression.symbols import ParameterTable, parameter_table
 from symrender.expression.vectors import Vec3, dot, unit, vec3
 from symrender.expression.walls import Wall, walls
@@ -118,7 +119,8 @@ class Integrand:
     ) -> tuple[sp.Float, sp.Float, sp.Float]:
         """Radiance (r, g, b) seen along ``direction``, to ``digits`` significant digits.
 
-        ``point``: (x, y) or (x, y, 0) on the floor, the unit outward normal on a sphere. ``direction`` (3,) is
+        ``point``: (x, y) or (x, y, 0) on the floor, (x, y) of a plane's texture, the unit outward normal on a sphere.
+        ``direction`` (3,) is
         normalised first; below the horizon nothing is seen. Numbers may be ints, floats, strings such as "0.1" or
         SymPy numbers; a float means exactly the binary number it is.
         """
@@ -128,7 +130,8 @@ class Integrand:
         names = {symbol: _exact(self.table.values[name], precision) for name, symbol in self.table.symbols.items()}
         given = [_exact(x, precision) for x in point]
         w = [_exact(x, precision) for x in direction]
-        if len(given) not in ((2, 3) if self.surface == "floor" else (3,)) or len(w) != 3 or not any(w):
+        kind = self.surface.partition(".")[0]
+        if len(given) not in {"floor": (2, 3), "planes": (2,)}.get(kind, (3,)) or len(w) != 3 or not any(w):
             raise OptionError(f"point, direction: got {tuple(point)} and {tuple(direction)}")
         length = sp.sqrt(sum(x * x for x in w)).evalf(precision)
         names |= {s: (x / length).evalf(precision) for s, x in zip(DIRECTION.parts, w, strict=True)}
@@ -223,7 +226,7 @@ class Integrand:
 
 
 def expression(scene: Any = "gloss", *, surface: str = "floor", disk_order: int = 2) -> Integrand:
-    """The integrand of the lobe of ``surface``, ``floor`` or ``spheres.NAME``.
+    """The integrand of the lobe of ``surface``: ``floor``, ``spheres.NAME`` or ``planes.NAME``.
 
     ``scene``: a gallery name, a path, a dict or a Scene. Disk lights stand as the centroids of ``disk_order`` x
     ``disk_order`` strata. Raises SceneError where the surface does not exist or has no lobe.
@@ -237,18 +240,30 @@ def expression(scene: Any = "gloss", *, surface: str = "floor", disk_order: int 
     if surface == "floor":
         normal = Vec3(sp.Integer(0), sp.Integer(0), sp.Integer(1))
         place = Vec3(_SURFACE.x, _SURFACE.y, sp.Integer(0))
-        leaves = -1
+    elif surface.startswith("planes."):
+        names = [f"planes.{plane.name}" for plane in loaded.planes]
+        origin, east, normal = cases_of.plane_axes(loaded, table, names.index(surface))
+        place = plane_place(_SURFACE.x, _SURFACE.y, origin, east, normal)
     else:
         normal = _SURFACE
         place = table.vector(f"{surface}.center") + normal * table.symbols[f"{surface}.radius"]
-        leaves = [f"spheres.{sphere.name}" for sphere in loaded.spheres].index(surface)
-    stages = [Stage(s, x) for s, x in zip(POINT.parts, place.parts, strict=True)]
+    stages = cases_of.plane_stages(loaded, table)
+    stages += [Stage(s, x) for s, x in zip(POINT.parts, place.parts, strict=True)]
     stages += [Stage(s, x) for s, x in zip(vec3("D").parts, unit(POINT - eye).parts, strict=True)]
     mirror = lobes.mirror_direction(vec3("D"), normal)
     stages += [Stage(s, x) for s, x in zip(vec3("m").parts, mirror.parts, strict=True)]
-    seen = [cases_of.sphere_case(loaded, table, j) for j in range(len(loaded.spheres)) if j != leaves]
+    seen = [
+        cases_of.sphere_case(loaded, table, j)
+        for j, sphere in enumerate(loaded.spheres)
+        if surface != f"spheres.{sphere.name}"
+    ]
     if surface != "floor" and loaded.floor is not None:
         seen.append(cases_of.floor_case(loaded, table))
+    seen += [
+        cases_of.plane_case(loaded, table, k)
+        for k, plane in enumerate(loaded.planes)
+        if surface != f"planes.{plane.name}"
+    ]
     exponent, theta_max = (table.symbols[f"{surface}.lobe.{key}"] for key in ("exponent", "theta_max"))
     brdf = loaded.shading.lobe_units == "brdf_normalised"
     toward = sp.DiracDelta(_ANGLE) if found.mirror else gleam(dot(DIRECTION, vec3("m")), exponent)
@@ -275,12 +290,13 @@ def _whole(theta_max: sp.Expr, exponent: sp.Expr) -> sp.Expr:
 
 
 _SURFACE = vec3("x")
-"""The point given: on the floor its own coordinates, on a sphere its outward normal."""
+"""The point given: coordinates on the floor or in a plane, the outward normal on a sphere."""
 _ANGLE = sp.Symbol("theta", nonnegative=True)
 
 
 def _lobe(scene: Scene, surface: str) -> Lobe:
     shapes: dict[str, Lobe | None] = {f"spheres.{sphere.name}": sphere.lobe for sphere in scene.spheres}
+    shapes |= {f"planes.{plane.name}": plane.lobe for plane in scene.planes}
     if scene.floor is not None:
         shapes["floor"] = scene.floor.lobe
     if surface not in shapes:

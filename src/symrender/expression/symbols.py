@@ -22,7 +22,11 @@ _SHORT: Mapping[str, str] = {
     "weight": "k",
     "theta_max": "theta",
     "eye": "E",
+    "point": "O",
+    "normal": "U",
+    "along": "A",
 }
+_UNSAID = ("spheres", "planes", "lights", "camera", "lobe", "texture", "shading")
 
 
 @dataclass(frozen=True)
@@ -44,8 +48,9 @@ class ParameterTable:
 
 
 def parameter_table(scene: Scene) -> ParameterTable:
-    """Symbols such as ``C1_x`` (centre of sphere 1), ``r1``, ``L0_z`` (position of light 0), ``a1_g`` (its albedo)."""
+    """Symbols such as ``C1_x`` (centre of sphere 1), ``r1``, ``L0_z`` (position of light 0), ``a1_g`` (its albedo), ``O_p0_x`` (plane 0)."""
     places = {f"spheres.{sphere.name}": f"spheres.{k}" for k, sphere in enumerate(scene.spheres)}
+    places |= {f"planes.{plane.name}": f"planes.{k}" for k, plane in enumerate(scene.planes)}
     places |= {f"lights.{light.name}": f"lights.{k}" for k, light in enumerate(scene.lights)}
     symbols: dict[str, sp.Symbol] = {}
     values: dict[str, float] = {}
@@ -59,10 +64,10 @@ def parameter_table(scene: Scene) -> ParameterTable:
 
 def _symbol_name(path: str) -> str:
     parts = path.split(".")
-    index = parts[1] if parts[0] in ("spheres", "lights") else ""
+    index = {"spheres": parts[1], "lights": parts[1], "planes": f"_p{parts[1]}"}.get(parts[0], "")
     if parts[0] == "lights":
         parts = ["c" if p == "color" else "rho" if p == "radius" else p for p in parts]
-    words = [_SHORT.get(p, p) for p in parts if p not in ("spheres", "lights", "camera", "lobe", "texture", "shading")]
+    words = [_SHORT.get(p, p) for p in parts if p not in _UNSAID]
     if index:
         words = [words[1] + index, *words[2:]]
     name = "_".join(words)

@@ -7,16 +7,18 @@ shadow on a sphere, a quartic.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 
-from symrender.expression.case import BLOCKER, BLOCKER_RADIUS, DIRECTION, LIGHT, POINT, Case
+from symrender.expression.case import BLOCKER, BLOCKER_RADIUS, DIRECTION, LIGHT, POINT, Case, plane_axes
 from symrender.expression.formulas import walls as levels
+from symrender.expression.plane import height
 from symrender.expression.symbols import ParameterTable
 from symrender.expression.vectors import Vec3
 from symrender.scene.scene import Scene
-from symrender.scene.texture import Checker, FloorChecker, Stripes
+from symrender.scene.texture import Checker, FloorChecker, FloorTexture, Stripes
 
 LINE = sp.Symbol("i", integer=True)
 """Number of a line of a texture."""
@@ -41,9 +43,18 @@ def walls(
     ]
     for case in cases:
         if case.shape == "floor":
-            found += _floor_walls(scene, table, _staged(case, "Q"))
+            assert scene.floor is not None
+            found += _square_walls(scene.floor.texture, table, "floor", case.shape, _staged(case, "Q").parts[:2])
+        elif case.shape.startswith("plane"):
+            k = int(case.shape.split()[1])
+            place = [stage.symbol for stage in case.stages if stage.symbol.name in ("x", "y")]
+            found += _square_walls(scene.planes[k].texture, table, f"planes.{scene.planes[k].name}", case.shape, place)
         else:
             found += _sphere_walls(scene, table, int(case.shape.split()[1]), _staged(case, "N"))
+        for k in range(len(scene.planes)):
+            if case.shape != f"plane {k}":
+                point, _, up = plane_axes(scene, table, k)
+                found.append(Wall("cut", case.shape, height(_staged(case, "Q"), point, up)))
         highlight = next(stage.value for stage in case.light_stages if stage.symbol.name == "sigma")
         found.append(Wall("highlight", case.shape, highlight))
         if case.blockers:
@@ -74,11 +85,12 @@ def _sphere_walls(scene: Scene, table: ParameterTable, j: int, normal: Vec3) -> 
     return found
 
 
-def _floor_walls(scene: Scene, table: ParameterTable, place: Vec3) -> list[Wall]:
-    assert scene.floor is not None
-    if not isinstance(scene.floor.texture, FloorChecker):
+def _square_walls(
+    kind: FloorTexture, table: ParameterTable, name: str, shape: str, place: Sequence[sp.Expr]
+) -> list[Wall]:
+    if not isinstance(kind, FloorChecker):
         return []
-    cell = table.symbols["floor.texture.cell"]
-    offsets = (table.symbols[f"floor.texture.offset.{axis}"] for axis in "xy")
-    lines = (levels.floor_line_level(at, LINE, cell, o) for at, o in zip(place.parts, offsets, strict=False))
-    return [Wall("texture", "floor", line) for line in lines]
+    cell = table.symbols[f"{name}.texture.cell"]
+    offsets = (table.symbols[f"{name}.texture.offset.{axis}"] for axis in "xy")
+    lines = (levels.floor_line_level(at, LINE, cell, o) for at, o in zip(place, offsets, strict=True))
+    return [Wall("texture", shape, line) for line in lines]

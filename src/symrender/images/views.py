@@ -29,14 +29,14 @@ def false_color(image: Image, layer: str, *, low: float | None = None, high: flo
 
 
 def hit_class_view(image: Image) -> Picture:
-    """Which shape each pixel's central ray meets first: nothing dark, floor grey, spheres in seven colours."""
+    """Which shape each pixel's central ray meets first: nothing dark, floor grey, spheres and planes in seven colours."""
     classes = image.layer("hit_class")
     whole = np.isfinite(classes) & (classes >= 0)
     index = np.where(whole, classes, 0).astype(np.int64)
     index = np.where(index < 2, index, 2 + (index - 2) % (len(CLASSES) - 2))
     pixels = colors(CLASSES)[index]
     pixels[~whole] = NON_FINITE_COLOR
-    return Picture(pixels, f"hit class: dark nothing, grey floor, colours spheres{_bad(classes)}")
+    return Picture(pixels, f"hit class: dark nothing, grey floor, colours spheres and planes{_bad(classes)}")
 
 
 def gloss_view(image: Image, *, gain: float | None = None) -> Picture:

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from symrender.kernel import footprint, gather, light, shade, strata, tile, trace
+from symrender.kernel import footprint, gather, light, planes, shade, strata, tile, trace
 from symrender.kernel.program import Program
 
 ENTRIES = ("tile", "hits", "trace")
 """What a runtime compiles; the functions of lights, cameras and strata run once an image and need no compiler."""
-ONCE = ("light_point", "camera_axes", "ring_weight", "ring_barycentre", "share_angle", "cap_angle", "log_weight")
+ONCE = (
+    "light_point",
+    "camera_axes",
+    "stand_planes",
+    "ring_weight",
+    "ring_barycentre",
+    "share_angle",
+    "cap_angle",
+    "log_weight",
+)
 """Functions that run once an image, as plain Python."""
 
 
@@ -17,6 +26,7 @@ def image_program() -> Program:
         (
             light.light_point(),
             tile.camera_axes(),
+            planes.stand_planes(),
             strata.ring_weight(),
             strata.ring_barycentre(),
             strata.share_angle(),
@@ -32,6 +42,7 @@ def image_program() -> Program:
             trace.nearest(),
             trace.sphere_radiance(),
             trace.floor_radiance(),
+            trace.plane_radiance(),
             trace.see(),
             trace.trace(),
             gather.frame(),
@@ -41,6 +52,7 @@ def image_program() -> Program:
             footprint.edge_share(),
             footprint.quad_share(),
             tile.footprint_share(),
+            tile.plane_share(),
             tile.look(),
             tile.hits(),
             tile.tile(),

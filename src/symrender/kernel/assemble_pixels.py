@@ -17,6 +17,7 @@ from symrender.kernel import (
     lobe_sums,
     lobe_table,
     pixel,
+    planes,
     shade,
     sight,
     strata,
@@ -25,9 +26,15 @@ from symrender.kernel import (
     words,
 )
 from symrender.kernel.program import Program
-from symrender.limits import MAX_SIMULATOR_LIGHT_POINTS, MAX_SIMULATOR_LOBE, MAX_SIMULATOR_SPHERES
+from symrender.limits import (
+    MAX_SIMULATOR_LIGHT_POINTS,
+    MAX_SIMULATOR_LOBE,
+    MAX_SIMULATOR_LOBES,
+    MAX_SIMULATOR_PLANES,
+    MAX_SIMULATOR_SPHERES,
+)
 from symrender.records import columns
-from symrender.scene.records import Camera, Floor, Shading, Sphere
+from symrender.scene.records import Camera, Floor, Plane, Shading, Sphere
 
 
 @dataclass(frozen=True)
@@ -51,9 +58,10 @@ TABLES: Final[dict[str, Table]] = {
     "seen": Table(16, image=True),
     "disc": Table(12),
     "spheres": Table(columns(Sphere), MAX_SIMULATOR_SPHERES),
+    "planes": Table(columns(Plane), MAX_SIMULATOR_PLANES),
     "points": Table(6, MAX_SIMULATOR_LIGHT_POINTS),
-    "lobes": Table(5, MAX_SIMULATOR_SPHERES + 1),
-    "rings": Table(4, (MAX_SIMULATOR_SPHERES + 1) * MAX_SIMULATOR_LOBE),
+    "lobes": Table(5, MAX_SIMULATOR_LOBES),
+    "rings": Table(4, MAX_SIMULATOR_LOBES * MAX_SIMULATOR_LOBE),
     "sectors": Table(2, MAX_SIMULATOR_LOBE),
     "hits": Table(lobe_sums.BATCH, scratch=True),
     "labels": Table(lobe_disc.MAX_CHAMBERS, scratch=True),
@@ -62,7 +70,7 @@ TABLES: Final[dict[str, Table]] = {
 
 PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers", "pixel_disc")
 """Functions of a column and a row with four results: what a fragment shader runs."""
-_PAGE = ("light_point", "camera_axes", "fill_lobe", "fill_sectors", "ring_edge", "lobe_widths")
+_PAGE = ("light_point", "camera_axes", "stand_planes", "fill_lobe", "fill_sectors", "ring_edge", "lobe_widths")
 _DISC = ("disc_radius", "disc_place", "disc_direction")
 _CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
 _REFERENCE = ("lobe_direction", "meridian_meets", "silhouette_circle", "silhouette_turns", "cell")
@@ -78,6 +86,7 @@ def pixel_program() -> Program:
         (
             light.light_point(),
             tile.camera_axes(),
+            planes.stand_planes(),
             strata.ring_weight(),
             strata.ring_barycentre(),
             strata.share_angle(),
@@ -108,6 +117,7 @@ def pixel_program() -> Program:
             footprint.edge_share(),
             footprint.quad_share(),
             tile.footprint_share(),
+            tile.plane_share(),
             tile.look(),
             pixel.pixel_seen(),
             pixel.pixel_direct(),

@@ -1,4 +1,4 @@
-"""Functions of the program that filter the floor checker over a pixel."""
+"""Functions of the program that filter the checker of a floor or plane over a pixel."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import sympy as sp
 
 from symrender.expression import footprint
 from symrender.kernel.block import Block, real
-from symrender.kernel.program import Function, Records
+from symrender.kernel.program import Function
+from symrender.kernel.shade import SQUARES
 from symrender.limits import MAX_FOOTPRINT_LINES
-from symrender.scene.records import Floor
 
-FLOOR = Records("floor", 1, Floor)
+CELL, *OFFSET = SQUARES
 _RESOLVED = 2**52
 """Farthest from the origin, in cells, that a double still tells one cell from the next."""
 
@@ -28,21 +28,20 @@ def _leave_share(block: Block, mean: sp.Expr) -> None:
 def _leave_mean_beyond_resolution(block: Block, x: sp.Expr, y: sp.Expr) -> None:
     """Leave with 1/2 where the cell a point lies in is lost to rounding, and its number to any integer."""
     for k, value in enumerate((x, y)):
-        with block.when(sp.Abs(value - FLOOR.field("offset", part=k)) > _RESOLVED * FLOOR.field("cell")):
+        with block.when(sp.Abs(value - OFFSET[k]) > _RESOLVED * CELL):
             block.leave(sp.Rational(1, 2))
 
 
 def box_share() -> Function:
     """Bright share of an axis-aligned rectangle of the floor: exact, and exact for every pixel of a plane camera."""
     x, y, width, height = real("x"), real("y"), real("width"), real("height")
-    cell = FLOOR.field("cell")
     block = Block()
     for side in (-1, 1):
         _leave_mean_beyond_resolution(block, x + side * width, y + side * height)
-    across = block.let("across", footprint.interval_mean((x - FLOOR.field("offset")) / cell, width / cell))
-    along = block.let("along", footprint.interval_mean((y - FLOOR.field("offset", part=1)) / cell, height / cell))
+    across = block.let("across", footprint.interval_mean((x - OFFSET[0]) / CELL, width / CELL))
+    along = block.let("along", footprint.interval_mean((y - OFFSET[1]) / CELL, height / CELL))
     _leave_share(block, across * along)
-    return Function("box_share", (x, y, width, height, FLOOR), block.statements, "bright share of a floor rectangle")
+    return Function("box_share", (x, y, width, height, *SQUARES), block.statements, "bright share of a floor rectangle")
 
 
 def edge_share() -> Function:
@@ -88,17 +87,15 @@ def quad_share() -> Function:
     length, so the mean dropped is at most length/(2 area), in cells.
     """
     corners = [real(f"{axis}_{k}") for k in range(4) for axis in "xy"]
-    cell = FLOOR.field("cell")
     block = Block()
     for k in range(4):
         _leave_mean_beyond_resolution(block, corners[2 * k], corners[2 * k + 1])
     # in cells, from an even grid point near the first corner: the pattern is the same and no digits are lost
     base = [
-        block.let(f"base_{axis}", 2 * sp.floor((corners[k] - FLOOR.field("offset", part=k)) / (2 * cell)))
-        for k, axis in enumerate("ab")
+        block.let(f"base_{axis}", 2 * sp.floor((corners[k] - OFFSET[k]) / (2 * CELL))) for k, axis in enumerate("ab")
     ]
     scaled = [
-        block.let(f"{'ab'[k % 2]}_{k // 2}", (value - FLOOR.field("offset", part=k % 2)) / cell - base[k % 2])
+        block.let(f"{'ab'[k % 2]}_{k // 2}", (value - OFFSET[k % 2]) / CELL - base[k % 2])
         for k, value in enumerate(corners)
     ]
     apart = [block.let(f"{'uv'[k % 2]}_{k // 2}", value - scaled[k % 2]) for k, value in enumerate(scaled)]
@@ -111,4 +108,6 @@ def quad_share() -> Function:
         block.leave(sp.Rational(1, 2))
     parts = [block.call("edge_share", edge, f"part_{k}")[0] for k, edge in enumerate(edges)]
     _leave_share(block, sum(parts) / area)
-    return Function("quad_share", (*corners, FLOOR), block.statements, "bright share of a convex floor quadrilateral")
+    return Function(
+        "quad_share", (*corners, *SQUARES), block.statements, "bright share of a convex floor quadrilateral"
+    )

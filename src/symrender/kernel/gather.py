@@ -15,9 +15,10 @@ from symrender.expression.formulas.lobes import mirror_direction
 from symrender.expression.lobe import disc_cosines
 from symrender.expression.vectors import Vec3, cross, dot, norm2, span, vec3
 from symrender.kernel.block import Block, real, whole
+from symrender.kernel.planes import PLANES, meet_planes, sees_planes
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
-from symrender.kernel.trace import EYE, sphere_distance
+from symrender.kernel.trace import EYE, radiance_of, sphere_distance
 from symrender.scene import arrays as at
 
 RULES = Array("rules", 3)
@@ -112,11 +113,13 @@ def gather() -> Function:
     sees_floor = block.count("sees_floor", sp.Integer(0))
     with block.when(sp.And(sp.Eq(FLOOR.field("present"), 1), sp.Ne(leaves, at.FLOOR), sp.Ne(p.z, 0))):
         block.set(sees_floor, sp.Integer(1))
+    sees_flat = block.count("sees_flat", sees_floor)
+    sees_planes(block, leaves, sees_flat)
     dark = sp.And(*(sp.Eq(value, 0) for value in background))
-    with block.when(sp.And(sp.Eq(found, 0), sp.Eq(sees_floor, 0), dark)):
+    with block.when(sp.And(sp.Eq(found, 0), sp.Eq(sees_flat, 0), dark)):
         block.leave(*(sp.Integer(0),) * 3)
     reach_low, reach_high = block.lets({"reach_low": sp.Integer(-1), "reach_high": sp.Integer(2)})
-    with block.when(sp.And(sp.Eq(sees_floor, 0), dark)):
+    with block.when(sp.And(sp.Eq(sees_flat, 0), dark)):
         block.set(reach_low, WORK[0, 5])
         block.set(reach_high, WORK[0, 6])
         with block.loop("k", found, 1) as k:
@@ -154,8 +157,11 @@ def gather() -> Function:
             fall = block.let("fall", u1.z * x + u2.z * y + m.z * z)
             with block.when(p.z * fall < 0):
                 block.set(fall, -p.z / fall)
-                with block.when(fall < best):
+                with block.when(fall <= best):
+                    block.set(best, fall)
                     block.set(shape, sp.Integer(at.FLOOR))
+        with block.when(PLANES.length > 0):
+            meet_planes(block, p, _world(block, x, y, z, u1, u2, m), leaves, best, shape)
         with block.when(sp.Eq(shape, at.NOTHING)):
             with block.when(dark):
                 block.next()
@@ -163,17 +169,14 @@ def gather() -> Function:
                 _add(block, total, rest, share * value)
             block.next()
         w = _world(block, x, y, z, u1, u2, m)
-        arguments = (p, w, SHADING.field("highlight_view"), EYE, SPHERES, FLOOR, POINTS, SHADING)
-        with block.when(sp.Eq(shape, at.FLOOR)):
-            seen = block.call("floor_radiance", arguments, "r", "g", "blue")
-        with block.otherwise():
-            block.call("sphere_radiance", (shape - at.FIRST_SPHERE, *arguments), "r", "g", "blue")
+        arguments = (p, w, SHADING.field("highlight_view"), EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING)
+        seen = radiance_of(block, shape, arguments)
         for total, rest, value in zip(totals, rests, seen, strict=True):
             _add(block, total, rest, share * value)
     block.leave(*(total + rest for total, rest in zip(totals, rests, strict=True)))
     parameters = (
         *(*p.parts, *normal.parts, *incoming.parts, leaves, rule, theta_max),
-        *(RULES, SIZES, EYE, SPHERES, FLOOR, POINTS, SHADING, WORK),
+        *(RULES, SIZES, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING, WORK),
     )
     return Function("gather", parameters, block.statements, "gloss (r, g, b) at p by a rule, without the mirror weight")
 

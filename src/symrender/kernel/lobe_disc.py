@@ -10,6 +10,17 @@ from symrender.expression.vectors import Vec3, dot, norm2, unit, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_sums import ESTIMATE
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
+from symrender.kernel.planes import (
+    FIRST_PLANE,
+    PLANES,
+    Field,
+    floor_field,
+    is_plane,
+    pattern,
+    plane_coordinates,
+    plane_field,
+    plane_of,
+)
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, POINTS, SPHERES, row_vector
 from symrender.kernel.sight import WORLD
@@ -38,7 +49,7 @@ def _numbered(name: str, apart: bool, doc: str) -> Function:
     p, w, leaves = vec3("p"), vec3("w"), whole("leaves")
     block = Block()
     shape, distance, mixed = whole("shape"), real("distance"), whole("mixed")
-    block.call("nearest", (p, w, leaves, SPHERES, FLOOR), "shape", "distance")
+    block.call("nearest", (p, w, leaves, SPHERES, FLOOR, PLANES), "shape", "distance")
     block.call("scramble", (shape,), "mixed")
     with block.when(sp.Eq(shape, at.NOTHING)):
         block.leave(mixed)
@@ -47,12 +58,14 @@ def _numbered(name: str, apart: bool, doc: str) -> Function:
     bright, side = block.let("bright", sp.Integer(1)), block.let("side", sp.Integer(1))
     with block.when(sp.Eq(shape, at.FLOOR)):
         with block.when(sp.Eq(FLOOR.field("kind"), at.CHECKER)):
-            block.call("floor_side", (q.x, q.y, FLOOR), "bright")
-            if apart:
-                for k, value in enumerate((q.x, q.y)):
-                    _mix(block, mixed, (value - FLOOR.field("offset", part=k)) / FLOOR.field("cell"))
+            _squares(block, mixed, (q.x, q.y), floor_field, apart)
         block.let_vector("q", Vec3(q.x, q.y, sp.Integer(0)))
-    with block.otherwise():
+    with block.when(is_plane(shape)):
+        k = plane_of(block, shape)
+        block.let_vector("n", PLANES.vector("normal", k))
+        with block.when(sp.Eq(PLANES.field("kind", k), at.CHECKER)):
+            _squares(block, mixed, plane_coordinates(block, q, k), plane_field(k), apart)
+    with block.when(sp.And(shape >= at.FIRST_SPHERE, shape < FIRST_PLANE)):
         j = block.count("j", shape - at.FIRST_SPHERE)
         center, radius = SPHERES.vector("center", j), SPHERES.field("radius", j)
         outward = block.let_vector("o", unit(q - center))
@@ -72,7 +85,7 @@ def _numbered(name: str, apart: bool, doc: str) -> Function:
         block.call("scramble", (xor(mixed, 1),), "mixed")
     with block.loop("light", POINTS.length) as light:
         d = block.let_vector("d", row_vector(POINTS, light, 0) - q)
-        block.call("blocked", (q, d, shape, side, SPHERES, FLOOR), "hidden")
+        block.call("blocked", (q, d, shape, side, SPHERES, FLOOR, PLANES), "hidden")
         state = block.count("state", sp.Integer(2))
         with block.when(sp.Eq(real("hidden"), 1)):
             block.set(state, sp.Integer(3))
@@ -80,8 +93,17 @@ def _numbered(name: str, apart: bool, doc: str) -> Function:
             block.set(state, sp.Integer(4))
         block.call("scramble", (xor(mixed, state),), "mixed")
     block.leave(mixed)
-    parameters = (*p.parts, *w.parts, leaves, SPHERES, FLOOR, POINTS)
+    parameters = (*p.parts, *w.parts, leaves, SPHERES, FLOOR, PLANES, POINTS)
     return Function(name, parameters, block.statements, doc)
+
+
+def _squares(block: Block, mixed: sp.Symbol, place: tuple[sp.Expr, sp.Expr], of: Field, apart: bool) -> None:
+    """Write whether a place on a checker is bright, and mix in which square it is where these are told apart."""
+    cell, *offset = pattern(of)
+    block.call("floor_side", (*place, cell, *offset), "bright")
+    if apart:
+        for value, start in zip(place, offset, strict=True):
+            _mix(block, mixed, (value - start) / cell)
 
 
 def _mix(block: Block, mixed: sp.Symbol, coordinate: sp.Expr) -> None:
@@ -104,7 +126,7 @@ def chambers_met() -> Function:
         w = block.let_vector("w", u1 * x + u2 * y + m * RINGS[first + ring, 1])
         label = block.let("label", sp.Integer(-1))
         with block.when(dot(w, normal) > 0):
-            block.call("chamber", (p, w, leaves, SPHERES, FLOOR, POINTS), "mixed")
+            block.call("chamber", (p, w, leaves, SPHERES, FLOOR, PLANES, POINTS), "mixed")
             block.set(label, sp.floor(sp.Mod(whole("mixed"), 1 << 22)))
         fresh = block.count("fresh", sp.Integer(1))
         with block.loop("k", found) as k, block.when(sp.Eq(LABELS[k], label)):
@@ -113,7 +135,7 @@ def chambers_met() -> Function:
             block.store(LABELS[found], label)
             block.set(found, found + 1)
     block.leave(found)
-    tables = (ESTIMATE, LOBES, RINGS, SECTORS, SPHERES, FLOOR, POINTS, LABELS)
+    tables = (ESTIMATE, LOBES, RINGS, SECTORS, SPHERES, FLOOR, PLANES, POINTS, LABELS)
     parameters = (*p.parts, *normal.parts, *incoming.parts, leaves, *tables)
     return Function("chambers_met", parameters, block.statements, "number of chambers among the strata's directions")
 
@@ -203,7 +225,7 @@ def pixel_disc() -> Function:
     with block.when(dot(w, normal) <= 0):
         block.leave(sp.Integer(0), sp.Integer(0), sp.Integer(0), sp.Integer(-1))
     rgb = block.call("sight", (p, w, leaves, *WORLD), "r", "g", "blue", "shape")[:3]
-    block.call("chamber", (p, w, leaves, SPHERES, FLOOR, POINTS), "mixed")
+    block.call("chamber", (p, w, leaves, SPHERES, FLOOR, PLANES, POINTS), "mixed")
     block.leave(*rgb, sp.floor(sp.Mod(whole("mixed"), 1 << 22)))
     parameters = (column, row, DISC, LOBES, *WORLD)
     doc = "radiance (r, g, b) and chamber of the direction drawn at a pixel; -1 below the horizon, -2 outside"

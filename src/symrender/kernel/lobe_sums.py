@@ -17,6 +17,7 @@ from symrender.expression.formulas.lobes import log_power, mirror_direction
 from symrender.expression.vectors import Vec3, dot, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
+from symrender.kernel.planes import PLANES
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, SHADING, SPHERES
 from symrender.kernel.sight import WORLD
@@ -90,7 +91,7 @@ def _trace(block: Block, p: Vec3, normal: Vec3, frame: tuple[Vec3, Vec3, Vec3], 
     with block.when(dot(w, normal) <= 0):
         block.next()
     shape, found = whole("shape"), whole("found")
-    block.call("nearest", (p, w, whole("leaves"), SPHERES, FLOOR), "shape", "distance")
+    block.call("nearest", (p, w, whole("leaves"), SPHERES, FLOOR, PLANES), "shape", "distance")
     with block.when(sp.Eq(shape, at.NOTHING)):
         for c, name in enumerate("rgb"):
             block.set(real(f"sum_{name}"), real(f"sum_{name}") + weight * SHADING.field("background", part=c))

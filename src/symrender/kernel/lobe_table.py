@@ -16,8 +16,8 @@ EXACT, MIDPOINT = 0, 1
 MIDPOINT_NODE, BARYCENTRE_NODE = 0, 1
 
 LOBES = Array("lobes", 2)
-"""A row for the floor (0) and sphere j (1 + j): exponent 0, 1 - cos theta_max 1, solid angle over W 2, theta_max 3,
-rings that are looked along 4: those beyond hold less than the share asked for."""
+"""A row for the floor (0), the n spheres (1 + j) and the planes (1 + n + k): exponent 0, 1 - cos theta_max 1, solid
+angle over W 2, theta_max 3, rings that are looked along 4: those beyond hold less than the share asked for."""
 RINGS = Array("rings", 2)
 """Ring k of lobe r in row r stride + k: sine 0 and cosine 1 of its node, weight of a cell 2, inner edge 3."""
 SECTORS = Array("sectors", 2)

@@ -9,13 +9,12 @@ from symrender.expression.formulas.light_terms import blinn_cosine2, half_vector
 from symrender.expression.formulas.textures import mixed, texture_coordinates, vein
 from symrender.expression.vectors import Vec3, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
+from symrender.kernel.planes import FLOOR, PLANES, SPHERES, Field, floor_field, walled_off
 from symrender.kernel.program import Array, Function, Records
 from symrender.limits import MAX_PRODUCT_EXPONENT, MAX_TEXTURE_DEGREE
 from symrender.scene import arrays as at
-from symrender.scene.records import Floor, Shading, Sphere
+from symrender.scene.records import Shading
 
-SPHERES = Records("spheres", 2, Sphere)
-FLOOR = Records("floor", 1, Floor)
 SHADING = Records("shading", 1, Shading)
 POINTS = Array("points", 2)
 """Light points: position 0:3, colour share 3:6 (the light's colour over the number of its points)."""
@@ -107,25 +106,32 @@ def texture_factor() -> Function:
     )
 
 
+SQUARES = (real("cell"), real("offset_x"), real("offset_y"))
+"""Side of the squares of a checker, and where one begins."""
+
+
 def floor_side() -> Function:
-    """1 on a bright square of the floor and on its border, 0 on a dark one."""
+    """1 on a bright square of a checker and on its border, 0 on a dark one."""
     x, y = real("x"), real("y")
+    cell, offset_x, offset_y = SQUARES
     block = Block()
-    a = block.let("a", (x - FLOOR.field("offset")) / FLOOR.field("cell"))
-    b = block.let("b", (y - FLOOR.field("offset", part=1)) / FLOOR.field("cell"))
+    a = block.let("a", (x - offset_x) / cell)
+    b = block.let("b", (y - offset_y) / cell)
     number = block.let("number", texture.floor_parity(a, b, sp.Integer(1), sp.Integer(0), sp.Integer(0)))
     even = sp.Eq(sp.Mod(number, 2), 0)
     with block.when(sp.Or(even, sp.Eq(a, sp.floor(a)), sp.Eq(b, sp.floor(b)))):
         block.leave(sp.Integer(1))
     block.leave(sp.Integer(0))
-    return Function("floor_side", (x, y, FLOOR), block.statements, "1 on a bright square of the floor, 0 on a dark one")
+    return Function(
+        "floor_side", (x, y, *SQUARES), block.statements, "1 on a bright square of a checker, 0 on a dark one"
+    )
 
 
 def blocked() -> Function:
     """Whether a light point is hidden from a point of a shape.
 
-    Every other sphere hides it where the open segment meets the sphere; the floor where the ends lie on different
-    sides of it; the shape itself where the light is on the other side of its own surface.
+    Every other sphere hides it where the open segment meets the sphere; floor and planes where the ends lie on
+    different sides of them; the shape itself where the light is on the other side of its own surface.
     """
     q, light, leaves, side = vec3("q"), vec3("l"), whole("leaves"), real("side")
     block = Block()
@@ -133,6 +139,7 @@ def blocked() -> Function:
         block.leave(sp.Integer(1))
     with block.otherwise(), block.when(sp.And(sp.Eq(FLOOR.field("present"), 1), q.z * light.z < 0)):
         block.leave(sp.Integer(1))
+    walled_off(block, q, light, leaves, lambda: block.leave(sp.Integer(1)))
     to_light = block.let_vector("d", light - q)
     with block.loop("k", SPHERES.length) as k:
         center = SPHERES.vector("center", k)
@@ -149,7 +156,7 @@ def blocked() -> Function:
             with block.when(intersection.segment_meets(length2, slope, inside, end)):
                 block.leave(sp.Integer(1))
     block.leave(sp.Integer(0))
-    parameters = (*q.parts, *light.parts, leaves, side, SPHERES, FLOOR)
+    parameters = (*q.parts, *light.parts, leaves, side, SPHERES, FLOOR, PLANES)
     return Function(
         "blocked",
         parameters,
@@ -192,7 +199,7 @@ def direct() -> Function:
         to_light = block.let_vector("d", place - q)
         with block.when(sp.Eq(norm2(to_light), 0)):
             block.next()
-        (hidden,) = block.call("blocked", (q, place, leaves, side, SPHERES, FLOOR), "hidden")
+        (hidden,) = block.call("blocked", (q, place, leaves, side, SPHERES, FLOOR, PLANES), "hidden")
         with block.when(sp.Eq(hidden, 1)):
             block.next()
         factors = (normal, view, to_light, SHADING.field("model"))
@@ -212,7 +219,7 @@ def direct() -> Function:
     block.leave(*terms)
     parameters = (
         *(*q.parts, *normal.parts, *view.parts, *albedo, leaves, side),
-        *(SPHERES, FLOOR, POINTS, SHADING),
+        *(SPHERES, FLOOR, PLANES, POINTS, SHADING),
     )
     return Function(
         "direct",
@@ -238,9 +245,9 @@ def sphere_albedo(block: Block, j: sp.Expr, outward: Vec3) -> tuple[sp.Expr, ...
     return tuple(SPHERES.field("color", j, part=c) * factor for c in range(3))
 
 
-def floor_albedo(bright_share: sp.Expr) -> tuple[sp.Expr, ...]:
-    """Albedo of the floor where ``bright_share`` of what is seen is bright."""
-    return tuple(mixed(FLOOR.field("dark", part=c), FLOOR.field("bright", part=c), bright_share) for c in range(3))
+def floor_albedo(bright_share: sp.Expr, of: Field = floor_field) -> tuple[sp.Expr, ...]:
+    """Albedo of a floor or plane where ``bright_share`` of what is seen is bright."""
+    return tuple(mixed(of("dark", c), of("bright", c), bright_share) for c in range(3))
 
 
 def facing_cosine(direction: Vec3, normal: Vec3) -> sp.Expr:

@@ -7,17 +7,29 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression import intersection
+from symrender.expression import intersection, plane
 from symrender.expression.formulas.light_terms import half_vector, light_channel
 from symrender.expression.formulas.lobes import log_power
 from symrender.expression.vectors import Vec3, cross, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
+from symrender.kernel.planes import (
+    FIRST_PLANE,
+    PLANES,
+    floor_field,
+    height_over,
+    is_plane,
+    pattern,
+    plane_bright,
+    plane_field,
+    plane_of,
+    walled_off,
+)
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, floor_albedo, row_vector, sphere_albedo
 from symrender.kernel.trace import EYE, sphere_distance, unit_normal
 from symrender.scene import arrays as at
 
-WORLD: tuple[Array, ...] = (EYE, SPHERES, FLOOR, POINTS, SHADING)
+WORLD: tuple[Array, ...] = (EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING)
 _FAINT = 60
 _GRAZING = 1 - 2.0**-53
 """Largest square of a sine whose logarithm is taken; in single precision it is 1."""
@@ -30,7 +42,7 @@ def sight() -> Function:
     p, w, leaves = vec3("p"), vec3("w"), whole("leaves")
     block = Block()
     shape = whole("shape")
-    block.call("nearest", (p, w, leaves, SPHERES, FLOOR), "shape", "distance")
+    block.call("nearest", (p, w, leaves, SPHERES, FLOOR, PLANES), "shape", "distance")
     with block.when(sp.Eq(shape, at.NOTHING)):
         block.leave(*(SHADING.field("background", part=c) for c in range(3)), shape)
     rgb = block.call("met", (p, w, shape, *WORLD), "r", "g", "blue")
@@ -40,10 +52,12 @@ def sight() -> Function:
 
 
 def met() -> Function:
-    """Radiance of the floor or the sphere that a unit direction is known to meet first; a floor from below is black."""
+    """Radiance of what a unit direction is known to meet first; a floor or plane from behind is black."""
     p, w, shape = vec3("p"), vec3("w"), whole("shape")
     block = Block()
     with block.when(sp.And(sp.Eq(shape, at.FLOOR), p.z < 0)):
+        block.leave(*(sp.Integer(0),) * 3)
+    with block.when(is_plane(shape)), block.when(height_over(p, shape - FIRST_PLANE) < 0):
         block.leave(*(sp.Integer(0),) * 3)
     reach = block.let("reach", -p.z / w.z)
     q = block.let_vector("q", Vec3(p.x + w.x * reach, p.y + w.y * reach, sp.Integer(0)))
@@ -53,10 +67,10 @@ def met() -> Function:
     with block.when(sp.Eq(shape, at.FLOOR)):
         bright = block.let("bright", sp.Integer(1))
         with block.when(sp.Eq(FLOOR.field("kind"), at.CHECKER)):
-            (found,) = block.call("floor_side", (q.x, q.y, FLOOR), "found")
+            (found,) = block.call("floor_side", (q.x, q.y, *pattern(floor_field)), "found")
             block.set(bright, found)
         block.lets(dict(zip(CHANNELS, floor_albedo(bright), strict=True)))
-    with block.otherwise():
+    with block.otherwise(), block.when(shape < FIRST_PLANE):
         j = block.count("j", shape - at.FIRST_SPHERE)
         center = block.let_vector("center", SPHERES.vector("center", j))
         f = block.let_vector("f", center - p)
@@ -68,13 +82,19 @@ def met() -> Function:
         block.let_vector("q", center + normal * (facing * radius))
         rgb = sphere_albedo(block, j, block.let_vector("o", normal * facing))
         block.lets(dict(zip(CHANNELS, rgb, strict=True)))
+    with block.when(is_plane(shape)):
+        k = plane_of(block, shape)
+        up = PLANES.vector("normal", k)
+        block.let_vector("q", p + w * plane.reach(height_over(p, k), dot(w, up)))
+        block.let_vector("n", up)
+        block.lets(dict(zip(CHANNELS, floor_albedo(plane_bright(block, q, k), plane_field(k)), strict=True)))
     view = block.let_vector("v", -w)
     with block.when(sp.Eq(SHADING.field("highlight_view"), at.EYE)):
         to_eye = block.let_vector("to_eye", row_vector(EYE, None, 0) - q)
         length = block.let("eye_distance", sp.sqrt(norm2(to_eye)))
         with block.when(length > 0):
             block.let_vector("v", to_eye / length)
-    arguments = (q, normal, view, *albedo, shape, side, SPHERES, FLOOR, POINTS, SHADING)
+    arguments = (q, normal, view, *albedo, shape, side, SPHERES, FLOOR, PLANES, POINTS, SHADING)
     rgb = block.call("direct", arguments, "r", "g", "blue")
     block.leave(*rgb)
     doc = "radiance (r, g, b) of the shape that w meets first from p"
@@ -121,6 +141,7 @@ def blocked() -> Function:
         block.set(hidden, sp.Integer(1))
     with block.otherwise(), block.when(FLOOR.field("present") * q.z * light_z < 0):
         block.set(hidden, sp.Integer(1))
+    walled_off(block, q, q + to_light, leaves, lambda: block.set(hidden, sp.Integer(1)))
     length2 = block.let("length2", norm2(to_light))
     with block.loop("k", SPHERES.length) as k:
         offset = block.let_vector("o", q - SPHERES.vector("center", k))
@@ -132,7 +153,7 @@ def blocked() -> Function:
         with block.otherwise(), block.when(intersection.segment_crosses(length2, slope, inside, end)):
             block.set(hidden, sp.Integer(1))
     block.leave(hidden)
-    parameters = (*q.parts, *to_light.parts, leaves, side, SPHERES, FLOOR)
+    parameters = (*q.parts, *to_light.parts, leaves, side, SPHERES, FLOOR, PLANES)
     doc = "1 where the segment from q along d to a light is blocked, else 0"
     return Function("blocked", parameters, block.statements, doc)
 
@@ -154,7 +175,7 @@ def direct() -> Function:
         to_light = block.let_vector("d", row_vector(POINTS, light, 0) - q)
         with block.when(sp.Or(dot(normal, to_light) <= facing, norm2(to_light) <= 0)):
             block.next()
-        (hidden,) = block.call("blocked", (q, to_light, leaves, side, SPHERES, FLOOR), "hidden")
+        (hidden,) = block.call("blocked", (q, to_light, leaves, side, SPHERES, FLOOR, PLANES), "hidden")
         with block.when(hidden > 0):
             block.next()
         cosine, sign, depth = block.call(
@@ -173,6 +194,6 @@ def direct() -> Function:
         for c in range(3)
     ]
     block.leave(*terms)
-    parameters = (*q.parts, *normal.parts, *view.parts, *albedo, leaves, side, SPHERES, FLOOR, POINTS, SHADING)
+    parameters = (*q.parts, *normal.parts, *view.parts, *albedo, leaves, side, SPHERES, FLOOR, PLANES, POINTS, SHADING)
     doc = "radiance (r, g, b) from q, seen along -v, with the given albedo"
     return Function("direct", parameters, block.statements, doc)

@@ -20,7 +20,8 @@ _MOST_COPIES = 24
 def straightened(program: Program, rows: Mapping[str, int]) -> Program:
     """``program`` for tables of exactly the given rows; a table that is not named keeps its loops.
 
-    What the functions compute, operation by operation, is what they did. Loops that would come to more than
+    What the functions compute, operation by operation, is what they did; a guard that asks for rows alone is decided.
+    Loops that would come to more than
     ``_MOST_COPIES`` copies of a statement are kept, so that the text stays bounded.
     """
     copies: dict[str, int] = {}
@@ -69,7 +70,12 @@ def _written_out(
                 for k in range(known):
                     found += [_at_row(s, index, sp.Integer(k)) for s in kept]
             case When(condition=condition, body=inner, otherwise=otherwise):
-                found.append(When(condition, _written_out(inner, rows, copies), _written_out(otherwise, rows, copies)))
+                known_rows = {length(sp.Symbol(name)): sp.Integer(count) for name, count in rows.items()}
+                decided = condition.xreplace(known_rows)
+                if decided in (sp.true, sp.false):
+                    found += _written_out(inner if decided == sp.true else otherwise, rows, copies)
+                    continue
+                found.append(When(decided, _written_out(inner, rows, copies), _written_out(otherwise, rows, copies)))
             case _:
                 found.append(statement)
     return tuple(found)

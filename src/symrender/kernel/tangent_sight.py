@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.kernel import footprint, light, shade, trace
+from symrender.kernel import footprint, light, planes, shade, trace
 from symrender.kernel import tile as tiles
 from symrender.kernel.block import Block, real
+from symrender.kernel.planes import PLANES
 from symrender.kernel.program import Function, Program
 from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
 from symrender.kernel.tangent import SUFFIX, forward
@@ -17,6 +18,7 @@ from symrender.scene import arrays as at
 SIGHT = "sight" + SUFFIX
 HITS = "hits" + SUFFIX
 CAMERA_AXES = "camera_axes" + SUFFIX
+STAND_PLANES = "stand_planes" + SUFFIX
 
 
 def sight() -> Function:
@@ -36,7 +38,7 @@ def sight() -> Function:
         for c, value in enumerate(real(name) for name in ("r", "g", "blue")):
             block.store(DIRECT[row, column, c], value)
     parameters = (
-        *(FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, POINTS, SHADING),
+        *(FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING),
         *(HIT_CLASS, PLACE, NORMAL, INCOMING, DIRECT),
     )
     return Function("sight", parameters, block.statements, "what a rectangle of pixels sees, into the arrays")
@@ -60,11 +62,15 @@ def power_tangent() -> Function:
 
 
 def tangent_program() -> Program:
-    """``sight``, ``hits`` (which tells albedos too) and ``camera_axes`` with tangents, one text for every scene."""
+    """``sight``, ``hits`` (which tells albedos too) and what stands up cameras and planes, all with tangents.
+
+    One text for every scene.
+    """
     whole = Program(
         (
             light.light_point(),
             tiles.camera_axes(),
+            planes.stand_planes(),
             shade.power(),
             shade.texture_factor(),
             shade.floor_side(),
@@ -77,13 +83,14 @@ def tangent_program() -> Program:
             footprint.edge_share(),
             footprint.quad_share(),
             tiles.footprint_share(),
+            tiles.plane_share(),
             tiles.look(),
             sight(),
             tiles.hits(),
         ),
-        ("sight", "hits", "camera_axes"),
+        ("sight", "hits", "camera_axes", "stand_planes"),
     )
     rules = {"power": power_tangent()}
-    parts = [forward(whole, entry, rules) for entry in ("camera_axes", "sight", "hits")]
+    parts = [forward(whole, entry, rules) for entry in ("camera_axes", "stand_planes", "sight", "hits")]
     functions = {function.name: function for part in parts for function in part.functions}
-    return Program(tuple(functions.values()), (CAMERA_AXES, SIGHT, HITS))
+    return Program(tuple(functions.values()), (CAMERA_AXES, STAND_PLANES, SIGHT, HITS))

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symrender.expression import intersection
-from symrender.expression.vectors import Vec3, norm2, renormalising, vec3
+from symrender.expression import intersection, plane
+from symrender.expression.vectors import Vec3, dot, norm2, renormalising, vec3
 from symrender.kernel.block import Block, real, whole
+from symrender.kernel.planes import (
+    FIRST_PLANE,
+    PLANES,
+    floor_field,
+    height_over,
+    is_plane,
+    meet_planes,
+    pattern,
+    plane_bright,
+    plane_field,
+)
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import (
     FLOOR,
@@ -39,7 +50,10 @@ def unit_normal(block: Block, normal: Vec3) -> Vec3:
 
 
 def nearest() -> Function:
-    """Nearest strictly positive hit, the shape the ray leaves excluded by identity."""
+    """Nearest strictly positive hit, the shape the ray leaves excluded by identity.
+
+    Of equal distances the floor counts, then the first sphere, then the first plane.
+    """
     p, w, leaves = vec3("p"), vec3("w"), whole("leaves")
     block = Block()
     best, shape = block.let("best", sp.oo), block.count("shape", sp.Integer(at.NOTHING))
@@ -57,13 +71,14 @@ def nearest() -> Function:
                 block.set(shape, at.FIRST_SPHERE + j)
     with block.when(sp.And(sp.Eq(FLOOR.field("present"), 1), sp.Ne(leaves, at.FLOOR), p.z * w.z < 0)):
         reach = block.let("reach", -p.z / w.z)
-        with block.when(reach < best):
+        with block.when(reach <= best):
             block.set(best, reach)
             block.set(shape, sp.Integer(at.FLOOR))
+    meet_planes(block, p, w, leaves, best, shape)
     block.leave(shape, best)
     return Function(
         "nearest",
-        (*p.parts, *w.parts, leaves, SPHERES, FLOOR),
+        (*p.parts, *w.parts, leaves, SPHERES, FLOOR, PLANES),
         block.statements,
         "(hit class, distance) along w from p",
     )
@@ -85,11 +100,11 @@ def sphere_radiance() -> Function:
     albedo = sphere_albedo(block, j, outward)
     rgb = block.call(
         "direct",
-        (q, normal, view, *albedo, at.FIRST_SPHERE + j, side, SPHERES, FLOOR, POINTS, SHADING),
+        (q, normal, view, *albedo, at.FIRST_SPHERE + j, side, SPHERES, FLOOR, PLANES, POINTS, SHADING),
         *("r", "g", "blue"),
     )
     block.leave(*rgb)
-    parameters = (j, *p.parts, *w.parts, eye_view, EYE, SPHERES, FLOOR, POINTS, SHADING)
+    parameters = (j, *p.parts, *w.parts, eye_view, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING)
     return Function(
         "sphere_radiance", parameters, block.statements, "radiance (r, g, b) of sphere j along w from p", inline=True
     )
@@ -105,19 +120,63 @@ def floor_radiance() -> Function:
     x, y = block.lets({"x": p.x + w.x * reach, "y": p.y + w.y * reach})
     bright = block.let("bright", sp.Integer(1))
     with block.when(sp.Eq(FLOOR.field("kind"), at.CHECKER)):
-        (side,) = block.call("floor_side", (x, y, FLOOR), "side")
+        (side,) = block.call("floor_side", (x, y, *pattern(floor_field)), "side")
         block.set(bright, side)
     q = Vec3(x, y, block.let("ground", sp.Integer(0)))
     view = _view(block, q, w, eye_view)
     rgb = block.call("lit", _floor_arguments(q, view, bright), "r", "g", "blue")
     block.leave(*rgb)
-    parameters = (*p.parts, *w.parts, eye_view, EYE, SPHERES, FLOOR, POINTS, SHADING)
+    parameters = (*p.parts, *w.parts, eye_view, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING)
     return Function("floor_radiance", parameters, block.statements, "radiance (r, g, b) of the floor along w from p")
+
+
+def plane_radiance() -> Function:
+    """Radiance of plane k, met by the unit direction w from p; black from behind."""
+    k, p, w, eye_view = whole("k"), vec3("p"), vec3("w"), real("eye_view")
+    block = Block()
+    above = block.let("above", height_over(p, k))
+    with block.when(above < 0):
+        block.leave(*(sp.Integer(0),) * 3)
+    up = PLANES.vector("normal", k)
+    reach = block.let("reach", plane.reach(above, dot(w, up)))
+    q = block.let_vector("q", p + w * reach)
+    bright = plane_bright(block, q, k)
+    view = _view(block, q, w, eye_view)
+    albedo = floor_albedo(bright, plane_field(k))
+    arguments = (q, up, view, *albedo, FIRST_PLANE + k, sp.Float(1), SPHERES, FLOOR, PLANES, POINTS, SHADING)
+    rgb = block.call("lit", arguments, "r", "g", "blue")
+    block.leave(*rgb)
+    parameters = (k, *p.parts, *w.parts, eye_view, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING)
+    return Function("plane_radiance", parameters, block.statements, "radiance (r, g, b) of plane k along w from p")
+
+
+def radiance_of(block: Block, shape: sp.Expr, arguments: tuple[sp.Basic | Array | Vec3, ...]) -> tuple[sp.Symbol, ...]:
+    """Write the radiance (r, g, blue) of the floor, sphere or plane that a ray is known to meet first."""
+    with block.when(sp.Eq(shape, at.FLOOR)):
+        seen = block.call("floor_radiance", arguments, "r", "g", "blue")
+    with block.otherwise():
+        with block.when(is_plane(shape)):
+            block.call("plane_radiance", (shape - FIRST_PLANE, *arguments), "r", "g", "blue")
+        with block.otherwise():
+            block.call("sphere_radiance", (shape - at.FIRST_SPHERE, *arguments), "r", "g", "blue")
+    return seen
 
 
 def _floor_arguments(q: Vec3, view: Vec3, bright: sp.Expr) -> tuple[sp.Basic | Array | Vec3, ...]:
     up = Vec3(sp.Float(0), sp.Float(0), sp.Float(1))
-    return (q, up, view, *floor_albedo(bright), sp.Integer(at.FLOOR), sp.Float(1), SPHERES, FLOOR, POINTS, SHADING)
+    return (
+        q,
+        up,
+        view,
+        *floor_albedo(bright),
+        sp.Integer(at.FLOOR),
+        sp.Float(1),
+        SPHERES,
+        FLOOR,
+        PLANES,
+        POINTS,
+        SHADING,
+    )
 
 
 def _view(block: Block, q: Vec3, w: Vec3, eye_view: sp.Symbol) -> Vec3:
@@ -137,16 +196,13 @@ def see() -> Function:
     eye_view = real("eye_view")
     block = Block()
     shape, distance = whole("shape"), real("distance")
-    block.call("nearest", (p, w, leaves, SPHERES, FLOOR), "shape", "distance")
-    arguments = (p, w, eye_view, EYE, SPHERES, FLOOR, POINTS, SHADING)
+    block.call("nearest", (p, w, leaves, SPHERES, FLOOR, PLANES), "shape", "distance")
+    arguments = (p, w, eye_view, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING)
     with block.when(sp.Eq(shape, at.NOTHING)):
         block.leave(*(SHADING.field("background", part=c) for c in range(3)), shape, distance)
-    with block.when(sp.Eq(shape, at.FLOOR)):
-        rgb = block.call("floor_radiance", arguments, "r", "g", "blue")
-        block.leave(*rgb, shape, distance)
-    rgb = block.call("sphere_radiance", (shape - at.FIRST_SPHERE, *arguments), "r", "g", "blue")
+    rgb = radiance_of(block, shape, arguments)
     block.leave(*rgb, shape, distance)
-    parameters = (*p.parts, *w.parts, leaves, eye_view, EYE, SPHERES, FLOOR, POINTS, SHADING)
+    parameters = (*p.parts, *w.parts, leaves, eye_view, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING)
     return Function("see", parameters, block.statements, "(r, g, b, hit class, distance) of what w sees from p")
 
 
@@ -159,12 +215,12 @@ def trace() -> Function:
         leaves = block.count("leaves", sp.floor(leaving[k]))
         seen = block.call(
             "see",
-            (start, along, leaves, SHADING.field("highlight_view"), EYE, SPHERES, FLOOR, POINTS, SHADING),
+            (start, along, leaves, SHADING.field("highlight_view"), EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING),
             *("r", "g", "blue", "shape", "distance"),
         )
         for column, value in enumerate(seen):
             block.store(results[k, column], value)
-    parameters = (rays, leaving, EYE, SPHERES, FLOOR, POINTS, SHADING, results)
+    parameters = (rays, leaving, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING, results)
     return Function("trace", parameters, block.statements, "radiance 0:3, hit class 3 and distance 4 of each ray")
 
 

@@ -27,6 +27,7 @@ from symrender.numeric.lobe import (
     lobe_depth,
     mirror_direction,
 )
+from symrender.numeric.planes import has_other
 from symrender.numeric.random import Key
 from symrender.numeric.samplers import IMPORTANCE, SOBOL, square_point
 from symrender.numeric.shading import power
@@ -75,7 +76,7 @@ def gloss(
     s = world.shading
     floor_below = world.floor.present != 0.0 and own != FLOOR and (p[2] <= 0.0 or m[2] < lobe[SIN_MAX] + 1e-12)
     black = s.background[0] == 0.0 and s.background[1] == 0.0 and s.background[2] == 0.0
-    if count == 0 and black and not floor_below:
+    if count == 0 and black and not floor_below and not has_other(world, own):
         return (0.0, 0.0, 0.0), samples
 
     exponent = lobe[EXPONENT]

@@ -32,6 +32,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     """
     if settings.numeric == "none":
         raise OptionError("numeric: must name a sampler to render numerically, got 'none'")
+    from symrender.numeric.planes import plane_cameras
     from symrender.numeric.rays import camera_frame
     from symrender.numeric.samplers import CODES
     from symrender.numeric.sight import candidate_room
@@ -40,6 +41,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     world = make_world(arrays, settings.disk_order)
     width, height = settings.width, settings.height
     frame = camera_frame(arrays.camera, width, height)
+    cameras = plane_cameras(world.frames, frame)
     kernel = _kernel("render_tile")
     sampler, order, analytic = CODES[settings.numeric], settings.lobe, settings.aa == "analytic"
     normalised, seed = settings.normalised, settings.seed
@@ -47,7 +49,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         evaluations = kernel(
             *(world, frame, width, height, x0, y0, x1, y1, sampler, order, normalised, analytic, seed),
-            *(candidate_room(world), candidate_room(world)),
+            *(cameras, candidate_room(world), candidate_room(world)),
             *(layers["radiance"], layers["direct"], layers["gloss"], layers["hit_class"]),
         )
         return int(evaluations)

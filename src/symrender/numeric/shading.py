@@ -8,6 +8,7 @@ import numpy as np
 
 from symrender.kernel_cache import inlined
 from symrender.numeric.lights import disk_point
+from symrender.numeric.planes import planes_hide
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.vectors import Vector, along, dot, minus
 from symrender.numeric.world import World
@@ -63,8 +64,8 @@ def sphere_blocks(sphere: Sphere, q: Vector, light: Vector) -> bool:
 def visible(world: World, own: int, inside: bool, q: Vector, light: Vector) -> bool:
     """Whether a light point lights q on the shape of hit class ``own``, which was met from ``inside`` or not.
 
-    Other spheres block where the open segment meets them; the floor where the ends are on opposite sides (a light not
-    above it does not light it); the shape's own sphere iff the light point is on its other side.
+    Other spheres block where the open segment meets them; floor and planes where the ends are on opposite sides (a
+    light not above them does not light them); the shape's own sphere iff the light point is on its other side.
     """
     if world.floor.present != 0.0:
         if own == FLOOR:
@@ -72,6 +73,8 @@ def visible(world: World, own: int, inside: bool, q: Vector, light: Vector) -> b
                 return False
         elif (q[2] > 0.0 and light[2] < 0.0) or (q[2] < 0.0 and light[2] > 0.0):
             return False
+    if planes_hide(world, own, q, light):
+        return False
     for j in range(world.spheres.shape[0]):
         sphere = world.spheres[j]
         if own == FIRST_SPHERE + j:

@@ -9,6 +9,7 @@ import numpy as np
 
 from symrender.kernel_cache import inlined
 from symrender.numeric.lobe import COS_MAX, SIN_MAX
+from symrender.numeric.planes import faces, nearest_plane, plane_point, up_of
 from symrender.numeric.random import Key
 from symrender.numeric.rays import floor_distance, sphere_offset, sphere_roots
 from symrender.numeric.shading import direct_light
@@ -116,14 +117,24 @@ def sees(
 ) -> tuple[Vector, int, float]:
     """Radiance that the unit ray d from a surface brings back, the hit class it meets and the distance.
 
-    ``candidates`` are the spheres as seen from ``origin``. The floor seen from below is black; where nothing is met
-    the radiance is the background's and the distance inf.
+    ``candidates`` are the spheres as seen from ``origin``. A floor or plane seen from behind is black; where nothing is
+    met the radiance is the background's and the distance inf. Of equal distances the floor comes first, then spheres,
+    then planes in the order of the scene.
     """
     limit = math.inf
     if world.floor.present != 0.0 and leaves != FLOOR:
         limit = floor_distance(origin[2], d[2])
     best, distance, inside = nearest(candidates, count, d, limit)
-    if best < 0:
+    wall, distance = nearest_plane(world, leaves, origin, d, distance)
+    if wall >= 0:
+        own = FIRST_SPHERE + world.spheres.shape[0] + wall
+        if not faces(world.frames[wall], d):
+            return (0.0, 0.0, 0.0), own, distance
+        inside = False
+        q, x, y = plane_point(world.frames[wall], origin, d, distance)
+        n = up_of(world.frames[wall])
+        albedo = floor_albedo(world.floors[wall], floor_sign(world.floors[wall], x, y))
+    elif best < 0:
         if distance == math.inf:
             s = world.shading
             return (s.background[0], s.background[1], s.background[2]), NOTHING, distance

@@ -11,6 +11,7 @@ from symrender.kernel_cache import inlined
 from symrender.numeric.antialias import pixel_sign
 from symrender.numeric.estimators import gloss
 from symrender.numeric.lobe import WEIGHT
+from symrender.numeric.planes import faces, nearest_plane, plane_point, up_of
 from symrender.numeric.random import pixel_key
 from symrender.numeric.rays import primary_ray
 from symrender.numeric.shading import direct_light
@@ -36,14 +37,16 @@ def pixel(
     normalised: bool,
     analytic: bool,
     seed: int,
+    cameras: Array,
     from_eye: Array,
     count: int,
     from_point: Array,
 ) -> tuple[int, Vector, Vector, float, int]:
     """Hit class, direct light, gloss, lobe weight and lobe evaluations of the pixel in column i of row j.
 
-    ``from_eye`` holds the ``count`` spheres as seen from the eye, ``from_point`` is room for as many. Arguments are
-    many because a kernel takes numbers and arrays, and this is one pixel of one.
+    ``cameras`` are those of ``plane_cameras``; ``from_eye`` holds the ``count`` spheres as seen from the eye,
+    ``from_point`` is room for as many. Arguments are many because a kernel takes numbers and arrays, and this is one
+    pixel of one.
     """
     key = pixel_key(seed, i, j)
     eye = (frame[1], frame[2], frame[3])
@@ -51,7 +54,20 @@ def pixel(
     b = 1.0 - 2.0 * (j + 0.5) / height
     d, distance, p = primary_ray(frame, a, b)
     best, distance, inside = nearest(from_eye, count, d, distance if world.floor.present != 0.0 else math.inf)
-    if best >= 0:
+    wall, distance = nearest_plane(world, NOTHING, eye, d, distance)
+    if wall >= 0:
+        own = FIRST_SPHERE + world.spheres.shape[0] + wall
+        if not faces(world.frames[wall], d):
+            return own, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0
+        inside = False
+        p, x, y = plane_point(world.frames[wall], eye, d, distance)
+        n = up_of(world.frames[wall])
+        if analytic:
+            sign = pixel_sign(world.floors[wall], cameras[wall], a, b, 1.0 / width, 1.0 / height, x, y)
+        else:
+            sign = floor_sign(world.floors[wall], x, y)
+        albedo = floor_albedo(world.floors[wall], sign)
+    elif best >= 0:
         own = FIRST_SPHERE + int(from_eye[best, 5])
         p, n = sphere_point(world, from_eye[best], d, inside)
         albedo = sphere_albedo(world.spheres[own - FIRST_SPHERE], n)
@@ -93,6 +109,7 @@ def render_tile(
     normalised: bool,
     analytic: bool,
     seed: int,
+    cameras: Array,
     from_eye: Array,
     from_point: Array,
     radiance: Array,
@@ -102,8 +119,8 @@ def render_tile(
 ) -> int:
     """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; returns the lobe evaluations.
 
-    ``from_eye`` and ``from_point`` are room for the candidates, (n, CANDIDATE_COLUMNS) each. Arguments are many because
-    a kernel takes numbers and arrays.
+    ``cameras`` are those of ``plane_cameras``; ``from_eye`` and ``from_point`` are room for the candidates,
+    (n, CANDIDATE_COLUMNS) each. Arguments are many because a kernel takes numbers and arrays.
     """
     count = gather(world, from_eye, NOTHING, (frame[1], frame[2], frame[3]))
     evaluations = 0
@@ -111,7 +128,7 @@ def render_tile(
         for i in range(x0, x1):
             own, light, reflected, weight, spent = pixel(
                 *(world, frame, width, height, i, j, sampler, order, normalised, analytic, seed),
-                *(from_eye, count, from_point),
+                *(cameras, from_eye, count, from_point),
             )
             evaluations += spent
             hit_class[j, i] = own

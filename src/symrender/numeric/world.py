@@ -9,14 +9,16 @@ import numpy.typing as npt
 
 from symrender.numeric.lights import light_points
 from symrender.numeric.lobe import lobe_rows
-from symrender.records import Table
+from symrender.records import Table, table
 from symrender.scene.arrays import BRDF_NORMALISED, Array, SceneArrays, lobes_of
-from symrender.scene.records import Floor, Light, Shading, Sphere
+from symrender.scene.frames import frames
+from symrender.scene.records import Floor, Frame, Light, Plane, Shading, Sphere
 
 
 class World(NamedTuple):
     """A scene under one disk rule: its records, ``points`` (p, 3), ``first`` (m + 1,) and
-    ``axes`` (m, 6) as in ``light_points``; ``lobes`` (1 + n, LOBE_COLUMNS): the floor's, then each sphere's.
+    ``axes`` (m, 6) as in ``light_points``; ``lobes`` (1 + n + k, LOBE_COLUMNS): the floor's, then each sphere's and
+    each plane's. ``frames`` (k,) say where the planes lie, ``floors`` (k,) what they are as floors of their frames.
     """
 
     spheres: Table[Sphere]
@@ -27,6 +29,8 @@ class World(NamedTuple):
     first: npt.NDArray[np.int64]
     axes: Array
     lobes: Array
+    frames: Table[Frame]
+    floors: Table[Floor]
 
 
 def make_world(arrays: SceneArrays, disk_order: int) -> World:
@@ -43,4 +47,14 @@ def make_world(arrays: SceneArrays, disk_order: int) -> World:
         first,
         axes,
         lobes,
+        frames(arrays.planes),
+        _floors(arrays.planes),
     )
+
+
+def _floors(planes: Table[Plane]) -> Table[Floor]:
+    floors = table(Floor, len(planes))
+    for floor, plane in zip(floors, planes, strict=True):
+        for name in Floor.names():
+            floor[name] = 1.0 if name == "present" else plane[name]
+    return floors

@@ -155,7 +155,11 @@ def page_data(made: Demo, simulator: str, command: str) -> dict[str, Any]:
         "judgement": made.judgement.as_json(),
         "between": made.pair.ledger.as_json()["comparisons"],
         "notes": list(made.pair.ledger.notes),
-        "surfaces": ["nothing", "floor", *(f"spheres.{sphere.name}" for sphere in made.scene.spheres)],
+        "surfaces": [
+            *("nothing", "floor"),
+            *(f"spheres.{sphere.name}" for sphere in made.scene.spheres),
+            *(f"planes.{plane.name}" for plane in made.scene.planes),
+        ],
         "statuses": {str(code): word for code, word in STATUS.items()},
         "simulator": simulator,
         "command": command,

@@ -15,9 +15,10 @@ from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPOR
 from symrender.quadrature.tangent_direct import direct_gradients
 from symrender.quadrature.tangent_lights import light_point_tangents
 from symrender.quadrature.tangent_point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
+from symrender.records import copied
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel
-from symrender.runtimes.truth import DIRECT_SHARE
+from symrender.runtimes.truth import DIRECT_SHARE, lobe_weights, showing
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
 from symrender.scene.moves import Move, SceneMoves, scene_moves
@@ -83,15 +84,18 @@ class _Slopes:
             axes_kernel = numba.plain(text).camera_axes_dot
             for q in range(len(wrt)):
                 axes_kernel(arrays.camera, moved.camera[q], self.axes, self.axes_moves[q])
+        self.planes, self.plane_moves = arrays.planes, copied(moved.planes)
+        for q in range(len(wrt)):
+            # both are made orthonormal in place
+            self.planes = copied(arrays.planes)
+            numba.plain(text).stand_planes_dot(self.planes, self.plane_moves[q])
         self.eye = np.ascontiguousarray(arrays.camera.eye)
         self.eye_moves = np.ascontiguousarray(moved.camera["eye"])
-        seen_below = arrays.camera.eye[2] <= 0
-        self.weights = np.zeros(at.FIRST_SPHERE + len(arrays.spheres))
-        self.weights[at.FLOOR] = 0.0 if seen_below else arrays.floor.weight
-        self.weights[at.FIRST_SPHERE :] = arrays.spheres["weight"]
-        self.weight_moves = np.zeros((len(wrt), len(self.weights)))
-        self.weight_moves[:, at.FLOOR] = 0.0 if seen_below else moved.floor["weight"]
-        self.weight_moves[:, at.FIRST_SPHERE :] = moved.spheres["weight"]
+        shows = showing(arrays)
+        self.weights = shows * lobe_weights(arrays)
+        nothing = np.zeros((len(wrt), 1))
+        own = (nothing, moved.floor["weight"][:, None], moved.spheres["weight"], moved.planes["weight"])
+        self.weight_moves = shows * np.concatenate(own, axis=1)
         self.own = threading.local()
 
     def render(self, x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
@@ -129,6 +133,7 @@ class _Slopes:
             self.sight(
                 frame, np.zeros_like(frame), arrays.camera, moved.camera[q], self.axes, self.axes_moves[q],
                 self.eye, self.eye_moves[q], arrays.spheres, moved.spheres[q], arrays.floor, moved.floor[q],
+                self.planes, self.plane_moves[q],
                 self.points, self.point_moves[q], arrays.shading, moved.shading[q], classes, class_slopes,
                 found["place"], slopes["place"][q], found["normal"], slopes["normal"][q], found["incoming"],
                 slopes["incoming"][q], direct, slopes["direct"][q],
@@ -139,6 +144,7 @@ class _Slopes:
                 self.hits(
                     frame, np.zeros_like(frame), arrays.camera, moved.camera[q], self.axes, self.axes_moves[q],
                     self.eye, self.eye_moves[q], arrays.spheres, moved.spheres[q], arrays.floor, moved.floor[q],
+                    self.planes, self.plane_moves[q],
                     classes, class_slopes, found["place"], slopes["place"][q], found["normal"], slopes["normal"][q],
                     found["incoming"], slopes["incoming"][q], found["albedo"], slopes["albedo"][q],
                 )  # fmt: skip

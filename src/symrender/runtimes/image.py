@@ -13,10 +13,11 @@ from symrender.errors import OptionError
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.strata import NARROWEST, Rule, mirror_rule, rings, rule
-from symrender.records import chosen, copied
+from symrender.records import Table, chosen, copied
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, lobes_of
+from symrender.scene.records import Plane
 from symrender.settings import EXACT_DISK, Settings
 
 TileKernel = Callable[[int, int, int, int, Mapping[str, Array]], int]
@@ -40,6 +41,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     kernel = numba.kernel(text, "tile")
     points = light_points(arrays.lights, settings.disk_order, formulas.light_point)
     axes = _axes(arrays, text)
+    planes = _standing(arrays, text)
     rules, sizes, rule_of = _rules(arrays, settings, formulas)
     eye = np.ascontiguousarray(arrays.camera.eye)
     filtered = float(settings.aa == "analytic")
@@ -48,7 +50,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
         frame = np.array([x0, y0, x1, y1, settings.width, settings.height, filtered], dtype=np.float64)
         work = np.empty((len(arrays.spheres) + 1, WORK_COLUMNS))
         evaluations = kernel(
-            *(frame, arrays.camera, axes, eye, arrays.spheres, arrays.floor, points, arrays.shading),
+            *(frame, arrays.camera, axes, eye, arrays.spheres, arrays.floor, planes, points, arrays.shading),
             *(rules, sizes, rule_of, work),
             *(layers["radiance"], layers["direct"], layers["gloss"], layers["hit_class"]),
         )
@@ -64,8 +66,9 @@ def prepare_sight(arrays: SceneArrays, settings: Settings) -> TileKernel:
     (h, w, 3), ``["albedo"]`` (h, w, 3), ``["hit_class"]`` (h, w), and ``["radiance"]`` and ``["direct"]`` as of
     surfaces without lobes; under ``disk="exact"`` without the disk lights' share (``quadrature/disk_direct.py``).
     """
-    dull = replace(arrays, floor=copied(arrays.floor), spheres=copied(arrays.spheres))
-    for lobed in (dull.floor, *dull.spheres):
+    own = {name: copied(getattr(arrays, name)) for name in ("floor", "spheres", "planes")}
+    dull = replace(arrays, **own)
+    for lobed in (dull.floor, *dull.spheres, *dull.planes):
         lobed.weight = lobed.exponent = lobed.theta_max = 0.0
     if settings.disk_order == EXACT_DISK:
         dull = replace(dull, lights=chosen(dull.lights, dull.lights["kind"] != at.DISK))
@@ -74,13 +77,14 @@ def prepare_sight(arrays: SceneArrays, settings: Settings) -> TileKernel:
     text = numba.image_text()
     kernel = numba.kernel(text, "hits")
     axes = _axes(arrays, text)
+    planes = _standing(arrays, text)
     eye = np.ascontiguousarray(arrays.camera.eye)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         shade(x0, y0, x1, y1, layers)
         frame = np.array([x0, y0, x1, y1, settings.width, settings.height, float(settings.aa == "analytic")])
         places = tuple(layers[name] for name in ("hit_class", "place", "normal", "incoming", "albedo"))
-        kernel(frame, arrays.camera, axes, eye, arrays.spheres, arrays.floor, *places)
+        kernel(frame, arrays.camera, axes, eye, arrays.spheres, arrays.floor, planes, *places)
         return 0
 
     return render
@@ -93,8 +97,15 @@ def _axes(arrays: SceneArrays, text: str) -> Array:
     return axes
 
 
+def _standing(arrays: SceneArrays, text: str) -> Table[Plane]:
+    """The planes with their axes made orthonormal."""
+    planes = copied(arrays.planes)
+    numba.plain(text).stand_planes(planes)
+    return planes
+
+
 def _rules(arrays: SceneArrays, settings: Settings, formulas: Any) -> tuple[Array, npt.NDArray[np.int64], Any]:
-    """Every different lobe's rule, padded to one array, their sizes, and the rule of the floor and of each sphere."""
+    """Every different lobe's rule, padded to one array, their sizes, and the rule of the floor, each sphere and plane."""
     lobes = [(exponent, theta_max) for _, exponent, theta_max in lobes_of(arrays).tolist()]
     different = sorted(set(lobes))
     built = [_rule(exponent, theta_max, settings, formulas) for exponent, theta_max in different]
@@ -142,5 +153,6 @@ def trace(
     leaving = np.ascontiguousarray(np.broadcast_to(np.asarray(leaves, dtype=np.float64), len(rays)))
     results = np.empty((len(rays), 5))
     eye = np.ascontiguousarray(arrays.camera.eye)
-    numba.kernel(text, "trace")(*(rays, leaving, eye, arrays.spheres, arrays.floor, points, arrays.shading, results))
+    shapes = (arrays.spheres, arrays.floor, _standing(arrays, text))
+    numba.kernel(text, "trace")(rays, leaving, eye, *shapes, points, arrays.shading, results)
     return results[:, :3], results[:, 3], results[:, 4]

@@ -13,13 +13,26 @@ from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.runtimes.image import TileKernel, prepare_sight
 from symrender.scene import arrays as at
-from symrender.scene.arrays import Array, SceneArrays
+from symrender.scene.arrays import Array, SceneArrays, lobes_of
+from symrender.scene.frames import frames
 from symrender.settings import EXACT_DISK, Settings
 
 FACTS = ("status", "evaluations", "chambers", "crossings")
 """Layers (h, w) of the split rule's own report, named as in ``SplitResult``."""
 DIRECT_SHARE = 0.1
 """Part of the tolerance that the direct light of exact disks may take."""
+
+
+def lobe_weights(arrays: SceneArrays) -> Array:
+    """Weight of the lobe of every hit class."""
+    return np.concatenate([[0.0], lobes_of(arrays)[:, 0]])
+
+
+def showing(arrays: SceneArrays) -> Array:
+    """1 for every hit class, 0 for a floor or plane that the camera is behind."""
+    eye = arrays.camera.eye
+    planes = [(eye - frame.origin) @ frame.up > 0 for frame in frames(arrays.planes)]
+    return np.array([1.0, eye[2] > 0, *np.ones(len(arrays.spheres)), *planes], dtype=np.float64)
 
 
 def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
@@ -31,9 +44,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     the scene, the settings and its place.
     """
     sight = prepare_sight(arrays, settings)
-    weights = np.zeros(at.FIRST_SPHERE + len(arrays.spheres))
-    weights[at.FLOOR] = arrays.floor.weight if arrays.camera.eye[2] > 0 else 0.0
-    weights[at.FIRST_SPHERE :] = arrays.spheres["weight"]
+    weights = showing(arrays) * lobe_weights(arrays)
     size = (settings.height, settings.width, 3)
     # memory is taken only where a tile is written
     places: dict[str, Array] = {name: np.zeros(size) for name in ("place", "normal", "incoming", "albedo")}

@@ -5,16 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from symrender.scene.directions import along
 from symrender.scene.scene import Scene
-from symrender.scene.shape import Sphere
+from symrender.scene.shape import Plane, Sphere
 
 _Point = tuple[float, float, float]
+_SAME = 1e-12
+"""Largest share of the distance between two points of planes by which one may lie off the other's plane."""
 
 
 def _holding(point: _Point, spheres: tuple[Sphere, ...]) -> Iterator[str]:
     for sphere in spheres:
         if math.dist(point, sphere.center) < sphere.radius:
             yield f"spheres.{sphere.name}"
+
+
+def _height(plane: Plane, point: _Point) -> float:
+    """Distance of a point from a plane, negative behind it."""
+    long = max(map(abs, plane.normal))
+    normal = [n / long for n in plane.normal]
+    size = math.hypot(*normal)
+    return sum(n / size * (p - q) for n, p, q in zip(normal, point, plane.point, strict=True))
 
 
 def _camera(scene: Scene) -> Iterator[str]:
@@ -25,6 +36,12 @@ def _camera(scene: Scene) -> Iterator[str]:
         yield "camera.eye is below the floor, which is black from below"
     elif scene.floor is not None and height == 0:
         yield "camera.eye lies on the floor plane: the floor cannot be seen"
+    for plane in scene.planes:
+        over = _height(plane, scene.camera.eye)
+        if over < 0:
+            yield f"camera.eye is behind planes.{plane.name}, which is black from behind and hides what is beyond it"
+        elif over == 0:
+            yield f"camera.eye lies in planes.{plane.name}: the plane cannot be seen"
 
 
 def _lights(scene: Scene) -> Iterator[str]:
@@ -37,11 +54,17 @@ def _lights(scene: Scene) -> Iterator[str]:
             yield f"lights.{light.name} is inside {name}: nothing outside is lit by it"
         if scene.floor is not None and light.position[2] < 0:
             yield f"lights.{light.name} is below the floor: the floor is not lit by it"
+        for plane in scene.planes:
+            over = _height(plane, light.position)
+            if over < 0:
+                yield f"lights.{light.name} is behind planes.{plane.name}: nothing in front of the plane is lit by it"
+            elif over == 0:
+                yield f"lights.{light.name} lies in planes.{plane.name}: the plane is not lit by it"
 
 
 def _shapes(scene: Scene) -> Iterator[str]:
-    if not scene.spheres and scene.floor is None:
-        yield "there is nothing to see: no spheres and no floor"
+    if not scene.spheres and scene.floor is None and not scene.planes:
+        yield "there is nothing to see: no spheres, no floor and no planes"
     first: dict[tuple[_Point, float], str] = {}
     for sphere in scene.spheres:
         other = first.setdefault((sphere.center, sphere.radius), sphere.name)
@@ -49,10 +72,26 @@ def _shapes(scene: Scene) -> Iterator[str]:
             yield f"spheres.{other} and spheres.{sphere.name} are the same sphere: the first is seen"
         if scene.floor is not None and sphere.center[2] + sphere.radius <= 0:
             yield f"spheres.{sphere.name} lies below the floor: it cannot be seen from above"
+        for plane in scene.planes:
+            if _height(plane, sphere.center) + sphere.radius <= 0:
+                yield f"spheres.{sphere.name} lies behind planes.{plane.name}: it cannot be seen from in front"
+    yield from _same_planes(scene)
     surfaces = [(f"spheres.{sphere.name}", sphere.lobe) for sphere in scene.spheres]
+    surfaces += [(f"planes.{plane.name}", plane.lobe) for plane in scene.planes]
     for name, lobe in [*surfaces, ("floor", scene.floor.lobe if scene.floor else None)]:
         if lobe is not None and lobe.weight == 0:
             yield f"{name}.lobe.weight is 0: the lobe has no effect"
+
+
+def _same_planes(scene: Scene) -> Iterator[str]:
+    """Planes in which another plane or the floor lies too: which is seen there is decided by rounding."""
+    for k, plane in enumerate(scene.planes):
+        others = [(f"planes.{other.name}", other.point, other.normal) for other in scene.planes[:k]]
+        if scene.floor is not None:
+            others.append(("the floor", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+        for name, point, normal in others:
+            if along(plane.normal, normal) and abs(_height(plane, point)) <= _SAME * math.dist(point, plane.point):
+                yield f"planes.{plane.name} lies in {name}: rounding decides which of them is seen"
 
 
 def warnings(scene: Scene) -> tuple[str, ...]:

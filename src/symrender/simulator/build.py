@@ -19,12 +19,18 @@ from typing import TYPE_CHECKING, Any, Final
 from symrender.errors import Unsupported
 from symrender.images.output import write_bytes
 from symrender.images.picture import CLASSES, SEQUENTIAL
-from symrender.limits import MAX_SIMULATOR_LIGHT_POINTS, MAX_SIMULATOR_LOBE, MAX_SIMULATOR_SPHERES
+from symrender.limits import (
+    MAX_SIMULATOR_LIGHT_POINTS,
+    MAX_SIMULATOR_LOBE,
+    MAX_SIMULATOR_LOBES,
+    MAX_SIMULATOR_PLANES,
+    MAX_SIMULATOR_SPHERES,
+)
 from symrender.records import column, columns, flat
 from symrender.scene import arrays as at
 from symrender.scene.light import DiskLight
 from symrender.scene.load import load
-from symrender.scene.records import Camera, Floor, Light, Sphere
+from symrender.scene.records import Camera, Floor, Light, Plane, Sphere
 from symrender.scene.texture import Checker
 from symrender.simulator.columns import entries
 from symrender.simulator.picture import picture
@@ -78,8 +84,9 @@ def simulator(scene: Scene | str | Path | dict[str, Any], path: str | Path | Non
 
     The page opens from the file system and inside a frame. It draws by WebGL 2 with float targets; where a browser has
     none it draws by JavaScript, slowly, and without JavaScript it holds a picture. Raises
-    ``Unsupported`` beyond ``MAX_SIMULATOR_SPHERES`` spheres or ``MAX_SIMULATOR_LIGHT_POINTS`` light points (a disk
-    counts four) and for lobes in BRDF units, and ``OutputError`` when the file cannot be written.
+    ``Unsupported`` beyond ``MAX_SIMULATOR_SPHERES`` spheres, ``MAX_SIMULATOR_PLANES`` planes, ``MAX_SIMULATOR_LOBES``
+    surfaces or ``MAX_SIMULATOR_LIGHT_POINTS`` light points (a disk counts four) and for lobes in BRDF units, and
+    ``OutputError`` when the file cannot be written.
     """
     chosen = load(scene)
     made = simulator_page(chosen)
@@ -102,6 +109,8 @@ def _check(scene: Scene) -> None:
     points = light_point_count(scene)
     for what, count, most in (
         ("spheres", len(scene.spheres), MAX_SIMULATOR_SPHERES),
+        ("planes", len(scene.planes), MAX_SIMULATOR_PLANES),
+        ("surfaces with the floor", 1 + len(scene.spheres) + len(scene.planes), MAX_SIMULATOR_LOBES),
         ("light points", points, MAX_SIMULATOR_LIGHT_POINTS),
     ):
         if count > most:
@@ -133,14 +142,15 @@ def formulas() -> str:
 
 
 @cache
-def shaders(spheres: int, points: int) -> dict[str, str]:
-    """The fragment shaders by pass, the same for every scene of as many spheres and light points."""
+def shaders(spheres: int, planes: int, points: int) -> dict[str, str]:
+    """The fragment shaders by pass, the same for every scene of as many spheres, planes and light points."""
     from symrender.kernel.assemble_pixels import PASSES
     from symrender.kernel.straighten import straightened
     from symrender.targets import glsl
 
     # a light that is off is a row of zeros, black where light is summed; chambers are counted, so they ask for the rows
-    rows = {name: {"spheres": spheres, **({"points": points} if name in _LIT else {})} for name in PASSES}
+    shapes = {"spheres": spheres, "planes": planes}
+    rows = {name: shapes | ({"points": points} if name in _LIT else {}) for name in PASSES}
     return {name: glsl.emit(straightened(_program().part(name), rows[name])) for name in PASSES}
 
 
@@ -189,13 +199,21 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "hash": scene.hash,
         "version": VERSION,
         "arrays": {
-            name: flat(getattr(arrays, name)).tolist() for name in ("spheres", "floor", "lights", "shading", "camera")
+            name: flat(getattr(arrays, name)).tolist()
+            for name in ("spheres", "floor", "planes", "lights", "shading", "camera")
         },
         "fields": {
             name: {"columns": columns(kind), **{field: column(kind, field) for field in kind.names()}}
-            for name, kind in (("sphere", Sphere), ("floor", Floor), ("light", Light), ("camera", Camera))
+            for name, kind in (
+                ("sphere", Sphere),
+                ("floor", Floor),
+                ("plane", Plane),
+                ("light", Light),
+                ("camera", Camera),
+            )  # fmt: skip
         },
         "spheres": [sphere.name for sphere in scene.spheres],
+        "planes": [plane.name for plane in scene.planes],
         "lights": [{"name": light.name, "disk": isinstance(light, DiskLight)} for light in scene.lights],
         "glossy": glossy(scene),
         "parameters": list(entries(scene)),
@@ -206,7 +224,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "blocks": blocks(),
         "reads": reads(),
         "takes": takes(),
-        "shaders": shaders(len(scene.spheres), light_point_count(scene)),
+        "shaders": shaders(len(scene.spheres), len(scene.planes), light_point_count(scene)),
         "vertex": _VERTEX,
         "classes": CLASSES,
         "scale": SEQUENTIAL,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from symrender.records import Record, column, columns
-from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
+from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere
 from symrender.scene.scene import Scene
 from symrender.scene.texture import Checker, Marble, Solid, Stripes
 
@@ -25,19 +25,36 @@ _SPHERE = {
     **{f"texture.{name}": column(Sphere, name) for name in ("ku", "kv", "dark")},
     **{f"lobe.{name}": column(Sphere, name) for name in _LOBE},
 }
-_FLOOR = {
-    **_parts(Floor, "bright", "texture.bright", "rgb"),
-    **_parts(Floor, "dark", "texture.dark", "rgb"),
-    **_parts(Floor, "bright", "texture.color", "rgb"),
-    "texture.cell": column(Floor, "cell"),
-    **_parts(Floor, "offset", "texture.offset", "xy"),
-    **{f"lobe.{name}": column(Floor, name) for name in _LOBE},
+
+
+def _flat(kind: type[Floor | Plane]) -> dict[str, int]:
+    return {
+        **_parts(kind, "bright", "texture.bright", "rgb"),
+        **_parts(kind, "dark", "texture.dark", "rgb"),
+        **_parts(kind, "bright", "texture.color", "rgb"),
+        "texture.cell": column(kind, "cell"),
+        **_parts(kind, "offset", "texture.offset", "xy"),
+        **{f"lobe.{name}": column(kind, name) for name in _LOBE},
+    }
+
+
+_FLOOR = _flat(Floor)
+_PLANE = {
+    **_parts(Plane, "point", "point", "xyz"),
+    **_parts(Plane, "normal", "normal", "xyz"),
+    **_parts(Plane, "along", "along", "xyz"),
+    **_flat(Plane),
 }
 _LIGHT = {
     **_parts(Light, "position", "position", "xyz"),
     "radius": column(Light, "radius"),
     **_parts(Light, "color", "color", "rgb"),
     **_parts(Light, "target", "target", "xyz"),
+}
+_TABLES = {
+    "spheres": (_SPHERE, columns(Sphere)),
+    "planes": (_PLANE, columns(Plane)),
+    "lights": (_LIGHT, columns(Light)),
 }
 _SHADING = {
     **{f"shading.{name}": column(Shading, name) for name in ("ka", "kd", "ks", "shininess")},
@@ -60,10 +77,10 @@ def place(scene: Scene, name: str) -> tuple[str, int]:
     if name in _SHADING:
         return "shading", _SHADING[name]
     kind, _, rest = name.partition(".")
-    if kind in ("spheres", "lights"):
+    if kind in _TABLES:
         part, _, rest = rest.partition(".")
         rows = [entry.name for entry in getattr(scene, kind)]
-        places, width = (_SPHERE, columns(Sphere)) if kind == "spheres" else (_LIGHT, columns(Light))
+        places, width = _TABLES[kind]
         return kind, rows.index(part) * width + places[rest]
     return kind, (_FLOOR if kind == "floor" else _CAMERA)[rest]
 

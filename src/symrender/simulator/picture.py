@@ -29,7 +29,8 @@ _SHOWN: Final = 384
 _DISK_STRATA: Final = 2
 _SIDE: Final = 2
 _EQUAL_WEIGHT: Final = 2
-_USED: Final = ("camera_axes", "fill_lobe", "fill_sectors", "pixel_seen", "pixel_direct", "pixel_symbolic")
+_ONCE: Final = ("camera_axes", "stand_planes", "fill_lobe", "fill_sectors")
+_PIXEL: Final = ("pixel_seen", "pixel_direct", "pixel_symbolic")
 
 
 def picture(scene: Scene) -> bytes:
@@ -49,13 +50,13 @@ def _functions() -> dict[str, Callable[..., Any]]:
     from symrender.targets import numba as target
 
     program = pixel_program()
-    return {name: getattr(runtime.plain(target.emit(program.part(name))), name) for name in _USED}
+    return {name: getattr(runtime.plain(target.emit(program.part(name))), name) for name in (*_ONCE, *_PIXEL)}
 
 
 def _radiance(scene: Scene) -> Array:
     """Linear radiance (SIZE, SIZE, 3)."""
     call, arrays = _functions(), at.scene_arrays(scene)
-    rows = len(arrays.spheres) + 1
+    rows = len(lobes_of(arrays))
     lights = light_rows(arrays, _DISK_STRATA)
     tables: dict[str, Array] = {
         "eye": arrays.camera.eye,
@@ -80,9 +81,10 @@ def _radiance(scene: Scene) -> Array:
     plain: dict[str, Any] = {name: table.tolist() for name, table in tables.items()}
     plain |= {name: _Rows(tables[name]) for name in ("points", "lobes", "rings", "sectors")}
     plain |= {name: _plain(getattr(arrays, name)) for name in ("floor", "shading", "camera")}
-    plain["spheres"] = _Records(arrays.spheres)
+    plain |= {name: _Records(getattr(arrays, name)) for name in ("spheres", "planes")}
+    call["stand_planes"](plain["planes"])
     program = {f.name: f for f in pixel_program().functions}
-    taken = {name: [plain[p.name] for p in program[name].parameters[2:]] for name in _USED[3:]}
+    taken = {name: [plain[p.name] for p in program[name].parameters[2:]] for name in _PIXEL}
     found = np.zeros((SIZE, SIZE, 3))
     for row in range(SIZE):
         for column in range(SIZE):

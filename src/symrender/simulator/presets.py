@@ -76,4 +76,5 @@ def presets(scene: Scene) -> tuple[Preset, ...]:
 def glossy(scene: Scene) -> list[str]:
     """Dotted names of the surfaces that carry a lobe."""
     found = [f"spheres.{sphere.name}" for sphere in scene.spheres if sphere.lobe is not None]
+    found += [f"planes.{plane.name}" for plane in scene.planes if plane.lobe is not None]
     return (["floor"] if scene.floor is not None and scene.floor.lobe is not None else []) + found

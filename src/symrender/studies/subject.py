@@ -19,6 +19,7 @@ from symrender.runtimes.image import prepare_sight
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, lobes_of, scene_arrays
 from symrender.scene.load import load
+from symrender.scene.planes_due import refuse_planes
 from symrender.scene.scene import Scene
 from symrender.settings import Settings, image_size
 from symrender.studies.cpu_time import filled
@@ -132,6 +133,7 @@ def subject(
     if surface not in ("floor", "all"):
         raise OptionError(f"surface: must be floor or all, got {surface!r}")
     loaded = load(scene)
+    refuse_planes(loaded, "study")
     if surface == "floor":
         loaded = loaded.replace(
             {f"spheres.{s.name}.lobe.weight": 0.0 for s in loaded.spheres if s.lobe is not None}

@@ -479,7 +479,7 @@ def emit(program: Program, tables: Mapping[str, Table] = TABLES) -> str:
     for block, names in blocks(tables).items():
         members = " ".join(f"vec4 t_{name}[{_width(tables[name]) * tables[name].rows}];" for name in names)
         head.append(f"layout(std140) uniform {block} {{ {members} }};")
-    head += [f"uniform int {name}_rows;" for name in ("spheres", "points")]
+    head += [f"uniform int {name}_rows;" for name in ("spheres", "planes", "points")]
     head += [f"float t_{name}[{table.columns}];" for name, table in tables.items() if table.scratch]
     head += [f"uniform highp sampler2D image_{name};" for name, table in tables.items() if table.image]
     helpers: list[str] = []

@@ -77,7 +77,7 @@ function makeControls(app) {
     changed: () => app.state[key] !== data.defaults[key],
     run: () => app.change((s) => (s[key] = data.defaults[key])),
   });
-  const surfaces = [["all", "all surfaces"], ...data.glossy.map((path) => [path, path.replace("spheres.", "sphere ")])];
+  const surfaces = [["all", "all surfaces"], ...data.glossy.map((path) => [path, path.replace("spheres.", "sphere ").replace("planes.", "plane ")])];
   const lobeNames = (key) => (app.surface === "all" ? data.glossy : [app.surface]).map((path) => `${path}.lobe.${key}`);
   const lobeNumber = (key, more, convert = { out: (v) => v, back: (v) => v }) => numberControl({
     get: () => convert.out(value(lobeNames(key)[0])),

@@ -17,7 +17,7 @@ class Converger {
 
   // The rule of the next pass: side x side directions a lobe.
   tables(t) {
-    const { side } = this, rows = 1 + t.spheres.length / data.tables.spheres.columns, stride = data.limits.lobe;
+    const { side } = this, rows = surfaces(t), stride = data.limits.lobe;
     const made = ruleTables(t, rows, SHIFTED, side, stride), turn = Math.floor(this.passes / STREAMS);
     const [u, v] = STARTS[this.passes % STREAMS].map((start, k) => fraction(start + turn * STEPS[k]));
     for (let row = 0; row < rows; row++) {

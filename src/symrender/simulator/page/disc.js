@@ -127,7 +127,7 @@ class Disc {
   walls(g, t, seen, lobe, at) {
     const spheres = t.spheres.length / data.tables.spheres.columns, points = t.points.length / data.tables.points.columns;
     const meets = (w) => {
-      program.nearest(...seen.q, ...w, seen.shape, t.spheres, t.floor);
+      program.nearest(...seen.q, ...w, seen.shape, t.spheres, t.floor, t.planes);
       return program.R[0];
     };
     const above = (w) => w[0] * seen.n[0] + w[1] * seen.n[1] + w[2] * seen.n[2] > 0;

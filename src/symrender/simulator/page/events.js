@@ -27,13 +27,15 @@ function moveCursor(pixel) {
   app.linking = setTimeout(() => app.link(), 400);
 }
 
+const isSphere = (shape) => shape > 1 && shape < 2 + data.spheres.length;
+
 function panelEvents(canvas) {
   let drag = null;
   canvas.addEventListener("pointerdown", (event) => {
     if (!app.frame || event.button !== 0) return;
     const pixel = pixelAt(canvas, event), seen = lookAt(makeTables(app.state), ...pixel);
     drag = { x: event.clientX, y: event.clientY, shape: seen.shape, moved: false, touch: event.pointerType === "touch" };
-    if (!drag.touch || seen.shape > 1) canvas.setPointerCapture(event.pointerId);
+    if (!drag.touch || isSphere(seen.shape)) canvas.setPointerCapture(event.pointerId);
     moveCursor(pixel);
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -41,7 +43,7 @@ function panelEvents(canvas) {
     const dx = (event.clientX - drag.x) / canvas.clientWidth, dy = (event.clientY - drag.y) / canvas.clientHeight;
     if (!drag.moved && Math.hypot(event.clientX - drag.x, event.clientY - drag.y) < 4) return;
     Object.assign(drag, { x: event.clientX, y: event.clientY, moved: true });
-    if (drag.shape > 1) dragSphere(drag.shape - 2, dx, dy, event.shiftKey);
+    if (isSphere(drag.shape)) dragSphere(drag.shape - 2, dx, dy, event.shiftKey);
     else orbit(dx * 180, dy * 90);
   });
   for (const end of ["pointerup", "pointercancel"]) {

@@ -52,7 +52,7 @@ class Gpu {
 
   upload(t) {
     const gl = this.gl;
-    this.rows = { spheres: t.spheres.length / data.tables.spheres.columns, points: t.points.length / data.tables.points.columns };
+    this.rows = Object.fromEntries(["spheres", "planes", "points"].map((name) => [name, t[name].length / data.tables[name].columns]));
     Object.entries(data.blocks).forEach(([block, names], index) => {
       const parts = names.map((name) => padded(t[name], data.tables[name]));
       const whole = new Float32Array(parts.reduce((sum, part) => sum + part.length, 0));
@@ -100,8 +100,7 @@ class Gpu {
   submit(pass, size, y0, y1) {
     const gl = this.gl, made = this.program(pass);
     gl.useProgram(made);
-    gl.uniform1i(gl.getUniformLocation(made, "spheres_rows"), this.rows.spheres);
-    gl.uniform1i(gl.getUniformLocation(made, "points_rows"), this.rows.points);
+    for (const [name, rows] of Object.entries(this.rows)) gl.uniform1i(gl.getUniformLocation(made, `${name}_rows`), rows);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target(pass, size));
     gl.bindTexture(gl.TEXTURE_2D, this.image);
     gl.viewport(0, 0, size, size);

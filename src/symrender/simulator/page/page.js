@@ -281,7 +281,9 @@ const angle = (radians) => `${short((radians * 180) / Math.PI)}°`;
 const triple = (rgb) => rgb.map((v) => v.toFixed(6)).join("  ");
 
 function surfaceName(shape) {
-  return shape === 0 ? "nothing" : shape === 1 ? "floor" : `sphere ${data.spheres[shape - 2]}`;
+  if (shape < 2) return shape === 0 ? "nothing" : "floor";
+  const plane = shape - 2 - data.spheres.length;
+  return plane < 0 ? `sphere ${data.spheres[shape - 2]}` : `plane ${data.planes[plane]}`;
 }
 
 function tellLedger(app, frame) {
@@ -313,7 +315,7 @@ function tellLedger(app, frame) {
 function probedLobe(frame) {
   const path = app.surface !== "all" ? app.surface : data.glossy[0];
   if (!path) return null;
-  const row = path === "floor" ? 0 : 1 + data.spheres.indexOf(path.slice(8));
+  const row = ["floor", ...data.spheres.map((name) => `spheres.${name}`), ...data.planes.map((name) => `planes.${name}`)].indexOf(path);
   return { ...surfaceLobe(frame.tables, row), name: path };
 }
 
@@ -323,14 +325,14 @@ function surfaceKey(frame) {
   return met.flatMap((shape) => {
     const swatch = element("i", { class: "swatch", "aria-hidden": "true" });
     swatch.style.background = `rgb(${classColor(shape)})`;
-    return [swatch, `${surfaceName(shape).replace("sphere ", "")} `];
+    return [swatch, `${surfaceName(shape).replace(/^(sphere|plane) /, "")} `];
   });
 }
 
 // Where to start: of a grid of pixels, the one whose lobe carries most light and meets most chambers; the floor first.
 const GRID = 26, GRID_RULE = { partition: "equal_weight", weights: "exact", nodes: "barycentre", normalised: false, seed: 0 };
 function defaultCursor(state) {
-  const t = makeTables({ ...state, size: GRID }), rows = 1 + t.spheres.length / data.tables.spheres.columns;
+  const t = makeTables({ ...state, size: GRID }), rows = surfaces(t);
   const rule = ruleTables(t, rows, GRID_RULE, 4, 4), labels = new Float64Array(data.tables.labels.columns);
   let best = 0, found = [GRID >> 1, GRID >> 1];
   for (let y = 1; y < GRID - 1; y++) {
@@ -338,7 +340,7 @@ function defaultCursor(state) {
       const gloss = glossExact("pixel_symbolic", { ...t, ...rule }, x, y);
       const light = gloss[3] * (gloss[0] + gloss[1] + gloss[2]);
       if (!(light > 0)) continue;
-      program.pixel_chambers(x, y, seenAt(t, x, y), rule.estimate, rule.lobes, rule.rings, rule.sectors, t.eye, t.spheres, t.floor, t.points, labels);
+      program.pixel_chambers(x, y, seenAt(t, x, y), rule.estimate, rule.lobes, rule.rings, rule.sectors, t.eye, t.spheres, t.floor, t.planes, t.points, labels);
       const value = light * (program.R[0] - 0.9) * (lookAt(t, x, y).shape === 1 ? 1 : 0.2);
       if (value > best) [best, found] = [value, [x, y]];
     }
@@ -482,7 +484,7 @@ function moveCursorAgain() {
   drawCursor();
   const t = app.frame.tables, pixel = app.state.cursor.map((v) => Math.min(app.frame.size - 1, Math.floor(((v + 0.5) * app.frame.size) / app.state.size)));
   const seen = lookAt(t, ...pixel);
-  app.disc.draw(t, seen.shape > 0 && surfaceLobe(t, seen.shape - 1).weight > 0 ? seen : null, app.frame.state, pixel);
+  app.disc.draw(t, seen.shape > 0 && surfaceLobe(t, seen.shape - 1).weight > 0 && inner(seen.d, seen.n) < 0 ? seen : null, app.frame.state, pixel);
   app.showDirection();
 }
 

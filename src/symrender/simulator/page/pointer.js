@@ -10,7 +10,7 @@ function directionAt(t, seen, x, y) {
   const [wx, wy, wz, cosine, theta] = program.R, w = [wx, wy, wz];
   const found = { x, y, w, theta, density: Math.cos(theta) ** own.exponent, below: cosine <= 0, shape: 0, distance: Infinity, rgb: [0, 0, 0] };
   if (found.below) return found;
-  program.nearest(...seen.q, ...w, seen.shape, t.spheres, t.floor);
+  program.nearest(...seen.q, ...w, seen.shape, t.spheres, t.floor, t.planes);
   [found.shape, found.distance] = program.R;
   program.sight(...seen.q, ...w, seen.shape, ...world(t));
   found.rgb = Array.from(program.R.subarray(0, 3));

@@ -40,7 +40,7 @@ class Reference {
     const w = Array.from(program.R.subarray(0, 4));
     if (w[3] <= 0) return [0, 0, 0, BELOW];
     this.evaluations++;
-    const chamber = program.cell(...seen.q, w[0], w[1], w[2], seen.shape, t.spheres, t.floor, t.points);
+    const chamber = program.cell(...seen.q, w[0], w[1], w[2], seen.shape, t.spheres, t.floor, t.planes, t.points);
     program.sight(...seen.q, w[0], w[1], w[2], seen.shape, ...world(t));
     return [program.R[0], program.R[1], program.R[2], chamber];
   }
@@ -48,7 +48,7 @@ class Reference {
   chamber(radius, turn) {
     program.lobe_direction(this.lobe, radius, turn, this.disc, this.t.lobes);
     if (program.R[3] <= 0) return BELOW;
-    return program.cell(...this.seen.q, program.R[0], program.R[1], program.R[2], this.seen.shape, this.t.spheres, this.t.floor, this.t.points);
+    return program.cell(...this.seen.q, program.R[0], program.R[1], program.R[2], this.seen.shape, this.t.spheres, this.t.floor, this.t.planes, this.t.points);
   }
 
   // Where the chamber changes between two radii of different chambers.

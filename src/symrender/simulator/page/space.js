@@ -95,7 +95,8 @@ class Space {
       }
     };
     const ray = (p, q, color, width, dash) => line(Array.from({ length: RAY_PARTS + 1 }, (_, k) => add(p, add(q, p, -1), k / RAY_PARTS)), color, width, dash);
-    if (t.floor[0] > 0) this.floor(g, at, center, radius, colors.line);
+    if (t.floor[0] > 0) this.grid(g, at, [center[0], center[1], 0], [1, 0, 0], [0, 1, 0], radius, colors.line);
+    this.planes(g, at, center, radius, colors.line);
     for (const ball of balls) items.push({ depth: depth(ball.c), draw: () => this.ball(g, at(ball.c), scale * ball.r, ball.color) });
     if (seen?.shape) this.lobe(seen, line, ray, items, depth, at, g, radius, colors);
     if (seen) {
@@ -107,11 +108,24 @@ class Space {
     if (seen) mark(g, at(seen.q), "", colors);
   }
 
-  floor(g, at, center, radius, color) {
+  // Lines of a plane about one of its points, along two directions across each other in it.
+  grid(g, at, middle, east, north, radius, color) {
+    const e = 1.5 * radius, place = (x, y) => at(add(add(middle, east, x), north, y));
     for (let k = -FLOOR_LINES; k <= FLOOR_LINES; k++) {
-      const s = (1.5 * radius * k) / FLOOR_LINES, e = 1.5 * radius, [x, y] = center;
-      stroke(g, [at([x + s, y - e, 0]), at([x + s, y + e, 0])], color, 0.7);
-      stroke(g, [at([x - e, y + s, 0]), at([x + e, y + s, 0])], color, 0.7);
+      const s = (e * k) / FLOOR_LINES;
+      stroke(g, [place(s, -e), place(s, e)], color, 0.7);
+      stroke(g, [place(-e, s), place(e, s)], color, 0.7);
+    }
+  }
+
+  // The part of every plane nearest the middle of the picture, unless it is far off.
+  planes(g, at, center, radius, color) {
+    const { t } = this, fields = data.fields.plane;
+    for (let k = 0; k < data.planes.length; k++) {
+      const row = t.planes.subarray(k * fields.columns, (k + 1) * fields.columns);
+      const [point, up, east] = ["point", "normal", "along"].map((name) => Array.from(row.subarray(fields[name], fields[name] + 3)));
+      const height = inner(add(center, point, -1), up), north = [up[1] * east[2] - up[2] * east[1], up[2] * east[0] - up[0] * east[2], up[0] * east[1] - up[1] * east[0]];
+      if (Math.abs(height) < 2 * radius) this.grid(g, at, add(center, up, -height), east, north, radius, color);
     }
   }
 
@@ -130,7 +144,8 @@ class Space {
   lobe(seen, line, ray, items, depth, at, g, radius, colors) {
     const { t, state, pointed } = this, lobe = seen.shape - 1, own = surfaceLobe(t, lobe), size = HORIZON_SIZE * radius;
     ray(seen.q, add(seen.q, seen.n, size), colors.quiet, 1.2, [4, 3]);
-    if (!(own.weight > 0)) return;
+    // the back of a plane has no lobe
+    if (!(own.weight > 0) || inner(seen.d, seen.n) >= 0) return;
     const turns = Array.from({ length: TURN_STEPS + 1 }, (_, k) => k / TURN_STEPS), three = () => Array.from(program.R.subarray(0, 3));
     const direction = (rho, turn) => {
       // a place outside the disc by rounding has no direction
@@ -139,7 +154,7 @@ class Space {
       return { w: three(), cosine: program.R[3], theta: program.R[4] };
     };
     const met = (w, most) => {
-      program.nearest(...seen.q, ...w, seen.shape, t.spheres, t.floor);
+      program.nearest(...seen.q, ...w, seen.shape, t.spheres, t.floor, t.planes);
       return { shape: program.R[0], end: add(seen.q, w, program.R[0] ? Math.min(program.R[1], most) : most) };
     };
     line(turns.map((turn) => {

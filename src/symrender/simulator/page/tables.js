@@ -24,8 +24,9 @@ function makeTables(state, least = 0, frame = null) {
   t.eye = t.camera.slice(data.fields.camera.eye, data.fields.camera.eye + 3);
   t.axes = new Float64Array(10);
   if (t.camera[0] === LOOK_AT) program.camera_axes(t.camera, t.axes);
+  program.stand_planes(t.planes);
   t.points = lightPoints(t.lights, state.off);
-  const rows = 1 + t.spheres.length / data.tables.spheres.columns;
+  const rows = surfaces(t);
   t.disc = new Float64Array(12);
   Object.assign(t, ruleTables(t, rows, state, state.lobe, data.limits.lobe, least));
   return t;
@@ -51,9 +52,15 @@ function lightPoints(lights, off) {
   return Float64Array.from(rows);
 }
 
+// Rows of the tables of lobes: the floor, spheres, planes.
+function surfaces(t) {
+  return 1 + t.spheres.length / data.tables.spheres.columns + t.planes.length / data.tables.planes.columns;
+}
+
 function surfaceLobe(t, row) {
-  const columns = data.tables.spheres.columns;
-  const first = row === 0 ? t.floor.subarray(data.fields.floor.weight, data.fields.floor.weight + 3) : t.spheres.subarray((row - 1) * columns + data.fields.sphere.weight, row * columns);
+  const spheres = data.spheres.length, kind = row === 0 ? "floor" : row <= spheres ? "sphere" : "plane";
+  const table = { floor: t.floor, sphere: t.spheres, plane: t.planes }[kind], index = { floor: 0, sphere: row - 1, plane: row - 1 - spheres }[kind];
+  const start = index * data.fields[kind].columns + data.fields[kind].weight, first = table.subarray(start, start + 3);
   return { weight: first[0], exponent: first[1], thetaMax: first[2] };
 }
 
@@ -79,7 +86,8 @@ function inputs(pass, t) {
     if (name === "seen") return pass === "pixel_seen" ? "" : inputs("pixel_seen", t);
     const values = Array.from(t[name]), columns = data.tables[name].columns, lobeless = pass === "pixel_direct" || pass === "pixel_seen";
     if (lobeless && name === "floor") values.fill(0, data.fields.floor.weight, data.fields.floor.weight + 3);
-    if (lobeless && name === "spheres") values.forEach((_, k) => k % columns >= data.fields.sphere.weight && (values[k] = 0));
+    const kind = { spheres: "sphere", planes: "plane" }[name];
+    if (lobeless && kind) values.forEach((_, k) => k % columns >= data.fields[kind].weight && (values[k] = 0));
     if (pass !== "pixel_numeric" && name === "estimate") values[1] = values[5] = 0;
     return values.join();
   });
@@ -87,19 +95,19 @@ function inputs(pass, t) {
 }
 
 const hits = new Float64Array(data.tables.hits.columns), labels = new Float64Array(data.tables.labels.columns), seen = new Float64Array(data.tables.seen.columns);
-const world = (t) => [t.eye, t.spheres, t.floor, t.points, t.shading];
+const world = (t) => [t.eye, t.spheres, t.floor, t.planes, t.points, t.shading];
 const lens = (t) => [t.image_frame, t.camera, t.axes];
 
 // What the ray through a pixel meets, in double precision.
 function lookAt(t, column, row) {
-  program.look(row, column, ...lens(t), t.eye, t.spheres, t.floor);
+  program.look(row, column, ...lens(t), t.eye, t.spheres, t.floor, t.planes);
   const r = Array.from(program.R.subarray(0, 12));
   return { shape: r[0], d: r.slice(3, 6), q: r.slice(6, 9), n: r.slice(9, 12) };
 }
 
 // The same as the passes read it: ``seen`` of a pixel.
 function seenAt(t, column, row) {
-  program.pixel_seen(column, row, t.image_frame, t.camera, t.axes, t.eye, t.spheres, t.floor, seen);
+  program.pixel_seen(column, row, t.image_frame, t.camera, t.axes, t.eye, t.spheres, t.floor, t.planes, seen);
   return seen;
 }
 

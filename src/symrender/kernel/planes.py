@@ -1,0 +1,123 @@
+"""Functions and pieces of the program that tell where planes are met, what lies behind them and how they are painted.
+
+In the program's table of planes ``normal`` and ``along`` are orthonormal; ``stand_planes`` makes them so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import sympy as sp
+
+from symrender.expression import plane
+from symrender.expression.vectors import Vec3, dot
+from symrender.kernel.block import Block
+from symrender.kernel.program import Function, Records
+from symrender.scene import arrays as at
+from symrender.scene.records import Floor, Plane, Sphere
+
+SPHERES = Records("spheres", 2, Sphere)
+FLOOR = Records("floor", 1, Floor)
+PLANES = Records("planes", 2, Plane)
+FIRST_PLANE = at.FIRST_SPHERE + SPHERES.length
+"""Hit class of the first plane."""
+
+Field = Callable[[str, int], sp.Expr]
+"""A number of a surface's record by its field and its place in the field."""
+
+
+def floor_field(name: str, part: int) -> sp.Expr:
+    """A number of the floor."""
+    return FLOOR.field(name, part=part)
+
+
+def plane_field(k: sp.Expr) -> Field:
+    """The numbers of plane k."""
+    return lambda name, part: PLANES.field(name, k, part)
+
+
+def pattern(of: Field) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """Side of the squares of a checker, and where one begins in x and y."""
+    return of("cell", 0), of("offset", 0), of("offset", 1)
+
+
+def height_over(p: Vec3, k: sp.Expr) -> sp.Expr:
+    """Distance of p from plane k, negative behind it."""
+    return plane.height(p, PLANES.vector("point", k), PLANES.vector("normal", k))
+
+
+def plane_coordinates(block: Block, q: Vec3, k: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Write the coordinates of a point in plane k."""
+    place = plane.coordinates(q, *(PLANES.vector(name, k) for name in ("point", "along", "normal")))
+    x, y = block.lets(dict(zip(("across", "down"), place, strict=True)))
+    return x, y
+
+
+def plane_bright(block: Block, q: Vec3, k: sp.Expr) -> sp.Symbol:
+    """Write 1 where plane k is bright at q, else 0."""
+    bright = block.let("bright", sp.Integer(1))
+    with block.when(sp.Eq(PLANES.field("kind", k), at.CHECKER)):
+        x, y = plane_coordinates(block, q, k)
+        block.call("floor_side", (x, y, *pattern(plane_field(k))), "bright")
+    return bright
+
+
+def meet_planes(block: Block, p: Vec3, w: Vec3, leaves: sp.Expr, best: sp.Symbol, shape: sp.Symbol) -> None:
+    """Write distance and hit class of the nearest plane over ``best`` and ``shape`` where it is nearer than ``best``.
+
+    The plane that the ray leaves is excluded by identity; of equal distances what was found before counts.
+    """
+    with block.loop("m", PLANES.length) as m, block.when(sp.Ne(leaves, FIRST_PLANE + m)):
+        above, fall = block.lets({"above": height_over(p, m), "fall": dot(w, PLANES.vector("normal", m))})
+        with block.when(above * fall < 0):
+            reach = block.let("reach", plane.reach(above, fall))
+            with block.when(reach < best):
+                block.set(best, reach)
+                block.set(shape, FIRST_PLANE + m)
+
+
+def walled_off(block: Block, q: Vec3, light: Vec3, leaves: sp.Expr, hide: Callable[[], None]) -> None:
+    """Write ``hide`` where a plane hides a light from q: the plane q is a point of unless the light is in front of it.
+
+    Any other where the two are on different sides of it.
+    """
+    with block.loop("m", PLANES.length) as m:
+        above = block.let("above", height_over(light, m))
+        with block.when(sp.Eq(leaves, FIRST_PLANE + m)):
+            with block.when(above <= 0):
+                hide()
+        with block.otherwise(), block.when(above * height_over(q, m) < 0):
+            hide()
+
+
+def stand_planes() -> Function:
+    """Make ``normal`` a unit vector and ``along`` one across it, in every row of the table of planes."""
+    block = Block()
+    with block.loop("k", PLANES.length) as k:
+        given = []
+        for name in ("normal", "along"):
+            raw = PLANES.vector(name, k)
+            size = block.let(f"{name}_size", sp.Max(*(sp.Abs(part) for part in raw.parts)))
+            given.append(block.let_vector(name, raw / size))
+        up = block.let_vector("up", plane.upward(given[0]))
+        north = block.let_vector("north", plane.northward(up, given[1]))
+        for name, axis in (("normal", up), ("along", block.let_vector("east", plane.eastward(up, north)))):
+            for part, value in enumerate(axis.parts):
+                block.store(PLANES.field(name, k, part), value)
+    return Function("stand_planes", (PLANES,), block.statements, "makes the axes of every plane orthonormal")
+
+
+def sees_planes(block: Block, leaves: sp.Expr, sees: sp.Symbol) -> None:
+    """Write 1 over ``sees`` where there is a plane that a ray from the shape ``leaves`` can meet."""
+    with block.loop("m", PLANES.length) as m, block.when(sp.Ne(leaves, FIRST_PLANE + m)):
+        block.set(sees, sp.Integer(1))
+
+
+def is_plane(shape: sp.Expr) -> sp.Basic:
+    """Whether a hit class is a plane's, said so that programs for no planes hold nothing of them."""
+    return sp.And(PLANES.length > 0, shape >= FIRST_PLANE)
+
+
+def plane_of(block: Block, shape: sp.Expr) -> sp.Symbol:
+    """Write which plane a hit class is."""
+    return block.count("k", shape - FIRST_PLANE)
