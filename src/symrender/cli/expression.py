@@ -13,11 +13,10 @@ from symrender.cli._options import Define, SceneArgument, scene_with
 def expression(
     scene: SceneArgument = DEFAULT_SCENE,
     surface: Annotated[
-<<<<<<< HEAD
-        str, typer.Option(help="Surface whose lobe is written out: floor or spheres.NAME.", autocompletion=surfaces)
-=======
-        str, typer.Option(help="Surface whose lobe is written out: floor, spheres.NAME or planes.NAME.")
->>>>>>> flat
+        str,
+        typer.Option(
+            help="Surface whose lobe is written out: floor, spheres.NAME or planes.NAME.", autocompletion=surfaces
+        ),
     ] = "floor",
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX instead of plain text.")] = False,
     define: Define = None,

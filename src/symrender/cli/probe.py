@@ -29,11 +29,8 @@ def probe(
         ),
     ],
     surface: Annotated[
-<<<<<<< HEAD
-        str, typer.Option(help="Surface the points are on: floor or spheres.NAME.", autocompletion=surfaces)
-=======
-        str, typer.Option(help="Surface the points are on: floor, spheres.NAME or planes.NAME.")
->>>>>>> flat
+        str,
+        typer.Option(help="Surface the points are on: floor, spheres.NAME or planes.NAME.", autocompletion=surfaces),
     ] = "floor",
     tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance.")] = 1e-9,
     budget: Annotated[int, typer.Option(help="Most evaluations a point may take.")] = 1_000_000,

@@ -83,9 +83,8 @@ def walled_off(block: Block, q: Vec3, light: Vec3, leaves: sp.Expr, hide: Callab
     """
     with block.loop("m", PLANES.length) as m:
         above = block.let("above", height_over(light, m))
-        with block.when(sp.Eq(leaves, FIRST_PLANE + m)):
-            with block.when(above <= 0):
-                hide()
+        with block.when(sp.Eq(leaves, FIRST_PLANE + m)), block.when(above <= 0):
+            hide()
         with block.otherwise(), block.when(above * height_over(q, m) < 0):
             hide()
 
