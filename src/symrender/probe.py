@@ -22,7 +22,6 @@ from symrender.scene.frames import frame_moves, frames
 from symrender.scene.load import load
 from symrender.scene.moves import SceneMoves, moves, scene_moves
 from symrender.scene.nearest import did_you_mean
-from symrender.scene.planes_due import refuse_planes
 from symrender.scene.scene import Scene
 from symrender.scene.shape import Plane
 from symrender.settings import Settings
@@ -104,8 +103,6 @@ def probe(
     loaded = load(scene)
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
-    if certify:
-        refuse_planes(loaded, "certify")
     given = np.atleast_2d(np.asarray(points, dtype=np.float64))
     place, normal, hit_class = _places(loaded, given, surface)
     away = place - arrays.camera.eye
