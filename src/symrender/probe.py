@@ -23,7 +23,7 @@ from symrender.scene.load import load
 from symrender.scene.moves import SceneMoves, moves, scene_moves
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.scene import Scene
-from symrender.scene.shape import Plane
+from symrender.scene.shape import Plane, Sphere
 from symrender.settings import Settings
 
 if TYPE_CHECKING:
@@ -206,8 +206,9 @@ def _places(scene: Scene, points: Array, surface: str) -> tuple[Array, Array, in
     if surface not in (*spheres, *planes):
         known = ["floor", *spheres, *planes]
         raise SceneError(f"surface: must be one of {', '.join(known)}, got {surface!r}{did_you_mean(surface, known)}")
-    shapes = dict(zip((*spheres, *planes), (*scene.spheres, *scene.planes), strict=True))
-    shape, hit_class = shapes[surface], at.FIRST_SPHERE + list(shapes).index(surface)
+    which = [*spheres, *planes].index(surface)
+    shapes: list[Sphere | Plane] = [*scene.spheres, *scene.planes]
+    shape, hit_class = shapes[which], at.FIRST_SPHERE + which
     if shape.lobe is None:
         raise SceneError(f"surface: {surface} has no lobe")
     if isinstance(shape, Plane):

@@ -18,6 +18,8 @@ from symrender.probe import probe
 from symrender.render import render
 from symrender.runtimes import interpreter
 from symrender.scene import gallery
+from symrender.scene.arrays import scene_arrays
+from symrender.scene.frames import frames
 from symrender.scene.load import load
 
 SIZE = 32
@@ -57,7 +59,19 @@ REFERENCES = """(count) => {
   return out;
 }"""
 A_SCENE = 9
-"""Points a gallery scene at which the reference is compared: with seven scenes more than fifty."""
+"""Points a gallery scene at which the reference is compared: with eight scenes more than sixty."""
+
+
+def probed(scene, shape, q, n):
+    """A point that a page names, as ``probe`` takes it: its surface and its place on it."""
+    if shape == 1:
+        return "floor", q
+    if shape - 2 < len(scene.spheres):
+        return f"spheres.{scene.spheres[shape - 2].name}", n
+    k = shape - 2 - len(scene.spheres)
+    frame = frames(scene_arrays(scene).planes)[k]
+    offset = np.array(q) - frame.origin
+    return f"planes.{scene.planes[k].name}", [offset @ frame.east, offset @ frame.north]
 
 
 def check_references(page, name):
@@ -66,9 +80,8 @@ def check_references(page, name):
     found = page.run(REFERENCES, A_SCENE)
     assert len(found) == A_SCENE
     for point in found:
-        on_floor = point["shape"] == 1
-        surface = "floor" if on_floor else f"spheres.{scene.spheres[int(point['shape']) - 2].name}"
-        exact = probe(scene, [point["q"] if on_floor else point["n"]], surface=surface, tol=1e-8)
+        surface, place = probed(scene, int(point["shape"]), point["q"], point["n"])
+        exact = probe(scene, [place], surface=surface, tol=1e-8)
         off = float(np.abs(exact.gloss[0] - point["value"]).max())
         assert off <= point["error"] + exact.error[0], (name, surface, point)
         assert point["error"] <= 1e-5 or not point["met"]

@@ -15,9 +15,10 @@ from symrender.expression.formulas.lobes import mirror_direction
 from symrender.expression.lobe import disc_cosines
 from symrender.expression.vectors import Vec3, cross, dot, norm2, span, vec3
 from symrender.kernel.block import Block, real, whole
-from symrender.kernel.planes import PLANES, meet_planes, sees_planes
+from symrender.kernel.planes import meet_planes, sees_planes
 from symrender.kernel.program import Array, Function
-from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
+from symrender.kernel.shade import POINTS, SHADING
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.kernel.trace import EYE, radiance_of, sphere_distance
 from symrender.scene import arrays as at
 

@@ -12,7 +12,6 @@ from symrender.kernel.lobe_sums import ESTIMATE
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
 from symrender.kernel.planes import (
     FIRST_PLANE,
-    PLANES,
     Field,
     floor_field,
     is_plane,
@@ -22,7 +21,8 @@ from symrender.kernel.planes import (
     plane_of,
 )
 from symrender.kernel.program import Array, Function
-from symrender.kernel.shade import FLOOR, POINTS, SPHERES, row_vector
+from symrender.kernel.shade import POINTS, row_vector
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.kernel.sight import WORLD
 from symrender.kernel.words import xor
 from symrender.scene import arrays as at

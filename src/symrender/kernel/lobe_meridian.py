@@ -14,7 +14,8 @@ from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_disc import DISC, lobe_frame
 from symrender.kernel.lobe_table import LOBES
 from symrender.kernel.program import Function
-from symrender.kernel.shade import SPHERES, row_vector
+from symrender.kernel.shade import row_vector
+from symrender.kernel.shapes import SPHERES
 
 
 def lobe_direction() -> Function:

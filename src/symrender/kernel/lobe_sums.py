@@ -17,9 +17,9 @@ from symrender.expression.formulas.lobes import log_power, mirror_direction
 from symrender.expression.vectors import Vec3, dot, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
-from symrender.kernel.planes import PLANES
 from symrender.kernel.program import Array, Function
-from symrender.kernel.shade import FLOOR, SHADING, SPHERES
+from symrender.kernel.shade import SHADING
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.kernel.sight import WORLD
 from symrender.limits import MAX_SIMULATOR_LOBE
 from symrender.scene import arrays as at

@@ -9,9 +9,10 @@ from symrender.kernel.block import Block, real, whole
 from symrender.kernel.lobe_disc import LABELS
 from symrender.kernel.lobe_sums import ESTIMATE, HALF_SEED, HITS
 from symrender.kernel.lobe_table import LOBES, RINGS, SECTORS
-from symrender.kernel.planes import FIRST_PLANE, PLANES, is_plane, plane_field, plane_of
+from symrender.kernel.planes import FIRST_PLANE, is_plane, plane_field, plane_of
 from symrender.kernel.program import Array, Function
-from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, floor_albedo, row_vector, sphere_albedo
+from symrender.kernel.shade import POINTS, SHADING, floor_albedo, row_vector, sphere_albedo
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.kernel.sight import CHANNELS, WORLD
 from symrender.kernel.tile import (
     AXES,

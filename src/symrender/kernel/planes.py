@@ -12,13 +12,10 @@ import sympy as sp
 from symrender.expression import plane
 from symrender.expression.vectors import Vec3, dot
 from symrender.kernel.block import Block
-from symrender.kernel.program import Function, Records
+from symrender.kernel.program import Function
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.scene import arrays as at
-from symrender.scene.records import Floor, Plane, Sphere
 
-SPHERES = Records("spheres", 2, Sphere)
-FLOOR = Records("floor", 1, Floor)
-PLANES = Records("planes", 2, Plane)
 FIRST_PLANE = at.FIRST_SPHERE + SPHERES.length
 """Hit class of the first plane."""
 

@@ -9,8 +9,9 @@ from symrender.expression.formulas.light_terms import blinn_cosine2, half_vector
 from symrender.expression.formulas.textures import mixed, texture_coordinates, vein
 from symrender.expression.vectors import Vec3, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
-from symrender.kernel.planes import FLOOR, PLANES, SPHERES, Field, floor_field, walled_off
+from symrender.kernel.planes import Field, floor_field, walled_off
 from symrender.kernel.program import Array, Function, Records
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.limits import MAX_PRODUCT_EXPONENT, MAX_TEXTURE_DEGREE
 from symrender.scene import arrays as at
 from symrender.scene.records import Shading

@@ -7,9 +7,9 @@ import sympy as sp
 from symrender.kernel import footprint, light, planes, shade, trace
 from symrender.kernel import tile as tiles
 from symrender.kernel.block import Block, real
-from symrender.kernel.planes import PLANES
 from symrender.kernel.program import Function, Program
-from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES
+from symrender.kernel.shade import POINTS, SHADING
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.kernel.tangent import SUFFIX, forward
 from symrender.kernel.tile import AXES, CAMERA, DIRECT, FRAME, HIT_CLASS, INCOMING, NORMAL, PLACE
 from symrender.kernel.trace import EYE

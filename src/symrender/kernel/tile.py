@@ -14,7 +14,6 @@ from symrender.kernel.block import Block, real, whole
 from symrender.kernel.gather import RULES, SIZES, WORK
 from symrender.kernel.planes import (
     FIRST_PLANE,
-    PLANES,
     floor_field,
     height_over,
     is_plane,
@@ -24,7 +23,8 @@ from symrender.kernel.planes import (
     plane_of,
 )
 from symrender.kernel.program import Array, Function, Records
-from symrender.kernel.shade import FLOOR, POINTS, SHADING, SPHERES, floor_albedo, row_vector, sphere_albedo
+from symrender.kernel.shade import POINTS, SHADING, floor_albedo, row_vector, sphere_albedo
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.kernel.trace import EYE, sphere_distance, unit_normal
 from symrender.scene import arrays as at
 from symrender.scene.records import Camera

@@ -9,7 +9,6 @@ from symrender.expression.vectors import Vec3, dot, norm2, renormalising, vec3
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.planes import (
     FIRST_PLANE,
-    PLANES,
     floor_field,
     height_over,
     is_plane,
@@ -19,16 +18,8 @@ from symrender.kernel.planes import (
     plane_field,
 )
 from symrender.kernel.program import Array, Function
-from symrender.kernel.shade import (
-    FLOOR,
-    POINTS,
-    SHADING,
-    SPHERES,
-    facing_cosine,
-    floor_albedo,
-    row_vector,
-    sphere_albedo,
-)
+from symrender.kernel.shade import POINTS, SHADING, facing_cosine, floor_albedo, row_vector, sphere_albedo
+from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.scene import arrays as at
 
 EYE = Array("eye", 1)

@@ -56,5 +56,5 @@ def _floors(planes: Table[Plane]) -> Table[Floor]:
     floors = table(Floor, len(planes))
     for floor, plane in zip(floors, planes, strict=True):
         for name in Floor.names():
-            floor[name] = 1.0 if name == "present" else plane[name]
+            setattr(floor, name, 1.0 if name == "present" else getattr(plane, name))
     return floors
