@@ -188,7 +188,7 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
                 assert factor == (1.0 if bright else a.spheres[own].dark), a.spheres[own]
                 met["dark field"] += factor < 1
         points = np.hstack([view.points["position"], view.points["color"]])
-        scene = (a.spheres, a.floor, points, a.shading)
+        scene = (a.spheres, a.floor, a.planes, points, a.shading)
         program = np.array(FORMULAS.direct(*q, *n, *v, *albedo, leaves, 1.0, *scene))
         world = make_world(a, 1)
         numeric = np.array(direct_light(world, leaves, False, tuple(q), tuple(n), tuple(v), tuple(albedo), KEY, 0, 1))
