@@ -27,7 +27,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("ledger", "certify"),
     ("execution",),
     ("render", "truth", "verify", "probe", "gradient", "hessian", "fit"),
-    ("studies", "simulator", "sequences"),
+    ("studies", "simulator", "sequences", "bridge"),
     ("report",),
     ("chapter",),
     ("cli", "__init__"),

@@ -15,6 +15,7 @@ import pytest
 from emitted import FORMULAS
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import is_hidden, light_state, texture_side
+from symrender.chambers.rooms import enter_room
 from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.numeric.random import pixel_key
 from symrender.numeric.shading import direct_light
@@ -113,10 +114,11 @@ def seen_from(
     view, work = scene_view(a, points), work_arrays(2, len(points))
     axis = unit(q - place)
     work.chart.point[:], work.chart.normal[:] = place, axis
-    work.chart.side = 1.0 if place[2] >= 0 else -1.0
+    work.chart.home = -1
+    enter_room(view, work)
     work.chart.rim_cos, work.chart.rim_sin = 0.0, 1.0
     if own < 0:
-        floor_chart(-1, axis, view, work)
+        floor_chart(0, -1, axis, view, work)
     else:
         sphere_chart(own, -1, axis, view, work)
     return None if is_hidden(*q, view, work) else (-axis, work, view)

@@ -67,5 +67,7 @@ MAX_SIMULATOR_LIGHT_POINTS: Final = 128
 """Most points all lights together are replaced by in the simulator."""
 MAX_SIMULATOR_LOBE: Final = 16
 """Largest K of the K x K strata in the simulator."""
+MAX_LISTED_LOBE: Final = 32
+"""Most K of a rule that an exported text lists direction by direction."""
 MAX_STATE_BYTES: Final = 1 << 16
 """Longest state of a simulator read from a URL, bytes."""

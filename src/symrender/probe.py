@@ -17,11 +17,11 @@ from symrender.execution.tiles import run_threads, thread_count
 from symrender.ledger.tables import html_table
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
-from symrender.scene.arrays import scene_arrays
-from symrender.scene.frames import frames
+from symrender.scene.arrays import SceneArrays, scene_arrays
+from symrender.scene.frames import frame_moves, frames
 from symrender.scene.load import load
 from symrender.scene.moves import SceneMoves, moves, scene_moves
-from symrender.scene.planes_due import refuse_planes
+from symrender.scene.nearest import did_you_mean
 from symrender.scene.scene import Scene
 from symrender.scene.shape import Plane, Sphere
 from symrender.settings import Settings
@@ -103,10 +103,8 @@ def probe(
     loaded = load(scene)
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
-    for asked, what in ((certify, "certify"), (len(wrt) > 0, "probe: wrt")):
-        if asked:
-            refuse_planes(loaded, what)
-    place, normal, hit_class = _places(loaded, np.atleast_2d(np.asarray(points, dtype=np.float64)), surface)
+    given = np.atleast_2d(np.asarray(points, dtype=np.float64))
+    place, normal, hit_class = _places(loaded, given, surface)
     away = place - arrays.camera.eye
     length = np.linalg.norm(away, axis=1, keepdims=True)
     facing = (away * normal).sum(axis=1)
@@ -138,7 +136,7 @@ def probe(
     names = tuple(name for name, _ in moved)
     tangents = scene_moves(arrays, moved)
     refuse_unknown(arrays, tangents, names)
-    moving = _place_tangents(tangents, normal, away / length, length, hit_class)
+    moving = _place_tangents(arrays, tangents, given, normal, away / length, length, hit_class)
 
     def slopes_of(part: slice) -> GradientResult:
         moving_here = moving[0][:, part], moving[1][:, part], moving[2][:, part]
@@ -170,17 +168,26 @@ def _in_batches(run: Callable[[slice], _T], count: int, threads: int) -> list[_T
 
 
 def _place_tangents(
-    moved: SceneMoves, normal: Array, incoming: Array, length: Array, hit_class: int
+    arrays: SceneArrays, moved: SceneMoves, points: Array, normal: Array, incoming: Array, length: Array, hit_class: int
 ) -> tuple[Array, Array, Array]:
-    """Derivatives (Q, N, 3) of the points, their normals and the directions they are seen along."""
+    """Derivatives (Q, N, 3) of the points, their normals and the directions they are seen along.
+
+    ``points`` are as ``probe`` takes them: those of a sphere or a plane are carried along by it.
+    """
     parameters = moved.camera.shape[0]
-    place = np.zeros((parameters, *normal.shape))
-    if hit_class >= at.FIRST_SPHERE:
-        j = hit_class - at.FIRST_SPHERE
+    place, turned = np.zeros((2, parameters, *normal.shape))
+    j, spheres = hit_class - at.FIRST_SPHERE, len(arrays.spheres)
+    if 0 <= j < spheres:
         place += moved.spheres["center"][:, j, None] + moved.spheres["radius"][:, j, None, None] * normal
+    elif j >= spheres:
+        turns = frame_moves(arrays.planes, moved.planes)
+        x, y = points[:, :1], points[:, 1:]
+        for q in range(parameters):
+            turn = turns[q, j - spheres]
+            place[q], turned[q] = turn.origin + x * turn.east + y * turn.north, turn.up
     away = place - moved.camera["eye"][:, None]
     along = (away * incoming).sum(axis=-1, keepdims=True)
-    return place, np.zeros_like(place), (away - along * incoming) / length
+    return place, turned, (away - along * incoming) / length
 
 
 def _places(scene: Scene, points: Array, surface: str) -> tuple[Array, Array, int]:
@@ -197,7 +204,8 @@ def _places(scene: Scene, points: Array, surface: str) -> tuple[Array, Array, in
     spheres = [f"spheres.{sphere.name}" for sphere in scene.spheres]
     planes = [f"planes.{plane.name}" for plane in scene.planes]
     if surface not in (*spheres, *planes):
-        raise SceneError(f"surface: must be one of {', '.join(['floor', *spheres, *planes])}, got {surface!r}")
+        known = ["floor", *spheres, *planes]
+        raise SceneError(f"surface: must be one of {', '.join(known)}, got {surface!r}{did_you_mean(surface, known)}")
     which = [*spheres, *planes].index(surface)
     shapes: list[Sphere | Plane] = [*scene.spheres, *scene.planes]
     shape, hit_class = shapes[which], at.FIRST_SPHERE + which

@@ -190,6 +190,16 @@ def joined(kind: type[R], tables: Sequence[Table[R]]) -> Table[R]:
     return cast("Table[R]", np.concatenate([table(kind, 0), *tables]))
 
 
+def one(row: R) -> Table[R]:
+    """A table of its own, of this record alone."""
+    return cast("Table[R]", np.array([row], type(row).layout))
+
+
+def stacked(kind: type[R], tables: Sequence[Table[R]], count: int) -> Grid[R]:
+    """Tables of ``count`` records each, of which there may be none, as the rows of a grid."""
+    return cast("Grid[R]", np.stack(cast("Sequence[Array]", tables)) if tables else grid(kind, 0, count))
+
+
 def rows_of(kind: type[R], rows: Array) -> Table[R]:
     """The rows of a float64 array (n, k), or one row (k,), as records of k numbers; memory is shared.
 

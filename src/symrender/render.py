@@ -124,7 +124,8 @@ def render(
     the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
-    (0 nothing, 1 floor, 2 + j sphere j, then the planes). Raises SceneError, OptionError, and NonFiniteError naming the pixels.
+    (0 nothing, 1 floor, 2 + j sphere j, then planes). Raises SceneError, OptionError, and
+    NonFiniteError naming the pixels.
 
     Keywords are many because each is an option of ``symrender render``, by its name.
     """

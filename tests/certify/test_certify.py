@@ -67,3 +67,26 @@ def test_a_point_within_a_sphere_or_touched_by_one_has_no_enclosure(center: tupl
     scene = scene.replace({"spheres.A.radius": 0.5})
     with pytest.raises(OptionError, match="lies within a sphere or on one"):
         certify(scene_arrays(scene), np.array([1.2, -0.3, 0.0]), most_boxes=50)
+
+
+def test_a_room_is_enclosed_wall_by_wall() -> None:
+    """Two walls of different colours beside the point: the bounds close, and a room without them is refused."""
+    wall = {"texture": {"type": "solid", "color": [0.8, 0.4, 0.1]}}
+    other = {"texture": {"type": "solid", "color": [0.1, 0.5, 0.9]}}
+    scene = load("chapter8").replace({"floor.lobe.exponent": 3.0, "floor.lobe.theta_max": 1.2, "shading.ks": 0.0})
+    data = scene.model_dump(mode="json")
+    data["planes"] = [
+        {"name": "right", "point": [3, 0, 0], "normal": [-1, 0.2, -0.1], **wall},
+        {"name": "front", "point": [0, -3, 0], "normal": [0.1, 1, 0], **other},
+    ]
+    closed = load(data)
+    point = np.array([1.0842336190554618, 0.1442282860697033, 0.0])
+    value = probe(closed, [point], tol=1e-9).gloss[0]
+    coarse, fine = (certify(scene_arrays(closed), point, width=1e-3, most_boxes=n) for n in (1000, 4000))
+    assert value.max() > 0.1
+    assert coarse.holds(value)
+    assert fine.holds(value)
+    assert (fine.high - fine.low).max() < 0.7 * (coarse.high - coarse.low).max()
+    assert not fine.holds(probe(scene, [point], tol=1e-9).gloss[0])
+    with pytest.raises(OptionError, match="lies in a plane"):
+        certify(scene_arrays(closed), np.array([3.0, 0.0, 0.0]))

@@ -42,7 +42,7 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
     away = place[0] - arrays.camera.eye
     lobe = np.zeros(3)
     begin_counts(10**9, work)
-    place_point(place[0], normal[0], away / np.linalg.norm(away), lobe, work.chart)
+    place_point(place[0], normal[0], away / np.linalg.norm(away), 0 if surface == FLOOR else -1, lobe, view, work)
     lobe_setup(shape.lobe.exponent, shape.lobe.theta_max, tol, 1.0, work.chart)
     for j in (*range(len(arrays.spheres)), FLOOR_CHART):
         if j == own:
@@ -50,7 +50,7 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
         if j == FLOOR_CHART:
             if surface == FLOOR or arrays.floor.present == 0.0 or place[0, 2] == 0.0:
                 continue
-            floor_chart(own, lobe, view, work)
+            floor_chart(0, own, lobe, view, work)
         else:
             sphere_chart(j, own, lobe, view, work)
         low, high = line_range(work.chart)

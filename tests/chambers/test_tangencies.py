@@ -83,13 +83,13 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
     found, scratch = np.zeros(LINES), np.zeros(4)
     for place, normal, own in _places(arrays, sphere):
         ray = place - arrays.camera.eye
-        place_point(place, normal, ray / np.linalg.norm(ray), axis, work.chart)
+        place_point(place, normal, ray / np.linalg.norm(ray), 0 if own < 0 else -1, axis, view, work)
         lobe_setup(4.0, 1.2, 1e-9, 1.0, work.chart)
         for j in range(len(arrays.spheres)) if sphere else [-1]:
             if sphere:
                 sphere_chart(j, own, axis, view, work)
             else:
-                floor_chart(own, axis, view, work)
+                floor_chart(0, own, axis, view, work)
             low, high = line_range(work.chart)
             events = table(Event, 200)
             known = events["azimuth"][: tangencies(view, work, events, 0, low, high)]

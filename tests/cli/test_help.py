@@ -39,6 +39,11 @@ def test_the_help_of_a_verb_with_many_options_is_grouped(capsys: pytest.CaptureF
         (["render", "--partition", "equal_wieght"], "did you mean 'equal_weight'"),
         (["render", "--numeric", "importence"], "did you mean 'importance'"),
         (["truth", "--aa", "analitic"], "did you mean 'analytic'"),
+        (["truth", "gloss", "--layers", "eror"], "did you mean 'error'"),
+        (["probe", "gloss", "-p", "0,0", "--surface", "flor"], "did you mean 'floor'"),
+        (["expression", "--surface", "flor"], "did you mean 'floor'"),
+        (["scenes", "--show", "glos"], "did you mean 'gloss'"),
+        (["render", "glos"], "nor a gallery scene, did you mean 'gloss'"),
     ],
 )
 def test_a_wrong_choice_is_met_with_the_nearest(

@@ -22,6 +22,7 @@ from symrender.errors import NonFiniteError
 from symrender.execution.finite import check_finite
 from symrender.images.image import Array, Image, read_image
 from symrender.render import render as render_pair
+from symrender.scene.load import load
 from symrender.scene.scene import Scene
 
 SLOW = ("sympy", "numba", "OpenEXR", "scipy", "llvmlite")
@@ -268,6 +269,22 @@ def test_shell_completion_knows_verbs_scenes_and_parameters() -> None:
     assert "gloss" in completions("symrender render gl")
     assert completions("symrender params chapter8 -D floor.lobe.e") == ["floor.lobe.exponent="]
     assert completions("symrender params no-such -D floor.lobe.e") == []
+
+
+def test_shell_completion_knows_what_options_name() -> None:
+    assert completions("symrender probe gloss --surface ") == ["floor", "spheres.A", "spheres.B", "spheres.C"]
+    assert completions("symrender expression furnace --surface sph") == [
+        f"spheres.{sphere.name}" for sphere in load("furnace").spheres
+    ]
+    assert completions("symrender gradient gloss --wrt spheres.B.ce") == [
+        *(f"spheres.B.center{axis}" for axis in ("", ".x", ".y", ".z")),
+    ]
+    listed = completions("symrender probe gloss --wrt spheres.B.center,floor.lobe.")
+    assert listed == [f"spheres.B.center,floor.lobe.{name}" for name in ("weight", "exponent", "theta_max")]
+    assert completions("symrender fit gloss out.npz --free camera.fo") == ["camera.fov"]
+    assert completions("symrender sweep gloss --over floor.lobe.e") == ["floor.lobe.exponent="]
+    assert completions("symrender animate gloss --over lights.key.ra") == ["lights.key.radius="]
+    assert completions("symrender truth gloss --layers error,e") == ["error,evaluations"]
 
 
 def test_progress_is_silent_unless_asked(capfd: pytest.CaptureFixture[str]) -> None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.records import Panel
 from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET
-from symrender.scene.arrays import FIRST_SPHERE, scene_arrays
+from symrender.records import table
+from symrender.scene.arrays import FIRST_SPHERE, FLOOR, scene_arrays
 from symrender.scene.load import load
 
 BUDGET = 2000
@@ -49,6 +53,26 @@ def test_no_point_takes_much_more_than_its_budget(name: str, changes: dict, disk
         capped += found.status[0] == CAPPED
     assert max(laboured) >= toil * BUDGET
     assert capped > POINTS // 3
+
+
+@pytest.mark.parametrize("room", [12, 16, 24])
+def test_panels_that_find_no_room_are_an_error(room: int) -> None:
+    """Where the list of panels is full nothing of the lobe is lost: what is not looked at is error."""
+    a = scene_arrays(load("gloss"))
+    rng = np.random.default_rng(1)
+    points = np.c_[rng.uniform(-2.0, 2.0, (3 * POINTS, 2)), np.zeros(3 * POINTS)]
+    far = np.array([np.linalg.norm(points - s.center, axis=1) - s.radius for s in a.spheres])
+    points = points[(far > 0.0).all(axis=0)]
+    incoming = points - a.camera.eye
+    incoming /= np.linalg.norm(incoming, axis=1, keepdims=True)
+    normals = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    scratch = split_work(a, light_rows(a, 0))
+    given = (points, normals, incoming, np.full(len(points), FLOOR), 1e-6, 0, 100_000)
+    true = gloss_points(a, *given, scratch)
+    full = gloss_points(a, *given, replace(scratch, panels=table(Panel, room)))
+    off = np.abs(full.gloss - true.gloss).max(axis=1)
+    assert (full.status != MET).sum() >= 8 and (off > 1e-3).sum() >= 3
+    assert (off <= full.error + true.error).all(), np.stack([off, full.error, true.error])
 
 
 def test_a_floor_that_is_lit_up_to_its_horizon_meets_its_tolerance() -> None:

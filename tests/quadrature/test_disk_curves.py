@@ -83,7 +83,7 @@ def test_a_ball_hides_what_the_literal_question_says() -> None:
         scene, work = SceneArrays(balls, record(Floor), lights, a.shading, a.camera), work_arrays(1, 1)
         p = light_rows(scene, 0)
         view = scene_view(scene, p)
-        work.chart.shape_index, work.chart.side, work.counts.casters = -1, 1.0, 1
+        work.chart.shape_index, work.chart.plane, work.counts.casters = -1, 0, 1
         work.casters[0].light, work.casters[0].ball = 0, 0
         # a normal towards the light: no terminator
         normal = (p[0].position - q) / np.linalg.norm(p[0].position - q)

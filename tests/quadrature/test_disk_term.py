@@ -31,7 +31,8 @@ def mean(a: SceneArrays, q, normal, view, own: int, step: int = 9) -> tuple[int,
     """State of the only light, a disk, at q, and its two means."""
     rows = light_rows(a, 0)
     seen, work = scene_view(a, rows), work_arrays(len(a.spheres), len(rows))
-    work.chart.shape_index, work.chart.side = own, 1.0
+    work.chart.shape_index, work.chart.plane = own, 0 if own < 0 else -1
+    work.chart.side = work.room[0] = 1.0
     casters = [k for k in range(len(a.spheres)) if k != own]
     for c, k in enumerate(casters):
         work.casters[c].light, work.casters[c].ball = 0, k

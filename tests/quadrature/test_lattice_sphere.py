@@ -241,7 +241,7 @@ def test_the_floor_hides_what_is_below_it() -> None:
     lights = light_rows(a, 2)
     view, s = scene_view(a, lights), split_work(a, lights)
     chart, lobe = s.work.chart, np.zeros(3)
-    place_point(*(row[0] for row in given[:3]), lobe, chart)
+    place_point(*(row[0] for row in given[:3]), -1, lobe, view, s.work)
     lobe_setup(4.0, 1.4, 1e-9, 1.0, chart)
     assert aim_lattice(1, lobe, view, s.work) > 0.0
     scatter(1024, 1, 0, view, s.work)

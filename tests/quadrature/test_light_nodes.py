@@ -108,7 +108,8 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
     factors = rng.uniform(0.1, 1.0, (USED, 3))
     a.spheres[0].center[:], a.spheres[0].radius = 0.5 * center + np.array([0.15, 0.0, 0.0]), 0.4
     view, work = scene_view(a, light), work_arrays(len(a.spheres), 1)
-    work.chart.shape_index, work.chart.side, work.counts.casters = -1, 1.0, 1
+    work.chart.shape_index, work.chart.plane, work.counts.casters = -1, 0, 1
+    work.chart.side = work.room[0] = 1.0
     work.casters[0].light, work.casters[0].ball = 0, 0
     # two pieces of a kind follow each other, and two kinds that see all of the disk
     states = [LIT, GLINT, DARK, LIT, PARTLY, DARK, LIT, LIT]

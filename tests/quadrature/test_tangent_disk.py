@@ -65,7 +65,7 @@ class Place:
         shading.ka, shading.kd, shading.ks, shading.shininess = 0.1, 0.7, 0.5, self.shininess
         shading.model, shading.terminator = float(self.phong), OPEN if self.opened else CUT
         work = work_arrays(2, 1)
-        work.chart.shape_index, work.chart.side = -1, 1.0
+        work.chart.shape_index, work.chart.plane, work.room[0] = -1, 0, 1.0
         work.chart.point[:] = self.q
         scene = SceneArrays(spheres, floor, table(Light, 0), shading, record(Camera))
         cast_by_all(0, -1, view := scene_view(scene, lights), work)
@@ -84,7 +84,7 @@ class Place:
 
     def gradient(self) -> np.ndarray:
         """The table of ``disk_gradient``."""
-        table = np.zeros((disk_rows(2), 3))
+        table = np.zeros((disk_rows(2, int(self.floor)), 3))
         GRADIENT(0, self.state(), *self.q, *self.n, *self.v, STEP, True, *self.parts(), GAUSS, table)
         assert table[-1, 0] == 0.0
         return table

@@ -17,6 +17,14 @@ SETTLED = """() => {
     && app.facts && app.frame.size === app.state.size);
 }"""
 
+FROM_THE_TOP = """() => {
+  document.body.tabIndex = -1;
+  document.body.focus();
+  document.body.removeAttribute('tabindex');
+  scrollTo(0, 0);
+}"""
+"""Tab goes on from where an earlier test clicked, even once nothing has the focus; from the body it starts anew."""
+
 
 class Page:
     """A simulator's page: waits by asking, since its own policy forbids what Playwright would evaluate inside."""
@@ -33,6 +41,14 @@ class Page:
                 return
             time.sleep(0.03)
         raise AssertionError("the page did not settle")
+
+    def until(self, condition: str, limit: float = 120.0) -> Any:
+        """Wait until ``condition``, an expression, is true in the page, and return it: no machine is too slow."""
+        end = time.monotonic() + limit
+        while not (found := self.page.evaluate(f"() => {condition}")):
+            assert time.monotonic() < end, f"never true: {condition}"
+            time.sleep(0.03)
+        return found
 
     def change(self, edit: str) -> None:
         """Run ``edit`` on the state ``s`` and wait for the picture."""
@@ -67,7 +83,7 @@ def fresh(gloss_page: Page) -> Callable[[int], Page]:
 
     def reset(size: int) -> Page:
         gloss_page.change(f"Object.assign(s, structuredClone(simulator.data.defaults), {{size: {size}, cursor: null}})")
-        gloss_page.run("() => { document.activeElement.blur(); scrollTo(0, 0); }")
+        gloss_page.run(FROM_THE_TOP)
         return gloss_page
 
     return reset

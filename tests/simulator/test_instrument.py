@@ -110,8 +110,7 @@ def test_strata_that_carry_nothing_are_named_and_can_be_fed(fresh):
 
 def test_space_turns_and_shows_the_scene(fresh):
     page = fresh(32)
-    pixels = "() => document.getElementById('space').toDataURL()"
-    before = page.run(pixels)
+    page.run("() => { window.before = document.getElementById('space').toDataURL(); }")
     colors = page.run("""() => {
       const c = document.getElementById('space'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
       const met = new Set();
@@ -123,8 +122,7 @@ def test_space_turns_and_shows_the_scene(fresh):
     assert colors > 20
     page.page.locator("#space").focus()
     page.page.keyboard.press("ArrowLeft")
-    page.page.wait_for_timeout(200)
-    assert page.run(pixels) != before
+    page.until("document.getElementById('space').toDataURL() !== before")
 
 
 def test_a_screenshot_holds_its_recipe(fresh):
@@ -163,7 +161,8 @@ def test_pictures_and_controls_are_on_one_screen(fresh, width, height):
     page.page.set_viewport_size({"width": width, "height": height})
     if width < 500:
         page.page.locator("#sheet").click()
-    page.page.wait_for_timeout(200)
+    # the sheet slides
+    page.until("!document.getAnimations().some((a) => a.playState === 'running')")
     shown = page.run("""() => {
       const box = (e) => e.getBoundingClientRect(), rail = box(document.getElementById('drawer'));
       const inside = (b) => b.width > 100 && b.top >= 0 && b.bottom <= innerHeight && b.right <= innerWidth;

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import re
+import json
 from pathlib import Path
 
 import pytest
 
+from busy import in_time
 from symrender.scene.load import load
 from symrender.simulator.build import simulator
 from symrender.simulator.state import State, from_url, to_fragment
@@ -151,11 +152,7 @@ def test_a_journey_by_keyboard_alone(fresh):
     page.settle()
     assert state()["cursor"] == [column + 1, row - 8]
     # what is told of the pixel follows when the reference has been found
-    for _ in range(100):
-        if page.run("() => simulator.app.facts.pixel") == [column + 1, row - 8]:
-            break
-        page.page.wait_for_timeout(100)
-    assert page.run("() => simulator.app.facts.pixel") == [column + 1, row - 8]
+    page.until(f"simulator.app.facts.pixel.join() === '{column + 1},{row - 8}'")
     keys.press("Alt+ArrowLeft")
     page.settle()
     assert "camera.eye.x" in state()["scene"]
@@ -175,8 +172,10 @@ def test_a_journey_by_keyboard_alone(fresh):
       .map((e) => (e.labels?.[0]?.textContent || e.getAttribute('aria-label') || e.textContent || '').trim())""")
     assert len(names) > 40
     assert all(names)
-    page.page.wait_for_timeout(1000)
-    assert re.search(r"RMS difference [0-9.e-]+", page.run("() => document.getElementById('spoken').textContent"))
+    # a second after the last key the ledger is spoken
+    spoken = "Number(document.getElementById('spoken').textContent.match(/RMS difference ([0-9.e-]+[0-9])/)?.[1])"
+    assert ledger(page)["rms"] > 0.01
+    page.until(f"Math.abs({spoken} / simulator.app.ledger.rms - 1) < 0.01")
 
 
 def test_dragging_moves_spheres_and_camera(fresh):
@@ -265,10 +264,9 @@ def test_a_lost_gpu_comes_back(fresh):
     before = gloss(page, "symbolic")
     page.run("""() => { const gl = simulator.app.gpu.gl; window.loser = gl.getExtension('WEBGL_lose_context');
       simulator.app.frame = null; loser.loseContext(); }""")
-    page.page.wait_for_timeout(200)
-    assert "GPU was lost" in page.run("() => document.getElementById('trouble').textContent")
+    page.until("document.getElementById('trouble').textContent.includes('GPU was lost')")
     page.run("() => loser.restoreContext()")
-    page.page.wait_for_timeout(300)
+    page.until("document.getElementById('trouble').hidden")
     page.settle()
     assert (gloss(page, "symbolic") == before).all()
 
@@ -295,30 +293,58 @@ def test_a_sweep_becomes_a_film_with_every_frame(fresh):
     assert seconds == pytest.approx(6 / 25, abs=0.05)
 
 
-def test_a_drag_leaves_input_free(fresh, capsys):
-    """The longest the main thread is held while a slider moves, and a frame's time at 256 and K = 4."""
+SLIDE = """async () => {
+  let worst = 0, last = performance.now(), on = true;
+  const watch = () => {
+    const now = performance.now();
+    worst = Math.max(worst, now - last);
+    last = now;
+    if (on) setTimeout(watch, 0);
+  };
+  watch();
+  for (let k = 0; k < 10; k++) {
+    simulator.app.change((s) => s.scene['floor.lobe.exponent'] = 16 + k, true);
+    await new Promise((r) => setTimeout(r, 30));
+  }
+  on = false;
+  return worst;
+}"""
+
+
+def slide(browser, page):
+    """Milliseconds of the longest task of the page's main thread while a slider moves, by the wall and by its own
+    processor time, which other processes do not stretch."""
+    browser.start_tracing(page=page.page, categories=["toplevel"])
+    wall = page.run(SLIDE)
+    events = json.loads(browser.stop_tracing())["traceEvents"]
+    thread = lambda event: (event["pid"], event["tid"])  # noqa: E731
+    main = {thread(e) for e in events if e["name"] == "thread_name" and e["args"]["name"] == "CrRendererMain"}
+    tasks = [e["tdur"] / 1000 for e in events if "tdur" in e and thread(e) in main]
+    assert len(tasks) > 50
+    assert sum(tasks) > 10
+    page.settle()
+    return wall, max(tasks)
+
+
+def test_a_drag_leaves_input_free(fresh, browser, capsys):
+    """The longest the main thread is held while a slider moves, and a frame's time at 256 and K = 4.
+
+    A task's own processor time is held to the limit each time; by the wall one drag of three has to keep it, in time
+    as this machine has it just then: a page that waits for the GPU keeps it in none.
+    """
     page = fresh(256)
     took = page.run("() => simulator.app.frame.took")
-    longest = page.run("""async () => {
-      let worst = 0, last = performance.now(), on = true;
-      const watch = () => {
-        const now = performance.now();
-        worst = Math.max(worst, now - last);
-        last = now;
-        if (on) setTimeout(watch, 0);
-      };
-      watch();
-      for (let k = 0; k < 10; k++) {
-        simulator.app.change((s) => s.scene['floor.lobe.exponent'] = 16 + k, true);
-        await new Promise((r) => setTimeout(r, 30));
-      }
-      on = false;
-      return worst;
-    }""")
-    page.settle()
+    walls = []
+    for _ in range(3):
+        wall, own = slide(browser, page)
+        walls.append(wall)
+        assert own <= 100
+        if in_time(wall / 1000, 0.1):
+            break
     frame = took["pixel_numeric"] + took["pixel_symbolic"]
     with capsys.disabled():
         print(f"\n256 x 256, K = 4: numeric {took['pixel_numeric']:.0f} ms, symbolic {took['pixel_symbolic']:.0f} ms "
-              f"under a software driver; input held for at most {longest:.0f} ms while sliding")  # fmt: skip
+              f"under a software driver; input held for at most {wall:.0f} ms while sliding, "
+              f"{own:.0f} ms of it the page's own")  # fmt: skip
     assert frame > 0
-    assert longest <= 100
+    assert in_time(min(walls) / 1000, 0.1)

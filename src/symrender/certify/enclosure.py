@@ -1,7 +1,8 @@
 """Proved bounds of the lobe integral at a floor point, by ball arithmetic.
 
 Each visible sphere carries the chart of ``chambers/walls.py``: azimuth phi and angle of incidence psi about the
-direction of its centre. The boxes of all charts are bounded (``sphere_chart.py``) and the widest contributions halved
+direction of its centre, each plane the polar one about its normal. The boxes of all charts are bounded (``chart.py``)
+and the widest contributions halved
 until their sum is narrow enough. Nothing is shared with the split rule: no roots, no events, no estimate. All
 arithmetic is outward rounded (Arb, F. Johansson, IEEE Trans. Computers 66, 2017, doi:10.1109/TC.2017.2690633).
 """
@@ -18,7 +19,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.certify.balls import down, up
+from symrender.certify.chart import Chart
 from symrender.certify.floor_point import FloorPoint
+from symrender.certify.plane_chart import PlaneChart
 from symrender.certify.sphere_chart import SphereChart
 from symrender.errors import OptionError
 from symrender.scene import arrays as at
@@ -48,7 +51,7 @@ def certify(
 
     Stops at ``width``, absolute, in scene units of radiance, or after ``most_boxes``; the enclosure holds in either
     case. Disk lights stand as K x K centroids. Raises OptionError for an exact disk, marble, a mirror lobe, or a point
-    within a sphere or on one.
+    within a sphere or on one, or in a plane.
     """
     if importlib.util.find_spec("flint") is None:
         raise OptionError("certify: needs python-flint; install symrender[certify]")
@@ -66,10 +69,11 @@ def certify(
 
 
 def _enclose(point: FloorPoint, width: float, most_boxes: int) -> Enclosure:
-    """Halve the box whose part of the integral is loosest, from eight wedges of every sphere's chart."""
+    """Halve the box whose part of the integral is loosest, from eight wedges of every chart."""
     from flint import arb
 
-    charts = [SphereChart(point, j) for j in range(len(point.balls))]
+    charts: list[Chart] = [SphereChart(point, j) for j in range(len(point.balls))]
+    charts += [PlaneChart(point, k) for k in range(len(point.planes))]
     serial = itertools.count()
     heap: list[Any] = []
     for chart in charts:
@@ -103,7 +107,7 @@ def _enclose(point: FloorPoint, width: float, most_boxes: int) -> Enclosure:
     return Enclosure(low, high, boxes)
 
 
-def _push(heap: list[Any], serial: Any, chart: SphereChart, box: tuple[float, float, float, float]) -> None:
+def _push(heap: list[Any], serial: Any, chart: Chart, box: tuple[float, float, float, float]) -> None:
     value = chart.contribution(box)
     if value is not None:
         loose = max(float(x.rad()) for x in value)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from symrender.errors import OptionError
 from symrender.expression.formulas.lobes import (
     NO_RIM,
     brdf_normaliser,
@@ -16,10 +17,11 @@ from symrender.expression.formulas.lobes import (
     mirror_direction,
     normaliser,
 )
-from symrender.expression.vectors import Vec3, unit
+from symrender.expression.vectors import Vec3, cross, dot, unit
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.lobe_units import is_brdf
 from symrender.scene.arrays import SceneArrays
+from symrender.scene.records import Plane
 
 Array = npt.NDArray[np.float64]
 
@@ -29,6 +31,25 @@ def ball_vector(numbers: Array) -> Vec3:
     from flint import arb
 
     return Vec3(*(arb(float(x)) for x in numbers))
+
+
+class PlaneBalls:
+    """A plane as balls: its frame, and on which ``side`` of it, 1 or -1, a point lies."""
+
+    def __init__(self, plane: Plane, point: Vec3) -> None:
+        self.origin = ball_vector(plane.point)
+        self.up = unit(ball_vector(plane.normal))
+        along = ball_vector(plane.along)
+        self.east = unit(along - self.up * dot(along, self.up))
+        self.north = cross(self.up, self.east)
+        above = self.height(point)
+        if not (above > 0 or above < 0):
+            raise OptionError("certify: the point lies in a plane, or too near to one")
+        self.side = 1 if above > 0 else -1
+
+    def height(self, q: Vec3) -> Any:
+        """Distance of a point from the plane, negative behind it."""
+        return dot(q - self.origin, self.up)
 
 
 class FloorPoint:
@@ -57,6 +78,15 @@ class FloorPoint:
         most = shading.ka * shading.ambient + rows["color"].sum(axis=0) * (shading.kd + shading.ks)
         self.most = [arb(float(x)) * (1 + arb(2) ** -40) for x in most]
         self.balls = [(ball_vector(s.center), arb(float(s.radius))) for s in arrays.spheres]
+        self.planes = [PlaneBalls(plane, self.p) for plane in arrays.planes]
+
+    def inward(self, q: Vec3, but: int = -1) -> list[Any]:
+        """Heights over all planes but one, positive on the point's side: all of them in its room."""
+        return [plane.height(q) * plane.side for k, plane in enumerate(self.planes) if k != but]
+
+    def is_walled_off(self, light: Vec3) -> bool:
+        """Whether some plane certainly stands between the point's room and a light."""
+        return any(height < 0 for height in self.inward(light))
 
     def share(self) -> Any:
         """Share of the lobe above the horizon: rings, on each of which the visible azimuths fall with the angle.

@@ -284,11 +284,11 @@ def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> No
         walls, counts, chart, chart.normal[0], chart.normal[1], chart.normal[2], 0.0, HORIZON, -1
     )  # fmt: skip
     for side in range(view.sides.shape[0]):
-        # the edge in which another plane meets this one lies in a plane through P
+        # the edge in which another plane meets this one lies in a plane through P; that of P's own is the horizon
         up = view.sides[side].up
         above = height(view.sides[side], px, py, pz)
         across = math.hypot(pz * up[0], pz * up[1])
-        if side != plane and across > 0.0:
+        if side not in (plane, chart.home) and across > 0.0:
             x, y, z = -pz * up[0], -pz * up[1], above - pz * up[2]
             size = math.hypot(across, z)
             add_direction(walls, counts, chart, x / size, y / size, z / size, 0.0, FLOOR_CUT, side)

@@ -39,8 +39,8 @@ NEGLIGIBLE = 0.02
 """Share of the tolerance that all highlights left out may hold together."""
 SPECK = -6.2
 """Logarithm of the share of what is negligible that one box may hold as a whole."""
-MOST_BOXES = 3000
-"""Boxes looked at for one light; what is left then is taken to be bright."""
+MOST_BOXES = 30_000
+"""Boxes looked at for one light; what is left then is taken to be bright, and all that it may hold for an error."""
 NARROW = 0.08
 """Strips below which node counts are chosen by the highlight; wider ones are made sure to be seen, no more."""
 SPACING = 1.05
@@ -187,7 +187,8 @@ def box_bounds(
 
     ``level`` is the logarithm of the peak over what is negligible, ``ample`` as of ``log_share``, ``whole`` that of the
     shape's solid angle, of which a box is a part; ``strip`` is how far
-    off real azimuths it stays tame, ``along`` how far off real inner coordinates.
+    off real azimuths it stays tame, ``along`` how far off real inner coordinates. Of a box that is felt and not
+    resolved the last number is the logarithm of what it may hold over what is negligible.
     """
     chart, shininess = work.chart, view.shading.shininess
     middle, half = 0.5 * (a + b), 0.5 * (b - a)
@@ -225,6 +226,7 @@ def box_bounds(
     dx, dy, dz = qx - chart.point[0], qy - chart.point[1], qz - chart.point[2]
     far2 = dx * dx + dy * dy + dz * dz
     angle = math.log(max(1e-300, 4.0 * math.pi * reach * reach / far2)) if 4.0 * reach * reach < far2 else math.inf
+    held = level + min(0.0, share, share - whole + angle)
     if level + share - whole + angle < SPECK:
         # all of the box, however bright: where l is opposite to v a highlight has every angle in one place
         return False, True, 0.0, 0.0
@@ -234,7 +236,7 @@ def box_bounds(
         return False, True, 0.0, 0.0
     widths = RESOLVED if log_felt(level, chord, shininess) > 0.0 else DOUBTED
     if varies > COARSEST or varies * math.sqrt(shininess) > widths:
-        return True, False, 0.0, 0.0
+        return True, False, 0.0, held
     fx, fy, fz = (
         c * chart.e2[0] - s * chart.e1[0],
         c * chart.e2[1] - s * chart.e1[1],
@@ -270,7 +272,7 @@ def far_floor(
     light = math.hypot(p.position[0] - chart.point[0], p.position[1] - chart.point[1]) + rho
     eye = math.hypot(ex, ey)
     if near < FAR * max(max(light, eye), max(abs(p.position[2]) + rho, abs(ez))):
-        return True, False, 0.0, 0.0
+        return True, False, 0.0, level
     if shading.model == PHONG:
         # l and v are nearly one, and level
         return False, True, 0.0, 0.0
@@ -295,7 +297,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
     last = HALF_PI if floor else chart.gamma_max
     whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * chart.beta_max))
     ample = whole - chart.log_normaliser
-    boxes_seen = 0
+    boxes_seen, unseen = 0, 0.0
     for l in range(lights):
         p = view.points[l]
         if floor and p.position[2] + p.radius <= 0.0:
@@ -321,6 +323,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                     u = math.atan2(math.sin(u), math.cos(u) - k)
                     v = math.atan2(math.sin(v), max(1e-15, math.cos(v) - k))
                 if not resolved:
+                    unseen += math.exp(along)
                     strip, along = 0.1 * (b - a), 0.1 * (v - u)
                 note_highlight(l, a, b, u, v, strip, along, work)
                 continue
@@ -350,7 +353,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                     middle,
                 )
             top += 2
-    return float(chart.least * (lights + math.exp(SPECK) * boxes_seen))
+    return float(chart.least * (lights + math.exp(SPECK) * boxes_seen + unseen))
 
 
 @inlined

@@ -46,6 +46,25 @@ def segment_meets(
 
 
 @inlined
+def ball_hides(
+    qx: float, qy: float, qz: float, lx: float, ly: float, lz: float, cx: float, cy: float, cz: float, r: float
+) -> bool:
+    """Whether a ball hides a light from Q: as ``segment_meets``, but whether the light is inside is asked of it alone.
+
+    Of a light on the ball's surface Q + (L - Q), rounded, would say that it is inside as often as not.
+    """
+    dx, dy, dz = lx - qx, ly - qy, lz - qz
+    fx, fy, fz = qx - cx, qy - cy, qz - cz
+    along, length2 = -(fx * dx + fy * dy + fz * dz), dx * dx + dy * dy + dz * dz
+    if along >= length2:
+        fx, fy, fz = lx - cx, ly - cy, lz - cz
+    elif along > 0.0:
+        t = along / length2
+        fx, fy, fz = fx + t * dx, fy + t * dy, fz + t * dz
+    return bool(fx * fx + fy * fy + fz * fz < r * r)
+
+
+@inlined
 def texture_side(spheres: Table[Sphere], j: int, nx: float, ny: float, nz: float) -> int:
     """1 on the bright side of a checker's or a stripe's sign (ties bright), 0 on the dark side; 1 elsewhere."""
     kind = int(spheres[j].texture)
@@ -159,18 +178,7 @@ def light_state(
             return DARK
     for c in range(work.counts.casters):
         if work.casters[c].light == i:
-            k = work.casters[c].ball
-            if segment_meets(
-                qx,
-                qy,
-                qz,
-                lx,
-                ly,
-                lz,
-                spheres[k].center[0],
-                spheres[k].center[1],
-                spheres[k].center[2],
-                spheres[k].radius,
-            ):
+            s = spheres[work.casters[c].ball]
+            if ball_hides(qx, qy, qz, ax, ay, az, s.center[0], s.center[1], s.center[2], s.radius):
                 return DARK
     return state

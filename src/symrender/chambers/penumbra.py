@@ -5,7 +5,8 @@ The line from Q to the point x(t) = L + rho (cos t e1 + sin t e2) of the disk's 
     F(t) = |x - Q|^2 (|c|^2 - R^2) - w |w|,  w = (x - Q).c,  c = C - Q,
 
 is negative: with w^2 a trigonometric polynomial of degree two, which is negative behind Q as well, where a disk that
-spans more than what is ahead of Q meets the other half of the double cone. The penumbra's outer edge is where
+spans more than what is ahead of Q meets the other half of the double cone. Ahead, |x - Q|^2 |c|^2 - w^2 is written as
+the square of a cross product, in which a Q at the floor's horizon loses nothing. The penumbra's outer edge is where
 min F = 0, its inner edge where max F = 0; where a small ball passes wholly into the disk min F = 0 again. All of these
 edges lie inside the penumbra of the ball of radius rho about L, a circular cone whose apex divides the segment L C as
 rho to R.
@@ -20,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import LightPoint
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -37,37 +38,56 @@ TOUCHES: Final = 4
 
 
 @jitable
-def circle_form(
+def cone_form(
     qx: float, qy: float, qz: float, p: LightPoint, cx: float, cy: float, cz: float, radius: float
-) -> tuple[float, float, float, float, float, float]:
-    """(A, b1, b2, m, q1, q2) with F(t) = A + b1 cos t + b2 sin t - w |w|, w = m + q1 cos t + q2 sin t.
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """(k0, k1, k2, k11, k12, k22, m, q1, q2) of a ball and a disk as seen from Q, which is outside the ball.
 
-    All over |y|^2 |c|^2.
+    With x = L + rho (a e1 + b e2) and u = unit(C - Q) the first six are the quadratic form
+    (|(x - Q) x u|^2 - (R/|c|)^2 |x - Q|^2)/|y|^2 in (a, b), negative within the double cone about the ball; the last
+    three are (x - Q).u/|y|, linear. (x - Q) x u = (x - C) x u: far from both nothing cancels.
     """
     ox, oy, oz = cx - qx, cy - qy, cz - qz
     yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
-    rho = p.radius
+    fx, fy, fz = p.position[0] - cx, p.position[1] - cy, p.position[2] - cz
     c2 = ox * ox + oy * oy + oz * oz
     y2 = yx * yx + yy * yy + yz * yz
-    inv = 1.0 / (c2 * y2)
-    power = (c2 - radius * radius) * inv
-    root = math.sqrt(inv)
-    a1 = yx * p.e1[0] + yy * p.e1[1] + yz * p.e1[2]
-    a2 = yx * p.e2[0] + yy * p.e2[1] + yz * p.e2[2]
-    s = rho * root
+    if y2 < fx * fx + fy * fy + fz * fz:
+        fx, fy, fz = yx, yy, yz
+    e1x, e1y, e1z = p.e1[0], p.e1[1], p.e1[2]
+    e2x, e2y, e2z = p.e2[0], p.e2[1], p.e2[2]
+    e3x, e3y, e3z = p.axis[0], p.axis[1], p.axis[2]
+    # all in the disk's frame, the axis towards the ball over |y|, lengths over rho
+    inv, rho = 1.0 / math.sqrt(c2 * y2), p.radius
+    u1 = inv * (ox * e1x + oy * e1y + oz * e1z)
+    u2 = inv * (ox * e2x + oy * e2y + oz * e2z)
+    u3 = inv * (ox * e3x + oy * e3y + oz * e3z)
+    f1 = fx * e1x + fy * e1y + fz * e1z
+    f2 = fx * e2x + fy * e2y + fz * e2z
+    f3 = fx * e3x + fy * e3y + fz * e3z
+    x1, x2, x3 = f2 * u3 - f3 * u2, f3 * u1 - f1 * u3, f1 * u2 - f2 * u1
+    y1, z1 = yx * e1x + yy * e1y + yz * e1z, yx * e2x + yy * e2y + yz * e2z
+    sine2 = radius * radius / c2
+    scale = sine2 / y2
+    rho2 = rho * rho
     return (
-        power * (y2 + rho * rho),
-        2.0 * power * rho * a1,
-        2.0 * power * rho * a2,
-        (yx * ox + yy * oy + yz * oz) * root,
-        s * (ox * p.e1[0] + oy * p.e1[1] + oz * p.e1[2]),
-        s * (ox * p.e2[0] + oy * p.e2[1] + oz * p.e2[2]),
+        x1 * x1 + x2 * x2 + x3 * x3 - sine2,
+        2.0 * rho * (x3 * u2 - x2 * u3 - scale * y1),
+        2.0 * rho * (x1 * u3 - x3 * u1 - scale * z1),
+        rho2 * (u2 * u2 + u3 * u3 - scale),
+        -rho2 * u1 * u2,
+        rho2 * (u1 * u1 + u3 * u3 - scale),
+        (yx * ox + yy * oy + yz * oz) * inv,
+        rho * u1,
+        rho * u2,
     )
 
 
 @jitable
-def least(a: float, b1: float, b2: float, m: float, q1: float, q2: float, sign: float) -> tuple[float, float, float]:
-    """Minimum over t of sign (a + b1 cos t + b2 sin t - w |w|), w = m + q1 cos t + q2 sin t, and cos t, sin t there.
+def least(
+    k0: float, k1: float, k2: float, k11: float, k12: float, k22: float, m: float, q1: float, q2: float, sign: float
+) -> tuple[float, float, float]:  # fmt: skip
+    """Minimum over t of sign F, F of ``cone_form`` at (cos t, sin t) plus 2 w^2 where w < 0, and cos t, sin t there.
 
     At most two minima exist: eight samples tell their basins apart, Newton's method ends each.
     """
@@ -75,21 +95,26 @@ def least(a: float, b1: float, b2: float, m: float, q1: float, q2: float, sign: 
     cosines = (1.0, h, 0.0, -h, -1.0, -h, 0.0, h)
     sines = (0.0, h, 1.0, h, 0.0, -h, -1.0, -h)
     best, bc, bs = math.inf, 1.0, 0.0
-    v = m + q1 * h - q2 * h
-    before = sign * (a + b1 * h - b2 * h - v * abs(v))
-    v = m + q1
-    here = sign * (a + b1 - v * abs(v))
+    before, here = circle_level(k0, k1, k2, k11, k12, k22, m, q1, q2, sign, h, -h), circle_level(
+        k0, k1, k2, k11, k12, k22, m, q1, q2, sign, 1.0, 0.0
+    )  # fmt: skip
     for k in range(8):
-        c, s = cosines[(k + 1) % 8], sines[(k + 1) % 8]
-        v = m + q1 * c + q2 * s
-        after = sign * (a + b1 * c + b2 * s - v * abs(v))
+        after = circle_level(
+            k0, k1, k2, k11, k12, k22, m, q1, q2, sign, cosines[(k + 1) % 8], sines[(k + 1) % 8]
+        )  # fmt: skip
         if here <= before and here <= after:
             c, s = cosines[k], sines[k]
             for _ in range(10):
                 v = m + q1 * c + q2 * s
                 dv, ddv = q2 * c - q1 * s, -q1 * c - q2 * s
-                slope = sign * (b2 * c - b1 * s - 2.0 * abs(v) * dv)
-                curve = sign * (-b1 * c - b2 * s - 2.0 * (math.copysign(dv * dv, v) + abs(v) * ddv))
+                turned, crossed = (c - s) * (c + s), 2.0 * c * s
+                slope = k2 * c - k1 * s + 2.0 * k12 * turned + (k22 - k11) * crossed
+                curve = -k1 * c - k2 * s - 4.0 * k12 * crossed + 2.0 * (k22 - k11) * turned
+                if v < 0.0:
+                    slope += 4.0 * v * dv
+                    curve += 4.0 * (dv * dv + v * ddv)
+                slope *= sign
+                curve *= sign
                 step = -slope / curve if curve > 0.0 else -math.copysign(0.3, slope)
                 step = max(-0.5, min(0.5, step))
                 # rotation by the angle whose half has the tangent step/2
@@ -98,8 +123,7 @@ def least(a: float, b1: float, b2: float, m: float, q1: float, q2: float, sign: 
                 c, s = c * rc - s * rs, s * rc + c * rs
                 if abs(step) < 1e-9:
                     break
-            v = m + q1 * c + q2 * s
-            f = sign * (a + b1 * c + b2 * s - v * abs(v))
+            f = circle_level(k0, k1, k2, k11, k12, k22, m, q1, q2, sign, c, s)
             if here < f:
                 f, c, s = here, cosines[k], sines[k]
             if f < best:
@@ -108,14 +132,24 @@ def least(a: float, b1: float, b2: float, m: float, q1: float, q2: float, sign: 
     return best, bc, bs
 
 
+@inlined
+def circle_level(
+    k0: float, k1: float, k2: float, k11: float, k12: float, k22: float, m: float, q1: float, q2: float, sign: float,
+    c: float, s: float,
+) -> float:  # fmt: skip
+    """sign F of ``least`` at (c, s) of the unit circle."""
+    v = min(0.0, m + q1 * c + q2 * s)
+    return float(sign * (k0 + c * (k1 + k11 * c + 2.0 * k12 * s) + s * (k2 + k22 * s) + 2.0 * v * v))
+
+
 @jitable
 def edge_level(
     qx: float, qy: float, qz: float, p: LightPoint, cx: float, cy: float, cz: float, radius: float, inner: bool
 ) -> float:
     """min F or, for the inner edge, max F over the disk's circle: zero on the penumbra's edge."""
-    a, b1, b2, m, q1, q2 = circle_form(qx, qy, qz, p, cx, cy, cz, radius)
+    k0, k1, k2, k11, k12, k22, m, q1, q2 = cone_form(qx, qy, qz, p, cx, cy, cz, radius)
     sign = -1.0 if inner else 1.0
-    value, _, _ = least(a, b1, b2, m, q1, q2, sign)
+    value, _, _ = least(k0, k1, k2, k11, k12, k22, m, q1, q2, sign)
     return sign * value
 
 
@@ -131,21 +165,31 @@ def segment_distance2(
 
 
 @jitable
+def gap2(
+    qx: float, qy: float, qz: float, x: float, y: float, z: float, cx: float, cy: float, cz: float
+) -> float:  # fmt: skip
+    """Squared distance of c from the segment from q to (x, y, z), from the nearer end: exact where the other is far."""
+    if (x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2 < (qx - cx) ** 2 + (qy - cy) ** 2 + (qz - cz) ** 2:
+        return segment_distance2(x, y, z, qx - x, qy - y, qz - z, cx, cy, cz)
+    return segment_distance2(qx, qy, qz, x - qx, y - qy, z - qz, cx, cy, cz)
+
+
+@jitable
 def cover(qx: float, qy: float, qz: float, p: LightPoint, cx: float, cy: float, cz: float, radius: float) -> int:
     """What the ball hides of the disk from Q: ``CLEAR`` ... ``TOUCHES``."""
     rho = p.radius
-    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     reach = radius + rho
-    if segment_distance2(qx, qy, qz, yx, yy, yz, cx, cy, cz) >= reach * reach:
+    if gap2(qx, qy, qz, p.position[0], p.position[1], p.position[2], cx, cy, cz) >= reach * reach:
         return CLEAR
     if (cx - p.position[0]) ** 2 + (cy - p.position[1]) ** 2 + (cz - p.position[2]) ** 2 <= reach * reach:
         return TOUCHES
     if (cx - qx) ** 2 + (cy - qy) ** 2 + (cz - qz) ** 2 < radius * radius:
         return COVERS
-    a, b1, b2, m, q1, q2 = circle_form(qx, qy, qz, p, cx, cy, cz, radius)
-    low, c, s = least(a, b1, b2, m, q1, q2, 1.0)
+    k0, k1, k2, k11, k12, k22, m, q1, q2 = cone_form(qx, qy, qz, p, cx, cy, cz, radius)
+    low, c, s = least(k0, k1, k2, k11, k12, k22, m, q1, q2, 1.0)
     if low >= 0.0:
         # the cone about the ball misses the circle: it lies within the disk or passes beside it
+        yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
         ox, oy, oz = cx - qx, cy - qy, cz - qz
         along = ox * p.axis[0] + oy * p.axis[1] + oz * p.axis[2]
         height = yx * p.axis[0] + yy * p.axis[1] + yz * p.axis[2]
@@ -157,10 +201,10 @@ def cover(qx: float, qy: float, qz: float, p: LightPoint, cx: float, cy: float, 
             return CLEAR
         return WITHIN
     # the line to x(t) meets the ball; the disk does not, so all such lines meet it before the disk or none does
-    x = yx + rho * (c * p.e1[0] + s * p.e2[0])
-    y = yy + rho * (c * p.e1[1] + s * p.e2[1])
-    z = yz + rho * (c * p.e1[2] + s * p.e2[2])
-    if segment_distance2(qx, qy, qz, x, y, z, cx, cy, cz) >= radius * radius:
+    x = p.position[0] + rho * (c * p.e1[0] + s * p.e2[0])
+    y = p.position[1] + rho * (c * p.e1[1] + s * p.e2[1])
+    z = p.position[2] + rho * (c * p.e1[2] + s * p.e2[2])
+    if gap2(qx, qy, qz, x, y, z, cx, cy, cz) >= radius * radius:
         return CLEAR
-    high, _, _ = least(a, b1, b2, m, q1, q2, -1.0)
+    high, _, _ = least(k0, k1, k2, k11, k12, k22, m, q1, q2, -1.0)
     return COVERS if -high <= 0.0 else CUTS

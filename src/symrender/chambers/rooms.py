@@ -27,11 +27,23 @@ def height(side: Side, x: float, y: float, z: float) -> float:
 
 @jitable
 def enter_room(view: View, work: Work) -> None:
-    """Note on which side of every plane the chart's point lies; on the plane it is a point of, in front."""
+    """Note on which side of every plane the chart's point lies: in front 1, behind -1 and in the plane 0.
+
+    A point of a plane is in front of it.
+    """
     chart = work.chart
     for k in range(view.sides.shape[0]):
-        behind = height(view.sides[k], chart.point[0], chart.point[1], chart.point[2]) < 0.0
-        work.room[k] = -1.0 if behind and k != chart.home else 1.0
+        above = height(view.sides[k], chart.point[0], chart.point[1], chart.point[2])
+        work.room[k] = 1.0 if above > 0.0 or k == chart.home else (-1.0 if above < 0.0 else 0.0)
+
+
+@inlined
+def in_a_plane(view: View, work: Work) -> bool:
+    """Whether P lies in a plane that it is no point of, and so in no room."""
+    found = False
+    for k in range(view.sides.shape[0]):
+        found = found or work.room[k] == 0.0
+    return found
 
 
 @inlined

@@ -20,11 +20,13 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import Chart, Wall
+from symrender.chambers.rooms import height
 from symrender.chambers.walls import (
     BALL,
     FLOOR_CUT,
     HORIZON,
     NORMAL,
+    SEVERAL,
     SHADOW,
     SHADOW_EDGE,
     SILHOUETTE,
@@ -42,7 +44,7 @@ Array = npt.NDArray[np.float64]
 AT_POINT: Final = 0
 TURN: Final = 3
 CHART: Final = 6
-"""k = R/|C - P| of a sphere's chart, |P_z| of the floor's."""
+"""k = R/|C - P| of a sphere's chart, |P_z| of a plane's."""
 CHART_RADIUS: Final = 7
 AXIS: Final = 8
 """The lobe's axis m."""
@@ -64,8 +66,8 @@ EYE: Final = 35
 GRID: Final = 38
 """Cell and offset of the floor's checker."""
 LIGHTS: Final = 41
-"""From here six columns a light point (place, colour), then four a sphere (centre, radius), then, if there is an exact
-disk, four a light point (radius of the disk, turn of its frame)."""
+"""From here six columns a light point (place, colour), then four a sphere (centre, radius), then four a plane (normal,
+level), then, if there is an exact disk, four a light point (radius of the disk, turn of its frame)."""
 
 # rows of a place
 HIT: Final = 0
@@ -82,14 +84,23 @@ BY_RADIUS: Final = 9
 """Slope of Q in R."""
 PLACE_ROWS: Final = 10
 
+CUT_BY: Final = SEVERAL + 1
+"""Condition of what plane 0 cuts off; those of the other planes follow."""
+
 ONE_SIDED: Final = 3
 """Row of the adjoint that holds by how much derivatives from the two sides differ."""
 
 
 @jitable
-def adjoint_columns(lights: int, spheres: int, disks: bool) -> int:
+def adjoint_columns(lights: int, spheres: int, planes: int, disks: bool) -> int:
     """Columns of an adjoint; ``disks``: whether a light point may carry an exact disk."""
-    return LIGHTS + (10 if disks else 6) * lights + 4 * spheres
+    return LIGHTS + (10 if disks else 6) * lights + 4 * (spheres + planes)
+
+
+@inlined
+def plane_columns(view: View) -> int:
+    """First column of the planes."""
+    return LIGHTS + 6 * view.points.shape[0] + 4 * view.spheres.shape[0]
 
 
 @jitable
@@ -114,7 +125,8 @@ def what_moves(moves: Array, disks: bool, view: View, work: Work, moving: Array)
     last = moving.shape[0] - 1
     # what an exact disk sheds changes with every ball that hides a part of it
     nodes = any_moves(moves, 0, RIM) or any_moves(moves, SHADING, balls)
-    nodes = nodes or any_moves(moves, balls + 4 * view.spheres.shape[0], moves.shape[1])
+    planes = plane_columns(view)
+    nodes = nodes or any_moves(moves, planes + 4 * view.sides.shape[0], moves.shape[1])
     nodes = nodes or (disks and any_moves(moves, balls, moves.shape[1]))
     moving[last] = 1.0 if nodes or any_moves(moves, RIM, RIM + 1) else 0.0
     horizon = any_moves(moves, HORIZON_NORMAL, HORIZON_NORMAL + 3)
@@ -127,7 +139,9 @@ def what_moves(moves: Array, disks: bool, view: View, work: Work, moving: Array)
                 moved = any_moves(moves, balls + 4 * shape, balls + 4 * shape + 4)
             elif tag == HORIZON:
                 moved = horizon
-            elif tag in (TERMINATOR, TEXTURE_EDGE, FLOOR_CUT):
+            elif tag == FLOOR_CUT:
+                moved = any_moves(moves, planes + 4 * shape, planes + 4 * shape + 4)
+            elif tag in (TERMINATOR, TEXTURE_EDGE):
                 moved = False
         moving[i] = 1.0 if moved else 0.0
         some = some or moved
@@ -302,9 +316,27 @@ def wall_gradient(
             own[balls + 4 * shape + a] += by_g[a]
             own[LIGHTS + 6 * light + a] -= bar[HIT, a] + by_g[a]
         own[balls + 4 * shape + 3] += 2.0 * r * (ux * ux + uy * uy + uz * uz)
+    elif tag == SHADOW_EDGE:
+        _contact_gradient(row, here, view, work, bar, own)
     else:
-        # the floor's cut: where Q is on z = 0
-        bar[HIT, 2] = 1.0
+        # where Q is on a plane
+        side, column = tag - CUT_BY, plane_columns(view) + 4 * (tag - CUT_BY)
+        for a in range(3):
+            bar[HIT, a] = view.sides[side].up[a]
+            own[column + a] += here[HIT, a] + chart.point[a]
+        own[column + 3] -= 1.0
+
+
+@jitable
+def _contact_gradient(row: Wall, here: Array, view: View, work: Work, bar: Array, own: Array) -> None:
+    """``wall_gradient`` of the plane behind which a ball hides a light on its surface, where light and ball keep so."""
+    light, shape, p = row.light, row.shape_index, here[HIT]
+    balls = LIGHTS + 6 * view.points.shape[0]
+    for a in range(3):
+        bar[HIT, a] = view.spheres[shape].center[a] - view.points[light].position[a]
+        u = p[a] + work.chart.point[a] - view.points[light].position[a]
+        own[balls + 4 * shape + a] += u
+        own[LIGHTS + 6 * light + a] -= bar[HIT, a] + u
 
 
 @jitable
@@ -344,14 +376,16 @@ def on_a_parallel(here: Array, sphere: Sphere) -> bool:
 
 
 @inlined
-def condition_of(i: int, here: Array, hidden: bool, work: Work) -> int:
+def condition_of(i: int, here: Array, hidden: bool, view: View, work: Work) -> int:
     """The condition a wall stands for; of coinciding ones, the one that changes what is seen, -1 if none is known.
 
     ``hidden`` says that one side of the wall is not seen.
     """
     chart, row = work.chart, work.walls[i]
     tag: int = row.tag
-    if tag <= FLOOR_CUT:
+    if tag == FLOOR_CUT:
+        return CUT_BY + row.shape_index
+    if tag < FLOOR_CUT:
         return tag
     if hidden:
         level, size = 0.0, 0.0
@@ -360,8 +394,10 @@ def condition_of(i: int, here: Array, hidden: bool, work: Work) -> int:
             size += here[HIT, a] ** 2
         if abs(level) < 1e-9 * math.sqrt(size):
             return HORIZON
-        if abs(here[HIT, 2] + chart.point[2]) < 1e-9 * math.sqrt(size):
-            return FLOOR_CUT
+        x, y, z = here[HIT, 0] + chart.point[0], here[HIT, 1] + chart.point[1], here[HIT, 2] + chart.point[2]
+        for k in range(view.sides.shape[0]):
+            if k != chart.plane and abs(height(view.sides[k], x, y, z)) < 1e-9 * math.sqrt(size):
+                return CUT_BY + k
         return -1
     shape = row.shape_index
     if shape >= 0 and row.kind == NORMAL:

@@ -56,6 +56,10 @@ SEVERAL: Final = 8
 # chart: the numbers of one (point, shape) pair
 UNBOUNDED: Final = 1e30
 
+CONTACT: Final = 1e-13
+"""A light whose squared distance from a ball's centre differs from the squared radius by less, relative to it, stands
+on the ball: what the ball hides of it ends at a plane, and no more at the two branches of a double cone."""
+
 COINCIDENT: Final = 1e-11
 """Two circles whose axes and levels differ by less are one wall."""
 
@@ -119,6 +123,37 @@ def add_circle(
 
 
 @jitable
+def add_contact(
+    walls: Table[Wall], count: int, chart: Chart, ux: float, uy: float, uz: float, ex: float, ey: float, ez: float,
+    shape: int, light: int,
+) -> int:  # fmt: skip
+    """Append the plane e.(x - L) = 0, behind which a light on a ball's surface is hidden by it; new count.
+
+    ``u`` as of ``add_shadow``, ``e`` the unit direction from the light to the ball's centre. On a sphere the plane cuts
+    a circle of normals, on the floor a line, which P sees along a great circle.
+    """
+    p, f, g = chart.pole, chart.e1, chart.e2
+    level = ex * ux + ey * uy + ez * uz
+    a0 = ex * p[0] + ey * p[1] + ez * p[2]
+    a1 = ex * f[0] + ey * f[1] + ez * f[2]
+    a2 = ex * g[0] + ey * g[1] + ez * g[2]
+    found = count
+    if chart.shape_index >= 0.0:
+        if abs(level) < chart.radius:
+            found = add_circle(walls, count, NORMAL, -a0, a1, a2, -level / chart.radius, SHADOW_EDGE, shape)
+    else:
+        h = chart.height
+        size = math.sqrt(level * level + h * h * (a1 * a1 + a2 * a2))
+        if size > 0.0:
+            found = add_circle(
+                walls, count, DIRECTION, level / size, h * a1 / size, h * a2 / size, 0.0, SHADOW_EDGE, shape
+            )
+    if count < found <= walls.shape[0]:
+        walls[count].light = light
+    return found
+
+
+@jitable
 def add_shadow(
     walls: Table[Wall],
     count: int,
@@ -150,6 +185,8 @@ def add_shadow(
         ex, dist2 = 1e-100, 1e-200
     inv = 1.0 / math.sqrt(dist2)
     ex, ey, ez = ex * inv, ey * inv, ez * inv
+    if abs(dist2 - radius * radius) < CONTACT * dist2:
+        return add_contact(walls, count, chart, ux, uy, uz, ex, ey, ez, shape, light)
     if abs(ex) < 0.6:
         fx, fy, fz = 0.0, ez, -ey
     else:

@@ -25,9 +25,9 @@ from symrender.chambers.records import (
 )
 from symrender.kernel_cache import inlined, jitable
 from symrender.limits import MAX_PLANES
-from symrender.records import Grid, Table, grid, joined, table
+from symrender.records import Grid, Table, copied, joined, one, stacked, table
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, SceneArrays
-from symrender.scene.frames import frames
+from symrender.scene.frames import floor_of, frames
 from symrender.scene.records import Floor, Frame, Shading, Sphere
 
 Array = npt.NDArray[np.float64]
@@ -135,40 +135,49 @@ def scene_view(arrays: SceneArrays, points: Table[LightPoint]) -> View:
 
 def scene_frames(arrays: SceneArrays, points: Table[LightPoint]) -> Frames:
     """A scene whose lights are ``points``, in the coordinates of each of its planes."""
-    axes, sides = _axes(arrays), _sides(_axes(arrays))
-    count = len(axes)
-    made = Frames(
+    axes = _axes(arrays)
+    sides = _sides(axes)
+    first, spheres = len(axes) - len(arrays.planes), len(arrays.spheres)
+    homes = np.full(FIRST_SPHERE + spheres + len(arrays.planes), -1)
+    homes[FLOOR : FLOOR + first] = 0
+    homes[FIRST_SPHERE + spheres :] = np.arange(first, len(axes))
+    floor = [one(arrays.floor)] if first else []
+    return Frames(
         axes=axes,
-        spheres=grid(Sphere, count, len(arrays.spheres)),
-        floors=table(Floor, count),
-        points=grid(LightPoint, count, len(points)),
-        eyes=np.zeros((count, 3)),
-        sides=grid(Side, count, count),
-        homes=np.full(FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), -1),
+        spheres=stacked(Sphere, [_spheres_in(frame, arrays.spheres) for frame in axes], spheres),
+        floors=joined(Floor, [*floor, *map(floor_of, arrays.planes)]),
+        points=stacked(LightPoint, [_points_in(frame, points) for frame in axes], len(points)),
+        eyes=np.array([_turn(frame) @ (arrays.camera.eye - frame.origin) for frame in axes]).reshape(-1, 3),
+        sides=stacked(Side, [_sides_in(frame, k, sides) for k, frame in enumerate(axes)], len(sides)),
+        homes=homes,
     )
-    first = count - len(arrays.planes)
-    made.homes[FLOOR : FLOOR + first] = 0
-    made.homes[FIRST_SPHERE + len(arrays.spheres) :] = np.arange(first, count)
-    if first:
-        made.floors[0] = arrays.floor
-    for row, plane in zip(made.floors[first:], arrays.planes, strict=True):
-        row.present = 1.0
-        for name in Floor.names()[1:]:
-            row[name] = plane[name]
-    for k, frame in enumerate(axes):
-        turn = np.array([frame.east, frame.north, frame.up])
-        made.eyes[k] = turn @ (arrays.camera.eye - frame.origin)
-        made.spheres[k][:] = arrays.spheres
-        made.spheres[k]["center"][:] = (arrays.spheres["center"] - frame.origin) @ turn.T
-        made.points[k][:] = points
-        made.points[k]["position"][:] = (points["position"] - frame.origin) @ turn.T
-        for name in ("e1", "e2", "axis"):
-            made.points[k][name][:] = points[name] @ turn.T
-        made.sides[k]["up"][:] = sides["up"] @ turn.T
-        made.sides[k]["level"][:] = sides["level"] - sides["up"] @ frame.origin
-        # its own, without rounding
-        made.sides[k, k].up[:], made.sides[k, k].level = (0.0, 0.0, 1.0), 0.0
-    return made
+
+
+def _turn(frame: Frame) -> Array:
+    return np.array([frame.east, frame.north, frame.up])
+
+
+def _spheres_in(frame: Frame, spheres: Table[Sphere]) -> Table[Sphere]:
+    rows = copied(spheres)
+    rows["center"][:] = (spheres["center"] - frame.origin) @ _turn(frame).T
+    return rows
+
+
+def _points_in(frame: Frame, points: Table[LightPoint]) -> Table[LightPoint]:
+    rows = copied(points)
+    rows["position"][:] = (points["position"] - frame.origin) @ _turn(frame).T
+    for name in ("e1", "e2", "axis"):
+        rows[name][:] = points[name] @ _turn(frame).T
+    return rows
+
+
+def _sides_in(frame: Frame, own: int, sides: Table[Side]) -> Table[Side]:
+    rows = copied(sides)
+    rows["up"][:] = sides["up"] @ _turn(frame).T
+    rows["level"][:] = sides["level"] - sides["up"] @ frame.origin
+    # the plane's own, without rounding
+    rows[own].up[:], rows[own].level = (0.0, 0.0, 1.0), 0.0
+    return rows
 
 
 def _axes(arrays: SceneArrays) -> Table[Frame]:

@@ -77,7 +77,7 @@ def _report(error: Exception) -> int:
     usage = getattr(error, "format_message", None)
     if usage is not None:
         # without a command the help has been printed, and there is nothing to add
-        return _fail(usage() + _nearest_choice(usage()), 2) if usage() else 2
+        return _fail(_choice(usage()), 2) if usage() else 2
     return _fail(f"a fault in symrender: {type(error).__name__}: {error}; --debug shows where", _FAULT)
 
 
@@ -94,11 +94,12 @@ def _fail(message: str, code: int) -> int:
     return code
 
 
-def _nearest_choice(message: str) -> str:
-    """What a value that is none of an option's choices may have meant."""
-    found = re.search(r"'([^']*)' is not one of ('.*')", message)
+def _choice(message: str) -> str:
+    """A usage error; where a value is none of an option's choices, with what it may have meant."""
+    found = re.fullmatch(r"(Invalid value for .*?: )(?:Value error, )?'([^']*)' is not one of ('.*')\.?", message)
     if found is None:
-        return ""
+        return message
     from symrender.scene.nearest import did_you_mean
 
-    return did_you_mean(found[1], re.findall(r"'(.*?)'", found[2]))
+    choices = re.findall(r"'(.*?)'", found[3])
+    return f"{found[1]}'{found[2]}' is not one of {', '.join(choices)}{did_you_mean(found[2], choices)}"

@@ -19,6 +19,7 @@ PANELS = {
     "Draw": ("demo", "render", "truth", "gradient", "animate", "sweep"),
     "Ask": ("probe", "expression", "fit", "study"),
     "Look": ("info", "view", "compare", "simulator", "chapter", "lab"),
+    "Carry": ("export",),
     "Know": ("scenes", "params", "doctor", "cite"),
 }
 """The verbs by what one wants, as the help groups them."""

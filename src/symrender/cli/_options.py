@@ -8,42 +8,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symrender.cli._completions import definitions, scene_names
 from symrender.errors import OptionError, SceneError
 from symrender.settings import Tonemap
 
 if TYPE_CHECKING:
     from symrender.scene.scene import Scene
 
-DEFAULT_SCENE = "gloss"
 IMAGES = (".exr", ".npz", ".png")
 """Endings of files that carry the scene they were made of."""
 _SIZE = re.compile(r"([0-9]{1,10})(?:[xX]([0-9]{1,10}))?")
-
-
-def _scene_names(incomplete: str) -> list[str]:
-    from symrender.scene import gallery
-
-    return [name for name in gallery.names() if name.startswith(incomplete)]
-
-
-def _parameter_names(ctx: typer.Context, incomplete: str) -> list[str]:
-    from symrender.errors import SymrenderError
-    from symrender.scene.load import load
-
-    # while a line is being completed, its positional words are still unparsed
-    words = [*ctx.args, ctx.params.get("scene") or DEFAULT_SCENE]
-    try:
-        parameters = load(words[0]).parameters()
-    except SymrenderError:
-        return []
-    return [f"{p.name}=" for p in parameters if p.name.startswith(incomplete)]
 
 
 SceneArgument = Annotated[
     str,
     typer.Argument(
         help="Gallery name, path of a .yaml, .toml or .json file, or an image of ours: its scene.",
-        autocompletion=_scene_names,
+        autocompletion=scene_names,
     ),
 ]
 Define = Annotated[
@@ -54,7 +35,7 @@ Define = Annotated[
         metavar="NAME=VALUE",
         help="Change a scene value, repeatable: -D floor.lobe.exponent=64 -D 'camera.eye=[3, -3, 2]'. "
         "symrender params lists names and units.",
-        autocompletion=_parameter_names,
+        autocompletion=definitions,
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]

@@ -7,19 +7,10 @@ from typing import Annotated, Literal
 
 import typer
 
+from symrender.cli._completions import DEFAULT_SCENE, ranges
 from symrender.cli._console import show_json
 from symrender.cli._means import Cluster, InsecureCluster, Restart, Resume, Threads, Tile, ended_by_signals, means_of
-from symrender.cli._options import (
-    DEFAULT_SCENE,
-    Define,
-    Force,
-    Json,
-    Quiet,
-    SceneArgument,
-    parse_size,
-    scene_files,
-    scene_with,
-)
+from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, parse_size, scene_files, scene_with
 from symrender.cli._progress import ProgressMode, progress
 from symrender.errors import OptionError
 from symrender.settings import Antialias, Settings, image_size
@@ -32,7 +23,11 @@ def animate(
     scene: SceneArgument = DEFAULT_SCENE,
     over: Annotated[
         str,
-        typer.Option(metavar="NAME=A:B:N[:log],...", help="A range of scene values, one frame each; or --orbit."),
+        typer.Option(
+            metavar="NAME=A:B:N[:log],...",
+            help="A range of scene values, one frame each; or --orbit.",
+            autocompletion=ranges,
+        ),
     ] = "",
     orbit: Annotated[int, typer.Option(help="N frames of one turn of the camera about its target.")] = 0,
     pipeline: Annotated[Side, typer.Option(help="Which of the two renderers draws the frames.")] = "symbolic",

@@ -10,19 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symrender.cli._browser import open_page
+from symrender.cli._completions import DEFAULT_SCENE
 from symrender.cli._console import Patient
 from symrender.cli._means import PreviewOption, SilhouettesOption, Threads, ended_by_signals, shown_in
-from symrender.cli._options import (
-    DEFAULT_SCENE,
-    Define,
-    Force,
-    Json,
-    Quiet,
-    SceneArgument,
-    parse_size,
-    scene_files,
-    scene_with,
-)
+from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, parse_size, scene_files, scene_with
 from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
 from symrender.settings import Estimators

@@ -33,6 +33,7 @@ def doctor(json: Json = False) -> None:
         "kernel cache": _cache(),
         **{name: _version(name) for name in _CORE},
         "arithmetic": _arithmetic(),
+        "gpu": "not used: kernels run on the processor; pages draw by the browser's WebGL 2",
         **{f"extra {name}": _listed(packages) for name, packages in extras().items()},
         "terminal": f"{sys.stdout.encoding}, {'colour' if sys.stdout.isatty() else 'not a terminal'}",
     }

@@ -6,13 +6,17 @@ from typing import Annotated
 
 import typer
 
-from symrender.cli._options import DEFAULT_SCENE, Define, SceneArgument, scene_with
+from symrender.cli._completions import DEFAULT_SCENE, surfaces
+from symrender.cli._options import Define, SceneArgument, scene_with
 
 
 def expression(
     scene: SceneArgument = DEFAULT_SCENE,
     surface: Annotated[
-        str, typer.Option(help="Surface whose lobe is written out: floor, spheres.NAME or planes.NAME.")
+        str,
+        typer.Option(
+            help="Surface whose lobe is written out: floor, spheres.NAME or planes.NAME.", autocompletion=surfaces
+        ),
     ] = "floor",
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX instead of plain text.")] = False,
     define: Define = None,

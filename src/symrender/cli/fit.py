@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from symrender.cli._completions import numbers
 from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, scene_files, scene_with
 from symrender.images.output import check_target, write_bytes
 
@@ -14,7 +15,12 @@ from symrender.images.output import check_target, write_bytes
 def fit(
     scene: SceneArgument,
     target: Annotated[str, typer.Argument(help="Image to be met: an .exr or .npz with a radiance layer.")],
-    free: Annotated[str, typer.Option("--free", metavar="NAME,...", help="Real numbers of the scene to be found.")],
+    free: Annotated[
+        str,
+        typer.Option(
+            "--free", metavar="NAME,...", help="Real numbers of the scene to be found.", autocompletion=numbers
+        ),
+    ],
     tol: Annotated[float, typer.Option(help="Absolute error asked of every pixel, scene radiance.")] = 1e-6,
     iterations: Annotated[int, typer.Option(help="Most iterations.")] = 20,
     precision: Annotated[float, typer.Option(help="Relative change of the parameters that ends the fit.")] = 1e-9,

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from symrender.cli._completions import DEFAULT_SCENE, numbers
 from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
@@ -17,17 +18,7 @@ from symrender.cli._means import (
     ended_by_signals,
     means_of,
 )
-from symrender.cli._options import (
-    DEFAULT_SCENE,
-    Define,
-    Force,
-    Json,
-    Quiet,
-    SceneArgument,
-    parse_size,
-    scene_files,
-    scene_with,
-)
+from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, parse_size, scene_files, scene_with
 from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
@@ -37,7 +28,13 @@ from symrender.settings import Antialias, split_settings
 def gradient(
     scene: SceneArgument = DEFAULT_SCENE,
     wrt: Annotated[
-        str, typer.Option("--wrt", metavar="NAME,...", help="Real numbers of the scene, or vectors: spheres.B.center.")
+        str,
+        typer.Option(
+            "--wrt",
+            metavar="NAME,...",
+            help="Real numbers of the scene, or vectors: spheres.B.center.",
+            autocompletion=numbers,
+        ),
     ] = "",
     size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "64",
     tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance over the unit.")] = 1e-4,

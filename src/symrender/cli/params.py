@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import typer
 
-from symrender.cli._options import DEFAULT_SCENE, Define, Json, SceneArgument, scene_with
+from symrender.cli._completions import DEFAULT_SCENE
+from symrender.cli._options import Define, Json, SceneArgument, scene_with
 
 
 def params(scene: SceneArgument = DEFAULT_SCENE, define: Define = None, json: Json = False) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from symrender.cli._completions import numbers, surfaces
 from symrender.cli._console import show_json
 from symrender.cli._means import Threads
 from symrender.cli._options import Define, Json, SceneArgument, scene_with
@@ -28,13 +29,17 @@ def probe(
         ),
     ],
     surface: Annotated[
-        str, typer.Option(help="Surface the points are on: floor, spheres.NAME or planes.NAME.")
+        str,
+        typer.Option(help="Surface the points are on: floor, spheres.NAME or planes.NAME.", autocompletion=surfaces),
     ] = "floor",
     tol: Annotated[float, typer.Option(help="Absolute error asked for, scene radiance.")] = 1e-9,
     budget: Annotated[int, typer.Option(help="Most evaluations a point may take.")] = 1_000_000,
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     wrt: Annotated[
-        str, typer.Option("--wrt", metavar="NAME,...", help="Differentiate by these numbers or vectors too.")
+        str,
+        typer.Option(
+            "--wrt", metavar="NAME,...", help="Differentiate by these numbers or vectors too.", autocompletion=numbers
+        ),
     ] = "",
     certify: Annotated[
         bool, typer.Option("--certify", help="Enclose each value by ball arithmetic (needs symrender[certify]).")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symrender.cli._completions import DEFAULT_SCENE
 from symrender.cli._console import Patient
 from symrender.cli._means import (
     Cluster,
@@ -26,7 +27,6 @@ from symrender.cli._means import (
     shown_in,
 )
 from symrender.cli._options import (
-    DEFAULT_SCENE,
     Define,
     Exposure,
     Force,

@@ -6,14 +6,16 @@ from typing import Annotated
 
 import typer
 
-from symrender.cli._options import Json, _scene_names
+from symrender.cli._completions import scene_names
+from symrender.cli._options import Json
 from symrender.errors import OptionError
+from symrender.scene.nearest import did_you_mean
 
 
 def scenes(
     show: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Print a scene's YAML: a file to start from.", autocompletion=_scene_names),
+        typer.Option(metavar="NAME", help="Print a scene's YAML: a file to start from.", autocompletion=scene_names),
     ] = None,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of a scene file.")] = False,
     json: Json = False,
@@ -27,7 +29,8 @@ def scenes(
 
     if show is not None:
         if show not in gallery.names():
-            raise OptionError(f"show: must be one of {', '.join(gallery.names())}, got {show[:40]!r}")
+            guess = did_you_mean(show, gallery.names())
+            raise OptionError(f"show: must be one of {', '.join(gallery.names())}, got {show[:40]!r}{guess}")
         typer.echo(gallery.text(show), nl=False)
     elif schema:
         import json as json_module

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from symrender.cli._browser import open_address, open_page
-from symrender.cli._options import DEFAULT_SCENE, Define, Force, Quiet, SceneArgument, scene_files, scene_with
+from symrender.cli._completions import DEFAULT_SCENE
+from symrender.cli._options import Define, Force, Quiet, SceneArgument, scene_files, scene_with
 
 
 def simulator(

@@ -8,19 +8,10 @@ from typing import Annotated, Final, Literal
 
 import typer
 
+from symrender.cli._completions import DEFAULT_SCENE, numbers, ranges
 from symrender.cli._console import show_json
 from symrender.cli._means import Cluster, InsecureCluster, Restart, Resume, Threads, Tile, ended_by_signals, means_of
-from symrender.cli._options import (
-    DEFAULT_SCENE,
-    Define,
-    Force,
-    Json,
-    Quiet,
-    SceneArgument,
-    parse_size,
-    scene_files,
-    scene_with,
-)
+from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, parse_size, scene_files, scene_with
 from symrender.cli._progress import ProgressMode, progress
 from symrender.errors import OptionError
 from symrender.settings import Antialias, Sampler, Settings, image_size
@@ -36,12 +27,18 @@ def sweep(
         typer.Option(
             metavar="NAME=A:B:N[:log],...",
             help="Ranges of scene values, N numbers from A to B each; every combination is a frame.",
+            autocompletion=ranges,
         ),
     ] = "",
     what: Annotated[
         What, typer.Option(help="What a frame is: both renders with their ledger, a truth, or the gradients by --wrt.")
     ] = "render",
-    wrt: Annotated[str, typer.Option(metavar="NAME,...", help="Real numbers a gradient is taken by, or vectors.")] = "",
+    wrt: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME,...", help="Real numbers a gradient is taken by, or vectors.", autocompletion=numbers
+        ),
+    ] = "",
     size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH.")] = "128",
     lobe: Annotated[int, typer.Option(help="K of the K rings x K sectors (K x K samples) of a lobe.")] = 4,
     numeric: Annotated[Sampler, typer.Option(help="Sampler of the numeric pipeline.")] = "jittered",

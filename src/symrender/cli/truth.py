@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from symrender.cli._completions import DEFAULT_SCENE, one_of
 from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
@@ -22,7 +23,6 @@ from symrender.cli._means import (
     shown_in,
 )
 from symrender.cli._options import (
-    DEFAULT_SCENE,
     Define,
     Exposure,
     Force,
@@ -37,6 +37,7 @@ from symrender.cli._options import (
 from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
+from symrender.scene.nearest import did_you_mean
 from symrender.settings import Antialias, split_settings
 
 LAYERS = ("error", "status", "evaluations", "chambers", "crossings")
@@ -50,7 +51,12 @@ def truth(
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     layers: Annotated[
-        str, typer.Option(metavar="NAME,...", help=f"Layers to write as pictures too: {', '.join(LAYERS)}.")
+        str,
+        typer.Option(
+            metavar="NAME,...",
+            help=f"Layers to write as pictures too: {', '.join(LAYERS)}.",
+            autocompletion=one_of(LAYERS),
+        ),
     ] = "",
     counts: Annotated[
         bool, typer.Option(help="Count chambers and crossings; without, loose tolerances are met sooner.")
@@ -92,7 +98,9 @@ def truth(
 
     wanted = [name for name in layers.split(",") if name]
     if unknown := sorted(set(wanted) - set(LAYERS)):
-        raise OptionError(f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}")
+        raise OptionError(
+            f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}{did_you_mean(unknown[0], LAYERS)}"
+        )
     if uncounted := sorted({"chambers", "crossings"}.intersection(() if counts else wanted)):
         raise OptionError(f"layers: {uncounted[0]} cannot be written without counts")
     check_share(verify)

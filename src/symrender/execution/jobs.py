@@ -24,7 +24,6 @@ from symrender.scene.arrays import Array, scene_arrays
 from symrender.scene.dump import to_yaml
 from symrender.scene.load import parse
 from symrender.scene.moves import Move
-from symrender.scene.planes_due import refuse_planes
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
 
@@ -87,9 +86,7 @@ class Job:
 
     @classmethod
     def of(cls, kind: str, scene: Scene, settings: Settings, wrt: tuple[Move, ...] = ()) -> Job:
-        """The job that makes this image; Unsupported for what its kind does not know."""
-        if kind in ("truth", "gradient"):
-            refuse_planes(scene, "symbolic: chambers" if kind == "truth" else "gradient")
+        """The job that makes this image."""
         return cls(kind, to_yaml(scene), scene.hash, settings, wrt)
 
     def fields(self) -> dict[str, str]:

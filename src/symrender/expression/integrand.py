@@ -28,6 +28,7 @@ from symrender.expression.vectors import Vec3, dot, unit, vec3
 from symrender.expression.walls import Wall, walls
 from symrender.scene.light import DiskLight
 from symrender.scene.lobe import Lobe
+from symrender.scene.nearest import did_you_mean
 from symrender.scene.scene import Scene
 
 _GUARD_DIGITS = 10
@@ -299,7 +300,9 @@ def _lobe(scene: Scene, surface: str) -> Lobe:
     if scene.floor is not None:
         shapes["floor"] = scene.floor.lobe
     if surface not in shapes:
-        raise SceneError(f"surface: must be one of {', '.join(shapes) or 'none'}, got {surface!r}")
+        raise SceneError(
+            f"surface: must be one of {', '.join(shapes) or 'none'}, got {surface!r}{did_you_mean(surface, shapes)}"
+        )
     found = shapes[surface]
     if found is None:
         raise SceneError(f"surface: {surface} has no lobe")

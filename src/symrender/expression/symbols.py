@@ -48,7 +48,7 @@ class ParameterTable:
 
 
 def parameter_table(scene: Scene) -> ParameterTable:
-    """Symbols such as ``C1_x`` (centre of sphere 1), ``r1``, ``L0_z`` (position of light 0), ``a1_g`` (its albedo), ``O_p0_x`` (plane 0)."""
+    """Symbols such as ``C1_x`` (centre of sphere 1), ``L0_z`` (light 0), ``a1_g`` (albedo), ``O_p0_x`` (plane 0)."""
     places = {f"spheres.{sphere.name}": f"spheres.{k}" for k, sphere in enumerate(scene.spheres)}
     places |= {f"planes.{plane.name}": f"planes.{k}" for k, plane in enumerate(scene.planes)}
     places |= {f"lights.{light.name}": f"lights.{k}" for k, light in enumerate(scene.lights)}

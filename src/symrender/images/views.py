@@ -29,7 +29,7 @@ def false_color(image: Image, layer: str, *, low: float | None = None, high: flo
 
 
 def hit_class_view(image: Image) -> Picture:
-    """Which shape each pixel's central ray meets first: nothing dark, floor grey, spheres and planes in seven colours."""
+    """Which shape each pixel's central ray meets first: nothing dark, floor grey, other shapes in seven colours."""
     classes = image.layer("hit_class")
     whole = np.isfinite(classes) & (classes >= 0)
     index = np.where(whole, classes, 0).astype(np.int64)

@@ -96,9 +96,8 @@ def walled_off() -> Function:
     hidden = block.let("hidden", sp.Integer(0))
     with block.loop("m", PLANES.length) as m:
         above = block.let("above", height_over(light, m))
-        with block.when(sp.Eq(leaves, FIRST_PLANE + m)):
-            with block.when(above <= 0):
-                block.set(hidden, sp.Integer(1))
+        with block.when(sp.Eq(leaves, FIRST_PLANE + m)), block.when(above <= 0):
+            block.set(hidden, sp.Integer(1))
         with block.otherwise(), block.when(above * height_over(q, m) < 0):
             block.set(hidden, sp.Integer(1))
     block.leave(hidden)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from symrender.chambers.penumbra import segment_distance2
 from symrender.chambers.records import Curve, LightPoint
-from symrender.chambers.roots import quadratic_roots
+from symrender.chambers.roots import quadratic_roots, quartic_roots
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_curves import (
@@ -34,6 +34,8 @@ from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]
 
+NEAR: Final = 1e-6
+"""Crossings that far off the disk are events too."""
 CHORD_LOG: Final = 1.7
 """log rho that decides the number of chords of a piece."""
 
@@ -52,6 +54,46 @@ def place_events(curve: Curve, turns: Array, events: Array, count: int) -> int:
             if abs(b) < 1.0:
                 a = -(k12 * b + 0.5 * k1) / k11
                 if a * a + b * b < 1.0:
+                    count = insert(events, count, b)
+    return count
+
+
+@jitable
+def place_crossings(n: int, work: Work, events: Array, count: int) -> int:
+    """Insert b of the places in the disk where two curves cross each other; new count of ``events``.
+
+    On a chord either curve is a quadratic in a, and both vanish where their resultant, a quartic in b, does; of two
+    lines it is linear.
+    """
+    roots = work.quartic
+    for i in range(n):
+        p = work.curves[i]
+        for j in range(i + 1, n):
+            q = work.curves[j]
+            # A a^2 + B(b) a + C(b) of each; their resultant is (A C' - A' C)^2 - (A B' - A' B)(B C' - B' C)
+            f0, f1, f2 = p.k11 * q.k0 - q.k11 * p.k0, p.k11 * q.k2 - q.k11 * p.k2, p.k11 * q.k22 - q.k11 * p.k22
+            g0, g1 = p.k11 * q.k1 - q.k11 * p.k1, 2.0 * (p.k11 * q.k12 - q.k11 * p.k12)
+            h0, h1 = p.k1 * q.k0 - q.k1 * p.k0, p.k1 * q.k2 - q.k1 * p.k2 + 2.0 * (p.k12 * q.k0 - q.k12 * p.k0)
+            h2 = p.k1 * q.k22 - q.k1 * p.k22 + 2.0 * (p.k12 * q.k2 - q.k12 * p.k2)
+            h3 = 2.0 * (p.k12 * q.k22 - q.k12 * p.k22)
+            if p.k11 == 0.0 and q.k11 == 0.0:
+                r0, r1, r2, r3, r4 = h0, h1, h2, h3, 0.0
+            else:
+                r0, r1 = f0 * f0 - g0 * h0, 2.0 * f0 * f1 - g0 * h1 - g1 * h0
+                r2 = f1 * f1 + 2.0 * f0 * f2 - g0 * h2 - g1 * h1
+                r3, r4 = 2.0 * f1 * f2 - g0 * h3 - g1 * h2, f2 * f2 - g1 * h3
+            bernstein = work.bernstein
+            bernstein[0] = r0 - r1 + r2 - r3 + r4
+            bernstein[1] = r0 - 0.5 * r1 + 0.5 * r3 - r4
+            bernstein[2] = r0 - r2 / 3.0 + r4
+            bernstein[3] = r0 + 0.5 * r1 - 0.5 * r3 - r4
+            bernstein[4] = r0 + r1 + r2 + r3 + r4
+            found = min(4, quartic_roots(bernstein, work.stack, roots))
+            for k in range(found):
+                b = 2.0 * roots[k] - 1.0
+                below = g0 + g1 * b
+                a = 0.0 if below == 0.0 else -(f0 + b * (f1 + b * f2)) / below
+                if below == 0.0 or a * a + b * b < 1.0 + NEAR:
                     count = insert(events, count, b)
     return count
 
@@ -145,6 +187,7 @@ def chord_term(
     count = 2
     for k in range(n):
         count = place_events(work.curves[k], work.breaks, events, count)
+    count = place_crossings(n, work, events, count)
     chords, nodes = min(MAX_ORDER, order(step, CHORD_LOG)), min(MAX_ORDER, order(step, log_rho))
     base, inner = chords * (chords - 1) // 2, nodes * (nodes - 1) // 2
     for e in range(count - 1):

@@ -18,7 +18,8 @@ from symrender.chambers.penumbra import (
     CUTS,
     TOUCHES,
     WITHIN,
-    segment_distance2,
+    cone_form,
+    gap2,
 )
 from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.rooms import height
@@ -271,27 +272,23 @@ def disk_curves(
     yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     e1x, e1y, e1z = p.e1[0], p.e1[1], p.e1[2]
     e2x, e2y, e2z = p.e2[0], p.e2[1], p.e2[2]
-    y1, y2 = yx * e1x + yy * e1y + yz * e1z, yx * e2x + yy * e2y + yz * e2z
-    far2 = yx * yx + yy * yy + yz * yz
     for c in range(work.counts.casters):
         if work.casters[c].light != i or n + 2 > curves.shape[0]:
             continue
         ball = view.spheres[work.casters[c].ball]
         ox, oy, oz = ball.center[0] - qx, ball.center[1] - qy, ball.center[2] - qz
         reach = ball.radius + rho
-        if segment_distance2(qx, qy, qz, yx, yy, yz, ball.center[0], ball.center[1], ball.center[2]) >= reach * reach:
+        if (
+            gap2(
+                qx, qy, qz, p.position[0], p.position[1], p.position[2], ball.center[0], ball.center[1], ball.center[2]
+            )
+            >= reach * reach
+        ):
             continue
-        c2 = ox * ox + oy * oy + oz * oz
-        power, m = (c2 - ball.radius * ball.radius) / (c2 * far2), (yx * ox + yy * oy + yz * oz) / (c2 * far2)
-        scale = 1.0 / (c2 * far2)
-        c1, d1 = ox * e1x + oy * e1y + oz * e1z, ox * e2x + oy * e2y + oz * e2z
         row = curves[n]
-        row.k0 = power * far2 - m * m / scale
-        row.k1 = 2.0 * rho * (power * y1 - m * c1)
-        row.k2 = 2.0 * rho * (power * y2 - m * d1)
-        row.k11 = rho * rho * (power - scale * c1 * c1)
-        row.k12 = -rho * rho * scale * c1 * d1
-        row.k22 = rho * rho * (power - scale * d1 * d1)
+        row.k0, row.k1, row.k2, row.k11, row.k12, row.k22, _, _, _ = cone_form(
+            qx, qy, qz, p, ball.center[0], ball.center[1], ball.center[2], ball.radius
+        )
         row.ball = work.casters[c].ball
         if (ball.center[0] - p.position[0]) ** 2 + (ball.center[1] - p.position[1]) ** 2 + (
             ball.center[2] - p.position[2]
@@ -299,7 +296,7 @@ def disk_curves(
             row.bounds = BALL
             n = add_circle_curve(curves, n + 1, p, ball, EDGE)
             continue
-        if c2 < ball.radius * ball.radius:
+        if ox * ox + oy * oy + oz * oz < ball.radius * ball.radius:
             # from within a ball nothing outside is seen
             return -1, False
         how = add_cone(row, p, yx, yy, yz, ox, oy, oz, ball.radius)
@@ -330,6 +327,7 @@ def disk_curves(
         facing = 1.0 if here >= 0.0 else -1.0
         row = curves[n]
         row.k0, row.k1, row.k2, row.bounds = facing * above, facing * rho * u1, facing * rho * u2, LINE
+        row.ball = k
         row.k11 = row.k12 = row.k22 = 0.0
         row.meets = trig_roots(row.k0, row.k1, row.k2, 0.0, 0.0, 0.0, row.on_circle, 0)
         n += 1

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_chords import chord_breaks, place_events, shown, turn_curves
+from symrender.quadrature.disk_chords import chord_breaks, place_crossings, place_events, shown, turn_curves
 from symrender.quadrature.disk_curves import EDGE
 from symrender.quadrature.light_term import light_term
 from symrender.scene.arrays import OPEN, PHONG
@@ -236,6 +236,7 @@ def refined_term(
     count = 2
     for k in range(n):
         count = place_events(work.curves[k], work.breaks, events, count)
+    count = place_crossings(n, work, events, count)
     cosine, gleam, error, chords = 0.0, 0.0, 0.0, 0
     for e in range(count - 1):
         b0, b1 = work.turns[e], work.turns[e + 1]

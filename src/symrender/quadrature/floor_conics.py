@@ -12,6 +12,7 @@ from symrender.chambers.records import Chart, Wall
 from symrender.chambers.rooms import height
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import (
+    CONTACT,
     PENUMBRA,
 )
 from symrender.chambers.work import View, Work
@@ -55,6 +56,13 @@ def add_line(conics: Table[Conic], n: int, ax: float, ay: float, az: float, h: f
 
 
 @inlined
+def is_edge(k: int, view: View, chart: Chart) -> bool:
+    """Whether plane ``k`` meets the charted one in an edge of its own; that of P's plane is the horizon."""
+    up = view.sides[k].up
+    return bool(k != chart.plane and k != chart.home and (up[0] != 0.0 or up[1] != 0.0))
+
+
+@inlined
 def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Conic]) -> int:
     """All conics of the floor chart about the point's foot; their number."""
     chart = work.chart
@@ -67,8 +75,8 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         n = add_line(conics, 0, lobe[0], lobe[1], lobe[2], h)
     n = add_line(conics, n, chart.normal[0], chart.normal[1], chart.normal[2], h)
     for k in range(view.sides.shape[0]):
-        up = view.sides[k].up
-        if k != chart.plane and (up[0] != 0.0 or up[1] != 0.0):
+        if is_edge(k, view, chart):
+            up = view.sides[k].up
             above = height(view.sides[k], px, py, pz)
             n = add_line(conics, n, -pz * up[0], -pz * up[1], above - pz * up[2], h)
     for i in range(work.counts.occluders):
@@ -104,6 +112,14 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         rho = view.points[light].radius
         reach = view.spheres[k].radius + rho
         t = rho / reach
+        if rho == 0.0 and abs(far2 - reach * reach) < CONTACT * far2:
+            # a light on the ball itself: the plane that touches there
+            if n < conics.shape[0]:
+                row = conics[n]
+                row.xx, row.xy, row.yy, row.x, row.y, row.soft = 0.0, 0.0, 0.0, 0.5 * ex / far, 0.5 * ey / far, 0
+                row.free = -(ex * lx + ey * ly + ez * lz) / far
+            n += 1
+            continue
         n = add_cone(
             conics, n, ex / far, ey / far, ez / far, reach * reach / far2, lx + t * ex, ly + t * ey, lz + t * ez
         )

@@ -58,9 +58,9 @@ def wall_off_nodes(m: int, view: View, work: Work) -> None:
     b = work.nodes
     for k in range(view.sides.shape[0]):
         side, room = view.sides[k], work.room[k]
-        x, y, z, level = room * side.up[0], room * side.up[1], room * side.up[2], room * side.level
+        ux, uy, uz, level = room * side.up[0], room * side.up[1], room * side.up[2], room * side.level
         for i in range(m):
-            above = x * b.place[0, i] + y * b.place[1, i] + z * b.place[2, i] - level
+            above = ux * b.place[0, i] + uy * b.place[1, i] + uz * b.place[2, i] - level
             b.weight[i] *= 1.0 if above >= 0.0 else 0.0
 
 
@@ -116,8 +116,8 @@ def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
     m = min(m, BATCH)
     chart, b = work.chart, work.nodes
     x, y, z = view.points[l].position[0], view.points[l].position[1], view.points[l].position[2]
-    for k in range(view.sides.shape[0]):
-        if work.room[k] * height(view.sides[k], x, y, z) < 0.0:
+    for side in range(view.sides.shape[0]):
+        if work.room[side] * height(view.sides[side], x, y, z) < 0.0:
             return False
     sphere = view.spheres[j]
     lx, ly, lz = x - sphere.center[0], y - sphere.center[1], z - sphere.center[2]

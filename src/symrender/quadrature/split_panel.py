@@ -43,6 +43,8 @@ MUCH = 40.0
 """How many times its share a panel with events inside may hold and still be tried in one piece."""
 MAX_KINKED = 5
 """Most lines of a panel with events inside, before it is cut there."""
+SPARE = 8
+"""Panels kept for the spans at hand when no others are cut: each adds one at most, and none is lost."""
 SAFETY = 4.0
 """Error reported over the sum of the panels' estimates."""
 
@@ -244,8 +246,18 @@ def split_span(
         if ls == rs:
             continue
         span = right - left
-        if span < max(1e-8 * width, 1e-12) or top + 3 >= spans.shape[0] or is_spent(work):
+        narrow = span < max(1e-8 * width, 1e-12)
+        if narrow or top + 3 >= spans.shape[0] or n + top + SPARE >= panels.shape[0] or is_spent(work):
             middle = 0.5 * (left + right)
+            if not narrow and (ls == 0 or rs == 0):
+                # what was not looked at may be seen, whatever its ends see
+                if start_signature == 0:
+                    start, start_kind = left, SMOOTH
+                if rs == 0:
+                    n = add_panel(panels, n, start, right, start_kind, SMOOTH, work)
+                    start = right
+                start_signature = rs
+                continue
             if start_signature != 0:
                 n = add_panel(panels, n, start, middle, start_kind, ROOT, work)
             start, start_kind, start_signature = middle, ROOT, rs
@@ -509,7 +521,7 @@ def split_chart(
     n = 0
     start = 0
     for e in range(1, m):
-        if events[e].kind >= SMOOTH:
+        if e + 1 == m or (events[e].kind >= SMOOTH and n + SPARE < panels.shape[0]):
             n = add_panel(panels, n, events[start].azimuth, events[e].azimuth, events[start].kind, events[e].kind, work)
             start = e
     n = min(n, panels.shape[0])
@@ -545,12 +557,16 @@ def split_chart(
             elif step > 0 and p.foreign == p.foreign:
                 # an event without a closed form: search on both sides of the line that told
                 a, b, ka, kb, middle = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.foreign
-                if width > 1e-8 and n + 8 < panels.shape[0]:
+                if width > 1e-8 and n + SPARE < panels.shape[0]:
                     p.ends[0] = p.ends[1] = a
                     p.value[0] = p.value[1] = p.value[2] = p.error = 0.0
                     n = split_span(a, middle, ka, SMOOTH, 1, view, work, panels, n, spans, ids, scratch)
                     n = split_span(middle, b, SMOOTH, kb, 1, view, work, panels, n, spans, ids, scratch)
                     n = min(n, panels.shape[0])
+                    continue
+                if width > 1e-8:
+                    # no room for its parts, and one line tells little of so wide a panel
+                    p.error, p.settled = p.bound, 1
                     continue
                 rough_panel(p, view, work, gauss, scratch)
                 bad += 1
@@ -568,7 +584,7 @@ def split_chart(
                     need += 1
             if need >= len(LEVELS) or p.glare > MAX_ORDER or (step >= 0 and panel_order(need, p.log_rho) >= MAX_ORDER):
                 if n >= panels.shape[0] or width < 1e-9:
-                    if step < 0:
+                    if step < 0 and width < 1e-9:
                         rough_panel(p, view, work, gauss, scratch)
                     p.settled = 1
                     continue

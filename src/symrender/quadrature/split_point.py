@@ -13,7 +13,7 @@ import numpy.typing as npt
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share, facing_mass
 from symrender.chambers.records import Chart, Event, LightPoint
-from symrender.chambers.rooms import frame_view
+from symrender.chambers.rooms import frame_view, in_a_plane
 from symrender.chambers.work import (
     MAX_ROOTS,
     Frames,
@@ -200,7 +200,7 @@ def gloss_kernel(
         for j in range(view.spheres.shape[0]):
             if j == own:
                 continue
-            if not walled:
+            if not walled and not in_a_plane(view, work):
                 mass = aim_lattice(j, lobe, view, work)
                 if mass >= 0.0:
                     spare = max(0.5 * (tol - total), 0.05 * tol)
@@ -235,11 +235,9 @@ def gloss_kernel(
             total += e
             bad += b
         for k in range(view.sides.shape[0]):
-            if k == home:
+            if k == home or work.room[k] == 0.0:
                 continue
             stand_in_frame(k, points[i], normals[i], lobe, frames, work, axis)
-            if chart.point[2] == 0.0:
-                continue
             if brdf:
                 for a in range(3):
                     chart.facing[a] = chart.normal[a]

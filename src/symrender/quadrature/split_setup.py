@@ -32,7 +32,11 @@ UNSUPPORTED: Final = 3
 def place_point(
     point: Array, normal: Array, incoming: Array, home: int, lobe: Array, view: View, work: Work
 ) -> None:  # fmt: skip
-    """Write the point, its normal and its plane ``home`` into the chart, its room and the axis of its lobe."""
+    """Write the point, its normal and its plane ``home`` into the chart, its room and the axis of its lobe.
+
+    A point that lies in a plane it is no point of is on neither side of it: no ray from there meets the plane, and it
+    sees what is behind.
+    """
     chart = work.chart
     d = incoming[0] * normal[0] + incoming[1] * normal[1] + incoming[2] * normal[2]
     size = 0.0

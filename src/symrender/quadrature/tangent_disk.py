@@ -20,7 +20,8 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
 from symrender.chambers.records import LightPoint
-from symrender.chambers.tangent_walls import LIGHTS
+from symrender.chambers.rooms import height
+from symrender.chambers.tangent_walls import LIGHTS, plane_columns
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_arcs import ARC, ARC_LOG, arc_point, arc_side, corners, radial_log
@@ -52,16 +53,16 @@ TURN: Final = 4
 NUMBERS: Final = 5
 """in the disk's radius and in the shininess; in the last column its value."""
 BALLS: Final = 6
-"""From here on two rows a sphere: in its centre, and in its radius."""
+"""From here on two rows a sphere, in its centre and in its radius, then two a plane, in its normal and its level."""
 
 EDGE_ON_MOVING: Final = 1e-9
 """A disk as edge-on as that has no derivative here: the arcs of its cones are lost to rounding (``EDGE_ON``)."""
 
 
 @jitable
-def disk_rows(spheres: int) -> int:
+def disk_rows(spheres: int, planes: int) -> int:
     """Rows of scratch that ``disk_gradient`` fills: one light's, two functionals', and a flag."""
-    return BAR_ROWS + 2 * (BALLS + 2 * spheres) + 1
+    return BAR_ROWS + 2 * (BALLS + 2 * (spheres + planes)) + 1
 
 
 @jitable
@@ -131,7 +132,7 @@ def moving_arc(
         p.position[2] + rho * (a * p.e1[2] + b * p.e2[2]) - qz,
     )
     cx, cy, cz, radius, ball = 0.0, 0.0, 0.0, 0.0, 0
-    y2, inner, power = 0.0, 0.0, 0.0
+    y2, inner, power, facing = 0.0, 0.0, 0.0, 1.0
     if bounds == CONE:
         ball = row.ball
         s = view.spheres[ball]
@@ -142,8 +143,13 @@ def moving_arc(
     elif bounds == TERMINATOR:
         gx, gy, gz = nx, ny, nz
     else:
-        up = row.k0 * p.position[2] + row.k1 * p.e1[2] + row.k2 * p.e2[2]
-        gx, gy, gz = 0.0, 0.0, 1.0 if up >= 0.0 else -1.0
+        side = view.sides[row.ball]
+        up = side.up
+        above = row.k0 * height(side, p.position[0], p.position[1], p.position[2])
+        above += row.k1 * (up[0] * p.e1[0] + up[1] * p.e1[1] + up[2] * p.e1[2])
+        above += row.k2 * (up[0] * p.e2[0] + up[1] * p.e2[1] + up[2] * p.e2[2])
+        facing = 1.0 if above >= 0.0 else -1.0
+        gx, gy, gz = facing * up[0], facing * up[1], facing * up[2]
     ga = rho * (gx * p.e1[0] + gy * p.e1[1] + gz * p.e1[2])
     gb = rho * (gx * p.e2[0] + gy * p.e2[1] + gz * p.e2[2])
     slope = math.sqrt(ga * ga + gb * gb)
@@ -158,6 +164,11 @@ def moving_arc(
         out = table[functional(which, table) :]
         move_disk(w, gx, gy, gz, a, b, p, out)
         if bounds == LINE:
+            first_row = BALLS + 2 * (view.spheres.shape[0] + row.ball)
+            out[first_row, 0] += w * facing * (yx + qx)
+            out[first_row, 1] += w * facing * (yy + qy)
+            out[first_row, 2] += w * facing * (yz + qz)
+            out[first_row + 1, 0] -= w * facing
             continue
         out[AT_Q, 0] -= w * gx
         out[AT_Q, 1] -= w * gy
@@ -300,7 +311,8 @@ def disk_adjoint(
     ``node`` (3, 3) takes those in Q, N and the view, the adjoint ``out`` those in the disk and in what hides it.
     """
     balls = LIGHTS + 6 * view.points.shape[0]
-    column, more = LIGHTS + 6 * i, balls + 4 * view.spheres.shape[0] + 4 * i
+    planes = plane_columns(view)
+    column, more = LIGHTS + 6 * i, planes + 4 * view.sides.shape[0] + 4 * i
     for which in range(2):
         weight = highlight if which == 1 else diffuse
         if weight == 0.0:
@@ -319,3 +331,8 @@ def disk_adjoint(
                 for c in range(3):
                     out[balls + 4 * ball + c] += weight * rows[BALLS + 2 * ball, c]
                 out[balls + 4 * ball + 3] += weight * rows[BALLS + 2 * ball + 1, 0]
+        for k in range(view.sides.shape[0]):
+            row = BALLS + 2 * (view.spheres.shape[0] + k)
+            for c in range(3):
+                out[planes + 4 * k + c] += weight * rows[row, c]
+            out[planes + 4 * k + 3] += weight * rows[row + 1, 0]

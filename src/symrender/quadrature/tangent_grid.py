@@ -28,11 +28,12 @@ from symrender.chambers.tangent_walls import (
     RIM,
     SHADING,
     any_moves,
+    plane_columns,
 )
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.floor_conics import conic_roots, floor_conics, may_cross, square_cuts
+from symrender.quadrature.floor_conics import conic_roots, floor_conics, is_edge, may_cross, square_cuts
 from symrender.quadrature.gauss import MAX_ORDER, order, step_of
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_grid import (
@@ -68,6 +69,7 @@ _HORIZON = 1
 _SILHOUETTE = 2
 _BALL = 3
 _SHADOW = 4
+_EDGE = 5
 
 # rows of the scratch table (GRID_ROWS, 256): roots and their conics, states below and above a root, signatures
 _ROOTS = 0
@@ -84,11 +86,15 @@ GRID_ROWS = 200
 
 @jitable
 def name_conics(view: View, work: Work, what: Ints) -> None:
-    """What each row of ``floor_conics`` is: (kind, sphere, light, 0)."""
+    """What each row of ``floor_conics`` is: (kind, sphere or plane, light, 0)."""
     for k in range(what.shape[0]):
         what[k, 3] = 0
     what[0, 0], what[1, 0] = _RIM, _HORIZON
     n = 2
+    for k in range(view.sides.shape[0]):
+        if is_edge(k, view, work.chart):
+            what[n, 0], what[n, 1] = _EDGE, k
+            n += 1
     for i in range(work.counts.occluders):
         k = work.occluders[i]
         what[n, 0], what[n, 1] = _SILHOUETTE, k
@@ -114,6 +120,9 @@ def moving_conics(count: int, nodes: bool, moves: Array, view: View, what: Ints)
             moved = any_moves(moves, RIM, RIM + 1)
         elif kind == _HORIZON:
             moved = any_moves(moves, HORIZON_NORMAL, HORIZON_NORMAL + 3)
+        elif kind == _EDGE:
+            plane = plane_columns(view) + 4 * what[k, 1]
+            moved = any_moves(moves, plane, plane + 4)
         else:
             moved = any_moves(moves, ball, ball + 4)
         what[k, 3] = 1 if moved else 0
@@ -157,6 +166,13 @@ def conic_gradient(
             own[balls + 4 * shape + a] += step
             own[AT_POINT + a] -= step
         own[balls + 4 * shape + 3] += radius / tangent
+    elif kind == _EDGE:
+        seen_from = False
+        column = plane_columns(view) + 4 * shape
+        for a in range(3):
+            bar[a] = view.sides[shape].up[a]
+            own[column + a] += d[a] + chart.point[a] if a < 2 else 0.0
+        own[column + 3] -= 1.0
     elif kind == _BALL:
         seen_from = False
         for a in range(3):

@@ -28,6 +28,7 @@ from symrender.chambers.tangent_walls import (
     BACKGROUND,
     BRIGHT,
     CHART,
+    CUT_BY,
     EXPONENT,
     EYE,
     FACING,
@@ -367,7 +368,7 @@ def walls_adjoint(
             wall_adjoint(-1, 0, scale, above, lobe, view, work, here, own, adjoint, 0, 3)
             continue
         hidden = side_above == HIDDEN or side_below == HIDDEN
-        tag = condition_of(wall // 4, here, hidden, work)
+        tag = condition_of(wall // 4, here, hidden, view, work)
         if tag < 0:
             # several conditions meet here and none is known to be the one that moves
             for column in range(adjoint.shape[1]):
@@ -376,7 +377,7 @@ def walls_adjoint(
         wall_adjoint(wall // 4, tag, scale, above, lobe, view, work, here, own, adjoint, 0, 3)
         j = chart.shape_index
         merged = work.walls[wall // 4].tag > FLOOR_CUT
-        if j >= 0 and merged and tag in (HORIZON, FLOOR_CUT) and on_a_parallel(here, view.spheres[j]):
+        if j >= 0 and merged and (tag == HORIZON or tag >= CUT_BY) and on_a_parallel(here, view.spheres[j]):
             # a field of another colour lies just beyond: from the other side the derivative is another one
             wall_adjoint(wall // 4, tag, scale, above, lobe, view, work, here, own, adjoint, 3, 4)
             # the row's axis is that of the parallel too

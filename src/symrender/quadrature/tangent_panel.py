@@ -453,7 +453,7 @@ def _sideways(
             density = log_density(here, lobe, chart)[2]
             set_view(here, view, chart)
             radiance(work.cell_side[cell], work.lit[cell], SIDEWAYS, here, view, work, gauss, disk, here[RADIANCE])
-            tag = condition_of(i, here, True, work)
+            tag = condition_of(i, here, True, view, work)
             if tag < 0:
                 for column in range(adjoint.shape[1]):
                     adjoint[ONE_SIDED, column] = 1.0

@@ -18,6 +18,8 @@ import numpy.typing as npt
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.records import Chart, Event, LightMove
+from symrender.chambers.rooms import frame_view
+from symrender.chambers.tangent_rooms import moves_in_frame, side_moves
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
 from symrender.chambers.tangent_walls import (
     AMBIENT,
@@ -42,7 +44,7 @@ from symrender.chambers.tangent_walls import (
     adjoint_columns,
     what_moves,
 )
-from symrender.chambers.work import MAX_WALLS, View, Work, begin_counts, scene_view
+from symrender.chambers.work import MAX_WALLS, Frames, View, Work, begin_counts, scene_frames, scene_view
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.light_points import light_rows
@@ -60,6 +62,7 @@ from symrender.quadrature.split_setup import (
     inside_another,
     place_point,
     sphere_strips,
+    stand_in_frame,
 )
 from symrender.quadrature.tangent_disk import disk_rows
 from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
@@ -74,10 +77,11 @@ from symrender.quadrature.tangent_panel import (
     radial_walls,
     replay_chart,
 )
-from symrender.records import Grid, Table
+from symrender.records import Grid, Table, joined, one, stacked, table
 from symrender.scene.arrays import CHECKER, FIRST_SPHERE, FLOOR, MARBLE, SceneArrays, lobes_of
+from symrender.scene.frames import floor_of, frame_moves
 from symrender.scene.moves import SceneMoves
-from symrender.scene.records import Floor, Shading, Sphere
+from symrender.scene.records import Floor, Frame, Shading, Sphere
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -100,27 +104,30 @@ SAFETY: Final = 3.0
 class Tangents(NamedTuple):
     """Derivatives of a scene and of N points in Q parameters: records of the same kinds, of each parameter.
 
-    ``place``, ``normal``, ``incoming`` (Q, N, 3); ``points`` as of ``light_point_tangents``; ``eye`` (Q, 3).
+    ``place``, ``normal``, ``incoming`` (Q, N, 3); ``points`` as of ``light_point_tangents``; ``eye`` (Q, 3); of
+    every plane, the floor first, what it is made of and its frame.
     """
 
     place: Array
     normal: Array
     incoming: Array
     spheres: Grid[Sphere]
-    floor: Table[Floor]
+    floors: Grid[Floor]
+    turns: Grid[Frame]
     points: Grid[LightMove]
     shading: Table[Shading]
     eye: Array
 
 
 class TangentWork(NamedTuple):
-    """Scratch of one thread: a place, one wall's and one panel's adjoints, how a chart's columns move, which walls do,
-    two orders, what was left out."""
+    """Scratch of one thread: a place, one wall's and one panel's adjoints, how a chart's columns move, the same in a
+    plane's coordinates, which walls do, two orders, what was left out."""
 
     here: Array
     own: Array
     sums: Array
     moves: Array
+    framed: Array
     moving: Array
     low: Array
     high: Array
@@ -148,40 +155,25 @@ class GradientResult:
 
 
 @jitable
-def common_moves(
-    i: int, lobe: Array, n: float, theta_max: float, surface: int, normal: Array, incoming: Array,
-    tangents: Tangents, moves: Array,
-) -> None:  # fmt: skip
-    """Fill the columns of ``moves`` that do not depend on the chart, for point ``i``; the rim is the lobe's own."""
-    by_n, by_theta = normaliser_slopes(n, theta_max)
+def point_moves(i: int, tangents: Tangents, frames: Frames, moves: Array) -> None:
+    """Fill the columns of ``moves`` that belong to point ``i`` and to the scene's lights and shapes, the rest 0."""
     for p in range(moves.shape[0]):
-        row, shading, floor = moves[p], tangents.shading[p], tangents.floor[p]
+        row, shading = moves[p], tangents.shading[p]
         for k in range(row.shape[0]):
             row[k] = 0.0
-        lean, turn = 0.0, 0.0
-        for a in range(3):
-            lean += incoming[a] * normal[a]
-            turn += tangents.incoming[p, i, a] * normal[a] + incoming[a] * tangents.normal[p, i, a]
         for a in range(3):
             row[AT_POINT + a] = tangents.place[p, i, a]
             row[HORIZON_NORMAL + a] = tangents.normal[p, i, a]
-            row[AXIS + a] = tangents.incoming[p, i, a] - 2.0 * turn * normal[a] - 2.0 * lean * tangents.normal[p, i, a]
             row[AMBIENT + a] = shading.ambient[a]
             row[BACKGROUND + a] = shading.background[a]
             row[EYE + a] = tangents.eye[p, a]
-        row[GRID], row[GRID + 1], row[GRID + 2] = floor.cell, floor.offset[0], floor.offset[1]
-        dn, dt = floor.exponent, floor.theta_max
-        if surface != FLOOR:
-            own = tangents.spheres[p, surface - FIRST_SPHERE]
-            dn, dt = own.exponent, own.theta_max
-        row[EXPONENT] = dn
-        row[LOG_NORMALISER] = by_n * dn + by_theta * dt
-        row[RIM] = -math.sin(theta_max) * dt
         row[SHADING], row[SHADING + 1] = shading.ka, shading.kd
         row[SHADING + 2], row[SHADING + 3] = shading.ks, shading.shininess
         lights, spheres = tangents.points.shape[1], tangents.spheres.shape[1]
         balls = LIGHTS + 6 * lights
-        disks = balls + 4 * spheres
+        planes = balls + 4 * spheres
+        disks = planes + 4 * frames.axes.shape[0]
+        side_moves(p, tangents.turns, frames, row[planes:])
         for l in range(lights):
             light = tangents.points[p, l]
             for a in range(3):
@@ -198,18 +190,47 @@ def common_moves(
 
 
 @jitable
+def lobe_moves(
+    i: int, n: float, theta_max: float, own: int, home: int, normal: Array, incoming: Array, tangents: Tangents,
+    moves: Array,
+) -> None:  # fmt: skip
+    """Fill the columns of ``moves`` that belong to the lobe of point ``i``; the rim is the lobe's own.
+
+    The point is of plane ``home`` or, where that is negative, of sphere ``own``.
+    """
+    by_n, by_theta = normaliser_slopes(n, theta_max)
+    for p in range(moves.shape[0]):
+        row = moves[p]
+        lean, turn = 0.0, 0.0
+        for a in range(3):
+            lean += incoming[a] * normal[a]
+            turn += tangents.incoming[p, i, a] * normal[a] + incoming[a] * tangents.normal[p, i, a]
+        for a in range(3):
+            row[AXIS + a] = tangents.incoming[p, i, a] - 2.0 * turn * normal[a] - 2.0 * lean * tangents.normal[p, i, a]
+        if home >= 0:
+            dn, dt = tangents.floors[p, home].exponent, tangents.floors[p, home].theta_max
+        else:
+            dn, dt = tangents.spheres[p, own].exponent, tangents.spheres[p, own].theta_max
+        row[EXPONENT] = dn
+        row[LOG_NORMALISER] = by_n * dn + by_theta * dt
+        row[RIM] = -math.sin(theta_max) * dt
+
+
+@jitable
 def chart_moves(j: int, chart: Chart, tangents: Tangents, moves: Array) -> None:
-    """Fill the columns of ``moves`` that belong to the chart of sphere ``j``, -1 for the floor.
+    """Fill the columns of ``moves`` that belong to the chart of sphere ``j``, -1 for that of a plane.
 
     The frame of a sphere's chart turns with its pole and no more: omega = c x dc.
     """
     for p in range(moves.shape[0]):
         row = moves[p]
         if j < 0:
+            floor = tangents.floors[p, chart.plane]
             for a in range(3):
                 row[TURN + a] = 0.0
-                row[BRIGHT + a] = tangents.floor[p].bright[a]
-                row[DARK + a] = tangents.floor[p].dark[a]
+                row[BRIGHT + a] = floor.bright[a]
+                row[DARK + a] = floor.dark[a]
+            row[GRID], row[GRID + 1], row[GRID + 2] = floor.cell, floor.offset[0], floor.offset[1]
             row[CHART] = chart.side * row[AT_POINT + 2]
             row[CHART_RADIUS] = row[FREQUENCY] = row[FREQUENCY + 1] = 0.0
             continue
@@ -308,20 +329,67 @@ def room_left(tol: float, beyond: Array, error: Array) -> float:
     return max(0.6 * ((tol - tail) / AIM - most), 0.05 * tol)
 
 
+@jitable
+def shape_slopes(
+    own: int, lobe: Array, view: View, work: Work, t: TangentWork, moves: Array, gauss: Array, disk: Array | None,
+    panels: Table[Panel], spans: Table[Span], ids: Ints, events: Table[Event], scratch: Array, conics: Table[Conic],
+    what: Ints, grid: Array, tol: float, spent: float, max_evaluations: int, exact: bool,
+) -> float:  # fmt: skip
+    """Add what the charted shape adds to derivatives and their errors; the error of its value.
+
+    ``lobe``, ``view`` and ``moves`` are in the chart's coordinates, ``spent`` is the error of the values before.
+    Spheres and planes ask, each with all the scratch there is.
+    """
+    chart, found = work.chart, 0.0
+    nodes, some = what_moves(moves, disk is not None, view, work, t.moving)
+    if not nodes and not some:
+        return found
+    clear_panels(panels)
+    chart.pace, chart.least = fastest_of(moves) * outline(chart), math.inf
+    found, _ = split_chart(
+        max(0.5 * (tol - spent), 0.05 * tol), view, work, gauss, panels, spans, ids, events, scratch, max_evaluations,
+        t.sums[0, 0],
+    )  # fmt: skip
+    # a chart dropped by its bound, for a brightness of ``UNBOUNDED``, has neither value nor slope in doubles
+    found = found if panels_in_use(panels) > 0 else 0.0
+    if chart.least < math.inf:
+        leave_out(chart.least * view.points.shape[0] * outline(chart), moves, t.beyond)
+    replay_chart(
+        room_left(tol, t.beyond, t.error), lobe, view, work, gauss, disk, panels, spans, ids, events, scratch,
+        t.here, t.own, nodes, t.moving, t.sums, moves, exact, max_evaluations, t.value, t.error, t.low,
+        t.high, t.misses,
+    )  # fmt: skip
+    if chart.plane >= 0 and view.floor.kind == CHECKER and chart.side > 0.0:
+        # however much was spent before, some is left for the checker
+        most = max(max_evaluations, work.counts.evaluations + max_evaluations // 4)
+        off = replay_grid(
+            room_left(tol, t.beyond, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
+            t.own, nodes, t.sums[0], moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
+        )  # fmt: skip
+        for p in range(moves.shape[0]):
+            for a in range(3):
+                t.error[p, a] += off
+    if radial_walls(lobe, view, work, gauss, disk, scratch, t.here, t.own, t.sums[0]):
+        contract(t.sums[0], moves, t.value, 1.0)
+    return found
+
+
 def gradient_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents, work:
     Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Table[Panel], spans: Table[Span], ids:
-    Ints, events: Table[Event], scratch: Array, conics: Table[Conic], what: Ints, grid: Array, tol: float, bound: float,
-    max_evaluations: int, exact: bool, gradient: Array, error: Array, evaluations: Ints, status: Ints,
+    Ints, events: Table[Event], scratch: Array, conics: Table[Conic], what: Ints, grid: Array, frames: Frames, tol:
+    float, bound: float, max_evaluations: int, exact: bool, gradient: Array, error: Array, evaluations: Ints, status:
+    Ints,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``GradientResult`` for every point; see ``gloss_gradients``."""
-    lobe = scratch[24:27]
+    lobe, axis = scratch[24:27], scratch[50:53]
     chart = work.chart
     t = tangent_work
     count = t.moves.shape[0]
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
-        place_point(points[i], normals[i], incoming[i], lobe, chart)
+        home = frames.homes[surface[i]]
+        place_point(points[i], normals[i], incoming[i], home, lobe, view, work)
         own = surface[i] - FIRST_SPHERE
         n, theta_max = lobes[surface[i], 0], lobes[surface[i], 1]
         # a lobe narrower than its rim's rounding has values, but no slopes
@@ -329,7 +397,8 @@ def gradient_kernel(
             for p in range(count):
                 error[p, i], status[p, i] = math.inf, UNSUPPORTED
             continue
-        common_moves(i, lobe, n, theta_max, surface[i], normals[i], incoming[i], tangents, t.moves)
+        point_moves(i, tangents, frames, t.moves)
+        lobe_moves(i, n, theta_max, own, home, normals[i], incoming[i], tangents, t.moves)
         gradient_rim(n, theta_max, tol, bound, view.shading.shininess, chart, t.moves, t.beyond)
         for p in range(count):
             for c in range(4):
@@ -352,8 +421,8 @@ def gradient_kernel(
                 tilt += row[AXIS + a] * normals[i, a] + lobe[a] * row[HORIZON_NORMAL + a]
             tilt = -tilt / max(math.sin(alpha), 1e-300) if by_alpha != 0.0 else 0.0
             wider = 0.0
-            if surface[i] == FLOOR:
-                wider = tangents.floor[p].theta_max
+            if home >= 0:
+                wider = tangents.floors[p, home].theta_max
             else:
                 wider = tangents.spheres[p, own].theta_max
             change = by_n * row[EXPONENT] + by_theta * wider + by_alpha * tilt
@@ -361,58 +430,38 @@ def gradient_kernel(
                 t.value[p, a] += row[BACKGROUND + a] * share + view.shading.background[a] * change
 
         spent = 0.0
-        for j in range(view.spheres.shape[0] + 1):
-            if j == view.spheres.shape[0]:
-                if view.floor.present == 0.0 or surface[i] == FLOOR or points[i, 2] == 0.0:
-                    continue
-                floor_chart(own, lobe, view, work)
-                floor_strips(n, view, work)
-                chart_moves(-1, chart, tangents, t.moves)
-            elif j == own:
+        for j in range(view.spheres.shape[0]):
+            if j == own:
                 continue
-            else:
-                sphere_chart(j, own, lobe, view, work)
-                k = chart.ratio
-                # all of the shape, at the lobe's largest density on it, and how fast that can change
-                gap = max(0.0, chart.lobe_beta - chart.beta_max)
-                most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, chart) * 2.0 * math.pi * k * k * bound
-                slope = n * math.tan(gap) + outline(chart)
-                chart_moves(j, chart, tangents, t.moves)
-                if gap < 1.5 and most * slope * fastest_of(t.moves) < 1e-4 * tol:
-                    spent += most
-                    leave_out(most * slope, t.moves, t.beyond)
-                    continue
-                sphere_strips(j, n, view, work)
-            nodes, some = what_moves(t.moves, disk is not None, view, work, t.moving)
-            if not nodes and not some:
+            sphere_chart(j, own, lobe, view, work)
+            k = chart.ratio
+            # all of the shape, at the lobe's largest density on it, and how fast that can change
+            gap = max(0.0, chart.lobe_beta - chart.beta_max)
+            most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, chart) * 2.0 * math.pi * k * k * bound
+            slope = n * math.tan(gap) + outline(chart)
+            chart_moves(j, chart, tangents, t.moves)
+            if gap < 1.5 and most * slope * fastest_of(t.moves) < 1e-4 * tol:
+                spent += most
+                leave_out(most * slope, t.moves, t.beyond)
                 continue
-            clear_panels(panels)
-            chart.pace, chart.least = fastest_of(t.moves) * outline(chart), math.inf
-            found, _ = split_chart(
-                max(0.5 * (tol - spent), 0.05 * tol), view, work, gauss, panels, spans, ids, events,
-                scratch, max_evaluations, t.sums[0, 0],
+            sphere_strips(j, n, view, work)
+            spent += shape_slopes(
+                own, lobe, view, work, t, t.moves, gauss, disk, panels, spans, ids, events, scratch, conics, what, grid,
+                tol, spent, max_evaluations, exact,
             )  # fmt: skip
-            # a chart dropped by its bound, for a brightness of ``UNBOUNDED``, has neither value nor slope in doubles
-            spent += found if panels_in_use(panels) > 0 else 0.0
-            if chart.least < math.inf:
-                leave_out(chart.least * view.points.shape[0] * outline(chart), t.moves, t.beyond)
-            replay_chart(
-                room_left(tol, t.beyond, t.error), lobe, view, work, gauss, disk, panels, spans, ids, events, scratch,
-                t.here, t.own, nodes, t.moving, t.sums, t.moves, exact, max_evaluations, t.value, t.error, t.low,
-                t.high, t.misses,
+        for k in range(view.sides.shape[0]):
+            if k == home or work.room[k] == 0.0:
+                continue
+            stand_in_frame(k, points[i], normals[i], lobe, frames, work, axis)
+            framed = frame_view(k, view, frames)
+            floor_chart(k, own, axis, framed, work)
+            floor_strips(n, framed, work)
+            moves_in_frame(k, points[i], normals[i], lobe, view, tangents.turns, frames, t.moves, t.framed)
+            chart_moves(-1, chart, tangents, t.framed)
+            spent += shape_slopes(
+                own, axis, framed, work, t, t.framed, gauss, disk, panels, spans, ids, events, scratch, conics, what,
+                grid, tol, spent, max_evaluations, exact,
             )  # fmt: skip
-            if j == view.spheres.shape[0] and view.floor.kind == CHECKER and chart.side > 0.0:
-                # however much was spent before, some is left for the checker
-                most = max(max_evaluations, work.counts.evaluations + max_evaluations // 4)
-                off = replay_grid(
-                    room_left(tol, t.beyond, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
-                    t.own, nodes, t.sums[0], t.moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
-                )  # fmt: skip
-                for p in range(count):
-                    for a in range(3):
-                        t.error[p, a] += off
-            if radial_walls(lobe, view, work, gauss, disk, scratch, t.here, t.own, t.sums[0]):
-                contract(t.sums[0], t.moves, t.value, 1.0)
         evaluations[i] = work.counts.evaluations
         for p in range(count):
             largest, total = 0.0, 0.0
@@ -434,15 +483,16 @@ def _kernel() -> Any:
     return compiled(gradient_kernel, _nrt=False)
 
 
-def tangent_work(parameters: int, lights: int, spheres: int, disks: bool) -> TangentWork:
+def tangent_work(parameters: int, lights: int, spheres: int, planes: int, disks: bool) -> TangentWork:
     """Scratch for ``parameters`` derivatives; ``disks``: whether there are exact disks."""
-    columns = adjoint_columns(lights, spheres, disks)
+    columns = adjoint_columns(lights, spheres, planes, disks)
     here, own, sums = np.zeros((HERE_ROWS, 3)), np.zeros(columns), np.zeros((SUMS, 4, columns))
     low, high, value, error, square, shorter, longer, misses = np.zeros((8, parameters, 4))
-    moves, moving = np.zeros((parameters, columns)), np.zeros(MAX_WALLS + 1)
+    (moves, framed), moving = np.zeros((2, parameters, columns)), np.zeros(MAX_WALLS + 1)
     return TangentWork(
-        here, own, sums, moves, moving, low, high, value, error, square, shorter, longer, misses, np.zeros(parameters)
-    )
+        here, own, sums, moves, framed, moving, low, high, value, error, square, shorter, longer, misses,
+        np.zeros(parameters),
+    )  # fmt: skip
 
 
 def refuse_unknown(arrays: SceneArrays, moved: SceneMoves, names: tuple[str, ...]) -> None:
@@ -467,7 +517,18 @@ def tangents_of(
     lights = light_point_tangents(arrays, moved.lights, disk_order)
     eye = np.ascontiguousarray(moved.camera["eye"])
     place, normal, incoming = map(np.ascontiguousarray, places)
-    return Tangents(place, normal, incoming, moved.spheres, moved.floor, lights, moved.shading, eye)
+    first = 1 if arrays.floor.present else 0
+    count, planes = len(moved.floor), range(len(arrays.planes))
+    turned = frame_moves(arrays.planes, moved.planes)
+    made: list[Table[Floor]] = []
+    turns: list[Table[Frame]] = []
+    for q in range(count):
+        floor = [one(moved.floor[q])] if first else []
+        made.append(joined(Floor, [*floor, *(floor_of(moved.planes[q, k]) for k in planes)]))
+        turns.append(joined(Frame, [table(Frame, first), turned[q]]))
+    size = first + len(planes)
+    floors, frames = stacked(Floor, made, size), stacked(Frame, turns, size)
+    return Tangents(place, normal, incoming, moved.spheres, floors, frames, lights, moved.shading, eye)
 
 
 def gloss_gradients(
@@ -490,15 +551,16 @@ def gloss_gradients(
     """
     lights = light_rows(arrays, disk_order)
     view = scene_view(arrays, lights)
-    lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres), 2))
+    frames = scene_frames(arrays, lights)
+    lobes = np.zeros((len(frames.homes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
     for panel in s.panels:
         panel.step = UNUSED
     count, n = tangents.place.shape[:2]
     disks = bool((lights["radius"] > 0.0).any())
-    own = tangent_work(count, len(lights), len(arrays.spheres), disks)
-    table = np.zeros((disk_rows(len(arrays.spheres)), 3)) if disks else None
+    own = tangent_work(count, len(lights), len(arrays.spheres), len(frames.axes), disks)
+    table = np.zeros((disk_rows(len(arrays.spheres), len(frames.axes)), 3)) if disks else None
     result = GradientResult(
         np.zeros((count, n, 3)), np.zeros((count, n)), np.zeros((count, n), np.int64), np.zeros(n, np.int64)
     )
@@ -507,7 +569,7 @@ def gloss_gradients(
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         tangents, s.work, own, s.gauss, table, s.panels, s.spans, s.ids,
         s.events, s.scratch, s.conics, np.zeros((len(s.conics), 4), np.int64), np.zeros((GRID_ROWS, 256)),
-        float(tol), radiance_bound(arrays, lights), int(max_evaluations),
+        frames, float(tol), radiance_bound(arrays, lights), int(max_evaluations),
         tol < 1e-5, result.gradient, result.error, result.evaluations, result.status,
     )  # fmt: skip
     return result

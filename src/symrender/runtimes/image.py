@@ -105,7 +105,7 @@ def _standing(arrays: SceneArrays, text: str) -> Table[Plane]:
 
 
 def _rules(arrays: SceneArrays, settings: Settings, formulas: Any) -> tuple[Array, npt.NDArray[np.int64], Any]:
-    """Every different lobe's rule, padded to one array, their sizes, and the rule of the floor, each sphere and plane."""
+    """Every different lobe's rule, padded to one array, their sizes, and which is each surface's."""
     lobes = [(exponent, theta_max) for _, exponent, theta_max in lobes_of(arrays).tolist()]
     different = sorted(set(lobes))
     built = [_rule(exponent, theta_max, settings, formulas) for exponent, theta_max in different]

@@ -6,9 +6,19 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.records import Grid, Table, grid, table
-from symrender.scene.records import Frame, Plane
+from symrender.scene.records import Floor, Frame, Plane
 
 Array = npt.NDArray[np.float64]
+
+
+def floor_of(plane: Plane) -> Table[Floor]:
+    """What a plane is made of, as the one record of a table: the floor of its own coordinates."""
+    rows = table(Floor, 1)
+    row = rows[0]
+    row.present, row.kind, row.cell = 1.0, plane.kind, plane.cell
+    row.bright[:], row.dark[:], row.offset[:] = plane.bright, plane.dark, plane.offset
+    row.weight, row.exponent, row.theta_max = plane.weight, plane.exponent, plane.theta_max
+    return rows
 
 
 def frames(planes: Table[Plane]) -> Table[Frame]:

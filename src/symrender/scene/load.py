@@ -52,9 +52,9 @@ def _load_file(path: str) -> Scene:
     suffix = PurePath(path).suffix.lower()
     if suffix not in _PARSERS:
         known = gallery.names()
-        guess = did_you_mean(path, known) or f" ({', '.join(known)})"
+        guess = did_you_mean(path, known) or f", known are {', '.join(known)}"
         endings = ", ".join(_PARSERS)
-        raise SceneError(f"{printable(path, 100)}: neither a gallery scene{guess} nor a file ending in {endings}")
+        raise SceneError(f"{printable(path, 100)}: neither a file ending in {endings} nor a gallery scene{guess}")
     return parse(read_file(path), path, suffix)
 
 

@@ -210,7 +210,7 @@ def page_data(scene: Scene) -> dict[str, Any]:
                 ("plane", Plane),
                 ("light", Light),
                 ("camera", Camera),
-            )  # fmt: skip
+            )
         },
         "spheres": [sphere.name for sphere in scene.spheres],
         "planes": [plane.name for plane in scene.planes],

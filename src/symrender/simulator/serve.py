@@ -11,7 +11,6 @@ import numpy as np
 
 from symrender.errors import OptionError, SymrenderError
 from symrender.scene.arrays import scene_arrays
-from symrender.scene.planes_due import refuse_planes
 from symrender.scene.scene import Scene
 from symrender.simulator.build import Simulator
 from symrender.simulator.state import from_url
@@ -35,7 +34,6 @@ def certified(scene: Scene, asked: Any) -> dict[str, Any]:
         raise OptionError("certify: must be asked with a state and a point") from None
     if point.shape != (3,) or not np.isfinite(point).all() or point[2] != 0.0:
         raise OptionError("certify: needs a point of the floor")
-    refuse_planes(scene, "certify")
     arrays = scene_arrays(state.apply(scene))
     found = certify(arrays, point, _DISK_STRATA, _WIDTH, _MOST_BOXES)
     return {"low": found.low.tolist(), "high": found.high.tolist(), "boxes": found.boxes}

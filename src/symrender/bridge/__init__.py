@@ -1,0 +1,1 @@
+"""Scenes and formulas carried to other renderers."""

@@ -1,0 +1,79 @@
+"""What a shell offers behind an option: names of the scene the line holds so far."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Final
+
+import typer
+
+if TYPE_CHECKING:
+    from symrender.scene.scene import Scene
+
+DEFAULT_SCENE: Final = "gloss"
+Completion = Callable[[typer.Context, str], list[str]]
+
+
+def scene_names(incomplete: str) -> list[str]:
+    """Gallery scenes."""
+    from symrender.scene import gallery
+
+    return [name for name in gallery.names() if name.startswith(incomplete)]
+
+
+def definitions(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Real numbers of the scene, as ``-D`` takes them."""
+    return _starting(incomplete, (f"{name}=" for name in _numbers(ctx)))
+
+
+def surfaces(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Surfaces of the scene."""
+    scene = _scene(ctx)
+    if scene is None:
+        return []
+    return _starting(incomplete, [*(["floor"] if scene.floor else []), *(f"spheres.{s.name}" for s in scene.spheres)])
+
+
+def numbers(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Real numbers and vectors of the scene, separated by commas."""
+    found = _numbers(ctx)
+    vectors = dict.fromkeys(name[:-2] for name in found if name[-2:] in (".x", ".y", ".z", ".r", ".g", ".b"))
+    return _listed(incomplete, [*vectors, *found])
+
+
+def ranges(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Real numbers of the scene, as ``--over`` takes them, separated by commas."""
+    return _listed(incomplete, [f"{name}=" for name in _numbers(ctx)])
+
+
+def one_of(names: Iterable[str]) -> Completion:
+    """Fixed names, separated by commas."""
+    known = tuple(names)
+    return lambda ctx, incomplete: _listed(incomplete, known)
+
+
+def _listed(incomplete: str, names: Iterable[str]) -> list[str]:
+    before, comma, last = incomplete.rpartition(",")
+    taken = before.split(",")
+    return [f"{before}{comma}{name}" for name in _starting(last, names) if name not in taken]
+
+
+def _starting(incomplete: str, names: Iterable[str]) -> list[str]:
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def _scene(ctx: typer.Context) -> Scene | None:
+    from symrender.errors import SymrenderError
+    from symrender.scene.load import load
+
+    # while a line is being completed, its positional words are still unparsed
+    words = [*ctx.args, ctx.params.get("scene") or DEFAULT_SCENE]
+    try:
+        return load(words[0])
+    except SymrenderError:
+        return None
+
+
+def _numbers(ctx: typer.Context) -> list[str]:
+    scene = _scene(ctx)
+    return [p.name for p in scene.parameters()] if scene else []

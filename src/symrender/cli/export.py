@@ -1,0 +1,45 @@
+"""``symrender export``: a scene's formulas for other renderers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from symrender.cli._completions import DEFAULT_SCENE
+from symrender.cli._options import Define, Force, Quiet, SceneArgument, scene_files, scene_with
+from symrender.limits import MAX_LISTED_LOBE
+
+
+def export(
+    form: Annotated[Literal["glsl"], typer.Argument(help="What is written: GLSL ES 3.00.")],
+    scene: SceneArgument = DEFAULT_SCENE,
+    out: Annotated[
+        str, typer.Option("--out", "-o", help="The .glsl written; default: SCENE.glsl, the vectors beside it.")
+    ] = "",
+    lobe: Annotated[
+        int, typer.Option(help="K of the K x K directions listed for every lobe.", min=1, max=MAX_LISTED_LOBE)
+    ] = 4,
+    define: Define = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write the formulas of SCENE as GLSL, and beside it vectors that prove what each function returns.
+
+    Example: symrender export glsl gloss --out gloss.glsl
+    """
+    from symrender.images.output import check_target
+
+    chosen = scene_with(scene, define)
+    target = Path(out or f"{Path(scene).stem}.{form}")
+    for written in (target, target.with_name(f"{target.stem}.vectors.json")):
+        check_target(written, force=force, inputs=scene_files(scene))
+    from symrender.bridge.glsl import glsl
+
+    made = glsl(chosen, lobe=lobe)
+    text, vectors = made.save(target, force=force)
+    if not quiet:
+        asked = made.vectors["vectors"]
+        typer.echo(f"wrote {text} ({len(made.text.encode()) / 1000:.0f} kB of GLSL)")
+        typer.echo(f"wrote {vectors} ({len(asked)} vectors of {len(made.vectors['functions'])} functions)")
