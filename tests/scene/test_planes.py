@@ -33,8 +33,8 @@ def _room(**changes: Any) -> Any:
         ({"spheres__B__center": (-1.2, 3.0, 1.25)}, "spheres.B lies behind planes.rear"),
         ({"planes__rear__point": (0, 0, 0), "planes__rear__normal": (0, 0, -3)}, "planes.rear lies in the floor"),
         (
-            {"planes__left__point": (3, 2.2, 9), "planes__left__normal": (0, 2, 0), "planes__left__along": (1, 0, 0)},
-            "planes.left lies in planes.rear",
+            {"planes__west__point": (3, 2.2, 9), "planes__west__normal": (0, 2, 0), "planes__west__along": (1, 0, 0)},
+            "planes.west lies in planes.rear",
         ),
         ({"planes__glass__lobe__weight": 0.0}, "planes.glass.lobe.weight is 0"),
     ],
@@ -51,12 +51,12 @@ def test_planes_alone_are_something_to_see() -> None:
 
 def test_numbers_of_planes_have_names() -> None:
     names = {p.name for p in load("room").parameters()}
-    assert {"planes.rear.point.y", "planes.glass.normal.x", "planes.left.along.z", "planes.rear.texture.cell"} <= names
+    assert {"planes.rear.point.y", "planes.glass.normal.x", "planes.west.along.z", "planes.rear.texture.cell"} <= names
     assert load("room").replace({"planes.glass.lobe.exponent": 50.0}).planes[2].lobe.exponent == 50.0  # type: ignore[union-attr]
 
 
 def test_frames_are_orthonormal_and_right_handed() -> None:
-    arrays = scene_arrays(_room(planes__glass__normal=(-1e7, -4.5e6, 4e5), planes__left__along=(1e-3, 2e-3, 3e-3)))
+    arrays = scene_arrays(_room(planes__glass__normal=(-1e7, -4.5e6, 4e5), planes__west__along=(1e-3, 2e-3, 3e-3)))
     for frame, plane in zip(frames(arrays.planes), arrays.planes, strict=True):
         axes = np.array([frame.east, frame.north, frame.up])
         assert np.abs(axes @ axes.T - np.eye(3)).max() <= 1e-15 and np.linalg.det(axes) > 0
@@ -76,7 +76,7 @@ def test_frames_are_orthonormal_and_right_handed() -> None:
     ids=["truth", "gradient", "chambers", "certify", "probe wrt"],
 )
 def test_what_does_not_know_planes_refuses_them_by_name(asked: Any) -> None:
-    with pytest.raises(Unsupported, match=r"planes: .* does not know them yet \(rear, left, glass\)"):
+    with pytest.raises(Unsupported, match=r"planes: .* does not know them yet \(rear, west, glass\)"):
         asked()
 
 

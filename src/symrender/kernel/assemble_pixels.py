@@ -87,6 +87,8 @@ def pixel_program() -> Program:
             light.light_point(),
             tile.camera_axes(),
             planes.stand_planes(),
+            planes.nearest_plane(),
+            planes.walled_off(),
             strata.ring_weight(),
             strata.ring_barycentre(),
             strata.share_angle(),

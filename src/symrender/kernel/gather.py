@@ -15,7 +15,7 @@ from symrender.expression.formulas.lobes import mirror_direction
 from symrender.expression.lobe import disc_cosines
 from symrender.expression.vectors import Vec3, cross, dot, norm2, span, vec3
 from symrender.kernel.block import Block, real, whole
-from symrender.kernel.planes import meet_planes, sees_planes
+from symrender.kernel.planes import sees_planes
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import POINTS, SHADING
 from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
@@ -162,7 +162,8 @@ def gather() -> Function:
                     block.set(best, fall)
                     block.set(shape, sp.Integer(at.FLOOR))
         with block.when(PLANES.length > 0):
-            meet_planes(block, p, _world(block, x, y, z, u1, u2, m), leaves, best, shape)
+            arguments = (p, _world(block, x, y, z, u1, u2, m), leaves, best, shape, SPHERES, PLANES)
+            block.call("nearest_plane", arguments, "shape", "best")
         with block.when(sp.Eq(shape, at.NOTHING)):
             with block.when(dark):
                 block.next()

@@ -10,8 +10,8 @@ from collections.abc import Callable
 import sympy as sp
 
 from symrender.expression import plane
-from symrender.expression.vectors import Vec3, dot
-from symrender.kernel.block import Block
+from symrender.expression.vectors import Vec3, dot, vec3
+from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Function
 from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.scene import arrays as at
@@ -59,11 +59,13 @@ def plane_bright(block: Block, q: Vec3, k: sp.Expr) -> sp.Symbol:
     return bright
 
 
-def meet_planes(block: Block, p: Vec3, w: Vec3, leaves: sp.Expr, best: sp.Symbol, shape: sp.Symbol) -> None:
-    """Write distance and hit class of the nearest plane over ``best`` and ``shape`` where it is nearer than ``best``.
+def nearest_plane() -> Function:
+    """The nearest plane that a ray meets before something else.
 
     The plane that the ray leaves is excluded by identity; of equal distances what was found before counts.
     """
+    p, w, leaves, best, shape = vec3("p"), vec3("w"), whole("leaves"), real("best"), whole("shape")
+    block = Block()
     with block.loop("m", PLANES.length) as m, block.when(sp.Ne(leaves, FIRST_PLANE + m)):
         above, fall = block.lets({"above": height_over(p, m), "fall": dot(w, PLANES.vector("normal", m))})
         with block.when(above * fall < 0):
@@ -71,19 +73,36 @@ def meet_planes(block: Block, p: Vec3, w: Vec3, leaves: sp.Expr, best: sp.Symbol
             with block.when(reach < best):
                 block.set(best, reach)
                 block.set(shape, FIRST_PLANE + m)
+    block.leave(shape, best)
+    parameters = (*p.parts, *w.parts, leaves, best, shape, SPHERES, PLANES)
+    doc = "(hit class, distance) of the nearest plane met nearer than best, else shape and best"
+    return Function("nearest_plane", parameters, block.statements, doc)
 
 
-def walled_off(block: Block, q: Vec3, light: Vec3, leaves: sp.Expr, hide: Callable[[], None]) -> None:
-    """Write ``hide`` where a plane hides a light from q: the plane q is a point of unless the light is in front of it.
+def meet_planes(block: Block, p: Vec3, w: Vec3, leaves: sp.Expr, best: sp.Symbol, shape: sp.Symbol) -> None:
+    """Write distance and hit class of the nearest plane over ``best`` and ``shape`` where it is nearer than ``best``."""
+    with block.when(PLANES.length > 0):
+        arguments = (p, w, leaves, best, shape, SPHERES, PLANES)
+        block.call("nearest_plane", arguments, str(shape), str(best))
 
-    Any other where the two are on different sides of it.
+
+def walled_off() -> Function:
+    """Whether a plane hides a light from q.
+
+    The plane q is a point of does unless the light is in front of it, any other where the two are on different sides.
     """
+    q, light, leaves = vec3("q"), vec3("l"), whole("leaves")
+    block = Block()
+    hidden = block.let("hidden", sp.Integer(0))
     with block.loop("m", PLANES.length) as m:
         above = block.let("above", height_over(light, m))
         with block.when(sp.Eq(leaves, FIRST_PLANE + m)), block.when(above <= 0):
-            hide()
+            block.set(hidden, sp.Integer(1))
         with block.otherwise(), block.when(above * height_over(q, m) < 0):
-            hide()
+            block.set(hidden, sp.Integer(1))
+    block.leave(hidden)
+    parameters = (*q.parts, *light.parts, leaves, SPHERES, PLANES)
+    return Function("walled_off", parameters, block.statements, "1 where a plane hides a light from q, else 0")
 
 
 def stand_planes() -> Function:

@@ -9,7 +9,7 @@ from symrender.expression.formulas.light_terms import blinn_cosine2, half_vector
 from symrender.expression.formulas.textures import mixed, texture_coordinates, vein
 from symrender.expression.vectors import Vec3, dot, norm2, vec3
 from symrender.kernel.block import Block, real, whole
-from symrender.kernel.planes import Field, floor_field, walled_off
+from symrender.kernel.planes import Field, floor_field
 from symrender.kernel.program import Array, Function, Records
 from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.limits import MAX_PRODUCT_EXPONENT, MAX_TEXTURE_DEGREE
@@ -140,7 +140,10 @@ def blocked() -> Function:
         block.leave(sp.Integer(1))
     with block.otherwise(), block.when(sp.And(sp.Eq(FLOOR.field("present"), 1), q.z * light.z < 0)):
         block.leave(sp.Integer(1))
-    walled_off(block, q, light, leaves, lambda: block.leave(sp.Integer(1)))
+    with block.when(PLANES.length > 0):
+        (walled,) = block.call("walled_off", (q, light, leaves, SPHERES, PLANES), "walled")
+        with block.when(walled > 0):
+            block.leave(sp.Integer(1))
     to_light = block.let_vector("d", light - q)
     with block.loop("k", SPHERES.length) as k:
         center = SPHERES.vector("center", k)

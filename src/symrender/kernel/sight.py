@@ -21,7 +21,6 @@ from symrender.kernel.planes import (
     plane_bright,
     plane_field,
     plane_of,
-    walled_off,
 )
 from symrender.kernel.program import Array, Function
 from symrender.kernel.shade import POINTS, SHADING, floor_albedo, row_vector, sphere_albedo
@@ -141,7 +140,9 @@ def blocked() -> Function:
         block.set(hidden, sp.Integer(1))
     with block.otherwise(), block.when(FLOOR.field("present") * q.z * light_z < 0):
         block.set(hidden, sp.Integer(1))
-    walled_off(block, q, q + to_light, leaves, lambda: block.set(hidden, sp.Integer(1)))
+    with block.when(PLANES.length > 0):
+        (walled,) = block.call("walled_off", (q, q + to_light, leaves, SPHERES, PLANES), "walled")
+        block.set(hidden, sp.Max(hidden, walled))
     length2 = block.let("length2", norm2(to_light))
     with block.loop("k", SPHERES.length) as k:
         offset = block.let_vector("o", q - SPHERES.vector("center", k))

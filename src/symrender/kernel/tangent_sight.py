@@ -71,6 +71,8 @@ def tangent_program() -> Program:
             light.light_point(),
             tiles.camera_axes(),
             planes.stand_planes(),
+            planes.nearest_plane(),
+            planes.walled_off(),
             shade.power(),
             shade.texture_factor(),
             shade.floor_side(),

@@ -1,12 +1,15 @@
-"""Planes anywhere: each is the floor of coordinates of its own, in which a ray meets it as it meets the floor."""
+"""Planes anywhere: each is the floor of coordinates of its own, in which a ray meets it as it meets the floor.
+
+Scenes without planes pay for one comparison: what planes need is called, not copied into its callers.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.kernel_cache import inlined, jitable
 from symrender.numeric.rays import floor_distance
-from symrender.numeric.vectors import Vector, dot
+from symrender.numeric.vectors import Vector
 from symrender.numeric.world import World
 from symrender.records import Table
 from symrender.scene.arrays import FIRST_SPHERE, LOOK_AT, PLANE, Array
@@ -46,27 +49,28 @@ def carried(frame: Frame, p: Vector) -> Vector:
     return turned(frame, (p[0] - frame.origin[0], p[1] - frame.origin[1], p[2] - frame.origin[2]))
 
 
-@inlined
-def nearest_plane(world: World, leaves: int, origin: Vector, d: Vector, limit: float) -> tuple[int, float]:
+@jitable
+def nearest_plane(
+    frames: Table[Frame], first: int, leaves: int, origin: Vector, d: Vector, limit: float
+) -> tuple[int, float]:
     """The nearest plane met before distance ``limit`` by the unit ray d (-1 for none), and its distance or ``limit``.
 
-    Of equal distances the first plane of the scene counts, and what was met at ``limit`` before it. The plane of hit
-    class ``leaves`` is not met.
+    Plane k has hit class ``first`` + k; that of class ``leaves`` is not met. Of equal distances the first plane counts,
+    and what was met at ``limit`` before it.
     """
     best, distance = -1, limit
-    first = FIRST_SPHERE + world.spheres.shape[0]
-    for k in range(world.frames.shape[0]):
+    for k in range(frames.shape[0]):
         if leaves == first + k:
             continue
-        reach = floor_distance(carried(world.frames[k], origin)[2], turned(world.frames[k], d)[2])
+        reach = floor_distance(carried(frames[k], origin)[2], turned(frames[k], d)[2])
         if reach < distance:
             best, distance = k, reach
     return best, distance
 
 
-@inlined
-def plane_point(frame: Frame, origin: Vector, d: Vector, distance: float) -> tuple[Vector, float, float]:
-    """The point at ``distance`` along a ray that meets the plane there, and its coordinates x, y in the plane."""
+@jitable
+def plane_point(frame: Frame, origin: Vector, d: Vector, distance: float) -> tuple[Vector, Vector, float, float]:
+    """Point and unit normal where a ray meets the plane at ``distance``, and the point's coordinates x, y in it."""
     p, w = carried(frame, origin), turned(frame, d)
     x, y = p[0] + distance * w[0], p[1] + distance * w[1]
     q = (
@@ -74,24 +78,23 @@ def plane_point(frame: Frame, origin: Vector, d: Vector, distance: float) -> tup
         frame.origin[1] + x * frame.east[1] + y * frame.north[1],
         frame.origin[2] + x * frame.east[2] + y * frame.north[2],
     )
-    return q, x, y
+    return q, (frame.up[0], frame.up[1], frame.up[2]), x, y
 
 
-@inlined
-def planes_hide(world: World, own: int, q: Vector, light: Vector) -> bool:
-    """Whether a plane hides a light point from q on the shape of hit class ``own``.
+@jitable
+def planes_hide(frames: Table[Frame], first: int, own: int, q: Vector, light: Vector) -> bool:
+    """Whether a plane hides a light point from q on the shape of hit class ``own``; plane k has class ``first`` + k.
 
     A plane is lit by what lies in front of it; other points by what is not on the other side of a plane, and what lies
     in the plane is on neither. What the planes leave is convex, so nothing else about them can be in the way.
     """
-    first = FIRST_SPHERE + world.spheres.shape[0]
-    for k in range(world.frames.shape[0]):
-        above = carried(world.frames[k], light)[2]
+    for k in range(frames.shape[0]):
+        above = carried(frames[k], light)[2]
         if own == first + k:
             if above <= 0.0:
                 return True
             continue
-        here = carried(world.frames[k], q)[2]
+        here = carried(frames[k], q)[2]
         if (here > 0.0 and above < 0.0) or (here < 0.0 and above > 0.0):
             return True
     return False
@@ -107,12 +110,6 @@ def has_other(world: World, own: int) -> bool:
 
 
 @inlined
-def up_of(frame: Frame) -> Vector:
-    """The unit normal of a plane."""
-    return (frame.up[0], frame.up[1], frame.up[2])
-
-
-@inlined
 def faces(frame: Frame, d: Vector) -> bool:
     """Whether a ray that meets the plane does so from in front."""
-    return dot(up_of(frame), d) < 0.0
+    return turned(frame, d)[2] < 0.0

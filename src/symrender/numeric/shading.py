@@ -73,7 +73,9 @@ def visible(world: World, own: int, inside: bool, q: Vector, light: Vector) -> b
                 return False
         elif (q[2] > 0.0 and light[2] < 0.0) or (q[2] < 0.0 and light[2] > 0.0):
             return False
-    if planes_hide(world, own, q, light):
+    if world.frames.shape[0] > 0 and planes_hide(
+        world.frames, FIRST_SPHERE + world.spheres.shape[0], own, q, light
+    ):  # fmt: skip
         return False
     for j in range(world.spheres.shape[0]):
         sphere = world.spheres[j]

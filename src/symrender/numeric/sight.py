@@ -9,7 +9,7 @@ import numpy as np
 
 from symrender.kernel_cache import inlined
 from symrender.numeric.lobe import COS_MAX, SIN_MAX
-from symrender.numeric.planes import faces, nearest_plane, plane_point, up_of
+from symrender.numeric.planes import faces, nearest_plane, plane_point
 from symrender.numeric.random import Key
 from symrender.numeric.rays import floor_distance, sphere_offset, sphere_roots
 from symrender.numeric.shading import direct_light
@@ -125,14 +125,15 @@ def sees(
     if world.floor.present != 0.0 and leaves != FLOOR:
         limit = floor_distance(origin[2], d[2])
     best, distance, inside = nearest(candidates, count, d, limit)
-    wall, distance = nearest_plane(world, leaves, origin, d, distance)
+    wall, first = -1, FIRST_SPHERE + world.spheres.shape[0]
+    if world.frames.shape[0] > 0:
+        wall, distance = nearest_plane(world.frames, first, leaves, origin, d, distance)
     if wall >= 0:
-        own = FIRST_SPHERE + world.spheres.shape[0] + wall
+        own = first + wall
         if not faces(world.frames[wall], d):
             return (0.0, 0.0, 0.0), own, distance
         inside = False
-        q, x, y = plane_point(world.frames[wall], origin, d, distance)
-        n = up_of(world.frames[wall])
+        q, n, x, y = plane_point(world.frames[wall], origin, d, distance)
         albedo = floor_albedo(world.floors[wall], floor_sign(world.floors[wall], x, y))
     elif best < 0:
         if distance == math.inf:

@@ -11,7 +11,7 @@ from symrender.kernel_cache import inlined
 from symrender.numeric.antialias import pixel_sign
 from symrender.numeric.estimators import gloss
 from symrender.numeric.lobe import WEIGHT
-from symrender.numeric.planes import faces, nearest_plane, plane_point, up_of
+from symrender.numeric.planes import faces, nearest_plane, plane_point
 from symrender.numeric.random import pixel_key
 from symrender.numeric.rays import primary_ray
 from symrender.numeric.shading import direct_light
@@ -54,14 +54,15 @@ def pixel(
     b = 1.0 - 2.0 * (j + 0.5) / height
     d, distance, p = primary_ray(frame, a, b)
     best, distance, inside = nearest(from_eye, count, d, distance if world.floor.present != 0.0 else math.inf)
-    wall, distance = nearest_plane(world, NOTHING, eye, d, distance)
+    wall, first = -1, FIRST_SPHERE + world.spheres.shape[0]
+    if world.frames.shape[0] > 0:
+        wall, distance = nearest_plane(world.frames, first, NOTHING, eye, d, distance)
     if wall >= 0:
-        own = FIRST_SPHERE + world.spheres.shape[0] + wall
+        own = first + wall
         if not faces(world.frames[wall], d):
             return own, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0
         inside = False
-        p, x, y = plane_point(world.frames[wall], eye, d, distance)
-        n = up_of(world.frames[wall])
+        p, n, x, y = plane_point(world.frames[wall], eye, d, distance)
         if analytic:
             sign = pixel_sign(world.floors[wall], cameras[wall], a, b, 1.0 / width, 1.0 / height, x, y)
         else:
