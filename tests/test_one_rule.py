@@ -175,7 +175,7 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
             leaves = at.FLOOR
             if view.eye[2] > (q + v)[2]:
                 continue
-            side = FORMULAS.floor_side(q[0], q[1], a.floor) if a.floor.kind == at.CHECKER else 1.0
+            side = FORMULAS.floor_side(q[0], q[1], a.floor.cell, *a.floor.offset) if a.floor.kind == at.CHECKER else 1.0
             albedo = np.array(floor_albedo(a.floor, floor_sign(a.floor, q[0], q[1])))
             assert 2.0 * side - 1.0 == floor_sign(a.floor, q[0], q[1])
             met["floor"] += 1
