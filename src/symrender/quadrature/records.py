@@ -11,6 +11,8 @@ class Panel(Record):
     ends: Two
     kinds: Two
     """How the line integral behaves at either end: ``ROOT`` or ``SMOOTH``."""
+    roots: Two
+    """How far beyond an end of kind ``ROOT`` its square root begins: 0, or little."""
     step: int
     """Of the last rule, -1 before any; -2 marks a free row while panels are replayed."""
     value: Three

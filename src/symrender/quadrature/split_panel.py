@@ -43,6 +43,10 @@ MUCH = 40.0
 """How many times its share a panel with events inside may hold and still be tried in one piece."""
 MAX_KINKED = 5
 """Most lines of a panel with events inside, before it is cut there."""
+FELT_ROOT = 0.1
+"""Share of a panel's length from which on a square root beyond its end is left to the error estimate."""
+WEAK = 0.25
+"""Share of a panel's last coefficients that what is weak is taken to hold."""
 SAFETY = 4.0
 """Error reported over the sum of the panels' estimates."""
 
@@ -62,6 +66,21 @@ def azimuth(u: float, a: float, b: float, kind_a: float, kind_b: float) -> tuple
     if kind_b == ROOT:
         return b - length * (1.0 - u) * (1.0 - u), 2.0 * length * (1.0 - u)
     return a + length * u, length
+
+
+@inlined
+def panel_azimuth(u: float, p: Panel) -> tuple[float, float]:
+    """``azimuth`` of a panel, whose map begins where its square roots do."""
+    first, last = p.roots[0], p.roots[1]
+    if first == 0.0 and last == 0.0:
+        return azimuth(u, p.ends[0], p.ends[1], p.kinds[0], p.kinds[1])
+    a, b = p.ends[0] - first, p.ends[1] + last
+    low, high = math.sqrt(first / (b - a)), 1.0 - math.sqrt(last / (b - a))
+    if p.kinds[0] == ROOT and p.kinds[1] == ROOT:
+        half = 0.5 * math.pi
+        low, high = math.asin(low) / half, math.acos(1.0 - high) / half
+    phi, slope = azimuth(low + (high - low) * u, a, b, p.kinds[0], p.kinds[1])
+    return phi, slope * (high - low)
 
 
 @jitable
@@ -160,6 +179,7 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
     if n < panels.shape[0]:
         p = panels[n]
         p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.step = a, b, kind_a, kind_b, -1
+        p.roots[0] = p.roots[1] = 0.0
         p.value[0] = p.value[1] = p.value[2] = 0.0
         p.bound = p.error = panel_bound(a, b, work.chart)
         p.inside = p.settled = 0
@@ -339,7 +359,7 @@ def evaluate_panel(
     with a kink inside they fall slowly, and the last ones themselves are the error. Where the budget ends first the
     error is inf, and what the panel held before stands.
     """
-    a, b, ka, kb = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
+    a, b = p.ends[0], p.ends[1]
     n = panel_order(step, p.log_rho)
     if step == 1 and p.inside > 0.0:
         # kinks decide, not how far off the integrand is tame between them
@@ -359,7 +379,7 @@ def evaluate_panel(
     while e < many and events[e].azimuth <= a + margin:
         e += 1
     for q in range(n + 1):
-        phi, slope = (b - margin, 0.0) if q == n else azimuth(gauss[0, base + q], a, b, ka, kb)
+        phi, slope = (b - margin, 0.0) if q == n else panel_azimuth(gauss[0, base + q], p)
         first, inside = phi, 0
         while e < many and events[e].azimuth < phi:
             if inside == 0:
@@ -464,22 +484,30 @@ def inside(p: Panel, events: Table[Event], many: int) -> int:
 def cut_panel(
     p: Panel, i: int, events: Table[Event], many: int, work: Work, panels: Table[Panel], n: int
 ) -> int:  # fmt: skip
-    """Cut panel ``i`` at the events inside it; new count."""
-    start, kind = p.ends[0], p.kinds[0]
-    stop, last = p.ends[1], p.kinds[1]
+    """Cut panel ``i`` at the events inside it; new count.
+
+    A square root at an end of the whole is felt in all parts that are not short beside their distance from it.
+    """
+    start, stop, first_kind, last_kind = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
+    left, right = start - p.roots[0], stop + p.roots[1]
     mean, first = p.per_radian, n
     margin = 1e-9 * (stop - start)
-    slot = i
-    for e in range(many):
-        phi = events[e].azimuth
-        if phi > start + margin and phi < stop - margin:
-            if slot == i:
-                add_panel(panels, i, start, phi, kind, SMOOTH, work)
-            else:
-                n = add_panel(panels, n, start, phi, kind, SMOOTH, work)
-            slot = n
-            start, kind = phi, SMOOTH
-    n = add_panel(panels, n, start, stop, kind, last, work)
+    slot, begin = i, start
+    for e in range(many + 1):
+        phi = events[e].azimuth if e < many else stop
+        if e < many and not (phi > begin + margin and phi < stop - margin):
+            continue
+        near, far = begin - left, right - phi
+        kind = first_kind if begin == start or near < FELT_ROOT * (phi - begin) else SMOOTH
+        end_kind = last_kind if phi == stop or far < FELT_ROOT * (phi - begin) else SMOOTH
+        if slot == i:
+            add_panel(panels, i, begin, phi, kind, end_kind, work)
+        else:
+            n = add_panel(panels, n, begin, phi, kind, end_kind, work)
+        if slot < panels.shape[0]:
+            panels[slot].roots[0] = near if kind == ROOT else 0.0
+            panels[slot].roots[1] = far if end_kind == ROOT else 0.0
+        slot, begin = n, phi
     panels[i].per_radian = mean
     for k in range(first, min(n, panels.shape[0])):
         panels[k].per_radian = mean
@@ -569,8 +597,10 @@ def split_chart(
                 middle = highlight_end(p.ends[0], p.ends[1], work)
                 right, kind = p.ends[1], p.kinds[1]
                 left, left_kind = p.ends[0], p.kinds[0]
+                near, far = p.roots[0], p.roots[1]
                 add_panel(panels, i, left, middle, left_kind, SMOOTH, work)
                 n = add_panel(panels, n, middle, right, SMOOTH, kind, work)
+                p.roots[0], panels[n - 1].roots[1] = near, far
                 continue
             foreign = evaluate_panel(p, need, view, work, gauss, events, m, out, scratch)
             if out[3] == math.inf:
