@@ -46,6 +46,8 @@ BLUNT = 6.0
 """Shininess below which the end of a highlight is felt, where it has one among what is lit and seen."""
 NEAR_LIGHT = 2.0
 """Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""
+AT_HORIZON = 0.5 * math.pi * (1.0 - 1e-12)
+"""Inner coordinate from which on a piece of the floor ends at its horizon."""
 SOFT_LOG = 1.5
 """log rho, in the mapped coordinate, of a cell in which a disk light is partly hidden."""
 
@@ -113,6 +115,16 @@ def broken_rim(chart: Chart) -> bool:
     """
     n = chart.exponent
     return bool(chart.rim_cos < 0.1 and 1e-12 < n < BLUNT and n != math.floor(n))
+
+
+@inlined
+def faint_horizon(view: View, chart: Chart) -> bool:
+    """Whether highlights end at the floor's horizon, where light and viewer are level, with a power that is not whole.
+
+    From ``BLUNT`` on that is not felt.
+    """
+    s = view.shading.shininess
+    return bool(chart.shape_index < 0.0 and view.shading.ks > 0.0 and s < BLUNT and s != math.floor(s))
 
 
 @inlined
@@ -362,6 +374,7 @@ def integrate_cells(
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart), SMALL
+    faint = faint_horizon(view, chart)
     for i in range(lights):
         if view.points[i].radius > 0.0:
             small = 1.0
@@ -415,7 +428,7 @@ def integrate_cells(
         for piece in range(pieces):
             row = table[piece]
             n, start, stop = row.count, row.start, row.stop
-            held, miss = piece_error(row, b, blunt, gauss)
+            held, miss = piece_error(row, b, blunt or (faint and stop > AT_HORIZON), gauss)
             tame = miss <= promise * (held + small * (size + whole))
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
