@@ -42,6 +42,8 @@ Under a disk light it is all of it: the rules over the disk err alike on every n
 """
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
+ONE_POINT = 0.15
+"""Error of a rule of one point over what it holds, at least; stated is some times as much."""
 BLUNT = 6.0
 """Shininess below which the end of a highlight is felt, where it has one among what is lit and seen."""
 NEAR_LIGHT = 2.0
@@ -71,13 +73,14 @@ def tail_error(n: int, last: float, before: float, middle: float, size: float, l
     Coefficients of an analytic integrand fall like rho^-k and the rule's error like rho^-2n: the last ones tell rho,
     and the error size (top/size)^(2n/(n - 1)), of which the exponent is rounded down. A narrow feature makes them
     fall fast at first and slowly then: from six points on they must have fallen from the ``middle`` ones, too, half as
-    far. One or two points tell too little; there ``log_rho``, of the nearest singularity known, has its say.
+    far. One or two points tell too little; there ``log_rho``, of the nearest singularity known, has its say. Between two
+    zeros, of light and of measure, one point says half too much however short the piece.
     """
     if size == 0.0:
         return 0.0
-    known = 4.0 * size * math.exp(-2.0 * n * log_rho) if n <= 2 else 0.0
     if n == 1:
-        return min(size, known)
+        return max(ONE_POINT * size, min(size, 4.0 * size * math.exp(-2.0 * log_rho)))
+    known = 4.0 * size * math.exp(-4.0 * log_rho) if n == 2 else 0.0
     top = max(abs(last), 0.5 * abs(before))
     ratio = min(1.0, top / size)
     if n == 2:
