@@ -18,6 +18,8 @@ class Panel(Record):
     value: Three
     error: float
     log_rho: float
+    slow: float
+    """The same of singularities that choose no node counts, on which little depends; inf where there are none."""
     inside: int
     """Events known inside the panel."""
     foreign: float

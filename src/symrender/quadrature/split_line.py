@@ -91,6 +91,36 @@ def tail_error(n: int, last: float, before: float, middle: float, size: float, l
     return top * max(ratio, late * late)
 
 
+@inlined
+def fallen(top: float, mate: float, again: float) -> float:
+    """What is left of a coefficient after ``again`` times the degrees over which it fell from its ``mate``."""
+    return top * math.exp(again * math.log(top / mate)) if 0.0 < top < mate else top if mate > 0.0 else 0.0
+
+
+@jitable
+def across_error(
+    n: int, last: float, before: float, middle: float, lower: float, size: float, log_rho: float
+) -> float:  # fmt: skip
+    """As ``tail_error``, of a rule whose nodes are lines, where weak singularities close by are not all known.
+
+    Coefficients then fall fast at first and slowly later, those of even and of odd degree each in their own way. From
+    four points on the last two, of degrees n - 1 and n - 2, must have fallen from those of half their degrees that are
+    even or odd like they: ``middle`` is that of half of n - 1, rounded down, ``lower`` the one below.
+    """
+    known = tail_error(n, last, before, max(abs(middle), abs(lower)), size, log_rho)
+    if n < 4:
+        return known
+    up = down = n - 1 - (n - 1) // 2
+    if up % 2 == 1:
+        middle, lower, up, down = lower, middle, up + 1, down - 1
+    slow = max(
+        fallen(abs(last), abs(middle), (n + 1.0) / up), fallen(abs(before), abs(lower), (n + 2.0) / down)
+    )
+    # a mate may be small by chance: no slower than by half of how they fell in all
+    top = max(abs(last), abs(before))
+    return max(known, min(slow, top * math.sqrt(min(1.0, top / max(size, 1e-300)))))
+
+
 @jitable
 def kinked(view: View) -> bool:
     """Whether highlights end so bluntly that coefficients fall no faster than their ends say.

@@ -27,7 +27,7 @@ from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.records import Panel, Span
-from symrender.quadrature.split_line import broken_rim, integrate_cells, kinked, lobe_density, tail_error
+from symrender.quadrature.split_line import across_error, broken_rim, integrate_cells, kinked, lobe_density
 from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -123,6 +123,18 @@ def branch_sum(
 
 
 @inlined
+def spot_sum(weak: int, work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
+    """Smallest ``ellipse_sum`` of the chart's spots, of the weak ones or of the others; inf where there are none."""
+    best, spots = math.inf, work.spots
+    for i in range(work.counts.spots):
+        if spots[i].weak == weak:
+            away = spots[i].azimuth - 0.5 * (a + b)
+            away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+            best = min(best, ellipse_sum(0.5 * (a + b) + away, spots[i].depth, a, b, kind_a, kind_b))
+    return best
+
+
+@inlined
 def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
     """log rho that decides a panel's node counts."""
     chart = work.chart
@@ -136,10 +148,7 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
         # its excess over 1 is the square of what lies off the line
         highlight = 1.0 + 0.5 * (highlight - 1.0)
     best = min(best, highlight)
-    for i in range(work.counts.spots):
-        away = work.spots[i].azimuth - 0.5 * (a + b)
-        away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-        best = min(best, ellipse_sum(0.5 * (a + b) + away, work.spots[i].depth, a, b, kind_a, kind_b))
+    best = min(best, spot_sum(0, work, a, b, kind_a, kind_b))
     middle, offset, depth = tangent_lines(chart.lobe_sin, 0.0, chart.rim_sin)
     best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
     for i in range(work.counts.walls):
@@ -191,6 +200,8 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
             # a rim or a wall that sweeps over a highlight narrow along the lines hides it within less
             p.glare = max(p.glare, MAX_KINKED if work.chart.clipped != 0.0 else MAX_FIRST + 1)
         p.log_rho = panel_log(work, a, b, kind_a, kind_b)
+        rho = spot_sum(1, work, a, b, kind_a, kind_b)
+        p.slow = math.log(rho + math.sqrt(max(0.0, rho * rho - 1.0))) if rho < math.inf else math.inf
     return n + 1
 
 
@@ -431,7 +442,7 @@ def evaluate_panel(
         lower2 += t * line[2]
     last = max(abs(last0), abs(last1), abs(last2))
     before = max(abs(before0), abs(before1), abs(before2))
-    middle = max(abs(middle0), abs(middle1), abs(middle2), abs(lower0), abs(lower1), abs(lower2))
+    middle, lower = max(abs(middle0), abs(middle1), abs(middle2)), max(abs(lower0), abs(lower1), abs(lower2))
     size = out[4]
     if step == 0:
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there
@@ -441,10 +452,11 @@ def evaluate_panel(
     elif out[5] > 0.0 or foreign == foreign:
         error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
     else:
-        known = max(last, 0.5 * before) * math.exp(-(n + 1) * p.log_rho)
+        top = max(last, 0.5 * before)
+        known = max(top * math.exp(-(n + 1) * p.log_rho), WEAK * top * math.exp(-(n + 1) * p.slow))
         if kinked(view) or broken_rim(work.chart):
             known = max(known, last, 0.5 * before)
-        error = 2.0 * max(tail_error(n, last, before, middle, size, p.log_rho), known)
+        error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
     for i in range(view.points.shape[0]):
         if view.points[i].radius > 0.0:
             # the rules over a disk light keep to the panel's level and err alike on every line
