@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from symrender.chambers.events import line_range
 from symrender.chambers.penumbra_walls import disk_on_floor, disk_on_sphere
-from symrender.chambers.records import Chart, Counts, Wall
+from symrender.chambers.records import Chart, Counts, LightPoint, Wall
 from symrender.chambers.rooms import height
 from symrender.chambers.walls import (
     BALL,
@@ -247,7 +247,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
             facing = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2]) / far
             if math.acos(max(-1.0, min(1.0, facing))) - chart.gamma_max > math.acos(min(1.0, r / far)):
                 continue
-        for h in range(view.spheres.shape[0]):
+        for h in range(0 if is_at(view.points[i], chart) else view.spheres.shape[0]):
             if h == j:
                 continue
             s = view.spheres[h]
@@ -321,7 +321,7 @@ def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> No
             continue
         add_gleam_edge(i, view.shading.highlight_view == EYE and view.eye[2] <= 0.0, view, work)
         ux, uy, uz = px - view.points[i].position[0], py - view.points[i].position[1], -view.points[i].position[2]
-        for h in range(view.spheres.shape[0]):
+        for h in range(0 if is_at(view.points[i], chart) else view.spheres.shape[0]):
             s = view.spheres[h]
             if s.center[2] <= -s.radius or s.center[2] - s.radius >= view.points[i].position[2]:
                 continue
@@ -342,6 +342,16 @@ def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> No
                 h,
                 i,
             )
+
+
+@inlined
+def is_at(light: LightPoint, chart: Chart) -> bool:
+    """Whether a light stands where the lobe's point is: what that sees is lit, and shadows' edges are silhouettes."""
+    apart, size = 0.0, 0.0
+    for a in range(3):
+        apart = max(apart, abs(light.position[a] - chart.point[a]))
+        size = max(size, abs(chart.point[a]))
+    return bool(apart <= 1e-13 * size)
 
 
 @jitable

@@ -171,6 +171,8 @@ class Spot(Record):
 
     azimuth: float
     depth: float
+    weak: int
+    """1 where so little depends on it that it chooses no node counts: it has its say in what error is stated."""
 
 
 class Highlight(Record):

@@ -11,11 +11,15 @@ class Panel(Record):
     ends: Two
     kinds: Two
     """How the line integral behaves at either end: ``ROOT`` or ``SMOOTH``."""
+    roots: Two
+    """How far beyond an end of kind ``ROOT`` its square root begins: 0, or little."""
     step: int
     """Of the last rule, -1 before any; -2 marks a free row while panels are replayed."""
     value: Three
     error: float
     log_rho: float
+    slow: float
+    """The same of singularities that choose no node counts, on which little depends; inf where there are none."""
     inside: int
     """Events known inside the panel."""
     foreign: float

@@ -42,10 +42,14 @@ Under a disk light it is all of it: the rules over the disk err alike on every n
 """
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
+ONE_POINT = 0.15
+"""Error of a rule of one point over what it holds, at least; stated is some times as much."""
 BLUNT = 6.0
 """Shininess below which the end of a highlight is felt, where it has one among what is lit and seen."""
 NEAR_LIGHT = 2.0
 """Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""
+AT_HORIZON = 0.5 * math.pi * (1.0 - 1e-12)
+"""Inner coordinate from which on a piece of the floor ends at its horizon."""
 SOFT_LOG = 1.5
 """log rho, in the mapped coordinate, of a cell in which a disk light is partly hidden."""
 
@@ -69,13 +73,14 @@ def tail_error(n: int, last: float, before: float, middle: float, size: float, l
     Coefficients of an analytic integrand fall like rho^-k and the rule's error like rho^-2n: the last ones tell rho,
     and the error size (top/size)^(2n/(n - 1)), of which the exponent is rounded down. A narrow feature makes them
     fall fast at first and slowly then: from six points on they must have fallen from the ``middle`` ones, too, half as
-    far. One or two points tell too little; there ``log_rho``, of the nearest singularity known, has its say.
+    far. One or two points tell too little; there ``log_rho``, of the nearest singularity known, has its say. Between
+    two zeros, of light and of measure, one point says half too much however short the piece.
     """
     if size == 0.0:
         return 0.0
-    known = 4.0 * size * math.exp(-2.0 * n * log_rho) if n <= 2 else 0.0
     if n == 1:
-        return min(size, known)
+        return max(ONE_POINT * size, min(size, 4.0 * size * math.exp(-2.0 * log_rho)))
+    known = 4.0 * size * math.exp(-4.0 * log_rho) if n == 2 else 0.0
     top = max(abs(last), 0.5 * abs(before))
     ratio = min(1.0, top / size)
     if n == 2:
@@ -84,6 +89,36 @@ def tail_error(n: int, last: float, before: float, middle: float, size: float, l
         return top * ratio * math.sqrt(ratio) if n == 3 else top * ratio * math.sqrt(math.sqrt(ratio))
     late = min(1.0, top / middle) if middle > 0.0 else 1.0
     return top * max(ratio, late * late)
+
+
+@inlined
+def fallen(top: float, mate: float, again: float) -> float:
+    """What is left of a coefficient after ``again`` times the degrees over which it fell from its ``mate``."""
+    return top * math.exp(again * math.log(top / mate)) if 0.0 < top < mate else top if mate > 0.0 else 0.0
+
+
+@jitable
+def across_error(
+    n: int, last: float, before: float, middle: float, lower: float, size: float, log_rho: float
+) -> float:  # fmt: skip
+    """As ``tail_error``, of a rule whose nodes are lines, where weak singularities close by are not all known.
+
+    Coefficients then fall fast at first and slowly later, those of even and of odd degree each in their own way. From
+    four points on the last two, of degrees n - 1 and n - 2, must have fallen from those of half their degrees that are
+    even or odd like they: ``middle`` is that of half of n - 1, rounded down, ``lower`` the one below.
+    """
+    known = tail_error(n, last, before, max(abs(middle), abs(lower)), size, log_rho)
+    if n < 4:
+        return known
+    up = down = n - 1 - (n - 1) // 2
+    if up % 2 == 1:
+        middle, lower, up, down = lower, middle, up + 1, down - 1
+    slow = max(
+        fallen(abs(last), abs(middle), (n + 1.0) / up), fallen(abs(before), abs(lower), (n + 2.0) / down)
+    )
+    # a mate may be small by chance: no slower than by half of how they fell in all
+    top = max(abs(last), abs(before))
+    return max(known, min(slow, top * math.sqrt(min(1.0, top / max(size, 1e-300)))))
 
 
 @jitable
@@ -113,6 +148,16 @@ def broken_rim(chart: Chart) -> bool:
     """
     n = chart.exponent
     return bool(chart.rim_cos < 0.1 and 1e-12 < n < BLUNT and n != math.floor(n))
+
+
+@inlined
+def faint_horizon(view: View, chart: Chart) -> bool:
+    """Whether highlights end at the floor's horizon, where light and viewer are level, with a power that is not whole.
+
+    From ``BLUNT`` on that is not felt.
+    """
+    s = view.shading.shininess
+    return bool(chart.shape_index < 0.0 and view.shading.ks > 0.0 and s < BLUNT and s != math.floor(s))
 
 
 @inlined
@@ -362,6 +407,7 @@ def integrate_cells(
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart), SMALL
+    faint = faint_horizon(view, chart)
     for i in range(lights):
         if view.points[i].radius > 0.0:
             small = 1.0
@@ -415,7 +461,7 @@ def integrate_cells(
         for piece in range(pieces):
             row = table[piece]
             n, start, stop = row.count, row.start, row.stop
-            held, miss = piece_error(row, b, blunt, gauss)
+            held, miss = piece_error(row, b, blunt or (faint and stop > AT_HORIZON), gauss)
             tame = miss <= promise * (held + small * (size + whole))
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from

@@ -27,7 +27,7 @@ from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.records import Panel, Span
-from symrender.quadrature.split_line import broken_rim, integrate_cells, kinked, lobe_density, tail_error
+from symrender.quadrature.split_line import across_error, broken_rim, integrate_cells, kinked, lobe_density
 from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -45,6 +45,10 @@ MAX_KINKED = 5
 """Most lines of a panel with events inside, before it is cut there."""
 SPARE = 8
 """Panels kept for the spans at hand when no others are cut: each adds one at most, and none is lost."""
+FELT_ROOT = 0.1
+"""Share of a panel's length from which on a square root beyond its end is left to the error estimate."""
+WEAK = 0.25
+"""Share of a panel's last coefficients that what is weak is taken to hold."""
 SAFETY = 4.0
 """Error reported over the sum of the panels' estimates."""
 
@@ -64,6 +68,21 @@ def azimuth(u: float, a: float, b: float, kind_a: float, kind_b: float) -> tuple
     if kind_b == ROOT:
         return b - length * (1.0 - u) * (1.0 - u), 2.0 * length * (1.0 - u)
     return a + length * u, length
+
+
+@inlined
+def panel_azimuth(u: float, p: Panel) -> tuple[float, float]:
+    """``azimuth`` of a panel, whose map begins where its square roots do."""
+    first, last = p.roots[0], p.roots[1]
+    if first == 0.0 and last == 0.0:
+        return azimuth(u, p.ends[0], p.ends[1], p.kinds[0], p.kinds[1])
+    a, b = p.ends[0] - first, p.ends[1] + last
+    low, high = math.sqrt(first / (b - a)), 1.0 - math.sqrt(last / (b - a))
+    if p.kinds[0] == ROOT and p.kinds[1] == ROOT:
+        half = 0.5 * math.pi
+        low, high = math.asin(low) / half, math.acos(1.0 - high) / half
+    phi, slope = azimuth(low + (high - low) * u, a, b, p.kinds[0], p.kinds[1])
+    return phi, slope * (high - low)
 
 
 @jitable
@@ -106,6 +125,18 @@ def branch_sum(
 
 
 @inlined
+def spot_sum(weak: int, work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
+    """Smallest ``ellipse_sum`` of the chart's spots, of the weak ones or of the others; inf where there are none."""
+    best, spots = math.inf, work.spots
+    for i in range(work.counts.spots):
+        if spots[i].weak == weak:
+            away = spots[i].azimuth - 0.5 * (a + b)
+            away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+            best = min(best, ellipse_sum(0.5 * (a + b) + away, spots[i].depth, a, b, kind_a, kind_b))
+    return best
+
+
+@inlined
 def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
     """log rho that decides a panel's node counts."""
     chart = work.chart
@@ -119,10 +150,7 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
         # its excess over 1 is the square of what lies off the line
         highlight = 1.0 + 0.5 * (highlight - 1.0)
     best = min(best, highlight)
-    for i in range(work.counts.spots):
-        away = work.spots[i].azimuth - 0.5 * (a + b)
-        away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-        best = min(best, ellipse_sum(0.5 * (a + b) + away, work.spots[i].depth, a, b, kind_a, kind_b))
+    best = min(best, spot_sum(0, work, a, b, kind_a, kind_b))
     middle, offset, depth = tangent_lines(chart.lobe_sin, 0.0, chart.rim_sin)
     best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
     for i in range(work.counts.walls):
@@ -162,6 +190,7 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
     if n < panels.shape[0]:
         p = panels[n]
         p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.step = a, b, kind_a, kind_b, -1
+        p.roots[0] = p.roots[1] = 0.0
         p.value[0] = p.value[1] = p.value[2] = 0.0
         p.bound = p.error = panel_bound(a, b, work.chart)
         p.inside = p.settled = 0
@@ -173,6 +202,8 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
             # a rim or a wall that sweeps over a highlight narrow along the lines hides it within less
             p.glare = max(p.glare, MAX_KINKED if work.chart.clipped != 0.0 else MAX_FIRST + 1)
         p.log_rho = panel_log(work, a, b, kind_a, kind_b)
+        rho = spot_sum(1, work, a, b, kind_a, kind_b)
+        p.slow = math.log(rho + math.sqrt(max(0.0, rho * rho - 1.0))) if rho < math.inf else math.inf
     return n + 1
 
 
@@ -357,7 +388,7 @@ def evaluate_panel(
     with a kink inside they fall slowly, and the last ones themselves are the error. Where the budget ends first the
     error is inf, and what the panel held before stands.
     """
-    a, b, ka, kb = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
+    a, b = p.ends[0], p.ends[1]
     n = panel_order(step, p.log_rho)
     if step == 1 and p.inside > 0.0:
         # kinks decide, not how far off the integrand is tame between them
@@ -377,7 +408,7 @@ def evaluate_panel(
     while e < many and events[e].azimuth <= a + margin:
         e += 1
     for q in range(n + 1):
-        phi, slope = (b - margin, 0.0) if q == n else azimuth(gauss[0, base + q], a, b, ka, kb)
+        phi, slope = (b - margin, 0.0) if q == n else panel_azimuth(gauss[0, base + q], p)
         first, inside = phi, 0
         while e < many and events[e].azimuth < phi:
             if inside == 0:
@@ -429,7 +460,7 @@ def evaluate_panel(
         lower2 += t * line[2]
     last = max(abs(last0), abs(last1), abs(last2))
     before = max(abs(before0), abs(before1), abs(before2))
-    middle = max(abs(middle0), abs(middle1), abs(middle2), abs(lower0), abs(lower1), abs(lower2))
+    middle, lower = max(abs(middle0), abs(middle1), abs(middle2)), max(abs(lower0), abs(lower1), abs(lower2))
     size = out[4]
     if step == 0:
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there
@@ -439,10 +470,11 @@ def evaluate_panel(
     elif out[5] > 0.0 or foreign == foreign:
         error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
     else:
-        known = max(last, 0.5 * before) * math.exp(-(n + 1) * p.log_rho)
+        top = max(last, 0.5 * before)
+        known = max(top * math.exp(-(n + 1) * p.log_rho), WEAK * top * math.exp(-(n + 1) * p.slow))
         if kinked(view) or broken_rim(work.chart):
             known = max(known, last, 0.5 * before)
-        error = 2.0 * max(tail_error(n, last, before, middle, size, p.log_rho), known)
+        error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
     for i in range(view.points.shape[0]):
         if view.points[i].radius > 0.0:
             # the rules over a disk light keep to the panel's level and err alike on every line
@@ -482,22 +514,30 @@ def inside(p: Panel, events: Table[Event], many: int) -> int:
 def cut_panel(
     p: Panel, i: int, events: Table[Event], many: int, work: Work, panels: Table[Panel], n: int
 ) -> int:  # fmt: skip
-    """Cut panel ``i`` at the events inside it; new count."""
-    start, kind = p.ends[0], p.kinds[0]
-    stop, last = p.ends[1], p.kinds[1]
+    """Cut panel ``i`` at the events inside it; new count.
+
+    A square root at an end of the whole is felt in all parts that are not short beside their distance from it.
+    """
+    start, stop, first_kind, last_kind = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
+    left, right = start - p.roots[0], stop + p.roots[1]
     mean, first = p.per_radian, n
     margin = 1e-9 * (stop - start)
-    slot = i
-    for e in range(many):
-        phi = events[e].azimuth
-        if phi > start + margin and phi < stop - margin:
-            if slot == i:
-                add_panel(panels, i, start, phi, kind, SMOOTH, work)
-            else:
-                n = add_panel(panels, n, start, phi, kind, SMOOTH, work)
-            slot = n
-            start, kind = phi, SMOOTH
-    n = add_panel(panels, n, start, stop, kind, last, work)
+    slot, begin = i, start
+    for e in range(many + 1):
+        phi = events[e].azimuth if e < many else stop
+        if e < many and not (phi > begin + margin and phi < stop - margin):
+            continue
+        near, far = begin - left, right - phi
+        kind = first_kind if begin == start or near < FELT_ROOT * (phi - begin) else SMOOTH
+        end_kind = last_kind if phi == stop or far < FELT_ROOT * (phi - begin) else SMOOTH
+        if slot == i:
+            add_panel(panels, i, begin, phi, kind, end_kind, work)
+        else:
+            n = add_panel(panels, n, begin, phi, kind, end_kind, work)
+        if slot < panels.shape[0]:
+            panels[slot].roots[0] = near if kind == ROOT else 0.0
+            panels[slot].roots[1] = far if end_kind == ROOT else 0.0
+        slot, begin = n, phi
     panels[i].per_radian = mean
     for k in range(first, min(n, panels.shape[0])):
         panels[k].per_radian = mean
@@ -591,8 +631,10 @@ def split_chart(
                 middle = highlight_end(p.ends[0], p.ends[1], work)
                 right, kind = p.ends[1], p.kinds[1]
                 left, left_kind = p.ends[0], p.kinds[0]
+                near, far = p.roots[0], p.roots[1]
                 add_panel(panels, i, left, middle, left_kind, SMOOTH, work)
                 n = add_panel(panels, n, middle, right, SMOOTH, kind, work)
+                p.roots[0], panels[n - 1].roots[1] = near, far
                 continue
             foreign = evaluate_panel(p, need, view, work, gauss, events, m, out, scratch)
             if out[3] == math.inf:

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.rooms import carry, enter_room, turn
+from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.split_line import NEAR_LIGHT
 from symrender.records import Table
-from symrender.scene.arrays import MARBLE
+from symrender.scene.arrays import EYE, MARBLE
 from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
@@ -26,6 +27,8 @@ NEAR_TANGENT: Final = 2
 """A piece too thin to be cut further stayed unresolved; the error estimate bounds it."""
 UNSUPPORTED: Final = 3
 """The point lies inside another sphere; no value is given and the error is infinite."""
+HARD_BY: Final = 0.1
+"""Depth below which what the line integral does beside the horizon end of a circle is told in the error."""
 
 
 @jitable
@@ -96,7 +99,7 @@ def sphere_strips(j: int, n: float, view: View, work: Work) -> None:
             across, level = 2.0 * radius * math.hypot(u, v), radius * radius + far2
             if across > 0.0:
                 ratio = math.sqrt(max(0.0, (level - along) * (level + along))) / across
-                add_spot_at(math.atan2(v, u), math.acosh(max(1.0, ratio)), work)
+                add_spot_at(math.atan2(v, u), math.acosh(max(1.0, ratio)), 0, work)
 
 
 @inlined
@@ -104,16 +107,17 @@ def add_spot(x: float, y: float, depth: float, work: Work) -> None:
     """Note that the floor's integrand is tame only so far off the real azimuths towards (x, y) from the foot."""
     chart = work.chart
     if x * x + y * y > 0.0:
-        add_spot_at(math.atan2(x * chart.e2[0] + y * chart.e2[1], x * chart.e1[0] + y * chart.e1[1]), depth, work)
+        add_spot_at(math.atan2(x * chart.e2[0] + y * chart.e2[1], x * chart.e1[0] + y * chart.e1[1]), depth, 0, work)
 
 
 @inlined
-def add_spot_at(phi: float, depth: float, work: Work) -> None:
+def add_spot_at(phi: float, depth: float, weak: int, work: Work) -> None:
     """Note that the chart's integrand is tame only so far off the real azimuth ``phi``."""
     k = work.counts.spots
     if k < work.spots.shape[0]:
         work.spots[k].azimuth = phi
         work.spots[k].depth = depth
+        work.spots[k].weak = weak
         work.counts.spots += 1
 
 
@@ -149,11 +153,52 @@ def floor_spots(view: View, work: Work) -> None:
 
 
 @inlined
+def wide_spots(a0: float, a1: float, a2: float, cosine: float, view: View, work: Work) -> None:
+    """Note where a light or the eye makes the line integral vary beside the horizon end of a circle of directions.
+
+    Towards the horizon the circle's place on the floor runs off like r = K/(phi_0 - phi), so what varies over the
+    distance of a light, in front by ``along`` and off by ``off``, does so about phi_0 - K/(along +- i off): hard by
+    phi_0 where the point is low.
+    """
+    chart, rho = work.chart, math.hypot(a1, a2)
+    if not abs(cosine) < rho:
+        return
+    middle, offset = math.atan2(a2, a1), math.acos(cosine / rho)
+    for branch in range(2):
+        phi = middle + (offset if branch == 0 else -offset)
+        slope = a1 * math.sin(phi) - a2 * math.cos(phi)
+        if slope == 0.0:
+            continue
+        far = -chart.height * a0 / slope
+        c, s = math.cos(phi), math.sin(phi)
+        ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
+        for i in range(view.points.shape[0] + 1):
+            if i < view.points.shape[0]:
+                x, y, z = view.points[i].position[0], view.points[i].position[1], view.points[i].position[2]
+            elif view.shading.highlight_view == EYE and view.shading.ks > 0.0:
+                x, y, z = view.eye[0], view.eye[1], view.eye[2]
+            else:
+                continue
+            x, y = x - chart.point[0], y - chart.point[1]
+            along, far2 = x * ex + y * ey, x * x + y * y + z * z
+            if not z > 0.0 or far2 == 0.0:
+                continue
+            depth = abs(far) * math.sqrt(max(0.0, far2 - along * along)) / far2
+            if depth < HARD_BY:
+                add_spot_at(phi - far * along / far2, depth, 1, work)
+
+
+@inlined
 def floor_strips(n: float, view: View, work: Work) -> None:
     """The same of the floor's chart; then its mean albedo."""
     chart = work.chart
     work.counts.spots = 0
     floor_spots(view, work)
+    wide_spots(chart.lobe_cos, chart.lobe_sin, 0.0, chart.rim_cos, view, work)
+    for i in range(min(work.counts.walls, work.walls.shape[0])):
+        row = work.walls[i]
+        if row.kind == DIRECTION:
+            wide_spots(row.axis[0], row.axis[1], row.axis[2], row.cos, view, work)
     chart.strip_along = min(0.3, 1.4 / math.sqrt(n + 1e-9))
     chart.strip_across = min(0.5, 1.4 / math.sqrt(n * math.sin(chart.lobe_beta) + 1e-9))
     for a in range(3):

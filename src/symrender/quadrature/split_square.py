@@ -20,7 +20,7 @@ from symrender.quadrature.node_rows import (
     whole_vectors,
 )
 from symrender.quadrature.records import Conic
-from symrender.quadrature.split_line import SOFT_LOG, tail_error
+from symrender.quadrature.split_line import SOFT_LOG, across_error, tail_error
 from symrender.quadrature.split_panel import azimuth
 from symrender.records import Table
 
@@ -338,8 +338,7 @@ def strip_integral(
     if m > 0:
         add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
     x = span / (b - a)
-    middle = max(abs(sums[4]), abs(sums[5]))
-    along_y = tail_error(n, sums[2], sums[3], middle, sums[0], math.log(x + math.sqrt(1.0 + x * x)))
+    along_y = across_error(n, sums[2], sums[3], sums[4], sums[5], sums[0], math.log(x + math.sqrt(1.0 + x * x)))
     out[6] = sums[1] + 2.0 * along_y
     return math.nan
 

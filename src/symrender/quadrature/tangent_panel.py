@@ -35,7 +35,7 @@ from symrender.quadrature.records import Panel, Span
 from symrender.quadrature.split_line import kinked, tail_error
 from symrender.quadrature.split_panel import (
     add_panel,
-    azimuth,
+    panel_azimuth,
     panel_log,
     split_span,
 )
@@ -115,7 +115,7 @@ def panel_adjoint(
     base = n * (n - 1) // 2
     signature = 0
     for q in range(n):
-        phi, slope = azimuth(gauss[0, base + q], p.ends[0], p.ends[1], p.kinds[0], p.kinds[1])
+        phi, slope = panel_azimuth(gauss[0, base + q], p)
         found = scan_line(phi, view, work, scratch)
         if q == 0:
             signature = found
