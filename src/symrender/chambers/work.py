@@ -37,6 +37,10 @@ PENDING: Final = 3 * NODES
 """Rows for pieces of lines that wait to be evaluated."""
 
 
+CHORD_ROOM: Final = 94
+"""Rows for the frame of a disk and its halved chords and panels."""
+
+
 class View(NamedTuple):
     """What kernels read of a scene: its records, with lights replaced by points. ``eye`` is (3,)."""
 
@@ -71,6 +75,7 @@ class Work(NamedTuple):
     curves: Table[Curve]
     turns: Array
     breaks: Array
+    chords: Array
     spots: Table[Spot]
     highlights: Table[Highlight]
     boxes: Table[Box]
@@ -132,6 +137,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         curves=table(Curve, 2 * spheres + 6),
         turns=np.zeros(64),
         breaks=np.zeros(64),
+        chords=np.zeros((CHORD_ROOM, 5)),
         frame=np.zeros((3, 3)),
         quadric=np.zeros((6, 5)),
         circles=table(Wall, 2),

@@ -219,7 +219,7 @@ def place_nodes(
     """Make ``row`` of the stack the piece at hand of this number, with ``n`` nodes from node ``m`` on."""
     b, at = work.nodes, work.pieces[piece]
     work.pieces[piece] = row
-    at.first, at.count, at.log_rho = m, n, log_rho
+    at.first, at.count, at.log_rho, at.doubt = m, n, log_rho, 0.0
     base = n * (n - 1) // 2
     length = row.stop - row.start
     for q in range(n):
@@ -432,5 +432,5 @@ def integrate_cells(
                 green += b.radiance[1, i]
                 blue += b.radiance[2, i]
             size += held
-            error += miss
+            error += miss + row.doubt
     out[0], out[1], out[2], out[3], out[4], out[5] = red, green, blue, size, error, peak
