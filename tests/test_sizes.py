@@ -29,7 +29,6 @@ DUE = frozenset(
         "quadrature/disk_arcs.py::arc_term",
         "quadrature/disk_arcs.py::boundary_sums",
         "quadrature/disk_chords.py::chord_term",
-        "quadrature/disk_direct.py::direct_kernel",
         "quadrature/disk_direct.py::toleranced",
         "quadrature/disk_node.py::is_tame",
         "quadrature/disk_node.py::node_term",
