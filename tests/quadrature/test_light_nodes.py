@@ -8,9 +8,18 @@ import pytest
 from symrender.chambers.labels import DARK, GLINT, LIT, PARTLY
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Work, scene_view, work_arrays
+from symrender.quadrature.disk_node import node_term
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import gauss_table
-from symrender.quadrature.light_nodes import disk_light, mark_states, piece_level, point_light
+from symrender.quadrature.light_nodes import (
+    KINDS,
+    NARROW_KIND,
+    UNFELT_KIND,
+    disk_light,
+    mark_states,
+    piece_rule,
+    point_light,
+)
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.light_term import light_term
 from symrender.records import table
@@ -119,8 +128,8 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
     levels = set()
     for i, state in enumerate(states):
         own_piece(work, i, 5, state)
-        levels.add(piece_level(work.pieces[i], light[0], phong, shininess, ks != 0.0, step, work.nodes))
-    assert len(levels) == 1 and light[0].radius > 0.0
+        levels.add(piece_rule(work.pieces[i], light[0], ks != 0.0, step, 0.0, view, work.nodes))
+    assert len(levels) == 1 and min(levels) >= 0 and light[0].radius > 0.0
     disk_light(0, len(states), step, ks, view, work, TABLE)
     found = sums(work)
     expected = np.zeros((USED, 3))
@@ -128,7 +137,7 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
         state = states[i // 5]
         if state == DARK:
             continue
-        cosine, gleam = disk_term(
+        cosine, gleam, _ = node_term(
             0, state, *places[i], *normals[i], *views[i], step, ks != 0.0, view, work_like(work), TABLE
         )
         expected[i] = light[0].color * (factors[i] * cosine * (state != GLINT) + ks * gleam)
@@ -147,12 +156,26 @@ def work_like(work: Work) -> Work:
 
 
 def test_the_nearest_node_of_a_piece_chooses_its_rule() -> None:
-    light = light_rows(scene_arrays(load("penumbra")), 0)[0]
-    work = work_arrays(1, 1)
+    a = scene_arrays(load("penumbra"))
+    light = light_rows(a, 0)
+    p = light[0]
+    view, work = scene_view(a, light), work_arrays(1, 1)
     far = np.array([[0.0, 0.0, 0.0], [30.0, 30.0, 0.0]])
     fill(work.nodes.place, far)
     pieces = work.pieces
     pieces["first"][:3], pieces["count"][:3] = (0, 1, 0), (1, 1, 2)
-    levels = [piece_level(pieces[k], light, False, 32.0, False, 5, work.nodes) for k in range(3)]
-    assert levels[0] == levels[2] > levels[1]
-    assert piece_level(pieces[0], light, False, 1000.0, True, 5, work.nodes) > levels[0]
+    levels = [piece_rule(pieces[k], p, False, 5, 1e-9, view, work.nodes) for k in range(3)]
+    assert levels[0] == levels[2] > levels[1] >= 0
+    # a highlight narrower than the disk, felt where the mirror image of the view meets it
+    a.shading.shininess = 400.0
+    towards = (p.position - far) / np.linalg.norm(p.position - far, axis=1)[:, None]
+    aside = np.cross(towards, [0.0, 0.0, 1.0]) / np.linalg.norm(np.cross(towards, [0.0, 0.0, 1.0]), axis=1)[:, None]
+    fill(work.nodes.normal, towards)
+    fill(work.nodes.toward, towards)
+    narrow = piece_rule(pieces[0], p, True, 5, 1e-9, view, work.nodes)
+    assert narrow // KINDS == NARROW_KIND and narrow % KINDS > levels[0]
+    fill(work.nodes.toward, aside)
+    assert piece_rule(pieces[0], p, True, 5, 1e-9, view, work.nodes) == levels[0] + KINDS * UNFELT_KIND
+    # beside the disk every node is asked for itself
+    fill(work.nodes.place, np.array([p.position + p.radius * p.e1, p.position + 0.1 * p.radius * p.axis]))
+    assert [piece_rule(pieces[k], p, False, 5, 1e-9, view, work.nodes) for k in range(3)] == [-1, -1, -1]

@@ -95,13 +95,26 @@ def least(
     cosines = (1.0, h, 0.0, -h, -1.0, -h, 0.0, h)
     sines = (0.0, h, 1.0, h, 0.0, -h, -1.0, -h)
     best, bc, bs = math.inf, 1.0, 0.0
-    before, here = circle_level(k0, k1, k2, k11, k12, k22, m, q1, q2, sign, h, -h), circle_level(
-        k0, k1, k2, k11, k12, k22, m, q1, q2, sign, 1.0, 0.0
-    )  # fmt: skip
+    even, lean, x, y = k0 + 0.5 * (k11 + k22), k12, h * (k1 + k2), h * (k1 - k2)
+    first, second = k0 + k11, k0 + k22
+    a0, a1, a2, a3 = first + k1, even + lean + x, second + k2, even - lean - y
+    a4, a5, a6, a7 = first - k1, even + lean - x, second - k2, even - lean + y
+    size = abs(q1) + abs(q2)
+    if m < size:
+        # some of the circle is behind Q
+        v, w = h * (q1 + q2), h * (q1 - q2)
+        a0 += 2.0 * min(0.0, m + q1) ** 2
+        a1 += 2.0 * min(0.0, m + v) ** 2
+        a2 += 2.0 * min(0.0, m + q2) ** 2
+        a3 += 2.0 * min(0.0, m - w) ** 2
+        a4 += 2.0 * min(0.0, m - q1) ** 2
+        a5 += 2.0 * min(0.0, m - v) ** 2
+        a6 += 2.0 * min(0.0, m - q2) ** 2
+        a7 += 2.0 * min(0.0, m + w) ** 2
+    levels = (a0, a1, a2, a3, a4, a5, a6, a7)
+    before, here = sign * a7, sign * a0
     for k in range(8):
-        after = circle_level(
-            k0, k1, k2, k11, k12, k22, m, q1, q2, sign, cosines[(k + 1) % 8], sines[(k + 1) % 8]
-        )  # fmt: skip
+        after = sign * levels[(k + 1) % 8]
         if here <= before and here <= after:
             c, s = cosines[k], sines[k]
             for _ in range(10):

@@ -71,6 +71,8 @@ class Chart(Record):
     """Mean albedo of the floor's fields."""
     limb_tangent: float
     """tan of half the limb's angle at the centre, tan(gamma_max/2)."""
+    fine: float
+    """Tolerance of a mean over a disk at one node: of highlight and cosine, both at most 1."""
     bright: float
     """No radiance of the charted shape differs from the background by more; ``UNBOUNDED`` if nobody asked."""
     lens_cos: float
@@ -301,6 +303,8 @@ class Piece(Record):
     """1 where a disk light ends at one of the cell's walls."""
     line: int
     """In a square, the number of its line."""
+    doubt: float
+    """What its disks' refined rules may be off, in its integral."""
 
 
 class Curve(Record):

@@ -40,6 +40,10 @@ PENDING: Final = 3 * NODES
 """Rows for pieces of lines that wait to be evaluated."""
 
 
+CHORD_ROOM: Final = 94
+"""Rows for the frame of a disk and its halved chords and panels."""
+
+
 class View(NamedTuple):
     """What kernels read of a scene: its records, with lights replaced by points. ``eye`` is (3,).
 
@@ -94,6 +98,7 @@ class Work(NamedTuple):
     curves: Table[Curve]
     turns: Array
     breaks: Array
+    chords: Array
     spots: Table[Spot]
     highlights: Table[Highlight]
     boxes: Table[Box]
@@ -216,9 +221,10 @@ def work_arrays(spheres: int, points: int) -> Work:
         bernstein=np.zeros(5),
         stack=np.zeros((64, 7)),
         quartic=np.zeros(8),
-        curves=table(Curve, 2 * spheres + 6),
+        curves=table(Curve, 2 * spheres + 6 + MAX_PLANES),
         turns=np.zeros(64),
         breaks=np.zeros(64),
+        chords=np.zeros((CHORD_ROOM, 5)),
         frame=np.zeros((3, 3)),
         quadric=np.zeros((6, 5)),
         circles=table(Wall, 2),

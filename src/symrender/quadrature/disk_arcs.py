@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from symrender.chambers.records import NODES, Curve, LightPoint, Nodes
 from symrender.chambers.roots import quadratic_roots
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_curves import (
     CONE,
     LINE,
@@ -33,7 +33,7 @@ from symrender.quadrature.disk_points import (
     clear_sums,
     weighed_sums,
 )
-from symrender.quadrature.gauss import fitting
+from symrender.quadrature.gauss import LEVELS, MAX_ORDER, fitting
 from symrender.quadrature.node_rows import whole_vectors
 from symrender.records import Table
 
@@ -42,7 +42,9 @@ Array = npt.NDArray[np.float64]
 ARC: Final = 1.6
 """Longest piece of an arc, in its angle, that one rule serves."""
 ARC_LOG: Final = 2.0
-"""log rho that decides the number of nodes of such a piece."""
+"""log rho that decides the number of nodes of such a piece,"""
+ROUND_LOG: Final = 1.6
+"""unless that of the disk's chords is less than this: an arc is about as long as half a chord or a whole one."""
 
 
 @jitable
@@ -77,6 +79,22 @@ def radial_log(log_rho: float) -> float:
     far = math.exp(log_rho)
     x = far + 1.0 / far - 1.0
     return math.log(x + math.sqrt(x * x - 1.0))
+
+
+@inlined
+def arc_log(log_rho: float) -> float:
+    """log rho of a piece of an arc, of what is tame within ``log_rho`` about a chord."""
+    return ARC_LOG if log_rho >= ROUND_LOG else log_rho
+
+
+@inlined
+def parts_of(step: int, log_rho: float) -> tuple[int, float]:
+    """Equal parts of a stretch for one rule each of at most ``MAX_ORDER`` nodes, and their log rho."""
+    parts = max(1, math.ceil(0.5 * LEVELS[step] / (MAX_ORDER * log_rho)))
+    if parts == 1:
+        return 1, log_rho
+    y = parts * math.sinh(log_rho)
+    return parts, math.log(y + math.sqrt(1.0 + y * y))
 
 
 @jitable
@@ -231,15 +249,16 @@ def stretch(start: int, stop: int, curve: int, middle: float, curves: Table[Curv
 @jitable
 def boundary_sums(
     m: int, p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
-    float, inner: int, phong: bool, shininess: float, gleaming: bool, b: Nodes, gauss: Array,
+    float, inner: int, parts: int, phong: bool, shininess: float, gleaming: bool, b: Nodes, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """Sums of shares times M(x) = int_0^1 f(s x) s ds over the ``m`` points listed."""
+    """Sums of shares times M(x) = int_0^1 f(s x) s ds over the ``m`` points listed, s in equal parts."""
     start = inner * (inner - 1) // 2
     clear_sums(0, whole_vectors(m), b)
-    for r in range(inner):
-        s = gauss[0, start + r]
+    for k in range(inner * parts):
+        r = k % inner
+        s = (k // inner + gauss[0, start + r]) / parts
         add_points(
-            m, s, s * gauss[1, start + r], p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, b
+            m, s, s * gauss[1, start + r] / parts, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, b
         )  # fmt: skip
     return weighed_sums(m, b)
 
@@ -254,7 +273,9 @@ def arc_term(
 
     The disk's centre is at offset y. Without ``gleaming`` the second is 0.
     """
-    nodes, inner = fitting(step, ARC_LOG), fitting(step, radial_log(log_rho))
+    finer, log_piece = parts_of(step, arc_log(log_rho))
+    parts, log_part = parts_of(step, radial_log(log_rho))
+    nodes, inner = fitting(step, log_piece), fitting(step, log_part)
     cosine, gleam = 0.0, 0.0
     m = 0
     for curve in range(-1, n):
@@ -271,19 +292,24 @@ def arc_term(
             sense = arc_side(curve, 0.5 * (low + high), n, curves)
             if sense == 0.0:
                 continue
-            pieces = math.ceil((high - low) / ARC) if closed else 1
+            pieces = finer * math.ceil((high - low) / ARC) if closed else finer
             length = (high - low) / pieces
-            if m + pieces * nodes > MOST_POINTS:
-                d, h = boundary_sums(
-                    m, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, inner, phong, shininess, gleaming, b, gauss
-                )  # fmt: skip
-                cosine, gleam, m = cosine + d, gleam + h, 0
-            first = m
-            for piece in range(pieces):
-                m = place_piece(m, low + length * piece, length, sense, nodes, b, gauss)
-            if closed:
-                bend(first, first + whole_vectors(m - first), curve, curves, b)
-            else:
-                stretch(first, first + whole_vectors(m - first), curve, 0.5 * (low + high), curves, b)
-    d, h = boundary_sums(m, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, inner, phong, shininess, gleaming, b, gauss)
+            placed = 0
+            while placed < pieces:
+                # a line's pieces one by one, those of an arc together if they have room
+                more = 1 if not closed else min(pieces - placed, MOST_POINTS // nodes)
+                if m + more * nodes > MOST_POINTS:
+                    d, h = boundary_sums(
+                        m, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, inner, parts, phong, shininess, gleaming, b, gauss
+                    )  # fmt: skip
+                    cosine, gleam, m = cosine + d, gleam + h, 0
+                first = m
+                for piece in range(placed, placed + more):
+                    m = place_piece(m, low + length * piece, length, sense, nodes, b, gauss)
+                if closed:
+                    bend(first, first + whole_vectors(m - first), curve, curves, b)
+                else:
+                    stretch(first, first + whole_vectors(m - first), curve, low + length * (placed + 0.5), curves, b)
+                placed += more
+    d, h = boundary_sums(m, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, inner, parts, phong, shininess, gleaming, b, gauss)
     return (cosine + d) / math.pi, (gleam + h) / math.pi

@@ -188,7 +188,7 @@ def chord_term(
     for k in range(n):
         count = place_events(work.curves[k], work.breaks, events, count)
     count = place_crossings(n, work, events, count)
-    chords, nodes = min(MAX_ORDER, order(step, CHORD_LOG)), min(MAX_ORDER, order(step, log_rho))
+    chords, nodes = min(MAX_ORDER, order(step, min(CHORD_LOG, log_rho))), min(MAX_ORDER, order(step, log_rho))
     base, inner = chords * (chords - 1) // 2, nodes * (nodes - 1) // 2
     for e in range(count - 1):
         b0, b1 = events[e], events[e + 1]

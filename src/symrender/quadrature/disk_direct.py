@@ -10,25 +10,17 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, PARTLY, light_state
-from symrender.chambers.records import LightPoint
 from symrender.chambers.rooms import carry, enter_room, frame_view, turn
-from symrender.chambers.work import Frames, View, Work, scene_frames, scene_view, work_arrays
+from symrender.chambers.work import Frames, View, Work, begin_counts, scene_frames, scene_view, work_arrays
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature.disk_curves import (
-    BALL,
-    EDGE_ON,
-    TERMINATOR,
-    disk_curves,
-    elevation,
-    trig_roots,
-)
-from symrender.quadrature.disk_refined import DULL, ROOM, SAFETY, edge_curve, refined_term
-from symrender.quadrature.disk_term import disk_log
+from symrender.quadrature.disk_curves import TERMINATOR, disk_curves
+from symrender.quadrature.disk_node import TAME_LOG, chorded, is_tame
+from symrender.quadrature.disk_refined import SAFETY, refined_term
 from symrender.quadrature.disk_term import disk_term as mean_over_disk
 from symrender.quadrature.gauss import LEVELS, gauss_table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_line import kinked
-from symrender.scene.arrays import FIRST_SPHERE, OPEN, PHONG, SceneArrays
+from symrender.scene.arrays import FIRST_SPHERE, OPEN, SceneArrays
 from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
@@ -38,8 +30,8 @@ KINKED_STEPS: Final = 3
 """Steps between the two orders compared where a kink may lie in the disk."""
 KINKED_SAFETY: Final = 3.0
 """Error stated there over the change between them: it falls with a power of the order only."""
-TAME_LOG: Final = 1.2
-"""log rho of a disk and its highlight down to which rules of fixed orders are asked at all."""
+MOST_LABOUR: Final = 1 << 40
+"""A pixel's disks end by their own limits."""
 ROUNDING: Final = 1e-14
 """Relative error that doubles leave, of the light of a whole disk."""
 
@@ -94,37 +86,9 @@ def compared_step(step: int, finer: int, view: View) -> int:
 
 
 @jitable
-def is_tame(
-    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
-    float, gleaming: bool, view: View, work: Work,
-) -> bool:  # fmt: skip
-    """Whether rules of fixed orders serve a disk cut by the ``n`` curves listed: no chords, no narrow highlight.
-
-    Nor one that ends within the disk at a shininess where that is felt.
-    """
-    if elevation(p, yx, yy, yz) < EDGE_ON:
-        return False
-    for k in range(n):
-        if work.curves[k].bounds >= BALL:
-            return False
-    if not gleaming:
-        return True
-    phong, shininess, opened = view.shading.model == PHONG, view.shading.shininess, view.shading.terminator == OPEN
-    if disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p.radius, phong, shininess) < TAME_LOG:
-        return False
-    if shininess >= DULL or shininess == 0.0 or not (phong or opened) or n >= work.curves.shape[0]:
-        return True
-    if not phong:
-        return False
-    row = work.curves[n]
-    edge_curve(row, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong)
-    return trig_roots(row.k0, row.k1, row.k2, row.k11, row.k12, row.k22, work.breaks, 0) == 0
-
-
-@jitable
 def toleranced(
     i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
-    vz: float, step: int, lambert: float, shine: float, tol: float, view: View, work: Work, table: Array, room: Array,
+    vz: float, step: int, lambert: float, shine: float, tol: float, view: View, work: Work, table: Array,
 ) -> tuple[float, float, float]:  # fmt: skip
     """(mean of V max(0, N.l), mean of V s, error of lambert times the first plus shine times the second) of a disk.
 
@@ -138,7 +102,7 @@ def toleranced(
         n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
     if n < 0:
         return 0.0, 0.0, 0.0
-    if is_tame(p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, gleaming, view, work):
+    if not chorded(p, n, yx, yy, yz, work) and is_tame(p, yx, yy, yz, nx, ny, nz, vx, vy, vz, gleaming, TAME_LOG, view):
         first, second = compared_step(step, 0, view), compared_step(step, 1, view)
         d0, s0 = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, first, gleaming, view, work, table)
         d, s = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, second, gleaming, view, work, table)
@@ -153,14 +117,13 @@ def toleranced(
     share = tol / max(1e-300, lambert + shine)
     d, s, e = refined_term(
         p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, gleaming, min(0.1, 0.1 * share), view, work, table,
-        room,
     )  # fmt: skip
     return d, s, (lambert + shine) * e
 
 
 def direct_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, step: int, tol: float, view: View,
-    work: Work, table: Array, room: Array, framed: Array, frames: Frames, direct: Array, error: Array,
+    work: Work, table: Array, framed: Array, frames: Frames, direct: Array, error: Array,
 ) -> None:  # fmt: skip
     """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``. ``framed`` (3, 3) is scratch."""
     for k in range(points.shape[0]):
@@ -168,7 +131,7 @@ def direct_kernel(
         if home < 0:
             j = surface[k] - FIRST_SPHERE
             error[k] = disks_at(
-                points[k], normals[k], incoming[k], j, home, albedo[k], step, tol, view, work, table, room, direct[k]
+                points[k], normals[k], incoming[k], j, home, albedo[k], step, tol, view, work, table, direct[k]
             )
             continue
         carry(points[k], home, frames, framed[0])
@@ -176,14 +139,14 @@ def direct_kernel(
         turn(incoming[k], home, frames, framed[2])
         error[k] = disks_at(
             framed[0], framed[1], framed[2], -1, home, albedo[k], step, tol, frame_view(home, view, frames), work,
-            table, room, direct[k],
+            table, direct[k],
         )  # fmt: skip
 
 
 @jitable
 def disks_at(
     point: Array, normal: Array, incoming: Array, j: int, home: int, albedo: Array, step: int, tol: float, view: View,
-    work: Work, table: Array, room: Array, direct: Array,
+    work: Work, table: Array, direct: Array,
 ) -> float:  # fmt: skip
     """Add to ``direct`` (3,) what all disks add at a point; the error. ``stand_at`` says where ``j`` and ``home`` are.
 
@@ -201,6 +164,7 @@ def disks_at(
         if inside:
             # a wall of a ball from within is no chart's: no value is claimed
             return math.inf
+        begin_counts(MOST_LABOUR, work)
         cast_by_all(i, j, view, work)
         state = light_state(i, qx, qy, qz, nx, ny, nz, view, work)
         if state == DARK:
@@ -211,7 +175,7 @@ def disks_at(
             lambert = max(lambert, view.shading.kd * albedo[c] * p.color[c])
         d, s, change = toleranced(
             i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, lambert, ks * most, tol / view.points.shape[0],
-            view, work, table, room,
+            view, work, table,
         )  # fmt: skip
         for c in range(3):
             direct[c] += view.shading.kd * albedo[c] * p.color[c] * d + ks * p.color[c] * s
@@ -249,7 +213,7 @@ def disk_direct(
     given = [np.ascontiguousarray(x, dtype=np.float64) for x in (points, normals, incoming)]
     _kernel()(
         *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), disk_step(tol), tol,
-        view, *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), np.zeros((ROOM, 5)),
-        np.zeros((3, 3)), scene_frames(arrays, rows), direct, error,
+        view, *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), np.zeros((3, 3)),
+        scene_frames(arrays, rows), direct, error,
     )  # fmt: skip
     return direct, error

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import Curve, LightPoint
-from symrender.chambers.work import View, Work
-from symrender.kernel_cache import jitable
+from symrender.chambers.work import CHORD_ROOM, View, Work, is_spent
+from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_chords import chord_breaks, place_crossings, place_events, shown, turn_curves
 from symrender.quadrature.disk_curves import EDGE
 from symrender.quadrature.light_term import light_term
@@ -26,9 +26,10 @@ Array = npt.NDArray[np.float64]
 
 ORDER: Final = 8
 """Gauss nodes of a piece."""
-DEEPEST: Final = 44
+DEEPEST: Final = CHORD_ROOM // 2 - 3
 """Halvings after which a piece is taken as it is, its doubt with it."""
-ROOM: Final = 2 + 2 * (DEEPEST + 2)
+SUMS: Final = 3
+"""Rules of a piece that are as dear as a scan line."""
 MOST_CHORDS: Final = 40_000
 """Chords of one disk: no pixel takes longer than some tenths of a second."""
 DULL: Final = 16.0
@@ -37,8 +38,9 @@ SAFETY: Final = 4.0
 """Stated error over what the last halvings changed: beside an end like that of an inverse root it is more than that."""
 BOXES: Final = 8
 """Parts of a chord's panel whose highlight is bounded each."""
-WIDTH: Final = 1.7
-"""Standard widths of a highlight that a piece may be wide where it is felt."""
+WIDTH: Final = 4.0
+"""Standard widths of a highlight that a piece may be wide where it is felt: none of its nodes is then farther than half
+a width from it."""
 
 
 @jitable
@@ -77,7 +79,7 @@ def may_shine(
 ) -> float:  # fmt: skip
     """A bound of the highlight of every light within ``reach`` of the offset (x, y, z) from Q."""
     far = math.sqrt(x * x + y * y + z * z)
-    if far <= reach:
+    if far <= reach or shininess == 0.0:
         return 1.0
     twice = 2.0 * (nx * vx + ny * vy + nz * vz)
     cosine = (x * (twice * nx - vx) + y * (twice * ny - vy) + z * (twice * nz - vz)) / far
@@ -109,21 +111,35 @@ def panel_shines(
     return most
 
 
+@inlined
+def along(u: float, first: float, last: float, bent: bool) -> float:
+    """Place on first..last at u in [0, 1]; ``bent``, for what ends at either end with a power, by sin^2(pi u/2)."""
+    if bent:
+        u = math.sin(0.5 * math.pi * u) ** 2
+    return first + (last - first) * u
+
+
 @jitable
 def piece_sum(
-    a0: float, a1: float, b: float, yx: float, yy: float, yz: float, frame: Array, nx: float, ny: float, nz: float,
-    vx: float, vy: float, vz: float, phong: bool, shininess: float, gauss: Array,
+    u0: float, u1: float, first: float, last: float, bent: bool, b: float, yx: float, yy: float, yz: float, frame:
+    Array, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, phong: bool, shininess: float, gauss:
+    Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """(sum of N.l, sum of s) over a0..a1 of the chord at b, by one rule."""
-    first = ORDER * (ORDER - 1) // 2
+    """(sum of N.l, sum of s) over u0..u1 of first..last, a stretch of the chord at b, by one rule."""
+    base = ORDER * (ORDER - 1) // 2
     cosine, gleam = 0.0, 0.0
+    length = last - first
     for k in range(ORDER):
-        a = a0 + (a1 - a0) * gauss[0, first + k]
+        u = u0 + (u1 - u0) * gauss[0, base + k]
+        w = (u1 - u0) * length * gauss[1, base + k]
+        if bent:
+            su, cu = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
+            u, w = su * su, w * math.pi * su * cu
+        a = first + length * u
         d, s = light_term(
             yx + a * frame[0, 0] + b * frame[1, 0], yy + a * frame[0, 1] + b * frame[1, 1],
             yz + a * frame[0, 2] + b * frame[1, 2], nx, ny, nz, vx, vy, vz, phong, shininess,
         )  # fmt: skip
-        w = (a1 - a0) * gauss[1, first + k]
         cosine += w * d
         gleam += w * s
     return cosine, gleam
@@ -131,18 +147,18 @@ def piece_sum(
 
 @jitable
 def refined_chord(
-    b: float, n: int, lifted: bool, tol: float, apart: float, qx: float, qy: float, qz: float, yx: float, yy: float,
-    yz: float, frame: Array, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, gleaming: bool,
-    view: View, work: Work, gauss: Array, stack: Array,
+    b: float, n: int, lifted: bool, bent: bool, tol: float, apart: float, qx: float, qy: float, qz: float, yx: float,
+    yy: float, yz: float, frame: Array, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, gleaming:
+    bool, view: View, work: Work, gauss: Array, stack: Array,
 ) -> tuple[float, float, float]:  # fmt: skip
     """(sum of N.l, sum of s, doubt) over what is seen of the chord at b.
 
-    ``apart``: the widest piece in which a highlight may be felt.
+    ``apart``: the widest piece in which a highlight may be felt; ``bent``: whether one ends on it (see ``along``).
     """
     phong, shininess, opened = view.shading.model == PHONG, view.shading.shininess, view.shading.terminator == OPEN
     half = math.sqrt(max(0.0, (1.0 - b) * (1.0 + b)))
     pieces = chord_breaks(b, half, n, work) - 1
-    cosine, gleam, doubt = 0.0, 0.0, 0.0
+    cosine, gleam, doubt, sums = 0.0, 0.0, 0.0, SUMS
     for k in range(pieces):
         first, last = work.breaks[k], work.breaks[k + 1]
         if not last > first:
@@ -155,22 +171,30 @@ def refined_chord(
         above = above and lifted
         if not clear or not (above or (opened and gleaming)):
             continue
-        d, s = piece_sum(first, last, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss)
-        stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3], stack[0, 4] = first, last, d, s, 0.0
+        d, s = piece_sum(
+            0.0, 1.0, first, last, bent, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss
+        )  # fmt: skip
+        stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3], stack[0, 4] = 0.0, 1.0, d, s, 0.0
         left = 1
         while left > 0:
             left -= 1
-            a0, a1, d, s, deep = stack[left, 0], stack[left, 1], stack[left, 2], stack[left, 3], stack[left, 4]
-            middle = 0.5 * (a0 + a1)
-            d0, s0 = piece_sum(a0, middle, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss)
-            d1, s1 = piece_sum(middle, a1, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss)
+            sums += 2
+            u0, u1, d, s, deep = stack[left, 0], stack[left, 1], stack[left, 2], stack[left, 3], stack[left, 4]
+            middle = 0.5 * (u0 + u1)
+            d0, s0 = piece_sum(
+                u0, middle, first, last, bent, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss
+            )  # fmt: skip
+            d1, s1 = piece_sum(
+                middle, u1, first, last, bent, b, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess, gauss
+            )  # fmt: skip
             change = (abs(d0 + d1 - d) if above else 0.0) + (abs(s0 + s1 - s) if gleaming else 0.0)
+            a0, a1 = along(u0, first, last, bent), along(u1, first, last, bent)
             narrow = gleaming and a1 - a0 > apart and tol < panel_shines(
                 b, b, a0, a1, 1, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess
             )  # fmt: skip
-            if (narrow or change > tol * (a1 - a0)) and deep < DEEPEST and left + 2 <= stack.shape[0]:
-                stack[left, 0], stack[left, 1], stack[left, 2], stack[left, 3] = a0, middle, d0, s0
-                stack[left + 1, 0], stack[left + 1, 1], stack[left + 1, 2], stack[left + 1, 3] = middle, a1, d1, s1
+            if (narrow or change > tol * (u1 - u0) * (last - first)) and deep < DEEPEST and left + 2 <= stack.shape[0]:
+                stack[left, 0], stack[left, 1], stack[left, 2], stack[left, 3] = u0, middle, d0, s0
+                stack[left + 1, 0], stack[left + 1, 1], stack[left + 1, 2], stack[left + 1, 3] = middle, u1, d1, s1
                 stack[left, 4] = stack[left + 1, 4] = deep + 1.0
                 left += 2
                 continue
@@ -178,14 +202,15 @@ def refined_chord(
             if above:
                 cosine += d0 + d1
             gleam += s0 + s1
+    work.counts.labour += sums // SUMS
     return cosine, gleam, doubt
 
 
 @jitable
 def panel_sum(
-    b0: float, b1: float, c0: float, c1: float, n: int, lifted: bool, tol: float, apart: float, qx: float, qy: float,
-    qz: float, yx: float, yy: float, yz: float, frame: Array, nx: float, ny: float, nz: float, vx: float, vy: float,
-    vz: float, gleaming: bool, view: View, work: Work, gauss: Array, stack: Array,
+    b0: float, b1: float, c0: float, c1: float, n: int, lifted: bool, bent: bool, tol: float, apart: float, qx: float,
+    qy: float, qz: float, yx: float, yy: float, yz: float, frame: Array, nx: float, ny: float, nz: float, vx: float,
+    vy: float, vz: float, gleaming: bool, view: View, work: Work, gauss: Array, stack: Array,
 ) -> tuple[float, float, float]:  # fmt: skip
     """(N.l, s, doubt) of the chords b = b0 + (b1 - b0) sin^2(pi u/2), u from c0 to c1, by one rule."""
     first = ORDER * (ORDER - 1) // 2
@@ -195,8 +220,8 @@ def panel_sum(
         su, cu = math.sin(u), math.cos(u)
         w = gauss[1, first + k] * (c1 - c0) * math.pi * (b1 - b0) * su * cu
         d, s, e = refined_chord(
-            b0 + (b1 - b0) * su * su, n, lifted, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
-            gleaming, view, work, gauss, stack,
+            b0 + (b1 - b0) * su * su, n, lifted, bent, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy,
+            vz, gleaming, view, work, gauss, stack,
         )  # fmt: skip
         cosine += w * d
         gleam += w * s
@@ -207,23 +232,25 @@ def panel_sum(
 @jitable
 def refined_term(
     p: LightPoint, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
-    vy: float, vz: float, gleaming: bool, tol: float, view: View, work: Work, gauss: Array, room: Array,
+    vy: float, vz: float, gleaming: bool, tol: float, view: View, work: Work, gauss: Array,
 ) -> tuple[float, float, float]:  # fmt: skip
     """(mean of V max(0, N.l), mean of V s, error of both) over a disk cut by the ``n`` curves in ``work.curves``.
 
     ``lifted``: the disk is above Q where no terminator says otherwise. ``tol`` is absolute, of the means. The error is
-    ``SAFETY`` times what the last halvings changed; it exceeds ``tol`` where ``MOST_CHORDS`` did not suffice. ``room``
-    is scratch, (``ROOM``, 5).
+    ``SAFETY`` times what the last halvings changed; it exceeds ``tol`` where ``MOST_CHORDS`` or the point's budget did
+    not suffice.
     """
     phong, shininess = view.shading.model == PHONG, view.shading.shininess
     rho = p.radius
     yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
-    if gleaming and shininess < DULL and n < work.curves.shape[0]:
+    bent = gleaming and shininess < DULL and n < work.curves.shape[0]
+    if bent:
         edge_curve(work.curves[n], p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong)
         n += 1
     c, s = 1.0, 0.0
     if n > 0:
         c, s = turn_curves(work.curves, n)
+    room = work.chords
     frame, stack, panels = room[:2], room[2 : 4 + DEEPEST], room[4 + DEEPEST :]
     for k in range(3):
         frame[0, k] = rho * (c * p.e1[k] + s * p.e2[k])
@@ -243,8 +270,8 @@ def refined_term(
         if not b1 > b0:
             continue
         d, h, _ = panel_sum(
-            b0, b1, 0.0, 1.0, n, lifted, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, gleaming,
-            view, work, gauss, stack,
+            b0, b1, 0.0, 1.0, n, lifted, bent, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
+            gleaming, view, work, gauss, stack,
         )  # fmt: skip
         panels[0, 0], panels[0, 1], panels[0, 2], panels[0, 3], panels[0, 4] = 0.0, 1.0, d, h, 0.0
         left = 1
@@ -253,11 +280,11 @@ def refined_term(
             c0, c1, d, h, deep = panels[left, 0], panels[left, 1], panels[left, 2], panels[left, 3], panels[left, 4]
             middle = 0.5 * (c0 + c1)
             d0, h0, e0 = panel_sum(
-                b0, b1, c0, middle, n, lifted, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
+                b0, b1, c0, middle, n, lifted, bent, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
                 gleaming, view, work, gauss, stack,
             )  # fmt: skip
             d1, h1, e1 = panel_sum(
-                b0, b1, middle, c1, n, lifted, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
+                b0, b1, middle, c1, n, lifted, bent, tol, apart, qx, qy, qz, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz,
                 gleaming, view, work, gauss, stack,
             )  # fmt: skip
             chords += 2 * ORDER
@@ -269,7 +296,7 @@ def refined_term(
                 low, high, -wide, wide, BOXES, yx, yy, yz, frame, nx, ny, nz, vx, vy, vz, phong, shininess
             )  # fmt: skip
             if narrow or change > tol * (c1 - c0):
-                if deep < DEEPEST and chords < MOST_CHORDS and left + 2 <= panels.shape[0]:
+                if deep < DEEPEST and chords < MOST_CHORDS and left + 2 <= panels.shape[0] and not is_spent(work):
                     panels[left, 0], panels[left, 1], panels[left, 2], panels[left, 3] = c0, middle, d0, h0
                     panels[left + 1, 0], panels[left + 1, 1] = middle, c1
                     panels[left + 1, 2], panels[left + 1, 3] = d1, h1

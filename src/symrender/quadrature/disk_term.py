@@ -9,6 +9,7 @@ the disk or it is seen edge-on (``quadrature/disk_chords.py``).
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +28,9 @@ from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]
 
+TAME_RIM: Final = 1.81
+"""cosh of how far off the real angles of a disk's circle the distance to a place may vanish and be tame along it."""
+
 
 @jitable
 def disk_log(distance: float, radius: float, phong: bool, shininess: float) -> float:
@@ -39,6 +43,23 @@ def disk_log(distance: float, radius: float, phong: bool, shininess: float) -> f
     best = math.log(x + math.sqrt(x * x - 1.0))
     y = distance / radius * min(1.0, (1.7 if phong else 3.4) / math.sqrt(shininess + 1e-9))
     return max(0.05, min(best, math.log(y + math.sqrt(1.0 + y * y))))
+
+
+@jitable
+def rim_log(p: LightPoint, yx: float, yy: float, yz: float) -> float:
+    """log rho of half a radian of a disk's circle, of the distance to a place near it; inf from some radii on.
+
+    |x(t) - Q|^2 = 0 where cosh(Im t) = (|y|^2 + rho^2)/(2 rho |y across the axis|).
+    """
+    far2 = yx * yx + yy * yy + yz * yz
+    height = yx * p.axis[0] + yy * p.axis[1] + yz * p.axis[2]
+    x = far2 + p.radius * p.radius
+    scale = 2.0 * p.radius * math.sqrt(max(0.0, far2 - height * height))
+    if x >= TAME_RIM * scale:
+        return math.inf
+    x /= scale
+    y = math.log(x + math.sqrt(max(0.0, x * x - 1.0)))
+    return max(0.05, math.log(y + math.sqrt(1.0 + y * y)))
 
 
 @jitable
@@ -74,19 +95,29 @@ def disk_term(
     at the zenith.
     """
     p = view.points[i]
-    phong, shininess = view.shading.model == PHONG, view.shading.shininess
     yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
     if state >= PARTLY:
         n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+    return listed_term(p, n, lifted, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, gleaming, view, work, gauss)
+
+
+@jitable
+def listed_term(
+    p: LightPoint, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
+    vy: float, vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """The same where ``disk_curves`` has listed ``n`` curves and told whether what they leave is above Q."""
+    phong, shininess = view.shading.model == PHONG, view.shading.shininess
+    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     # highlights need not end at the terminator
     opened = gleaming and view.shading.terminator == OPEN
     banded = n > 0 and work.curves[n - 1].bounds == TERMINATOR
     if n < 0 or not (lifted or banded or opened):
         return 0.0, 0.0
-    log_rho = disk_log(
-        math.sqrt(yx * yx + yy * yy + yz * yz), p.radius, phong, shininess if gleaming else 0.0
-    )  # fmt: skip
+    log_rho = disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p.radius, phong, shininess if gleaming else 0.0)
+    if n > 0:
+        log_rho = min(log_rho, rim_log(p, yx, yy, yz))
     edge_on = elevation(p, yx, yy, yz) < EDGE_ON
     for k in range(n):
         if edge_on or work.curves[k].bounds >= BALL:

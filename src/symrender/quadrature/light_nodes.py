@@ -15,9 +15,20 @@ from symrender.chambers.labels import DARK, GLINT, PARTLY
 from symrender.chambers.records import NODES, LightPoint, Nodes, Piece
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.quadrature.disk_node import (
+    FAR,
+    GROWTH,
+    POINTS,
+    TAME_LOG,
+    UNFELT,
+    edge_crosses,
+    ending,
+    node_term,
+)
 from symrender.quadrature.disk_points import clear_sums, highlights
-from symrender.quadrature.disk_term import disk_log, disk_term, served
-from symrender.quadrature.gauss import DISK_STARTS, disk_level
+from symrender.quadrature.disk_refined import may_shine
+from symrender.quadrature.disk_term import disk_log, served
+from symrender.quadrature.gauss import DISK_STARTS, FALLS, disk_level
 from symrender.quadrature.leaf_rows import blinn_nodes_rows, lambert_nodes_rows, phong_nodes_rows
 from symrender.quadrature.node_rows import (
     powers,
@@ -29,6 +40,9 @@ Array = npt.NDArray[np.float64]
 
 DISK_LABOUR = 8
 """What a disk cut at one node costs, in evaluations."""
+KINDS = 64
+UNFELT_KIND = 1
+NARROW_KIND = 2
 
 
 @inlined
@@ -81,17 +95,39 @@ def point_light(m: int, b: Nodes, p: LightPoint, phong: bool, shininess: float, 
 
 
 @jitable
-def piece_level(
-    row: Piece, p: LightPoint, phong: bool, shininess: float, gleaming: bool, step: int, b: Nodes
-) -> int:  # fmt: skip
-    """The disk rule of a piece under a whole disk: that of its nearest node, the highest one; -1 where none serves."""
+def piece_rule(row: Piece, p: LightPoint, gleaming: bool, step: int, least: float, view: View, b: Nodes) -> int:
+    """The disk rule of a piece under a whole disk: that of its nearest node, the highest one; -1 where none serves.
+
+    ``KINDS`` times its kind more: whether no node feels as much as ``least`` of the highlight, or that is narrow.
+    """
+    phong, shininess, rho = view.shading.model == PHONG, view.shading.shininess, p.radius
     nearest = math.inf
     first = row.first
     for q in range(first, first + row.count):
         x, y, z = p.position[0] - b.place[0, q], p.position[1] - b.place[1, q], p.position[2] - b.place[2, q]
         nearest = min(nearest, x * x + y * y + z * z)
-    log_rho = disk_log(math.sqrt(nearest), p.radius, phong, shininess if gleaming else 0.0)
-    return disk_level(step, log_rho) if served(step, log_rho) else -1
+    if nearest < (FAR * rho) ** 2:
+        # perhaps beside the disk: every node for itself
+        return -1
+    distance = math.sqrt(nearest)
+    log_rho = disk_log(distance, rho, phong, shininess if gleaming else 0.0)
+    kind = 0
+    if gleaming and (log_rho < TAME_LOG or ending(view)):
+        felt, cut = False, False
+        for q in range(first, first + row.count):
+            x, y, z = p.position[0] - b.place[0, q], p.position[1] - b.place[1, q], p.position[2] - b.place[2, q]
+            nx, ny, nz = b.normal[0, q], b.normal[1, q], b.normal[2, q]
+            vx, vy, vz = b.toward[0, q], b.toward[1, q], b.toward[2, q]
+            if may_shine(x, y, z, rho, nx, ny, nz, vx, vy, vz, phong, shininess) >= least:
+                felt = True
+                cut = cut or (ending(view) and edge_crosses(p, x, y, z, nx, ny, nz, vx, vy, vz, phong))
+        if cut:
+            return -1
+        if not felt:
+            log_rho, kind = disk_log(distance, rho, phong, 0.0), UNFELT_KIND
+        elif log_rho < TAME_LOG:
+            kind = NARROW_KIND
+    return disk_level(step, log_rho) + KINDS * kind if served(step, log_rho) else -1
 
 
 @jitable
@@ -161,16 +197,18 @@ def add_disk(start: int, stop: int, p: LightPoint, ks: float, opened: bool, b: N
 def cut_disk(i: int, row: Piece, state: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
     """Add to ``radiance`` what disk light ``i`` adds to a piece that sees a part of it or that no rule serves."""
     b, p = work.nodes, view.points[i]
-    first = row.first
+    first, most, missed = row.first, max(p.color[0], p.color[1], p.color[2]), 0.0
     work.counts.labour += DISK_LABOUR * row.count
     for q in range(first, first + row.count):
-        cosine, gleam = disk_term(
+        cosine, gleam, doubt = node_term(
             i, state, b.place[0, q], b.place[1, q], b.place[2, q], b.normal[0, q],
             b.normal[1, q], b.normal[2, q], b.toward[0, q], b.toward[1, q],
             b.toward[2, q], step, ks != 0.0, view, work, gauss,
         )  # fmt: skip
+        missed += abs(b.weight[q]) * (ks + max(b.factor[0, q], b.factor[1, q], b.factor[2, q])) * doubt
         for a in range(3):
             b.radiance[a, q] += p.color[a] * (b.factor[a, q] * cosine + ks * gleam)
+    row.doubt += most * missed
 
 
 @inlined
@@ -181,13 +219,14 @@ def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work
     """
     table, p = work.pieces, view.points[i]
     phong, shininess, opened = view.shading.model == PHONG, view.shading.shininess, view.shading.terminator == OPEN
-    gleaming = ks != 0.0
+    gleaming, most = ks != 0.0, max(p.color[0], p.color[1], p.color[2])
+    least = max(work.chart.fine, UNFELT * FALLS[step])
     piece = 0
     while piece < pieces:
         state = int(work.lit[table[piece].cell, i])
         rule = -1
         if state != DARK and state < PARTLY:
-            rule = piece_level(table[piece], p, phong, shininess, gleaming, step, work.nodes)
+            rule = piece_rule(table[piece], p, gleaming, step, least, view, work.nodes)
         if rule < 0:
             if state != DARK:
                 cut_disk(i, table[piece], state, step, ks, view, work, gauss)
@@ -202,11 +241,18 @@ def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work
             if piece < pieces:
                 state = int(work.lit[table[piece].cell, i])
                 if state != DARK and state < PARTLY:
-                    alike = piece_level(table[piece], p, phong, shininess, gleaming, step, work.nodes) == rule
+                    alike = piece_rule(table[piece], p, gleaming, step, least, view, work.nodes) == rule
         b = work.nodes
         stop = min(start + whole_vectors(count), NODES)
-        disk_sums(start, stop, rule, p, phong, shininess, gleaming, b, gauss)
+        kind = rule // KINDS
+        rule -= KINDS * kind
+        doubt = 0.0 if kind == 0 else (least if kind == UNFELT_KIND else GROWTH * FALLS[step])
+        work.counts.labour += count * (DISK_STARTS[rule + 1] - DISK_STARTS[rule]) // POINTS
+        disk_sums(start, stop, rule, p, phong, shininess, gleaming and kind != UNFELT_KIND, b, gauss)
         for k in range(first, piece):
+            if doubt > 0.0:
+                for q in range(table[k].first, table[k].first + table[k].count):
+                    table[k].doubt += doubt * ks * most * abs(b.weight[q])
             if work.lit[table[k].cell, i] == GLINT:
                 at = table[k].first
                 for q in range(at, at + table[k].count):

@@ -113,9 +113,7 @@ def across_error(
     up = down = n - 1 - (n - 1) // 2
     if up % 2 == 1:
         middle, lower, up, down = lower, middle, up + 1, down - 1
-    slow = max(
-        fallen(abs(last), abs(middle), (n + 1.0) / up), fallen(abs(before), abs(lower), (n + 2.0) / down)
-    )
+    slow = max(fallen(abs(last), abs(middle), (n + 1.0) / up), fallen(abs(before), abs(lower), (n + 2.0) / down))
     # a mate may be small by chance: no slower than by half of how they fell in all
     top = max(abs(last), abs(before))
     return max(known, min(slow, top * math.sqrt(min(1.0, top / max(size, 1e-300)))))
@@ -264,7 +262,7 @@ def place_nodes(
     """Make ``row`` of the stack the piece at hand of this number, with ``n`` nodes from node ``m`` on."""
     b, at = work.nodes, work.pieces[piece]
     work.pieces[piece] = row
-    at.first, at.count, at.log_rho = m, n, log_rho
+    at.first, at.count, at.log_rho, at.doubt = m, n, log_rho, 0.0
     base = n * (n - 1) // 2
     length = row.stop - row.start
     for q in range(n):
@@ -478,5 +476,5 @@ def integrate_cells(
                 green += b.radiance[1, i]
                 blue += b.radiance[2, i]
             size += held
-            error += miss
+            error += miss + row.doubt
     out[0], out[1], out[2], out[3], out[4], out[5] = red, green, blue, size, error, peak

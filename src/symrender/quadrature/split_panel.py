@@ -43,6 +43,8 @@ MUCH = 40.0
 """How many times its share a panel with events inside may hold and still be tried in one piece."""
 MAX_KINKED = 5
 """Most lines of a panel with events inside, before it is cut there."""
+FINE = 0.05
+"""Share of the tolerance that refined means over disks may take."""
 SPARE = 8
 """Panels kept for the spans at hand when no others are cut: each adds one at most, and none is lost."""
 FELT_ROOT = 0.1
@@ -251,7 +253,8 @@ def split_span(
 ) -> int:  # fmt: skip
     """Cut [a, b] at the crossings found between scan lines and append its panels; new panel count.
 
-    ``spans`` rows are (left, right, left signature, right signature) as a stack.
+    ``spans`` rows are (left, right, left signature, right signature) as a stack. Long because what ends a search early
+    has to leave every azimuth in some panel.
     """
     width = b - a
     if not width > 0.0:
@@ -553,6 +556,7 @@ def split_chart(
     low, high = line_range(work.chart)
     if not low < high:
         return 0.0, 0
+    work.chart.fine = FINE * tol / (SAFETY * max(1e-300, work.chart.bright))
     bound = SAFETY * panel_bound(low, high, work.chart)
     if bound < 0.1 * tol:
         return bound, 0

@@ -24,7 +24,7 @@ from symrender.chambers.rooms import height
 from symrender.chambers.tangent_walls import LIGHTS, plane_columns
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_arcs import ARC, ARC_LOG, arc_point, arc_side, corners, radial_log
+from symrender.quadrature.disk_arcs import ARC, arc_log, arc_point, arc_side, corners, radial_log
 from symrender.quadrature.disk_curves import (
     BALL,
     CONE,
@@ -201,7 +201,7 @@ def arc_gradient(
                 gauss[2, k], gauss[0, k], gauss[1, k], first, last, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, view, table
             )  # fmt: skip
         return
-    nodes, inner = fitting(step, ARC_LOG), fitting(step, radial_log(log_rho))
+    nodes, inner = fitting(step, arc_log(log_rho)), fitting(step, radial_log(log_rho))
     start, within = nodes * (nodes - 1) // 2, inner * (inner - 1) // 2
     turns = work.turns
     for curve in range(-1, n):
