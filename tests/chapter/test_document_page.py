@@ -16,7 +16,7 @@ import pytest
 from symrender.chapter import lab
 from symrender.chapter.document import build
 from symrender.chapter.document.effort import QUICK
-from symrender.chapter.document.figures import Figure, Measured
+from symrender.chapter.document.figures import Figure, Measured, shown
 from symrender.chapter.document.laboratory import cell_html
 from symrender.chapter.document.measure.geometry import EXPONENT, HALF_ANGLE, PLACE, lobe_path, share_angle
 from symrender.chapter.document.page import SECTIONS, compose, prose_text
@@ -31,6 +31,7 @@ from symrender.simulator.build import simulator
 pytestmark = pytest.mark.timeout(900)
 """The first test waits for a build of everything, half a minute of processor time."""
 MOST_BYTES = 5_000_000
+THIN = "\N{NARROW NO-BREAK SPACE}"
 IDS = (*SECTIONS, "sim", "lab", *lab.names(), "errata", "references", "contents")
 STATE = "() => document.getElementById('simulator-frame').contentWindow?.simulator?.app"
 AXE = """async () => {
@@ -129,6 +130,18 @@ def test_a_figure_that_breaks_a_claim_breaks_the_build(built: Built) -> None:
     missing = {k: v for k, v in built.measured.figures.items() if k != "claims.a_true"}
     with pytest.raises(OptionError, match=r"s10\.md: no figure is called 'claims\.a_true'"):
         compose(replace(built.measured, figures=missing), built.simulator)
+
+
+def test_the_readme_prints_the_same_errata(built: Built) -> None:
+    """One measurement in both places: what does not depend on how much a build measures is compared digit by digit."""
+    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text("utf-8")
+    plain = lambda name, form: shown(built.measured.figures[name].value, form).replace(THIN, " ")  # noqa: E731
+    buried = ", ".join(plain(f"claims.buried_{angle}", "percent") for angle in (30, 20, 10))
+    assert f"{buried} of the gloss seen" in readme
+    widths = [plain(f"claims.{name}", ".3f") for name in ("ruler", "sigma", "rms")]
+    assert "n = 16: {}; per axis {}, RMS angle {} |".format(*widths) in readme
+    counted = [plain(f"claims.{name}", "count").replace(" ", "") for name in ("b_printed", "a_true", "b_true")]
+    assert "sphere B fills {} of 4096 pixels; repaired: A {}, B {},".format(*counted) in readme
 
 
 def test_outputs_of_a_cell_are_shown_as_they_are() -> None:
