@@ -1,22 +1,32 @@
-"""Draws docs/images/gallery-NAME.png: every scene of the gallery, by strata that follow the lobe."""
+"""Draws docs/images/gallery-NAME.png: every scene of the gallery, by the command docs/gallery.md shows under it."""
 
 from __future__ import annotations
 
+import re
+import shlex
+import tempfile
 from pathlib import Path
 
-from symrender.render import render
-from symrender.scene import gallery
+from symrender.cli import main as command
+from symrender.images.output import write_bytes
 
-SIZE, K = 256, 16
-TARGET = Path(__file__).resolve().parent / "images"
+DOCS = Path(__file__).resolve().parent
+
+
+def commands() -> dict[str, list[str]]:
+    """Scene and arguments of every command of the page."""
+    lines = re.findall(r"^symrender (render .*)$", (DOCS / "gallery.md").read_text("utf-8"), re.MULTILINE)
+    return {arguments[1]: arguments for arguments in map(shlex.split, lines)}
 
 
 def main() -> None:
-    """Render and write."""
-    for name in gallery.names():
-        pair = render(name, size=SIZE, lobe=K, numeric="none", partition="equal_weight", nodes="barycentre", disk="4x4")
-        assert pair.symbolic is not None
-        pair.symbolic.save(TARGET / f"gallery-{name}.png")
+    """Run the commands, each into a folder of its own, and keep the pictures."""
+    for name, arguments in commands().items():
+        with tempfile.TemporaryDirectory() as folder:
+            arguments[arguments.index("--out") + 1] = folder
+            if command([*arguments, "--quiet"]) != 0:
+                raise SystemExit(f"failed: {' '.join(arguments)}")
+            write_bytes(DOCS / "images" / f"gallery-{name}.png", (Path(folder) / "symbolic.png").read_bytes())
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 from pathlib import Path
 
 import pytest
@@ -93,7 +94,11 @@ def test_the_gallery_shows_every_scene() -> None:
     for name in gallery.names():
         assert f"\n## {name}\n" in text and f"](images/gallery-{name}.png)" in text
         assert f"\n{load(name).description}\n" in text
-        assert (ROOT / "docs" / "images" / f"gallery-{name}.png").stat().st_size < 100_000
+        picture = ROOT / "docs" / "images" / f"gallery-{name}.png"
+        assert picture.stat().st_size < 250_000
+        assert struct.unpack(">II", picture.read_bytes()[16:24]) == (512, 512)
+        drawn = text.split(f"\n## {name}\n")[1].split("```sh\n")[1].split("\n")[0]
+        assert drawn.startswith(f"symrender render {name} --size 512 ") and "--silhouettes 4" in drawn
 
 
 def test_what_is_measured_is_not_typed() -> None:

@@ -18,9 +18,12 @@ def scenes(
         typer.Option(metavar="NAME", help="Print a scene's YAML: a file to start from.", autocompletion=scene_names),
     ] = None,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of a scene file.")] = False,
+    keys: Annotated[
+        bool, typer.Option("--keys", help="Print every key of a scene file, its default and range.")
+    ] = False,
     json: Json = False,
 ) -> None:
-    """List the gallery scenes, or print one as YAML, or the JSON Schema that lets an editor complete scene files.
+    """List the gallery scenes, or print one as YAML, every key a scene may have, or its JSON Schema.
 
     Example: symrender scenes --show gloss > mine.yaml
     """
@@ -32,6 +35,10 @@ def scenes(
             guess = did_you_mean(show, gallery.names())
             raise OptionError(f"show: must be one of {', '.join(gallery.names())}, got {show[:40]!r}{guess}")
         typer.echo(gallery.text(show), nl=False)
+    elif keys:
+        from symrender.scene.keys import key_tables
+
+        typer.echo(key_tables())
     elif schema:
         import json as json_module
 

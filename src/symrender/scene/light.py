@@ -15,7 +15,7 @@ class PointLight(Part):
     """A light at one point."""
 
     type: Literal["point"] = "point"
-    name: PartName
+    name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
     position: Annotated[Point3, Field(description="where the light is")]
     color: Annotated[Colour, Field(description="arriving radiance scale")] = (1.0, 1.0, 1.0)
 
@@ -27,7 +27,7 @@ class DiskLight(Part):
     """
 
     type: Literal["disk"] = "disk"
-    name: PartName
+    name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
     position: Annotated[Point3, Field(description="centre of the disk")]
     radius: Annotated[Extent, Field(description="radius of the disk")]
     target: Annotated[Point3, Field(description="the point the disk faces")] = (0.0, 0.0, 0.0)

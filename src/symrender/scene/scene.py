@@ -23,16 +23,24 @@ from symrender.scene.values import Colour, Part, at_most
 class Scene(Part):
     """A camera, spheres, at most one floor, planes, lights; right-handed, z up, lengths and radiance in scene units."""
 
-    name: Annotated[str, Field(max_length=MAX_NAME)] = "scene"
-    description: Annotated[str, Field(max_length=4000)] = ""
-    camera: Camera
-    spheres: Annotated[tuple[Sphere, ...], Field(max_length=MAX_SPHERES), BeforeValidator(at_most(MAX_SPHERES))] = ()
-    floor: Floor | None = None
-    planes: Annotated[tuple[Plane, ...], Field(max_length=MAX_PLANES), BeforeValidator(at_most(MAX_PLANES))] = ()
-    lights: Annotated[tuple[Light, ...], Field(max_length=MAX_LIGHTS), BeforeValidator(at_most(MAX_LIGHTS))] = ()
+    name: Annotated[str, Field(max_length=MAX_NAME, description="what files and pages call it")] = "scene"
+    description: Annotated[str, Field(max_length=4000, description="a sentence for those who open it")] = ""
+    camera: Annotated[Camera, Field(description="who looks")]
+    spheres: Annotated[
+        tuple[Sphere, ...],
+        Field(max_length=MAX_SPHERES, description="the spheres"),
+        BeforeValidator(at_most(MAX_SPHERES)),
+    ] = ()
+    floor: Annotated[Floor | None, Field(description="the plane z = 0, or none")] = None
+    planes: Annotated[
+        tuple[Plane, ...], Field(max_length=MAX_PLANES, description="the planes"), BeforeValidator(at_most(MAX_PLANES))
+    ] = ()
+    lights: Annotated[
+        tuple[Light, ...], Field(max_length=MAX_LIGHTS, description="the lights"), BeforeValidator(at_most(MAX_LIGHTS))
+    ] = ()
     ambient: Annotated[Colour, Field(description="ambient radiance, weighted by ka")] = (0.0, 0.0, 0.0)
     background: Annotated[Colour, Field(description="radiance where nothing is hit")] = (0.0, 0.0, 0.0)
-    shading: Shading = Shading()
+    shading: Annotated[Shading, Field(description="how lit points are shaded, for the whole scene")] = Shading()
 
     @model_validator(mode="after")
     def _has_unique_names(self) -> Self:

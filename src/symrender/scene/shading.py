@@ -20,11 +20,15 @@ class Shading(Part):
     (n + 2)/(2 pi) cos^n theta, with the surface cosine inside (``brdf_normalised``).
     """
 
-    model: Literal["blinn", "phong"] = "blinn"
+    model: Annotated[Literal["blinn", "phong"], Field(description="the highlight")] = "blinn"
     ka: Annotated[Share, Field(description="weight of the ambient light")] = 0.1
     kd: Annotated[Share, Field(description="weight of the diffuse term")] = 0.7
     ks: Annotated[Share, Field(description="weight of the highlight")] = 0.5
     shininess: Annotated[Shininess, Field(description="exponent of the highlight")] = 32.0
-    highlight_view: Literal["ray", "eye"] = "ray"
-    specular_terminator: Literal["cut", "open"] = "cut"
-    lobe_units: Literal["lobe_average", "brdf_normalised"] = "lobe_average"
+    highlight_view: Annotated[Literal["ray", "eye"], Field(description="whose view a reflected highlight uses")] = "ray"
+    specular_terminator: Annotated[
+        Literal["cut", "open"], Field(description="whether a highlight ends where N.l < 0")
+    ] = "cut"
+    lobe_units: Annotated[Literal["lobe_average", "brdf_normalised"], Field(description="what every lobe computes")] = (
+        "lobe_average"
+    )

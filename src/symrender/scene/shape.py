@@ -16,19 +16,19 @@ from symrender.scene.values import Albedo, Length, Part, PartName, Point3
 class Sphere(Part):
     """A sphere; what is below the floor is invisible from above."""
 
-    name: PartName
+    name: Annotated[PartName, Field(description="its part in dotted names: spheres.NAME")]
     center: Annotated[Point3, Field(description="centre")]
     radius: Annotated[Length, Field(description="radius")]
     color: Annotated[Albedo, Field(description="albedo, before the texture")] = (0.5, 0.5, 0.5)
-    texture: SphereTexture = Solid()
-    lobe: Lobe | None = None
+    texture: Annotated[SphereTexture, Field(description="what multiplies the albedo")] = Solid()
+    lobe: Annotated[Lobe | None, Field(description="what it reflects, or nothing")] = None
 
 
 class Floor(Part):
     """The plane z = 0, seen from above; from below it is black."""
 
-    texture: FloorTexture = FloorChecker()
-    lobe: Lobe | None = None
+    texture: Annotated[FloorTexture, Field(description="the albedo")] = FloorChecker()
+    lobe: Annotated[Lobe | None, Field(description="what it reflects, or nothing")] = None
 
 
 class Plane(Part):
@@ -39,7 +39,7 @@ class Plane(Part):
     further than the room of half-spaces it lies in.
     """
 
-    name: PartName
+    name: Annotated[PartName, Field(description="what parameters call it")]
     point: Annotated[Point3, Field(description="a point of the plane, origin of its texture")]
     normal: Annotated[Point3, Field(description="the side it reflects on, of any length")]
     along: Annotated[Point3, Field(description="direction of the texture's x, less its part along the normal")] = (
@@ -47,8 +47,8 @@ class Plane(Part):
         0.0,
         0.0,
     )
-    texture: FloorTexture = FloorChecker()
-    lobe: Lobe | None = None
+    texture: Annotated[FloorTexture, Field(description="the albedo")] = FloorChecker()
+    lobe: Annotated[Lobe | None, Field(description="what it reflects, or nothing")] = None
 
     @model_validator(mode="after")
     def _has_a_frame(self) -> Self:

@@ -20,6 +20,25 @@ pair = sr.render(scene, size=128, lobe=4)
 pair
 
 # %% [markdown]
+# The difference of the two, thirty times as bright: speckle from one, bands from the other, nothing
+# where there is direct light alone.
+
+# %%
+import matplotlib.pyplot as plt
+
+difference = np.abs(pair.numeric.layer("radiance") - pair.symbolic.layer("radiance"))
+figure, axes = plt.subplots(1, 3, figsize=(10, 3.6), layout="constrained")
+for axis, picture, title in zip(
+    axes,
+    (pair.numeric.view().pixels, pair.symbolic.view().pixels, np.clip(30 * difference, 0, 1)),
+    ("numeric: speckle", "symbolic: bands", "|difference| x 30"),
+    strict=True,
+):
+    axis.imshow(picture)
+    axis.set_title(title)
+    axis.axis("off")
+
+# %% [markdown]
 # ## The census
 #
 # Every estimator at the same K, against the split rule, which is none of them: it cuts the lobe at the walls where the
@@ -65,6 +84,8 @@ direct = pair.ledger.comparisons["direct"].whole
 lobe_term = pair.ledger.comparisons["gloss"].whole
 best = min((name for name in census), key=lambda name: census[name][0])
 assert direct.pixels == 128 * 128 and direct.signal > 0.1, f"direct light is judged where there is some, {direct}"
+lit = pair.symbolic.layer("gloss").max(axis=2) > 0
+assert difference[lit].max() > 1e-3 > 1e-12 > difference[~lit].max(initial=0), "they differ where a lobe sees light"
 assert direct.relative_rmse < 1e-12, f"direct light agrees to rounding, {direct.relative_rmse}"
 assert own < 0.01, f"the truth is sharper than what it judges, {own}"
 ladder = [census[f"strata, equal {rest}"][0] for rest in ("weight, barycentres", "weight", "angle")]

@@ -20,7 +20,18 @@ from symrender.images.output import write_bytes
 from symrender.simulator.build import simulator
 from symrender.version import VERSION
 
-SUBJECTS: Final = ("scenes", "formulas", "pair", "one_lobe", "limits", "convergence", "mishaps", "claims", "slopes")
+SUBJECTS: Final = (
+    "scenes",
+    "geometry",
+    "formulas",
+    "pair",
+    "one_lobe",
+    "limits",
+    "convergence",
+    "mishaps",
+    "claims",
+    "slopes",
+)
 """The measurements, each a file of ``measure/``."""
 _SIMULATED: Final = "gloss"
 

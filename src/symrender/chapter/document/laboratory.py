@@ -28,7 +28,7 @@ def laboratory(executed: Sequence[str] | None, told: Callable[[str], None]) -> s
 
 def cell_html(cell: Cell, outputs: Sequence[Output] | None) -> str:
     """One cell; None for ``outputs`` says that it was not run."""
-    body = []
+    body: list[str] = []
     for number, part in enumerate(cell.parts):
         body.append(_prose(part, first=number == 0) if part.kind == "markdown" else _code(part))
         body += [_output(output) for output in outputs or () if output.part == number]
@@ -38,7 +38,8 @@ def cell_html(cell: Cell, outputs: Sequence[Output] | None) -> str:
         f'<article class="lab-cell" id="{cell.name}"><header><h3>{_numbered(cell)}</h3><div class="actions">'
         f'<button type="button" data-copy="{cell.name}">Copy code</button>'
         f'<button type="button" data-notebook="{cell.name}">Download notebook</button></div></header>'
-        f"{''.join(body)}"
+        f"{body[0]}<details><summary>The code, what it printed and drew, and what it checks</summary>"
+        f"{''.join(body[1:])}</details>"
         f'<script type="application/json" id="notebook-{cell.name}">{escaped(_notebook(cell))}</script></article>'
     )
 
@@ -70,7 +71,8 @@ def _output(output: Output) -> str:
     if output.kind == "text":
         return f'<pre class="out" tabindex="0">{html.escape(str(data).rstrip())}</pre>'
     if output.kind == "html":
-        return f'<div class="out rich">{data!s}</div>'
+        # tables of notebooks leave the corner above their index empty, which a cell may be and a header may not
+        return f'<div class="out rich" tabindex="0">{str(data).replace("<th></th>", "<td></td>")}</div>'
     raw = data if isinstance(data, bytes) else data.encode()
     kind = "image/png" if output.kind == "png" else "image/svg+xml"
     alt = html.escape(output.alt or "What the cell draws", quote=True)

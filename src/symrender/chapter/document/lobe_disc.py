@@ -24,7 +24,8 @@ from symrender.studies.lobe_rays import BEHIND, BELOW, LIGHTS, SHAPE, TEXTURE, L
 _WALLS: Final = {"texture": (0.62, 0.62, 0.62), "shadow": (0.05, 0.05, 0.05), "terminator": (1.0, 0.82, 0.4),
                  "silhouette": (1.0, 1.0, 1.0), "horizon": (0.6, 0.82, 1.0)}  # fmt: skip
 """Colours of the walls in sRGB, in the order in which one is drawn over another."""
-_VIEW: Final = 512
+VIEW: Final = 512
+"""Sides of the square a disc is drawn in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +52,8 @@ class Lobe:
         self._frame = self._rays.frame(incoming, normal)
         self.exponent, self.theta_max = lobe
 
-    def disc(self, side: int, *, gain: float, fine: int) -> Disc:
-        """Rendered ``side`` pixels wide from ``fine`` x ``fine`` directions a pixel."""
+    def disc(self, side: int, *, gain: float, fine: int, walls: bool = True) -> Disc:
+        """Rendered ``side`` pixels wide from ``fine`` x ``fine`` directions a pixel; ``walls`` are drawn or not."""
         n = side * fine
         step = (2.0 * np.arange(n) + 1.0) / n - 1.0
         x, y = np.meshgrid(step, -step)
@@ -74,7 +75,8 @@ class Lobe:
             thick = edge.copy()
             for axis in (0, 1):
                 thick |= np.roll(edge, 1, axis) | np.roll(edge, -1, axis)
-            shown[thick & inside] = _WALLS[name]
+            if walls:
+                shown[thick & inside] = _WALLS[name]
         blocks = shown.reshape(side, fine, side, fine, 3).mean(axis=(1, 3))
         return Disc((blocks * 255.0 + 0.5).astype(np.uint8), mean, kinds)
 
@@ -107,21 +109,23 @@ class Lobe:
 
         ``name`` is what its own parts are called in the page; no two pictures may share it.
         """
-        middle, outer = _VIEW / 2, _VIEW / 2 - 4
+        middle, outer = VIEW / 2, VIEW / 2 - 4
         clip = f"clip-{name}"
         parts = [
             f'<clipPath id="{clip}"><circle cx="{middle}" cy="{middle}" r="{outer}"/></clipPath>',
-            f'<image clip-path="url(#{clip})" x="4" y="4" width="{2 * outer}" height="{2 * outer}" '
+            f'<image id="disc-{name}" clip-path="url(#{clip})" x="4" y="4" width="{2 * outer}" height="{2 * outer}" '
             f'href="{data_uri(disc.pixels)}"/>',
         ]
-        parts += self._cells(ring, sectors, middle, outer)
+        parts += self.cells(ring, sectors)
         parts.append(f'<circle class="rim" cx="{middle}" cy="{middle}" r="{outer}"/>')
         return (
-            f'<svg class="disc" viewBox="0 0 {_VIEW} {_VIEW}" role="img" aria-label="{html.escape(alt, quote=True)}">'
+            f'<svg class="disc" viewBox="0 0 {VIEW} {VIEW}" role="img" aria-label="{html.escape(alt, quote=True)}">'
             f"{''.join(parts)}</svg>"
         )
 
-    def _cells(self, ring: Rings, sectors: int, middle: float, outer: float) -> list[str]:
+    def cells(self, ring: Rings, sectors: int) -> list[str]:
+        """The cells and nodes of a rule, as parts of an SVG ``VIEW`` wide."""
+        middle, outer = VIEW / 2, VIEW / 2 - 4
         parts = []
         for edge in ring.edges[1:-1].tolist():
             parts.append(f'<circle class="cell" cx="{middle}" cy="{middle}" r="{outer * self.radius(edge):.2f}"/>')

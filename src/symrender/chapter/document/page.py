@@ -57,7 +57,7 @@ def compose(measured: Measured, simulator: str) -> str:
     files = {file.name: file.read_text(encoding="utf-8") for file in page.iterdir() if not file.name.endswith("woff2")}
     font = base64.b64encode((page / "math.woff2").read_bytes()).decode()
     style = files["style.css"].replace("MATH_FONT", f"data:font/woff2;base64,{font}")
-    script = f'(() => {{\n"use strict";\n{files["script.js"]}\n}})();'
+    script = f'(() => {{\n"use strict";\n{files["script.js"]}\n{files["explore.js"]}\n}})();'
     holes = {
         "policy": html.escape(_policy(script, simulator)),
         "style": style,

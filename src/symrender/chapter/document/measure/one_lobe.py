@@ -11,17 +11,17 @@ import numpy as np
 from symrender.chapter.document.effort import Effort
 from symrender.chapter.document.figures import Figure, Measured, figures_of
 from symrender.chapter.document.lobe_disc import Disc, Lobe
+from symrender.chapter.document.lobe_stages import Stage, staged
 from symrender.chapter.document.pictures import element
 from symrender.chapter.document.plots import Curve, log_log
 from symrender.chapter.document.tables import table
 from symrender.images.picture import SEQUENTIAL, color_map
 from symrender.images.srgb import encode_srgb
 from symrender.probe import Probe, probe
-from symrender.quadrature.strata import rings, rule
+from symrender.quadrature.strata import Rule, mirror_rule, rings, rule
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
-from symrender.scene.arrays import Array, scene_arrays
-from symrender.scene.load import load
+from symrender.scene.arrays import Array
 from symrender.studies.lobe_rays import LobeRays
 from symrender.studies.power_law import fit_power_law
 from symrender.studies.subject import Subject, reference, subject
@@ -35,6 +35,7 @@ _TRUTH: Final = 1e-11
 _LOOK: Final = 1e-2
 _FINE: Final = 2
 _DIM: Final = 0.45
+_STAGED: Final = 360
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +61,10 @@ def measure(effort: Effort) -> Measured:
         crossings=int(true.crossings[0]), gloss=float(true.gloss[0, 0]), error=float(true.error[0]),
         disc=float(disc.mean[0]), apart=float(np.abs(disc.mean / true.gloss[0] - 1.0).max()),
         directions=int(math.pi / 4 * (_FINE * effort.disc) ** 2), exponent=lobe.exponent, theta_max=lobe.theta_max,
-        sides=_SIDE,
+        sides=_SIDE, looked=int(_probe(spot, _LOOK).crossings[0]),
     )  # fmt: skip
+    staged = _staged(of, lobe, spot, true)
+    figures |= staged.figures
     figures |= figures_of(
         "walls", f"scene {_SCENE}, {of.settings.width} x {of.settings.height}, {len(counts)} floor pixels",
         pixels=len(counts), share=float((counts > 0).mean()), median=float(np.median(counts)), most=int(counts.max()),
@@ -71,6 +74,7 @@ def measure(effort: Effort) -> Measured:
         "lobe.starved": _drawn(lobe, disc, "equal_angle", "midpoint"),
         "lobe.fed": _drawn(lobe, disc, "equal_weight", "barycentre"),
         "walls.map": _map(truth.layers),
+        **staged.blocks,
     }
     integrated = _integrated(effort, of, spot, true)
     return Measured({**figures, **integrated.figures}, {**blocks, **integrated.blocks})
@@ -95,6 +99,27 @@ def _drawn(lobe: Lobe, disc: Disc, partition: Any, nodes: Any) -> str:
     words = partition.replace("_", " ")
     return lobe.picture(
         disc, ring, _SIDE, f"The lobe of one floor point as a disc, cut into cells of {words}", partition
+    )
+
+
+def _staged(of: Subject, lobe: Lobe, spot: Spot, true: Probe) -> Measured:
+    """Block ``lobe.stages``: the lobe in one direction, four, sixteen, all, and its walls; figures ``lobe.stage_*``."""
+    formulas: Any = numba.plain(numba.image_text())
+    signal = float(np.abs(true.gloss[0]).max())
+    stages, errors = [], {}
+    for name, k in (("one", 1), ("four", 2), ("sixteen", 4)):
+        ring = None
+        if k > 1:
+            ring = rings(formulas, lobe.exponent, lobe.theta_max, k, partition="equal_weight", nodes="barycentre")
+        found = _along(of, spot, mirror_rule() if ring is None else rule(ring, sectors=k, normalised=False))
+        errors[f"stage_{name}"] = float(np.abs(found - true.gloss[0]).max()) / signal
+        stages.append(Stage(k * k, ring, found, errors[f"stage_{name}"]))
+    plain = lobe.disc(_STAGED, gain=_GAIN, fine=_FINE, walls=False)
+    walls = int(true.crossings[0])
+    source = f"scene {_SCENE}, one floor point, strata of equal weight at barycentres, against the split rule"
+    return Measured(
+        figures_of("lobe", source, **errors),
+        {"lobe.stages": staged(lobe, plain, stages, true.gloss[0] * _GAIN, _GAIN, walls, "disc-equal_angle")},
     )
 
 
@@ -154,12 +179,15 @@ def _curve(name: str, points: list[tuple[int, float]], color: int) -> Curve:
 
 def _strata(of: Subject, spot: Spot, k: int, partition: Any, nodes: Any) -> Array:
     formulas: Any = numba.plain(numba.image_text())
-    arrays = scene_arrays(load(_SCENE))
     floor = of.scene.floor
     assert floor is not None and floor.lobe is not None
     ring = rings(formulas, floor.lobe.exponent, floor.lobe.theta_max, k, partition=partition, nodes=nodes)
-    lobe = rule(ring, sectors=k, normalised=False)
-    rays = LobeRays(arrays, 2)
+    return _along(of, spot, rule(ring, sectors=k, normalised=False))
+
+
+def _along(of: Subject, spot: Spot, lobe: Rule) -> Array:
+    """What a rule makes of the floor's lobe at ``spot``."""
+    rays = LobeRays(of.arrays, 2)
     normal = np.array([0.0, 0.0, 1.0])
     seen = rays.see(spot.place, normal, at.FLOOR, lobe.directions @ rays.frame(spot.incoming, normal))
     found: Array = lobe.weights @ seen.radiance

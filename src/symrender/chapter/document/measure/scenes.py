@@ -22,13 +22,17 @@ _EXPONENTS: Final = (1e9, 4096.0, 256.0, 32.0)
 _SHOWN: Final = 0.05
 _TOLD: Final = (
     "camera.eye", "spheres.A.center", "spheres.A.radius", "spheres.B.center", "spheres.B.radius",
-    "floor.lobe.weight", "floor.lobe.exponent", "floor.lobe.theta_max", "lights.key.position", "lights.key.radius",
-    "lights.fill.position", "shading.ka", "shading.kd", "shading.ks", "shading.shininess",
+    "spheres.A.lobe.weight", "floor.lobe.weight", "floor.lobe.exponent", "floor.lobe.theta_max",
+    "lights.key.position", "lights.key.radius", "lights.fill.position",
+    "shading.ka", "shading.kd", "shading.ks", "shading.shininess",
 )  # fmt: skip
 
 
 def measure(effort: Effort) -> Measured:
-    """Blocks ``hero``, ``roughness``, ``scenes.pictures`` and ``scenes.table``; figures ``scenes.*``."""
+    """Blocks ``hero``, ``roughness``, ``scenes.pictures``, ``scenes.table``, ``simulator.poster``.
+
+    Figures ``scenes.*``.
+    """
     hero = _picture("gloss", effort.hero, effort.hero_lobe)
     gloss, chapter = _picture("gloss", effort.small, 16), _picture("chapter8", effort.small[1], 32)
     blocks = {
@@ -46,6 +50,7 @@ def measure(effort: Effort) -> Measured:
             ]
         ),
         "scenes.table": _constants(),
+        "simulator.poster": element(radiance(gloss), "The scene of the simulator: three spheres on a polished floor"),
     }
     return Measured(_facts("gloss", gloss) | _facts("chapter8", chapter), blocks)
 
@@ -85,6 +90,7 @@ def _facts(name: str, image: Image) -> dict[str, Any]:
         visible=_SHOWN,
         signal=float(np.sqrt(np.mean(reflected[floor] ** 2))),
         floor=int(floor.sum()),
+        kiss=float(get(load(name), "spheres.A.lobe.weight")),
         **{key: float(get(load(name), f"floor.lobe.{key}")) for key in ("exponent", "theta_max", "weight")},
     )
 

@@ -110,4 +110,4 @@ function place() {
 addEventListener("scroll", () => { if (!waiting) { waiting = true; requestAnimationFrame(place); } }, { passive: true });
 
 // what is folded is printed too
-addEventListener("beforeprint", () => { for (const one of document.querySelectorAll("main > section > details")) one.open = true; });
+addEventListener("beforeprint", () => { for (const one of document.querySelectorAll("main details")) one.open = true; });
