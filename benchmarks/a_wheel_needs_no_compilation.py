@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import subprocess
@@ -9,7 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from measure import Report, arguments, median
+from measure import Report, median
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = """
@@ -26,9 +27,10 @@ import numpy, llvmlite.binding
 imported = time.perf_counter() - begun
 wanted = {"wrt": ["spheres.B.radius"]} if sys.argv[1] == "slope" else {}
 found = sr.probe("gloss", [(1.2, -0.4, 0.0)], surface="floor", tol=1e-6, **wanted)
-numbers = found.gloss.tobytes() + found.error.tobytes() + b"".join(each.tobytes() for each in (found.gradient or {}).values())
+arrays = (found.gloss, found.error, *(found.gradient or {}).values())
 assert found.gloss.max() > 0.1
-print(json.dumps([imported, time.perf_counter() - begun - imported, time.process_time() - used, compiled, numbers.hex()]))
+took = time.perf_counter() - begun - imported, time.process_time() - used
+print(json.dumps([imported, *took, compiled, b"".join(each.tobytes() for each in arrays).hex()]))
 """
 
 
@@ -44,18 +46,23 @@ def first(kind: str, package: Path, cache: Path) -> tuple[float, float, float, l
 
 def main() -> None:
     """Build both wheels, install them beside each other, and time first values of each."""
-    options = arguments(__doc__)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="fewer processes")
+    parser.add_argument("--wheels", type=Path, help="folder with both wheels, to save building them")
+    options = parser.parse_args()
     rounds = 3 if options.quick else 9
     report = Report(
         "a_wheel_needs_no_compilation",
-        f"gloss, one floor point to 1e-6, alone and with one derivative; empty folder, empty cache; medians of {rounds} "
-        "processes from the wheel with machine code, and one from the pure wheel.",
+        "gloss, one floor point to 1e-6, alone and with one derivative; empty folder, empty cache; medians of "
+        f"{rounds} processes from the wheel with machine code, and one from the pure wheel.",
     )
     rows, several, equal, seconds = [], 0, True, []
     with tempfile.TemporaryDirectory() as scratch:
-        out = Path(scratch, "dist")
-        words = [sys.executable, ROOT / "packaging" / "wheels.py", "--out", out, "--uses", "slopes", "chambers"]
-        subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
+        out = options.wheels
+        if out is None:
+            out = Path(scratch, "dist")
+            words = [sys.executable, ROOT / "packaging" / "wheels.py", "--out", out, "--uses", "slopes", "chambers"]
+            subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
         places = {}
         for wheel in out.glob("*.whl"):
             name = "pure wheel" if wheel.stem.endswith("any") else "wheel with machine code"
@@ -67,9 +74,8 @@ def main() -> None:
             bits = set()
             for name, place in sorted(places.items()):
                 shipped = name != "pure wheel"
-                found = [
-                    first(kind, place, Path(scratch, f"cache-{name}-{kind}-{k}")) for k in range(rounds if shipped else 1)
-                ]
+                caches = [Path(scratch, f"cache-{name}-{kind}-{k}") for k in range(rounds if shipped else 1)]
+                found = [first(kind, place, cache) for cache in caches]
                 bits |= {each[4] for each in found}
                 if shipped:
                     several += sum(len(each[3]) for each in found)

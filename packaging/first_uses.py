@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -34,3 +35,6 @@ def slopes() -> None:
 
 FIRST_USES: Final[dict[str, Callable[[], None]]] = {"slopes": slopes, "chambers": chambers, "pair": pair}
 """By name, the longest first."""
+
+if __name__ == "__main__":
+    FIRST_USES[sys.argv[1]]()
