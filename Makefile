@@ -40,7 +40,7 @@ docs: $(DOCS)
 	$(PY) docs/build.py
 
 wheel: $(BASE)
-	$(PY) packaging/wheels.py --out dist --workers $(WORKERS)
+	$(PY) wheels/make_wheels.py --out dist --workers $(WORKERS)
 
 clean:
 	rm -rf out dist docs/_build docs/_extra docs/laboratory .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -61,7 +61,7 @@ def main() -> None:
         out = options.wheels
         if out is None:
             out = Path(scratch, "dist")
-            words = [sys.executable, ROOT / "packaging" / "wheels.py", "--out", out, "--uses", "slopes", "chambers"]
+            words = [sys.executable, ROOT / "wheels" / "make_wheels.py", "--out", out, "--uses", "slopes", "chambers"]
             subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
         places = {}
         for wheel in out.glob("*.whl"):

@@ -12,7 +12,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-PROGRAM = Path(__file__).resolve().parents[1] / "packaging" / "first_uses.py"
+PROGRAM = Path(__file__).resolve().parents[1] / "wheels" / "first_uses.py"
 USES = ("slopes", "chambers", "pair")
 """Its uses, the longest first; no two of them compile one kernel."""
 

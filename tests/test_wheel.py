@@ -15,10 +15,10 @@ import pytest
 
 from symrender.jit.levels import LEVELS, levels_here
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "packaging"))
-import wheels  # noqa: E402 - the folder of the build program
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "wheels"))
+import make_wheels
 
+ROOT = Path(__file__).resolve().parents[1]
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux" or platform.machine() != "x86_64", reason="machine code is shipped for x86-64 under Linux"
 )
@@ -63,7 +63,7 @@ def pure(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def wheel(pure: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel with two of the smallest kernels."""
     out = tmp_path_factory.mktemp("wheel")
-    return wheels.wheel_with_kernels(pure, out, ["x86-64-v2", *levels_here()[:1]], ["pair"], workers=1)
+    return make_wheels.wheel_with_kernels(pure, out, ["x86-64-v2", *levels_here()[:1]], ["pair"], workers=1)
 
 
 @pytest.fixture(scope="module")
@@ -171,9 +171,9 @@ def test_the_record_names_every_file(wheel: Path) -> None:
         assert sum(name.endswith(".kernel") for name in archive.namelist()) == 4
         for name, digest, size in rows:
             content = archive.read(name)
-            assert name == record or (digest, int(size)) == (f"sha256={wheels._urlsafe(content)}", len(content))
+            assert name == record or (digest, int(size)) == (f"sha256={make_wheels._urlsafe(content)}", len(content))
         about = archive.read("symrender-0.0.0.dist-info/WHEEL").decode()
-    assert f"Tag: {wheels.TAG}" in about and "Root-Is-Purelib: false" in about
+    assert f"Tag: {make_wheels.TAG}" in about and "Root-Is-Purelib: false" in about
 
 
 def test_levels_are_those_of_the_psabi() -> None:
