@@ -1,4 +1,4 @@
-# make render | test | lint | types | bench | faults | fuzz | docs | clean
+# make render | test | lint | types | bench | faults | fuzz | docs | wheel | clean
 PYTHON ?= python3
 VENV ?= .venv
 WORKERS ?= 2
@@ -7,7 +7,7 @@ BASE := $(VENV)/.base
 TEST := $(VENV)/.test
 DOCS := $(VENV)/.docs
 
-.PHONY: render test lint types bench faults fuzz docs clean
+.PHONY: render test lint types bench faults fuzz docs wheel clean
 .DELETE_ON_ERROR:
 
 render: $(BASE)
@@ -39,8 +39,11 @@ fuzz: $(TEST)
 docs: $(DOCS)
 	$(PY) docs/build.py
 
+wheel: $(BASE)
+	$(PY) wheels/make_wheels.py --out dist --workers $(WORKERS)
+
 clean:
-	rm -rf out docs/_build docs/_extra docs/laboratory .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf out dist docs/_build docs/_extra docs/laboratory .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(PY):

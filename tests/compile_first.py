@@ -6,45 +6,26 @@ is compiled once, as many at a time as there are workers, and kept where every p
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import time
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
-from typing import Final
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
-import symrender as sr
-
-_TINY: Final = {"size": 4, "threads": 1}
+PROGRAM = Path(__file__).resolve().parents[1] / "wheels" / "first_uses.py"
+USES = ("slopes", "chambers", "pair")
+"""Its uses, the longest first; no two of them compile one kernel."""
 
 
-def pair() -> None:
-    sr.render("chapter8", lobe=1, **_TINY)
-
-
-def chambers() -> None:
-    for disk in ("2x2", "exact"):
-        sr.truth("chapter8", tol=1e-2, disk=disk, **_TINY)
-
-
-def slopes() -> None:
-    for disk in ("2x2", "exact"):
-        sr.gradient("chapter8", ["spheres.B.radius"], tol=1e-1, disk=disk, **_TINY)
-
-
-def lattices() -> None:
-    sr.truth("chapter8", tol=1e-2, counts=False, **_TINY)
-
-
-EACH: Final[tuple[Callable[[], None], ...]] = (slopes, pair, chambers, lattices)
-"""The longest first."""
+def compile_use(use: str) -> None:
+    """Run one of the first uses in a process of its own."""
+    subprocess.run([sys.executable, str(PROGRAM), use], check=True)
 
 
 def main(workers: int) -> None:
     begun = time.perf_counter()
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        for done in as_completed([pool.submit(work) for work in EACH]):
-            done.result()
+    with ThreadPoolExecutor(workers) as pool:
+        list(pool.map(compile_use, USES))
     print(f"kernels compiled or found in {time.perf_counter() - begun:.0f} s", flush=True)
 
 

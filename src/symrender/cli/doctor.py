@@ -30,6 +30,7 @@ def doctor(json: Json = False) -> None:
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "processor": _processor(),
         "threads": f"{_usable()} usable of {os.cpu_count()}",
+        "kernels shipped": _shipped(),
         "kernel cache": _cache(),
         **{name: _version(name) for name in _CORE},
         "arithmetic": _arithmetic(),
@@ -77,6 +78,16 @@ def _processor() -> str:
     flags = set((fields.get("flags") or fields.get("Features") or "").split())
     name = fields.get("model name") or platform.processor() or platform.machine()
     return f"{name} ({' '.join(f for f in _FEATURES if f in flags) or 'features unknown'})"
+
+
+def _shipped() -> str:
+    from symrender.jit.levels import levels_here
+    from symrender.jit.shelf import PACKAGE_FOLDER
+
+    if not PACKAGE_FOLDER.is_dir():
+        return "none: they are compiled when they are first used"
+    entries = list(PACKAGE_FOLDER.glob("*.kernel"))
+    return f"{len(entries)} files; this processor runs those for {', '.join(levels_here()) or 'none of their levels'}"
 
 
 def _cache() -> str:

@@ -17,6 +17,7 @@ from pathlib import Path
 from symrender.execution.jobs import KINDS, Job, code_digest, compute
 from symrender.execution.tiles import Progress, thread_count
 from symrender.jit.entries import cache_directory, read_entry, write_entry
+from symrender.jit.shelf import package_shelves
 from symrender.settings import Settings
 
 _SIDE = 4
@@ -27,13 +28,14 @@ _SIDE = 4
 def second_beside(jobs: Sequence[Job], progress: Progress | None = None) -> Iterator[Callable[[], None]]:
     """Within the block, another process compiles the kernel of the second job; call what is yielded to wait for it.
 
-    Only where the cache holds the kernels of neither job and a processor is free; else there is nothing to wait for.
+    Only where neither the package nor the cache holds kernels and a processor is free; else there is nothing to wait
+    for.
     ``progress`` hears of the wait, as 0 of 0.
     """
     marks = [mark for job in jobs if (mark := _compiled_mark(job.kind)) is not None]
     missing = [mark for mark in marks if read_entry(mark) is None]
     process = None
-    if len(missing) == 2 and thread_count(0) > 1:
+    if len(missing) == 2 and not package_shelves() and thread_count(0) > 1:
         words = [sys.executable, "-m", "symrender.execution.warm", jobs[1].kind, jobs[1].settings.disk]
         quiet = subprocess.DEVNULL
         process = subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet)

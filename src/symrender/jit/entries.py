@@ -54,15 +54,15 @@ def _ours(found: os.stat_result) -> bool:
     return found.st_uid == os.getuid() and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
-def read_entry(path: Path) -> bytes | None:
-    """Content of an entry that is ours and whole, else None."""
+def read_entry(path: Path, *, private: bool = True) -> bytes | None:
+    """Content of an entry that is whole and, unless it need not be ``private``, ours; else None."""
     try:
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0))
     except OSError:
         return None
     with os.fdopen(handle, "rb") as file:
         found = os.fstat(handle)
-        if not stat.S_ISREG(found.st_mode) or not _ours(found):
+        if not stat.S_ISREG(found.st_mode) or (private and not _ours(found)):
             return None
         try:
             data = file.read()

@@ -1,42 +1,29 @@
-"""A kernel that is called from Python: found in the cache, or translated and compiled, or left to Numba.
-
-The name of an entry is a digest of all that decides the machine code: the types of the arguments, the processor and its
-features, llvmlite, the translator's own texts, the texts of the modules whose functions were translated, and the values
-of the globals they read. Which modules and globals these are is what the translator met, kept in a list of its own
-(``.list``) beside the machine code (``.kernel``): nobody keeps it by hand, and nothing can be left out.
-"""
+"""A kernel that is called from Python: found on a shelf, or translated and compiled, or left to Numba."""
 
 from __future__ import annotations
 
-import functools
-import hashlib
 import json
 import logging
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from types import FunctionType
 from typing import Any, Final
 
 from symrender.jit.call import Loaded, flatten
 from symrender.jit.closure import closure_texts
-from symrender.jit.entries import cache_directory, read_entry, write_entry
-from symrender.jit.machine import loaded, machine_code, machine_name
-from symrender.jit.program import Site, Translation, digest_of, translated
+from symrender.jit.machine import loaded, machine_code
+from symrender.jit.program import Site, translated
 from symrender.jit.refused import Refused
-from symrender.jit.source import module_text
+from symrender.jit.shelf import own_shelf, package_shelves
+from symrender.jit.shipped import ship
 from symrender.jit.told import about_to_compile
-from symrender.jit.types import Type, result_named, result_of, type_of
+from symrender.jit.types import Type, result_of, type_of
 
 MODES: Final = ("auto", "llvm", "numba", "checked")
 """Values of ``SYMRENDER_COMPILER``: translated, and by Numba where that is refused; translated or an error; Numba; as
 ``llvm`` with every index checked."""
-
-_LISTS: Final = 8
-"""Lists of dependencies kept for one kernel: switching between versions of the sources does not compile again."""
 
 _USUAL_SECONDS: Final = 15.0
 """Told where nothing was compiled here before; a small kernel takes less."""
@@ -55,12 +42,13 @@ def mode() -> str:
 class Kernel:
     """A function compiled once for each list of argument types.
 
-    ``hits`` and ``misses`` count what was read from the disk and what was compiled; ``by_numba`` says whether the last
-    was left to Numba.
+    ``name`` is its module's and its own; ``hits`` and ``misses`` count what was read from the disk and what was
+    compiled; ``by_numba`` says whether the last was left to Numba.
     """
 
     def __init__(self, function: FunctionType, sources: Sequence[str] | None, options: dict[str, Any]) -> None:
         self.function, self.sources, self.options = function, sources, options
+        self.name = function.__module__, function.__qualname__
         self.hits = self.misses = 0
         self.by_numba = False
         self._made: dict[tuple[Any, ...], Callable[..., Any]] = {}
@@ -112,39 +100,27 @@ class Kernel:
         made: Callable[..., Any] = self._numba
         return made
 
-    def _list_path(self, directory: Path, types: tuple[Type, ...], checked: bool) -> Path:
-        name = (self.function.__module__, self.function.__qualname__)
-        return directory / f"{_digest((name, types, checked, machine_name(), _translator()))}.list"
-
     def _read(self, types: tuple[Type, ...], checked: bool) -> Loaded | None:
-        """Machine code from the disk whose dependencies are as they are now, else None."""
-        directory, _ = cache_directory()
-        if directory is None:
-            return None
-        lists = self._list_path(directory, types, checked)
-        for names in _names_in(lists):
-            state = _state(names)
-            content = None if state is None else read_entry(_code_path(lists, state))
-            if content is None:
-                continue
-            try:
-                head, _, code = content.partition(b"\n")
-                known = json.loads(head)
-                made = Loaded(
-                    loaded(code), types, result_of(known["result"]), tuple(Site(*each) for each in known["sites"])
-                )
-            except Exception as error:  # whatever an unusable entry does, compiling again is right
-                _log.info("kernel cache: entry not usable: %r", error)
-                continue
-            self.hits += 1
-            return made
+        """Machine code from a shelf whose dependencies are as they are now, else None."""
+        own = own_shelf()
+        for shelf in (*package_shelves(), *(() if own is None else (own,))):
+            for content in shelf.found(shelf.lists(self.name, types, checked)):
+                try:
+                    head, _, code = content.partition(b"\n")
+                    known = json.loads(head)
+                    sites = tuple(Site(*each) for each in known["sites"])
+                    made = Loaded(loaded(code), types, result_of(known["result"]), sites)
+                except Exception as error:  # whatever an unusable entry does, compiling again is right
+                    _log.info("kernel cache: entry not usable: %r", error)
+                    continue
+                self.hits += 1
+                return made
         return None
 
     def _compile(self, types: tuple[Type, ...], checked: bool) -> Loaded:
-        name = self.function.__name__
-        directory, _ = cache_directory()
-        lists = None if directory is None else self._list_path(directory, types, checked)
-        last = [] if lists is None else _names_in(lists)
+        name, shelf = self.function.__name__, own_shelf()
+        lists = None if shelf is None else shelf.lists(self.name, types, checked)
+        last = [] if shelf is None or lists is None else shelf.listed(lists)
         about_to_compile(name, last[0]["seconds"] if last else _USUAL_SECONDS)
         begun = time.perf_counter()
         made = translated(self.function, types, checked=checked)
@@ -156,54 +132,8 @@ class Kernel:
         self.misses += 1
         seconds = time.perf_counter() - begun
         _log.info("kernel %s: %d functions compiled in %.1f s", name, made.functions, seconds)
-        if lists is not None:
-            self._write(lists, made, code, seconds)
+        if shelf is not None and lists is not None:
+            shelf.put(lists, made, code, seconds)
+        if not checked:
+            ship(self.name, types, made)
         return Loaded(entry, types, made.result, made.sites)
-
-    def _write(self, lists: Path, made: Translation, code: bytes, seconds: float) -> None:
-        names: dict[str, Any] = {"texts": sorted(made.texts), "globals": sorted(map(list, made.constants))}
-        state = _state(names)
-        if state is None:
-            return
-        head = {"result": result_named(made.result), "sites": [[s.file, s.line, s.reason] for s in made.sites]}
-        write_entry(_code_path(lists, state), json.dumps(head).encode() + b"\n" + code)
-        others = [each for each in _names_in(lists) if any(each[key] != names[key] for key in names)]
-        kept = [names | {"seconds": seconds}, *others][:_LISTS]
-        write_entry(lists, json.dumps(kept).encode())
-
-
-def _names_in(path: Path) -> list[dict[str, Any]]:
-    content = read_entry(path)
-    try:
-        return [] if content is None else list(json.loads(content))
-    except ValueError:
-        return []
-
-
-def _code_path(lists: Path, state: str) -> Path:
-    return lists.with_name(f"{_digest((lists.stem, state))}.kernel")
-
-
-def _state(names: dict[str, Any]) -> str | None:
-    """Digest of the texts and globals of these names as they are now, None where one of them is gone."""
-    parts = []
-    for module in names["texts"]:
-        if module not in sys.modules:
-            return None
-        parts.append(module_text(module))
-    for module, name in names["globals"]:
-        if module not in sys.modules or not hasattr(sys.modules[module], name):
-            return None
-        parts.append(digest_of(getattr(sys.modules[module], name)))
-    return _digest((names["texts"], names["globals"], parts))
-
-
-@functools.lru_cache(maxsize=1)
-def _translator() -> str:
-    """Digest of the translator's own texts."""
-    files = sorted(Path(__file__).parent.glob("*.py"))
-    return _digest([(file.name, file.read_bytes()) for file in files])
-
-
-def _digest(value: object) -> str:
-    return hashlib.sha256(repr(value).encode()).hexdigest()

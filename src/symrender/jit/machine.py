@@ -12,19 +12,20 @@ from typing import Any
 from symrender.jit.program import ENTRY
 
 _LOCK = threading.Lock()
-_ENGINES: list[Any] = []
+_LINKED: list[Any] = []
 """What holds loaded machine code: it stays for as long as the process does."""
 
 
-@functools.lru_cache(maxsize=1)
-def _target() -> Any:
+@functools.lru_cache(maxsize=8)
+def _target(level: str | None) -> Any:
+    """Target for a level of processors, by default for this one."""
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     return llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
-        cpu=llvm.get_host_cpu_name(),
-        features=llvm.get_host_cpu_features().flatten(),
+        cpu=llvm.get_host_cpu_name() if level is None else level,
+        features=llvm.get_host_cpu_features().flatten() if level is None else "",
         opt=3,
         reloc="pic",
         codemodel="small",
@@ -47,12 +48,12 @@ def machine_name() -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def machine_code(text: str) -> bytes:
-    """Object code of LLVM IR, optimised fully under strict floating point."""
+def machine_code(text: str, level: str | None = None) -> bytes:
+    """Object code of LLVM IR, optimised fully under strict floating point, for this processor or a level of them."""
     import llvmlite.binding as llvm
 
     with _LOCK:
-        target = _target()
+        target = _target(level)
         module = llvm.parse_assembly(text)
         module.triple, module.data_layout = llvm.get_process_triple(), str(target.target_data)
         module.verify()
@@ -65,22 +66,20 @@ def machine_code(text: str) -> bytes:
 
 
 def loaded(code: bytes) -> Callable[[int], int]:
-    """The kernel's entry in object code: it takes the address of its block, and runs without the interpreter's lock."""
+    """The kernel's entry in object code: it takes the address of its block, and runs without the interpreter's lock.
+
+    Linked by JITLink, which gives an object one piece of memory. RuntimeDyld asks for each section's own, and where the
+    process holds so much that they come to lie more than 2 GB apart, it aborts the process.
+    """
     import llvmlite.binding as llvm
 
     with _LOCK:
-        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _new_target())
-        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-        engine.finalize_object()
-        address = engine.get_function_address(ENTRY)
-        _ENGINES.append(engine)
+        _target(None)
+        linker = llvm.create_lljit_compiler(use_jit_link=True)
+        library = llvm.JITLibraryBuilder().add_object_img(code).export_symbol(ENTRY).add_current_process()
+        tracker = library.link(linker, ENTRY)
+        _LINKED.append((linker, tracker))
+        address = tracker[ENTRY]
     if not address:
         raise RuntimeError(f"object code without {ENTRY}")
     return ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)(address)
-
-
-def _new_target() -> Any:
-    import llvmlite.binding as llvm
-
-    _target()
-    return llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(reloc="pic", codemodel="small")

@@ -17,6 +17,8 @@ from typing import Any
 
 from symrender import kernel_cache
 from symrender.jit.entries import cache_directory, read_entry, write_entry
+from symrender.jit.shelf import PACKAGE_FOLDER
+from symrender.jit.shipped import folders_to_fill
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _SOURCES = (
@@ -32,21 +34,28 @@ _SOURCES = (
 
 @cache
 def emitted(recipe: Callable[[], str], name: str) -> str:
-    """Text named ``name`` that ``recipe`` emits, from the cache directory where an entry of this very code exists."""
+    """Text named ``name`` that ``recipe`` emits: what came with the package or was kept, if made by this very code."""
+    shipped = read_entry(PACKAGE_FOLDER / _entry(name, ""), private=False)
+    if shipped is not None:
+        return shipped.decode()
     directory, _ = cache_directory()
-    if directory is None:
-        return recipe()
-    digest = hashlib.sha256(f"{name} {metadata.version('sympy')}".encode())
+    kept = None if directory is None else directory / _entry(name, metadata.version("sympy"))
+    stored = None if kept is None else read_entry(kept)
+    text = recipe() if stored is None else stored.decode()
+    if kept is not None and stored is None:
+        write_entry(kept, text.encode())
+    for folder in folders_to_fill():
+        write_entry(folder / _entry(name, ""), text.encode())
+    return text
+
+
+def _entry(name: str, sympy: str) -> str:
+    """File name of a text: a digest of all it was made of; a text of the package's serves whatever SymPy is there."""
+    digest = hashlib.sha256(f"{name} {sympy}".encode())
     for pattern in _SOURCES:
         for path in sorted(_PACKAGE.glob(pattern)):
             digest.update(path.relative_to(_PACKAGE).as_posix().encode() + path.read_bytes())
-    entry = directory / f"{digest.hexdigest()}.text"
-    stored = read_entry(entry)
-    if stored is not None:
-        return stored.decode()
-    text = recipe()
-    write_entry(entry, text.encode())
-    return text
+    return f"{digest.hexdigest()}.text"
 
 
 @cache

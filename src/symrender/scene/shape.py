@@ -39,7 +39,7 @@ class Plane(Part):
     further than the room of half-spaces it lies in.
     """
 
-    name: Annotated[PartName, Field(description="what parameters call it")]
+    name: Annotated[PartName, Field(description="its part in dotted names: planes.NAME")]
     point: Annotated[Point3, Field(description="a point of the plane, origin of its texture")]
     normal: Annotated[Point3, Field(description="the side it reflects on, of any length")]
     along: Annotated[Point3, Field(description="direction of the texture's x, less its part along the normal")] = (

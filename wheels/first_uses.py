@@ -1,0 +1,39 @@
+"""What people call first, each as small as it can be: between them they reach every kernel that a wheel brings."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any, Final
+
+import symrender as sr
+
+_TINY: Final[dict[str, Any]] = {"size": 4, "threads": 1}
+_POINT: Final = [(-0.5, -1.5, 0.0)]
+
+
+def pair() -> None:
+    """Each pipeline by itself, in this process: the conventional tracer and the strata."""
+    sr.render("gloss", lobe=1, symbolic="none", **_TINY)
+    sr.render("gloss", lobe=1, numeric="none", **_TINY)
+
+
+def chambers() -> None:
+    """Truth, with both disks, with and without the number of chambers."""
+    for disk in ("2x2", "exact"):
+        sr.truth("chapter8", tol=1e-2, disk=disk, **_TINY)
+    sr.truth("chapter8", tol=1e-2, counts=False, **_TINY)
+    sr.probe("gloss", _POINT, surface="floor", tol=1e-2)
+
+
+def slopes() -> None:
+    """Derivatives, with both disks; a value beside them takes the kernel of ``chambers``."""
+    for disk in ("2x2", "exact"):
+        sr.gradient("chapter8", ["spheres.B.radius"], tol=1e-1, disk=disk, **_TINY)
+
+
+FIRST_USES: Final[dict[str, Callable[[], None]]] = {"slopes": slopes, "chambers": chambers, "pair": pair}
+"""By name, the longest first."""
+
+if __name__ == "__main__":
+    FIRST_USES[sys.argv[1]]()
