@@ -175,7 +175,7 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
             leaves = at.FLOOR
             if view.eye[2] > (q + v)[2]:
                 continue
-            side = FORMULAS.floor_side(q[0], q[1], a.floor) if a.floor.kind == at.CHECKER else 1.0
+            side = FORMULAS.floor_side(q[0], q[1], a.floor.cell, *a.floor.offset) if a.floor.kind == at.CHECKER else 1.0
             albedo = np.array(floor_albedo(a.floor, floor_sign(a.floor, q[0], q[1])))
             assert 2.0 * side - 1.0 == floor_sign(a.floor, q[0], q[1])
             met["floor"] += 1
@@ -188,7 +188,7 @@ def test_all_texts_light_a_point_alike(seed: int) -> None:
                 assert factor == (1.0 if bright else a.spheres[own].dark), a.spheres[own]
                 met["dark field"] += factor < 1
         points = np.hstack([view.points["position"], view.points["color"]])
-        scene = (a.spheres, a.floor, points, a.shading)
+        scene = (a.spheres, a.floor, a.planes, points, a.shading)
         program = np.array(FORMULAS.direct(*q, *n, *v, *albedo, leaves, 1.0, *scene))
         world = make_world(a, 1)
         numeric = np.array(direct_light(world, leaves, False, tuple(q), tuple(n), tuple(v), tuple(albedo), KEY, 0, 1))
