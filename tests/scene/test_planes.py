@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 
 from symrender.errors import OptionError, SceneError, Unsupported
-from symrender.gradient import gradient
 from symrender.probe import probe
 from symrender.quadrature.split_point import gloss_points
-from symrender.render import render
 from symrender.scene.arrays import FIRST_SPHERE, lobes_of, scene_arrays
 from symrender.scene.frames import frames
 from symrender.scene.load import load
 from symrender.scene.warnings import warnings
-from symrender.truth import truth
+from symrender.studies.subject import subject
 
 
 def _room(**changes: Any) -> Any:
@@ -64,20 +62,9 @@ def test_frames_are_orthonormal_and_right_handed() -> None:
     assert len(lobes_of(arrays)) == 1 + 2 + 3
 
 
-@pytest.mark.parametrize(
-    "asked",
-    [
-        lambda: truth("room", size=4),
-        lambda: gradient("room", ["planes.glass.point.x"], size=4),
-        lambda: render("room", size=4, symbolic="chambers"),
-        lambda: probe("room", [(0.0, 0.0)], certify=True),
-        lambda: probe("room", [(0.0, 0.0)], wrt=["planes.glass.point.x"]),
-    ],
-    ids=["truth", "gradient", "chambers", "certify", "probe wrt"],
-)
-def test_what_does_not_know_planes_refuses_them_by_name(asked: Any) -> None:
-    with pytest.raises(Unsupported, match=r"planes: .* does not know them yet \(rear, west, glass\)"):
-        asked()
+def test_studies_refuse_planes_by_name() -> None:
+    with pytest.raises(Unsupported, match=r"planes: study does not know them yet \(rear, west, glass\)"):
+        subject("room", size=8)
 
 
 def test_probes_of_a_plane_take_its_coordinates() -> None:

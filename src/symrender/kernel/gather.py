@@ -162,8 +162,8 @@ def gather() -> Function:
                     block.set(best, fall)
                     block.set(shape, sp.Integer(at.FLOOR))
         with block.when(PLANES.length > 0):
-            ray = (p, _world(block, x, y, z, u1, u2, m), leaves, best, shape, SPHERES, PLANES)
-            block.call("nearest_plane", ray, "shape", "best")
+            w = _world(block, x, y, z, u1, u2, m)
+            block.call("nearest_plane", (p, w, leaves, best, shape, SPHERES, PLANES), "shape", "best")
         with block.when(sp.Eq(shape, at.NOTHING)):
             with block.when(dark):
                 block.next()

@@ -80,7 +80,7 @@ def nearest_plane() -> Function:
 
 
 def meet_planes(block: Block, p: Vec3, w: Vec3, leaves: sp.Expr, best: sp.Symbol, shape: sp.Symbol) -> None:
-    """Write distance and hit class of the nearest plane over ``best`` and ``shape`` where it is nearer."""
+    """Write distance and hit class of the nearest plane over ``best`` and ``shape`` where it is the nearer."""
     with block.when(PLANES.length > 0):
         arguments = (p, w, leaves, best, shape, SPHERES, PLANES)
         block.call("nearest_plane", arguments, str(shape), str(best))

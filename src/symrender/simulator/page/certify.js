@@ -18,7 +18,6 @@ function makeCertify(app) {
 function unproved(app) {
   const { seen, glossy, t } = app.probedAt ?? {};
   if (!glossy || seen.shape !== 1) return "Point at a floor with a lobe: intervals are proved there.";
-  if (data.planes.length) return "A scene with planes is not enclosed yet.";
   if (surfaceLobe(t, 0).thetaMax === 0) return "A mirror has no lobe to integrate.";
   return data.spheres.some((name) => numberOf(`spheres.${name}.texture.type`) === "marble") ? "Marble is not enclosed." : "";
 }
