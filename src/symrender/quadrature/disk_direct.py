@@ -125,7 +125,10 @@ def direct_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, albedo: Array, step: int, tol: float, view: View,
     work: Work, table: Array, framed: Array, frames: Frames, direct: Array, error: Array,
 ) -> None:  # fmt: skip
-    """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``. ``framed`` (3, 3) is scratch."""
+    """Fill ``direct`` (N, 3) and ``error`` (N,); see ``disk_direct``. ``framed`` (3, 3) is scratch.
+
+    Many arguments because a kernel takes arrays: what is asked, what it is asked of, and all that it writes into.
+    """
     for k in range(points.shape[0]):
         home = frames.homes[surface[k]]
         if home < 0:
@@ -150,7 +153,7 @@ def disks_at(
 ) -> float:  # fmt: skip
     """Add to ``direct`` (3,) what all disks add at a point; the error. ``stand_at`` says where ``j`` and ``home`` are.
 
-    A point has many numbers, and two places ask: of spheres and, in their own coordinates, of planes.
+    Many arguments because spheres and, in their own coordinates, planes ask alike, with all that a point is.
     """
     ks, error = view.shading.ks, 0.0
     qx, qy, qz = point[0], point[1], point[2]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.chambers.chart import casts, shadow_in_view
+from symrender.chambers.casters import casts, shadow_in_view
 from symrender.chambers.labels import texture_side
 from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work

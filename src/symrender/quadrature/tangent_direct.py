@@ -112,7 +112,7 @@ def disk_slopes(
 ) -> None:  # fmt: skip
     """Fill the derivatives of what all disks add at point ``k``, in the coordinates in which it is given.
 
-    A point has many numbers, and two places ask: of spheres and, in their own coordinates, of planes.
+    Many arguments because spheres and, in their own coordinates, planes ask alike, with all that a point is.
     """
     flag = table[table.shape[0] - 1]
     kd, ks = view.shading.kd, view.shading.ks

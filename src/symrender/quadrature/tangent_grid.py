@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
 from symrender.chambers.records import Chart
+from symrender.chambers.tangent_moves import any_moves
 from symrender.chambers.tangent_walls import (
     AT_POINT,
     AXIS,
@@ -27,7 +28,6 @@ from symrender.chambers.tangent_walls import (
     LOG_NORMALISER,
     RIM,
     SHADING,
-    any_moves,
     plane_columns,
 )
 from symrender.chambers.work import View, Work

@@ -19,6 +19,7 @@ from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobe_mass import cap_share
 from symrender.chambers.records import Chart, Event, LightMove
 from symrender.chambers.rooms import frame_view
+from symrender.chambers.tangent_moves import what_moves
 from symrender.chambers.tangent_rooms import moves_in_frame, side_moves
 from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
 from symrender.chambers.tangent_walls import (
@@ -42,7 +43,6 @@ from symrender.chambers.tangent_walls import (
     SHADING,
     TURN,
     adjoint_columns,
-    what_moves,
 )
 from symrender.chambers.work import MAX_WALLS, Frames, View, Work, begin_counts, scene_frames, scene_view
 from symrender.errors import Unsupported
@@ -338,7 +338,7 @@ def shape_slopes(
     """Add what the charted shape adds to derivatives and their errors; the error of its value.
 
     ``lobe``, ``view`` and ``moves`` are in the chart's coordinates, ``spent`` is the error of the values before.
-    Spheres and planes ask, each with all the scratch there is.
+    Many arguments because spheres and planes ask alike, each with all the scratch there is.
     """
     chart, found = work.chart, 0.0
     nodes, some = what_moves(moves, disk is not None, view, work, t.moving)
