@@ -50,7 +50,8 @@ def test_no_chord_within_reach_differs_by_more_than_is_bounded():
                     p, m = np.array(there[:3]), np.array(there[3:])
                     reach, turn = float(np.linalg.norm(p - q)), math.acos(max(-1.0, min(1.0, float(n @ m))))
                     for l in range(len(view.points)):
-                        chord, varies = chord_about(l, *q, *n, reach, turn, view, work)
+                        chord, varies, blur = chord_about(l, *q, *n, reach, turn, view, work)
+                        assert blur == 0.0 or view.points[l].radius > 0.0
                         true = chord_at(l, p, m, view, work)
                         if chord == 2.0 and varies == 0.0:
                             assert true == 2.0
@@ -106,8 +107,8 @@ def test_a_search_that_takes_half_the_bound_leaves_places_out(monkeypatch: pytes
     right = highlights.chord_about
 
     def wrong(*arguments):
-        chord, varies = right(*arguments)
-        return chord, 0.02 * varies if math.isfinite(varies) else varies
+        chord, varies, blur = right(*arguments)
+        return chord, 0.02 * varies if math.isfinite(varies) else varies, blur
 
     monkeypatch.setattr(highlights, "chord_about", wrong)
     felt, outside, _ = missed(range(100, 160), 1e-7)

@@ -41,6 +41,8 @@ SPECK = -6.2
 """Logarithm of the share of what is negligible that one box may hold as a whole."""
 MOST_BOXES = 30_000
 """Boxes looked at for one light; what is left then is taken to be bright, and all that it may hold for an error."""
+BESIDE = 0.3
+"""Radii of a disk from which it is looked at as from there, by what is nearer."""
 NARROW = 0.08
 """Strips below which node counts are chosen by the highlight; wider ones are made sure to be seen, no more."""
 SPACING = 1.05
@@ -63,10 +65,11 @@ def chord_of(step: float, distance: float) -> float:
 def chord_about(
     l: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, reach: float, turn: float, view: View,
     work: Work,
-) -> tuple[float, float]:  # fmt: skip
-    """(chord, variation): chord of the highlight's angle at Q, and how far it differs about Q.
+) -> tuple[float, float, float]:  # fmt: skip
+    """(chord, variation, blur): chord of the highlight's angle at Q, and how far it differs about Q.
 
-    ``variation`` holds within ``reach`` of Q where N turns by at most ``turn``. Where ``specular_terminator: cut``
+    ``variation`` holds within ``reach`` of Q where N turns by at most ``turn``, and that plus ``blur`` for every point
+    of a disk: what is felt of it does not vary with Q faster than that of a point. Where ``specular_terminator: cut``
     leaves no highlight the chord is 2.
     """
     chart, p, shading = work.chart, view.points[l], view.shading
@@ -80,22 +83,27 @@ def chord_about(
     by_l, by_v = 1.0 / far_l, 1.0 / far_v
     lx, ly, lz = lx * by_l, ly * by_l, lz * by_l
     vx, vy, vz = vx * by_v, vy * by_v, vz * by_v
-    a, b = chord_of(reach + p.radius, far_l), chord_of(reach, far_v)
+    a, b = chord_of(reach, far_l), chord_of(reach, far_v)
+    wide = a
+    if p.radius > 0.0:
+        wide = chord_of(reach + p.radius, far_l)
+        a = chord_of(reach, max(far_l - p.radius, BESIDE * p.radius))
     facing = nx * lx + ny * ly + nz * lz
-    if shading.terminator == CUT and facing + turn + a < 0.0:
-        return 2.0, 0.0
+    if shading.terminator == CUT and facing + turn + wide < 0.0:
+        return 2.0, 0.0, 0.0
     if shading.model == PHONG:
         dx, dy, dz = 2.0 * facing * nx - lx - vx, 2.0 * facing * ny - ly - vy, 2.0 * facing * nz - lz - vz
-        varies = 2.0 * turn + a + b
+        varies, most = 2.0 * turn + a + b, 2.0 * turn + wide + b
     else:
         hx, hy, hz = lx + vx, ly + vy, lz + vz
         inv = 1.0 / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
-        t = (a + b) * inv
+        t, u = (a + b) * inv, (wide + b) * inv
         if not t < 1.0:
-            return 0.0, math.inf
+            return 0.0, math.inf, 0.0
         dx, dy, dz = hx * inv - nx, hy * inv - ny, hz * inv - nz
         varies = turn + t * (1.0 + 0.4142135623730951 * t * t)
-    return math.sqrt(dx * dx + dy * dy + dz * dz), varies
+        most = turn + u * (1.0 + 0.4142135623730951 * u * u) if u < 1.0 else 2.0
+    return math.sqrt(dx * dx + dy * dy + dz * dz), varies, max(0.0, most - varies)
 
 
 @inlined
@@ -231,10 +239,10 @@ def box_bounds(
         # all of the box, however bright: where l is opposite to v a highlight has every angle in one place
         return False, True, 0.0, 0.0
     level += min(0.0, share)
-    chord, varies = chord_about(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
-    if log_felt(level, max(0.0, chord - varies), shininess) < 0.0:
+    chord, varies, blur = chord_about(l, qx, qy, qz, nx, ny, nz, reach, turn, view, work)
+    if log_felt(level, max(0.0, chord - varies - blur), shininess) < 0.0:
         return False, True, 0.0, 0.0
-    widths = RESOLVED if log_felt(level, chord, shininess) > 0.0 else DOUBTED
+    widths = RESOLVED if log_felt(level, max(0.0, chord - blur), shininess) > 0.0 else DOUBTED
     if varies > COARSEST or varies * math.sqrt(shininess) > widths:
         return True, False, 0.0, held
     fx, fy, fz = (
