@@ -41,6 +41,9 @@ SPECK = -6.2
 """Logarithm of the share of what is negligible that one box may hold as a whole."""
 MOST_BOXES = 30_000
 """Boxes looked at for one light; what is left then is taken to be bright, and all that it may hold for an error."""
+MOST_OF_DISK = 3000
+"""The same for a whole disk, of which no box is small enough: its own width is among what a box's angle varies by, so
+that what is left is bright as far as its rules tell, and no error."""
 NARROW = 0.08
 """Strips below which node counts are chosen by the highlight; wider ones are made sure to be seen, no more."""
 SPACING = 1.05
@@ -308,7 +311,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
             continue
         level = math.log(peak / chart.least)
         boxes[0].first, boxes[0].last, boxes[0].innermost, boxes[0].outermost = low, high, 0.0, last
-        top, looked = 1, 0
+        top, looked, most = 1, 0, MOST_BOXES if p.radius == 0.0 else MOST_OF_DISK
         while top > 0:
             top -= 1
             looked += 1
@@ -317,13 +320,13 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
             felt, resolved, strip, along = box_bounds(l, level, ample, whole, a, b, u, v, view, work)
             if not felt:
                 continue
-            if resolved or looked > MOST_BOXES or top + 2 > boxes.shape[0]:
+            if resolved or looked > most or top + 2 > boxes.shape[0]:
                 if not floor:
                     k = chart.ratio
                     u = math.atan2(math.sin(u), math.cos(u) - k)
                     v = math.atan2(math.sin(v), max(1e-15, math.cos(v) - k))
                 if not resolved:
-                    unseen += math.exp(along)
+                    unseen += math.exp(along) if p.radius == 0.0 else 0.0
                     strip, along = 0.1 * (b - a), 0.1 * (v - u)
                 note_highlight(l, a, b, u, v, strip, along, work)
                 continue
