@@ -82,7 +82,7 @@ def _scalars(function: Function, row: np.ndarray, spheres: int, planes: int) -> 
     """Values of the parameters that are not arrays: reals from a row, whole numbers in the range they index."""
     values: list[float | int] = []
     ranges = {"j": (0, spheres), "k": (0, planes), "leaves": (0, spheres + planes + 2), "rule": (0, 1)}
-    ranges |= {"row": (0, 6), "column": (0, 8)}
+    ranges |= {"shape": ranges["leaves"], "row": (0, 6), "column": (0, 8)}
     for k, parameter in enumerate(function.parameters):
         if isinstance(parameter, Array):
             continue

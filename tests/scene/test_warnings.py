@@ -32,7 +32,7 @@ ODD: list[tuple[dict[str, object], tuple[str, ...]]] = [
     ({"spheres.B.center.z": -0.56}, ("spheres.B lies below the floor: it cannot be seen from above",)),
     ({"spheres.B.lobe.weight": 0}, ("spheres.B.lobe.weight is 0: the lobe has no effect",)),
     ({"floor.lobe.weight": 0}, ("floor.lobe.weight is 0: the lobe has no effect",)),
-    ({"spheres": [], "floor": None}, ("there is nothing to see: no spheres and no floor",)),
+    ({"spheres": [], "floor": None}, ("there is nothing to see: no spheres, no floor and no planes",)),
 ]
 
 

@@ -18,6 +18,7 @@ from symrender.chambers.labels import PARTLY
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
+from symrender.leaves.values import mirror_direction
 from symrender.quadrature.disk_curves import BALL, EDGE_ON, TERMINATOR, disk_curves, elevation
 from symrender.quadrature.disk_refined import DULL, may_shine, refined_term
 from symrender.quadrature.disk_term import disk_log, listed_term
@@ -73,7 +74,7 @@ def edge_crosses(
     """Whether the base of a highlight may be 0 in the disk: R.d for Phong, N.d + (N.v) |d| for Blinn."""
     cosine = nx * vx + ny * vy + nz * vz
     if phong:
-        gx, gy, gz = 2.0 * cosine * nx - vx, 2.0 * cosine * ny - vy, 2.0 * cosine * nz - vz
+        gx, gy, gz = mirror_direction(-vx, -vy, -vz, nx, ny, nz)
         g1 = gx * p.e1[0] + gy * p.e1[1] + gz * p.e1[2]
         g2 = gx * p.e2[0] + gy * p.e2[1] + gz * p.e2[2]
         return bool(abs(gx * yx + gy * yy + gz * yz) < p.radius * math.sqrt(g1 * g1 + g2 * g2))
