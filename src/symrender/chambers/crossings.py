@@ -191,10 +191,13 @@ def circle_crossings(
 
 @inlined
 def along_circle(
-    row: Wall, other: Wall, axis0: float, axis1: float, axis2: float, sine: float, hides: bool, view: View,
-    work: Work, events: Table[Event], n: int, low: float, high: float,
+    row: Wall, other: Wall, axis0: float, axis1: float, axis2: float, sine: float, flat: bool, hides: bool,
+    view: View, work: Work, events: Table[Event], n: int, low: float, high: float,
 ) -> int:  # fmt: skip
-    """Note where the circle ``row`` meets another wall: a cone of directions (``sine`` >= 0), else ``other``."""
+    """Note where the circle ``row`` meets another wall: a cone of directions (``sine`` >= 0), else ``other``.
+
+    A ``flat`` cone is a plane, of which its quadratic would be the square and every root a double one.
+    """
     chart = work.chart
     normal = row.kind == NORMAL
     a0, a1, a2 = row.axis[0], row.axis[1], row.axis[2]
@@ -218,7 +221,12 @@ def along_circle(
                     v[0, i] = one - k * v[0, i]
                     v[1, i] *= k
                     v[2, i] *= k
-            cone_level(axis0, axis1, axis2, sine, v, p, f, g)
+            if flat:
+                for i in range(3):
+                    p[i] = axis0 * v[0, i] + axis1 * v[1, i] + axis2 * v[2, i]
+                p[3] = p[4] = 0.0
+            else:
+                cone_level(axis0, axis1, axis2, sine, v, p, f, g)
         elif other.kind == SHADOW:
             shadow_quadric(other, chart, v, p, f, g)
         else:
@@ -276,14 +284,14 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
                 pass
             elif kind == DIRECTION and also == NORMAL:
                 row, wall = other, one
-                b0, b1, b2, sine = one.axis[0], one.axis[1], one.axis[2], one.sin
+                b0, b1, b2, cosine, sine = one.axis[0], one.axis[1], one.axis[2], one.cos, one.sin
             elif kind in (SHADOW, BALL) and (also == NORMAL or (also == DIRECTION and floor)):
                 row, wall, sine = other, one, -1.0
             elif also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and floor)):
                 sine = -1.0
             else:
                 continue
-            n = along_circle(row, wall, b0, b1, b2, sine, hides, view, work, events, n, low, high)
+            n = along_circle(row, wall, b0, b1, b2, sine, cosine == 0.0, hides, view, work, events, n, low, high)
     return n
 
 
