@@ -468,7 +468,8 @@ def evaluate_panel(
     if step == 0:
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there
         error = 10.0 * size * max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
-        if out[5] > 0.0:
+        if out[5] > 0.0 or (size == 0.0 and has_disk(view)):
+            # where a penumbra begins to meet lines is no event: a dark line is no proof there
             error = max(error, p.bound)
     elif out[5] > 0.0 or foreign == foreign:
         error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
@@ -485,6 +486,15 @@ def evaluate_panel(
             break
     out[3] = error + inner + 1e-15 * size
     return foreign
+
+
+@inlined
+def has_disk(view: View) -> bool:
+    """Whether a disk light is taken whole."""
+    found = False
+    for i in range(view.points.shape[0]):
+        found = found or view.points[i].radius > 0.0
+    return found
 
 
 @jitable
