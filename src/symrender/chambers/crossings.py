@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.events import CROSSING, add_event, chart_events, close_events
+from symrender.chambers.events import CROSSING, add_event, chart_events, close_events, vein_events
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.records import Chart, Event, Wall
 from symrender.chambers.roots import quartic_roots
@@ -32,8 +32,12 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.records import Table
+from symrender.scene.arrays import MARBLE
 
 Array = npt.NDArray[np.float64]
+
+NEAR_PLANE = 1e-2
+"""Cosine of a cone's half-angle below which its crossings with circles are found from those of a plane as well."""
 
 
 @jitable
@@ -189,14 +193,35 @@ def circle_crossings(
     return n
 
 
+@jitable
+def half_tangent(t: float, cosine: float, v: Array, p: Array) -> float:
+    """From the root t of the plane p(t) = 0 to that of the cone p(t) = cosine |v(t)|, by Newton's method.
+
+    ``v`` (3, 3) and ``p`` are quadratics in t, all over 1 + t^2.
+    """
+    for _ in range(6):
+        square, slope = 0.0, 0.0
+        for a in range(3):
+            value = v[a, 0] + t * (v[a, 1] + t * v[a, 2])
+            square += value * value
+            slope += value * (v[a, 1] + 2.0 * t * v[a, 2])
+        size = math.sqrt(square)
+        rise = p[1] + 2.0 * t * p[2] - (cosine * slope / size if size > 0.0 else 0.0)
+        if rise == 0.0:
+            break
+        t -= (p[0] + t * (p[1] + t * p[2]) - cosine * size) / rise
+    return t
+
+
 @inlined
 def along_circle(
-    row: Wall, other: Wall, axis0: float, axis1: float, axis2: float, sine: float, flat: bool, hides: bool,
+    row: Wall, other: Wall, axis0: float, axis1: float, axis2: float, cosine: float, sine: float, hides: bool,
     view: View, work: Work, events: Table[Event], n: int, low: float, high: float,
 ) -> int:  # fmt: skip
     """Note where the circle ``row`` meets another wall: a cone of directions (``sine`` >= 0), else ``other``.
 
-    A ``flat`` cone is a plane, of which its quadratic would be the square and every root a double one.
+    The quadric of a cone near a plane is near a square, whose double roots are lost in its rounding: such a cone is
+    met from the plane's roots too.
     """
     chart = work.chart
     normal = row.kind == NORMAL
@@ -214,39 +239,45 @@ def along_circle(
         lift(c * a0, s * f0, s * g0, v[0])
         lift(c * a1, s * f1, s * g1, v[1])
         lift(c * a2, s * f2, s * g2, v[2])
-        if sine >= 0.0:
-            if normal:
-                for i in range(3):
-                    one = 0.0 if i == 1 else 1.0
-                    v[0, i] = one - k * v[0, i]
-                    v[1, i] *= k
-                    v[2, i] *= k
-            if flat:
+        if sine >= 0.0 and normal:
+            for i in range(3):
+                one = 0.0 if i == 1 else 1.0
+                v[0, i] = one - k * v[0, i]
+                v[1, i] *= k
+                v[2, i] *= k
+        for plane in range(2):
+            if plane == 1:
+                if sine < 0.0 or abs(cosine) > NEAR_PLANE:
+                    continue
                 for i in range(3):
                     p[i] = axis0 * v[0, i] + axis1 * v[1, i] + axis2 * v[2, i]
                 p[3] = p[4] = 0.0
-            else:
+            elif sine >= 0.0:
+                if cosine == 0.0:
+                    continue
                 cone_level(axis0, axis1, axis2, sine, v, p, f, g)
-        elif other.kind == SHADOW:
-            shadow_quadric(other, chart, v, p, f, g)
-        else:
-            ball_quadric(other, chart, v, p, f)
-        # Bernstein coefficients on t in [-1, 1]
-        b = work.bernstein
-        b[0] = p[0] - p[1] + p[2] - p[3] + p[4]
-        b[1] = p[0] - 0.5 * p[1] + 0.5 * p[3] - p[4]
-        b[2] = p[0] - p[2] / 3.0 + p[4]
-        b[3] = p[0] + 0.5 * p[1] - 0.5 * p[3] - p[4]
-        b[4] = p[0] + p[1] + p[2] + p[3] + p[4]
-        found = quartic_roots(b, work.stack, work.quartic)
-        for i in range(min(found, 4)):
-            t = 2.0 * work.quartic[i] - 1.0
-            inv = 1.0 / (1.0 + t * t)
-            ct, st = (1.0 - t * t) * inv, 2.0 * t * inv
-            n = add_crossing(
-                c * a0 + s * (f0 * ct + g0 * st), c * a1 + s * (f1 * ct + g1 * st), c * a2 + s * (f2 * ct + g2 * st),
-                normal, hides, view, work, events, n, low, high,
-            )  # fmt: skip
+            elif other.kind == SHADOW:
+                shadow_quadric(other, chart, v, p, f, g)
+            else:
+                ball_quadric(other, chart, v, p, f)
+            # Bernstein coefficients on t in [-1, 1]
+            b = work.bernstein
+            b[0] = p[0] - p[1] + p[2] - p[3] + p[4]
+            b[1] = p[0] - 0.5 * p[1] + 0.5 * p[3] - p[4]
+            b[2] = p[0] - p[2] / 3.0 + p[4]
+            b[3] = p[0] + 0.5 * p[1] - 0.5 * p[3] - p[4]
+            b[4] = p[0] + p[1] + p[2] + p[3] + p[4]
+            found = quartic_roots(b, work.stack, work.quartic)
+            for i in range(min(found, 4)):
+                t = 2.0 * work.quartic[i] - 1.0
+                if plane == 1 and cosine != 0.0:
+                    t = half_tangent(t, cosine, v, p)
+                inv = 1.0 / (1.0 + t * t)
+                ct, st = (1.0 - t * t) * inv, 2.0 * t * inv
+                n = add_crossing(
+                    c * a0 + s * (f0 * ct + g0 * st), c * a1 + s * (f1 * ct + g1 * st),
+                    c * a2 + s * (f2 * ct + g2 * st), normal, hides, view, work, events, n, low, high,
+                )  # fmt: skip
         f0, f1, f2, g0, g1, g2 = -f0, -f1, -f2, -g0, -g1, -g2
     return n
 
@@ -291,7 +322,7 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
                 sine = -1.0
             else:
                 continue
-            n = along_circle(row, wall, b0, b1, b2, sine, cosine == 0.0, hides, view, work, events, n, low, high)
+            n = along_circle(row, wall, b0, b1, b2, cosine, sine, hides, view, work, events, n, low, high)
     return n
 
 
@@ -300,6 +331,8 @@ def all_events(view: View, work: Work, events: Table[Event], low: float, high: f
     """Events between low and high, with both ends, ascending. Their number."""
     set_circles(work)
     n = chart_events(work, events, low, high) - 1
+    if work.chart.shape_index >= 0 and view.spheres[work.chart.shape_index].texture == MARBLE:
+        n = vein_events(work, events, n, low, high)
     n = chart_crossings(view, work, events, n, low, high)
     n = tangencies(view, work, events, n, low, high)
     n = trace_crossings(view, work, events, n, low, high)

@@ -151,6 +151,24 @@ def chart_events(work: Work, events: Table[Event], low: float, high: float) -> i
     return close_events(events, n, high)
 
 
+@inlined
+def vein_events(work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
+    """The two places of a marble sphere at which all its veins meet; new count.
+
+    Past it at a distance d the line integral goes like d log d, which a square root's map makes tame enough.
+    """
+    chart = work.chart
+    for end in range(2):
+        axis = 1.0 if end == 0 else -1.0
+        along, across = axis * chart.pole[2], math.hypot(chart.e1[2], chart.e2[2])
+        if along < -chart.ratio and across > 0.0:
+            phi = math.atan2(axis * chart.e2[2], axis * chart.e1[2])
+            beta = math.atan2(chart.ratio * across, 1.0 + chart.ratio * along)
+            if within_lobe(phi, beta, chart):
+                n = add_event(events, n, phi, low, high, ROOT)
+    return n
+
+
 @jitable
 def close_events(events: Table[Event], n: int, high: float) -> int:
     """Append the upper end, of the same kind as the lower one; new count."""

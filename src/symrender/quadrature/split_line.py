@@ -48,6 +48,8 @@ BLUNT = 6.0
 """Shininess below which the end of a highlight is felt, where it has one among what is lit and seen."""
 NEAR_LIGHT = 2.0
 """Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""
+NEAREST_LEVEL = 1e-5
+"""How far off the line a place where veins meet is taken to be at least: what lies nearer holds as little."""
 AT_HORIZON = 0.5 * math.pi * (1.0 - 1e-12)
 """Inner coordinate from which on a piece of the floor ends at its horizon."""
 SOFT_LOG = 1.5
@@ -158,6 +160,30 @@ def faint_horizon(view: View, chart: Chart) -> bool:
     return bool(chart.shape_index < 0.0 and view.shading.ks > 0.0 and s < BLUNT and s != math.floor(s))
 
 
+@jitable
+def level_sum(
+    fx: float, fy: float, fz: float, level: float, start: float, stop: float, c: float, s: float, chart: Chart
+) -> float:  # fmt: skip
+    """rho + 1/rho over 2 of the ellipse about a piece of a sphere's line through the complex places with f.N = level.
+
+    ``level`` is no less than f.N on the line, which is |f| cos(gamma - gamma_0) in its plane: gamma_0 +- i acosh.
+    """
+    k = chart.ratio
+    along = -(fx * chart.pole[0] + fy * chart.pole[1] + fz * chart.pole[2])
+    across = fx * (c * chart.e1[0] + s * chart.e2[0]) + fy * (c * chart.e1[1] + s * chart.e2[1])
+    across += fz * (c * chart.e1[2] + s * chart.e2[2])
+    size = math.sqrt(along * along + across * across)
+    if size == 0.0:
+        return math.inf
+    ratio = max(1.0, level / size)
+    cg, sg = along / size, across / size
+    scale = max(1e-9, 1.0 - 2.0 * k * cg + k * k)
+    x = math.atan2(sg, cg - k)
+    y = max(NEAREST_LEVEL, math.log(ratio + math.sqrt(ratio * ratio - 1.0)) * abs(1.0 - k * cg) / scale)
+    low, high = start - x, stop - x
+    return (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / (stop - start)
+
+
 @inlined
 def cell_log(
     start: float, stop: float, phi: float, c: float, s: float, view: View, work: Work
@@ -200,7 +226,7 @@ def cell_log(
     near = chart.strip_limb
     x = 2.0 * min(chart.strip_along, math.sqrt(near * near + distance * distance)) / length
     best = min(highlight, math.sqrt(1.0 + x * x))
-    j, k = chart.shape_index, chart.ratio
+    j = chart.shape_index
     for i in range(points.shape[0]):
         lx, ly, lz = (
             points[i].position[0] - chart.center[0],
@@ -210,20 +236,12 @@ def cell_log(
         far2, radius = lx * lx + ly * ly + lz * lz, view.spheres[j].radius
         if not radius * radius < far2 < NEAR_LIGHT * radius * radius:
             continue
-        # |Q - L|^2 = 0 at the angle gamma +- i depth at the centre
-        along = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2])
-        across = lx * (c * chart.e1[0] + s * chart.e2[0]) + ly * (c * chart.e1[1] + s * chart.e2[1])
-        across += lz * (c * chart.e1[2] + s * chart.e2[2])
-        size = math.sqrt(along * along + across * across)
-        if size == 0.0:
-            continue
-        ratio = max(1.0, (radius * radius + far2) / (2.0 * radius * size))
-        cg, sg = along / size, across / size
-        scale = max(1e-9, 1.0 - 2.0 * k * cg + k * k)
-        x = math.atan2(sg, cg - k)
-        y = math.log(ratio + math.sqrt(ratio * ratio - 1.0)) * abs(1.0 - k * cg) / scale
-        low, high = start - x, stop - x
-        best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
+        # |Q - L|^2 = 0 where N.(L - C) is that high
+        best = min(best, level_sum(lx, ly, lz, (radius * radius + far2) / (2.0 * radius), start, stop, c, s, chart))
+    if view.spheres[j].texture == MARBLE:
+        # veins meet where N = +- z, that is N.z = +- 1 off the real line
+        best = min(best, level_sum(0.0, 0.0, 1.0, 1.0, start, stop, c, s, chart))
+        best = min(best, level_sum(0.0, 0.0, -1.0, 1.0, start, stop, c, s, chart))
     return math.log(best + math.sqrt(max(1e-12, best * best - 1.0))), least
 
 

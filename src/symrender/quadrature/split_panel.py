@@ -21,6 +21,7 @@ from symrender.chambers.line import scan_line
 from symrender.chambers.records import Chart, Event
 from symrender.chambers.walls import (
     NORMAL,
+    UNBOUNDED,
     tangent_lines,
 )
 from symrender.chambers.work import View, Work, is_spent
@@ -43,6 +44,8 @@ MUCH = 40.0
 """How many times its share a panel with events inside may hold and still be tried in one piece."""
 MAX_KINKED = 5
 """Most lines of a panel with events inside, before it is cut there."""
+ROUNDED_LEVEL = 2.5e-16
+"""Error of the cosine of a circle, and of a place's cosine from its axis."""
 FINE = 0.05
 """Share of the tolerance that refined means over disks may take."""
 SPARE = 8
@@ -558,6 +561,30 @@ def cut_panel(
 
 
 @jitable
+def rounded_walls(work: Work) -> float:
+    """What the rounding of circles of normals may move from one side of them to the other.
+
+    A level rounded by e moves a circle of half-angle a by e/sin a, of places R e/sin a, seen from the distance t of
+    its nearest place: a strip of at most R e/(t sin a) times min(2 pi, 2 pi R sin a/t). It is felt where a low point
+    sees a tiny ball stand in a huge one.
+    """
+    chart, most = work.chart, 0.0
+    if chart.shape_index < 0 or chart.bright >= UNBOUNDED:
+        return most
+    gap = (1.0 - chart.ratio) / chart.ratio
+    for i in range(min(work.counts.walls, work.walls.shape[0])):
+        row = work.walls[i]
+        if row.kind != NORMAL:
+            continue
+        turned = row.axis[0] * row.cos + math.sqrt(max(0.0, 1.0 - row.axis[0] * row.axis[0])) * row.sin
+        away = math.sqrt(gap * gap + 2.0 * max(0.0, 1.0 - turned) / chart.ratio)
+        sine = max(row.sin, 1e-300)
+        most += min(4.0, ROUNDED_LEVEL / (away * sine)) * 2.0 * math.pi * min(1.0, sine / away)
+    low = max(0.0, chart.lobe_beta - chart.beta_max)
+    return chart.bright * min(1.0, lobe_density(4.0 * math.sin(0.5 * min(low, math.pi)) ** 2, chart) * most)
+
+
+@jitable
 def split_chart(
     tol: float, view: View, work: Work, gauss: Array, panels: Table[Panel], spans: Table[Span], ids: Ints, events:
     Table[Event], scratch: Array, max_evaluations: int, value: Array,
@@ -570,7 +597,7 @@ def split_chart(
     bound = SAFETY * panel_bound(low, high, work.chart)
     if bound < 0.1 * tol:
         return bound, 0
-    left_out = find_highlights(tol, low, high, view, work)
+    left_out = find_highlights(tol, low, high, view, work) + rounded_walls(work)
     m = all_events(view, work, events, low, high)
     n = 0
     start = 0
