@@ -445,7 +445,7 @@ def integrate_cells(
                 break
             top -= 1
             if j >= 0:
-                factor = kd * (1.0 if work.cell_side[row.cell] == 1 else view.spheres[j].dark)
+                factor = kd * (view.spheres[j].dark if work.cell_side[row.cell] == 0 else 1.0)
                 shade = view.spheres[j].color
             else:
                 factor, shade = kd, color
