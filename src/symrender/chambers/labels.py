@@ -17,7 +17,7 @@ from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.leaves.values import texture_phases
 from symrender.records import Table
-from symrender.scene.arrays import CHECKER, CUT, STRIPES
+from symrender.scene.arrays import CHECKER, CUT, MARBLE, STRIPES
 from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
@@ -25,6 +25,8 @@ Bytes = npt.NDArray[np.uint8]
 
 HIDDEN = -1
 """Side of a cell that is not seen from P."""
+BEYOND_SEAM = 2
+"""Side of a cell of a marble, below the plane of the meridian at which its veins jump."""
 DARK = 0
 """No light of this point reaches the cell."""
 GLINT = 1
@@ -66,8 +68,13 @@ def ball_hides(
 
 @inlined
 def texture_side(spheres: Table[Sphere], j: int, nx: float, ny: float, nz: float) -> int:
-    """1 on the bright side of a checker's or a stripe's sign (ties bright), 0 on the dark side; 1 elsewhere."""
+    """1 on the bright side of a checker's or a stripe's sign (ties bright), 0 on the dark side; 1 elsewhere.
+
+    ``BEYOND_SEAM`` on the half y < 0 of a marble whose veins do not close, so that no cell runs across its seam.
+    """
     kind = int(spheres[j].texture)
+    if kind == MARBLE and ny < 0.0 and spheres[j].ku != math.floor(spheres[j].ku):
+        return BEYOND_SEAM
     if kind != CHECKER and kind != STRIPES:
         return 1
     # the sign of sin(pi x) is the parity of floor(x), and a tie where x is whole, as it is everywhere if ku or kv is 0

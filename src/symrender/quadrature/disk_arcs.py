@@ -43,6 +43,8 @@ ARC: Final = 1.6
 """Longest piece of an arc, in its angle, that one rule serves."""
 ARC_LOG: Final = 2.0
 """log rho that decides the number of nodes of such a piece,"""
+LINEAR: Final = 2
+"""Fewest nodes from the centre on: what is linear in the disk, as N.l of a far one is, is then exact."""
 ROUND_LOG: Final = 1.6
 """unless that of the disk's chords is less than this: an arc is about as long as half a chord or a whole one."""
 
@@ -275,7 +277,8 @@ def arc_term(
     """
     finer, log_piece = parts_of(step, arc_log(log_rho))
     parts, log_part = parts_of(step, radial_log(log_rho))
-    nodes, inner = fitting(step, log_piece), fitting(step, log_part)
+    # N.l vanishes where a terminator cuts the disk: one node would take a third for a quarter of s^2
+    nodes, inner = fitting(step, log_piece), max(LINEAR, fitting(step, log_part))
     cosine, gleam = 0.0, 0.0
     m = 0
     for curve in range(-1, n):

@@ -21,7 +21,7 @@ from symrender.kernel_cache import inlined, jitable
 from symrender.leaves.values import mirror_direction
 from symrender.quadrature.disk_curves import BALL, EDGE_ON, TERMINATOR, disk_curves, elevation
 from symrender.quadrature.disk_refined import DULL, may_shine, refined_term
-from symrender.quadrature.disk_term import disk_log, listed_term
+from symrender.quadrature.disk_term import disk_log, highlight_lean, listed_term
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER
 from symrender.scene.arrays import EYE, OPEN, PHONG
 
@@ -55,6 +55,16 @@ def finest(fine: float) -> int:
     while step + 1 < len(LEVELS) and GROWTH * FALLS[step] > fine:
         step += 1
     return step
+
+
+@inlined
+def flank_doubt(step: int, most: float, gleam: float) -> float:
+    """Error of the mean of a wide highlight, beyond its step's share of that mean itself.
+
+    On its flank a highlight is much brighter in a part of the disk than on the mean, which few points see too dark:
+    errors are a share of the most that any point of the disk adds.
+    """
+    return GROWTH * FALLS[step] * max(0.0, most - GROWTH * gleam)
 
 
 @inlined
@@ -116,7 +126,8 @@ def is_tame(
         return True
     phong = view.shading.model == PHONG
     far = math.sqrt(yx * yx + yy * yy + yz * yz)
-    if disk_log(far, p.radius, phong, view.shading.shininess) < least_log:
+    lean = highlight_lean(yx, yy, yz, far, vx, vy, vz)
+    if disk_log(far, p.radius, phong, view.shading.shininess, lean) < least_log:
         return False
     if not ending(view):
         return True
@@ -141,7 +152,7 @@ def node_term(
     opened = view.shading.terminator == OPEN
     if n < 0 or not (lifted or banded or (gleaming and opened)):
         return 0.0, 0.0, 0.0
-    doubt = 0.0
+    doubt, most = 0.0, 0.0
     if gleaming:
         most = may_shine(
             yx, yy, yz, p.radius, nx, ny, nz, vx, vy, vz, view.shading.model == PHONG, view.shading.shininess
@@ -151,7 +162,11 @@ def node_term(
             if not (lifted or banded):
                 return 0.0, 0.0, doubt
     far = math.sqrt(yx * yx + yy * yy + yz * yz)
-    if gleaming and disk_log(far, p.radius, view.shading.model == PHONG, view.shading.shininess) < TAME_LOG:
+    log_rho = TAME_LOG
+    if gleaming:
+        lean = highlight_lean(yx, yy, yz, far, vx, vy, vz)
+        log_rho = disk_log(far, p.radius, view.shading.model == PHONG, view.shading.shininess, lean)
+    if log_rho < TAME_LOG:
         step = min(step, finest(work.chart.fine))
     served = LEVELS[step] / (2.0 * MAX_ORDER)
     if not chorded(p, n, yx, yy, yz, work):
@@ -160,10 +175,11 @@ def node_term(
         cosine, gleam = listed_term(
             p, n, lifted, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, gleaming, view, work, gauss
         )  # fmt: skip
-        log_rho = disk_log(far, p.radius, view.shading.model == PHONG, view.shading.shininess) if gleaming else TAME_LOG
         if log_rho < TAME_LOG:
             doubt += GROWTH * FALLS[step]
             work.counts.labour += int((LEVELS[step] / log_rho) ** 2) // POINTS
+        elif gleaming:
+            doubt += flank_doubt(step, most, gleam)
         return cosine, gleam, doubt
     cosine, gleam, error = refined_term(
         p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, gleaming,

@@ -19,6 +19,7 @@ from symrender.chambers.work import CHORD_ROOM, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_chords import chord_breaks, place_crossings, place_events, shown, turn_curves
 from symrender.quadrature.disk_curves import EDGE
+from symrender.quadrature.disk_term import highlight_lean
 from symrender.quadrature.light_term import light_term
 from symrender.scene.arrays import OPEN, PHONG
 
@@ -255,9 +256,9 @@ def refined_term(
     for k in range(3):
         frame[0, k] = rho * (c * p.e1[k] + s * p.e2[k])
         frame[1, k] = rho * (c * p.e2[k] - s * p.e1[k])
-    apart = WIDTH * (1.0 if phong else 2.0) * math.sqrt(yx * yx + yy * yy + yz * yz) / (
-        rho * math.sqrt(shininess + 1.0)
-    )  # fmt: skip
+    far = math.sqrt(yx * yx + yy * yy + yz * yz)
+    widths = 1.0 if phong else 2.0 * highlight_lean(yx, yy, yz, far, vx, vy, vz)
+    apart = WIDTH * widths * far / (rho * math.sqrt(shininess + 1.0))
     events = work.turns
     events[0], events[1] = -1.0, 1.0
     count = 2

@@ -32,16 +32,26 @@ TAME_RIM: Final = 1.81
 """cosh of how far off the real angles of a disk's circle the distance to a place may vanish and be tame along it."""
 
 
+@inlined
+def highlight_lean(yx: float, yy: float, yz: float, far: float, vx: float, vy: float, vz: float) -> float:
+    """|l + v|/2 of the unit directions to the viewer and to a light at offset y, ``far`` away."""
+    return math.sqrt(max(0.0, 0.5 + 0.5 * (yx * vx + yy * vy + yz * vz) / max(far, 1e-300)))
+
+
 @jitable
-def disk_log(distance: float, radius: float, phong: bool, shininess: float) -> float:
+def disk_log(distance: float, radius: float, phong: bool, shininess: float, lean: float) -> float:
     """log rho of the Bernstein ellipse on a chord of a disk ``distance`` away, of N.l and the highlight.
 
-    The highlight (N.h)^p grows like exp(p y^2/8) at y radians off the real directions, that of Phong like
-    exp(p y^2/2); y is where that reaches e^1.5.
+    Phong's highlight grows like exp(p y^2/2) at y radians off the real directions, Blinn's (N.h)^p in the plane of l
+    and v like exp(p y^2/8), and across it, where h turns by that of l over |l + v|, like exp(p (y/lean)^2/8); y is
+    where that reaches e^1.5. ``lean`` is |l + v|/2 at the disk's centre. Where l is opposite to v Blinn's has a pole.
     """
     x = max(1.02, distance / radius)
+    if shininess > 0.0 and not phong:
+        x = max(1.001, min(x, 2.0 * math.asin(min(1.0, lean)) * distance / radius))
     best = math.log(x + math.sqrt(x * x - 1.0))
-    y = distance / radius * min(1.0, (1.7 if phong else 3.4) / math.sqrt(shininess + 1e-9))
+    wide = 1.7 if phong else 3.4 * lean
+    y = distance / radius * min(1.0, wide / math.sqrt(shininess + 1e-9))
     return max(0.05, min(best, math.log(y + math.sqrt(1.0 + y * y))))
 
 
@@ -115,7 +125,9 @@ def listed_term(
     banded = n > 0 and work.curves[n - 1].bounds == TERMINATOR
     if n < 0 or not (lifted or banded or opened):
         return 0.0, 0.0
-    log_rho = disk_log(math.sqrt(yx * yx + yy * yy + yz * yz), p.radius, phong, shininess if gleaming else 0.0)
+    far = math.sqrt(yx * yx + yy * yy + yz * yz)
+    lean = highlight_lean(yx, yy, yz, far, vx, vy, vz)
+    log_rho = disk_log(far, p.radius, phong, shininess if gleaming else 0.0, lean)
     if n > 0:
         log_rho = min(log_rho, rim_log(p, yx, yy, yz))
     edge_on = elevation(p, yx, yy, yz) < EDGE_ON

@@ -23,11 +23,12 @@ from symrender.quadrature.disk_node import (
     UNFELT,
     edge_crosses,
     ending,
+    flank_doubt,
     node_term,
 )
 from symrender.quadrature.disk_points import clear_sums, highlights
 from symrender.quadrature.disk_refined import may_shine
-from symrender.quadrature.disk_term import disk_log, served
+from symrender.quadrature.disk_term import disk_log, highlight_lean, served
 from symrender.quadrature.gauss import DISK_STARTS, FALLS, disk_level
 from symrender.quadrature.leaf_rows import blinn_nodes_rows, lambert_nodes_rows, phong_nodes_rows
 from symrender.quadrature.node_rows import (
@@ -101,16 +102,20 @@ def piece_rule(row: Piece, p: LightPoint, gleaming: bool, step: int, least: floa
     ``KINDS`` times its kind more: whether no node feels as much as ``least`` of the highlight, or that is narrow.
     """
     phong, shininess, rho = view.shading.model == PHONG, view.shading.shininess, p.radius
-    nearest = math.inf
+    nearest, lean = math.inf, 1.0
     first = row.first
     for q in range(first, first + row.count):
         x, y, z = p.position[0] - b.place[0, q], p.position[1] - b.place[1, q], p.position[2] - b.place[2, q]
-        nearest = min(nearest, x * x + y * y + z * z)
+        far2 = x * x + y * y + z * z
+        nearest = min(nearest, far2)
+        if gleaming and not phong:
+            vx, vy, vz = b.toward[0, q], b.toward[1, q], b.toward[2, q]
+            lean = min(lean, highlight_lean(x, y, z, math.sqrt(far2), vx, vy, vz))
     if nearest < (FAR * rho) ** 2:
         # perhaps beside the disk: every node for itself
         return -1
     distance = math.sqrt(nearest)
-    log_rho = disk_log(distance, rho, phong, shininess if gleaming else 0.0)
+    log_rho = disk_log(distance, rho, phong, shininess if gleaming else 0.0, lean)
     kind = 0
     if gleaming and (log_rho < TAME_LOG or ending(view)):
         felt, cut = False, False
@@ -124,7 +129,7 @@ def piece_rule(row: Piece, p: LightPoint, gleaming: bool, step: int, least: floa
         if cut:
             return -1
         if not felt:
-            log_rho, kind = disk_log(distance, rho, phong, 0.0), UNFELT_KIND
+            log_rho, kind = disk_log(distance, rho, phong, 0.0, 1.0), UNFELT_KIND
         elif log_rho < TAME_LOG:
             kind = NARROW_KIND
     return disk_level(step, log_rho) + KINDS * kind if served(step, log_rho) else -1
@@ -193,6 +198,19 @@ def add_disk(start: int, stop: int, p: LightPoint, ks: float, opened: bool, b: N
         b.radiance[2, i] += blue * (b.factor[2, i] * clear + shining)
 
 
+@jitable
+def flank_doubts(row: Piece, p: LightPoint, step: int, view: View, b: Nodes) -> float:
+    """Weighed sum over a piece of what the rule of a wide highlight errs by on its flank."""
+    phong, shininess, doubt = view.shading.model == PHONG, view.shading.shininess, 0.0
+    for q in range(row.first, row.first + row.count):
+        x, y, z = p.position[0] - b.place[0, q], p.position[1] - b.place[1, q], p.position[2] - b.place[2, q]
+        nx, ny, nz = b.normal[0, q], b.normal[1, q], b.normal[2, q]
+        vx, vy, vz = b.toward[0, q], b.toward[1, q], b.toward[2, q]
+        bound = may_shine(x, y, z, p.radius, nx, ny, nz, vx, vy, vz, phong, shininess)
+        doubt += abs(b.weight[q]) * flank_doubt(step, bound, b.gleams[q])
+    return doubt
+
+
 @inlined
 def cut_disk(i: int, row: Piece, state: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
     """Add to ``radiance`` what disk light ``i`` adds to a piece that sees a part of it or that no rule serves."""
@@ -253,6 +271,8 @@ def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work
             if doubt > 0.0:
                 for q in range(table[k].first, table[k].first + table[k].count):
                     table[k].doubt += doubt * ks * most * abs(b.weight[q])
+            elif gleaming:
+                table[k].doubt += ks * most * flank_doubts(table[k], p, step, view, b)
             if work.lit[table[k].cell, i] == GLINT:
                 at = table[k].first
                 for q in range(at, at + table[k].count):

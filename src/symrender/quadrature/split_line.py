@@ -40,6 +40,8 @@ SMALL = 0.05
 
 Under a disk light it is all of it: the rules over the disk err alike on every node, and halves would not help.
 """
+FLANK = 0.25
+"""Share of a highlight's strip from which on a piece has two nodes: half a width, within which it may grow fourfold."""
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
 ONE_POINT = 0.15
@@ -196,6 +198,9 @@ def cell_log(
     length, distance = stop - start, 0.5 * math.pi - stop
     highlight, narrowest = piece_highlights(phi, start, stop, work)
     least = seeing(length, narrowest)
+    if least == 1 and length > FLANK * narrowest:
+        # on its flank a highlight grows by powers of e: one point does not tell what a piece holds
+        least = 2
     if chart.shape_index < 0.0:
         ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
@@ -458,7 +463,7 @@ def integrate_cells(
                 break
             top -= 1
             if j >= 0:
-                factor = kd * (1.0 if work.cell_side[row.cell] == 1 else view.spheres[j].dark)
+                factor = kd * (view.spheres[j].dark if work.cell_side[row.cell] == 0 else 1.0)
                 shade = view.spheres[j].color
             else:
                 factor, shade = kd, color

@@ -24,7 +24,7 @@ from symrender.chambers.rooms import height
 from symrender.chambers.tangent_walls import LIGHTS, plane_columns
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
-from symrender.quadrature.disk_arcs import ARC, arc_log, arc_point, arc_side, corners, radial_log
+from symrender.quadrature.disk_arcs import ARC, LINEAR, arc_log, arc_point, arc_side, corners, radial_log
 from symrender.quadrature.disk_curves import (
     BALL,
     CONE,
@@ -33,7 +33,7 @@ from symrender.quadrature.disk_curves import (
     disk_curves,
     elevation,
 )
-from symrender.quadrature.disk_term import disk_log, served
+from symrender.quadrature.disk_term import disk_log, highlight_lean, served
 from symrender.quadrature.gauss import DISK_STARTS, disk_level, fitting
 from symrender.quadrature.light_term import light_term
 from symrender.quadrature.tangent_light import BAR_ROWS, offset_gradient
@@ -201,7 +201,7 @@ def arc_gradient(
                 gauss[2, k], gauss[0, k], gauss[1, k], first, last, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, view, table
             )  # fmt: skip
         return
-    nodes, inner = fitting(step, arc_log(log_rho)), fitting(step, radial_log(log_rho))
+    nodes, inner = fitting(step, arc_log(log_rho)), max(LINEAR, fitting(step, radial_log(log_rho)))
     start, within = nodes * (nodes - 1) // 2, inner * (inner - 1) // 2
     turns = work.turns
     for curve in range(-1, n):
@@ -256,9 +256,9 @@ def disk_gradient(
     p = view.points[i]
     phong, shininess = view.shading.model == PHONG, view.shading.shininess
     yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
-    log_rho = disk_log(
-        math.sqrt(yx * yx + yy * yy + yz * yz), p.radius, phong, shininess if gleaming else 0.0
-    )  # fmt: skip
+    far = math.sqrt(yx * yx + yy * yy + yz * yz)
+    lean = highlight_lean(yx, yy, yz, far, vx, vy, vz)
+    log_rho = disk_log(far, p.radius, phong, shininess if gleaming else 0.0, lean)
     n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
     if state >= PARTLY:
         n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK as UNLIT
-from symrender.chambers.labels import GLINT, HIDDEN, PARTLY
+from symrender.chambers.labels import BEYOND_SEAM, GLINT, HIDDEN, PARTLY
 from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
 from symrender.chambers.records import Chart
 from symrender.chambers.tangent_walls import (
@@ -73,6 +73,8 @@ VIEW_ROW = BAR + BAR_ROWS
 RADIANCE = VIEW_ROW + 1
 HERE_ROWS = RADIANCE + 2
 
+ON_SEAM = 1e-9
+"""y of a normal within which it is taken to lie on the seam of a texture."""
 MAX_HALVINGS = 16
 """Most halvings of one cell of a line whose light is less smooth than the walls tell."""
 # how nodes are placed in a piece of a cell
@@ -144,7 +146,9 @@ def radiance(
         factor = 1.0 if side == 1 else view.spheres[j].dark
         if view.spheres[j].texture == MARBLE:
             n = here[FACING]
-            factor = marble(n[0], n[1], n[2], view.spheres[j].ku, view.spheres[j].kv)
+            # on the seam the side tells, and not how the normal is rounded
+            ny = n[1] if abs(n[1]) > ON_SEAM else math.copysign(n[1], -1.0 if side == BEYOND_SEAM else 1.0)
+            factor = marble(n[0], ny, n[2], view.spheres[j].ku, view.spheres[j].kv)
     ambient = 0.0 if j < 0 and chart.side < 0.0 else shading.ka
     for i in range(view.points.shape[0]):
         if lit[i] == UNLIT:
