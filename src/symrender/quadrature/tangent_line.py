@@ -18,8 +18,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import DARK as UNLIT
 from symrender.chambers.labels import BEYOND_SEAM, GLINT, HIDDEN, PARTLY
+from symrender.chambers.labels import DARK as UNLIT
 from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
 from symrender.chambers.records import Chart
 from symrender.chambers.tangent_walls import (
