@@ -116,7 +116,7 @@ def seen_from(
     work.chart.point[:], work.chart.normal[:] = place, axis
     work.chart.home = -1
     enter_room(view, work)
-    work.chart.rim_cos, work.chart.rim_sin = 0.0, 1.0
+    work.chart.lobe.rim_cos, work.chart.lobe.rim_sin = 0.0, 1.0
     if own < 0:
         floor_chart(0, -1, axis, view, work)
     else:

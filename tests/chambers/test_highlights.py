@@ -80,9 +80,9 @@ def missed(seeds: range, tol: float) -> tuple[int, int, float]:
                 q, n = np.array(here[:3]), np.array(here[3:])
                 w = q - chart.point
                 cosine = float(w @ lobe / np.linalg.norm(w))
-                if cosine < chart.rim_cos or cosine <= 0:
+                if cosine < chart.lobe.rim_cos or cosine <= 0:
                     continue
-                density = math.exp(chart.exponent * math.log(cosine) - chart.log_normaliser)
+                density = math.exp(chart.lobe.exponent * math.log(cosine) - chart.lobe.log_normaliser)
                 for l in range(len(view.points)):
                     chord = chord_at(l, q, n, view, work)
                     if chord * chord >= 2:

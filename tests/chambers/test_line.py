@@ -19,7 +19,12 @@ def test_the_rim_cuts_a_line_where_the_cone_of_the_lobe_does() -> None:
         beta, theta, phi = rng.uniform(0.0, math.pi), rng.uniform(0.05, 0.5 * math.pi), rng.uniform(-math.pi, math.pi)
         k = rng.choice([1.0, rng.uniform(0.05, 1.0)])
         chart.lobe_beta, chart.lobe_cos, chart.lobe_sin = beta, math.cos(beta), math.sin(beta)
-        chart.rim_cos, chart.rim_sin, chart.ratio, chart.beta_max = math.cos(theta), math.sin(theta), k, math.asin(k)
+        chart.lobe.rim_cos, chart.lobe.rim_sin, chart.ratio, chart.beta_max = (
+            math.cos(theta),
+            math.sin(theta),
+            k,
+            math.asin(k),
+        )
         low, high, first, last = rim_interval(math.cos(phi), math.sin(phi), chart)
         # the literal condition, at inner coordinates that are not ends
         x = np.linspace(0.0, 0.5 * math.pi, 402)[1:-1]

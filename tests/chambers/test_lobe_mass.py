@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from symrender.chambers.lobe_mass import cap_share, facing_mass, ring_share
+from symrender.chambers.lobes.mass import cap_share, facing_mass, ring_share
 from symrender.quadrature.gauss import gauss_table
 
 TABLE = gauss_table()

@@ -10,13 +10,13 @@ import pytest
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.events import line_range
 from symrender.chambers.line import scan_line, wall_roots
+from symrender.chambers.lobes.setup import lobe_setup
 from symrender.chambers.records import Event
 from symrender.chambers.tangencies import tangencies
 from symrender.chambers.walls import BALL, SHADOW, SHADOW_EDGE
 from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.kernel_cache import compiled
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import lobe_setup
 from symrender.quadrature.split_setup import place_point
 from symrender.records import table
 from symrender.scene.arrays import SceneArrays, scene_arrays
@@ -84,7 +84,7 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
     for place, normal, own in _places(arrays, sphere):
         ray = place - arrays.camera.eye
         place_point(place, normal, ray / np.linalg.norm(ray), 0 if own < 0 else -1, axis, view, work)
-        lobe_setup(4.0, 1.2, 1e-9, 1.0, work.chart)
+        lobe_setup(4.0, 1.2, 1e-9, 1.0, work.chart.lobe)
         for j in range(len(arrays.spheres)) if sphere else [-1]:
             if sphere:
                 sphere_chart(j, own, axis, view, work)

@@ -62,7 +62,7 @@ FAULTS = (
           "the floor's cosine for that of the surface"),
     Fault("units", "kernel/gather.py", "block.set(share, share * cosine)", "block.set(share, share * z)", UNITS,
           "the cosine about the mirror direction for that about the normal"),
-    Fault("units", "quadrature/lobe_units.py", "brdf_scale(log_rim(theta_max), exponent)",
+    Fault("units", "chambers/lobes/units.py", "brdf_scale(log_rim(theta_max), exponent)",
           "brdf_scale(-1e300, exponent)", UNITS,
           "a cut lobe scaled as a whole one"),
     Fault("units", "quadrature/split_point.py", "share = facing_mass(n, theta_max, tilt, gauss)",

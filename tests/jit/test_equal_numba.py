@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symrender.chambers.lobe_mass import cap_share, facing_mass
+from symrender.chambers.lobes.mass import cap_share, facing_mass
 from symrender.jit.kernel import Kernel
 from symrender.quadrature.gauss import disk_level, gauss_table, order
 

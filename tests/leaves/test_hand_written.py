@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from symrender.chambers import place, tangent_share, tangent_walls, walls
+from symrender.chambers import leaf_rows, place, tangent_walls, walls
+from symrender.chambers.lobes import mass_slopes
 from symrender.chambers.records import NODES, Chart, Wall
 from symrender.chambers.work import work_arrays
 from symrender.leaves import slopes, tangents, values
 from symrender.leaves.gleams import gleam, gleam_slopes
-from symrender.quadrature import leaf_rows
 from symrender.records import table
 
 RNG = np.random.default_rng(11)
@@ -76,7 +76,7 @@ def test_slopes_of_normalisers(theta: float) -> None:
     for n in (0.0, 1.0, 48.5, 1e6):
         _, by_cosine, by_n = slopes.log_normaliser_slopes(values.log_rim(theta), n)
         _, by_theta = slopes.log_rim_slopes(theta)
-        assert (by_n, by_cosine * by_theta) == pytest.approx(tangent_share.normaliser_slopes(n, theta), rel=1e-13)
+        assert (by_n, by_cosine * by_theta) == pytest.approx(mass_slopes.normaliser_slopes(n, theta), rel=1e-13)
 
 
 def chart_of(shape: int) -> Chart:

@@ -9,12 +9,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.lobes.mass import cap_share
+from symrender.chambers.lobes.setup import lobe_setup
 from symrender.chambers.work import scene_view
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import COSETS, aim_lattice, scatter
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import SplitResult, gloss_points, lobe_setup, split_work
+from symrender.quadrature.split_point import SplitResult, gloss_points, split_work
 from symrender.quadrature.split_setup import MET, place_point
 from symrender.records import copied
 from symrender.scene.arrays import (
@@ -242,7 +243,7 @@ def test_the_floor_hides_what_is_below_it() -> None:
     view, s = scene_view(a, lights), split_work(a, lights)
     chart, lobe = s.work.chart, np.zeros(3)
     place_point(*(row[0] for row in given[:3]), -1, lobe, view, s.work)
-    lobe_setup(4.0, 1.4, 1e-9, 1.0, chart)
+    lobe_setup(4.0, 1.4, 1e-9, 1.0, chart.lobe)
     assert aim_lattice(1, lobe, view, s.work) > 0.0
     scatter(1024, 1, 0, view, s.work)
     found = s.work.aim.sums.reshape(3, COSETS).sum(axis=1)

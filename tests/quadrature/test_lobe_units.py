@@ -12,6 +12,7 @@ import pytest
 import sympy as sp
 
 from quadrature import brute_lobe
+from symrender.chambers.lobes.units import lobe_scale
 from symrender.cli import main
 from symrender.errors import SceneError, Unsupported
 from symrender.expression.formulas.lobes import brdf_normaliser, log_cosine, normaliser
@@ -19,7 +20,6 @@ from symrender.expression.integrand import expression
 from symrender.gradient import gradient
 from symrender.images.image import read_image
 from symrender.probe import probe
-from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.split_point import MET, gloss_points
 from symrender.render import render
 from symrender.scene.arrays import scene_arrays

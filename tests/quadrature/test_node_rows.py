@@ -7,10 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.lobes.rows import MOST_WHOLE, densities
 from symrender.chambers.records import NODES
+from symrender.chambers.row_powers import powers
 from symrender.chambers.work import work_arrays
 from symrender.quadrature import node_rows as rows
-from symrender.quadrature.split_line import lobe_density
+from symrender.quadrature.gauss import FALLS
 from symrender.quadrature.split_square import decay, taper, taper_rows
 
 USED = 40
@@ -37,7 +40,7 @@ def test_powers_are_powers(exponent: float) -> None:
     work = work_arrays(1, 1)
     base = np.concatenate([[0.0, 1.0], np.random.default_rng(5).uniform(0.9, 1.0, USED - 2)])
     fill(work.nodes.radix, base)
-    rows.powers(0, USED, work.nodes, exponent)
+    powers(0, USED, work.nodes, exponent)
     found = work.nodes.power[:USED]
     np.testing.assert_allclose(found, base**exponent, rtol=(4 + exponent) * 3e-16)
     assert (found > 0).sum() >= USED - 1
@@ -47,16 +50,16 @@ def test_powers_are_powers(exponent: float) -> None:
 @pytest.mark.parametrize("exponent", [0.0, 1.0, 16.0, 1024.0, 1025.0, 3.7, 1e6])
 def test_densities_are_the_lobes(exponent: float, step: int) -> None:
     work = work_arrays(1, 1)
-    work.chart.exponent, work.chart.log_normaliser = exponent, math.log(2.0 * math.pi / (exponent + 1.0))
+    work.chart.lobe.exponent, work.chart.lobe.log_normaliser = exponent, math.log(2.0 * math.pi / (exponent + 1.0))
     chord = np.concatenate([[0.0, 2.0, 3.9], np.random.default_rng(6).uniform(0, 2 / (1 + exponent), USED - 3)])
     fill(work.nodes.chord, chord)
     work.nodes.weight[:USED] = 2.0
-    rows.densities(USED, step, work.nodes, work.chart)
-    expected = np.array([lobe_density(float(c), work.chart) for c in chord])
+    densities(USED, FALLS[step], work.nodes, work.chart.lobe)
+    expected = np.array([largest_density(float(c), work.chart.lobe) for c in chord])
     assert (expected[3:] > 0).all() and expected[1] < 1e-15 and expected[2] == 0.0
     found = work.nodes.weight[:USED]
     # the finest rules see no rounding that grows with the exponent
-    rounding = 8 + (exponent if step == 0 and exponent <= rows.MOST_WHOLE else 0.0)
+    rounding = 8 + (exponent if step == 0 and exponent <= MOST_WHOLE else 0.0)
     np.testing.assert_allclose(found, 2.0 * expected, rtol=rounding * 4e-16, atol=1e-16)
 
 

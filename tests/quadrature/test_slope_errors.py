@@ -14,8 +14,8 @@ import pytest
 import symrender as sr
 from adversary.sweep import swept_value
 from adversary.world import lobe_of, world_of
+from symrender.chambers.lobes.width import rim_power
 from symrender.chambers.records import Chart
-from symrender.quadrature.tangent_line import rim_power
 from symrender.quadrature.tangent_point import outline
 from symrender.records import record
 from symrender.scene.parameters import get
@@ -82,7 +82,9 @@ def test_the_rim_of_a_blunt_lobe(view: str, name: str, normal: tuple[float, ...]
 
 @pytest.mark.parametrize("exponent", [0.02, 0.1, 0.3, 0.5, 0.9, 1.3, 1.7])
 def test_nodes_approach_a_blunt_rim_with_a_power_that_makes_its_slope_smooth(exponent: float) -> None:
-    power = rim_power(exponent)
+    lobe = record(Chart).lobe
+    lobe.exponent = exponent
+    power = rim_power(lobe)
     assert power >= 4.0
     assert abs(power * exponent - round(power * exponent)) < 1e-12
     # n x^(n - 1) dx = n m u^(n m - 1) du

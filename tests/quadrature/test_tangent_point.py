@@ -9,9 +9,9 @@ import pytest
 
 from adversary.families import generate
 from symrender.chambers.chart import set_frame
-from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.lobes.mass import cap_share
+from symrender.chambers.lobes.mass_slopes import horizon_slopes, normaliser_slopes
 from symrender.chambers.records import Chart
-from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
 from symrender.errors import SceneError, Unsupported
 from symrender.probe import probe
 from symrender.quadrature.gauss import gauss_table

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.units import is_brdf
 from symrender.errors import OptionError
 from symrender.expression.formulas.lobes import (
     NO_RIM,
@@ -19,7 +20,6 @@ from symrender.expression.formulas.lobes import (
 )
 from symrender.expression.vectors import Vec3, cross, dot, unit
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.lobe_units import is_brdf
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.records import Plane
 

@@ -74,7 +74,7 @@ def set_lens(chart: Chart) -> None:
     k = chart.ratio
     chart.lens_cos, chart.lens_sin, chart.lens_level = 1.0, 0.0, k
     low, high = line_range(chart)
-    nearest = chart.lobe_beta - math.atan2(chart.rim_sin, chart.rim_cos)
+    nearest = chart.lobe_beta - math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos)
     if nearest <= 0.0 or not low < high or high > 1.5:
         return
     first = math.asin(min(1.0, math.sin(nearest) / k)) - nearest

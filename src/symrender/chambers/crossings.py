@@ -150,7 +150,7 @@ def add_crossing(
         w0, w1, w2 = x0, x1, x2
     size2 = w0 * w0 + w1 * w1 + w2 * w2
     along = w0 * chart.lobe_cos + w1 * chart.lobe_sin
-    if not along > (chart.rim_cos - 1e-9) * math.sqrt(size2):
+    if not along > (chart.lobe.rim_cos - 1e-9) * math.sqrt(size2):
         return n
     if not hides:
         if normal:

@@ -60,7 +60,7 @@ def add_event(events: Table[Event], n: int, phi: float, low: float, high: float,
 def within_lobe(phi: float, beta: float, chart: Chart) -> bool:
     """Whether the direction (phi, beta) of the chart lies in the lobe, generously."""
     cosine = math.cos(beta) * chart.lobe_cos + math.sin(beta) * chart.lobe_sin * math.cos(phi)
-    return bool(cosine > chart.rim_cos - 1e-9)
+    return bool(cosine > chart.lobe.rim_cos - 1e-9)
 
 
 @jitable
@@ -105,18 +105,19 @@ def circle_events(
 @jitable
 def line_range(chart: Chart) -> tuple[float, float]:
     """Azimuths (low, high) that can meet the lobe; low >= high if none do."""
-    beta, sine, cosine = chart.lobe_beta, chart.lobe_sin, chart.rim_cos
+    beta, sine, cosine = chart.lobe_beta, chart.lobe_sin, chart.lobe.rim_cos
     # pole inside the lobe
     if chart.lobe_cos > cosine:
         return -math.pi, math.pi
     limb = chart.beta_max
-    nearest = beta - math.atan2(chart.rim_sin, cosine)
+    nearest = beta - math.atan2(chart.lobe.rim_sin, cosine)
     if nearest >= limb:
         return 0.0, 0.0
-    if chart.rim_sin < sine:
-        x = math.atan2(math.sqrt((sine - chart.rim_sin) * (sine + chart.rim_sin)) * cosine, chart.lobe_cos * cosine)
+    rim = chart.lobe.rim_sin
+    if rim < sine:
+        x = math.atan2(math.sqrt((sine - rim) * (sine + rim)) * cosine, chart.lobe_cos * cosine)
         if x < limb:
-            offset = math.asin(chart.rim_sin / sine)
+            offset = math.asin(rim / sine)
             return -offset, offset
     if math.sin(limb) * sine == 0.0:
         return -math.pi, math.pi
@@ -134,10 +135,10 @@ def chart_events(work: Work, events: Table[Event], low: float, high: float) -> i
     if high - low > 6.0:
         events[0].kind = SMOOTH
         n = add_event(events, n, 0.0, low, high, SMOOTH)
-    middle, offset, _ = tangent_lines(chart.lobe_sin, 0.0, chart.rim_sin)
+    middle, offset, _ = tangent_lines(chart.lobe_sin, 0.0, chart.lobe.rim_sin)
     n = circle_events(
-        chart.lobe_cos, chart.lobe_sin, 0.0, chart.rim_cos, chart.rim_sin, middle, offset, False, chart, events, n,
-        low, high, True,
+        chart.lobe_cos, chart.lobe_sin, 0.0, chart.lobe.rim_cos, chart.lobe.rim_sin, middle, offset, False, chart,
+        events, n, low, high, True,
     )  # fmt: skip
     for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]

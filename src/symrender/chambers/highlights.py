@@ -20,6 +20,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.density import log_fall, log_peak
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.scene.arrays import CUT, EYE, PHONG
@@ -133,7 +134,7 @@ def slope_towards(
 def log_share(qx: float, qy: float, qz: float, reach: float, ample: float, work: Work) -> float:
     """Logarithm of the share of the lobe that the shape would fill at the largest density within ``reach`` of Q.
 
-    -inf outside the lobe; ``ample`` is the logarithm of the shape's solid angle over the lobe's normaliser.
+    -inf outside the lobe; ``ample`` is the logarithm of the shape's solid angle times the lobe's largest density.
     """
     chart = work.chart
     dx, dy, dz = qx - chart.point[0], qy - chart.point[1], qz - chart.point[2]
@@ -144,9 +145,9 @@ def log_share(qx: float, qy: float, qz: float, reach: float, ample: float, work:
     z = (dx * chart.e2[0] + dy * chart.e2[1] + dz * chart.e2[2]) * inv
     chord = max(0.0, math.sqrt(x * x + y * y + z * z) - chord_of(reach, far))
     versine = 0.5 * chord * chord
-    if versine > 1.0 - chart.rim_cos + 1e-9:
+    if versine > 1.0 - chart.lobe.rim_cos + 1e-9:
         return -math.inf
-    return float(ample + chart.exponent * math.log1p(-min(1.0 - 1e-15, versine)))
+    return float(ample + log_fall(versine, chart.lobe))
 
 
 @inlined
@@ -304,7 +305,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
     chart.least = NEGLIGIBLE * tol / (lights * (1.0 + math.sqrt(shading.shininess)) * chart.pace)
     last = HALF_PI if floor else chart.gamma_max
     whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * chart.beta_max))
-    ample = whole - chart.log_normaliser
+    ample = whole + log_peak(chart.lobe)
     boxes_seen, unseen = 0, 0.0
     for l in range(lights):
         p = view.points[l]

@@ -71,7 +71,9 @@ def rim_sines(c: float, s: float, chart: Chart) -> tuple[float, float, int, int]
     low > high if there is none.
     """
     k = chart.ratio
-    found, c1, s1, c2, s2 = circle_roots(chart.lobe_cos, chart.lobe_sin, 0.0, chart.rim_cos, chart.rim_sin, c, s)
+    found, c1, s1, c2, s2 = circle_roots(
+        chart.lobe_cos, chart.lobe_sin, 0.0, chart.lobe.rim_cos, chart.lobe.rim_sin, c, s
+    )
     # the lobe is at most a half space: the line leaves it at most pi beyond where it enters
     if not found or (s1 > 0.0 and (c1 <= 0.0 or s1 >= k)) or (s1 <= 0.0 and s2 <= 0.0 and not (c1 > 0.0 and c2 < 0.0)):
         return 1.0, 0.0, RIM_LOW, RIM_HIGH

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Final
 
+from symrender.chambers.lobes.record import Lobe
 from symrender.records import Array, Record, Three, Two
 
 
@@ -49,13 +50,10 @@ class Chart(Record):
     """Angle from the pole to the lobe's axis, which lies at phi = 0; then its cosine and sine."""
     lobe_cos: float
     lobe_sin: float
-    rim_cos: float
-    rim_sin: float
+    lobe: Lobe
     normal: Three
     side: float
     """+1 where P is on or above the charted plane, -1 below it."""
-    exponent: float
-    log_normaliser: float
     height: float
     shape_index: int
     """The charted sphere, -1 for a plane."""
@@ -80,9 +78,6 @@ class Chart(Record):
     holds all of the shape inside the lobe; then the cosine of that circle's radius."""
     lens_sin: float
     lens_level: float
-    facing: Three
-    """Every direction w of the lobe counts with ``facing_level`` plus this vector times w."""
-    facing_level: float
     least: float
     """No highlight that can hold less than this of a lobe is looked for."""
     clipped: int

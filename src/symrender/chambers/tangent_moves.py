@@ -56,3 +56,21 @@ def what_moves(moves: Array, disks: bool, view: View, work: Work, moving: Array)
         moving[i] = 1.0 if moved else 0.0
         some = some or moved
     return nodes, some
+
+
+@jitable
+def pace(row: Array) -> float:
+    """The fastest motion of a parameter."""
+    most = 0.0
+    for k in range(row.shape[0]):
+        most = max(most, abs(row[k]))
+    return most
+
+
+@jitable
+def fastest_of(moves: Array) -> float:
+    """The fastest motion of all parameters, no less than 1."""
+    most = 1.0
+    for p in range(moves.shape[0]):
+        most = max(most, pace(moves[p]))
+    return most

@@ -48,7 +48,7 @@ def set_circles(work: Work) -> None:
     chart = work.chart
     rim, limb = work.circles[RIM_ROW], work.circles[LIMB_ROW]
     rim.kind, rim.axis[0], rim.axis[1], rim.axis[2] = DIRECTION, chart.lobe_cos, chart.lobe_sin, 0.0
-    rim.cos, rim.sin = chart.rim_cos, chart.rim_sin
+    rim.cos, rim.sin = chart.lobe.rim_cos, chart.lobe.rim_sin
     limb.kind, limb.axis[0], limb.axis[1], limb.axis[2] = NORMAL, 1.0, 0.0, 0.0
     # just inside, so that its places count as seen
     limb.cos = min(1.0, chart.ratio + 1e-12)
@@ -130,7 +130,7 @@ def along_level(
         else:
             sb = chart.ratio * math.sin(x)
             cb = math.sqrt(max(0.0, (1.0 - sb) * (1.0 + sb)))
-        level = cb * chart.lobe_cos + sb * c * chart.lobe_sin - chart.rim_cos
+        level = cb * chart.lobe_cos + sb * c * chart.lobe_sin - chart.lobe.rim_cos
     else:
         level = wall_level(other, x, c, s, work)
     return level, x, c, s
@@ -321,7 +321,7 @@ def contacts(view: View, work: Work, events: Table[Event], n: int, low: float, h
 def passes_lobe(row: Wall, beyond: bool, view: View, work: Work) -> bool:
     """Whether the curve of a wall may pass through the lobe: one of its samples is no farther than their spacing."""
     chart = work.chart
-    rim = math.atan2(chart.rim_sin, chart.rim_cos)
+    rim = math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos)
     nearest, widest = math.inf, 0.0
     x0, y0, z0, known = 0.0, 0.0, 0.0, False
     for k in range(SAMPLES + 1):

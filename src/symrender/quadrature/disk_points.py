@@ -14,9 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import NODES, LightPoint, Nodes
+from symrender.chambers.row_powers import powers
 from symrender.kernel_cache import jitable
 from symrender.quadrature.gauss import DISK_STARTS
-from symrender.quadrature.node_rows import powers, whole_vectors
+from symrender.quadrature.node_rows import whole_vectors
 
 Array = npt.NDArray[np.float64]
 

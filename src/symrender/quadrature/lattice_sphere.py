@@ -23,15 +23,15 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.leaf_rows import eye_view_rows
+from symrender.chambers.lobes.density import facing_of
+from symrender.chambers.lobes.lattice import density_at, is_sharp, map_rate, ring_mass
+from symrender.chambers.lobes.rows import falls
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.lattice_nodes import BATCH, hide_nodes, mark_nodes, tint_nodes, wall_off_nodes
-from symrender.quadrature.leaf_rows import eye_view_rows
 from symrender.quadrature.light_nodes import point_light
-from symrender.quadrature.node_rows import (
-    begin_sums,
-    powers,
-)
+from symrender.quadrature.node_rows import begin_sums
 from symrender.scene.arrays import EYE, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -47,8 +47,6 @@ STUDENT: Final = 6.0
 MISSED: Final = 1.0
 SMALLEST: Final = 1e-4
 """Sine of a sphere's angular radius below which the arc's formula has lost digits."""
-SHARPEST: Final = 1e6
-"""Exponent above which the lobe's power has."""
 
 
 @jitable
@@ -58,7 +56,6 @@ def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
     Negative if the rule declines. Writes the chart's pole and ratio, and ``Work.aim``.
     """
     chart, aim = work.chart, work.aim
-    n = chart.exponent
     mx, my, mz = lobe[0], lobe[1], lobe[2]
     sphere = view.spheres[j]
     dx, dy, dz = sphere.center[0] - chart.point[0], sphere.center[1] - chart.point[1], sphere.center[2] - chart.point[2]
@@ -66,7 +63,7 @@ def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
     k = min(sphere.radius / dist, 1.0 - 1e-15)
     gx, gy, gz = dx / dist, dy / dist, dz / dist
     chart.pole[0], chart.pole[1], chart.pole[2], chart.ratio = gx, gy, gz, k
-    if k < SMALLEST or n > SHARPEST:
+    if k < SMALLEST or is_sharp(chart.lobe):
         return -1.0
     if gx * chart.normal[0] + gy * chart.normal[1] + gz * chart.normal[2] <= -k:
         return 0.0
@@ -75,7 +72,7 @@ def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
     cb, sb = 1.0 - vb, math.sqrt(max(0.0, vb * (2.0 - vb)))
     ca = math.sqrt((1.0 - k) * (1.0 + k))
     va = k * k / (1.0 + ca)
-    last = chart.rim_sin**2 / (1.0 + chart.rim_cos)
+    last = chart.lobe.rim_sin**2 / (1.0 + chart.lobe.rim_cos)
     first = 0.0
     if vb > va:
         sine, cosine = sb * ca - cb * k, cb * ca + sb * k
@@ -94,10 +91,10 @@ def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
     tx, ty, tz = tx * across, ty * across, tz * across
     rest = 1.0 - first
     span = (last - first) / rest
-    rate = max(0.2 * n, 0.01 / span)
+    rate = max(map_rate(chart.lobe), 0.01 / span)
     end = (1.0 + rate * span) ** 2
     reach = 1.0 - 1.0 / (end * end)
-    top = math.exp(n * math.log1p(-first) - chart.log_normaliser)
+    top = density_at(first, chart.lobe)
     # dv dphi cos^n theta/W = top (1 - s)^n rest ds dphi; of a full turn, dphi = 8 dx/(1 + tan^2(phi/4))
     aim.axis[0], aim.axis[1], aim.axis[2] = mx, my, mz
     aim.towards[0], aim.towards[1], aim.towards[2] = tx, ty, tz
@@ -110,8 +107,7 @@ def aim_lattice(j: int, lobe: Array, view: View, work: Work) -> float:
     # sin A <= k/sin beta where the axis is outside the disc and the opposite direction too
     wide = vb <= va or k >= sb
     aim.most = aim.level * (1.0 if wide else 0.4143 * k / sb)
-    ring = -math.expm1((n + 1.0) * math.log1p(-span)) if span < 1.0 else 1.0
-    return float(2.0 * math.pi * top * rest * ring / (n + 1.0) * (1.0 if wide else 0.5 * k / sb))
+    return float(ring_mass(top, rest, span, chart.lobe) * (1.0 if wide else 0.5 * k / sb))
 
 
 @jitable
@@ -128,7 +124,7 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
     vb, va, sb = aim.versine_beta, aim.versine_alpha, aim.sine_beta
     dx, dy, dz, power = aim.far[0], aim.far[1], aim.far[2], aim.far_power
     sx, sy, sz = chart.normal[0], chart.normal[1], chart.normal[2]
-    flat, fx, fy, fz = chart.facing_level, chart.facing[0], chart.facing[1], chart.facing[2]
+    flat, fx, fy, fz = facing_of(chart.lobe)
     level, step, z = aim.level / size, 1.0 / size, float(generator)
     inverse, inverse_rate = 1.0 / radius, 1.0 / rate
     for i in range(m):
@@ -161,7 +157,7 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
         b.place[0, i], b.place[1, i], b.place[2, i] = px + far * wx, py + far * wy, pz + far * wz
         b.normal[0, i], b.normal[1, i], b.normal[2, i] = nx, ny, nz
         b.toward[0, i], b.toward[1, i], b.toward[2, i] = -wx, -wy, -wz
-    powers(0, m, b, chart.exponent)
+    falls(m, b, chart.lobe)
     for i in range(m):
         b.weight[i] *= b.power[i]
     if view.shading.highlight_view == EYE:

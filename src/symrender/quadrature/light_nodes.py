@@ -12,7 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, GLINT, PARTLY
+from symrender.chambers.leaf_rows import blinn_nodes_rows, lambert_nodes_rows, phong_nodes_rows
 from symrender.chambers.records import NODES, LightPoint, Nodes, Piece
+from symrender.chambers.row_powers import powers
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_node import (
@@ -30,11 +32,7 @@ from symrender.quadrature.disk_points import clear_sums, highlights
 from symrender.quadrature.disk_refined import may_shine
 from symrender.quadrature.disk_term import disk_log, highlight_lean, served
 from symrender.quadrature.gauss import DISK_STARTS, FALLS, disk_level
-from symrender.quadrature.leaf_rows import blinn_nodes_rows, lambert_nodes_rows, phong_nodes_rows
-from symrender.quadrature.node_rows import (
-    powers,
-    whole_vectors,
-)
+from symrender.quadrature.node_rows import whole_vectors
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]

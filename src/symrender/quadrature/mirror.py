@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import light_state, texture_side
+from symrender.chambers.lobes.setup import mirror_setup
 from symrender.chambers.place import surface_point
 from symrender.chambers.records import NODES, Chart
 from symrender.chambers.rooms import frame_view, height
@@ -95,9 +96,7 @@ def mirror_radiance(
     j = first_hit(own, lobe, view, chart)
     if j == -1:
         return
-    chart.exponent = chart.log_normaliser = 0.0
-    chart.facing[0] = chart.facing[1] = chart.facing[2] = 0.0
-    chart.facing_level = 1.0
+    mirror_setup(chart.lobe)
     if j >= 0:
         sphere_chart(j, own, lobe, view, work)
         # the sine of incidence; at the limb rounding may take it beyond 1

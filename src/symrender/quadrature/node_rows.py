@@ -8,25 +8,14 @@ its neighbours. What has no such form (marble, powers that are not whole) is don
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.records import NODES, Chart, Nodes
-from symrender.kernel_cache import inlined, jitable
-from symrender.leaves.gleams import MOST_SQUARED
-from symrender.quadrature.gauss import FALLS
-from symrender.quadrature.leaf_rows import lobe_density_rows
+from symrender.chambers.records import NODES, Nodes
+from symrender.kernel_cache import inlined
 from symrender.scene.records import Shading
 
 Array = npt.NDArray[np.float64]
-
-
-MOST_WHOLE = 1024.0
-NOISE = 4e-15
-"""Lobe exponents up to ``MOST_WHOLE`` are taken by squaring cos theta, where coefficients need not fall below ``NOISE``
-times the exponent: that is what rounding leaves of them."""
 
 
 @inlined
@@ -76,64 +65,3 @@ def sines(m: int, b: Nodes) -> None:
         c = 1.0 - y * (1.0 / 30.0) * c
         c = 1.0 - y * (1.0 / 12.0) * c
         b.cosine[i] = 1.0 - 0.5 * y * c
-
-
-@jitable
-def powers(start: int, stop: int, b: Nodes, exponent: float) -> None:
-    """``power`` = ``radix``^exponent of bases in [0, 1]; whole exponents to 4096 by squaring. ``radix`` is used up."""
-    stop = min(stop, NODES)
-    whole = int(min(exponent, MOST_SQUARED))
-    if whole != exponent:
-        for i in range(start, stop):
-            b.power[i] = b.radix[i] ** exponent
-        return
-    for i in range(start, stop):
-        b.power[i] = 1.0
-    while whole > 0:
-        # two binary digits a pass: passes over memory cost more than products
-        digits = whole % 4
-        whole //= 4
-        if digits == 0:
-            for i in range(start, stop):
-                square = b.radix[i] * b.radix[i]
-                b.radix[i] = square * square
-        elif digits == 1:
-            for i in range(start, stop):
-                x = b.radix[i]
-                b.power[i] *= x
-                b.radix[i] = (x * x) * (x * x)
-        elif digits == 2:
-            for i in range(start, stop):
-                square = b.radix[i] * b.radix[i]
-                b.power[i] *= square
-                b.radix[i] = square * square
-        else:
-            for i in range(start, stop):
-                x = b.radix[i]
-                square = x * x
-                b.power[i] *= x * square
-                b.radix[i] = square * square
-
-
-@inlined
-def densities(m: int, step: int, b: Nodes, chart: Chart) -> None:
-    """Multiply ``weight`` by the lobe's density at ``chord``: cos^n theta / W, of 1 - cos theta without cancellation.
-
-    ``power`` gets the density. ``step`` is that of the rule the nodes are of.
-    """
-    m = min(m, NODES)
-    n, log_w = chart.exponent, chart.log_normaliser
-    if n <= MOST_WHOLE and n == math.floor(n) and NOISE * n < FALLS[step]:
-        for i in range(m):
-            b.radix[i] = max(0.0, 1.0 - 0.5 * b.chord[i])
-        powers(0, m, b, n)
-        if n == 0.0:
-            # nothing is reflected below the plane across the axis
-            for i in range(m):
-                b.power[i] = 1.0 if b.chord[i] < 2.0 else 0.0
-        scale = math.exp(-log_w)
-        for i in range(m):
-            b.power[i] *= scale
-            b.weight[i] *= b.power[i]
-        return
-    lobe_density_rows(m, n, log_w, b)

@@ -18,13 +18,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.lobes.width import width
 from symrender.chambers.records import Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.records import Conic
-from symrender.quadrature.split_line import lobe_density, tail_error
+from symrender.quadrature.split_line import tail_error
 from symrender.quadrature.split_square import cut_square, floor_nodes, seen
 from symrender.records import Table
 
@@ -70,7 +72,7 @@ def grid_reach(
     """
     chart = work.chart
     h, cell = chart.height, view.floor.cell
-    half = math.atan2(chart.rim_sin, chart.rim_cos)
+    half = math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos)
     steepest, least = chart.lobe_beta + half, chart.lobe_beta - half
     if steepest < 1.5707:
         wide = 0.5 * h * (math.tan(steepest) - math.tan(least))
@@ -92,7 +94,9 @@ def grid_reach(
         # all of it lies beyond the farther of the two, and below the horizon
         begin = max(reach, near)
         gap = max(math.atan2(begin, h) - chart.lobe_beta, chart.lobe_beta - 0.5 * math.pi)
-        beyond = lobe_density(4.0 * math.sin(0.5 * max(0.0, gap)) ** 2, chart) * light_beyond(begin, view, chart)
+        beyond = largest_density(4.0 * math.sin(0.5 * max(0.0, gap)) ** 2, chart.lobe) * light_beyond(
+            begin, view, chart
+        )
         # no more than all of it, nor than the squares at the ends of every stretch of a row that do not cancel
         stretches = 1.0 + work.counts.occluders + work.counts.casters
         far = math.sqrt(h * h + begin * begin)
@@ -154,12 +158,12 @@ def block_bound(
     ratio = 1.4143 * half / d
     dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
     theta = math.acos(max(-1.0, min(1.0, dot))) - (math.asin(ratio) if ratio < 1.0 else math.pi)
-    if foot > reach or theta > math.atan2(chart.rim_sin, chart.rim_cos):
+    if foot > reach or theta > math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos):
         return 0.0, side, foot
     chord = 2.0 * math.sin(0.5 * max(0.0, theta))
     # and none is seen under more than its area at its nearest, or half a sphere
     solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
-    span = 2.0 * near * min(0.6, 1.4 / math.sqrt(chart.exponent + 1e-9))
+    span = 2.0 * near * min(0.6, width(1.0, chart.lobe))
     for i in range(points.shape[0]):
         # light varies over its distance from the block, which its place on the floor bounds from below
         lx, ly, lz = (
@@ -172,7 +176,7 @@ def block_bound(
             span = min(span, 1.2 * math.sqrt(apart * apart + lz * lz))
     if reach < math.inf and foot > 0.2 * reach:
         span = min(span, 0.3 * reach)
-    return lobe_density(chord * chord, chart) * solid * light, span, foot
+    return largest_density(chord * chord, chart.lobe) * solid * light, span, foot
 
 
 @inlined

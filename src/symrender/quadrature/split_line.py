@@ -9,6 +9,10 @@ import numpy.typing as npt
 
 from symrender.chambers.highlights import piece_highlights, seeing
 from symrender.chambers.labels import HIDDEN, PARTLY
+from symrender.chambers.leaf_rows import eye_view_rows
+from symrender.chambers.lobes.density import facing_of, facing_share
+from symrender.chambers.lobes.rows import densities
+from symrender.chambers.lobes.width import BLUNT, broken_rim
 from symrender.chambers.records import NODES, Chart, Nodes, Piece
 from symrender.chambers.walls import (
     PENUMBRA,
@@ -19,14 +23,8 @@ from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.leaves import values
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
-from symrender.quadrature.leaf_rows import eye_view_rows
 from symrender.quadrature.light_nodes import light_nodes
-from symrender.quadrature.node_rows import (
-    begin_sums,
-    densities,
-    sines,
-    whole_vectors,
-)
+from symrender.quadrature.node_rows import begin_sums, sines, whole_vectors
 from symrender.scene.arrays import CUT, EYE, MARBLE, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -46,8 +44,6 @@ MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
 ONE_POINT = 0.15
 """Error of a rule of one point over what it holds, at least; stated is some times as much."""
-BLUNT = 6.0
-"""Shininess below which the end of a highlight is felt, where it has one among what is lit and seen."""
 NEAR_LIGHT = 2.0
 """Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""
 NEAREST_LEVEL = 1e-5
@@ -56,18 +52,6 @@ AT_HORIZON = 0.5 * math.pi * (1.0 - 1e-12)
 """Inner coordinate from which on a piece of the floor ends at its horizon."""
 SOFT_LOG = 1.5
 """log rho, in the mapped coordinate, of a cell in which a disk light is partly hidden."""
-
-
-@jitable
-def lobe_density(squared_chord: float, chart: Chart) -> float:
-    """cos^n theta / W at a direction whose distance from m has this square: 1 - cos theta without cancellation."""
-    return values.lobe_density(squared_chord, chart.exponent, chart.log_normaliser)
-
-
-@inlined
-def facing_share(wx: float, wy: float, wz: float, chart: Chart) -> float:
-    """What a direction counts beside the lobe's density: 1, or in BRDF units its cosine to the surface normal."""
-    return float(chart.facing_level + chart.facing[0] * wx + chart.facing[1] * wy + chart.facing[2] * wz)
 
 
 @jitable
@@ -139,17 +123,6 @@ def kinked(view: View) -> bool:
     for i in range(view.points.shape[0]):
         disks = disks or view.points[i].radius > 0.0
     return disks
-
-
-@inlined
-def broken_rim(chart: Chart) -> bool:
-    """Whether the density ends at the rim, or just beyond it, with a power that is small and not whole.
-
-    Coefficients then fall no faster than that power says: cos^n is 0 in the plane across the axis. Of an exponent below
-    1e-12 all that it takes away is less than rounding leaves.
-    """
-    n = chart.exponent
-    return bool(chart.rim_cos < 0.1 and 1e-12 < n < BLUNT and n != math.floor(n))
 
 
 @inlined
@@ -309,8 +282,8 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
     j, k = chart.shape_index, chart.ratio
     gx, gy, gz = chart.pole[0], chart.pole[1], chart.pole[2]
     ex, ey, ez = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1], c * chart.e1[2] + s * chart.e2[2]
-    flat = chart.facing_level
-    lift, lean = facing_share(gx, gy, gz, chart) - flat, facing_share(ex, ey, ez, chart) - flat
+    flat = facing_of(chart.lobe)[0]
+    lift, lean = facing_share(gx, gy, gz, chart.lobe) - flat, facing_share(ex, ey, ez, chart.lobe) - flat
     cbm, sbm = chart.lobe_cos, chart.lobe_sin
     px, py, pz, radius = chart.center[0], chart.center[1], chart.center[2], chart.radius
     sines(m, b)
@@ -350,7 +323,7 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
             b.toward[0, i] = -cb * gx - sb * ex
             b.toward[1, i] = -cb * gy - sb * ey
             b.toward[2, i] = -cb * gz - sb * ez
-    densities(m, step, b, chart)
+    densities(m, FALLS[step], b, chart.lobe)
 
 
 @inlined
@@ -427,7 +400,7 @@ def integrate_cells(
     kd = view.shading.kd
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart), SMALL
+    promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart.lobe), SMALL
     faint = faint_horizon(view, chart)
     for i in range(lights):
         if view.points[i].radius > 0.0:

@@ -18,6 +18,8 @@ from symrender.chambers.events import ROOT, SMOOTH, crossing, line_range
 from symrender.chambers.highlights import find_highlights, highlight_end, highlights_between, seeing
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import scan_line
+from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.lobes.width import broken_rim
 from symrender.chambers.records import Chart, Event
 from symrender.chambers.walls import (
     NORMAL,
@@ -28,7 +30,7 @@ from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.records import Panel, Span
-from symrender.quadrature.split_line import across_error, broken_rim, integrate_cells, kinked, lobe_density
+from symrender.quadrature.split_line import across_error, integrate_cells, kinked
 from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -156,7 +158,7 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
         highlight = 1.0 + 0.5 * (highlight - 1.0)
     best = min(best, highlight)
     best = min(best, spot_sum(0, work, a, b, kind_a, kind_b))
-    middle, offset, depth = tangent_lines(chart.lobe_sin, 0.0, chart.rim_sin)
+    middle, offset, depth = tangent_lines(chart.lobe_sin, 0.0, chart.lobe.rim_sin)
     best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
     for i in range(work.counts.walls):
         row = work.walls[i]
@@ -173,7 +175,7 @@ def panel_density(a: float, b: float, chart: Chart) -> float:
     beta = min(max(0.0, beta), chart.beta_max)
     s, c = math.sin(beta), math.cos(beta)
     d0, d1, d2 = c - chart.lobe_cos, s * math.cos(phi) - chart.lobe_sin, s * math.sin(phi)
-    return float(lobe_density(d0 * d0 + d1 * d1 + d2 * d2, chart))
+    return float(largest_density(d0 * d0 + d1 * d1 + d2 * d2, chart.lobe))
 
 
 @inlined
@@ -479,7 +481,7 @@ def evaluate_panel(
     else:
         top = max(last, 0.5 * before)
         known = max(top * math.exp(-(n + 1) * p.log_rho), WEAK * top * math.exp(-(n + 1) * p.slow))
-        if kinked(view) or broken_rim(work.chart):
+        if kinked(view) or broken_rim(work.chart.lobe):
             known = max(known, last, 0.5 * before)
         error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
     for i in range(view.points.shape[0]):

@@ -11,7 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
-from symrender.chambers.lobe_mass import cap_share, facing_mass
+from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.lobes.mass import cap_share, facing_mass
+from symrender.chambers.lobes.setup import lobe_setup, weigh_by_cosine
+from symrender.chambers.lobes.units import lobe_scale
 from symrender.chambers.records import Chart, Event, LightPoint
 from symrender.chambers.rooms import frame_view, in_a_plane
 from symrender.chambers.work import (
@@ -26,15 +29,12 @@ from symrender.chambers.work import (
     work_arrays,
 )
 from symrender.kernel_cache import compiled, jitable
-from symrender.leaves.values import log_normaliser, log_rim
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
 from symrender.quadrature.records import Conic, Panel, Span
 from symrender.quadrature.split_grid import split_grid
-from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import split_chart
 from symrender.quadrature.split_setup import (
     CAPPED,
@@ -64,8 +64,6 @@ Ints = npt.NDArray[np.int64]
 MAX_PANELS: Final = 4000
 ROUNDED: Final = 4e-16
 """Relative error of the base of a highlight."""
-FLAT: Final = 1e-7
-"""Cosine of theta_max below which the rim's cone is taken to be a plane: its quadratic could not be told from one."""
 
 
 @dataclass(frozen=True)
@@ -84,37 +82,6 @@ class SplitResult:
     status: Ints
     chambers: Ints
     crossings: Ints
-
-
-@jitable
-def lobe_setup(n: float, theta_max: float, tol: float, bound: float, chart: Chart) -> float:
-    """Exponent, normaliser and effective rim of a lobe; returns the lobe share that lies beyond the effective rim.
-
-    Beyond the effective rim lies less than a tenth of ``tol/bound`` of the lobe, so a needle is integrated where it is.
-    A rim within 1e-7 of the plane across the axis is taken to be there.
-    """
-    u = n + 1.0
-    log_c = log_rim(theta_max)
-    beyond = math.exp(u * log_c)
-    chart.exponent = n
-    chart.facing[0] = chart.facing[1] = chart.facing[2] = 0.0
-    chart.facing_level = 1.0
-    chart.log_normaliser = log_normaliser(log_c, n)
-    cut = 0.1 * tol / bound
-    chart.rim_cos = math.cos(theta_max)
-    chart.rim_sin = math.sin(theta_max)
-    moved = 0.0
-    if chart.rim_cos < FLAT:
-        chart.rim_cos, chart.rim_sin = 0.0, 1.0
-        moved = beyond
-    if cut < 1.0 and beyond < cut:
-        # 1 - cos of the effective rim
-        versine = -math.expm1(math.log(cut) / u)
-        if versine < 1.0 - max(FLAT, chart.rim_cos):
-            chart.rim_cos = 1.0 - versine
-            chart.rim_sin = math.sqrt(versine * (2.0 - versine))
-            return cut - beyond
-    return moved
 
 
 @jitable
@@ -177,12 +144,10 @@ def gloss_kernel(
             evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
             continue
-        total = lobe_setup(n, theta_max, tol, bound, chart) * bound
+        total = lobe_setup(n, theta_max, tol, bound, chart.lobe) * bound
         brdf = view.shading.units == BRDF_NORMALISED
         if brdf:
-            chart.facing_level = 0.0
-            for a in range(3):
-                chart.facing[a] = normals[i, a]
+            weigh_by_cosine(normals[i], chart.lobe)
 
         # the background fills what the surface can see of the lobe; every shape then adds its difference from it
         sky = max(view.shading.background[0], view.shading.background[1], view.shading.background[2])
@@ -213,11 +178,11 @@ def gloss_kernel(
             k = chart.ratio
             # all of the shape, at the lobe's largest density on it
             gap = max(0.0, chart.lobe_beta - chart.beta_max)
-            most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, chart) * 2.0 * math.pi * k * k * bound
+            most = largest_density(4.0 * math.sin(0.5 * gap) ** 2, chart.lobe) * 2.0 * math.pi * k * k * bound
             if gap < 1.5 and most < 0.1 * tol:
                 total += most
                 continue
-            sphere_strips(j, n, view, work)
+            sphere_strips(j, view, work)
             chart.bright = sphere_bound(j, view, chart)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol),
@@ -239,14 +204,13 @@ def gloss_kernel(
                 continue
             stand_in_frame(k, points[i], normals[i], lobe, frames, work, axis)
             if brdf:
-                for a in range(3):
-                    chart.facing[a] = chart.normal[a]
+                weigh_by_cosine(chart.normal, chart.lobe)
             front = work.room[k] > 0.0
             if not front and sky == 0.0:
                 continue
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
-            floor_strips(n, framed, work)
+            floor_strips(framed, work)
             chart.bright = bound
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.width import turning_width, width
 from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
@@ -74,14 +75,14 @@ def inside_another(point: Array, own: int, spheres: Table[Sphere]) -> bool:
 
 
 @inlined
-def sphere_strips(j: int, n: float, view: View, work: Work) -> None:
-    """How far off the real line the integrand of charted sphere ``j`` stays tame, under a lobe of exponent ``n``."""
+def sphere_strips(j: int, view: View, work: Work) -> None:
+    """How far off the real line the integrand of charted sphere ``j`` stays tame."""
     chart = work.chart
     work.counts.spots = 0
     k = chart.ratio
-    chart.strip_along = min(0.3, 1.4 / (math.sqrt(n + 1e-9) * k))
+    chart.strip_along = min(0.3, width(k, chart.lobe))
     reach = math.sin(chart.lobe_beta) * math.sin(min(chart.lobe_beta, chart.beta_max))
-    chart.strip_across = min(0.5, 1.4 / math.sqrt(n * reach + 1e-9))
+    chart.strip_across = min(0.5, turning_width(reach, chart.lobe))
     if view.spheres[j].texture == MARBLE:
         vein = 3.0 / (view.spheres[j].ku + 6.6 * view.spheres[j].kv)
         chart.strip_along, chart.strip_across = min(chart.strip_along, vein), min(chart.strip_across, vein)
@@ -189,17 +190,17 @@ def wide_spots(a0: float, a1: float, a2: float, cosine: float, view: View, work:
 
 
 @inlined
-def floor_strips(n: float, view: View, work: Work) -> None:
+def floor_strips(view: View, work: Work) -> None:
     """The same of the floor's chart; then its mean albedo."""
     chart = work.chart
     work.counts.spots = 0
     floor_spots(view, work)
-    wide_spots(chart.lobe_cos, chart.lobe_sin, 0.0, chart.rim_cos, view, work)
+    wide_spots(chart.lobe_cos, chart.lobe_sin, 0.0, chart.lobe.rim_cos, view, work)
     for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
         if row.kind == DIRECTION:
             wide_spots(row.axis[0], row.axis[1], row.axis[2], row.cos, view, work)
-    chart.strip_along = min(0.3, 1.4 / math.sqrt(n + 1e-9))
-    chart.strip_across = min(0.5, 1.4 / math.sqrt(n * math.sin(chart.lobe_beta) + 1e-9))
+    chart.strip_along = min(0.3, width(1.0, chart.lobe))
+    chart.strip_across = min(0.5, turning_width(math.sin(chart.lobe_beta), chart.lobe))
     for a in range(3):
         chart.albedo[a] = 0.5 * (view.floor.bright[a] + view.floor.dark[a])

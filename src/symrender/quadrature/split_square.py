@@ -9,16 +9,15 @@ import numpy.typing as npt
 
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
+from symrender.chambers.lobes.density import facing_of
+from symrender.chambers.lobes.rows import densities
 from symrender.chambers.records import NODES, Chart, Nodes, Wall
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
-from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
+from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, nodes
 from symrender.quadrature.light_nodes import light_nodes
-from symrender.quadrature.node_rows import (
-    densities,
-    whole_vectors,
-)
+from symrender.quadrature.node_rows import whole_vectors
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_line import SOFT_LOG, across_error, tail_error
 from symrender.quadrature.split_panel import azimuth
@@ -47,7 +46,7 @@ def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array)
     chart = work.chart
     h = chart.height
     dot = x * lobe[0] + y * lobe[1] - h * lobe[2]
-    if not dot > chart.rim_cos * math.sqrt(x * x + y * y + h * h):
+    if not dot > chart.lobe.rim_cos * math.sqrt(x * x + y * y + h * h):
         return False
     qx, qy = chart.point[0] + x, chart.point[1] + y
     if is_hidden(qx, qy, 0.0, view, work):
@@ -71,7 +70,7 @@ def floor_nodes(
     chart, b = work.chart, work.nodes
     h, px, py = chart.height, chart.point[0], chart.point[1]
     ax, ay, az = lobe[0], lobe[1], lobe[2]
-    flat, fx, fy, fz = chart.facing_level, chart.facing[0], chart.facing[1], chart.facing[2]
+    flat, fx, fy, fz = facing_of(chart.lobe)
     for i in range(m):
         x, y = b.sine[i], b.cosine[i]
         inv = 1.0 / math.sqrt(x * x + y * y + h * h)
@@ -86,7 +85,7 @@ def floor_nodes(
     for i in range(m):
         b.factor[0, i] = b.factor[1, i] = b.factor[2, i] = 1.0
         b.radiance[0, i] = b.radiance[1, i] = b.radiance[2, i] = 0.0
-    densities(m, step, b, chart)
+    densities(m, FALLS[step], b, chart.lobe)
     light_nodes(m, pieces, step, 0.0, view, work, gauss)
     for i in range(m):
         b.near[i] = 1.0

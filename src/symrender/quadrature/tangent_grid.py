@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
+from symrender.chambers.lobes.adjoint import add_own, log_density_at, pull, steepness
 from symrender.chambers.records import Chart
 from symrender.chambers.tangent_moves import any_moves
 from symrender.chambers.tangent_walls import (
@@ -21,11 +22,9 @@ from symrender.chambers.tangent_walls import (
     AXIS,
     BRIGHT,
     DARK,
-    EXPONENT,
     GRID,
     HORIZON_NORMAL,
     LIGHTS,
-    LOG_NORMALISER,
     RIM,
     SHADING,
     plane_columns,
@@ -219,12 +218,8 @@ def grid_density(x: float, y: float, lobe: Array, chart: Chart) -> tuple[float, 
     h = chart.height
     inv = 1.0 / math.sqrt(x * x + y * y + h * h)
     dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
-    versine = 0.5 * (dx * dx + dy * dy + dz * dz)
-    if versine >= 1.0:
-        return 0.0, 0.0, 0.0
-    log = math.log1p(-versine)
-    density = math.exp(chart.exponent * log - chart.log_normaliser)
-    return density * h * inv * inv * inv, 1.0 - versine, log
+    cosine, log, density = log_density_at(0.5 * (dx * dx + dy * dy + dz * dz), chart.lobe)
+    return density * h * inv * inv * inv, cosine, log
 
 
 @inlined
@@ -301,7 +296,6 @@ def grid_node(
             here[2 + a, 1] -= share * gy
     r = math.sqrt(x * x + y * y + h * h)
     ux, uy, uz = x / r, y / r, -h / r
-    n = chart.exponent
     for a in range(3):
         out = adjoint[a]
         value = w * total[a]
@@ -309,19 +303,18 @@ def grid_node(
         out[SHADING + 1] += 0.5 * value * (floor.bright[a] - floor.dark[a])
         out[BRIGHT + a] += 0.5 * value * shading.kd
         out[DARK + a] -= 0.5 * value * shading.kd
-        pull = g * n / max(cosine, 1e-300)
+        drawn = pull(g, cosine, chart.lobe)
         # by d = Q - P: through the density, and through |d_z| / r^3
-        bx = pull * (lobe[0] - ux * cosine) / r - 3.0 * g * ux / r
-        by = pull * (lobe[1] - uy * cosine) / r - 3.0 * g * uy / r
-        bz = pull * (lobe[2] - uz * cosine) / r - 3.0 * g * uz / r - g / h
+        bx = drawn * (lobe[0] - ux * cosine) / r - 3.0 * g * ux / r
+        by = drawn * (lobe[1] - uy * cosine) / r - 3.0 * g * uy / r
+        bz = drawn * (lobe[2] - uz * cosine) / r - 3.0 * g * uz / r - g / h
         out[AT_POINT] -= bx
         out[AT_POINT + 1] -= by
         out[AT_POINT + 2] -= bz
-        out[AXIS] += pull * ux
-        out[AXIS + 1] += pull * uy
-        out[AXIS + 2] += pull * uz
-        out[EXPONENT] += g * log
-        out[LOG_NORMALISER] -= g
+        out[AXIS] += drawn * ux
+        out[AXIS + 1] += drawn * uy
+        out[AXIS + 2] += drawn * uz
+        add_own(g, log, out)
         bar[0], bar[1], bar[2] = bx + here[2 + a, 0], by + here[2 + a, 1], 0.0
         ride(1.0, qx, qy, bar, floor, out)
         out[GRID] += 2.0 * g / floor.cell
@@ -739,4 +732,4 @@ def replay_grid(
         for c in range(4):
             value[p, c] += longer[p, c]
     # slopes in places and exponents are larger than what they are of
-    return float(error + change + beyond * (10.0 + chart.exponent))
+    return float(error + change + beyond * steepness(10.0, chart.lobe))

@@ -21,6 +21,9 @@ import numpy.typing as npt
 from symrender.chambers.labels import BEYOND_SEAM, GLINT, HIDDEN, PARTLY
 from symrender.chambers.labels import DARK as UNLIT
 from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
+from symrender.chambers.lobes.adjoint import add_own, log_density_at, pull
+from symrender.chambers.lobes.density import density_of, rim_density
+from symrender.chambers.lobes.width import blunt_rim, rim_power, steepening
 from symrender.chambers.records import Chart
 from symrender.chambers.tangent_walls import (
     AMBIENT,
@@ -29,13 +32,11 @@ from symrender.chambers.tangent_walls import (
     BRIGHT,
     CHART,
     CUT_BY,
-    EXPONENT,
     EYE,
     FACING,
     FREQUENCY,
     HIT,
     LIGHTS,
-    LOG_NORMALISER,
     ONE_SIDED,
     PLACE_ROWS,
     SHADING,
@@ -84,32 +85,17 @@ _SOFT = 1
 _RIM_FIRST = 2
 _RIM_LAST = 3
 """Like a power of the distance from the blunt rim at its first, or last, end."""
-LEAST_POWER = 4.0
-"""Lowest power with which nodes approach a blunt rim."""
 NEAR_RIM = 1e-4
 """Share of a piece, from the rim on, in which the cosine is not read off directions: rounding there is all of it."""
 
 
 @jitable
 def log_density(here: Array, lobe: Array, chart: Chart) -> tuple[float, float, float]:
-    """cos(theta), its logarithm and the lobe's density cos^n(theta)/W in the direction of a place."""
+    """``log_density_at`` the direction of a place."""
     chord = 0.0
     for a in range(3):
         chord += (here[TOWARD, a] - lobe[a]) ** 2
-    versine = 0.5 * chord
-    if versine >= 1.0:
-        return 0.0, 0.0, 0.0
-    log = math.log1p(-versine)
-    return 1.0 - versine, log, math.exp(chart.exponent * log - chart.log_normaliser)
-
-
-@inlined
-def rim_density(chart: Chart) -> float:
-    """The lobe's density on its rim; a rim in the plane across the axis rounds to either side of it."""
-    n, cosine = chart.exponent, chart.rim_cos
-    if n == 0.0:
-        return math.exp(-chart.log_normaliser)
-    return math.exp(n * math.log(cosine) - chart.log_normaliser) if cosine > 0.0 else 0.0
+    return log_density_at(0.5 * chord, chart.lobe)
 
 
 @inlined
@@ -286,7 +272,7 @@ def node_adjoint(
         else:
             out[BRIGHT + a] += 0.5 * weight * reflected
             out[DARK_COLUMN + a] += 0.5 * weight * reflected
-        pull = total * chart.exponent / max(cosine, 1e-300)
+        drawn = pull(total, cosine, chart.lobe)
         node = here[NODE + 3 * a : NODE + 3 * a + 3]
         if far > 0.0:
             along = 0.0
@@ -298,10 +284,9 @@ def node_adjoint(
                 node[0, b] -= turn
                 node[2, b] = 0.0
         for b in range(3):
-            node[2, b] = pull * lobe[b] - node[2, b]
-            out[AXIS + b] += pull * here[TOWARD, b]
-        out[EXPONENT] += total * log
-        out[LOG_NORMALISER] -= total
+            node[2, b] = drawn * lobe[b] - node[2, b]
+            out[AXIS + b] += drawn * here[TOWARD, b]
+        add_own(total, log, out)
         out[CHART] += total * slope_k
         pull_back(1.0, node, here, j < 0, out)
     return told
@@ -358,7 +343,7 @@ def walls_adjoint(
         if not x > 0.0:
             continue
         measure, _ = chart_place(x, c, s, chart, here)
-        density = rim_density(chart) if wall < 0 else log_density(here, lobe, chart)[2]
+        density = rim_density(chart.lobe) if wall < 0 else log_density(here, lobe, chart)[2]
         set_view(here, view, chart)
         work.counts.evaluations += 2
         radiance(side_above, work.lit[min(cell, cells - 1)], step, here, view, work, gauss, disk, above)
@@ -388,17 +373,10 @@ def walls_adjoint(
             wall_adjoint(wall // 4, TEXTURE_EDGE, -scale, above, lobe, view, work, here, own, adjoint, 3, 4)
 
 
-@jitable
-def blunt_rim(chart: Chart) -> bool:
-    """Whether the slope of the lobe's density ends with a broken power, or has no bound, at the rim."""
-    n = chart.exponent
-    return bool(0.0 < n < 2.0 and n != 1.0 and chart.rim_cos < 0.1)
-
-
 @inlined
 def soft_cell(cell: int, view: View, work: Work) -> bool:
     """Whether a cell's integrand ends with a broken power: at a wall of a disk light, or beside a blunt lobe's rim."""
-    if blunt_rim(work.chart) and (is_rim(work.cell_wall[cell]) or is_rim(work.cell_wall[cell + 1])):
+    if blunt_rim(work.chart.lobe) and (is_rim(work.cell_wall[cell]) or is_rim(work.cell_wall[cell + 1])):
         return True
     if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
         for i in range(view.points.shape[0]):
@@ -415,12 +393,8 @@ def is_rim(wall: int) -> bool:
 
 @inlined
 def piece_map(a: float, end: float, cell: int, soft: bool, work: Work) -> int:
-    """How nodes are placed in the piece a..end of a cell; -1 where the rim is at both ends and it must be cut.
-
-    Where the rim lies in the plane across the axis the density is cos^n theta, theta the angle from it, and its slope
-    n cos^(n-1) theta: nodes u^(k/n), k whole, make either smooth there.
-    """
-    if blunt_rim(work.chart) and work.chart.rim_cos == 0.0:
+    """How nodes are placed in the piece a..end of a cell; -1 where the rim is at both ends and it must be cut."""
+    if blunt_rim(work.chart.lobe) and work.chart.lobe.rim_cos == 0.0:
         first = a == work.cell_from[cell] and is_rim(work.cell_wall[cell])
         last = end == work.cell_to[cell] and is_rim(work.cell_wall[cell + 1])
         if first and last:
@@ -430,12 +404,6 @@ def piece_map(a: float, end: float, cell: int, soft: bool, work: Work) -> int:
         if last:
             return _RIM_LAST
     return _SOFT if soft else _EVEN
-
-
-@inlined
-def rim_power(n: float) -> float:
-    """The power of u with which nodes approach the rim of a lobe of exponent n."""
-    return math.ceil(LEAST_POWER * n) / n
 
 
 @inlined
@@ -458,11 +426,11 @@ def piece_adjoint(
     base = n * (n - 1) // 2
     work.counts.evaluations += n
     whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
-    exponent, length = chart.exponent, end - a
+    length = end - a
     rise, bend, power = 0.0, 0.0, 1.0
     if placed in (_RIM_FIRST, _RIM_LAST):
         # the cosine is rise t + bend t^2 at a share t of the piece off the rim
-        power = rim_power(exponent)
+        power = rim_power(chart.lobe)
         near, half = NEAR_RIM * length, 0.5 * NEAR_RIM * length
         if placed == _RIM_FIRST:
             one, two = cosine_at(a + near, c, s, lobe, chart, here), cosine_at(a + half, c, s, lobe, chart, here)
@@ -488,14 +456,14 @@ def piece_adjoint(
         if off < NEAR_RIM and rise > 0.0:
             cosine = max(1e-300, off * (rise + off * bend))
             log = math.log(cosine)
-            density = math.exp(exponent * log - chart.log_normaliser)
+            density = density_of(log, chart.lobe)
         if density == 0.0:
             continue
         w = weight * gauss[1, base + q] * along * measure * density
         told = node_adjoint(w, slope_k, cosine, log, cell, step, lobe, view, work, gauss, disk, here, adjoint)
         if power != 1.0:
             # as smooth as the density's slope
-            told *= 1.0 + exponent / cosine
+            told *= steepening(cosine, chart.lobe)
         whole += abs(told)
         last += told * gauss[2, base + q]
         before += told * gauss[3, base + q]
@@ -503,7 +471,7 @@ def piece_adjoint(
         lower += told * gauss[MIDDLE + 1, base + q]
     middle = max(abs(middle), abs(lower))
     miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, 0.0)
-    if placed != _EVEN and n > 2 and blunt_rim(chart):
+    if placed != _EVEN and n > 2 and blunt_rim(chart.lobe):
         miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
     return whole, miss
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import LIMB, POLE_END, scan_line
+from symrender.chambers.lobes.width import blunt_rim
 from symrender.chambers.records import Chart, Event
 from symrender.chambers.tangent_walls import (
     ONE_SIDED,
@@ -39,7 +40,7 @@ from symrender.quadrature.split_panel import (
     panel_log,
     split_span,
 )
-from symrender.quadrature.tangent_line import BAR, RADIANCE, blunt_rim, line_adjoint, log_density, radiance, set_view
+from symrender.quadrature.tangent_line import BAR, RADIANCE, line_adjoint, log_density, radiance, set_view
 from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -324,7 +325,7 @@ def replay_chart(
     n = cut_odd_ends(panels, n, view, work, scratch)
     for i in range(n):
         panels[i].missed = 0.0
-    spent, blunt = 0.0, kinked(view) or blunt_rim(work.chart)
+    spent, blunt = 0.0, kinked(view) or blunt_rim(work.chart.lobe)
     i = 0
     while i < n:
         # most panels err far less than their share and leave the rest to those that follow

@@ -16,12 +16,16 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
-from symrender.chambers.lobe_mass import cap_share
+from symrender.chambers.lobes.adjoint import fill_own, gradient_rim, own_moves
+from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.lobes.mass import cap_share
+from symrender.chambers.lobes.mass_slopes import horizon_slopes, normaliser_slopes
+from symrender.chambers.lobes.units import is_brdf
+from symrender.chambers.lobes.width import fastest_fall
 from symrender.chambers.records import Chart, Event, LightMove
 from symrender.chambers.rooms import frame_view
-from symrender.chambers.tangent_moves import what_moves
+from symrender.chambers.tangent_moves import fastest_of, pace, what_moves
 from symrender.chambers.tangent_rooms import moves_in_frame, side_moves
-from symrender.chambers.tangent_share import horizon_slopes, normaliser_slopes
 from symrender.chambers.tangent_walls import (
     AMBIENT,
     AT_POINT,
@@ -31,15 +35,12 @@ from symrender.chambers.tangent_walls import (
     CHART,
     CHART_RADIUS,
     DARK,
-    EXPONENT,
     EYE,
     FREQUENCY,
     GRID,
     HORIZON_NORMAL,
     LIGHTS,
-    LOG_NORMALISER,
     ONE_SIDED,
-    RIM,
     SHADING,
     TURN,
     adjoint_columns,
@@ -48,12 +49,10 @@ from symrender.chambers.work import MAX_WALLS, Frames, View, Work, begin_counts,
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.lobe_units import is_brdf
 from symrender.quadrature.mirror import NARROWEST
 from symrender.quadrature.records import Conic, Panel, Span
-from symrender.quadrature.split_line import lobe_density
 from symrender.quadrature.split_panel import split_chart
-from symrender.quadrature.split_point import FLAT, SplitWork, lobe_setup, radiance_bound, split_work
+from symrender.quadrature.split_point import SplitWork, radiance_bound, split_work
 from symrender.quadrature.split_setup import (
     CAPPED,
     MET,
@@ -88,9 +87,6 @@ Ints = npt.NDArray[np.int64]
 
 EVENT: Final = 4
 """The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
-
-NEEDLE: Final = 2.0
-"""Exponent from which on a lobe's far tail falls off in value and slope, and may be cut off."""
 
 BUDGET: Final = 4
 """Evaluations a derivative may take over those of its value: a value's rule, then two orders of every panel of it."""
@@ -208,12 +204,10 @@ def lobe_moves(
         for a in range(3):
             row[AXIS + a] = tangents.incoming[p, i, a] - 2.0 * turn * normal[a] - 2.0 * lean * tangents.normal[p, i, a]
         if home >= 0:
-            dn, dt = tangents.floors[p, home].exponent, tangents.floors[p, home].theta_max
+            dn, dt = own_moves(tangents.floors[p, home])
         else:
-            dn, dt = tangents.spheres[p, own].exponent, tangents.spheres[p, own].theta_max
-        row[EXPONENT] = dn
-        row[LOG_NORMALISER] = by_n * dn + by_theta * dt
-        row[RIM] = -math.sin(theta_max) * dt
+            dn, dt = own_moves(tangents.spheres[p, own])
+        fill_own(by_n, by_theta, theta_max, dn, dt, row)
 
 
 @jitable
@@ -254,24 +248,6 @@ def chart_moves(j: int, chart: Chart, tangents: Tangents, moves: Array) -> None:
 
 
 @jitable
-def pace(row: Array) -> float:
-    """The fastest motion of a parameter."""
-    most = 0.0
-    for k in range(row.shape[0]):
-        most = max(most, abs(row[k]))
-    return most
-
-
-@jitable
-def fastest_of(moves: Array) -> float:
-    """The fastest motion of all parameters, no less than 1."""
-    most = 1.0
-    for p in range(moves.shape[0]):
-        most = max(most, pace(moves[p]))
-    return most
-
-
-@jitable
 def leave_out(slope: float, moves: Array, beyond: Array) -> None:
     """Add to every parameter's ``beyond`` what it may move of something left out that has this ``slope``."""
     for p in range(moves.shape[0]):
@@ -287,35 +263,6 @@ def outline(chart: Chart) -> float:
     nowhere rises above a height is of bounded variation and sweeps no more than such a wall.
     """
     return 1.0 + 1.0 / math.tan(0.5 * chart.beta_max)
-
-
-@jitable
-def gradient_rim(
-    n: float, theta_max: float, tol: float, bound: float, shininess: float, chart: Chart, moves: Array, beyond: Array
-) -> None:  # fmt: skip
-    """Set the lobe up for derivatives; ``beyond`` gets what lies beyond its effective rim, a parameter at a time.
-
-    A derivative of the share that is cut off may be larger than the share, by the
-    slope of the density's logarithm; blunt lobes and rims that move and are felt stay whole.
-    """
-    u = n + 1.0
-    cosine = max(math.cos(theta_max), 0.0)
-    fastest, rim = fastest_of(moves), 0.0
-    for p in range(moves.shape[0]):
-        rim = max(rim, abs(moves[p, RIM]))
-    at_rim = u * cosine**n * bound
-    trim = n >= NEEDLE and at_rim * rim <= 1e-3 * tol
-    share = lobe_setup(n, theta_max, 3.0 * tol / (u * fastest) if trim else 0.0, bound, chart)
-    is_cut = chart.rim_cos > cosine + FLAT
-    steep = math.sqrt(shininess) + (n * chart.rim_sin / max(chart.rim_cos, FLAT) if is_cut else 0.0)
-    for p in range(moves.shape[0]):
-        beyond[p] = 0.0
-        if share > 0.0:
-            spread = (2.0 - math.log(share)) / u
-            beyond[p] = bound * share * (abs(moves[p, EXPONENT]) * spread + (1.0 + steep) * pace(moves[p]))
-        if is_cut:
-            beyond[p] += at_rim * abs(moves[p, RIM])
-            moves[p, RIM] = 0.0
 
 
 @jitable
@@ -399,7 +346,7 @@ def gradient_kernel(
             continue
         point_moves(i, tangents, frames, t.moves)
         lobe_moves(i, n, theta_max, own, home, normals[i], incoming[i], tangents, t.moves)
-        gradient_rim(n, theta_max, tol, bound, view.shading.shininess, chart, t.moves, t.beyond)
+        gradient_rim(n, theta_max, tol, bound, view.shading.shininess, chart.lobe, t.moves, t.beyond)
         for p in range(count):
             for c in range(4):
                 t.value[p, c] = t.error[p, c] = 0.0
@@ -420,12 +367,11 @@ def gradient_kernel(
             for a in range(3):
                 tilt += row[AXIS + a] * normals[i, a] + lobe[a] * row[HORIZON_NORMAL + a]
             tilt = -tilt / max(math.sin(alpha), 1e-300) if by_alpha != 0.0 else 0.0
-            wider = 0.0
             if home >= 0:
-                wider = tangents.floors[p, home].theta_max
+                longer, wider = own_moves(tangents.floors[p, home])
             else:
-                wider = tangents.spheres[p, own].theta_max
-            change = by_n * row[EXPONENT] + by_theta * wider + by_alpha * tilt
+                longer, wider = own_moves(tangents.spheres[p, own])
+            change = by_n * longer + by_theta * wider + by_alpha * tilt
             for a in range(3):
                 t.value[p, a] += row[BACKGROUND + a] * share + view.shading.background[a] * change
 
@@ -437,14 +383,14 @@ def gradient_kernel(
             k = chart.ratio
             # all of the shape, at the lobe's largest density on it, and how fast that can change
             gap = max(0.0, chart.lobe_beta - chart.beta_max)
-            most = lobe_density(4.0 * math.sin(0.5 * gap) ** 2, chart) * 2.0 * math.pi * k * k * bound
-            slope = n * math.tan(gap) + outline(chart)
+            most = largest_density(4.0 * math.sin(0.5 * gap) ** 2, chart.lobe) * 2.0 * math.pi * k * k * bound
+            slope = fastest_fall(gap, chart.lobe) + outline(chart)
             chart_moves(j, chart, tangents, t.moves)
             if gap < 1.5 and most * slope * fastest_of(t.moves) < 1e-4 * tol:
                 spent += most
                 leave_out(most * slope, t.moves, t.beyond)
                 continue
-            sphere_strips(j, n, view, work)
+            sphere_strips(j, view, work)
             spent += shape_slopes(
                 own, lobe, view, work, t, t.moves, gauss, disk, panels, spans, ids, events, scratch, conics, what, grid,
                 tol, spent, max_evaluations, exact,
@@ -455,7 +401,7 @@ def gradient_kernel(
             stand_in_frame(k, points[i], normals[i], lobe, frames, work, axis)
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
-            floor_strips(n, framed, work)
+            floor_strips(framed, work)
             moves_in_frame(k, points[i], normals[i], lobe, view, tangents.turns, frames, t.moves, t.framed)
             chart_moves(-1, chart, tangents, t.framed)
             spent += shape_slopes(

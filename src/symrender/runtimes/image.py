@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.units import lobe_scale
 from symrender.errors import OptionError
 from symrender.quadrature.disk import light_points
-from symrender.quadrature.lobe_units import lobe_scale
 from symrender.quadrature.strata import NARROWEST, Rule, mirror_rule, rings, rule
 from symrender.records import Table, chosen, copied
 from symrender.runtimes import numba

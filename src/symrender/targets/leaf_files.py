@@ -38,7 +38,7 @@ def texts() -> dict[Path, str]:
             "Formulas pushed forward: slopes of all results in one argument.",
             _each(leaf_python.tangents, (x for x in leaves if x.tangents)),
         ),
-        _ROOT / "quadrature" / "leaf_rows.py": _rows(_each(leaf_python.rows, (x for x in leaves if x.rows))),
+        _ROOT / "chambers" / "leaf_rows.py": _rows(_each(leaf_python.rows, (x for x in leaves if x.rows))),
         _ROOT / "leaves" / "formulas.js": f"// {_NOTE}\n" + leaf_braces.javascript_module(pages),
         _ROOT / "leaves" / "formulas.glsl": f"// {_NOTE}\n" + leaf_braces.glsl_module(pages),
     }

@@ -1,0 +1,41 @@
+"""What a lattice of directions about a lobe's axis is laid out by (``quadrature/lattice_sphere.py``)."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from symrender.chambers.lobes.density import density_of
+from symrender.chambers.lobes.record import Lobe
+from symrender.kernel_cache import inlined
+
+SHARPEST: Final = 1e6
+"""Exponent above which the lobe's power has lost digits."""
+
+
+@inlined
+def is_sharp(lobe: Lobe) -> bool:
+    """Whether a lattice declines a lobe as too narrow."""
+    return bool(lobe.exponent > SHARPEST)
+
+
+@inlined
+def map_rate(lobe: Lobe) -> float:
+    """Rate r of a density (1 + r s)^-5 close to the lobe's, s = 1 - cos theta beyond the nearest direction."""
+    return 0.2 * lobe.exponent
+
+
+@inlined
+def density_at(versine: float, lobe: Lobe) -> float:
+    """The density where 1 - cos theta is ``versine``."""
+    return density_of(math.log1p(-versine), lobe)
+
+
+@inlined
+def ring_mass(top: float, rest: float, span: float, lobe: Lobe) -> float:
+    """Share of the lobe in a ring.
+
+    It begins where the density is ``top`` and the cosine ``rest``, and ends where that has fallen by ``span`` of it.
+    """
+    ring = -math.expm1((lobe.exponent + 1.0) * math.log1p(-span)) if span < 1.0 else 1.0
+    return 2.0 * math.pi * top * rest * ring / (lobe.exponent + 1.0)

@@ -1,0 +1,65 @@
+"""A lobe from what the scene says of it: density, rim, and what lies beyond."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.lobes.record import Lobe
+from symrender.kernel_cache import inlined, jitable
+from symrender.leaves.values import log_normaliser, log_rim
+
+Array = npt.NDArray[np.float64]
+
+FLAT: Final = 1e-7
+"""Cosine of theta_max below which the rim's cone is taken to be a plane: its quadratic could not be told from one."""
+
+
+@jitable
+def lobe_setup(n: float, theta_max: float, tol: float, bound: float, lobe: Lobe) -> float:
+    """Exponent, normaliser and effective rim of a lobe; returns the lobe share that lies beyond the effective rim.
+
+    Beyond the effective rim lies less than a tenth of ``tol/bound`` of the lobe, so a needle is integrated where it is.
+    A rim within 1e-7 of the plane across the axis is taken to be there.
+    """
+    u = n + 1.0
+    log_c = log_rim(theta_max)
+    beyond = math.exp(u * log_c)
+    lobe.exponent = n
+    lobe.facing[0] = lobe.facing[1] = lobe.facing[2] = 0.0
+    lobe.facing_level = 1.0
+    lobe.log_normaliser = log_normaliser(log_c, n)
+    cut = 0.1 * tol / bound
+    lobe.rim_cos = math.cos(theta_max)
+    lobe.rim_sin = math.sin(theta_max)
+    moved = 0.0
+    if lobe.rim_cos < FLAT:
+        lobe.rim_cos, lobe.rim_sin = 0.0, 1.0
+        moved = beyond
+    if cut < 1.0 and beyond < cut:
+        # 1 - cos of the effective rim
+        versine = -math.expm1(math.log(cut) / u)
+        if versine < 1.0 - max(FLAT, lobe.rim_cos):
+            lobe.rim_cos = 1.0 - versine
+            lobe.rim_sin = math.sqrt(versine * (2.0 - versine))
+            return cut - beyond
+    return moved
+
+
+@inlined
+def mirror_setup(lobe: Lobe) -> None:
+    """A lobe of density 1, of which one direction is asked."""
+    lobe.exponent = lobe.log_normaliser = 0.0
+    lobe.facing[0] = lobe.facing[1] = lobe.facing[2] = 0.0
+    lobe.facing_level = 1.0
+
+
+@inlined
+def weigh_by_cosine(normal: Array, lobe: Lobe) -> None:
+    """Let every direction count with its cosine to ``normal``, as in BRDF units."""
+    lobe.facing_level = 0.0
+    for a in range(3):
+        lobe.facing[a] = normal[a]

@@ -1,0 +1,44 @@
+"""Powers of a row of nodes, in passes that become vector instructions."""
+
+from __future__ import annotations
+
+from symrender.chambers.records import NODES, Nodes
+from symrender.kernel_cache import jitable
+from symrender.leaves.gleams import MOST_SQUARED
+
+
+@jitable
+def powers(start: int, stop: int, b: Nodes, exponent: float) -> None:
+    """``power`` = ``radix``^exponent of bases in [0, 1]; whole exponents to 4096 by squaring. ``radix`` is used up."""
+    stop = min(stop, NODES)
+    whole = int(min(exponent, MOST_SQUARED))
+    if whole != exponent:
+        for i in range(start, stop):
+            b.power[i] = b.radix[i] ** exponent
+        return
+    for i in range(start, stop):
+        b.power[i] = 1.0
+    while whole > 0:
+        # two binary digits a pass: passes over memory cost more than products
+        digits = whole % 4
+        whole //= 4
+        if digits == 0:
+            for i in range(start, stop):
+                square = b.radix[i] * b.radix[i]
+                b.radix[i] = square * square
+        elif digits == 1:
+            for i in range(start, stop):
+                x = b.radix[i]
+                b.power[i] *= x
+                b.radix[i] = (x * x) * (x * x)
+        elif digits == 2:
+            for i in range(start, stop):
+                square = b.radix[i] * b.radix[i]
+                b.power[i] *= square
+                b.radix[i] = square * square
+        else:
+            for i in range(start, stop):
+                x = b.radix[i]
+                square = x * x
+                b.power[i] *= x * square
+                b.radix[i] = square * square
