@@ -135,11 +135,12 @@ def chart_events(work: Work, events: Table[Event], low: float, high: float) -> i
     if high - low > 6.0:
         events[0].kind = SMOOTH
         n = add_event(events, n, 0.0, low, high, SMOOTH)
-    middle, offset, _ = tangent_lines(chart.lobe_sin, 0.0, chart.lobe.rim_sin)
-    n = circle_events(
-        chart.lobe_cos, chart.lobe_sin, 0.0, chart.lobe.rim_cos, chart.lobe.rim_sin, middle, offset, False, chart,
-        events, n, low, high, True,
-    )  # fmt: skip
+    if chart.lobe.rim_cos >= 0.0:
+        middle, offset, _ = tangent_lines(chart.lobe_sin, 0.0, chart.lobe.rim_sin)
+        n = circle_events(
+            chart.lobe_cos, chart.lobe_sin, 0.0, chart.lobe.rim_cos, chart.lobe.rim_sin, middle, offset, False, chart,
+            events, n, low, high, True,
+        )  # fmt: skip
     for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
         kind = row.kind

@@ -123,3 +123,68 @@ def lobe_density_rows(m: int, exponent: float, log_normaliser: float, nodes: Nod
         t1 = (math.exp(exponent * math.log1p(-depth) - log_normaliser) if depth < 1.0 else 0.0)
         nodes.power[i] = t1
         nodes.weight[i] *= t1
+
+
+@jitable
+def ggx_lobe_rows(m: int, alpha: float, cos_view: float, by_cosine: float, by_root: float, nodes: Nodes) -> None:
+    """D G/(4 cos_o) and cos^2 of the angle between w and h, at w of which |w - m|^2 and (w - m).N are told, of the
+    first ``m`` nodes.
+    """
+    t1 = alpha * alpha
+    m = min(m, NODES)
+    for i in range(m):
+        square = nodes.chord[i]
+        along = nodes.near[i]
+        up = 2.0 * cos_view + along
+        t2 = up * up
+        flat = max(square - along * along, 1e-300)
+        whole = t2 + flat
+        peak = t1 * t2 + flat
+        share = alpha * whole / peak
+        cosine = cos_view + along
+        t3 = by_root * math.sqrt(max(t1 + (1.0 - alpha) * (1.0 + alpha) * cosine * cosine, 1e-300))
+        masking = by_cosine * cosine + t3
+        t4 = share * share / math.pi * cosine / masking
+        nodes.power[i] = t4
+        nodes.weight[i] *= t4
+        nodes.chord[i] = 0.25 * whole
+
+
+@jitable
+def conductor_fresnels_rows(
+    m: int, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float, nodes: Nodes,
+) -> None:
+    """``conductor_fresnel`` of three channels, of the first ``m`` nodes."""
+    m = min(m, NODES)
+    for i in range(m):
+        cosine2 = nodes.chord[i]
+        sine2 = 1.0 - cosine2
+        first = eta_x * eta_x - k_x * k_x - sine2
+        both = math.sqrt(first * first + 4.0 * eta_x * eta_x * k_x * k_x)
+        across = both + cosine2
+        real = math.sqrt(max(0.5 * (both + first), 1e-300))
+        cosine = math.sqrt(cosine2)
+        along = 2.0 * real * cosine
+        upright = (across - along) / (across + along)
+        t1 = sine2 * sine2
+        tilted = cosine2 * both + t1
+        mixed = along * sine2
+        t2 = eta_y * eta_y - k_y * k_y - sine2
+        t3 = math.sqrt(t2 * t2 + 4.0 * eta_y * eta_y * k_y * k_y)
+        t4 = t3 + cosine2
+        t5 = math.sqrt(max(0.5 * (t3 + t2), 1e-300))
+        t6 = 2.0 * t5 * cosine
+        t7 = (t4 - t6) / (t4 + t6)
+        t8 = cosine2 * t3 + t1
+        t9 = t6 * sine2
+        t10 = eta_z * eta_z - k_z * k_z - sine2
+        t11 = math.sqrt(t10 * t10 + 4.0 * eta_z * eta_z * k_z * k_z)
+        t12 = t11 + cosine2
+        t13 = math.sqrt(max(0.5 * (t11 + t10), 1e-300))
+        t14 = 2.0 * t13 * cosine
+        t15 = (t12 - t14) / (t12 + t14)
+        t16 = cosine2 * t11 + t1
+        t17 = t14 * sine2
+        nodes.radiance[0, i] *= 0.5 * upright * (1.0 + (tilted - mixed) / (tilted + mixed))
+        nodes.radiance[1, i] *= 0.5 * t7 * (1.0 + (t8 - t9) / (t8 + t9))
+        nodes.radiance[2, i] *= 0.5 * t15 * (1.0 + (t16 - t17) / (t16 + t17))

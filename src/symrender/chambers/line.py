@@ -71,6 +71,8 @@ def rim_sines(c: float, s: float, chart: Chart) -> tuple[float, float, int, int]
     low > high if there is none.
     """
     k = chart.ratio
+    if chart.lobe.rim_cos < 0.0:
+        return 0.0, 1.0, POLE_END, LIMB
     found, c1, s1, c2, s2 = circle_roots(
         chart.lobe_cos, chart.lobe_sin, 0.0, chart.lobe.rim_cos, chart.lobe.rim_sin, c, s
     )

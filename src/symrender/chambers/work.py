@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.record import Metal
 from symrender.chambers.records import (
     NODES,
     Aim,
@@ -48,7 +49,8 @@ class View(NamedTuple):
     """What kernels read of a scene: its records, with lights replaced by points. ``eye`` is (3,).
 
     In the coordinates of a plane that plane is the floor z = 0, and ``floor`` what it is made of. ``sides`` are all
-    planes of the scene, the floor first.
+    planes of the scene, the floor first. ``metals`` are those of all hit classes, None in a scene without any: kernels
+    are compiled for either.
     """
 
     spheres: Table[Sphere]
@@ -57,6 +59,7 @@ class View(NamedTuple):
     shading: Shading
     eye: Array
     sides: Table[Side]
+    metals: Table[Metal] | None = None
 
 
 class Frames(NamedTuple):
@@ -126,7 +129,7 @@ def begin_counts(limit: int, work: Work) -> None:
     counts.limit = limit
 
 
-def scene_view(arrays: SceneArrays, points: Table[LightPoint]) -> View:
+def scene_view(arrays: SceneArrays, points: Table[LightPoint], metals: Table[Metal] | None = None) -> View:
     """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); its memory, but for the eye."""
     return View(
         spheres=arrays.spheres,
@@ -135,6 +138,7 @@ def scene_view(arrays: SceneArrays, points: Table[LightPoint]) -> View:
         shading=arrays.shading,
         eye=np.ascontiguousarray(arrays.camera.eye),
         sides=_sides(_axes(arrays)),
+        metals=metals,
     )
 
 
@@ -230,7 +234,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         nodes=table(Nodes, 1)[0],
         aim=table(Aim, 1)[0],
         pieces=table(Piece, NODES + PENDING),
-        spots=table(Spot, max(1, 3 * points) + 2 * (2 + spheres) * (points + 1)),
+        spots=table(Spot, max(1, 3 * points) + 1 + 2 * (2 + spheres) * (points + 1)),
         highlights=table(Highlight, 64 + 192 * points),
         boxes=table(Box, 96),
         room=np.zeros(MAX_PLANES + 1),

@@ -289,6 +289,92 @@ def brdf_normaliser(exponent: float) -> float:
 
 
 @inlined
+def smith_root(cosine: float, alpha: float) -> float:
+    """sqrt(alpha^2 + (1 - alpha^2) cos^2), which with cos makes Smith's G1 = 2 cos/(cos + root) of GGX."""
+    return math.sqrt(max(alpha * alpha + (1.0 - alpha) * (1.0 + alpha) * cosine * cosine, 1e-300))
+
+
+@inlined
+def ggx_lobe(
+    square: float, along: float, alpha: float, cos_view: float, by_cosine: float, by_root: float,
+) -> tuple[float, float]:
+    """D G/(4 cos_o) and cos^2 of the angle between w and h, at w of which |w - m|^2 and (w - m).N are told."""
+    up = 2.0 * cos_view + along
+    t1 = up * up
+    flat = max(square - along * along, 1e-300)
+    whole = t1 + flat
+    t2 = alpha * alpha
+    peak = t2 * t1 + flat
+    share = alpha * whole / peak
+    cosine = cos_view + along
+    t3 = by_root * math.sqrt(max(t2 + (1.0 - alpha) * (1.0 + alpha) * cosine * cosine, 1e-300))
+    masking = by_cosine * cosine + t3
+    return share * share / math.pi * cosine / masking, 0.25 * whole
+
+
+@inlined
+def ggx_most(square: float, alpha: float, by_cosine: float, by_root: float) -> float:
+    """No direction at |w - m|^2 = ``square`` or farther off has a larger D G/(4 cos_o)."""
+    sine2 = 0.25 * square
+    share = alpha / (alpha * alpha * (1.0 - sine2) + sine2)
+    return share * share / (math.pi * (by_cosine + by_root))
+
+
+@inlined
+def conductor_fresnel(cosine2: float, eta: float, k: float) -> float:
+    """Mean reflectance of both polarisations of a conductor eta - i k, of cos^2 of the angle of incidence."""
+    sine2 = 1.0 - cosine2
+    first = eta * eta - k * k - sine2
+    both = math.sqrt(first * first + 4.0 * eta * eta * k * k)
+    across = both + cosine2
+    real = math.sqrt(max(0.5 * (both + first), 1e-300))
+    cosine = math.sqrt(cosine2)
+    along = 2.0 * real * cosine
+    upright = (across - along) / (across + along)
+    tilted = cosine2 * both + sine2 * sine2
+    mixed = along * sine2
+    return 0.5 * upright * (1.0 + (tilted - mixed) / (tilted + mixed))
+
+
+@inlined
+def conductor_fresnels(
+    cosine2: float, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float,
+) -> tuple[float, float, float]:
+    """``conductor_fresnel`` of three channels."""
+    sine2 = 1.0 - cosine2
+    first = eta_x * eta_x - k_x * k_x - sine2
+    both = math.sqrt(first * first + 4.0 * eta_x * eta_x * k_x * k_x)
+    across = both + cosine2
+    real = math.sqrt(max(0.5 * (both + first), 1e-300))
+    cosine = math.sqrt(cosine2)
+    along = 2.0 * real * cosine
+    upright = (across - along) / (across + along)
+    t1 = sine2 * sine2
+    tilted = cosine2 * both + t1
+    mixed = along * sine2
+    t2 = eta_y * eta_y - k_y * k_y - sine2
+    t3 = math.sqrt(t2 * t2 + 4.0 * eta_y * eta_y * k_y * k_y)
+    t4 = t3 + cosine2
+    t5 = math.sqrt(max(0.5 * (t3 + t2), 1e-300))
+    t6 = 2.0 * t5 * cosine
+    t7 = (t4 - t6) / (t4 + t6)
+    t8 = cosine2 * t3 + t1
+    t9 = t6 * sine2
+    t10 = eta_z * eta_z - k_z * k_z - sine2
+    t11 = math.sqrt(t10 * t10 + 4.0 * eta_z * eta_z * k_z * k_z)
+    t12 = t11 + cosine2
+    t13 = math.sqrt(max(0.5 * (t11 + t10), 1e-300))
+    t14 = 2.0 * t13 * cosine
+    t15 = (t12 - t14) / (t12 + t14)
+    t16 = cosine2 * t11 + t1
+    t17 = t14 * sine2
+    return (
+        0.5 * upright * (1.0 + (tilted - mixed) / (tilted + mixed)), 0.5 * t7 * (1.0 + (t8 - t9) / (t8 + t9)),
+        0.5 * t15 * (1.0 + (t16 - t17) / (t16 + t17)),
+    )
+
+
+@inlined
 def texture_coordinates(normal_x: float, normal_y: float, normal_z: float) -> tuple[float, float]:
     """(u, v) of a unit normal, both in [0, 1]."""
     return (

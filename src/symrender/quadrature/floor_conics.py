@@ -68,9 +68,10 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
     chart = work.chart
     h = chart.height
     px, py, pz = chart.point[0], chart.point[1], chart.point[2]
+    n = 0
     if chart.lobe.rim_cos > 0.0:
         n = add_cone(conics, 0, lobe[0], lobe[1], lobe[2], chart.lobe.rim_sin**2, 0.0, 0.0, h)
-    else:
+    elif chart.lobe.rim_cos == 0.0:
         # the cone is a plane, of which its quadratic is the square
         n = add_line(conics, 0, lobe[0], lobe[1], lobe[2], h)
     n = add_line(conics, n, chart.normal[0], chart.normal[1], chart.normal[2], h)

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.density import largest_density
-from symrender.chambers.lobes.width import width
+from symrender.chambers.lobes.width import width_at
 from symrender.chambers.records import Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
@@ -163,7 +163,7 @@ def block_bound(
     chord = 2.0 * math.sin(0.5 * max(0.0, theta))
     # and none is seen under more than its area at its nearest, or half a sphere
     solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
-    span = 2.0 * near * min(0.6, width(1.0, chart.lobe))
+    span = 2.0 * near * min(0.6, width_at(theta, chart.lobe))
     for i in range(points.shape[0]):
         # light varies over its distance from the block, which its place on the floor bounds from below
         lx, ly, lz = (

@@ -11,7 +11,8 @@ from symrender.chambers.highlights import piece_highlights, seeing
 from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.leaf_rows import eye_view_rows
 from symrender.chambers.lobes.density import facing_of, facing_share
-from symrender.chambers.lobes.rows import densities
+from symrender.chambers.lobes.poles import lobe_sum
+from symrender.chambers.lobes.rows import densities, lean_line, tint
 from symrender.chambers.lobes.width import BLUNT, broken_rim
 from symrender.chambers.records import NODES, Chart, Nodes, Piece
 from symrender.chambers.walls import (
@@ -174,6 +175,7 @@ def cell_log(
     if least == 1 and length > FLANK * narrowest:
         # on its flank a highlight grows by powers of e: one point does not tell what a piece holds
         least = 2
+    highlight = min(highlight, lobe_sum(start, stop, c, s, chart, view.metals))
     if chart.shape_index < 0.0:
         ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
@@ -323,7 +325,8 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
             b.toward[0, i] = -cb * gx - sb * ex
             b.toward[1, i] = -cb * gy - sb * ey
             b.toward[2, i] = -cb * gz - sb * ez
-    densities(m, FALLS[step], b, chart.lobe)
+    lean_line(m, c, s, chart, b, view.metals)
+    densities(m, FALLS[step], b, chart.lobe, view.metals)
 
 
 @inlined
@@ -340,6 +343,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
             for a in range(3):
                 b.factor[a, i] *= vein
     light_nodes(m, pieces, step, shading.ks, view, work, gauss)
+    tint(m, work.chart.lobe, b, view.metals)
 
 
 @inlined

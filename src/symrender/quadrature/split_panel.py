@@ -158,8 +158,9 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
         highlight = 1.0 + 0.5 * (highlight - 1.0)
     best = min(best, highlight)
     best = min(best, spot_sum(0, work, a, b, kind_a, kind_b))
-    middle, offset, depth = tangent_lines(chart.lobe_sin, 0.0, chart.lobe.rim_sin)
-    best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
+    if chart.lobe.rim_cos >= 0.0:
+        middle, offset, depth = tangent_lines(chart.lobe_sin, 0.0, chart.lobe.rim_sin)
+        best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
     for i in range(work.counts.walls):
         row = work.walls[i]
         if row.kind <= NORMAL:

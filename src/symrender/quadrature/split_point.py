@@ -13,8 +13,9 @@ import numpy.typing as npt
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import cap_share, facing_mass
-from symrender.chambers.lobes.setup import lobe_setup, weigh_by_cosine
-from symrender.chambers.lobes.units import lobe_scale
+from symrender.chambers.lobes.record import Metal
+from symrender.chambers.lobes.setup import is_metal, lobe_setup, metal_setup, weigh_by_cosine
+from symrender.chambers.lobes.units import is_brdf, lobe_scale
 from symrender.chambers.records import Chart, Event, LightPoint
 from symrender.chambers.rooms import frame_view, in_a_plane
 from symrender.chambers.work import (
@@ -28,6 +29,7 @@ from symrender.chambers.work import (
     scene_view,
     work_arrays,
 )
+from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
@@ -138,13 +140,17 @@ def gloss_kernel(
             status[i] = UNSUPPORTED
             evaluations[i] = chambers[i] = crossings[i] = 0
             continue
-        if lobes[surface[i], 1] == 0.0:
+        metal = is_metal(surface[i], view.metals)
+        if lobes[surface[i], 1] == 0.0 and not metal:
             largest = mirror_value(own, lobe, view, frames, work, gauss, scratch[53:62], scratch[28:31], value)
             error[i] = largest + (1e-15 + powers) * max(abs(value[0]), abs(value[1]), abs(value[2])) + 1e-15
             evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
             continue
         total = lobe_setup(n, theta_max, tol, bound, chart.lobe) * bound
+        if metal:
+            metal_setup(surface[i], lobe, normals[i], view.metals, chart.lobe)
+            total = 0.0
         brdf = view.shading.units == BRDF_NORMALISED
         if brdf:
             weigh_by_cosine(normals[i], chart.lobe)
@@ -165,7 +171,7 @@ def gloss_kernel(
         for j in range(view.spheres.shape[0]):
             if j == own:
                 continue
-            if not walled and not in_a_plane(view, work):
+            if not walled and not metal and not in_a_plane(view, work):
                 mass = aim_lattice(j, lobe, view, work)
                 if mass >= 0.0:
                     spare = max(0.5 * (tol - total), 0.05 * tol)
@@ -235,7 +241,7 @@ def gloss_kernel(
                     value[a] += scratch[16 + a] * scratch[20 + a]
         for a in range(3):
             chart.point[a], chart.normal[a] = points[i, a], normals[i, a]
-        if lobes[surface[i], 1] < NARROWEST:
+        if lobes[surface[i], 1] < NARROWEST and not metal:
             # between a mirror and a lobe still wider
             total += mirror_value(own, lobe, view, frames, work, gauss, scratch[53:62], scratch[28:31], scratch[31:34])
             total += largest_gap(value, scratch[31:34])
@@ -298,6 +304,14 @@ def radiance_bound(arrays: SceneArrays, points: Table[LightPoint]) -> float:
     return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
 
 
+def refuse_metals(arrays: SceneArrays) -> None:
+    """Raise ``Unsupported``, by name, for what is not integrated under the lobe of a metal."""
+    if is_brdf(arrays):
+        raise Unsupported("shading.lobe_units: brdf_normalised says nothing of a conductor; choose lobe_average")
+    if arrays.shading.background.max() > 0.0:
+        raise Unsupported("background: what a conductor reflects of it is not integrated; choose black")
+
+
 def gloss_points(
     arrays: SceneArrays,
     points: Array,
@@ -309,6 +323,7 @@ def gloss_points(
     max_evaluations: int = 1_000_000,
     scratch: SplitWork | None = None,
     walled: bool = True,
+    metals: Table[Metal] | None = None,
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
@@ -320,9 +335,15 @@ def gloss_points(
     integrates it. Where not ``walled``, a sphere is done on a lattice of directions as far as that is good enough:
     quicker at loose tolerances, and ``chambers`` and ``crossings`` then leave it out. Deterministic; choose it whenever
     an error is wanted with the value, or more than two digits. Points inside a sphere are ``UNSUPPORTED``.
+
+    ``metals``, a row a hit class, are what surfaces of ``alpha`` > 0 reflect by in place of their lobe: of them the
+    result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere. Raises ``Unsupported`` with a background, or
+    in BRDF units.
     """
     lights = light_rows(arrays, disk_order)
-    view = scene_view(arrays, lights)
+    if metals is not None:
+        refuse_metals(arrays)
+    view = scene_view(arrays, lights, metals)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)

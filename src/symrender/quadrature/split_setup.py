@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.poles import pole_across
 from symrender.chambers.lobes.width import turning_width, width
 from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.walls import DIRECTION
@@ -87,6 +88,7 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
         vein = 3.0 / (view.spheres[j].ku + 6.6 * view.spheres[j].kv)
         chart.strip_along, chart.strip_across = min(chart.strip_along, vein), min(chart.strip_across, vein)
     chart.strip_limb = 0.9 * math.acosh(1.0 / k)
+    add_pole(view, work)
     radius = view.spheres[j].radius
     for i in range(view.points.shape[0]):
         p, center = view.points[i], view.spheres[j]
@@ -101,6 +103,14 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
             if across > 0.0:
                 ratio = math.sqrt(max(0.0, (level - along) * (level + along))) / across
                 add_spot_at(math.atan2(v, u), math.acosh(max(1.0, ratio)), 0, work)
+
+
+@inlined
+def add_pole(view: View, work: Work) -> None:
+    """Note where the lobe's own density makes the integral over lines singular."""
+    phi, depth = pole_across(work.chart, view.metals)
+    if depth < math.inf:
+        add_spot_at(phi, depth, 0, work)
 
 
 @inlined
@@ -195,6 +205,7 @@ def floor_strips(view: View, work: Work) -> None:
     chart = work.chart
     work.counts.spots = 0
     floor_spots(view, work)
+    add_pole(view, work)
     wide_spots(chart.lobe_cos, chart.lobe_sin, 0.0, chart.lobe.rim_cos, view, work)
     for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, LIT, PARTLY, is_hidden, light_state
 from symrender.chambers.lobes.density import facing_of
-from symrender.chambers.lobes.rows import densities
+from symrender.chambers.lobes.rows import densities, lean_square, tint
 from symrender.chambers.records import NODES, Chart, Nodes, Wall
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
@@ -85,7 +85,8 @@ def floor_nodes(
     for i in range(m):
         b.factor[0, i] = b.factor[1, i] = b.factor[2, i] = 1.0
         b.radiance[0, i] = b.radiance[1, i] = b.radiance[2, i] = 0.0
-    densities(m, FALLS[step], b, chart.lobe)
+    lean_square(m, lobe, chart, b, view.metals)
+    densities(m, FALLS[step], b, chart.lobe, view.metals)
     light_nodes(m, pieces, step, 0.0, view, work, gauss)
     for i in range(m):
         b.near[i] = 1.0
@@ -96,6 +97,7 @@ def floor_nodes(
         b.radiance[0, i] *= w
         b.radiance[1, i] *= w
         b.radiance[2, i] *= w
+    tint(m, chart.lobe, b, view.metals)
 
 
 @jitable

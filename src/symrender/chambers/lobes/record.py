@@ -1,21 +1,53 @@
-"""The lobe of a point as its chart holds it."""
+"""The lobe of a point as its chart holds it, and what a scene says of a metal."""
 
 from __future__ import annotations
 
+from typing import Final
+
 from symrender.records import Record, Three
+
+POWER: Final = 0
+"""cos^n theta about the mirror direction m, theta <= theta_max."""
+METAL: Final = 1
+"""A microfacet lobe about m over the hemisphere of the surface normal: no rim, and a reflectance a channel."""
+NO_RIM: Final = -1.0
+"""Cosine of the rim of a lobe that has none: every direction lies inside."""
 
 
 class Lobe(Record):
-    """A lobe cos^n theta about the axis towards which the chart's frame is turned.
+    """A lobe about the axis m towards which the chart's frame is turned.
 
     The rim is a wall like others and free to be read; what the other fields mean only this folder knows.
     """
 
+    kind: int
+    """``POWER`` or ``METAL``."""
     rim_cos: float
-    """Of the effective rim: what lies beyond is left out, and told."""
+    """Of the effective rim: what lies beyond is left out, and told. ``NO_RIM`` where there is none."""
     rim_sin: float
     exponent: float
     log_normaliser: float
     facing: Three
     """Every direction w of the lobe counts with ``facing_level`` plus this vector times w."""
     facing_level: float
+    metal: int
+    """The metal's row in the view's table."""
+    alpha: float
+    cos_view: float
+    """Cosine of m, and of where the point is seen from, to the surface normal."""
+    by_cosine: float
+    by_root: float
+    """What the masking divides by, as of the leaf ``ggx_lobe``."""
+
+
+class Metal(Record):
+    """A rough conductor: GGX of roughness ``alpha``, and eta - i k of every channel; ``alpha`` 0 where there is none.
+
+    ``correlated`` 1 is height-correlated masking 1/(1 + L_o + L_i), 0 separable G1(o) G1(i). Reflectance is 1
+    everywhere with eta 0 and k 1.
+    """
+
+    alpha: float
+    correlated: float
+    eta: Three
+    k: Three

@@ -5,11 +5,17 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.chambers.leaf_rows import lobe_density_rows
-from symrender.chambers.lobes.record import Lobe
-from symrender.chambers.records import NODES, Nodes
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.leaf_rows import conductor_fresnels_rows, ggx_lobe_rows, lobe_density_rows
+from symrender.chambers.lobes.record import METAL, Lobe, Metal
+from symrender.chambers.records import NODES, Chart, Nodes
 from symrender.chambers.row_powers import powers
-from symrender.kernel_cache import inlined
+from symrender.kernel_cache import inlined, jitable
+from symrender.records import Table
+
+Array = npt.NDArray[np.float64]
 
 MOST_WHOLE: Final = 1024.0
 NOISE: Final = 4e-15
@@ -17,13 +23,27 @@ NOISE: Final = 4e-15
 times the exponent: that is what rounding leaves of them."""
 
 
+@jitable
+def metal_densities(m: int, nodes: Nodes, lobe: Lobe, metals: Table[Metal] | None) -> bool:
+    """``densities`` if the lobe is a metal's; whether it is."""
+    if metals is None:
+        return False
+    if lobe.kind != METAL:
+        return False
+    ggx_lobe_rows(m, lobe.alpha, lobe.cos_view, lobe.by_cosine, lobe.by_root, nodes)
+    return True
+
+
 @inlined
-def densities(m: int, fall: float, nodes: Nodes, lobe: Lobe) -> None:
+def densities(m: int, fall: float, nodes: Nodes, lobe: Lobe, metals: Table[Metal] | None) -> None:
     """Multiply ``weight`` by the density at ``chord``: cos^n theta / W, of 1 - cos theta without cancellation.
 
-    ``power`` gets the density. ``fall`` is that of the rule the nodes are of.
+    ``power`` gets the density. ``fall`` is that of the rule the nodes are of. Of a metal it is D G/(4 cos_o), with
+    ``near`` as of ``lean_line``, and ``chord`` becomes what ``tint`` reads.
     """
     m = min(m, NODES)
+    if metal_densities(m, nodes, lobe, metals):
+        return
     n, log_w = lobe.exponent, lobe.log_normaliser
     if n <= MOST_WHOLE and n == math.floor(n) and NOISE * n < fall:
         for i in range(m):
@@ -39,6 +59,48 @@ def densities(m: int, fall: float, nodes: Nodes, lobe: Lobe) -> None:
             nodes.weight[i] *= nodes.power[i]
         return
     lobe_density_rows(m, n, log_w, nodes)
+
+
+@jitable
+def lean_line(m: int, c: float, s: float, chart: Chart, nodes: Nodes, metals: Table[Metal] | None) -> None:
+    """``near`` = (w - m).N of the nodes of a scan line, from ``sine`` and ``cosine`` of their polar angles."""
+    if metals is None:
+        return
+    m = min(m, NODES)
+    pole, east, north = 0.0, 0.0, 0.0
+    for a in range(3):
+        pole += chart.normal[a] * chart.pole[a]
+        east += chart.normal[a] * chart.e1[a]
+        north += chart.normal[a] * chart.e2[a]
+    lobe_cos, lobe_sin = chart.lobe_cos, chart.lobe_sin
+    for i in range(m):
+        sb, cb = nodes.sine[i], nodes.cosine[i]
+        nodes.near[i] = (cb - lobe_cos) * pole + (sb * c - lobe_sin) * east + sb * s * north
+
+
+@jitable
+def lean_square(m: int, axis: Array, chart: Chart, nodes: Nodes, metals: Table[Metal] | None) -> None:
+    """The same of nodes (``sine``, ``cosine``) from the foot, under a lobe about ``axis``."""
+    if metals is None:
+        return
+    m = min(m, NODES)
+    h, nx, ny, nz = chart.height, chart.normal[0], chart.normal[1], chart.normal[2]
+    ax, ay, az = axis[0], axis[1], axis[2]
+    for i in range(m):
+        x, y = nodes.sine[i], nodes.cosine[i]
+        inv = 1.0 / math.sqrt(x * x + y * y + h * h)
+        nodes.near[i] = (x * inv - ax) * nx + (y * inv - ay) * ny + (-h * inv - az) * nz
+
+
+@jitable
+def tint(m: int, lobe: Lobe, nodes: Nodes, metals: Table[Metal] | None) -> None:
+    """Multiply ``radiance`` by what a lobe reflects of every channel: a metal its Fresnel reflectance at h."""
+    if metals is None:
+        return
+    if lobe.kind == METAL:
+        metal = metals[lobe.metal]
+        eta, k = metal.eta, metal.k
+        conductor_fresnels_rows(m, eta[0], eta[1], eta[2], k[0], k[1], k[2], nodes)
 
 
 @inlined

@@ -8,9 +8,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.lobes.record import Lobe
+from symrender.chambers.lobes.record import METAL, NO_RIM, POWER, Lobe, Metal
 from symrender.kernel_cache import inlined, jitable
-from symrender.leaves.values import log_normaliser, log_rim
+from symrender.leaves.values import log_normaliser, log_rim, smith_root
+from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 
@@ -28,7 +29,7 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, lobe: Lobe)
     u = n + 1.0
     log_c = log_rim(theta_max)
     beyond = math.exp(u * log_c)
-    lobe.exponent = n
+    lobe.kind, lobe.exponent = POWER, n
     lobe.facing[0] = lobe.facing[1] = lobe.facing[2] = 0.0
     lobe.facing_level = 1.0
     lobe.log_normaliser = log_normaliser(log_c, n)
@@ -49,10 +50,37 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, lobe: Lobe)
     return moved
 
 
+@jitable
+def is_metal(surface: int, metals: Table[Metal] | None) -> bool:
+    """Whether the surface of this hit class is a metal."""
+    if metals is None:
+        return False
+    return metals[surface].alpha > 0.0
+
+
+@jitable
+def metal_setup(surface: int, axis: Array, normal: Array, metals: Table[Metal] | None, lobe: Lobe) -> None:
+    """The lobe of a metal about the mirror direction ``axis``: it has no rim, so nothing lies beyond."""
+    if metals is None:
+        return
+    metal = metals[surface]
+    lobe.kind, lobe.metal, lobe.alpha = METAL, surface, metal.alpha
+    lobe.rim_cos, lobe.rim_sin = NO_RIM, 0.0
+    lobe.exponent = lobe.log_normaliser = 0.0
+    lobe.facing[0] = lobe.facing[1] = lobe.facing[2] = 0.0
+    lobe.facing_level = 1.0
+    cosine = axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2]
+    root = smith_root(cosine, metal.alpha)
+    lobe.cos_view = cosine
+    lobe.by_cosine = lobe.by_root = cosine + root
+    if metal.correlated != 0.0:
+        lobe.by_cosine, lobe.by_root = 2.0 * root, 2.0 * cosine
+
+
 @inlined
 def mirror_setup(lobe: Lobe) -> None:
     """A lobe of density 1, of which one direction is asked."""
-    lobe.exponent = lobe.log_normaliser = 0.0
+    lobe.kind, lobe.exponent, lobe.log_normaliser = POWER, 0.0, 0.0
     lobe.facing[0] = lobe.facing[1] = lobe.facing[2] = 0.0
     lobe.facing_level = 1.0
 

@@ -1,0 +1,123 @@
+"""Where a metal's density is singular beside real directions: what its node counts are aimed by.
+
+D has poles where the half-way direction h has tan theta_h = +- i alpha, on a line of directions w at the zeros of
+
+    p(w) = 2 + 2 w.w_o - (1 - alpha^2) ((w + w_o).N)^2.
+
+About the mirror direction m, with a and b the distances from it along and across a meridian of the chart and psi the
+angle of the plane of incidence to that meridian, p is a quadratic form,
+
+    A a^2 + 2 B a b + C b^2 + (2 alpha cos_o)^2,    A = cos_o^2 cos^2 psi + sin^2 psi, ..., A C - B^2 = cos_o^2.
+
+On a line its zeros follow by Newton's method from that form's; the integral over lines is singular where both zeros
+of a line meet between them, or at the line's end.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from symrender.chambers.lobes.record import METAL, Metal
+from symrender.chambers.records import Chart
+from symrender.kernel_cache import inlined, jitable
+from symrender.records import Table
+
+STEPS: Final = 6
+"""Most steps of Newton's method; where it has not settled, the quadratic form's zero stands."""
+SETTLED: Final = 1e-4
+"""Relative change after which it has."""
+
+
+@inlined
+def form(chart: Chart) -> tuple[float, float, float]:
+    """(A, B, C) of the quadratic form of p about m."""
+    cos_view = chart.lobe.cos_view
+    along, aside = 0.0, 0.0
+    for a in range(3):
+        # along the meridian at m, away from the pole, then across it
+        along += chart.normal[a] * (chart.lobe_cos * chart.e1[a] - chart.lobe_sin * chart.pole[a])
+        aside += chart.normal[a] * chart.e2[a]
+    # the part of N across m has the length sin(theta_o) = sqrt(1 - cos_o^2)
+    return 1.0 - along * along, -along * aside, 1.0 - aside * aside if cos_view < 1.0 else 1.0
+
+
+@jitable
+def pole_across(chart: Chart, metals: Table[Metal] | None) -> tuple[float, float]:
+    """(azimuth, depth) at which the integral over lines is singular beside the real azimuths; depth inf: nowhere."""
+    if metals is None:
+        return 0.0, math.inf
+    lobe = chart.lobe
+    if lobe.kind != METAL or not chart.lobe_sin > 1e-9:
+        return 0.0, math.inf
+    one, both, other = form(chart)
+    wide = 2.0 * lobe.alpha * lobe.cos_view
+    off = chart.beta_max - chart.lobe_beta
+    if off >= 0.0:
+        # both zeros of a line meet
+        return 0.0, 2.0 * lobe.alpha * math.sqrt(max(0.0, one)) / chart.lobe_sin
+    # one of them comes to the line's end
+    depth = math.sqrt((lobe.cos_view * off) ** 2 + wide * wide * other) / max(other, 1e-12)
+    return -both * off / max(other, 1e-12) / chart.lobe_sin, depth / chart.lobe_sin
+
+
+@jitable
+def pole_on_line(c: float, s: float, chart: Chart) -> tuple[float, float]:
+    """(x, y): polar angle from the chart's pole at which p is 0 on the line (c, s), x + iy or x - iy."""
+    lobe = chart.lobe
+    cos_view = lobe.cos_view
+    one, both, _ = form(chart)
+    # the line's distance from m, and where it is nearest
+    b = math.atan2(chart.lobe_sin * s, math.hypot(chart.lobe_cos, chart.lobe_sin * c))
+    nearest = math.atan2(chart.lobe_sin * c, chart.lobe_cos)
+    one = max(one, 1e-12)
+    guess = nearest - both * b / one
+    depth = max(1e-9, cos_view * math.sqrt(b * b + 4.0 * lobe.alpha * lobe.alpha * one) / one)
+    # w_o and N along the pole and along the line's azimuth
+    gn, en, gm, em = 0.0, 0.0, chart.lobe_cos, chart.lobe_sin * c
+    for a in range(3):
+        gn += chart.normal[a] * chart.pole[a]
+        en += chart.normal[a] * (c * chart.e1[a] + s * chart.e2[a])
+    go, eo = 2.0 * cos_view * gn - gm, 2.0 * cos_view * en - em
+    kappa = (1.0 - lobe.alpha) * (1.0 + lobe.alpha)
+    x, y = guess, min(depth, 3.0)
+    for _ in range(STEPS):
+        sx, cx, sh, ch = math.sin(x), math.cos(x), math.sinh(y), math.cosh(y)
+        cr, ci, sr, si = cx * ch, -sx * sh, sx * ch, cx * sh
+        ur, ui = cr * gn + sr * en + cos_view, ci * gn + si * en
+        vr, vi = -sr * gn + cr * en, -si * gn + ci * en
+        pr = 2.0 + 2.0 * (cr * go + sr * eo) - kappa * (ur * ur - ui * ui)
+        pi = 2.0 * (ci * go + si * eo) - 2.0 * kappa * ur * ui
+        qr = 2.0 * (-sr * go + cr * eo) - 2.0 * kappa * (ur * vr - ui * vi)
+        qi = 2.0 * (-si * go + ci * eo) - 2.0 * kappa * (ur * vi + ui * vr)
+        size = qr * qr + qi * qi
+        if not size > 0.0:
+            break
+        dx, dy = (pr * qr + pi * qi) / size, (pi * qr - pr * qi) / size
+        x, y = x - dx, y - dy
+        if not (abs(x) < 10.0 and abs(y) < 10.0):
+            break
+        if abs(dx) + abs(dy) < SETTLED * abs(y):
+            return x, abs(y)
+    return guess, depth
+
+
+@jitable
+def lobe_sum(start: float, stop: float, c: float, s: float, chart: Chart, metals: Table[Metal] | None) -> float:
+    """(rho + 1/rho)/2 of the Bernstein ellipse of a piece of the line (c, s) through the density's nearest pole.
+
+    Infinite for a density that has none.
+    """
+    if metals is None:
+        return math.inf
+    if chart.lobe.kind != METAL:
+        return math.inf
+    x, y = pole_on_line(c, s, chart)
+    if chart.shape_index >= 0.0:
+        # the inner coordinate is the arc sine of sin(beta)/k
+        u, v = math.sin(x) * math.cosh(y) / chart.ratio, math.cos(x) * math.sinh(y) / chart.ratio
+        low, high = math.hypot(u + 1.0, v), math.hypot(u - 1.0, v)
+        x = math.asin(max(-1.0, min(1.0, 0.5 * (low - high))))
+        ample = max(1.0, 0.5 * (low + high))
+        y = math.log(ample + math.sqrt((ample - 1.0) * (ample + 1.0)))
+    return (math.hypot(start - x, y) + math.hypot(stop - x, y)) / (stop - start)
