@@ -69,6 +69,10 @@ def sample(leaf: Leaf, rng: np.random.Generator) -> list[float]:
         mirrored = 2.0 * (normal @ to_light) * normal - to_light
         known |= {"normal": normal, "to_light": to_light, "view": unit(unit(mirrored) + 0.2 * rng.normal(size=3))}
         known |= {"place": known["center"], "light": known["center"] + to_light}
+    if leaf.name == "ggx_lobe":
+        # a difference of unit vectors is no shorter than its part along the normal
+        known["along"] = rng.uniform(-0.9, 0.9) * 0.1
+        known["square"] = rng.uniform(0.1, 1.0)
     if leaf.name == "sphere_hit":
         offset = rng.normal(size=3) * 3.0 + 3.0
         known |= {"offset": offset, "direction": unit(unit(offset) + 0.03 * rng.normal(size=3)), "radius": 0.8}

@@ -28,7 +28,7 @@ CHUNK = 100_000
 
 
 @dataclass(frozen=True)
-class Conductor:
+class Rough:
     """GGX roughness, masking, and eta - i k of three channels."""
 
     alpha: float
@@ -53,15 +53,15 @@ def tail(cosine: Array, alpha: float) -> Array:
     return 0.5 * (np.sqrt(1.0 + alpha * alpha * tan2) - 1.0)
 
 
-def masking(incident: Array, seen: float, metal: Conductor) -> Array:
+def masking(incident: Array, seen: float, rough: Rough) -> Array:
     """G of both cosines."""
-    one, other = tail(incident, metal.alpha), tail(np.array(seen), metal.alpha)
-    if metal.correlated:
+    one, other = tail(incident, rough.alpha), tail(np.array(seen), rough.alpha)
+    if rough.correlated:
         return np.asarray(1.0 / (1.0 + one + other))
     return np.asarray(1.0 / ((1.0 + one) * (1.0 + other)))
 
 
-def reflected(a: SceneArrays, origin: Array, normal: Array, incoming: Array, own: int, metal: Conductor, count: int,
+def reflected(a: SceneArrays, origin: Array, normal: Array, incoming: Array, own: int, rough: Rough, count: int,
               shift: float = 0.0) -> Array:  # fmt: skip
     """(3,) by ``count`` nodes of a lattice moved by ``shift``."""
     lights = light_rows(a, 2)
@@ -75,7 +75,7 @@ def reflected(a: SceneArrays, origin: Array, normal: Array, incoming: Array, own
         i = np.arange(start, min(count, start + CHUNK))
         u = (i + 0.5) / count
         phi = 2.0 * np.pi * ((i * GOLDEN + shift) % 1.0)
-        t = metal.alpha * np.sqrt(u / (1.0 - u))
+        t = rough.alpha * np.sqrt(u / (1.0 - u))
         cos_h = 1.0 / np.sqrt(1.0 + t * t)
         h = cos_h[:, None] * (normal + t[:, None] * (np.cos(phi)[:, None] * e1 + np.sin(phi)[:, None] * e2))
         along = h @ seen
@@ -83,7 +83,7 @@ def reflected(a: SceneArrays, origin: Array, normal: Array, incoming: Array, own
         up = w @ normal
         good = (along > 0.0) & (up > 0.0)
         w = w[good] / np.linalg.norm(w[good], axis=1)[:, None]
-        f = radiance(a, origin, w, own, lights) * fresnel(along[good], metal.eta, metal.k)
-        share = masking(up[good], float(seen @ normal), metal) * along[good] / ((seen @ normal) * cos_h[good])
+        f = radiance(a, origin, w, own, lights) * fresnel(along[good], rough.eta, rough.k)
+        share = masking(up[good], float(seen @ normal), rough) * along[good] / ((seen @ normal) * cos_h[good])
         total += (f * share[:, None]).sum(0)
     return total / count

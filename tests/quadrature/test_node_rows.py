@@ -54,7 +54,7 @@ def test_densities_are_the_lobes(exponent: float, step: int) -> None:
     chord = np.concatenate([[0.0, 2.0, 3.9], np.random.default_rng(6).uniform(0, 2 / (1 + exponent), USED - 3)])
     fill(work.nodes.chord, chord)
     work.nodes.weight[:USED] = 2.0
-    densities(USED, FALLS[step], work.nodes, work.chart.lobe)
+    densities(USED, FALLS[step], work.nodes, work.chart.lobe, None)
     expected = np.array([largest_density(float(c), work.chart.lobe) for c in chord])
     assert (expected[3:] > 0).all() and expected[1] < 1e-15 and expected[2] == 0.0
     found = work.nodes.weight[:USED]

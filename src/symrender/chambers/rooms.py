@@ -92,7 +92,7 @@ def frame_view(k: int, view: View, frames: Frames) -> View:
         shading=view.shading,
         eye=frames.eyes[k],
         sides=frames.sides[k],
-        metals=view.metals,
+        conductors=view.conductors,
     )
 
 

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.lobes.record import Metal
+from symrender.chambers.lobes.record import Conductor
 from symrender.chambers.records import (
     NODES,
     Aim,
@@ -49,8 +49,8 @@ class View(NamedTuple):
     """What kernels read of a scene: its records, with lights replaced by points. ``eye`` is (3,).
 
     In the coordinates of a plane that plane is the floor z = 0, and ``floor`` what it is made of. ``sides`` are all
-    planes of the scene, the floor first. ``metals`` are those of all hit classes, None in a scene without any: kernels
-    are compiled for either.
+    planes of the scene, the floor first. ``conductors`` are those of all hit classes, None in a scene without
+    any: kernels are compiled for either.
     """
 
     spheres: Table[Sphere]
@@ -59,7 +59,7 @@ class View(NamedTuple):
     shading: Shading
     eye: Array
     sides: Table[Side]
-    metals: Table[Metal] | None = None
+    conductors: Table[Conductor] | None = None
 
 
 class Frames(NamedTuple):
@@ -129,7 +129,7 @@ def begin_counts(limit: int, work: Work) -> None:
     counts.limit = limit
 
 
-def scene_view(arrays: SceneArrays, points: Table[LightPoint], metals: Table[Metal] | None = None) -> View:
+def scene_view(arrays: SceneArrays, points: Table[LightPoint], conductors: Table[Conductor] | None = None) -> View:
     """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); its memory, but for the eye."""
     return View(
         spheres=arrays.spheres,
@@ -138,7 +138,7 @@ def scene_view(arrays: SceneArrays, points: Table[LightPoint], metals: Table[Met
         shading=arrays.shading,
         eye=np.ascontiguousarray(arrays.camera.eye),
         sides=_sides(_axes(arrays)),
-        metals=metals,
+        conductors=conductors,
     )
 
 

@@ -12,7 +12,7 @@ from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.leaf_rows import eye_view_rows
 from symrender.chambers.lobes.density import facing_of, facing_share
 from symrender.chambers.lobes.poles import lobe_sum
-from symrender.chambers.lobes.rows import densities, lean_line, tint
+from symrender.chambers.lobes.rows import densities, lean_line, least_error, tint
 from symrender.chambers.lobes.width import BLUNT, broken_rim
 from symrender.chambers.records import NODES, Chart, Nodes, Piece
 from symrender.chambers.walls import (
@@ -175,7 +175,7 @@ def cell_log(
     if least == 1 and length > FLANK * narrowest:
         # on its flank a highlight grows by powers of e: one point does not tell what a piece holds
         least = 2
-    highlight = min(highlight, lobe_sum(start, stop, c, s, chart, view.metals))
+    highlight = min(highlight, lobe_sum(start, stop, c, s, chart, view.conductors))
     if chart.shape_index < 0.0:
         ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
@@ -325,8 +325,8 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
             b.toward[0, i] = -cb * gx - sb * ex
             b.toward[1, i] = -cb * gy - sb * ey
             b.toward[2, i] = -cb * gz - sb * ez
-    lean_line(m, c, s, chart, b, view.metals)
-    densities(m, FALLS[step], b, chart.lobe, view.metals)
+    lean_line(m, c, s, chart, b, view.conductors)
+    densities(m, FALLS[step], b, chart.lobe, view.conductors)
 
 
 @inlined
@@ -343,7 +343,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
             for a in range(3):
                 b.factor[a, i] *= vein
     light_nodes(m, pieces, step, shading.ks, view, work, gauss)
-    tint(m, work.chart.lobe, b, view.metals)
+    tint(m, work.chart.lobe, b, view.conductors)
 
 
 @inlined
@@ -405,7 +405,7 @@ def integrate_cells(
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart.lobe), SMALL
-    faint = faint_horizon(view, chart)
+    faint, idle = faint_horizon(view, chart), least_error(chart, view.conductors)
     for i in range(lights):
         if view.points[i].radius > 0.0:
             small = 1.0
@@ -460,7 +460,7 @@ def integrate_cells(
             row = table[piece]
             n, start, stop = row.count, row.start, row.stop
             held, miss = piece_error(row, b, blunt or (faint and stop > AT_HORIZON), gauss)
-            tame = miss <= promise * (held + small * (size + whole))
+            tame = miss <= promise * (held + small * (size + whole)) + idle
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
                 if n <= max(step, 4) and row.wary == 0.0:

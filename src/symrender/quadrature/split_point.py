@@ -13,8 +13,8 @@ import numpy.typing as npt
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import cap_share, facing_mass
-from symrender.chambers.lobes.record import Metal
-from symrender.chambers.lobes.setup import is_metal, lobe_setup, metal_setup, weigh_by_cosine
+from symrender.chambers.lobes.record import Conductor
+from symrender.chambers.lobes.setup import conductor_setup, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
 from symrender.chambers.records import Chart, Event, LightPoint
 from symrender.chambers.rooms import frame_view, in_a_plane
@@ -140,16 +140,16 @@ def gloss_kernel(
             status[i] = UNSUPPORTED
             evaluations[i] = chambers[i] = crossings[i] = 0
             continue
-        metal = is_metal(surface[i], view.metals)
-        if lobes[surface[i], 1] == 0.0 and not metal:
+        conductor = is_conductor(surface[i], view.conductors)
+        if lobes[surface[i], 1] == 0.0 and not conductor:
             largest = mirror_value(own, lobe, view, frames, work, gauss, scratch[53:62], scratch[28:31], value)
             error[i] = largest + (1e-15 + powers) * max(abs(value[0]), abs(value[1]), abs(value[2])) + 1e-15
             evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
             continue
         total = lobe_setup(n, theta_max, tol, bound, chart.lobe) * bound
-        if metal:
-            metal_setup(surface[i], lobe, normals[i], view.metals, chart.lobe)
+        if conductor:
+            conductor_setup(surface[i], lobe, normals[i], view.conductors, chart.lobe)
             total = 0.0
         brdf = view.shading.units == BRDF_NORMALISED
         if brdf:
@@ -171,7 +171,7 @@ def gloss_kernel(
         for j in range(view.spheres.shape[0]):
             if j == own:
                 continue
-            if not walled and not metal and not in_a_plane(view, work):
+            if not walled and not conductor and not in_a_plane(view, work):
                 mass = aim_lattice(j, lobe, view, work)
                 if mass >= 0.0:
                     spare = max(0.5 * (tol - total), 0.05 * tol)
@@ -241,7 +241,7 @@ def gloss_kernel(
                     value[a] += scratch[16 + a] * scratch[20 + a]
         for a in range(3):
             chart.point[a], chart.normal[a] = points[i, a], normals[i, a]
-        if lobes[surface[i], 1] < NARROWEST and not metal:
+        if lobes[surface[i], 1] < NARROWEST and not conductor:
             # between a mirror and a lobe still wider
             total += mirror_value(own, lobe, view, frames, work, gauss, scratch[53:62], scratch[28:31], scratch[31:34])
             total += largest_gap(value, scratch[31:34])
@@ -304,8 +304,13 @@ def radiance_bound(arrays: SceneArrays, points: Table[LightPoint]) -> float:
     return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
 
 
-def refuse_metals(arrays: SceneArrays) -> None:
-    """Raise ``Unsupported``, by name, for what is not integrated under the lobe of a metal."""
+def refuse_conductors(arrays: SceneArrays, conductors: Table[Conductor]) -> None:
+    """Raise ``Unsupported``, by name, for what is not integrated under the lobe of a conductor."""
+    classes = FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes)
+    if len(conductors) != classes:
+        raise ValueError(f"conductors: {classes} rows are asked for, one a hit class; {len(conductors)} were given")
+    if not ((conductors["alpha"] >= 0.0) & (conductors["alpha"] <= 1.0)).all():
+        raise ValueError("conductors: alpha must be in [0, 1], 0 where a surface is no conductor")
     if is_brdf(arrays):
         raise Unsupported("shading.lobe_units: brdf_normalised says nothing of a conductor; choose lobe_average")
     if arrays.shading.background.max() > 0.0:
@@ -323,7 +328,7 @@ def gloss_points(
     max_evaluations: int = 1_000_000,
     scratch: SplitWork | None = None,
     walled: bool = True,
-    metals: Table[Metal] | None = None,
+    conductors: Table[Conductor] | None = None,
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
@@ -336,14 +341,14 @@ def gloss_points(
     quicker at loose tolerances, and ``chambers`` and ``crossings`` then leave it out. Deterministic; choose it whenever
     an error is wanted with the value, or more than two digits. Points inside a sphere are ``UNSUPPORTED``.
 
-    ``metals``, a row a hit class, are what surfaces of ``alpha`` > 0 reflect by in place of their lobe: of them the
+    ``conductors``, a row a hit class, are what surfaces of ``alpha`` > 0 reflect by in place of their lobe: of them the
     result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere. Raises ``Unsupported`` with a background, or
     in BRDF units.
     """
     lights = light_rows(arrays, disk_order)
-    if metals is not None:
-        refuse_metals(arrays)
-    view = scene_view(arrays, lights, metals)
+    if conductors is not None:
+        refuse_conductors(arrays, conductors)
+    view = scene_view(arrays, lights, conductors)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)

@@ -108,7 +108,7 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
 @inlined
 def add_pole(view: View, work: Work) -> None:
     """Note where the lobe's own density makes the integral over lines singular."""
-    phi, depth = pole_across(work.chart, view.metals)
+    phi, depth = pole_across(work.chart, view.conductors)
     if depth < math.inf:
         add_spot_at(phi, depth, 0, work)
 

@@ -85,8 +85,8 @@ def floor_nodes(
     for i in range(m):
         b.factor[0, i] = b.factor[1, i] = b.factor[2, i] = 1.0
         b.radiance[0, i] = b.radiance[1, i] = b.radiance[2, i] = 0.0
-    lean_square(m, lobe, chart, b, view.metals)
-    densities(m, FALLS[step], b, chart.lobe, view.metals)
+    lean_square(m, lobe, chart, b, view.conductors)
+    densities(m, FALLS[step], b, chart.lobe, view.conductors)
     light_nodes(m, pieces, step, 0.0, view, work, gauss)
     for i in range(m):
         b.near[i] = 1.0
@@ -97,7 +97,7 @@ def floor_nodes(
         b.radiance[0, i] *= w
         b.radiance[1, i] *= w
         b.radiance[2, i] *= w
-    tint(m, chart.lobe, b, view.metals)
+    tint(m, chart.lobe, b, view.conductors)
 
 
 @jitable

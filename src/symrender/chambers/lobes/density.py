@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.chambers.lobes.record import METAL, Lobe
+from symrender.chambers.lobes.record import CONDUCTOR, Lobe
 from symrender.kernel_cache import inlined, jitable
 from symrender.leaves import values
 
@@ -15,7 +15,7 @@ def largest_density(square: float, lobe: Lobe) -> float:
 
     Of a lobe cos^n it is the density itself, cos^n theta / W.
     """
-    if lobe.kind == METAL:
+    if lobe.kind == CONDUCTOR:
         return values.ggx_most(square, lobe.alpha, lobe.by_cosine, lobe.by_root)
     return values.lobe_density(square, lobe.exponent, lobe.log_normaliser)
 
@@ -23,7 +23,7 @@ def largest_density(square: float, lobe: Lobe) -> float:
 @inlined
 def log_peak(lobe: Lobe) -> float:
     """Logarithm of the largest density of all."""
-    if lobe.kind == METAL:
+    if lobe.kind == CONDUCTOR:
         return math.log(values.ggx_most(0.0, lobe.alpha, lobe.by_cosine, lobe.by_root))
     return -lobe.log_normaliser
 
@@ -31,7 +31,7 @@ def log_peak(lobe: Lobe) -> float:
 @inlined
 def log_fall(versine: float, lobe: Lobe) -> float:
     """By how much the logarithm of the density has fallen where 1 - cos theta is ``versine``, at least."""
-    if lobe.kind == METAL:
+    if lobe.kind == CONDUCTOR:
         return math.log(largest_density(2.0 * versine, lobe)) - log_peak(lobe)
     return lobe.exponent * math.log1p(-min(1.0 - 1e-15, versine))
 

@@ -1,4 +1,4 @@
-"""Where a metal's density is singular beside real directions: what its node counts are aimed by.
+"""Where a conductor's density is singular beside real directions: what its node counts are aimed by.
 
 D has poles where the half-way direction h has tan theta_h = +- i alpha, on a line of directions w at the zeros of
 
@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.chambers.lobes.record import METAL, Metal
+from symrender.chambers.lobes.record import CONDUCTOR, Conductor
 from symrender.chambers.records import Chart
 from symrender.kernel_cache import inlined, jitable
 from symrender.records import Table
@@ -43,12 +43,12 @@ def form(chart: Chart) -> tuple[float, float, float]:
 
 
 @jitable
-def pole_across(chart: Chart, metals: Table[Metal] | None) -> tuple[float, float]:
+def pole_across(chart: Chart, conductors: Table[Conductor] | None) -> tuple[float, float]:
     """(azimuth, depth) at which the integral over lines is singular beside the real azimuths; depth inf: nowhere."""
-    if metals is None:
+    if conductors is None:
         return 0.0, math.inf
     lobe = chart.lobe
-    if lobe.kind != METAL or not chart.lobe_sin > 1e-9:
+    if lobe.kind != CONDUCTOR or not chart.lobe_sin > 1e-9:
         return 0.0, math.inf
     one, both, other = form(chart)
     wide = 2.0 * lobe.alpha * lobe.cos_view
@@ -103,14 +103,14 @@ def pole_on_line(c: float, s: float, chart: Chart) -> tuple[float, float]:
 
 
 @jitable
-def lobe_sum(start: float, stop: float, c: float, s: float, chart: Chart, metals: Table[Metal] | None) -> float:
+def lobe_sum(start: float, stop: float, c: float, s: float, chart: Chart, conductors: Table[Conductor] | None) -> float:
     """(rho + 1/rho)/2 of the Bernstein ellipse of a piece of the line (c, s) through the density's nearest pole.
 
     Infinite for a density that has none.
     """
-    if metals is None:
+    if conductors is None:
         return math.inf
-    if chart.lobe.kind != METAL:
+    if chart.lobe.kind != CONDUCTOR:
         return math.inf
     x, y = pole_on_line(c, s, chart)
     if chart.shape_index >= 0.0:

@@ -1,4 +1,4 @@
-"""The lobe of a point as its chart holds it, and what a scene says of a metal."""
+"""The lobe of a point as its chart holds it, and what a scene says of a rough conductor."""
 
 from __future__ import annotations
 
@@ -8,8 +8,12 @@ from symrender.records import Record, Three
 
 POWER: Final = 0
 """cos^n theta about the mirror direction m, theta <= theta_max."""
-METAL: Final = 1
+CONDUCTOR: Final = 1
 """A microfacet lobe about m over the hemisphere of the surface normal: no rim, and a reflectance a channel."""
+SEPARABLE: Final = 0.0
+"""Masking G1(o) G1(i)."""
+CORRELATED: Final = 1.0
+"""Height-correlated masking 1/(1 + L_o + L_i)."""
 NO_RIM: Final = -1.0
 """Cosine of the rim of a lobe that has none: every direction lies inside."""
 
@@ -21,7 +25,7 @@ class Lobe(Record):
     """
 
     kind: int
-    """``POWER`` or ``METAL``."""
+    """``POWER`` or ``CONDUCTOR``."""
     rim_cos: float
     """Of the effective rim: what lies beyond is left out, and told. ``NO_RIM`` where there is none."""
     rim_sin: float
@@ -30,8 +34,8 @@ class Lobe(Record):
     facing: Three
     """Every direction w of the lobe counts with ``facing_level`` plus this vector times w."""
     facing_level: float
-    metal: int
-    """The metal's row in the view's table."""
+    conductor: int
+    """The conductor's row in the view's table."""
     alpha: float
     cos_view: float
     """Cosine of m, and of where the point is seen from, to the surface normal."""
@@ -40,14 +44,14 @@ class Lobe(Record):
     """What the masking divides by, as of the leaf ``ggx_lobe``."""
 
 
-class Metal(Record):
+class Conductor(Record):
     """A rough conductor: GGX of roughness ``alpha``, and eta - i k of every channel; ``alpha`` 0 where there is none.
 
-    ``correlated`` 1 is height-correlated masking 1/(1 + L_o + L_i), 0 separable G1(o) G1(i). Reflectance is 1
-    everywhere with eta 0 and k 1.
+    Reflectance is 1 everywhere with eta 0 and k 1.
     """
 
     alpha: float
-    correlated: float
+    masking: float
+    """``SEPARABLE`` or ``CORRELATED``."""
     eta: Three
     k: Three

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.leaf_rows import conductor_fresnels_rows, ggx_lobe_rows, lobe_density_rows
-from symrender.chambers.lobes.record import METAL, Lobe, Metal
+from symrender.chambers.lobes.record import CONDUCTOR, Conductor, Lobe
 from symrender.chambers.records import NODES, Chart, Nodes
 from symrender.chambers.row_powers import powers
 from symrender.kernel_cache import inlined, jitable
@@ -21,28 +21,30 @@ MOST_WHOLE: Final = 1024.0
 NOISE: Final = 4e-15
 """Lobe exponents up to ``MOST_WHOLE`` are taken by squaring cos theta, where coefficients need not fall below ``NOISE``
 times the exponent: that is what rounding leaves of them."""
+IDLE: Final = 1e-3
+"""Share of what refined means over disks may be off (``Chart.fine``) that a piece of a line may be."""
 
 
 @jitable
-def metal_densities(m: int, nodes: Nodes, lobe: Lobe, metals: Table[Metal] | None) -> bool:
-    """``densities`` if the lobe is a metal's; whether it is."""
-    if metals is None:
+def conductor_densities(m: int, nodes: Nodes, lobe: Lobe, conductors: Table[Conductor] | None) -> bool:
+    """``densities`` if the lobe is a conductor's; whether it is."""
+    if conductors is None:
         return False
-    if lobe.kind != METAL:
+    if lobe.kind != CONDUCTOR:
         return False
     ggx_lobe_rows(m, lobe.alpha, lobe.cos_view, lobe.by_cosine, lobe.by_root, nodes)
     return True
 
 
 @inlined
-def densities(m: int, fall: float, nodes: Nodes, lobe: Lobe, metals: Table[Metal] | None) -> None:
+def densities(m: int, fall: float, nodes: Nodes, lobe: Lobe, conductors: Table[Conductor] | None) -> None:
     """Multiply ``weight`` by the density at ``chord``: cos^n theta / W, of 1 - cos theta without cancellation.
 
-    ``power`` gets the density. ``fall`` is that of the rule the nodes are of. Of a metal it is D G/(4 cos_o), with
+    ``power`` gets the density. ``fall`` is that of the rule the nodes are of. Of a conductor it is D G/(4 cos_o), with
     ``near`` as of ``lean_line``, and ``chord`` becomes what ``tint`` reads.
     """
     m = min(m, NODES)
-    if metal_densities(m, nodes, lobe, metals):
+    if conductor_densities(m, nodes, lobe, conductors):
         return
     n, log_w = lobe.exponent, lobe.log_normaliser
     if n <= MOST_WHOLE and n == math.floor(n) and NOISE * n < fall:
@@ -62,9 +64,9 @@ def densities(m: int, fall: float, nodes: Nodes, lobe: Lobe, metals: Table[Metal
 
 
 @jitable
-def lean_line(m: int, c: float, s: float, chart: Chart, nodes: Nodes, metals: Table[Metal] | None) -> None:
+def lean_line(m: int, c: float, s: float, chart: Chart, nodes: Nodes, conductors: Table[Conductor] | None) -> None:
     """``near`` = (w - m).N of the nodes of a scan line, from ``sine`` and ``cosine`` of their polar angles."""
-    if metals is None:
+    if conductors is None:
         return
     m = min(m, NODES)
     pole, east, north = 0.0, 0.0, 0.0
@@ -79,9 +81,9 @@ def lean_line(m: int, c: float, s: float, chart: Chart, nodes: Nodes, metals: Ta
 
 
 @jitable
-def lean_square(m: int, axis: Array, chart: Chart, nodes: Nodes, metals: Table[Metal] | None) -> None:
+def lean_square(m: int, axis: Array, chart: Chart, nodes: Nodes, conductors: Table[Conductor] | None) -> None:
     """The same of nodes (``sine``, ``cosine``) from the foot, under a lobe about ``axis``."""
-    if metals is None:
+    if conductors is None:
         return
     m = min(m, NODES)
     h, nx, ny, nz = chart.height, chart.normal[0], chart.normal[1], chart.normal[2]
@@ -93,14 +95,25 @@ def lean_square(m: int, axis: Array, chart: Chart, nodes: Nodes, metals: Table[M
 
 
 @jitable
-def tint(m: int, lobe: Lobe, nodes: Nodes, metals: Table[Metal] | None) -> None:
-    """Multiply ``radiance`` by what a lobe reflects of every channel: a metal its Fresnel reflectance at h."""
-    if metals is None:
+def tint(m: int, lobe: Lobe, nodes: Nodes, conductors: Table[Conductor] | None) -> None:
+    """Multiply ``radiance`` by what a lobe reflects of every channel: a conductor its Fresnel reflectance at h."""
+    if conductors is None:
         return
-    if lobe.kind == METAL:
-        metal = metals[lobe.metal]
-        eta, k = metal.eta, metal.k
+    if lobe.kind == CONDUCTOR:
+        conductor = conductors[lobe.conductor]
+        eta, k = conductor.eta, conductor.k
         conductor_fresnels_rows(m, eta[0], eta[1], eta[2], k[0], k[1], k[2], nodes)
+
+
+@jitable
+def least_error(chart: Chart, conductors: Table[Conductor] | None) -> float:
+    """Error of a piece of a line that is not worth a halving.
+
+    The density of a conductor ends at the horizon like the cosine to the normal, of which rounding leaves few digits.
+    """
+    if conductors is None:
+        return 0.0
+    return IDLE * chart.fine * chart.bright if chart.lobe.kind == CONDUCTOR else 0.0
 
 
 @inlined

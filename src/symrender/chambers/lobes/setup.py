@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.lobes.record import METAL, NO_RIM, POWER, Lobe, Metal
+from symrender.chambers.lobes.record import CONDUCTOR, CORRELATED, NO_RIM, POWER, Conductor, Lobe
 from symrender.kernel_cache import inlined, jitable
 from symrender.leaves.values import log_normaliser, log_rim, smith_root
 from symrender.records import Table
@@ -51,29 +51,29 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, lobe: Lobe)
 
 
 @jitable
-def is_metal(surface: int, metals: Table[Metal] | None) -> bool:
-    """Whether the surface of this hit class is a metal."""
-    if metals is None:
+def is_conductor(surface: int, conductors: Table[Conductor] | None) -> bool:
+    """Whether the surface of this hit class is a conductor."""
+    if conductors is None:
         return False
-    return metals[surface].alpha > 0.0
+    return conductors[surface].alpha > 0.0
 
 
 @jitable
-def metal_setup(surface: int, axis: Array, normal: Array, metals: Table[Metal] | None, lobe: Lobe) -> None:
-    """The lobe of a metal about the mirror direction ``axis``: it has no rim, so nothing lies beyond."""
-    if metals is None:
+def conductor_setup(surface: int, axis: Array, normal: Array, conductors: Table[Conductor] | None, lobe: Lobe) -> None:
+    """The lobe of a conductor about the mirror direction ``axis``: it has no rim, so nothing lies beyond."""
+    if conductors is None:
         return
-    metal = metals[surface]
-    lobe.kind, lobe.metal, lobe.alpha = METAL, surface, metal.alpha
+    conductor = conductors[surface]
+    lobe.kind, lobe.conductor, lobe.alpha = CONDUCTOR, surface, conductor.alpha
     lobe.rim_cos, lobe.rim_sin = NO_RIM, 0.0
     lobe.exponent = lobe.log_normaliser = 0.0
     lobe.facing[0] = lobe.facing[1] = lobe.facing[2] = 0.0
     lobe.facing_level = 1.0
     cosine = axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2]
-    root = smith_root(cosine, metal.alpha)
+    root = smith_root(cosine, conductor.alpha)
     lobe.cos_view = cosine
     lobe.by_cosine = lobe.by_root = cosine + root
-    if metal.correlated != 0.0:
+    if conductor.masking == CORRELATED:
         lobe.by_cosine, lobe.by_root = 2.0 * root, 2.0 * cosine
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.chambers.lobes.record import METAL, Lobe
+from symrender.chambers.lobes.record import CONDUCTOR, Lobe
 from symrender.kernel_cache import inlined, jitable
 
 BLUNT: Final = 6.0
@@ -18,9 +18,9 @@ LEAST_POWER: Final = 4.0
 def width(share: float, lobe: Lobe) -> float:
     """How far off a real line the density stays tame, in a coordinate of which an angle is ``share`` times as long.
 
-    A metal's poles have places and are told by ``poles.py``.
+    A conductor's poles have places and are told by ``poles.py``.
     """
-    if lobe.kind == METAL:
+    if lobe.kind == CONDUCTOR:
         return 1.0 / share
     return 1.4 / (math.sqrt(lobe.exponent + 1e-9) * share)
 
@@ -28,7 +28,7 @@ def width(share: float, lobe: Lobe) -> float:
 @inlined
 def turning_width(reach: float, lobe: Lobe) -> float:
     """How far off real azimuths it does; ``reach`` is the product of the sines of both polar angles."""
-    if lobe.kind == METAL:
+    if lobe.kind == CONDUCTOR:
         return 1.0
     return 1.4 / math.sqrt(lobe.exponent * reach + 1e-9)
 
@@ -36,7 +36,7 @@ def turning_width(reach: float, lobe: Lobe) -> float:
 @inlined
 def width_at(theta: float, lobe: Lobe) -> float:
     """How far off real directions the density stays tame where all lie at ``theta`` from the axis, or farther off."""
-    if lobe.kind == METAL:
+    if lobe.kind == CONDUCTOR:
         gap = max(0.0, theta)
         return math.sqrt(gap * gap + (2.0 * lobe.alpha * lobe.cos_view) ** 2)
     return width(1.0, lobe)

@@ -1,0 +1,198 @@
+"""A second kind of lobe: what a rough conductor reflects, against half-way directions and closed energy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import symrender as sr
+from symrender.chambers.lobes.record import CORRELATED, SEPARABLE, Conductor
+from symrender.errors import Unsupported
+from symrender.leaves import values
+from symrender.quadrature.split_point import SplitResult, gloss_points
+from symrender.records import Table, table
+from symrender.scene.arrays import SceneArrays, scene_arrays
+
+from .half_vector import Rough, fresnel, masking, reflected
+from .random_lobe import RandomLobe, random_lobe
+
+Array = npt.NDArray[np.float64]
+
+GOLD = Rough(0.1, False, np.array([0.18, 0.42, 1.37]), np.array([3.42, 2.35, 1.77]))
+WHITE = (np.zeros(3), np.ones(3))
+"""eta and k of a conductor that reflects everything."""
+
+
+def conductors(arrays: SceneArrays, rough: Rough) -> Table[Conductor]:
+    """Every surface of a scene made of it."""
+    rows = table(Conductor, 2 + len(arrays.spheres) + len(arrays.planes))
+    for row in rows:
+        row.alpha, row.masking = rough.alpha, CORRELATED if rough.correlated else SEPARABLE
+        row.eta[:], row.k[:] = rough.eta, rough.k
+    return rows
+
+
+def integrated(case: RandomLobe, rough: Rough, tol: float) -> SplitResult:
+    return gloss_points(
+        case.arrays, case.point[None], case.normal[None], case.incoming[None], np.array([case.surface]), tol,
+        conductors=conductors(case.arrays, rough),
+    )  # fmt: skip
+
+
+def drawn(seed: int) -> tuple[RandomLobe, Rough]:
+    """A random scene in black surroundings, of a random conductor."""
+    case = random_lobe(seed)
+    case.arrays.shading.background[:] = 0.0
+    rng = np.random.default_rng(seed + 10**6)
+    alpha = float(rng.choice([0.3, 0.1, 0.03, 10 ** rng.uniform(-3, 0)]))
+    return case, Rough(alpha, bool(rng.random() < 0.5), rng.uniform(0.1, 3, 3), rng.uniform(1, 5, 3))
+
+
+@pytest.mark.parametrize("alpha", [0.3, 0.1, 0.03])
+def test_a_checker_spheres_and_shadows_are_what_half_way_directions_see(alpha: float) -> None:
+    arrays = scene_arrays(sr.load("gloss").replace({"background": (0, 0, 0)}))
+    points = np.array([[0.3, -1.0, 0.0], [1.0, -0.6, 0.0], [-1.5, 0.4, 0.0]])
+    incoming = points - arrays.camera.eye
+    incoming /= np.linalg.norm(incoming, axis=1)[:, None]
+    up, rough = np.array([0.0, 0.0, 1.0]), Rough(alpha, False, GOLD.eta, GOLD.k)
+    args = (arrays, points, np.tile(up, (3, 1)), incoming, np.ones(3, np.int64))
+    loose, tight = (gloss_points(*args, tol, conductors=conductors(arrays, rough)) for tol in (1e-4, 1e-8))
+    assert (tight.status == 0).all() and (tight.error <= 1e-8).all() and (tight.chambers > 10).all()
+    assert (np.abs(loose.gloss - tight.gloss).max(axis=1) <= loose.error).all()
+    judged = 0
+    for i in range(3):
+        one, other = (reflected(arrays, points[i], up, incoming[i], -1, rough, n, n / 1e6) for n in (120_000, 80_000))
+        apart = np.abs(one - other).max()
+        signal = np.abs(tight.gloss[i]).max()
+        assert np.abs(one - tight.gloss[i]).max() <= 4.0 * apart + 1e-6
+        judged += int(signal > 4e-4 and apart < 0.03 * signal)
+    assert judged >= 2
+
+
+@pytest.mark.timeout(300)
+def test_stated_errors_hold_and_half_way_directions_agree() -> None:
+    lit, judged = 0, 0
+    for seed in range(48):
+        case, rough = drawn(seed)
+        loose, tight = integrated(case, rough, case.tol), integrated(case, rough, min(1e-8, 0.01 * case.tol))
+        off = np.abs(loose.gloss - tight.gloss).max()
+        assert off <= loose.error[0] + tight.error[0], (seed, rough, off, loose.error, tight.error)
+        lit += int(tight.gloss.max() > 1e-6)
+        if seed % 4 or tight.status[0] != 0:
+            continue
+        a, b = (reflected(case.arrays, case.point, case.normal, case.incoming, case.surface - 2, rough, n, n / 1e6)
+                for n in (60_000, 40_000))  # fmt: skip
+        apart, signal = np.abs(a - b).max(), np.abs(a).max()
+        assert np.abs(a - tight.gloss[0]).max() <= 4.0 * apart + 0.02 * signal + 3e-5 / math.sqrt(rough.alpha), seed
+        judged += int(signal > 1e-5)
+    assert lit > 35 and judged >= 6
+
+
+def above_a_plain(height: float, tilt: Array) -> SceneArrays:
+    """The lowest point of a small ball sees nothing but an endless plane, as bright everywhere."""
+    up = tilt / np.linalg.norm(tilt)
+    white = {"type": "solid", "color": [1, 1, 1]}
+    data = {
+        "name": "plain", "ambient": [1, 1, 1], "background": [0, 0, 0], "floor": None, "lights": [],
+        "planes": [{"name": "plain", "point": [0, 0, 0], "normal": up.tolist(), "texture": white}],
+        "spheres": [{"name": "S", "center": ((height + 0.1) * up).tolist(), "radius": 0.1}],
+        "shading": {"ka": 1.0, "kd": 0.0, "ks": 0.0},
+        "camera": {"type": "look_at", "eye": [0, -5, 3], "target": [0, 0, 0], "up": [0, 0, 1], "fov": 40},
+    }  # fmt: skip
+    return scene_arrays(sr.load(data))
+
+
+def albedo(rough: Rough, cos_view: float) -> Array:
+    """int f cos dw over the hemisphere by Gauss rules about the mirror direction's azimuth, from the half vector."""
+    x, w = np.polynomial.legendre.leggauss(600)
+    t = 0.5 * (x + 1.0)
+    # the cosine to the normal, denser near the horizon; the azimuth, denser near the mirror direction
+    cosine, by = t * t, w * t
+    sinh = math.asinh(math.pi / rough.alpha)
+    phi, along = rough.alpha * np.sinh(sinh * x), w * sinh * rough.alpha * np.cosh(sinh * x)
+    sine, seen = np.sqrt(1.0 - cosine**2), math.sqrt(1.0 - cos_view**2)
+    wx, wy = -sine[:, None] * np.cos(phi), sine[:, None] * np.sin(phi)
+    hx, hy, hz = wx + seen, wy, cosine[:, None] + cos_view
+    size = np.sqrt(hx**2 + hy**2 + hz**2)
+    cos_h = hz / size
+    d = rough.alpha**2 / (math.pi * (cos_h**2 * (rough.alpha**2 - 1.0) + 1.0) ** 2)
+    f = d * masking(cosine, cos_view, rough)[:, None] / (4.0 * cos_view)
+    reflectance = fresnel((0.5 * size).ravel(), rough.eta, rough.k).reshape(*size.shape, 3)
+    return np.asarray(np.einsum("ij,ijc,i,j->c", f, reflectance, by, along))
+
+
+@pytest.mark.parametrize("tilt", [(0.0, 0.0, 1.0), (0.3, -0.5, 0.8)])
+@pytest.mark.parametrize("correlated", [False, True])
+@pytest.mark.parametrize("eta, k", [WHITE, (GOLD.eta, GOLD.k)], ids=["white", "gold"])
+def test_an_endless_plane_is_reflected_by_the_directional_albedo(
+    eta: Array, k: Array, correlated: bool, tilt: tuple[float, float, float]
+) -> None:
+    arrays = above_a_plain(0.7, np.array(tilt))
+    down = -np.array(tilt) / np.linalg.norm(tilt)
+    point = arrays.spheres[0].center + 0.1 * down
+    aside = np.cross(down, [1.0, 0.0, 0.0])
+    aside /= np.linalg.norm(aside)
+    for alpha in (0.6, 0.3, 0.1):
+        for cos_view in (0.9, 0.4):
+            rough = Rough(alpha, correlated, eta, k)
+            incoming = -(cos_view * down + math.sqrt(1.0 - cos_view**2) * aside)
+            found = gloss_points(
+                arrays, point[None], down[None], incoming[None], np.array([2]), 1e-9,
+                conductors=conductors(arrays, rough),
+            )  # fmt: skip
+            expected = albedo(rough, cos_view)
+            assert expected.min() > 0.2 and expected.max() < 1.0
+            assert found.status[0] == 0
+            assert np.abs(found.gloss[0] - expected).max() <= found.error[0] + 1e-9
+
+
+def test_no_direction_farther_off_has_a_larger_density() -> None:
+    rng, tightest = np.random.default_rng(3), 0.0
+    for _ in range(4000):
+        alpha, cos_view = 10 ** rng.uniform(-3, 0), rng.uniform(0.01, 1.0)
+        root = values.smith_root(cos_view, alpha)
+        by = (cos_view + root,) * 2 if rng.random() < 0.5 else (2.0 * root, 2.0 * cos_view)
+        m = np.array([math.sqrt(1.0 - cos_view**2), 0.0, cos_view])
+        w = m + rng.normal(size=3) * 10 ** rng.uniform(-3, 1)
+        w /= np.linalg.norm(w)
+        if w[2] <= 0.0:
+            continue
+        square = float(((w - m) ** 2).sum())
+        density, cosine2 = values.ggx_lobe(square, float(w[2] - m[2]), alpha, cos_view, *by)
+        bound = values.ggx_most(square, alpha, *by)
+        assert density <= bound * (1.0 + 1e-12)
+        half = w - m + 2.0 * np.array([0.0, 0.0, cos_view])
+        assert cosine2 == pytest.approx(0.25 * half @ half, rel=1e-12)
+        tightest = max(tightest, density / bound)
+    assert tightest > 0.99
+
+
+def test_reflectance_is_that_of_complex_amplitudes() -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(300):
+        eta, k, cosine = rng.uniform(0.05, 4.0), rng.uniform(0.5, 8.0), rng.uniform(0.0, 1.0)
+        expected = fresnel(np.array([cosine]), np.array([eta]), np.array([k]))[0, 0]
+        assert values.conductor_fresnel(cosine * cosine, eta, k) == pytest.approx(expected, rel=1e-11)
+    for cosine in (0.0, 0.3, 1.0):
+        assert values.conductor_fresnel(cosine * cosine, 0.0, 1.0) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_what_is_not_integrated_is_refused_by_name() -> None:
+    case, rough = drawn(1)
+    arrays = case.arrays
+    args = (arrays, case.point[None], case.normal[None], case.incoming[None], np.array([case.surface]))
+    with pytest.raises(ValueError, match=r"conductors: \d rows are asked for"):
+        gloss_points(*args, conductors=table(Conductor, 1))
+    wrong = conductors(arrays, rough)
+    wrong[1].alpha = -0.1
+    with pytest.raises(ValueError, match=r"conductors: alpha must be in \[0, 1\]"):
+        gloss_points(*args, conductors=wrong)
+    arrays.shading.background[:] = 0.1
+    with pytest.raises(Unsupported, match="background: what a conductor reflects"):
+        gloss_points(*args, conductors=conductors(arrays, rough))
+    arrays.shading.background[:], arrays.shading.units = 0.0, 1.0
+    with pytest.raises(Unsupported, match="brdf_normalised says nothing of a conductor"):
+        gloss_points(*args, conductors=conductors(arrays, rough))
