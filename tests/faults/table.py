@@ -25,6 +25,7 @@ class Fault:
 RAYS = ("numeric/test_rays.py",)
 BOTH = ("runtimes/test_image.py", "runtimes/test_anchor.py")
 UNITS = ("quadrature/test_lobe_units.py",)
+CONDUCTORS = ("quadrature/test_conductors.py",)
 KNOWN = ("adversary/test_recorded.py",)
 TRACES = ("chambers/test_events_are_complete.py",)
 GLEAMS = ("chambers/test_highlights.py", *KNOWN)
@@ -67,6 +68,16 @@ FAULTS = (
           "a cut lobe scaled as a whole one"),
     Fault("units", "quadrature/split_point.py", "share = facing_mass(n, theta_max, tilt, gauss)",
           "share = facing_mass(n, theta_max, 0.0, gauss)", UNITS, "a sky as bright at grazing view as from above"),
+    Fault("conductors", "chambers/lobes/setup.py", "conductor.masking == CORRELATED", "conductor.masking != CORRELATED",
+          CONDUCTORS, "the other masking"),
+    Fault("conductors", "chambers/lobes/rows.py", "conductor = conductors[lobe.conductor]", "conductor = conductors[0]",
+          CONDUCTORS, "another surface's reflectance"),
+    Fault("conductors", "chambers/lobes/rows.py", "(-h * inv - az) * nz", "(h * inv - az) * nz", CONDUCTORS,
+          "squares of a checker weighed as if they were overhead"),
+    Fault("conductors", "chambers/leaf_rows.py", "nodes.chord[i] = 0.25 * whole", "nodes.chord[i] = 0.5 * whole",
+          CONDUCTORS, "reflectance at another angle than that to the half vector"),
+    Fault("conductors", "leaves/values.py", "sine2 = 0.25 * square", "sine2 = square", CONDUCTORS,
+          "the half vector as far off the normal as the direction off the mirror's"),
     Fault("horizon", "numeric/estimators.py", "if weight > 0.0 and cosine > 0.0:", "if weight > 0.0:",
           ("numeric/test_estimators.py", "numeric/test_pipeline.py", *BOTH), "lobe rays below the horizon let in"),
     Fault("horizon", "kernel/gather.py", "with block.when(cosine <= 0):",

@@ -26,19 +26,21 @@ WHITE = (np.zeros(3), np.ones(3))
 """eta and k of a conductor that reflects everything."""
 
 
-def conductors(arrays: SceneArrays, rough: Rough) -> Table[Conductor]:
-    """Every surface of a scene made of it."""
+def conductors(arrays: SceneArrays, rough: Rough, surface: int) -> Table[Conductor]:
+    """One surface of a scene made of it, the others of what is seen where theirs is taken."""
     rows = table(Conductor, 2 + len(arrays.spheres) + len(arrays.planes))
     for row in rows:
-        row.alpha, row.masking = rough.alpha, CORRELATED if rough.correlated else SEPARABLE
-        row.eta[:], row.k[:] = rough.eta, rough.k
+        row.alpha, row.masking, row.eta[:], row.k[:] = 0.77, SEPARABLE, 9.0, 0.1
+    row = rows[surface]
+    row.alpha, row.masking = rough.alpha, CORRELATED if rough.correlated else SEPARABLE
+    row.eta[:], row.k[:] = rough.eta, rough.k
     return rows
 
 
 def integrated(case: RandomLobe, rough: Rough, tol: float) -> SplitResult:
     return gloss_points(
         case.arrays, case.point[None], case.normal[None], case.incoming[None], np.array([case.surface]), tol,
-        conductors=conductors(case.arrays, rough),
+        conductors=conductors(case.arrays, rough, case.surface),
     )  # fmt: skip
 
 
@@ -59,7 +61,7 @@ def test_a_checker_spheres_and_shadows_are_what_half_way_directions_see(alpha: f
     incoming /= np.linalg.norm(incoming, axis=1)[:, None]
     up, rough = np.array([0.0, 0.0, 1.0]), Rough(alpha, False, GOLD.eta, GOLD.k)
     args = (arrays, points, np.tile(up, (3, 1)), incoming, np.ones(3, np.int64))
-    loose, tight = (gloss_points(*args, tol, conductors=conductors(arrays, rough)) for tol in (1e-4, 1e-8))
+    loose, tight = (gloss_points(*args, tol, conductors=conductors(arrays, rough, 1)) for tol in (1e-4, 1e-8))
     assert (tight.status == 0).all() and (tight.error <= 1e-8).all() and (tight.chambers > 10).all()
     assert (np.abs(loose.gloss - tight.gloss).max(axis=1) <= loose.error).all()
     judged = 0
@@ -141,7 +143,7 @@ def test_an_endless_plane_is_reflected_by_the_directional_albedo(
             incoming = -(cos_view * down + math.sqrt(1.0 - cos_view**2) * aside)
             found = gloss_points(
                 arrays, point[None], down[None], incoming[None], np.array([2]), 1e-9,
-                conductors=conductors(arrays, rough),
+                conductors=conductors(arrays, rough, 2),
             )  # fmt: skip
             expected = albedo(rough, cos_view)
             assert expected.min() > 0.2 and expected.max() < 1.0
@@ -186,13 +188,13 @@ def test_what_is_not_integrated_is_refused_by_name() -> None:
     args = (arrays, case.point[None], case.normal[None], case.incoming[None], np.array([case.surface]))
     with pytest.raises(ValueError, match=r"conductors: \d rows are asked for"):
         gloss_points(*args, conductors=table(Conductor, 1))
-    wrong = conductors(arrays, rough)
+    wrong = conductors(arrays, rough, case.surface)
     wrong[1].alpha = -0.1
     with pytest.raises(ValueError, match=r"conductors: alpha must be in \[0, 1\]"):
         gloss_points(*args, conductors=wrong)
     arrays.shading.background[:] = 0.1
     with pytest.raises(Unsupported, match="background: what a conductor reflects"):
-        gloss_points(*args, conductors=conductors(arrays, rough))
+        gloss_points(*args, conductors=conductors(arrays, rough, case.surface))
     arrays.shading.background[:], arrays.shading.units = 0.0, 1.0
     with pytest.raises(Unsupported, match="brdf_normalised says nothing of a conductor"):
-        gloss_points(*args, conductors=conductors(arrays, rough))
+        gloss_points(*args, conductors=conductors(arrays, rough, case.surface))
