@@ -74,6 +74,22 @@ def test_a_checker_spheres_and_shadows_are_what_half_way_directions_see(alpha: f
     assert judged >= 2
 
 
+def test_the_squares_of_a_checker_are_seen_from_a_ball() -> None:
+    arrays = scene_arrays(sr.load("gloss").replace({"background": (0, 0, 0)}))
+    normal, incoming = np.array([0.0, -0.9, -0.43]), np.array([0.2, 0.9, 0.1])
+    normal, incoming = normal / np.linalg.norm(normal), incoming / np.linalg.norm(incoming)
+    point = arrays.spheres[0].center + arrays.spheres[0].radius * normal
+    rough = Rough(0.2, True, GOLD.eta, GOLD.k)
+    found = gloss_points(
+        arrays, point[None], normal[None], incoming[None], np.array([2]), 1e-6,
+        conductors=conductors(arrays, rough, 2),
+    )  # fmt: skip
+    one, other = (reflected(arrays, point, normal, incoming, 0, rough, n, n / 1e6) for n in (120_000, 80_000))
+    apart, signal = np.abs(one - other).max(), np.abs(one).max()
+    assert found.status[0] == 0 and signal > 0.02 and apart < 3e-3 * signal
+    assert np.abs(one - found.gloss[0]).max() <= 4.0 * apart + 1e-6
+
+
 @pytest.mark.timeout(300)
 def test_stated_errors_hold_and_half_way_directions_agree() -> None:
     lit, judged = 0, 0

@@ -584,7 +584,7 @@ def rounded_walls(work: Work) -> float:
         sine = max(row.sin, 1e-300)
         most += min(4.0, ROUNDED_LEVEL / (away * sine)) * 2.0 * math.pi * min(1.0, sine / away)
     low = max(0.0, chart.lobe_beta - chart.beta_max)
-    return chart.bright * min(1.0, lobe_density(4.0 * math.sin(0.5 * min(low, math.pi)) ** 2, chart) * most)
+    return chart.bright * min(1.0, largest_density(4.0 * math.sin(0.5 * min(low, math.pi)) ** 2, chart.lobe) * most)
 
 
 @jitable
