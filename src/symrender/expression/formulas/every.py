@@ -4,9 +4,22 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.formulas import conics, disks, light_terms, lobes, shapes, textures, walls
+from symrender.expression.formulas import (
+    conics,
+    disks,
+    light_terms,
+    lobes,
+    microfacets,
+    radiometry,
+    shapes,
+    textures,
+    walls,
+)
 
 LEAVES: Final = {
     leaf.name: leaf for module in (light_terms, lobes, textures, shapes, walls, conics, disks) for leaf in module.LEAVES
 }
 """Leaf by name."""
+
+RADIOMETRIC: Final = {leaf.name: leaf for module in (microfacets, radiometry) for leaf in module.LEAVES}
+"""Leaf by name, of what radiometric scenes alone need."""
