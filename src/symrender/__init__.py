@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from symrender.probe import probe
     from symrender.render import Pair, render
     from symrender.report.build import Report, report
-    from symrender.scene.load import load
+    from symrender.scene.load import load_any as load
+    from symrender.scene.radiometric.scene import RadiometricScene
     from symrender.scene.scene import Scene
     from symrender.sequences.film import animate
     from symrender.simulator.build import simulator
@@ -43,6 +44,7 @@ _HOMES = {
     "Hessian": "symrender.hessian",
     "Image": "symrender.images.image",
     "Pair": "symrender.render",
+    "RadiometricScene": "symrender.scene.radiometric.scene",
     "Report": "symrender.report.build",
     "Scene": "symrender.scene.scene",
     "SymrenderError": "symrender.errors",
@@ -61,11 +63,15 @@ _HOMES = {
     "truth": "symrender.truth",
 }
 
+_OTHERWISE = {"load": "load_any"}
+"""What is called otherwise where it lives."""
+
 __all__ = [
     "Fit",
     "Hessian",
     "Image",
     "Pair",
+    "RadiometricScene",
     "Report",
     "Scene",
     "SymrenderError",
@@ -96,7 +102,7 @@ class _Package(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name not in _HOMES:
             raise AttributeError(f"module 'symrender' has no attribute {name!r}")
-        value = getattr(import_module(_HOMES[name]), name)
+        value = getattr(import_module(_HOMES[name]), _OTHERWISE.get(name, name))
         super().__setattr__(name, value)
         return value
 

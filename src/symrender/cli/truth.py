@@ -30,9 +30,9 @@ from symrender.cli._options import (
     Quiet,
     SceneArgument,
     TonemapOption,
+    any_scene_with,
     parse_size,
     scene_files,
-    scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
@@ -41,6 +41,7 @@ from symrender.scene.nearest import did_you_mean
 from symrender.settings import Antialias, split_settings
 
 LAYERS = ("error", "status", "evaluations", "chambers", "crossings")
+RADIOMETRIC_LAYERS = ("error", "status")
 
 
 def truth(
@@ -94,6 +95,8 @@ def truth(
     Example: symrender truth chapter8 --size 128 --tol 1e-8 --layers error,crossings --out pictures
     """
     from symrender.errors import OptionError
+    from symrender.scene.load import in_series
+    from symrender.scene.radiometric.scene import RadiometricScene
     from symrender.verify import check_share
 
     wanted = [name for name in layers.split(",") if name]
@@ -108,7 +111,12 @@ def truth(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
         silhouettes=silhouettes, max_pixels=max_pixels,
     )  # fmt: skip
-    chosen = scene_with(scene, define)
+    chosen = any_scene_with(scene, define)
+    if isinstance(chosen, RadiometricScene):
+        if verify:
+            in_series(chosen, "verify")
+        if uncounted := sorted(set(wanted) - set(RADIOMETRIC_LAYERS)):
+            raise OptionError(f"layers: {uncounted[0]} is not a layer of a radiometric scene")
     if not quiet:
         from symrender.scene.warnings import warnings
 
@@ -145,7 +153,7 @@ def truth(
     ):
         image = true_image(crew, job, chosen)
         with first_use("verify", advance):
-            receipt = brute_force(image.layers, chosen, settings, verify, threads) if verify else None
+            receipt = brute_force(image.layers, in_series(chosen), settings, verify, threads) if verify else None
         if receipt is not None:
             image = Image(image.layers, {**image.meta, "verified": receipt.json()})
         for name in names[:3]:
@@ -165,7 +173,9 @@ def truth(
         } | ({} if receipt is None else {"verified": asdict(receipt)})
         show_json(report)
     elif not quiet:
-        typer.echo(f"{judged.text()}; units of lobes: {image.meta['convention']}")
+        radiometric = isinstance(chosen, RadiometricScene)
+        units = image.meta["units"] if radiometric else f"units of lobes: {image.meta['convention']}"
+        typer.echo(f"{judged.text()}; {units}")
         if receipt is not None:
             typer.echo(receipt.text())
         for name in names:

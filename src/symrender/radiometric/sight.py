@@ -7,7 +7,7 @@ from typing import Final
 
 from symrender.kernel_cache import inlined, jitable
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.world import Vector, World
+from symrender.radiometric.world import Array, Vector, World
 from symrender.scene.radiometric.arrays import SPHERE
 
 _FARTHEST: Final = 1e150
@@ -15,7 +15,7 @@ _FARTHEST: Final = 1e150
 
 
 @inlined
-def vector(three: Vector) -> Vector:
+def vector(three: Array) -> Vector:
     """A vector of a record as a tuple."""
     return (three[0], three[1], three[2])
 
@@ -34,7 +34,7 @@ def dot(a: Vector, b: Vector) -> float:
 
 @jitable
 def nearest(world: World, origin: Vector, d: Vector) -> tuple[int, float, Vector, Vector, bool]:
-    """(shape or -1, distance, place, unit normal towards the ray, whether that is the side the shape's normal is on)."""
+    """(shape or -1, distance, place, unit normal towards the ray, whether the shape's own normal shows to the ray)."""
     best, distance = -1, math.inf
     place, facing, front = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), True
     for j in range(world.shapes.shape[0]):

@@ -32,7 +32,7 @@ def sky_room(world: World) -> tuple[Array, Array]:
 
 @jitable
 def put_cap(caps: Array, count: int, axis: Vector, cosine: float, sine: float) -> int:
-    """Add a cap; returns how many there are, -1 where it and another hide everything. One that is there is not added."""
+    """Add a cap unless it is there; returns how many there are, -1 where it and another hide everything."""
     for i in range(count):
         near, far = 0.0, 0.0
         for q in range(3):

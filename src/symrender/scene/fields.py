@@ -13,7 +13,6 @@ from pydantic.fields import FieldInfo
 from symrender.scene.document import Path
 from symrender.scene.values import Part
 
-
 KEY: Final = "[key]"
 """Step of a pydantic location that says a key is wrong, not what it holds."""
 

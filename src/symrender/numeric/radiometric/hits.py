@@ -12,7 +12,7 @@ from symrender.numeric.planes import carried, turned
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.rays import floor_distance, sphere_offset, sphere_roots
 from symrender.numeric.vectors import Vector, along, dot, minus
-from symrender.scene.arrays import CHECKER, MARBLE, SOLID
+from symrender.scene.arrays import CHECKER, MARBLE, SOLID, Array
 from symrender.scene.radiometric.arrays import SPHERE
 from symrender.scene.records import Frame
 
@@ -31,7 +31,7 @@ class Hit(NamedTuple):
 
 
 @inlined
-def triple(a: Vector) -> Vector:
+def triple(a: Array) -> Vector:
     """A vector of a record as a tuple."""
     return (a[0], a[1], a[2])
 
@@ -85,7 +85,7 @@ def reaches(world: World, hit: Hit, toward: Vector, limit: float) -> bool:
 @inlined
 def odd_field(x: float) -> bool:
     """Whether x lies in an odd field; an edge belongs to the field it begins."""
-    return np.floor(x) - 2.0 * np.floor(np.floor(x) / 2.0) != 0.0
+    return bool(np.floor(x) - 2.0 * np.floor(np.floor(x) / 2.0) != 0.0)
 
 
 @jitable

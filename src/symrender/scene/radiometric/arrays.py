@@ -58,8 +58,8 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     """Lay ``scene`` out as records."""
     materials = table(Material, len(scene.materials))
     names = {name: index for index, name in enumerate(scene.materials)}
-    for row, material in zip(materials, scene.materials.values(), strict=True):
-        _lay_material(material, row)
+    for index, material in enumerate(scene.materials.values()):
+        _lay_material(material, materials[index])
     rows = table(Shape, len(scene.shapes))
     places = table(Frame, len(scene.shapes))
     for j, shape in enumerate(scene.shapes):

@@ -42,7 +42,10 @@ class Stripes(Part):
 
 
 class Marble(Part):
-    """Smooth veins: dark + m (bright - dark), m = (1 + sin(2 pi (x + .35 sin(3 pi y))))/2 of a checker's x, y in cells."""
+    """Smooth veins: dark + m (bright - dark), m = (1 + sin(2 pi (x + .35 sin(3 pi y))))/2; x, y as of a checker.
+
+    x and y are counted in cells.
+    """
 
     type: Literal["marble"] = "marble"
     bright: Annotated[Shares, Field(description="reflectance between the veins")] = (0.75, 0.75, 0.75)
