@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from symrender.render import Pair, render
     from symrender.report.build import Report, report
     from symrender.scene.load import load_any as load
-    from symrender.scene.radiometric.scene import RadiometricScene
     from symrender.scene.scene import Scene
     from symrender.sequences.film import animate
     from symrender.simulator.build import simulator
@@ -44,7 +43,6 @@ _HOMES = {
     "Hessian": "symrender.hessian",
     "Image": "symrender.images.image",
     "Pair": "symrender.render",
-    "RadiometricScene": "symrender.scene.radiometric.scene",
     "Report": "symrender.report.build",
     "Scene": "symrender.scene.scene",
     "SymrenderError": "symrender.errors",
@@ -71,7 +69,6 @@ __all__ = [
     "Hessian",
     "Image",
     "Pair",
-    "RadiometricScene",
     "Report",
     "Scene",
     "SymrenderError",

@@ -125,14 +125,9 @@ def probe(
     """
     if rays is not None:
         return _along(load_any(scene), rays, points, float(tol), wrt, certify)
-    loaded = load_any(scene)
-    if isinstance(loaded, RadiometricScene):
-        raise Unsupported("points: radiometric scenes are probed along rays=(origins, directions) alone yet")
-    if points is None:
-        raise OptionError("points, rays: one of them must be given")
+    loaded, given = _at_points(load_any(scene), points)
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
-    given = np.atleast_2d(np.asarray(points, dtype=np.float64))
     place, normal, hit_class = _places(loaded, given, surface)
     away = place - arrays.camera.eye
     length = np.linalg.norm(away, axis=1, keepdims=True)
@@ -179,6 +174,14 @@ def probe(
     tables = (np.concatenate([getattr(part, name) for part in slopes], axis=1) for name in _SLOPES)
     by_name = [dict(zip(names, table, strict=True)) for table in tables]
     return Probe(*values, by_name[0], by_name[1], by_name[2], enclosures, loaded.shading.lobe_units)
+
+
+def _at_points(scene: AnyScene, points: npt.ArrayLike | None) -> tuple[Scene, Array]:
+    if isinstance(scene, RadiometricScene):
+        raise Unsupported("points: radiometric scenes are probed along rays=(origins, directions) alone yet")
+    if points is None:
+        raise OptionError("points, rays: one of them must be given")
+    return scene, np.atleast_2d(np.asarray(points, dtype=np.float64))
 
 
 def _along(

@@ -66,14 +66,7 @@ def probe(
     if ray:
         _probe_rays(any_scene_with(scene, define), ray, tol, json=json)
         return
-    points = []
-    for text in point or ():
-        try:
-            points.append([float(x) for x in text.split(",")])
-        except ValueError:
-            raise OptionError(f"point: must be numbers X,Y or X,Y,Z, got {text!r}") from None
-    if len({len(p) for p in points}) != 1:
-        raise OptionError("point: all points need the same number of coordinates")
+    points = _points(point or [])
     chosen = scene_with(scene, define, "probe --point")
 
     from symrender.cli._progress import progress
@@ -143,6 +136,20 @@ def probe(
                 typer.echo(f"  d/d {name}: {value} +- {found_slope['error']:.2g}  {found_slope['status']}")
     if (found.status != 0).any() or not all(row.get("enclosed", True) for row in rows):
         raise typer.Exit(4)
+
+
+def _points(point: list[str]) -> list[list[float]]:
+    from symrender.errors import OptionError
+
+    points = []
+    for text in point:
+        try:
+            points.append([float(x) for x in text.split(",")])
+        except ValueError:
+            raise OptionError(f"point: must be numbers X,Y or X,Y,Z, got {text!r}") from None
+    if len({len(p) for p in points}) != 1:
+        raise OptionError("point: all points need the same number of coordinates")
+    return points
 
 
 def _probe_rays(scene: AnyScene, ray: list[str], tol: float, *, json: bool) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -39,6 +39,9 @@ from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
 from symrender.scene.nearest import did_you_mean
 from symrender.settings import Antialias, split_settings
+
+if TYPE_CHECKING:
+    from symrender.scene.load import AnyScene
 
 LAYERS = ("error", "status", "evaluations", "chambers", "crossings")
 RADIOMETRIC_LAYERS = ("error", "status")
@@ -94,29 +97,17 @@ def truth(
 
     Example: symrender truth chapter8 --size 128 --tol 1e-8 --layers error,crossings --out pictures
     """
-    from symrender.errors import OptionError
     from symrender.scene.load import in_series
-    from symrender.scene.radiometric.scene import RadiometricScene
     from symrender.verify import check_share
 
-    wanted = [name for name in layers.split(",") if name]
-    if unknown := sorted(set(wanted) - set(LAYERS)):
-        raise OptionError(
-            f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}{did_you_mean(unknown[0], LAYERS)}"
-        )
-    if uncounted := sorted({"chambers", "crossings"}.intersection(() if counts else wanted)):
-        raise OptionError(f"layers: {uncounted[0]} cannot be written without counts")
+    wanted = _wanted(layers, counts=counts)
     check_share(verify)
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
         silhouettes=silhouettes, max_pixels=max_pixels,
     )  # fmt: skip
     chosen = any_scene_with(scene, define)
-    if isinstance(chosen, RadiometricScene):
-        if verify:
-            in_series(chosen, "verify")
-        if uncounted := sorted(set(wanted) - set(RADIOMETRIC_LAYERS)):
-            raise OptionError(f"layers: {uncounted[0]} is not a layer of a radiometric scene")
+    _refuse_radiometric(chosen, wanted, verify)
     if not quiet:
         from symrender.scene.warnings import warnings
 
@@ -173,8 +164,8 @@ def truth(
         } | ({} if receipt is None else {"verified": asdict(receipt)})
         show_json(report)
     elif not quiet:
-        radiometric = isinstance(chosen, RadiometricScene)
-        units = image.meta["units"] if radiometric else f"units of lobes: {image.meta['convention']}"
+        known = "conventions" in image.meta
+        units = image.meta["units"] if known else f"units of lobes: {image.meta['convention']}"
         typer.echo(f"{judged.text()}; {units}")
         if receipt is not None:
             typer.echo(receipt.text())
@@ -182,3 +173,31 @@ def truth(
             typer.echo(f"wrote {folder / name}")
     if not judged.met or (receipt is not None and receipt.contradicted):
         raise typer.Exit(4)
+
+
+def _wanted(layers: str, *, counts: bool) -> list[str]:
+    """The layers that are to be written as pictures too."""
+    from symrender.errors import OptionError
+
+    wanted = [name for name in layers.split(",") if name]
+    if unknown := sorted(set(wanted) - set(LAYERS)):
+        raise OptionError(
+            f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}{did_you_mean(unknown[0], LAYERS)}"
+        )
+    if uncounted := sorted({"chambers", "crossings"}.intersection(() if counts else wanted)):
+        raise OptionError(f"layers: {uncounted[0]} cannot be written without counts")
+    return wanted
+
+
+def _refuse_radiometric(scene: AnyScene, wanted: list[str], verify: float) -> None:
+    """Refuse what only scenes in units of the series have."""
+    from symrender.errors import OptionError
+    from symrender.scene.load import in_series
+    from symrender.scene.radiometric.scene import RadiometricScene
+
+    if not isinstance(scene, RadiometricScene):
+        return
+    if verify:
+        in_series(scene, "verify")
+    if unknown := sorted(set(wanted) - set(RADIOMETRIC_LAYERS)):
+        raise OptionError(f"layers: {unknown[0]} is not a layer of a radiometric scene")

@@ -16,7 +16,7 @@ from symrender.scene.radiometric.records import Material
 
 _ULP: Final = 2.0**-52
 _SLACK: Final = 16.0
-"""Roundings a term goes through, by which its sensitivity is multiplied."""
+"""Roundings a term goes through, by which its slope is multiplied."""
 
 
 @inlined

@@ -14,7 +14,7 @@ LIGHTS_DUE: Final = ("area",)
 
 
 def not_yet(kinds: tuple[str, ...], known: str, limit: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Validator of a list, after ``limit``: entries of ``kinds``, which are due, are refused; messages name ``known``."""
+    """Validator of a list, after ``limit``: refuses entries of ``kinds``, which are due, and names the ``known``."""
 
     def check(value: Any) -> Any:
         value = limit(value)
