@@ -43,7 +43,9 @@ from symrender.execution.tiles import Progress
 from symrender.execution.warm import second_beside
 from symrender.images.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
+from symrender.runtimes.radiometric import check
 from symrender.scene.load import AnyScene, Source, load_any
+from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.lights import Sky
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import (
@@ -171,6 +173,8 @@ def plan(scene: AnyScene, settings: Settings) -> tuple[Job, ...]:
     kinds += [symbolic[settings.symbolic]] if settings.symbolic != "none" else []
     if not kinds:
         raise OptionError("numeric, symbolic: at least one must not be 'none'")
+    if isinstance(scene, RadiometricScene) and "radiometric" in kinds:
+        check(radiometric_arrays(scene))
     return tuple(Job.of(kind, scene, settings) for kind in kinds)
 
 

@@ -21,7 +21,9 @@ from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
+from symrender.runtimes.radiometric import check
 from symrender.scene.load import AnyScene, Source, in_series, load_any
+from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import Antialias, Settings, split_settings
 from symrender.verify import check_share, verified
@@ -93,7 +95,10 @@ def truth(
 
 def truth_job(scene: AnyScene, settings: Settings) -> Job:
     """The job that makes the image."""
-    return Job.of("radiometric" if isinstance(scene, RadiometricScene) else "truth", scene, settings)
+    if isinstance(scene, RadiometricScene):
+        check(radiometric_arrays(scene))
+        return Job.of("radiometric", scene, settings)
+    return Job.of("truth", scene, settings)
 
 
 def true_image(crew: Crew, job: Job, scene: AnyScene) -> Image:

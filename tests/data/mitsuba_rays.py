@@ -5,7 +5,7 @@
 needs ``pip install mitsuba==3.9.1``, which neither symrender nor its tests do. Direct light
 (``path``, depth 2) has no chance in it, but is computed in single precision: it is recorded as mean and standard error
 over 64 rotations of the whole scene. One more bounce (depth 3) is recorded as sums and sums of squares of samples,
-direct light included, with their number and first seed. For it the scene is scaled by 100 and moved so that the place
+direct light included, with their number, their first seed and that direct light. For it the scene is scaled by 100 and moved so that the place
 the ray meets is the origin: secondary rays start (1 + max |p|) 8.94e-5 off a surface, which then counts for nothing;
 scaled by 1000, single precision would let surfaces shade themselves.
 """
@@ -179,6 +179,16 @@ def bounced(mi, row: dict, samples: int, seed: int) -> dict:
     return {"samples": batches * BATCH, "seed": seed, "sum": total.tolist(), "sum_of_squares": square.tolist()}
 
 
+def beside(mi, row: dict) -> list[float]:
+    """Direct light as it stands in the samples of ``bounced``, with its roundings: what is to be taken off their mean."""
+    scene, origin, way = moved(mi, row, np.eye(3), SCALE)
+    integrator = mi.load_dict({"type": "path", "max_depth": 2, "rr_depth": 100})
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(0, 1)
+    ray = mi.RayDifferential3f(mi.Point3f(origin), mi.Vector3f(way))
+    return np.array(integrator.sample(scene, sampler, ray)[0], dtype=np.float64).ravel().tolist()
+
+
 def main(path: str, samples: int) -> None:
     import mitsuba as mi
 
@@ -195,7 +205,7 @@ def main(path: str, samples: int) -> None:
         mi.set_variant("llvm_ad_rgb")
         for index, row in enumerate(rows):
             if "bounced" not in row and row["scene"]["lights"][0]["type"] == "point":
-                row["bounced"] = bounced(mi, row, samples, 1000 * (index + 1))
+                row["bounced"] = bounced(mi, row, samples, 1000 * (index + 1)) | {"direct": beside(mi, row)}
                 print(row["scene"]["name"], row["bounced"], flush=True)
                 out.write_text(json.dumps({"mitsuba": mi.__version__, "rays": rows}, indent=1) + "\n")
 
