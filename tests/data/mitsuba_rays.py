@@ -5,9 +5,9 @@
 needs ``pip install mitsuba==3.9.1``, which neither symrender nor its tests do. Direct light
 (``path``, depth 2) has no chance in it, but is computed in single precision: it is recorded as mean and standard error
 over 64 rotations of the whole scene. One more bounce (depth 3) is recorded as sums and sums of squares of samples,
-direct light included, with their number, their first seed and that direct light. For it the scene is scaled by 100 and moved so that the place
-the ray meets is the origin: secondary rays start (1 + max |p|) 8.94e-5 off a surface, which then counts for nothing;
-scaled by 1000, single precision would let surfaces shade themselves.
+direct light included, with their number, their first seed and that direct light. For it the scene is scaled by 100 and
+moved so that the place the ray meets is the origin: secondary rays start (1 + max |p|) 8.94e-5 off a surface, which
+then counts for nothing; scaled by 1000, single precision would let surfaces shade themselves.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def bounced(mi, row: dict, samples: int, seed: int) -> dict:
 
 
 def beside(mi, row: dict) -> list[float]:
-    """Direct light as it stands in the samples of ``bounced``, with its roundings: what is to be taken off their mean."""
+    """Direct light as it stands in the samples of ``bounced``, with its roundings, to be taken off their mean."""
     scene, origin, way = moved(mi, row, np.eye(3), SCALE)
     integrator = mi.load_dict({"type": "path", "max_depth": 2, "rr_depth": 100})
     sampler = mi.load_dict({"type": "independent"})

@@ -59,7 +59,7 @@ def vein_blur(world: World, own: int, place: Vector, albedo: Vector, size: float
         x, y = place[0] - shape.place[0], place[1] - shape.place[1]
         wrong = _ULP * (1.0 + size / max(math.sqrt(x * x + y * y), _ULP * shape.radius))
     dark, bright = material.dark, material.bright
-    contrast = max(abs(bright[0] - dark[0]), abs(bright[1] - dark[1]), abs(bright[2] - dark[2]))
+    contrast = largest((bright[0] - dark[0], bright[1] - dark[1], bright[2] - dark[2]))
     return _STEEPEST_VEIN * wrong * contrast / (material.cell * max(largest(albedo), _ULP))
 
 
