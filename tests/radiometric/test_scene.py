@@ -144,7 +144,7 @@ def test_units_series_may_be_said() -> None:
 def test_what_is_odd_is_warned_of() -> None:
     scene = sr.load("metal")
     odd = scene.replace(
-        {"camera.eye": (0, -5, -1), "lights.key.position": (-2.6, 0.5, 0.6), "shapes.B.material": "tiles"}
+        {"camera.eye": (0, -5, -1), "lights.key.position": (-1.75, 1.5, 0.6), "shapes.B.material": "tiles"}
     )
     found = warnings(odd)
     assert "camera.eye is behind shapes.floor, which is black from there and hides what is beyond it" in found

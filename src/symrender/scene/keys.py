@@ -24,15 +24,18 @@ _UNBOUNDED: Final = 1e9
 def key_tables() -> str:
     """Markdown: a heading and a table for the scene and each of its parts, in the order they are met.
 
-    Scenes in units of the series come first, then, under a heading of their own, radiometric ones.
+    Scenes in units of the series come first, then, under a heading of their own, what radiometric ones have that those
+    have not.
     """
-    return "\n\n".join([*_tables(Scene), "## Radiometric scenes", *_tables(RadiometricScene)])
-
-
-def _tables(root: type[Part]) -> Iterator[str]:
     first: dict[type[Part], str] = {}
+    return "\n\n".join([*_tables(Scene, first), "## Radiometric scenes", *_tables(RadiometricScene, first)])
+
+
+def _tables(root: type[Part], first: dict[type[Part], str]) -> Iterator[str]:
+    before = dict(first)
     for path, model in _parts("", root):
-        yield _table(path, model, first.get(model, ""))
+        if before.get(model) != path:
+            yield _table(path, model, first.get(model, ""))
         first.setdefault(model, path)
 
 
