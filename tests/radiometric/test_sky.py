@@ -141,3 +141,27 @@ def test_the_path_tracer_agrees_within_its_noise() -> None:
         assert true.direct.max() > 0.5 and 0 < error.max() < 0.02
         z = (mean - true.direct) / np.maximum(error, 1e-9)
         assert np.abs(z).max() < 6 and abs(float(z[:, 1].mean())) < 1
+
+
+def test_turned_rooms_count_what_coincides_once() -> None:
+    """Walls in one plane and lids over floors, at any angle: rounding must not count a circle twice or never."""
+    random, compared = np.random.default_rng(9), 0
+    for _ in range(40):
+        turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+        up, side = turn[2], turn[0]
+        floor = wall("floor", (0.7 * up).tolist(), up.tolist(), tuple(side))
+        upright = wall("wall", (0.7 * up + 2 * side).tolist(), (-side).tolist(), tuple(up))
+        same = upright | {"name": "same", "normal": (-3.7 * side).tolist()}
+        behind = upright | {"name": "behind", "point": (0.7 * up + 3.1 * side).tolist()}
+        lid = wall("lid", (1.9 * up).tolist(), (-1.3 * up).tolist(), tuple(side))
+        ray = ((1.1 * up + 0.2 * turn[1]).tolist(), (-up + 0.1 * turn[1]).tolist())
+        for shapes, expected in (
+            ((floor, upright, same, behind), 0.5),
+            ((floor, lid), 0.0),
+            ((floor, lid, upright), 0.0),
+        ):
+            found = sr.probe(scene(*shapes), rays=ray)
+            assert found.shape == ("shapes.floor",)
+            assert abs(found.direct[0][1] - expected) < 1e-11
+            compared += 1
+    assert compared == 120
