@@ -155,6 +155,10 @@ def test_turned_rooms_count_what_coincides_once() -> None:
         behind = upright | {"name": "behind", "point": (0.7 * up + 3.1 * side).tolist()}
         lid = wall("lid", (1.9 * up).tolist(), (-1.3 * up).tolist(), tuple(side))
         ray = ((1.1 * up + 0.2 * turn[1]).tolist(), (-up + 0.1 * turn[1]).tolist())
+        ball = sphere("A", (1.4 * up + 0.9 * turn[1] - 0.3 * side).tolist(), 0.31)
+        once = float(sr.probe(scene(floor, ball), rays=ray).direct[0][1])
+        twice = float(sr.probe(scene(floor, ball, ball | {"name": "B"}), rays=ray).direct[0][1])
+        assert 0.7 < once < 0.95 and abs(twice - once) < 1e-11
         for shapes, expected in (
             ((floor, upright, same, behind), 0.5),
             ((floor, lid), 0.0),
