@@ -12,7 +12,8 @@ import yaml
 from symrender.chapter import lab
 from symrender.chapter.run_cell import execute
 from symrender.scene import gallery
-from symrender.scene.load import load
+from symrender.scene.load import load_any
+from symrender.scene.radiometric.scene import RadiometricScene
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -47,7 +48,8 @@ def test_scenes_in_documents_load() -> None:
     texts = [text for page in PAGES for name, text in FENCED.findall(page.read_text("utf-8")) if name == "yaml"]
     assert texts
     for text in texts:
-        assert load(yaml.safe_load(text)).spheres
+        scene = load_any(yaml.safe_load(text))
+        assert scene.shapes if isinstance(scene, RadiometricScene) else scene.spheres
 
 
 def test_markdown_is_plain() -> None:
@@ -90,10 +92,10 @@ def test_the_code_of_a_page_runs(page: Path) -> None:
 
 def test_the_gallery_shows_every_scene() -> None:
     text = (ROOT / "docs" / "gallery.md").read_text("utf-8")
-    assert len(gallery.names()) > 4
-    for name in gallery.names():
+    assert len(gallery.all_names()) > 4
+    for name in gallery.all_names():
         assert f"\n## {name}\n" in text and f"](images/gallery-{name}.png)" in text
-        assert f"\n{load(name).description}\n" in text
+        assert f"\n{load_any(name).description}\n" in text
         picture = ROOT / "docs" / "images" / f"gallery-{name}.png"
         assert picture.stat().st_size < 250_000
         assert struct.unpack(">II", picture.read_bytes()[16:24]) == (512, 512)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from symrender.probe import probe
     from symrender.render import Pair, render
     from symrender.report.build import Report, report
-    from symrender.scene.load import load
+    from symrender.scene.load import load_any as load
     from symrender.scene.scene import Scene
     from symrender.sequences.film import animate
     from symrender.simulator.build import simulator
@@ -60,6 +60,9 @@ _HOMES = {
     "simulator": "symrender.simulator.build",
     "truth": "symrender.truth",
 }
+
+_OTHERWISE = {"load": "load_any"}
+"""What is called otherwise where it lives."""
 
 __all__ = [
     "Fit",
@@ -96,7 +99,7 @@ class _Package(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name not in _HOMES:
             raise AttributeError(f"module 'symrender' has no attribute {name!r}")
-        value = getattr(import_module(_HOMES[name]), name)
+        value = getattr(import_module(_HOMES[name]), _OTHERWISE.get(name, name))
         super().__setattr__(name, value)
         return value
 

@@ -108,7 +108,7 @@ def fit(
     """
     if importlib.util.find_spec("scipy") is None:
         raise OptionError("fit: needs SciPy; install symrender[fit]")
-    here = load(scene)
+    here = load(scene, "fit")
     names = components(here, free)
     ranges = {p.name: (p.low, p.high) for p in parameters(here)}
     low, high = np.array([ranges.get(name, (-np.inf, np.inf)) for name in names]).T

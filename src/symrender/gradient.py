@@ -57,7 +57,7 @@ def gradient(
     parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
     or where the scene changes its structure, Unsupported for a wall the method does not cover.
     """
-    loaded = load(scene)
+    loaded = load(scene, "gradient")
     settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile)
     job = gradient_job(loaded, wrt, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:

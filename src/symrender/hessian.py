@@ -57,7 +57,7 @@ def hessian(
     a larger step only costs that step. ``tol`` is the gradients' own. Choose it for single points and small images: it
     takes eighteen gradients a parameter. Raises Unsupported for a parameter at the end of its range.
     """
-    loaded = load(scene)
+    loaded = load(scene, "hessian")
     names = components(loaded, wrt)
     if (points is None) == (size is None):
         raise OptionError("points, size: give points of a surface or the size of an image")

@@ -23,6 +23,8 @@ MAX_SPHERES: Final = 4096
 """Most spheres in a scene."""
 MAX_PLANES: Final = 16
 """Most planes in a scene, beside its floor."""
+MAX_SHAPES: Final = 1024
+"""Most shapes in a radiometric scene."""
 MAX_LIGHTS: Final = 256
 """Most lights in a scene."""
 MAX_LIGHT_POINTS: Final = 65_536
@@ -45,6 +47,12 @@ MAX_RADIANCE: Final = 1e12
 """Largest colour component of a light, scene units of radiance."""
 MAX_SHININESS: Final = 1e9
 """Largest exponent of a highlight."""
+MIN_ALPHA: Final = 1e-4
+"""Smallest roughness of a conductor."""
+MIN_INDEX: Final = 1e-3
+"""Smallest real part of a conductor's index of refraction; below it Fresnel's formula loses digits."""
+MAX_INDEX: Final = 1e3
+"""Largest real or imaginary part of a conductor's index of refraction."""
 MAX_TEXTURE_FREQUENCY: Final = 4096
 """Largest number of texture half-periods around a sphere."""
 MAX_THREADS: Final = 1024

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from symrender.certify.enclosure import Enclosure
 from symrender.certify.enclosure import certify as enclose
-from symrender.errors import OptionError, SceneError
+from symrender.errors import OptionError, SceneError, Unsupported
 from symrender.execution.tiles import run_threads, thread_count
 from symrender.ledger.tables import html_table
+from symrender.probe_rays import RayProbe, Rays, probe_rays
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.frames import frame_moves, frames
-from symrender.scene.load import load
+from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import SceneMoves, moves, scene_moves
 from symrender.scene.nearest import did_you_mean
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.scene import Scene
 from symrender.scene.shape import Plane, Sphere
 from symrender.settings import Settings
@@ -76,8 +77,13 @@ class Probe:
         return html_table(rows, f"lobe integral, {self.convention}")
 
 
+@overload
+def probe(scene: Source, *, rays: Rays, tol: float = 1e-9) -> RayProbe: ...
+
+
+@overload
 def probe(
-    scene: Scene | str | Path | Mapping[str, Any],
+    scene: Source,
     points: npt.ArrayLike,
     *,
     surface: str = "floor",
@@ -87,7 +93,22 @@ def probe(
     wrt: Sequence[str] = (),
     certify: bool = False,
     threads: int = 0,
-) -> Probe:
+) -> Probe: ...
+
+
+def probe(
+    scene: Source,
+    points: npt.ArrayLike | None = None,
+    *,
+    rays: Rays | None = None,
+    surface: str = "floor",
+    tol: float = 1e-9,
+    disk: str = "2x2",
+    budget: int = 1_000_000,
+    wrt: Sequence[str] = (),
+    certify: bool = False,
+    threads: int = 0,
+) -> Probe | RayProbe:
     """The lobe integral gloss(P) at points of ``surface``, ``floor`` or ``spheres.NAME``, seen from the camera's eye.
 
     ``points``: (N, 2) or (N, 3) positions on the floor z = 0, or (N, 3) unit outward normals of the sphere, where
@@ -98,12 +119,15 @@ def probe(
     normal, and ``tol`` holds for derivatives too. Whether the eye really sees a point is not asked.
     ``certify``: enclose each value by ball arithmetic as well (``certify/``; floor points, point lights or ``KxK``).
     ``threads`` work on batches of points, 0 takes the processors at hand; their number changes no bit.
+    ``rays``: instead of points, ``(origins, directions)`` of rays through a radiometric scene, (N, 3) each; what comes
+    back along them is a ``RayProbe``.
     Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
     """
-    loaded = load(scene)
+    if rays is not None:
+        return _along(load_any(scene), rays, points, float(tol), wrt, certify)
+    loaded, given = _at_points(load_any(scene), points)
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
-    given = np.atleast_2d(np.asarray(points, dtype=np.float64))
     place, normal, hit_class = _places(loaded, given, surface)
     away = place - arrays.camera.eye
     length = np.linalg.norm(away, axis=1, keepdims=True)
@@ -150,6 +174,28 @@ def probe(
     tables = (np.concatenate([getattr(part, name) for part in slopes], axis=1) for name in _SLOPES)
     by_name = [dict(zip(names, table, strict=True)) for table in tables]
     return Probe(*values, by_name[0], by_name[1], by_name[2], enclosures, loaded.shading.lobe_units)
+
+
+def _at_points(scene: AnyScene, points: npt.ArrayLike | None) -> tuple[Scene, Array]:
+    if isinstance(scene, RadiometricScene):
+        raise Unsupported("points: radiometric scenes are probed along rays=(origins, directions) alone yet")
+    if points is None:
+        raise OptionError("points, rays: one of them must be given")
+    return scene, np.atleast_2d(np.asarray(points, dtype=np.float64))
+
+
+def _along(
+    scene: AnyScene, rays: Rays, points: npt.ArrayLike | None, tol: float, wrt: Sequence[str], certify: bool
+) -> RayProbe:
+    """What ``probe`` says of rays."""
+    if not isinstance(scene, RadiometricScene):
+        raise Unsupported(f"rays: scenes in units of the series ({scene.name}) are probed at points alone")
+    if points is not None:
+        raise OptionError("points, rays: only one of them may be given")
+    if wrt or certify:
+        raise Unsupported(f"{'wrt' if wrt else 'certify'}: does not know radiometric scenes yet ({scene.name})")
+    Settings(tol=tol)
+    return probe_rays(scene, rays, tol)
 
 
 def _in_batches(run: Callable[[slice], _T], count: int, threads: int) -> list[_T]:

@@ -28,7 +28,7 @@ The numeric side imports nothing of the symbolic one, and they meet only in the 
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,8 +43,11 @@ from symrender.execution.tiles import Progress
 from symrender.execution.warm import second_beside
 from symrender.images.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
-from symrender.scene.load import load
-from symrender.scene.scene import Scene
+from symrender.runtimes.radiometric import check
+from symrender.scene.load import AnyScene, Source, load_any
+from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.scene.radiometric.lights import Sky
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import (
     Antialias,
     Nodes,
@@ -84,7 +87,7 @@ class Pair:
 
 
 def render(
-    scene: Scene | str | Path | Mapping[str, Any] = "gloss",
+    scene: Source = "gloss",
     *,
     size: int | tuple[int, int] = 512,
     lobe: int = 4,
@@ -124,12 +127,14 @@ def render(
     the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
-    (0 nothing, 1 floor, 2 + j sphere j, then planes). Raises SceneError, OptionError, and
-    NonFiniteError naming the pixels.
+    (0 nothing, 1 floor, 2 + j sphere j, then planes). Those of radiometric scenes have the layers of ``truth``: the
+    numeric side traces ``lobe`` squared paths a pixel, which draw directions for a sky and for bounces (``importance``
+    by the material alone, else by light and material), the symbolic side is closed forms whatever rule is asked for.
+    Raises SceneError, OptionError, Unsupported, and NonFiniteError naming the pixels.
 
     Keywords are many because each is an option of ``symrender render``, by its name.
     """
-    loaded = load(scene)
+    loaded = load_any(scene)
     width, height = image_size(size)
     limits: dict[str, Any] = {} if max_pixels is None else {"max_pixels": max_pixels}
     settings = Settings(
@@ -158,17 +163,22 @@ def render(
         return carry_out(crew, jobs, loaded)
 
 
-def plan(scene: Scene, settings: Settings) -> tuple[Job, ...]:
+def plan(scene: AnyScene, settings: Settings) -> tuple[Job, ...]:
     """The jobs that make the images ``settings`` ask for; OptionError when they ask for none, or for one unknown."""
-    symbolic = {"strata": "symbolic", "chambers": "truth"}
-    kinds = ["numeric"] if settings.numeric != "none" else []
+    radiometric = isinstance(scene, RadiometricScene)
+    symbolic = dict.fromkeys(("strata", "chambers"), "radiometric")
+    if not radiometric:
+        symbolic = {"strata": "symbolic", "chambers": "truth"}
+    kinds = ["paths" if radiometric else "numeric"] if settings.numeric != "none" else []
     kinds += [symbolic[settings.symbolic]] if settings.symbolic != "none" else []
     if not kinds:
         raise OptionError("numeric, symbolic: at least one must not be 'none'")
+    if isinstance(scene, RadiometricScene) and "radiometric" in kinds:
+        check(radiometric_arrays(scene))
     return tuple(Job.of(kind, scene, settings) for kind in kinds)
 
 
-def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene, finished: Finished | None = None) -> Pair:
+def carry_out(crew: Crew, jobs: Sequence[Job], scene: AnyScene, finished: Finished | None = None) -> Pair:
     """Make the images of ``jobs``, all of ``scene``, with an open ``crew``, and compare them.
 
     ``finished`` is told each image as soon as it stands.
@@ -192,11 +202,27 @@ def carry_out(crew: Crew, jobs: Sequence[Job], scene: Scene, finished: Finished 
     return Pair(images.get("numeric"), images.get("symbolic"), report)
 
 
-def _one(crew: Crew, job: Job, scene: Scene) -> tuple[Image, Timing]:
+def _one(crew: Crew, job: Job, scene: AnyScene) -> tuple[Image, Timing]:
     layers, timing = crew.fill(job)
     check_finite(layers, scene, job.side)
-    describe = _numeric_estimator if job.side == "numeric" else _symbolic_estimator
-    return Image(layers, provenance(scene, job.settings, job.side, describe(job.settings))), timing
+    if isinstance(scene, RadiometricScene):
+        words = _paths(scene, job.settings) if job.side == "numeric" else "closed forms"
+    else:
+        words = _numeric_estimator(job.settings) if job.side == "numeric" else _symbolic_estimator(job.settings)
+    return Image(layers, provenance(scene, job.settings, job.side, words)), timing
+
+
+def _paths(scene: RadiometricScene, settings: Settings) -> str:
+    """What the path tracer draws at random."""
+    drawn = ["point and directional lights exactly"]
+    if any(isinstance(light, Sky) for light in scene.lights):
+        alone = settings.numeric == "importance"
+        drawn.append(
+            "the sky by the material" if alone else "the sky by both itself and the material (balance heuristic)"
+        )
+    if scene.bounces != 0:
+        drawn.append(f"bounces ({scene.bounces}) by the material")
+    return f"paths, {settings.numeric} {settings.lobe}x{settings.lobe}: {', '.join(drawn)}"
 
 
 def _numeric_estimator(settings: Settings) -> str:
@@ -214,7 +240,9 @@ def _symbolic_estimator(settings: Settings) -> str:
     return f"strata {settings.lobe}x{settings.lobe}, {words}, {form}"
 
 
-def _lobes(scene: Scene) -> list[tuple[str, float, float]]:
+def _lobes(scene: AnyScene) -> list[tuple[str, float, float]]:
+    if isinstance(scene, RadiometricScene):
+        return []
     surfaces = [] if scene.floor is None else [("floor", scene.floor.lobe)]
     surfaces += [(f"spheres.{sphere.name}", sphere.lobe) for sphere in scene.spheres]
     surfaces += [(f"planes.{plane.name}", plane.lobe) for plane in scene.planes]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -21,8 +21,10 @@ from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
-from symrender.scene.load import load
-from symrender.scene.scene import Scene
+from symrender.runtimes.radiometric import check
+from symrender.scene.load import AnyScene, Source, in_series, load_any
+from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import Antialias, Settings, split_settings
 from symrender.verify import check_share, verified
 
@@ -31,7 +33,7 @@ STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNS
 
 
 def truth(
-    scene: Scene | str | Path | Mapping[str, Any] = "gloss",
+    scene: Source = "gloss",
     *,
     size: int | tuple[int, int] = 256,
     tol: float = 1e-6,
@@ -60,11 +62,16 @@ def truth(
     leave these out. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its
     centre alone. ``threads``, ``tile`` and ``cluster`` change no byte. ``preview``: a PNG
     file that shows the image while it is made. ``verify`` is a share of the pixels, drawn at random, that brute force
-    makes again (``verify.py``); what it says is the metadata ``verified``. Choose truth whenever an image is to be
+    makes again (``verify.py``); what it says is the metadata ``verified``.
+
+    A radiometric scene with ``bounces: 0`` has closed forms: layers ``radiance`` = ``emitted`` + ``direct`` +
+    ``indirect`` (zero) in W/(m2 sr), ``hit_class`` (1 + j shape j), ``error`` (what rounding may have done) and
+    ``status``; ``disk``, ``aa``, ``budget`` and ``counts`` have no say, textures are read at the pixel's centre.
+    Choose truth whenever an image is to be
     trusted, ``render`` when it is to be quick. Keywords are many because each is an option of ``symrender truth``, by
     its name.
     """
-    loaded = load(scene)
+    loaded = load_any(scene)
     settings = split_settings(
         size,
         tol=tol,
@@ -77,22 +84,29 @@ def truth(
         silhouettes=silhouettes,
     )
     check_share(verify)
+    if verify:
+        in_series(loaded, "verify")
     job = truth_job(loaded, settings)
     shown = None if preview is None else preview_file(preview)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress, preview=shown) as crew:
         image = true_image(crew, job, loaded)
-    return verified(image, loaded, settings, verify, threads) if verify else image
+    return verified(image, in_series(loaded, "verify"), settings, verify, threads) if verify else image
 
 
-def truth_job(scene: Scene, settings: Settings) -> Job:
+def truth_job(scene: AnyScene, settings: Settings) -> Job:
     """The job that makes the image."""
+    if isinstance(scene, RadiometricScene):
+        check(radiometric_arrays(scene))
+        return Job.of("radiometric", scene, settings)
     return Job.of("truth", scene, settings)
 
 
-def true_image(crew: Crew, job: Job, scene: Scene) -> Image:
+def true_image(crew: Crew, job: Job, scene: AnyScene) -> Image:
     """Carry out ``job``, of ``scene``, with an open ``crew``."""
     layers, timing = crew.fill(job)
     check_finite(layers, scene, "truth")
+    if isinstance(scene, RadiometricScene):
+        return Image(layers, provenance(scene, job.settings, "truth", f"closed forms, tol {job.settings.tol:g}"))
     estimator = f"split at the walls, tol {job.settings.tol:g}, {timing.evaluations} evaluations"
     return Image(layers, provenance(scene, job.settings, "truth", estimator))
 

@@ -11,7 +11,7 @@ import pytest
 import symrender as sr
 from symrender.chambers.lobes.record import CORRELATED, SEPARABLE, Conductor
 from symrender.errors import Unsupported
-from symrender.leaves import values
+from symrender.leaves import radiometric, values
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.records import Table, table
 from symrender.scene.arrays import SceneArrays, scene_arrays
@@ -193,9 +193,9 @@ def test_reflectance_is_that_of_complex_amplitudes() -> None:
     for _ in range(300):
         eta, k, cosine = rng.uniform(0.05, 4.0), rng.uniform(0.5, 8.0), rng.uniform(0.0, 1.0)
         expected = fresnel(np.array([cosine]), np.array([eta]), np.array([k]))[0, 0]
-        assert values.conductor_fresnel(cosine * cosine, eta, k) == pytest.approx(expected, rel=1e-11)
+        assert radiometric.conductor_fresnel(cosine, eta, k) == pytest.approx(expected, rel=1e-11)
     for cosine in (0.0, 0.3, 1.0):
-        assert values.conductor_fresnel(cosine * cosine, 0.0, 1.0) == pytest.approx(1.0, abs=1e-15)
+        assert radiometric.conductor_fresnel(cosine, 0.0, 1.0) == pytest.approx(1.0, abs=1e-15)
 
 
 def test_what_is_not_integrated_is_refused_by_name() -> None:

@@ -154,37 +154,36 @@ def ggx_lobe_rows(m: int, alpha: float, cos_view: float, by_cosine: float, by_ro
 def conductor_fresnels_rows(
     m: int, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float, nodes: Nodes,
 ) -> None:
-    """``conductor_fresnel`` of three channels, of the first ``m`` nodes."""
+    """``conductor_fresnel`` of three channels, of cos^2 of the angle of incidence, of the first ``m`` nodes."""
     m = min(m, NODES)
     for i in range(m):
         cosine2 = nodes.chord[i]
-        sine2 = 1.0 - cosine2
-        first = eta_x * eta_x - k_x * k_x - sine2
-        both = math.sqrt(first * first + 4.0 * eta_x * eta_x * k_x * k_x)
-        across = both + cosine2
-        real = math.sqrt(max(0.5 * (both + first), 1e-300))
         cosine = math.sqrt(cosine2)
-        along = 2.0 * real * cosine
-        upright = (across - along) / (across + along)
-        t1 = sine2 * sine2
-        tilted = cosine2 * both + t1
-        mixed = along * sine2
-        t2 = eta_y * eta_y - k_y * k_y - sine2
-        t3 = math.sqrt(t2 * t2 + 4.0 * eta_y * eta_y * k_y * k_y)
-        t4 = t3 + cosine2
-        t5 = math.sqrt(max(0.5 * (t3 + t2), 1e-300))
-        t6 = 2.0 * t5 * cosine
-        t7 = (t4 - t6) / (t4 + t6)
-        t8 = cosine2 * t3 + t1
-        t9 = t6 * sine2
-        t10 = eta_z * eta_z - k_z * k_z - sine2
+        sin2 = (1.0 - cosine) * (1.0 + cosine)
+        square = (eta_x - k_x) * (eta_x + k_x) - sin2
+        size = math.sqrt(square * square + 4.0 * eta_x * eta_x * k_x * k_x)
+        cos2 = cosine * cosine
+        across = size + cos2
+        t1 = 2.0 * cosine
+        twice = t1 * math.sqrt(0.5 * (size + square))
+        upright = (across - twice) / (across + twice)
+        t2 = sin2 * sin2
+        level = cos2 * size + t2
+        tilted = twice * sin2
+        t3 = (eta_y - k_y) * (eta_y + k_y) - sin2
+        t4 = math.sqrt(t3 * t3 + 4.0 * eta_y * eta_y * k_y * k_y)
+        t5 = t4 + cos2
+        t6 = t1 * math.sqrt(0.5 * (t4 + t3))
+        t7 = (t5 - t6) / (t5 + t6)
+        t8 = cos2 * t4 + t2
+        t9 = t6 * sin2
+        t10 = (eta_z - k_z) * (eta_z + k_z) - sin2
         t11 = math.sqrt(t10 * t10 + 4.0 * eta_z * eta_z * k_z * k_z)
-        t12 = t11 + cosine2
-        t13 = math.sqrt(max(0.5 * (t11 + t10), 1e-300))
-        t14 = 2.0 * t13 * cosine
-        t15 = (t12 - t14) / (t12 + t14)
-        t16 = cosine2 * t11 + t1
-        t17 = t14 * sine2
-        nodes.radiance[0, i] *= 0.5 * upright * (1.0 + (tilted - mixed) / (tilted + mixed))
+        t12 = t11 + cos2
+        t13 = t1 * math.sqrt(0.5 * (t11 + t10))
+        t14 = (t12 - t13) / (t12 + t13)
+        t15 = cos2 * t11 + t2
+        t16 = t13 * sin2
+        nodes.radiance[0, i] *= 0.5 * upright * (1.0 + (level - tilted) / (level + tilted))
         nodes.radiance[1, i] *= 0.5 * t7 * (1.0 + (t8 - t9) / (t8 + t9))
-        nodes.radiance[2, i] *= 0.5 * t15 * (1.0 + (t16 - t17) / (t16 + t17))
+        nodes.radiance[2, i] *= 0.5 * t14 * (1.0 + (t15 - t16) / (t15 + t16))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import typer
 
 if TYPE_CHECKING:
-    from symrender.scene.scene import Scene
+    from symrender.scene.load import AnyScene
 
 DEFAULT_SCENE: Final = "gloss"
 Completion = Callable[[typer.Context, str], list[str]]
@@ -18,7 +18,7 @@ def scene_names(incomplete: str) -> list[str]:
     """Gallery scenes."""
     from symrender.scene import gallery
 
-    return [name for name in gallery.names() if name.startswith(incomplete)]
+    return [name for name in gallery.all_names() if name.startswith(incomplete)]
 
 
 def definitions(ctx: typer.Context, incomplete: str) -> list[str]:
@@ -28,8 +28,10 @@ def definitions(ctx: typer.Context, incomplete: str) -> list[str]:
 
 def surfaces(ctx: typer.Context, incomplete: str) -> list[str]:
     """Surfaces of the scene."""
+    from symrender.scene.scene import Scene
+
     scene = _scene(ctx)
-    if scene is None:
+    if not isinstance(scene, Scene):
         return []
     return _starting(incomplete, [*(["floor"] if scene.floor else []), *(f"spheres.{s.name}" for s in scene.spheres)])
 
@@ -62,14 +64,14 @@ def _starting(incomplete: str, names: Iterable[str]) -> list[str]:
     return [name for name in names if name.startswith(incomplete)]
 
 
-def _scene(ctx: typer.Context) -> Scene | None:
+def _scene(ctx: typer.Context) -> AnyScene | None:
     from symrender.errors import SymrenderError
-    from symrender.scene.load import load
+    from symrender.scene.load import load_any
 
     # while a line is being completed, its positional words are still unparsed
     words = [*ctx.args, ctx.params.get("scene") or DEFAULT_SCENE]
     try:
-        return load(words[0])
+        return load_any(words[0])
     except SymrenderError:
         return None
 

@@ -13,6 +13,7 @@ from symrender.errors import OptionError, SceneError
 from symrender.settings import Tonemap
 
 if TYPE_CHECKING:
+    from symrender.scene.load import AnyScene
     from symrender.scene.scene import Scene
 
 IMAGES = (".exr", ".npz", ".png")
@@ -46,18 +47,25 @@ Exposure = Annotated[float, typer.Option("--exposure", help="Stops by which pict
 TonemapOption = Annotated[Tonemap, typer.Option("--tonemap", help="How pictures hold light beyond 1.")]
 
 
-def scene_with(source: str, changes: list[str] | None) -> Scene:
+def any_scene_with(source: str, changes: list[str] | None) -> AnyScene:
     """The scene named ``source`` with ``-D`` changes applied; values are read as YAML, so 64, [3, -3, 2], eye.
 
     An image file that carries its scene is that scene.
     """
-    from symrender.scene.load import load, parse
+    from symrender.scene.load import load_any, parse_any
 
     if Path(source).suffix.lower() in IMAGES:
-        scene = parse(_recipe(source)[0], source)
+        scene = parse_any(_recipe(source)[0], source)
     else:
-        scene = load(source)
+        scene = load_any(source)
     return scene.replace(dict(_change(text) for text in changes)) if changes else scene
+
+
+def scene_with(source: str, changes: list[str] | None, verb: str) -> Scene:
+    """``any_scene_with`` of a scene in units of the series; Unsupported names ``verb`` where it is radiometric."""
+    from symrender.scene.load import in_series
+
+    return in_series(any_scene_with(source, changes), verb)
 
 
 def settings_of(source: str) -> dict[str, Any]:
@@ -82,7 +90,7 @@ def scene_files(source: str) -> list[Path]:
     """The file ``source`` names, if it names one: an input no output may replace."""
     from symrender.scene import gallery
 
-    return [] if source in gallery.names() else [Path(source)]
+    return [] if source in gallery.all_names() else [Path(source)]
 
 
 def parse_size(text: str) -> int | tuple[int, int]:

@@ -89,7 +89,7 @@ def animate(
         insecure_cluster=insecure_cluster,
         journal=Path(out) / JOURNAL,
     )
-    chosen = scene_with(scene, define)
+    chosen = scene_with(scene, define, "animate")
     drawn = around(chosen, orbit) if orbit else frames(chosen, parse_over(over))
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance:
         rows = make(

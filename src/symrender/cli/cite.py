@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from symrender.cli._options import Define, scene_with
+from symrender.cli._options import Define, any_scene_with
 from symrender.version import VERSION
 
 
@@ -20,7 +20,7 @@ def cite(
     """
     note = ""
     if scene:
-        chosen = scene_with(scene, define)
+        chosen = any_scene_with(scene, define)
         note = f"\n  note    = {{Scene {chosen.name}, SHA-256 {chosen.hash}}},"
     typer.echo(
         f"@software{{symrender,\n  title   = {{symrender: the oracle for rendering}},\n"

@@ -62,7 +62,7 @@ def demo(
     Example: symrender demo gloss --out out --open
     """
     begun = time.perf_counter()
-    chosen = scene_with(scene, define)
+    chosen = scene_with(scene, define, "demo")
     folder = make_folder(out)
     for name in FILES:
         check_target(folder / name, force=force, inputs=scene_files(scene))

@@ -31,7 +31,7 @@ def export(
     """
     from symrender.images.output import check_target
 
-    chosen = scene_with(scene, define)
+    chosen = scene_with(scene, define, "export")
     target = Path(out or f"{Path(scene).stem}.{form}")
     for written in (target, target.with_name(f"{target.stem}.vectors.json")):
         check_target(written, force=force, inputs=scene_files(scene))

@@ -25,7 +25,7 @@ def expression(
 
     Example: symrender expression chapter8 --surface floor --latex
     """
-    chosen = scene_with(scene, define)
+    chosen = scene_with(scene, define, "expression")
     from symrender.expression.integrand import expression as integrand
 
     held = integrand(chosen, surface=surface)

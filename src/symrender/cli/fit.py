@@ -37,7 +37,7 @@ def fit(
     """
     from symrender.images.image import read_image
 
-    chosen = scene_with(scene, define)
+    chosen = scene_with(scene, define, "fit")
     if out:
         check_target(out, force=force, inputs=[*scene_files(scene), target])
     image = read_image(target)

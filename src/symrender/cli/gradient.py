@@ -76,7 +76,7 @@ def gradient(
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, max_pixels=max_pixels
     )
-    chosen = scene_with(scene, define)
+    chosen = scene_with(scene, define, "gradient")
     every = components(chosen, names)
     folder = make_folder(out)
     journal = folder / "gradient.journal"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import typer
 
 from symrender.cli._completions import DEFAULT_SCENE
-from symrender.cli._options import Define, Json, SceneArgument, scene_with
+from symrender.cli._options import Define, Json, SceneArgument, any_scene_with
 
 
 def params(scene: SceneArgument = DEFAULT_SCENE, define: Define = None, json: Json = False) -> None:
@@ -15,7 +15,7 @@ def params(scene: SceneArgument = DEFAULT_SCENE, define: Define = None, json: Js
     """
     from symrender.cli._console import show_table
 
-    parameters = scene_with(scene, define).parameters()
+    parameters = any_scene_with(scene, define).parameters()
     if json:
         import json as json_module
         from dataclasses import asdict

@@ -11,23 +11,28 @@ import typer
 from symrender.cli._completions import numbers, surfaces
 from symrender.cli._console import show_json
 from symrender.cli._means import Threads
-from symrender.cli._options import Define, Json, SceneArgument, scene_with
+from symrender.cli._options import Define, Json, SceneArgument, any_scene_with, scene_with
 
 if TYPE_CHECKING:
+    from symrender.scene.load import AnyScene
     from symrender.scene.scene import Scene
 
 
 def probe(
     scene: SceneArgument,
     point: Annotated[
-        list[str],
+        list[str] | None,
         typer.Option(
             "--point",
             "-p",
             metavar="X,Y[,Z]",
             help="X,Y on the floor or of a plane's texture; the unit normal X,Y,Z on a sphere.",
         ),
-    ],
+    ] = None,
+    ray: Annotated[
+        list[str] | None,
+        typer.Option("--ray", metavar="X,Y,Z,DX,DY,DZ", help="Origin and direction, in a radiometric scene."),
+    ] = None,
     surface: Annotated[
         str,
         typer.Option(help="Surface the points are on: floor, spheres.NAME or planes.NAME.", autocompletion=surfaces),
@@ -50,19 +55,19 @@ def probe(
 ) -> None:
     """Print the lobe integral at points of a surface, each with its error; exit 4 if one missed its tolerance.
 
+    Of a radiometric scene it prints the radiance along rays instead.
+
     Example: symrender probe chapter8 -p 1.2,-0.4 -p 0.5,-1.1 --tol 1e-10
     """
     from symrender.errors import OptionError
 
-    points = []
-    for text in point:
-        try:
-            points.append([float(x) for x in text.split(",")])
-        except ValueError:
-            raise OptionError(f"point: must be numbers X,Y or X,Y,Z, got {text!r}") from None
-    if len({len(p) for p in points}) != 1:
-        raise OptionError("point: all points need the same number of coordinates")
-    chosen = scene_with(scene, define)
+    if bool(point) == bool(ray):
+        raise OptionError("point, ray: give points of a surface, or rays through a radiometric scene")
+    if ray:
+        _probe_rays(any_scene_with(scene, define), ray, tol, json=json)
+        return
+    points = _points(point or [])
+    chosen = scene_with(scene, define, "probe --point")
 
     from symrender.cli._progress import progress
     from symrender.execution.first_use import first_use
@@ -115,7 +120,7 @@ def probe(
     if json:
         show_json([row | {"gradient": slope} if names else row for row, slope in zip(rows, slopes, strict=True)])
     else:
-        for text, row, slope in zip(point, rows, slopes, strict=True):
+        for text, row, slope in zip(point or (), rows, slopes, strict=True):
             gloss = " ".join(f"{x:.15g}" for x in row["gloss"])
             typer.echo(
                 f"{text}: {gloss} +- {row['error']:.2g}  {row['status']}, {row['evaluations']} "
@@ -130,6 +135,50 @@ def probe(
                 value = " ".join(f"{x:.15g}" for x in found_slope["value"])
                 typer.echo(f"  d/d {name}: {value} +- {found_slope['error']:.2g}  {found_slope['status']}")
     if (found.status != 0).any() or not all(row.get("enclosed", True) for row in rows):
+        raise typer.Exit(4)
+
+
+def _points(point: list[str]) -> list[list[float]]:
+    from symrender.errors import OptionError
+
+    points = []
+    for text in point:
+        try:
+            points.append([float(x) for x in text.split(",")])
+        except ValueError:
+            raise OptionError(f"point: must be numbers X,Y or X,Y,Z, got {text!r}") from None
+    if len({len(p) for p in points}) != 1:
+        raise OptionError("point: all points need the same number of coordinates")
+    return points
+
+
+def _probe_rays(scene: AnyScene, ray: list[str], tol: float, *, json: bool) -> None:
+    from symrender.errors import OptionError
+    from symrender.probe import probe as probe_scene
+
+    numbers = []
+    for text in ray:
+        try:
+            numbers.append([float(x) for x in text.split(",")])
+        except ValueError:
+            numbers.append([])
+        if len(numbers[-1]) != 6:
+            raise OptionError(f"ray: must be six numbers X,Y,Z,DX,DY,DZ, got {text!r}")
+    found = probe_scene(scene, rays=([n[:3] for n in numbers], [n[3:] for n in numbers]), tol=tol)
+    rows = [
+        {"ray": n, "shape": shape, "radiance": radiance.tolist(), "direct": direct.tolist(),
+         "indirect": indirect.tolist(), "error": float(error), "status": ("met", "capped")[int(status)]}
+        for n, shape, radiance, direct, indirect, error, status in zip(
+            numbers, found.shape, found.radiance, found.direct, found.indirect, found.error, found.status, strict=True
+        )
+    ]  # fmt: skip
+    if json:
+        show_json(rows)
+    else:
+        for text, row, radiance in zip(ray, rows, found.radiance, strict=True):
+            value = " ".join(f"{x:.15g}" for x in radiance)
+            typer.echo(f"{text}: {value} +- {row['error']:.2g} W/(m2 sr)  {row['status']}, {row['shape']}")
+    if found.status.any():
         raise typer.Exit(4)
 
 

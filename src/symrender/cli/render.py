@@ -34,9 +34,9 @@ from symrender.cli._options import (
     Quiet,
     SceneArgument,
     TonemapOption,
+    any_scene_with,
     parse_size,
     scene_files,
-    scene_with,
     settings_of,
 )
 from symrender.cli._progress import ProgressMode, progress
@@ -117,7 +117,7 @@ def render(
         "max_pixels": max_pixels,
     }  # fmt: skip
     settings = Settings(**as_made(asked, settings_of(scene), ctx))
-    chosen = scene_with(scene, define)
+    chosen = any_scene_with(scene, define)
     if not quiet:
         from symrender.scene.warnings import warnings
 
@@ -129,11 +129,12 @@ def render(
 
     jobs = plan(chosen, settings)
     names = [job.side for job in jobs]
+    gloss = "gloss" in jobs[0].empty_layers()
     folder = make_folder(out)
     journal = folder / "render.journal"
     # a journal is left only by a run that was allowed to replace these files
     force = force or (resume and journal.exists())
-    for name in _file_names(names, views=views):
+    for name in _file_names(names, views=views, gloss=gloss):
         check_target(folder / name, force=force, inputs=scene_files(scene))
     means = means_of(
         threads=threads,
@@ -156,9 +157,9 @@ def render(
         ended_by_signals(),
         progress(progress_mode, quiet=quiet) as advance,
         Crew(means, jobs, advance, preview=shown_in(preview)) as crew,
-        _older_files_named(folder, _file_names(names, views=views), written),
+        _older_files_named(folder, _file_names(names, views=views, gloss=gloss), written),
     ):
-        for name in _file_names(names, views=views):
+        for name in _file_names(names, views=views, gloss=gloss):
             remove_leftovers(folder / name)
         pair = carry_out(
             crew,
@@ -199,8 +200,9 @@ def _print_ledger(ledger: Ledger) -> None:
         typer.echo(ledger.text())
 
 
-def _file_names(sides: list[str], *, views: bool) -> list[str]:
-    endings = (".png", ".exr", *(("_gloss.png", "_hit_class.png") if views else ()))
+def _file_names(sides: list[str], *, views: bool, gloss: bool) -> list[str]:
+    shown = ("_gloss.png", "_hit_class.png")[0 if gloss else 1 :]
+    endings = (".png", ".exr", *(shown if views else ()))
     names = [side + ending for side in sides for ending in endings]
     return [*names, "difference.png"] if len(sides) == 2 else names
 
@@ -232,7 +234,8 @@ def _write(
             saved = image.save(folder / f"{side}.png", force=force, exposure=look[0], tonemap=look[1])
             land(f"{side}.png", f"{saved.clipped} of {image.width * image.height} pixels clipped")
             if views:
-                for file, view in (("gloss", gloss_view(image)), ("hit_class", hit_class_view(image))):
+                made = [("gloss", gloss_view(image))] if "gloss" in image.layers else []
+                for file, view in (*made, ("hit_class", hit_class_view(image))):
                     view.save(folder / f"{side}_{file}.png", force=force)
                     land(f"{side}_{file}.png", view.caption)
         finally:

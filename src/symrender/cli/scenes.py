@@ -28,12 +28,12 @@ def scenes(
     Example: symrender scenes --show gloss > mine.yaml
     """
     from symrender.scene import gallery
-    from symrender.scene.load import load
+    from symrender.scene.load import load_any
 
     if show is not None:
-        if show not in gallery.names():
-            guess = did_you_mean(show, gallery.names())
-            raise OptionError(f"show: must be one of {', '.join(gallery.names())}, got {show[:40]!r}{guess}")
+        if show not in gallery.all_names():
+            guess = did_you_mean(show, gallery.all_names())
+            raise OptionError(f"show: must be one of {', '.join(gallery.all_names())}, got {show[:40]!r}{guess}")
         typer.echo(gallery.text(show), nl=False)
     elif keys:
         from symrender.scene.keys import key_tables
@@ -48,8 +48,8 @@ def scenes(
     elif json:
         import json as json_module
 
-        typer.echo(json_module.dumps({name: load(name).description for name in gallery.names()}, indent=2))
+        typer.echo(json_module.dumps({name: load_any(name).description for name in gallery.all_names()}, indent=2))
     else:
-        width = max(map(len, gallery.names()))
-        for name in gallery.names():
-            typer.echo(f"{name.ljust(width)}  {load(name).description}")
+        width = max(map(len, gallery.all_names()))
+        for name in gallery.all_names():
+            typer.echo(f"{name.ljust(width)}  {load_any(name).description}")

@@ -30,7 +30,7 @@ def simulator(
     """
     from symrender.images.output import check_target
 
-    chosen = scene_with(scene, define)
+    chosen = scene_with(scene, define, "simulator")
     if not serve:
         check_target(out, force=force, inputs=scene_files(scene))
     from symrender.simulator.build import simulator_page

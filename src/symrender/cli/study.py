@@ -96,7 +96,7 @@ def study(
     source = scene or ("grazing" if kind == "pitfalls" else "gloss")
     drawn = kind == "convergence" and plot and out is not None
     folder = None if out is None else _folder(out, kind, source, drawn=drawn, force=force)
-    chosen = scene_with(source, define)
+    chosen = scene_with(source, define, "study")
     with progress(progress_mode, quiet=quiet) as advance:
         found, pictures = _measure(kind, chosen, options, advance, drawn=drawn)
     told = {} if folder is None else _write(found, pictures, folder, force=force)

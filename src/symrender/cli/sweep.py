@@ -110,7 +110,7 @@ def sweep(
         insecure_cluster=insecure_cluster,
         journal=Path(out) / JOURNAL,
     )
-    chosen = scene_with(scene, define)
+    chosen = scene_with(scene, define, "sweep")
     with ended_by_signals(), progress(progress_mode, quiet=quiet) as advance:
         rows = make(
             chosen,

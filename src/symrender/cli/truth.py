@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -30,9 +30,9 @@ from symrender.cli._options import (
     Quiet,
     SceneArgument,
     TonemapOption,
+    any_scene_with,
     parse_size,
     scene_files,
-    scene_with,
 )
 from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
@@ -40,7 +40,11 @@ from symrender.limits import MAX_PIXELS
 from symrender.scene.nearest import did_you_mean
 from symrender.settings import Antialias, split_settings
 
+if TYPE_CHECKING:
+    from symrender.scene.load import AnyScene
+
 LAYERS = ("error", "status", "evaluations", "chambers", "crossings")
+RADIOMETRIC_LAYERS = ("error", "status")
 
 
 def truth(
@@ -93,22 +97,17 @@ def truth(
 
     Example: symrender truth chapter8 --size 128 --tol 1e-8 --layers error,crossings --out pictures
     """
-    from symrender.errors import OptionError
+    from symrender.scene.load import in_series
     from symrender.verify import check_share
 
-    wanted = [name for name in layers.split(",") if name]
-    if unknown := sorted(set(wanted) - set(LAYERS)):
-        raise OptionError(
-            f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}{did_you_mean(unknown[0], LAYERS)}"
-        )
-    if uncounted := sorted({"chambers", "crossings"}.intersection(() if counts else wanted)):
-        raise OptionError(f"layers: {uncounted[0]} cannot be written without counts")
+    wanted = _wanted(layers, counts=counts)
     check_share(verify)
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
         silhouettes=silhouettes, max_pixels=max_pixels,
     )  # fmt: skip
-    chosen = scene_with(scene, define)
+    chosen = any_scene_with(scene, define)
+    _refuse_radiometric(chosen, wanted, verify)
     if not quiet:
         from symrender.scene.warnings import warnings
 
@@ -145,7 +144,7 @@ def truth(
     ):
         image = true_image(crew, job, chosen)
         with first_use("verify", advance):
-            receipt = brute_force(image.layers, chosen, settings, verify, threads) if verify else None
+            receipt = brute_force(image.layers, in_series(chosen), settings, verify, threads) if verify else None
         if receipt is not None:
             image = Image(image.layers, {**image.meta, "verified": receipt.json()})
         for name in names[:3]:
@@ -165,10 +164,40 @@ def truth(
         } | ({} if receipt is None else {"verified": asdict(receipt)})
         show_json(report)
     elif not quiet:
-        typer.echo(f"{judged.text()}; units of lobes: {image.meta['convention']}")
+        known = "conventions" in image.meta
+        units = image.meta["units"] if known else f"units of lobes: {image.meta['convention']}"
+        typer.echo(f"{judged.text()}; {units}")
         if receipt is not None:
             typer.echo(receipt.text())
         for name in names:
             typer.echo(f"wrote {folder / name}")
     if not judged.met or (receipt is not None and receipt.contradicted):
         raise typer.Exit(4)
+
+
+def _wanted(layers: str, *, counts: bool) -> list[str]:
+    """The layers that are to be written as pictures too."""
+    from symrender.errors import OptionError
+
+    wanted = [name for name in layers.split(",") if name]
+    if unknown := sorted(set(wanted) - set(LAYERS)):
+        raise OptionError(
+            f"layers: must be of {', '.join(LAYERS)}, got {unknown[0]!r}{did_you_mean(unknown[0], LAYERS)}"
+        )
+    if uncounted := sorted({"chambers", "crossings"}.intersection(() if counts else wanted)):
+        raise OptionError(f"layers: {uncounted[0]} cannot be written without counts")
+    return wanted
+
+
+def _refuse_radiometric(scene: AnyScene, wanted: list[str], verify: float) -> None:
+    """Refuse what only scenes in units of the series have."""
+    from symrender.errors import OptionError
+    from symrender.scene.load import in_series
+    from symrender.scene.radiometric.scene import RadiometricScene
+
+    if not isinstance(scene, RadiometricScene):
+        return
+    if verify:
+        in_series(scene, "verify")
+    if unknown := sorted(set(wanted) - set(RADIOMETRIC_LAYERS)):
+        raise OptionError(f"layers: {unknown[0]} is not a layer of a radiometric scene")

@@ -22,9 +22,10 @@ import numpy as np
 from symrender import version
 from symrender.scene.arrays import Array, scene_arrays
 from symrender.scene.dump import to_yaml
-from symrender.scene.load import parse
+from symrender.scene.load import AnyScene, parse_any
 from symrender.scene.moves import Move
-from symrender.scene.scene import Scene
+from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import Settings
 
 Tile = tuple[int, int, int, int]
@@ -41,15 +42,18 @@ class Kind:
     """Where the kernel of a kind of image comes from, the layers it fills with their channels (1 or 3), and its side.
 
     ``side`` is the pipeline whose image it is where two are compared, ``numeric`` or ``symbolic``. ``each`` are layers
-    filled once for every parameter of a job, under the name ``layer:parameter``.
+    filled once for every parameter of a job, under the name ``layer:parameter``. ``radiometric`` says which scenes it
+    makes an image of.
     """
 
     module: str
     layers: tuple[tuple[str, int], ...]
     side: str = "symbolic"
     each: tuple[tuple[str, int], ...] = ()
+    radiometric: bool = False
 
 
+_RADIOMETRIC: Final = (*((name, 3) for name in ("emitted", "direct", "indirect", "radiance")), ("hit_class", 1))
 _RENDER: Final = (("radiance", 3), ("direct", 3), ("gloss", 3), ("hit_class", 1))
 KINDS: Final[Mapping[str, Kind]] = {
     "numeric": Kind("symrender.numeric.pipeline", _RENDER, "numeric"),
@@ -57,6 +61,10 @@ KINDS: Final[Mapping[str, Kind]] = {
     "truth": Kind(
         "symrender.runtimes.truth",
         (*_RENDER, *((name, 1) for name in ("error", "status", "evaluations", "chambers", "crossings"))),
+    ),
+    "paths": Kind("symrender.numeric.radiometric.pipeline", _RADIOMETRIC, "numeric", radiometric=True),
+    "radiometric": Kind(
+        "symrender.runtimes.radiometric", (*_RADIOMETRIC, ("error", 1), ("status", 1)), radiometric=True
     ),
     "gradient": Kind(
         "symrender.runtimes.gradient",
@@ -85,7 +93,7 @@ class Job:
         return KINDS[self.kind].side
 
     @classmethod
-    def of(cls, kind: str, scene: Scene, settings: Settings, wrt: tuple[Move, ...] = ()) -> Job:
+    def of(cls, kind: str, scene: AnyScene, settings: Settings, wrt: tuple[Move, ...] = ()) -> Job:
         """The job that makes this image."""
         return cls(kind, to_yaml(scene), scene.hash, settings, wrt)
 
@@ -130,7 +138,9 @@ def blocks(layers: Mapping[str, Array], tile: Tile) -> dict[str, Array]:
 def prepared(job: Job) -> TileKernel:
     """Kernel of ``job``, compiled or read from the cache before any clock runs."""
     kind = KINDS[job.kind]
-    what = (scene_arrays(parse(job.scene, "scene")), job.settings, *((job.wrt,) if kind.each else ()))
+    scene = parse_any(job.scene, "scene")
+    arrays = radiometric_arrays(scene) if isinstance(scene, RadiometricScene) else scene_arrays(scene)
+    what = (arrays, job.settings, *((job.wrt,) if kind.each else ()))
     kernel: TileKernel = importlib.import_module(kind.module).prepare(*what)
     # an empty tile is what makes the runtime compile
     kernel(0, 0, 0, 0, _zeros(job, 1, 1))

@@ -7,12 +7,14 @@ from dataclasses import asdict
 
 from symrender.execution.jobs import CHANGES_NO_BYTE
 from symrender.scene.dump import to_yaml
+from symrender.scene.load import AnyScene
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
 from symrender.version import VERSION
 
 
-def provenance(scene: Scene, settings: Settings, method: str, estimator: str) -> dict[str, str]:
+def provenance(scene: AnyScene, settings: Settings, method: str, estimator: str) -> dict[str, str]:
     """Metadata of an image of ``scene``: the scene as text, the settings that decide its bytes, method and units."""
     decisive = {name: value for name, value in asdict(settings).items() if name not in CHANGES_NO_BYTE}
     return {
@@ -24,6 +26,24 @@ def provenance(scene: Scene, settings: Settings, method: str, estimator: str) ->
         "seed": str(settings.seed),
         "version": VERSION,
         "estimator": estimator,
-        "units": "scene radiance, linear RGB",
-        "convention": scene.shading.lobe_units,
+        **(_conventions(scene) if isinstance(scene, RadiometricScene) else _series(scene)),
     }
+
+
+def _series(scene: Scene) -> dict[str, str]:
+    return {"units": "scene radiance, linear RGB", "convention": scene.shading.lobe_units}
+
+
+def _conventions(scene: RadiometricScene) -> dict[str, str]:
+    """What an image of another renderer must share to be compared with one of ``scene``."""
+    said = {
+        "bounces": scene.bounces,
+        "filter": "centre",
+        "lights": "point intensity/r^2, directional irradiance, sky radiance",
+        "materials": {
+            name: material.model_dump(include={"type", "distribution", "masking", "g1", "two_sided"})
+            for name, material in scene.materials.items()
+        },
+    }
+    units = "radiance, W/(m2 sr), linear RGB channel by channel"
+    return {"units": units, "convention": "radiometric", "conventions": json.dumps(said, sort_keys=True)}

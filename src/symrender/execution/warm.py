@@ -59,11 +59,12 @@ def second_beside(jobs: Sequence[Job], progress: Progress | None = None) -> Iter
 
 def compile_kind(kind: str, disk: str) -> None:
     """Compile all an image of ``kind`` needs, into the cache, by making a tiny one."""
-    from symrender.scene.load import load
+    from symrender.scene.load import load_any
 
     both = Settings(width=_SIDE, height=_SIDE, lobe=1, disk=disk, tol=1e-2)
     settings = both if KINDS[kind].side == "numeric" else replace(both, numeric="none")
-    compute(Job.of(kind, load("chapter8"), settings), (0, 0, _SIDE, _SIDE))
+    scene = load_any("metal" if KINDS[kind].radiometric else "chapter8")
+    compute(Job.of(kind, scene, settings), (0, 0, _SIDE, _SIDE))
 
 
 def _compiled_mark(kind: str) -> Path | None:

@@ -104,6 +104,11 @@ def expm1(x: Real) -> Real:
     return _of("expm1", x, math.expm1)
 
 
+def erf(x: Real) -> Real:
+    """The error function, 2/sqrt(pi) int_0^x exp(-t^2) dt."""
+    return _of("erf", x, math.erf)
+
+
 def length(square: Real) -> Real:
     """The root of a sum of squares; of one below ``LEAST`` that of ``LEAST``, whose slope is finite."""
     match kind_of(square):

@@ -233,7 +233,7 @@ def expression(scene: Any = "gloss", *, surface: str = "floor", disk_order: int 
     """
     from symrender.scene.load import load
 
-    loaded = load(scene)
+    loaded = load(scene, "expression")
     found = _lobe(loaded, surface)
     table = parameter_table(loaded)
     eye = table.vector("camera.eye")

@@ -52,6 +52,8 @@ def slopes_of(node: Node) -> list[tuple[Node, Node]]:
             return [(of[0], 1.0 / (1.0 + of[0]))]
         case "expm1":
             return [(of[0], 1.0 + node)]
+        case "erf":
+            return [(of[0], 1.1283791670955126 * (-(of[0] * of[0])).exp())]
         case "gleam":
             call = tape.node("gleam_slopes", *of)
             return [(of[0], tape.part(call, 1)), (of[1], tape.part(call, 2))]

@@ -17,7 +17,22 @@ from symrender.expression.leaf import Leaf
 from symrender.expression.vectors import Vec3
 
 UNARY: Final = frozenset(
-    ["neg", "sqrt", "length", "positive", "sin", "cos", "tan", "asin", "arc_cosine", "exp", "log", "log1p", "expm1"]
+    [
+        "neg",
+        "sqrt",
+        "length",
+        "positive",
+        "sin",
+        "cos",
+        "tan",
+        "asin",
+        "arc_cosine",
+        "exp",
+        "log",
+        "log1p",
+        "expm1",
+        "erf",
+    ]
 ) | {"clamp"}
 """Functions of one number; their meaning and their guards are those of ``expression/elementary.py``."""
 _FORMULAS: Final = "symrender.expression.formulas."

@@ -290,7 +290,7 @@ def brdf_normaliser(exponent: float) -> float:
 
 @inlined
 def smith_root(cosine: float, alpha: float) -> float:
-    """sqrt(alpha^2 + (1 - alpha^2) cos^2), which with cos makes Smith's G1 = 2 cos/(cos + root) of GGX."""
+    """sqrt(alpha^2 + (1 - alpha^2) cos^2), by which GGX masks."""
     return math.sqrt(max(alpha * alpha + (1.0 - alpha) * (1.0 + alpha) * cosine * cosine, 1e-300))
 
 
@@ -321,56 +321,39 @@ def ggx_most(square: float, alpha: float, by_cosine: float, by_root: float) -> f
 
 
 @inlined
-def conductor_fresnel(cosine2: float, eta: float, k: float) -> float:
-    """Mean reflectance of both polarisations of a conductor eta - i k, of cos^2 of the angle of incidence."""
-    sine2 = 1.0 - cosine2
-    first = eta * eta - k * k - sine2
-    both = math.sqrt(first * first + 4.0 * eta * eta * k * k)
-    across = both + cosine2
-    real = math.sqrt(max(0.5 * (both + first), 1e-300))
-    cosine = math.sqrt(cosine2)
-    along = 2.0 * real * cosine
-    upright = (across - along) / (across + along)
-    tilted = cosine2 * both + sine2 * sine2
-    mixed = along * sine2
-    return 0.5 * upright * (1.0 + (tilted - mixed) / (tilted + mixed))
-
-
-@inlined
 def conductor_fresnels(
     cosine2: float, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float,
 ) -> tuple[float, float, float]:
-    """``conductor_fresnel`` of three channels."""
-    sine2 = 1.0 - cosine2
-    first = eta_x * eta_x - k_x * k_x - sine2
-    both = math.sqrt(first * first + 4.0 * eta_x * eta_x * k_x * k_x)
-    across = both + cosine2
-    real = math.sqrt(max(0.5 * (both + first), 1e-300))
+    """``conductor_fresnel`` of three channels, of cos^2 of the angle of incidence."""
     cosine = math.sqrt(cosine2)
-    along = 2.0 * real * cosine
-    upright = (across - along) / (across + along)
-    t1 = sine2 * sine2
-    tilted = cosine2 * both + t1
-    mixed = along * sine2
-    t2 = eta_y * eta_y - k_y * k_y - sine2
-    t3 = math.sqrt(t2 * t2 + 4.0 * eta_y * eta_y * k_y * k_y)
-    t4 = t3 + cosine2
-    t5 = math.sqrt(max(0.5 * (t3 + t2), 1e-300))
-    t6 = 2.0 * t5 * cosine
-    t7 = (t4 - t6) / (t4 + t6)
-    t8 = cosine2 * t3 + t1
-    t9 = t6 * sine2
-    t10 = eta_z * eta_z - k_z * k_z - sine2
+    sin2 = (1.0 - cosine) * (1.0 + cosine)
+    square = (eta_x - k_x) * (eta_x + k_x) - sin2
+    size = math.sqrt(square * square + 4.0 * eta_x * eta_x * k_x * k_x)
+    cos2 = cosine * cosine
+    across = size + cos2
+    t1 = 2.0 * cosine
+    twice = t1 * math.sqrt(0.5 * (size + square))
+    upright = (across - twice) / (across + twice)
+    t2 = sin2 * sin2
+    level = cos2 * size + t2
+    tilted = twice * sin2
+    t3 = (eta_y - k_y) * (eta_y + k_y) - sin2
+    t4 = math.sqrt(t3 * t3 + 4.0 * eta_y * eta_y * k_y * k_y)
+    t5 = t4 + cos2
+    t6 = t1 * math.sqrt(0.5 * (t4 + t3))
+    t7 = (t5 - t6) / (t5 + t6)
+    t8 = cos2 * t4 + t2
+    t9 = t6 * sin2
+    t10 = (eta_z - k_z) * (eta_z + k_z) - sin2
     t11 = math.sqrt(t10 * t10 + 4.0 * eta_z * eta_z * k_z * k_z)
-    t12 = t11 + cosine2
-    t13 = math.sqrt(max(0.5 * (t11 + t10), 1e-300))
-    t14 = 2.0 * t13 * cosine
-    t15 = (t12 - t14) / (t12 + t14)
-    t16 = cosine2 * t11 + t1
-    t17 = t14 * sine2
+    t12 = t11 + cos2
+    t13 = t1 * math.sqrt(0.5 * (t11 + t10))
+    t14 = (t12 - t13) / (t12 + t13)
+    t15 = cos2 * t11 + t2
+    t16 = t13 * sin2
     return (
-        0.5 * upright * (1.0 + (tilted - mixed) / (tilted + mixed)), 0.5 * t7 * (1.0 + (t8 - t9) / (t8 + t9)),
-        0.5 * t15 * (1.0 + (t16 - t17) / (t16 + t17)),
+        0.5 * upright * (1.0 + (level - tilted) / (level + tilted)), 0.5 * t7 * (1.0 + (t8 - t9) / (t8 + t9)),
+        0.5 * t14 * (1.0 + (t15 - t16) / (t15 + t16)),
     )
 
 

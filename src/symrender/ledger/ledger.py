@@ -20,7 +20,7 @@ from symrender.ledger.tables import html_table, number, plain_table, rich_table
 if TYPE_CHECKING:
     from rich.console import Group
 
-COMPARED: Final = ("radiance", "direct", "gloss")
+COMPARED: Final = ("radiance", "direct", "gloss", "indirect")
 """Layers a ledger compares, where both images have them."""
 
 

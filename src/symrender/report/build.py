@@ -75,7 +75,7 @@ def report(
     beside another shape is. ``finished(name, image)`` is told ``numeric``, ``symbolic`` and ``truth`` as they stand.
     The rest is as in ``render``. Keywords are many because each is an option of ``symrender demo``, by its name.
     """
-    loaded = load(scene)
+    loaded = load(scene, "report")
     settings = demo_settings(size, lobe, estimators, silhouettes, disk, seed, threads)
     made = page_of(demo(loaded, settings, tol=tol, seconds=seconds, progress=progress, finished=finished))
     if path is not None:

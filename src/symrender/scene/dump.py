@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from symrender.scene.scene import Scene
+from symrender.scene.values import Part
 
 
 def _quoted(text: str) -> str:
@@ -37,7 +37,7 @@ def _lines(data: dict[str, Any]) -> Iterator[str]:
         if isinstance(value, dict):
             yield f"{key}:"
             yield from (f"  {name}: {_flow(entry)}" for name, entry in value.items())
-        elif key in ("spheres", "lights") and value:
+        elif key in ("spheres", "shapes", "lights") and value:
             yield f"{key}:"
             for part in value:
                 for count, (name, entry) in enumerate(part.items()):
@@ -46,11 +46,11 @@ def _lines(data: dict[str, Any]) -> Iterator[str]:
             yield f"{key}: {_flow(value)}"
 
 
-def to_yaml(scene: Scene) -> str:
+def to_yaml(scene: Part) -> str:
     """``scene`` as YAML, every value written out; loading it gives an equal scene with equal bits."""
     return "\n".join(_lines(scene.model_dump(mode="python"))) + "\n"
 
 
-def to_json(scene: Scene) -> str:
+def to_json(scene: Part) -> str:
     """``scene`` as JSON, every value written out; loading it gives an equal scene with equal bits."""
     return json.dumps(scene.model_dump(mode="python"), indent=2, ensure_ascii=True, allow_nan=False) + "\n"

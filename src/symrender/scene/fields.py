@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from types import UnionType
-from typing import Any, Union, get_args, get_origin
+from typing import Any, Final, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
 from symrender.scene.document import Path
 from symrender.scene.values import Part
+
+KEY: Final = "[key]"
+"""Step of a pydantic location that says a key is wrong, not what it holds."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,12 @@ def item(info: FieldInfo, index: int = 0) -> FieldInfo | None:
     return FieldInfo.from_annotation(args[index]) if 0 <= index < len(args) else None
 
 
+def entry(info: FieldInfo) -> FieldInfo | None:
+    """What a field that holds a mapping by name holds under each name, or None if it is no such field."""
+    args = get_args(info.annotation)
+    return FieldInfo.from_annotation(args[1]) if get_origin(info.annotation) is dict else None
+
+
 def length(info: FieldInfo) -> int | None:
     """Number of elements of a field that holds a vector, else None."""
     args = get_args(info.annotation)
@@ -56,7 +65,7 @@ def tag(model: type[Part]) -> str:
 
 def choices(info: FieldInfo) -> tuple[str, ...]:
     """What a field of named choices accepts; empty for any other field."""
-    return tuple(str(arg) for arg in get_args(info.annotation) if isinstance(arg, str))
+    return tuple(str(arg) for arg in get_args(info.annotation) if isinstance(arg, str | int))
 
 
 def number_range(info: FieldInfo) -> NumberRange | None:
@@ -88,8 +97,12 @@ def locate(root: type[Part], loc: Path) -> tuple[Path, FieldInfo | None, tuple[t
         if len(here) > 1:
             here = tuple(model for model in here if tag(model) == step)
             continue
+        if step == KEY:
+            continue
         path = (*path, step)
-        if isinstance(step, int):
+        if info is not None and (held := entry(info)) is not None:
+            info = held
+        elif isinstance(step, int):
             info = item(info, step) if info else None
         else:
             info = here[0].model_fields.get(step) if here else None

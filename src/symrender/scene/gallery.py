@@ -11,12 +11,27 @@ def _folder() -> Traversable:
 
 
 def names() -> tuple[str, ...]:
-    """Names of the gallery scenes, in alphabetical order."""
-    return tuple(sorted(f.name.removesuffix(".yaml") for f in _folder().iterdir() if f.name.endswith(".yaml")))
+    """Names of the gallery scenes in units of the series, in alphabetical order."""
+    return _listed(_folder())
+
+
+def radiometric_names() -> tuple[str, ...]:
+    """Names of the radiometric gallery scenes, in alphabetical order."""
+    return _listed(_folder() / "radiometric")
+
+
+def all_names() -> tuple[str, ...]:
+    """Names of all gallery scenes, those in units of the series first."""
+    return names() + radiometric_names()
 
 
 def text(name: str) -> str:
     """The YAML text of gallery scene ``name``; KeyError if there is none."""
-    if name not in names():
+    if name not in all_names():
         raise KeyError(name)
-    return (_folder() / f"{name}.yaml").read_text(encoding="utf-8")
+    folder = _folder() if name in names() else _folder() / "radiometric"
+    return (folder / f"{name}.yaml").read_text(encoding="utf-8")
+
+
+def _listed(folder: Traversable) -> tuple[str, ...]:
+    return tuple(sorted(f.name.removesuffix(".yaml") for f in folder.iterdir() if f.name.endswith(".yaml")))

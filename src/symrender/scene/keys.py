@@ -10,7 +10,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from symrender.limits import MIN_LENGTH
-from symrender.scene.fields import choices, item, length, models, number_range, tag
+from symrender.scene.fields import choices, entry, item, length, models, number_range, tag
+from symrender.scene.radiometric.materials import Solid
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.scene import Scene
 from symrender.scene.values import Part
 from symrender.scene.wording import number_text
@@ -20,19 +22,30 @@ _UNBOUNDED: Final = 1e9
 
 
 def key_tables() -> str:
-    """Markdown: a heading and a table for the scene and each of its parts, in the order they are met."""
+    """Markdown: a heading and a table for the scene and each of its parts, in the order they are met.
+
+    Scenes in units of the series come first, then, under a heading of their own, what radiometric ones have that those
+    have not.
+    """
     first: dict[type[Part], str] = {}
-    tables = []
-    for path, model in _parts("", Scene):
-        tables.append(_table(path, model, first.get(model, "")))
+    return "\n\n".join([*_tables(Scene, first), "## Radiometric scenes", *_tables(RadiometricScene, first)])
+
+
+def _tables(root: type[Part], first: dict[type[Part], str]) -> Iterator[str]:
+    before = dict(first)
+    for path, model in _parts("", root):
+        if before.get(model) != path:
+            yield _table(path, model, first.get(model, ""))
         first.setdefault(model, path)
-    return "\n\n".join(tables)
 
 
 def _parts(path: str, model: type[Part]) -> Iterator[tuple[str, type[Part]]]:
     yield path, model
     for key, info in model.model_fields.items():
         inner = item(info)
+        if (named := entry(info)) is not None:
+            for part in models(named):
+                yield from _parts(f"{path}.{key}.NAME".lstrip("."), part)
         held = models(info) or (models(inner) if inner is not None and length(info) is None else ())
         for part in held:
             yield from _parts(f"{path}.{key}".lstrip(".") + ("[]" if inner is not None else ""), part)
@@ -63,6 +76,8 @@ def _text(value: Any) -> str:
     match value:
         case None:
             return "null"
+        case Solid():
+            return _text(value.color)
         case bool():
             return str(value).lower()
         case Part():
@@ -84,6 +99,8 @@ def _accepts(info: FieldInfo) -> str:
         return f"{count} numbers, {_range(inner)}"
     if names := choices(info):
         return ", ".join(f"`{name}`" for name in names)
+    if (named := entry(info)) is not None:
+        return f"a mapping of names to mappings with `type` {', '.join(f'`{tag(model)}`' for model in models(named))}"
     if held := models(info) or (models(inner) if inner is not None else ()):
         kinds = ", ".join(f"`{tag(model)}`" for model in held if tag(model))
         words = "a list of mappings" if inner is not None else "a mapping"

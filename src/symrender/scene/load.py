@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import PurePath
 from typing import Any, Final
 
-from symrender.errors import SceneError
+from symrender.errors import SceneError, Unsupported
 from symrender.scene import gallery
 from symrender.scene.document import Document, Malformed, Path, Problem, failure
 from symrender.scene.nearest import did_you_mean
@@ -16,6 +16,7 @@ from symrender.scene.parse_toml import parse_toml
 from symrender.scene.parse_yaml import parse_yaml
 from symrender.scene.plain import plain
 from symrender.scene.printable import printable, shown
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.read import read_file, read_stdin
 from symrender.scene.scene import Scene
 from symrender.scene.validate import validated
@@ -30,10 +31,16 @@ _PARSERS: Final[Mapping[str, tuple[str, Parser]]] = {
 }
 
 
-def parse(text: str, origin: str, suffix: str = ".yaml") -> Scene:
-    """The scene in ``text``, read as the file ending ``suffix`` says; ``origin`` is what messages call it.
+AnyScene = Scene | RadiometricScene
+Source = Scene | RadiometricScene | str | os.PathLike[str] | Mapping[str, Any]
 
-    Raises SceneError, one line per problem, the first of them complete in itself.
+_ROOTS: Final[Mapping[str, type[Scene] | type[RadiometricScene]]] = {"series": Scene, "radiometric": RadiometricScene}
+
+
+def parse_any(text: str, origin: str, suffix: str = ".yaml") -> AnyScene:
+    """The scene in ``text``, of either units, read as the file ending ``suffix`` says.
+
+    ``origin`` is what messages call it. Raises SceneError, one line per problem, the first of them complete in itself.
     """
     language, parser = _PARSERS[suffix]
     try:
@@ -45,39 +52,69 @@ def parse(text: str, origin: str, suffix: str = ".yaml") -> Scene:
         read = "nothing" if data in (None, {}) else shown(data)
         wanted = f"must be a mapping with a camera, spheres and lights, got {read} (read as {language})"
         raise failure(Document(None, origin), [Problem((), wanted, lines.get((), 1))])
-    return validated(Scene, document)
+    return _scene_of(document)
 
 
-def _load_file(path: str) -> Scene:
+def parse(text: str, origin: str, suffix: str = ".yaml", verb: str = "") -> Scene:
+    """``parse_any`` of a scene in units of the series; others are refused as ``load`` refuses them."""
+    return in_series(parse_any(text, origin, suffix), verb)
+
+
+def _scene_of(document: Document) -> AnyScene:
+    """The scene a document describes, as its ``units`` say: series, which need not be said, or radiometric."""
+    units = document.data.get("units", "series")
+    root = _ROOTS.get(units) if isinstance(units, str) else None
+    if root is None:
+        raise failure(document, [Problem(("units",), f"must be {' or '.join(_ROOTS)}, got {shown(units)}")])
+    if root is Scene and "units" in document.data:
+        data = {key: value for key, value in document.data.items() if key != "units"}
+        document = Document(data, document.origin, document.lines, document.labels)
+    return validated(root, document)
+
+
+def _load_file(path: str) -> AnyScene:
     suffix = PurePath(path).suffix.lower()
     if suffix not in _PARSERS:
-        known = gallery.names()
+        known = gallery.all_names()
         guess = did_you_mean(path, known) or f", known are {', '.join(known)}"
         endings = ", ".join(_PARSERS)
         raise SceneError(f"{printable(path, 100)}: neither a file ending in {endings} nor a gallery scene{guess}")
-    return parse(read_file(path), path, suffix)
+    return parse_any(read_file(path), path, suffix)
 
 
-def load(source: Scene | str | os.PathLike[str] | Mapping[str, Any]) -> Scene:
-    """The scene ``source`` names or holds.
+def load_any(source: Source) -> AnyScene:
+    """The scene ``source`` names or holds, a ``Scene`` in units of the series or a ``RadiometricScene``.
 
     A text that is the name of a gallery scene (``"gloss"``) is that scene, ``"-"`` is YAML from standard input, any
     other text and every path object is a file, read as YAML, JSON or TOML by its ending. A mapping is a scene with
-    the keys of a file, and a Scene is returned as it is.
+    the keys of a file, and a scene is returned as it is.
 
     Raises SceneError: ``scene.yaml:12: spheres[1].radius: must be > 0 and finite, got -1``; more problems follow on
     lines of their own. Files are refused beyond 1 MiB, 32 levels or 50000 keys and items, and YAML beyond plain data
     (tags, anchors, aliases, merge keys, several documents); numbers are those of YAML 1.2, all of them finite.
     """
-    if isinstance(source, Scene):
+    if isinstance(source, Scene | RadiometricScene):
         return source
     if isinstance(source, Mapping):
-        return validated(Scene, Document(plain(source)))
+        return _scene_of(Document(plain(source)))
     if isinstance(source, str):
-        if source in gallery.names():
-            return parse(gallery.text(source), source)
-        return parse(read_stdin(), "stdin") if source == "-" else _load_file(source)
+        if source in gallery.all_names():
+            return parse_any(gallery.text(source), source)
+        return parse_any(read_stdin(), "stdin") if source == "-" else _load_file(source)
     if isinstance(source, os.PathLike):
         path = os.fspath(source)
         return _load_file(path if isinstance(path, str) else os.fsdecode(path))
     raise SceneError(f"scene: must be a name, a path, a mapping or a Scene, got {shown(source)}")
+
+
+def load(source: Source, verb: str = "") -> Scene:
+    """``load_any`` of a scene in units of the series; ``Unsupported`` names ``verb`` where the scene is radiometric."""
+    return in_series(load_any(source), verb)
+
+
+def in_series(scene: AnyScene, verb: str = "") -> Scene:
+    """``scene``, or ``Unsupported`` naming it and ``verb`` where it is radiometric."""
+    if isinstance(scene, RadiometricScene):
+        what = f"{verb}: does not know" if verb else "this does not know"
+        raise Unsupported(f"{what} radiometric scenes yet ({printable(scene.name)}); render, truth and probe do")
+    return scene

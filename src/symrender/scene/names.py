@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from symrender.errors import SceneError
 from symrender.scene.document import Path
-from symrender.scene.fields import item, length, models, number_range, tag
+from symrender.scene.fields import entry, item, length, models, number_range, tag
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.plain import plain
 from symrender.scene.printable import printable
@@ -65,13 +65,15 @@ def _step(
     root: type[Part], info: FieldInfo | None, value: Any, step: str | int
 ) -> tuple[str | int | None, FieldInfo | None, list[str]]:
     """One step down from ``value``: key or index (None if there is none), its field, the names there are."""
+    if info is not None and isinstance(value, dict) and (held := entry(info)) is not None:
+        return (step, held, list(value)) if step in value else (None, None, list(value))
     if isinstance(value, list | tuple):
         assert info is not None
         if axes := letters(info):
             index = axes.find(step) if isinstance(step, str) and len(step) == 1 else step
             known = list(axes)
         else:
-            known = [str(entry.get("name", "")) if isinstance(entry, dict) else "" for entry in value]
+            known = [str(part.get("name", "")) if isinstance(part, dict) else "" for part in value]
             index = known.index(step) if step in known else step
         if not isinstance(index, int) or not 0 <= index < len(value):
             return None, None, known

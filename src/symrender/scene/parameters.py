@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from symrender.scene.fields import item, number_range
+from symrender.scene.fields import entry, item, number_range
 from symrender.scene.names import letters, resolve
 from symrender.scene.values import Part
 
@@ -18,7 +18,8 @@ from symrender.scene.values import Part
 class Parameter:
     """One real number of a scene.
 
-    ``unit`` is ``length``, ``radiance`` (both in scene units), ``rad``, ``degree``, ``half-periods`` or ``1``;
+    ``unit`` is ``length``, ``radiance`` (both in scene units), ``rad``, ``degree``, ``half-periods`` or ``1``, in
+    radiometric scenes also ``W/sr``, ``W/m2`` and ``W/m2/sr``, and lengths are metres;
     ``low`` and ``high`` bound the values accepted, both included but for ``degree``, which excludes them.
     """
 
@@ -50,11 +51,14 @@ def _walk(prefix: str, info: FieldInfo | None, value: Any, description: str) -> 
         for key, field in type(value).model_fields.items():
             name = f"{prefix}.{key}" if prefix else key
             yield from _walk(name, field, getattr(value, key), field.description or "")
+    elif info is not None and isinstance(value, dict):
+        for name, part in value.items():
+            yield from _walk(f"{prefix}.{name}", entry(info), part, description)
     elif info is not None and isinstance(value, tuple):
         axes = letters(info)
-        for index, entry in enumerate(value):
-            step = axes[index] if axes else entry.name
-            yield from _walk(f"{prefix}.{step}", item(info, index), entry, description)
+        for index, part in enumerate(value):
+            step = axes[index] if axes else part.name
+            yield from _walk(f"{prefix}.{step}", item(info, index), part, description)
     elif info is not None and (bounds := number_range(info)) is not None:
         yield Parameter(prefix, value, bounds.unit, bounds.low, bounds.high, description)
 
@@ -71,5 +75,5 @@ def get(scene: Part, name: str) -> Any:
     """
     value: Any = scene
     for step in resolve(type(scene), scene.model_dump(mode="python"), name)[0]:
-        value = value[step] if isinstance(step, int) else getattr(value, step)
+        value = value[step] if isinstance(step, int) or isinstance(value, dict) else getattr(value, step)
     return value

@@ -21,8 +21,12 @@ MOST_LISTED: Final = 20
 
 
 def _at(data: Any, path: Path) -> Any:
+    """What stands at ``path``, or the last thing on the way: a number may stand for a part or a vector."""
     for step in path:
-        data = data[step]
+        try:
+            data = data[step]
+        except (KeyError, IndexError, TypeError):
+            break
     return data
 
 

@@ -44,6 +44,21 @@ def at_most(limit: int) -> Callable[[Any], Any]:
     return check
 
 
+class Held(dict[str, Any]):
+    """A mapping of a scene: it can be read, compared and hashed, and not changed."""
+
+    def _refuse(self, *_: Any, **__: Any) -> Any:
+        raise TypeError("a scene is not changed in place, replace() makes another")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
+
+    def __reduce__(self) -> tuple[type[Held], tuple[dict[str, Any]]]:
+        return Held, (dict(self),)
+
+
 Coordinate = Annotated[float, Field(ge=-MAX_COORDINATE, le=MAX_COORDINATE, json_schema_extra={"unit": "length"})]
 Length = Annotated[float, Field(ge=MIN_LENGTH, le=MAX_COORDINATE, json_schema_extra={"unit": "length"})]
 Extent = Annotated[float, Field(ge=0, le=MAX_COORDINATE, json_schema_extra={"unit": "length"})]

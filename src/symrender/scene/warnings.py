@@ -6,6 +6,9 @@ import math
 from collections.abc import Iterator
 
 from symrender.scene.directions import along
+from symrender.scene.load import AnyScene
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.warnings import radiometric_warnings
 from symrender.scene.scene import Scene
 from symrender.scene.shape import Plane, Sphere
 
@@ -94,6 +97,8 @@ def _same_planes(scene: Scene) -> Iterator[str]:
                 yield f"planes.{plane.name} lies in {name}: rounding decides which of them is seen"
 
 
-def warnings(scene: Scene) -> tuple[str, ...]:
+def warnings(scene: AnyScene) -> tuple[str, ...]:
     """One line for each oddity of ``scene``, naming its part: camera, lights, shapes, in this order."""
+    if isinstance(scene, RadiometricScene):
+        return radiometric_warnings(scene)
     return (*_camera(scene), *_lights(scene), *_shapes(scene))

@@ -7,7 +7,7 @@ from typing import Any, Final
 from pydantic.fields import FieldInfo
 
 from symrender.limits import MIN_LENGTH
-from symrender.scene.fields import NumberRange, choices, length, models, number_range, tag
+from symrender.scene.fields import NumberRange, choices, entry, length, models, number_range, tag
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.printable import printable, shown
 from symrender.scene.values import Part
@@ -55,6 +55,8 @@ def expected(info: FieldInfo, value: Any, name: str | int = "") -> str:
         return "must be text"
     if names := choices(info):
         return f"must be {' or '.join(names)}"
+    if entry(info) is not None:
+        return "must be a mapping of names to mappings"
     if models(info):
         return "must be a mapping" + ("" if info.is_required() or info.default is not None else " or null")
     return "must be a list"

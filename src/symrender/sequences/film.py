@@ -46,7 +46,7 @@ def animate(
     """
     if bool(over) == bool(orbit):
         raise OptionError("over, orbit: give exactly one of them")
-    chosen = load(scene)
+    chosen = load(scene, "animate")
     width, height = image_size(size)
     sides = {"numeric": "none"} if pipeline == "symbolic" else {"symbolic": "none"}
     named: dict[str, Any] = {**ESTIMATORS["best"], **sides}

@@ -88,7 +88,7 @@ def simulator(scene: Scene | str | Path | dict[str, Any], path: str | Path | Non
     surfaces or ``MAX_SIMULATOR_LIGHT_POINTS`` light points (a disk counts four) and for lobes in BRDF units, and
     ``OutputError`` when the file cannot be written.
     """
-    chosen = load(scene)
+    chosen = load(scene, "simulator")
     made = simulator_page(chosen)
     if path is not None:
         made.save(path)

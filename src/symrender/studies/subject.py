@@ -132,7 +132,7 @@ def subject(
     """
     if surface not in ("floor", "all"):
         raise OptionError(f"surface: must be floor or all, got {surface!r}")
-    loaded = load(scene)
+    loaded = load(scene, "study")
     refuse_planes(loaded, "study")
     if surface == "floor":
         loaded = loaded.replace(

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Final
 
-from symrender.expression.formulas.every import LEAVES
+from symrender.expression.formulas.every import LEAVES, RADIOMETRIC
 from symrender.expression.leaf import Leaf
 from symrender.targets import leaf_braces, leaf_python
 
@@ -26,6 +26,9 @@ def texts() -> dict[Path, str]:
     pages = [leaf for leaf in leaves if leaf.pages]
     return {
         _ROOT / "leaves" / "values.py": _python("Formulas as scalar functions.", _each(leaf_python.value, leaves)),
+        _ROOT / "leaves" / "radiometric.py": _python(
+            "Formulas of radiometric scenes as scalar functions.", _each(leaf_python.value, RADIOMETRIC.values())
+        ),
         _ROOT / "leaves" / "slopes.py": _python(
             "Formulas with their slopes: a row for every result.",
             _each(leaf_python.slopes, (x for x in leaves if x.slopes)),

@@ -14,7 +14,10 @@ from symrender.kernel.tape import Node, Tape, trace
 from symrender.targets.leaf_text import ATOM, Scribe
 
 _CALLS: Final = {
-    **{name: f"math.{name}({{}})" for name in ("sqrt", "sin", "cos", "tan", "asin", "exp", "log", "log1p", "expm1")},
+    **{
+        name: f"math.{name}({{}})"
+        for name in ("sqrt", "sin", "cos", "tan", "asin", "exp", "log", "log1p", "expm1", "erf")
+    },
     "length": f"math.sqrt(max({{}}, {LEAST!r}))",
     "positive": f"max({{}}, {LEAST!r})",
     "arc_cosine": "math.acos(max(-1.0, min(1.0, {})))",

@@ -4,11 +4,25 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.formulas import conics, disks, light_terms, lobes, microfacets, shapes, textures, walls
+from symrender.expression.formulas import (
+    conductor_lobe,
+    conics,
+    disks,
+    light_terms,
+    lobes,
+    microfacets,
+    radiometry,
+    shapes,
+    textures,
+    walls,
+)
 
 LEAVES: Final = {
     leaf.name: leaf
-    for module in (light_terms, lobes, microfacets, textures, shapes, walls, conics, disks)
+    for module in (light_terms, lobes, conductor_lobe, textures, shapes, walls, conics, disks)
     for leaf in module.LEAVES
 }
 """Leaf by name."""
+
+RADIOMETRIC: Final = {leaf.name: leaf for module in (microfacets, radiometry) for leaf in module.LEAVES}
+"""Leaf by name, of what radiometric scenes alone need."""

@@ -1,81 +1,108 @@
-"""The microfacet lobe of a conductor: Trowbridge-Reitz (GGX) normals, Smith's masking, Fresnel's reflectance.
+"""Reflection by facets: densities of their normals, masking, the Fresnel factor of a conductor.
 
-f cos = D(h) F G/(4 cos_o), h half-way between both directions, of a surface with normal N seen at the cosine cos_o.
-Directions w are told by d = w - m, m the mirror direction: then (w_i + w_o).N = 2 cos_o + d.N and the part of
-w_i + w_o across N is that of d, which keeps its digits where the lobe is narrow. (Walter, Marschner, Li and Torrance,
-Microfacet Models for Refraction, 2007; Heitz, Understanding the Masking-Shadowing Function, 2014.)
+B. Walter, S. Marschner, H. Li, K. Torrance, "Microfacet models for refraction through rough surfaces", EGSR 2007,
+doi:10.2312/EGWR/EGSR07/195-206; E. Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs",
+JCGT 3(2), 2014. Cosines are to the surface's normal unless said otherwise; ``alpha`` is the roughness in D.
 """
 
 from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.elementary import Real, length, pi, positive, ratio, sqrt
-from symrender.expression.leaf import Leaf, Rows
-from symrender.expression.vectors import Vec3
+from symrender.expression.elementary import Real, erf, exp, length, pi, positive, ratio, sqrt, where_positive
+from symrender.expression.leaf import Leaf
+from symrender.expression.vectors import Vec3, cross, dot, norm2
+
+
+def half_angles(normal: Vec3, view: Vec3, light: Vec3) -> tuple[Real, Real, Real]:
+    """(N.h, |N x h|^2, v.h) of the half vector h = unit(v + l): its cosine, the square of its sine, its incidence."""
+    sum_ = view + light
+    square = positive(norm2(sum_))
+    size = sqrt(square)
+    return dot(normal, sum_) / size, norm2(cross(normal, sum_)) / square, size * ratio(1, 2, size)
+
+
+def ggx_density(cosine: Real, sine2: Real, alpha: Real) -> Real:
+    """D = alpha^2/(pi (alpha^2 cos^2 + sin^2)^2) of a facet's normal, GGX."""
+    spread = alpha * alpha
+    bottom = spread * cosine * cosine + sine2
+    return spread / (pi(alpha) * bottom * bottom)
+
+
+def beckmann_density(cosine: Real, sine2: Real, alpha: Real) -> Real:
+    """D = exp(-tan^2/alpha^2)/(pi alpha^2 cos^4) of a facet's normal, Beckmann."""
+    square = positive(cosine * cosine)
+    spread = alpha * alpha
+    return exp(-sine2 / (spread * square)) / (pi(alpha) * spread * square * square)
 
 
 def smith_root(cosine: Real, alpha: Real) -> Real:
-    """sqrt(alpha^2 + (1 - alpha^2) cos^2), which with cos makes Smith's G1 = 2 cos/(cos + root) of GGX."""
+    """sqrt(alpha^2 + (1 - alpha^2) cos^2), by which GGX masks."""
     return length(alpha * alpha + (1 - alpha) * (1 + alpha) * cosine * cosine)
 
 
-def ggx_mean(square: Real, along: Real, cos_view: Real) -> tuple[Real, Real]:
-    """((w_i + w_o).N)^2 and the square of the rest of w_i + w_o, of |w - m|^2 and (w - m).N."""
-    up = 2 * cos_view + along
-    return up * up, positive(square - along * along)
+def ggx_masking(cosine: Real, alpha: Real) -> Real:
+    """G1 = 2 cos/(cos + sqrt(cos^2 + alpha^2 sin^2)), GGX."""
+    return 2 * cosine / (cosine + smith_root(cosine, alpha))
 
 
-def ggx_lobe(
-    square: Real, along: Real, alpha: Real, cos_view: Real, by_cosine: Real, by_root: Real
-) -> tuple[Real, Real]:
-    """D G/(4 cos_o) and cos^2 of the angle between w and h, at w of which |w - m|^2 and (w - m).N are told.
-
-    ``by_cosine`` and ``by_root`` say which masking: G/(4 cos_o) = cos_i/(by_cosine cos_i + by_root root_i).
-    """
-    up, flat = ggx_mean(square, along, cos_view)
-    whole, peak = up + flat, alpha * alpha * up + flat
-    cosine = cos_view + along
-    masking = by_cosine * cosine + by_root * smith_root(cosine, alpha)
-    share = alpha * whole / peak
-    return share * share / pi(alpha) * cosine / masking, ratio(1, 4, whole) * whole
+def steepness(cosine: Real, alpha: Real) -> Real:
+    """a = 1/(alpha tan theta), on which Beckmann's G1 depends alone."""
+    return cosine / (alpha * length((1 - cosine) * (1 + cosine)))
 
 
-def ggx_most(square: Real, alpha: Real, by_cosine: Real, by_root: Real) -> Real:
-    """No direction at |w - m|^2 = ``square`` or farther off has a larger D G/(4 cos_o).
-
-    h is half as far from N as w is from m, or farther, D falls with that angle, and root_i is no less than cos_i.
-    """
-    sine2 = ratio(1, 4, square) * square
-    share = alpha / (alpha * alpha * (1 - sine2) + sine2)
-    return share * share / (pi(alpha) * (by_cosine + by_root))
+def beckmann_masking(cosine: Real, alpha: Real) -> Real:
+    """G1 = 2/(1 + erf(a) + exp(-a^2)/(a sqrt(pi))), a = 1/(alpha tan theta), Beckmann."""
+    a = steepness(cosine, alpha)
+    return 2 / (1 + erf(a) + exp(-(a * a)) / (a * sqrt(pi(a))))
 
 
-def conductor_fresnel(cosine2: Real, eta: Real, k: Real) -> Real:
-    """Mean reflectance of both polarisations of a conductor eta - i k, of cos^2 of the angle of incidence."""
-    sine2 = 1 - cosine2
-    first, cosine = eta * eta - k * k - sine2, sqrt(cosine2)
-    both = sqrt(first * first + 4 * eta * eta * k * k)
-    real = length(ratio(1, 2, both) * (both + first))
-    across, along = both + cosine2, 2 * real * cosine
-    upright = (across - along) / (across + along)
-    tilted, mixed = cosine2 * both + sine2 * sine2, along * sine2
-    return ratio(1, 2, upright) * upright * (1 + (tilted - mixed) / (tilted + mixed))
+def walter_masking(cosine: Real, alpha: Real) -> Real:
+    """(3.535 a + 2.181 a^2)/(1 + 2.276 a + 2.577 a^2) for a < 1.6, else 1: Walter's fit to Beckmann's G1."""
+    a = steepness(cosine, alpha)
+    high = ratio(3535, 1000, a) * a + ratio(2181, 1000, a) * a * a
+    low = 1 + ratio(2276, 1000, a) * a + ratio(2577, 1000, a) * a * a
+    return where_positive(ratio(8, 5, a) - a, lambda: high / low, 1.0)
 
 
-def conductor_fresnels(cosine2: Real, eta: Vec3, k: Vec3) -> Vec3:
-    """``conductor_fresnel`` of three channels."""
-    return Vec3(*(conductor_fresnel(cosine2, a, b) for a, b in zip(eta.parts, k.parts, strict=True)))
+def separable_masking(inward: Real, outward: Real) -> Real:
+    """G = G1(i) G1(o)."""
+    return inward * outward
+
+
+def correlated_masking(inward: Real, outward: Real) -> Real:
+    """G = 1/(1/G1(i) + 1/G1(o) - 1), height-correlated."""
+    return inward * outward / (inward + outward - inward * outward)
+
+
+def conductor_fresnel(cosine: Real, eta: Real, k: Real) -> Real:
+    """Share reflected by a conductor of index eta + i k, of unpolarised light at incidence ``cosine``."""
+    cos2 = cosine * cosine
+    sin2 = (1 - cosine) * (1 + cosine)
+    square = (eta - k) * (eta + k) - sin2
+    size = sqrt(square * square + 4 * eta * eta * k * k)
+    across = size + cos2
+    twice = 2 * cosine * sqrt(ratio(1, 2, size) * (size + square))
+    level = cos2 * size + sin2 * sin2
+    tilted = twice * sin2
+    upright = (across - twice) / (across + twice)
+    return ratio(1, 2, size) * upright * (1 + (level - tilted) / (level + tilted))
+
+
+def facet_reflection(density: Real, masking: Real, fresnel: Real, outward: Real) -> Real:
+    """f cos_i = D G F/(4 cos_o)."""
+    return density * masking * fresnel / (4 * outward)
 
 
 LEAVES: Final = (
-    Leaf(smith_root, ("root",)),
-    Leaf(ggx_lobe, ("density", "cosine2"),
-         rows=Rows((("square", "chord"), ("along", "near")),
-                   (("density", "power", "set"), ("density", "weight", "scale"), ("cosine2", "chord", "set")))),
-    Leaf(ggx_most, ("density",)),
-    Leaf(conductor_fresnel, ("reflectance",)),
-    Leaf(conductor_fresnels, ("reflectance:3",),
-         rows=Rows((("cosine2", "chord"),), (("reflectance", "radiance", "scale"),))),
-)  # fmt: skip
-"""Slopes are due with the derivative of the lobe (``chambers/lobes/adjoint.py`` refuses it)."""
+    Leaf(half_angles, ("cosine", "sine2", "incidence")),
+    Leaf(ggx_density, ("density",)),
+    Leaf(beckmann_density, ("density",)),
+    Leaf(ggx_masking, ("share",)),
+    Leaf(beckmann_masking, ("share",)),
+    Leaf(walter_masking, ("share",)),
+    Leaf(separable_masking, ("share",)),
+    Leaf(correlated_masking, ("share",)),
+    Leaf(conductor_fresnel, ("share",)),
+    Leaf(facet_reflection, ("reflected",)),
+)

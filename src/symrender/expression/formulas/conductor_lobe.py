@@ -1,0 +1,65 @@
+"""The microfacet lobe of a conductor: Trowbridge-Reitz (GGX) normals, Smith's masking, Fresnel's reflectance.
+
+f cos = D(h) F G/(4 cos_o), h half-way between both directions, of a surface with normal N seen at the cosine cos_o.
+Directions w are told by d = w - m, m the mirror direction: then (w_i + w_o).N = 2 cos_o + d.N and the part of
+w_i + w_o across N is that of d, which keeps its digits where the lobe is narrow. (Walter, Marschner, Li and Torrance,
+Microfacet Models for Refraction, 2007; Heitz, Understanding the Masking-Shadowing Function, 2014.)
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symrender.expression.elementary import Real, pi, positive, ratio, sqrt
+from symrender.expression.formulas.microfacets import conductor_fresnel, smith_root
+from symrender.expression.leaf import Leaf, Rows
+from symrender.expression.vectors import Vec3
+
+
+def ggx_mean(square: Real, along: Real, cos_view: Real) -> tuple[Real, Real]:
+    """((w_i + w_o).N)^2 and the square of the rest of w_i + w_o, of |w - m|^2 and (w - m).N."""
+    up = 2 * cos_view + along
+    return up * up, positive(square - along * along)
+
+
+def ggx_lobe(
+    square: Real, along: Real, alpha: Real, cos_view: Real, by_cosine: Real, by_root: Real
+) -> tuple[Real, Real]:
+    """D G/(4 cos_o) and cos^2 of the angle between w and h, at w of which |w - m|^2 and (w - m).N are told.
+
+    ``by_cosine`` and ``by_root`` say which masking: G/(4 cos_o) = cos_i/(by_cosine cos_i + by_root root_i).
+    """
+    up, flat = ggx_mean(square, along, cos_view)
+    whole, peak = up + flat, alpha * alpha * up + flat
+    cosine = cos_view + along
+    masking = by_cosine * cosine + by_root * smith_root(cosine, alpha)
+    share = alpha * whole / peak
+    return share * share / pi(alpha) * cosine / masking, ratio(1, 4, whole) * whole
+
+
+def ggx_most(square: Real, alpha: Real, by_cosine: Real, by_root: Real) -> Real:
+    """No direction at |w - m|^2 = ``square`` or farther off has a larger D G/(4 cos_o).
+
+    h is half as far from N as w is from m, or farther, D falls with that angle, and root_i is no less than cos_i.
+    """
+    sine2 = ratio(1, 4, square) * square
+    share = alpha / (alpha * alpha * (1 - sine2) + sine2)
+    return share * share / (pi(alpha) * (by_cosine + by_root))
+
+
+def conductor_fresnels(cosine2: Real, eta: Vec3, k: Vec3) -> Vec3:
+    """``conductor_fresnel`` of three channels, of cos^2 of the angle of incidence."""
+    cosine = sqrt(cosine2)
+    return Vec3(*(conductor_fresnel(cosine, a, b) for a, b in zip(eta.parts, k.parts, strict=True)))
+
+
+LEAVES: Final = (
+    Leaf(smith_root, ("root",)),
+    Leaf(ggx_lobe, ("density", "cosine2"),
+         rows=Rows((("square", "chord"), ("along", "near")),
+                   (("density", "power", "set"), ("density", "weight", "scale"), ("cosine2", "chord", "set")))),
+    Leaf(ggx_most, ("density",)),
+    Leaf(conductor_fresnels, ("reflectance:3",),
+         rows=Rows((("cosine2", "chord"),), (("reflectance", "radiance", "scale"),))),
+)  # fmt: skip
+"""Slopes are due with the derivative of the lobe (``chambers/lobes/adjoint.py`` refuses it)."""

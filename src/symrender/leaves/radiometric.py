@@ -1,0 +1,316 @@
+"""Formulas of radiometric scenes as scalar functions.
+
+Emitted by targets/leaf_files.py from expression/formulas: change those, not this file.
+"""
+
+# fmt: off
+from __future__ import annotations
+
+import math
+
+from symrender.kernel_cache import inlined
+
+
+@inlined
+def half_angles(
+    normal_x: float, normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float, light_x: float,
+    light_y: float, light_z: float,
+) -> tuple[float, float, float]:
+    """(N.h, |N x h|^2, v.h) of the half vector h = unit(v + l): its cosine, the square of its sine, its incidence."""
+    sum__x = view_x + light_x
+    sum__y = view_y + light_y
+    sum__z = view_z + light_z
+    square = max(sum__x * sum__x + sum__y * sum__y + sum__z * sum__z, 1e-300)
+    size = math.sqrt(square)
+    t1 = normal_y * sum__z - normal_z * sum__y
+    t2 = normal_z * sum__x - normal_x * sum__z
+    t3 = normal_x * sum__y - normal_y * sum__x
+    return (
+        (normal_x * sum__x + normal_y * sum__y + normal_z * sum__z) / size, (t1 * t1 + t2 * t2 + t3 * t3) / square,
+        size * 0.5,
+    )
+
+
+@inlined
+def ggx_density(cosine: float, sine2: float, alpha: float) -> float:
+    """D = alpha^2/(pi (alpha^2 cos^2 + sin^2)^2) of a facet's normal, GGX."""
+    spread = alpha * alpha
+    bottom = spread * cosine * cosine + sine2
+    return spread / (math.pi * bottom * bottom)
+
+
+@inlined
+def beckmann_density(cosine: float, sine2: float, alpha: float) -> float:
+    """D = exp(-tan^2/alpha^2)/(pi alpha^2 cos^4) of a facet's normal, Beckmann."""
+    spread = alpha * alpha
+    square = max(cosine * cosine, 1e-300)
+    return math.exp(-(sine2 / (spread * square))) / (math.pi * spread * square * square)
+
+
+@inlined
+def ggx_masking(cosine: float, alpha: float) -> float:
+    """G1 = 2 cos/(cos + sqrt(cos^2 + alpha^2 sin^2)), GGX."""
+    t1 = math.sqrt(max(alpha * alpha + (1.0 - alpha) * (1.0 + alpha) * cosine * cosine, 1e-300))
+    return 2.0 * cosine / (cosine + t1)
+
+
+@inlined
+def beckmann_masking(cosine: float, alpha: float) -> float:
+    """G1 = 2/(1 + erf(a) + exp(-a^2)/(a sqrt(pi))), a = 1/(alpha tan theta), Beckmann."""
+    a = cosine / (alpha * math.sqrt(max((1.0 - cosine) * (1.0 + cosine), 1e-300)))
+    return 2.0 / (1.0 + math.erf(a) + math.exp(-(a * a)) / (a * math.sqrt(math.pi)))
+
+
+@inlined
+def walter_masking(cosine: float, alpha: float) -> float:
+    """(3.535 a + 2.181 a^2)/(1 + 2.276 a + 2.577 a^2) for a < 1.6, else 1: Walter's fit to Beckmann's G1."""
+    a = cosine / (alpha * math.sqrt(max((1.0 - cosine) * (1.0 + cosine), 1e-300)))
+    if not a < 1.6:
+        return 1.0
+    high = 3.535 * a + 2.181 * a * a
+    low = 1.0 + 2.276 * a + 2.577 * a * a
+    return high / low
+
+
+@inlined
+def separable_masking(inward: float, outward: float) -> float:
+    """G = G1(i) G1(o)."""
+    return inward * outward
+
+
+@inlined
+def correlated_masking(inward: float, outward: float) -> float:
+    """G = 1/(1/G1(i) + 1/G1(o) - 1), height-correlated."""
+    t1 = inward * outward
+    return t1 / (inward + outward - t1)
+
+
+@inlined
+def conductor_fresnel(cosine: float, eta: float, k: float) -> float:
+    """Share reflected by a conductor of index eta + i k, of unpolarised light at incidence ``cosine``."""
+    sin2 = (1.0 - cosine) * (1.0 + cosine)
+    square = (eta - k) * (eta + k) - sin2
+    size = math.sqrt(square * square + 4.0 * eta * eta * k * k)
+    cos2 = cosine * cosine
+    across = size + cos2
+    twice = 2.0 * cosine * math.sqrt(0.5 * (size + square))
+    upright = (across - twice) / (across + twice)
+    level = cos2 * size + sin2 * sin2
+    tilted = twice * sin2
+    return 0.5 * upright * (1.0 + (level - tilted) / (level + tilted))
+
+
+@inlined
+def facet_reflection(density: float, masking: float, fresnel: float, outward: float) -> float:
+    """f cos_i = D G F/(4 cos_o)."""
+    return density * masking * fresnel / (4.0 * outward)
+
+
+@inlined
+def camera_axes(
+    eye_x: float, eye_y: float, eye_z: float, target_x: float, target_y: float, target_z: float, up_x: float,
+    up_y: float, up_z: float,
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """(forward, right, up) of a camera at ``eye`` that looks at ``target``, orthonormal."""
+    t1 = target_x - eye_x
+    t2 = target_y - eye_y
+    t3 = target_z - eye_z
+    t4 = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
+    forward_x = t1 / t4
+    forward_y = t2 / t4
+    forward_z = t3 / t4
+    t5 = forward_y * up_z - forward_z * up_y
+    t6 = forward_z * up_x - forward_x * up_z
+    t7 = forward_x * up_y - forward_y * up_x
+    t8 = math.sqrt(t5 * t5 + t6 * t6 + t7 * t7)
+    right_x = t5 / t8
+    right_y = t6 / t8
+    right_z = t7 / t8
+    return (
+        forward_x, forward_y, forward_z, right_x, right_y, right_z, right_y * forward_z - right_z * forward_y,
+        right_z * forward_x - right_x * forward_z, right_x * forward_y - right_y * forward_x,
+    )
+
+
+@inlined
+def camera_ray(
+    forward_x: float, forward_y: float, forward_z: float, right_x: float, right_y: float, right_z: float,
+    above_x: float, above_y: float, above_z: float, across: float, rise: float,
+) -> tuple[float, float, float]:
+    """unit(f + a r + b u): the ray through the place (a, b) of the window at distance 1."""
+    t1 = forward_x + right_x * across + above_x * rise
+    t2 = forward_y + right_y * across + above_y * rise
+    t3 = forward_z + right_z * across + above_z * rise
+    t4 = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
+    return t1 / t4, t2 / t4, t3 / t4
+
+
+@inlined
+def point_light(
+    place_x: float, place_y: float, place_z: float, light_x: float, light_y: float, light_z: float,
+) -> tuple[float, float, float, float]:
+    """(unit vector to the light, 1/r^2) of a light at a point."""
+    toward_x = light_x - place_x
+    toward_y = light_y - place_y
+    toward_z = light_z - place_z
+    square = max(toward_x * toward_x + toward_y * toward_y + toward_z * toward_z, 1e-300)
+    t1 = math.sqrt(square)
+    return toward_x / t1, toward_y / t1, toward_z / t1, 1.0 / square
+
+
+@inlined
+def diffuse_reflection(cosine: float) -> float:
+    """f cos_i = cos_i/pi of a surface of reflectance 1."""
+    return cosine / math.pi
+
+
+@inlined
+def phong_scale(exponent: float, cosine: float) -> float:
+    """(n + 2)/(2 pi) cos_i, by which cos^n about the mirror direction is multiplied."""
+    return (exponent + 2.0) / 6.283185307179586 * cosine
+
+
+@inlined
+def sphere_turns(normal_x: float, normal_y: float, normal_z: float) -> tuple[float, float]:
+    """(x, y) = ((phi + pi)/pi, theta/pi) of a unit normal: half turns about the axis, and from pole to pole."""
+    return (math.atan2(normal_y, normal_x) + math.pi) / math.pi, math.acos(max(-1.0, min(1.0, normal_z))) / math.pi
+
+
+@inlined
+def plane_place(
+    place_x: float, place_y: float, place_z: float, origin_x: float, origin_y: float, origin_z: float, east_x: float,
+    east_y: float, east_z: float, north_x: float, north_y: float, north_z: float,
+) -> tuple[float, float]:
+    """(x, y) of a place in the coordinates of a plane."""
+    offset_x = place_x - origin_x
+    offset_y = place_y - origin_y
+    offset_z = place_z - origin_z
+    return (
+        offset_x * east_x + offset_y * east_y + offset_z * east_z,
+        offset_x * north_x + offset_y * north_y + offset_z * north_z,
+    )
+
+
+@inlined
+def vein_share(across: float, down: float) -> float:
+    """(1 + sin(2 pi (x + .35 sin(3 pi y))))/2 of coordinates in cells."""
+    wave = math.sin(6.283185307179586 * (across + 0.35 * math.sin(9.42477796076938 * down)))
+    return 0.5 * (1.0 + wave)
+
+
+@inlined
+def field_channel(dark: float, bright: float, share: float) -> float:
+    """One channel of a texture, of which ``share`` is bright."""
+    return dark + share * (bright - dark)
+
+
+@inlined
+def height(
+    place_x: float, place_y: float, place_z: float, origin_x: float, origin_y: float, origin_z: float, up_x: float,
+    up_y: float, up_z: float,
+) -> float:
+    """Signed distance from a plane."""
+    return (place_x - origin_x) * up_x + (place_y - origin_y) * up_y + (place_z - origin_z) * up_z
+
+
+@inlined
+def plane_reach(
+    height: float, up_x: float, up_y: float, up_z: float, direction_x: float, direction_y: float, direction_z: float,
+) -> float:
+    """Distance along a ray from a place at ``height`` over a plane to the plane; negative where it lies behind."""
+    return -(height / (up_x * direction_x + up_y * direction_y + up_z * direction_z))
+
+
+@inlined
+def sphere_level(
+    offset_x: float, offset_y: float, offset_z: float, direction_x: float, direction_y: float, direction_z: float,
+    radius: float,
+) -> float:
+    """R^2 - |f x w|^2 with f = C - P: not negative where the line meets the sphere."""
+    t1 = offset_y * direction_z - offset_z * direction_y
+    t2 = offset_z * direction_x - offset_x * direction_z
+    t3 = offset_x * direction_y - offset_y * direction_x
+    return radius * radius - (t1 * t1 + t2 * t2 + t3 * t3)
+
+
+@inlined
+def sphere_power(offset_x: float, offset_y: float, offset_z: float, radius: float) -> float:
+    """|f|^2 - R^2 with f = C - P: negative inside the sphere."""
+    return offset_x * offset_x + offset_y * offset_y + offset_z * offset_z - radius * radius
+
+
+@inlined
+def sphere_entry(
+    offset_x: float, offset_y: float, offset_z: float, direction_x: float, direction_y: float, direction_z: float,
+    radius: float, side: float,
+) -> tuple[float, float, float, float]:
+    """(distance, unit normal towards the ray) where a ray meets a sphere, from outside (side 1) or inside (-1)."""
+    along = offset_x * direction_x + offset_y * direction_y + offset_z * direction_z
+    t1 = offset_y * direction_z - offset_z * direction_y
+    t2 = offset_z * direction_x - offset_x * direction_z
+    t3 = offset_x * direction_y - offset_y * direction_x
+    half = math.sqrt(radius * radius - (t1 * t1 + t2 * t2 + t3 * t3))
+    return (
+        along - side * half, -(((offset_x - direction_x * along) * side + direction_x * half) / radius),
+        -(((offset_y - direction_y * along) * side + direction_y * half) / radius),
+        -(((offset_z - direction_z * along) * side + direction_z * half) / radius),
+    )
+
+
+@inlined
+def segment_pass(
+    offset_x: float, offset_y: float, offset_z: float, segment_x: float, segment_y: float, segment_z: float,
+    radius: float,
+) -> tuple[float, float, float]:
+    """(f.s, |s|^2, R^2 |s|^2 - |f x s|^2): where on a segment s its line is nearest C, its end, whether they meet."""
+    square = segment_x * segment_x + segment_y * segment_y + segment_z * segment_z
+    t1 = offset_y * segment_z - offset_z * segment_y
+    t2 = offset_z * segment_x - offset_x * segment_z
+    t3 = offset_x * segment_y - offset_y * segment_x
+    return (
+        offset_x * segment_x + offset_y * segment_y + offset_z * segment_z, square,
+        radius * radius * square - (t1 * t1 + t2 * t2 + t3 * t3),
+    )
+
+
+@inlined
+def sphere_cap(
+    offset_x: float, offset_y: float, offset_z: float, radius: float,
+) -> tuple[float, float, float, float, float]:
+    """(axis, cosine, sine) of the cone a sphere is seen in from outside, f = C - P."""
+    square = max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+    far = math.sqrt(square)
+    return (
+        offset_x / far, offset_y / far, offset_z / far, math.sqrt((far - radius) * (far + radius)) / far,
+        radius / far,
+    )
+
+
+@inlined
+def arc_flux(
+    axis_x: float, axis_y: float, axis_z: float, first_x: float, first_y: float, first_z: float, second_x: float,
+    second_y: float, second_z: float, cosine: float, sine: float, begin: float, end: float,
+) -> tuple[float, float, float]:
+    """Integral of w x dw along an arc, counter-clockwise from ``begin`` to ``end``, of the circle about a unit axis."""
+    t1 = sine * sine * (end - begin)
+    across = sine * cosine
+    t2 = across * (math.sin(end) - math.sin(begin))
+    t3 = across * (math.cos(end) - math.cos(begin))
+    return (
+        axis_x * t1 - first_x * t2 + second_x * t3, axis_y * t1 - first_y * t2 + second_y * t3,
+        axis_z * t1 - first_z * t2 + second_z * t3,
+    )
+
+
+@inlined
+def cap_level(
+    axis_x: float, axis_y: float, axis_z: float, first_x: float, first_y: float, first_z: float, second_x: float,
+    second_y: float, second_z: float, cosine: float, sine: float, other_x: float, other_y: float, other_z: float,
+    rim: float,
+) -> tuple[float, float, float]:
+    """(A, B, C): w.c' - cos a' = A + B cos t + C sin t along a circle, positive inside the cap (c', a')."""
+    return (
+        cosine * (axis_x * other_x + axis_y * other_y + axis_z * other_z) - rim,
+        sine * (first_x * other_x + first_y * other_y + first_z * other_z),
+        sine * (second_x * other_x + second_y * other_y + second_z * other_z),
+    )

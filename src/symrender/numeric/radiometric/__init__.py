@@ -1,0 +1,1 @@
+"""Radiometric scenes on the numeric side: a path tracer, written from geometry."""

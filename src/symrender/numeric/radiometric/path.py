@@ -1,0 +1,152 @@
+"""Paths: what one sample of a pixel adds, lights and materials both asked for directions where both can be."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from symrender.kernel_cache import inlined, jitable
+from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches, triple
+from symrender.numeric.radiometric.scatter import choose, density, reflected
+from symrender.numeric.radiometric.world import World
+from symrender.numeric.random import Key, uniforms
+from symrender.numeric.samplers import IMPORTANCE, square_point
+from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
+from symrender.scene.radiometric.arrays import POINT, SKY
+
+ROULETTE: Final = 3
+"""Reflections after which a path may end by chance."""
+_MOST_KEPT: Final = 0.95
+_UNIFORM: Final = 1.0 / (2.0 * math.pi)
+
+
+class Surface(NamedTuple):
+    """A hit that reflects: its normal towards the ray, two directions across it, its albedo, the eye in its frame."""
+
+    hit: Hit
+    normal: Vector
+    first: Vector
+    second: Vector
+    reflectance: Vector
+    wo: Vector
+
+
+@inlined
+def shows(world: World, hit: Hit) -> bool:
+    """Whether the side of a shape that was hit reflects."""
+    return not hit.behind or world.materials[int(world.shapes[hit.own].material)].two_sided != 0.0
+
+
+@jitable
+def surface(world: World, hit: Hit, d: Vector) -> Surface:
+    """What a ray of direction d finds at a hit."""
+    o = hit.outward
+    n = (-o[0], -o[1], -o[2]) if hit.behind else o
+    first = unit(cross(n, (0.0, 0.0, 1.0) if abs(n[2]) < 0.7 else (1.0, 0.0, 0.0)))
+    second = cross(n, first)
+    wo = (-dot(d, first), -dot(d, second), -dot(d, n))
+    return Surface(hit, n, first, second, albedo(world, hit), wo)
+
+
+@inlined
+def local(at: Surface, w: Vector) -> Vector:
+    """A direction in the frame of the surface."""
+    return (dot(w, at.first), dot(w, at.second), dot(w, at.normal))
+
+
+@inlined
+def outside(at: Surface, w: Vector) -> Vector:
+    """A direction of the surface's frame in the world."""
+    x = along((w[0] * at.first[0], w[0] * at.first[1], w[0] * at.first[2]), w[1], at.second)
+    return along(x, w[2], at.normal)
+
+
+@inlined
+def scaled(a: Vector, b: Vector, factor: float) -> Vector:
+    """a b factor, channel by channel."""
+    return (a[0] * b[0] * factor, a[1] * b[1] * factor, a[2] * b[2] * factor)
+
+
+@inlined
+def plus(a: Vector, b: Vector) -> Vector:
+    """a + b"""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+@jitable
+def from_points(world: World, at: Surface) -> Vector:
+    """Reflected light of all lights that are single points or directions."""
+    total = (0.0, 0.0, 0.0)
+    material = world.materials[int(world.shapes[at.hit.own].material)]
+    for i in range(world.lights.shape[0]):
+        light = world.lights[i]
+        if light.kind == SKY:
+            continue
+        if light.kind == POINT:
+            way = minus(triple(light.place), at.hit.place)
+            limit = math.sqrt(dot(way, way))
+            toward, strength = unit(way), 1.0 / (limit * limit)
+        else:
+            toward = (-light.place[0], -light.place[1], -light.place[2])
+            limit, strength = math.inf, 1.0
+        share = reflected(material, at.reflectance, at.wo, local(at, toward))
+        if max(share[0], share[1], share[2]) > 0.0 and reaches(world, at.hit, toward, limit):
+            total = plus(total, scaled(share, triple(light.emitted), strength))
+    return total
+
+
+@jitable
+def from_sky(world: World, at: Surface, a: float, b: float) -> Vector:
+    """Reflected light of a sky by a uniform direction, weighted against those the material chooses."""
+    material = world.materials[int(world.shapes[at.hit.own].material)]
+    r = math.sqrt(max(0.0, 1.0 - a * a))
+    wi = (r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b), a)
+    share = reflected(material, at.reflectance, at.wo, wi)
+    if max(share[0], share[1], share[2]) <= 0.0 or not reaches(world, at.hit, outside(at, wi), math.inf):
+        return (0.0, 0.0, 0.0)
+    # balance heuristic: 1/(own density + the other's)
+    return scaled(share, triple(world.lights[world.sky].emitted), 1.0 / (_UNIFORM + density(material, at.wo, wi)))
+
+
+@jitable
+def path(world: World, start: Surface, sampler: int, order: int, key: Key, index: int) -> tuple[Vector, Vector, int]:
+    """(sky's direct light, all later light, rays) of one path on from a first hit."""
+    direct, indirect, at = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), start
+    through, spent, depth = (1.0, 1.0, 1.0), 0, 0
+    both = sampler != IMPORTANCE
+    while depth < world.bounces or (world.sky >= 0 and depth == world.bounces):
+        material = world.materials[int(world.shapes[at.hit.own].material)]
+        a, b = uniforms(key, index, 3 * depth + 1)
+        if depth == 0:
+            # strata for the first choice of both
+            a, b = (index // order + a) / order, (index % order + b) / order
+        if both and world.sky >= 0:
+            light = scaled(through, from_sky(world, at, a, b), 1.0)
+            spent += 1
+            direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
+        a, b = square_point(sampler, key, index, order) if depth == 0 else uniforms(key, index, 3 * depth)
+        wi = choose(material, at.wo, a, b)
+        share, chance = reflected(material, at.reflectance, at.wo, wi), density(material, at.wo, wi)
+        if max(share[0], share[1], share[2]) <= 0.0 or chance <= 0.0:
+            break
+        d = unit(outside(at, wi))
+        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.behind)
+        spent += 1
+        if hit.own < 0:
+            if world.sky >= 0:
+                weight = 1.0 / (chance + _UNIFORM) if both else 1.0 / chance
+                light = scaled(scaled(through, share, weight), triple(world.lights[world.sky].emitted), 1.0)
+                direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
+            break
+        depth += 1
+        if depth > world.bounces or not shows(world, hit):
+            break
+        through = scaled(through, share, 1.0 / chance)
+        if depth > ROULETTE:
+            kept = min(_MOST_KEPT, max(through[0], through[1], through[2]))
+            if uniforms(key, index, 3 * depth + 2)[0] >= kept:
+                break
+            through = (through[0] / kept, through[1] / kept, through[2] / kept)
+        at = surface(world, hit, d)
+        indirect = plus(indirect, scaled(through, from_points(world, at), 1.0))
+    return direct, indirect, spent

@@ -1,0 +1,77 @@
+"""The kernel of the path tracer: it fills a tile of pixels."""
+
+from __future__ import annotations
+
+from symrender.kernel_cache import inlined
+from symrender.numeric.radiometric.hits import first_hit, triple
+from symrender.numeric.radiometric.path import from_points, path, plus, shows, surface
+from symrender.numeric.radiometric.world import World
+from symrender.numeric.random import Key, pixel_key
+from symrender.numeric.rays import window_direction
+from symrender.numeric.vectors import Vector, unit
+from symrender.scene.arrays import Array
+from symrender.scene.radiometric.arrays import FIRST_SHAPE
+
+Sight = tuple[int, Vector, Vector, Vector, int]
+"""Hit class, emitted, direct, indirect, rays spent."""
+
+
+@inlined
+def along_ray(world: World, eye: Vector, d: Vector, sampler: int, order: int, key: Key) -> Sight:
+    """What comes back along a unit ray, the mean of order x order paths where chance has a part in it."""
+    black = (0.0, 0.0, 0.0)
+    hit = first_hit(world, eye, d, -1, False)
+    if hit.own < 0:
+        return 0, triple(world.lights[world.sky].emitted) if world.sky >= 0 else black, black, black, 1
+    if not shows(world, hit):
+        return FIRST_SHAPE + hit.own, black, black, black, 1
+    at = surface(world, hit, d)
+    direct, indirect, spent = from_points(world, at), black, 1
+    if world.sky >= 0 or world.bounces > 0:
+        count = order * order
+        near, later = black, black
+        for index in range(count):
+            some, other, rays = path(world, at, sampler, order, key, index)
+            near, later, spent = plus(near, some), plus(later, other), spent + rays
+        direct = plus(direct, (near[0] / count, near[1] / count, near[2] / count))
+        indirect = (later[0] / count, later[1] / count, later[2] / count)
+    return FIRST_SHAPE + hit.own, black, direct, indirect, spent
+
+
+def fill_tile(
+    world: World, frame: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, sampler: int, order: int,
+    seed: int, emitted: Array, direct: Array, indirect: Array, hit_class: Array,
+) -> int:  # fmt: skip
+    """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; returns the rays that took.
+
+    Arguments are many because a kernel takes numbers and arrays.
+    """
+    spent = 0
+    eye = (frame[1], frame[2], frame[3])
+    for j in range(y0, y1):
+        for i in range(x0, x1):
+            d = unit(window_direction(frame, 2.0 * (i + 0.5) / width - 1.0, 1.0 - 2.0 * (j + 0.5) / height))
+            own, shining, near, later, rays = along_ray(world, eye, d, sampler, order, pixel_key(seed, i, j))
+            hit_class[j, i] = own
+            spent += rays
+            for c in range(3):
+                emitted[j, i, c] = shining[c]
+                direct[j, i, c] = near[c]
+                indirect[j, i, c] = later[c]
+    return spent
+
+
+def fill_rays(
+    world: World, origins: Array, directions: Array, sampler: int, order: int, seed: int, emitted: Array,
+    direct: Array, indirect: Array, hit_class: Array,
+) -> None:  # fmt: skip
+    """Answer for every unit ray, a row of the arrays each."""
+    for k in range(origins.shape[0]):
+        eye = (origins[k, 0], origins[k, 1], origins[k, 2])
+        d = (directions[k, 0], directions[k, 1], directions[k, 2])
+        own, shining, near, later, _ = along_ray(world, eye, d, sampler, order, pixel_key(seed, k, 0))
+        hit_class[k] = own
+        for c in range(3):
+            emitted[k, c] = shining[c]
+            direct[k, c] = near[c]
+            indirect[k, c] = later[c]

@@ -1,0 +1,33 @@
+"""The world the path tracer sees."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from symrender.records import Table
+from symrender.scene.radiometric.arrays import SKY, RadiometricArrays
+from symrender.scene.radiometric.records import Light, Material, Shape
+from symrender.scene.records import Frame
+
+
+class World(NamedTuple):
+    """The records of a scene; row j of ``frames`` says where shape j lies, if it is a plane.
+
+    ``sky`` is the index of the sky among the lights, -1 if there is none; ``bounces`` how many reflections follow the
+    direct light.
+    """
+
+    materials: Table[Material]
+    shapes: Table[Shape]
+    frames: Table[Frame]
+    lights: Table[Light]
+    sky: int
+    bounces: int
+
+
+def make_world(arrays: RadiometricArrays) -> World:
+    """World of a scene."""
+    skies = [index for index, light in enumerate(arrays.lights) if light.kind == SKY]
+    return World(
+        arrays.materials, arrays.shapes, arrays.frames, arrays.lights, skies[0] if skies else -1, arrays.bounces
+    )

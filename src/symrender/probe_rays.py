@@ -1,0 +1,81 @@
+"""Single rays of radiometric scenes, to as many digits as double precision holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.errors import OptionError
+from symrender.execution.finite import hit_names
+from symrender.ledger.tables import html_table
+from symrender.runtimes.radiometric import CAPPED, MET, rays
+from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.scene.radiometric.scene import RadiometricScene
+
+Array = npt.NDArray[np.float64]
+Rays = tuple[npt.ArrayLike, npt.ArrayLike]
+"""Origins and directions, (N, 3) each or (3,)."""
+
+
+@dataclass(frozen=True)
+class RayProbe:
+    """What comes back along N rays, W/(m2 sr).
+
+    ``radiance`` (N, 3) is ``emitted`` + ``direct`` + ``indirect``. ``error`` (N,): estimated largest absolute error of
+    radiance over the channels. ``status`` (N,): 0 met, 1 capped (the error is above the tolerance). ``shape`` names
+    what is met, "nothing" where that is nothing; ``evaluations`` (N,) counts rays.
+    """
+
+    radiance: Array
+    emitted: Array
+    direct: Array
+    indirect: Array
+    error: Array
+    status: npt.NDArray[np.int64]
+    shape: tuple[str, ...]
+    evaluations: npt.NDArray[np.int64]
+    convention: str = "radiometric"
+
+    def _repr_html_(self) -> str:
+        rows: list[tuple[str, ...]] = [("ray", "shape", "red", "green", "blue", "error", "status")]
+        rows += [
+            (str(k), name, *(f"{x:.12g}" for x in radiance), f"{error:.1g}", ("met", "capped")[status])
+            for k, (name, radiance, error, status) in enumerate(
+                zip(self.shape, self.radiance, self.error, self.status, strict=True)
+            )
+        ]
+        return html_table(rows, "radiance, W/(m2 sr)")
+
+
+def probe_rays(scene: RadiometricScene, given: Rays, tol: float) -> RayProbe:
+    """What comes back along rays ``(origins, directions)`` of any length, each to ``tol``, absolute.
+
+    Raises OptionError for rays that are no rays and Unsupported for what is not yet integrated.
+    """
+    origins, directions = _checked(given)
+    emitted, direct, hit_class, error = rays(radiometric_arrays(scene), origins, directions)
+    names = hit_names(scene)
+    status = np.where(error > tol, CAPPED, MET)
+    shapes = tuple(names[int(hit)] for hit in hit_class)
+    counts = np.ones(len(origins), dtype=np.int64)
+    return RayProbe(emitted + direct, emitted, direct, np.zeros_like(direct), error, status, shapes, counts)
+
+
+def _checked(given: Rays) -> tuple[Array, Array]:
+    if not isinstance(given, Sequence) or len(given) != 2:
+        raise OptionError("rays: must be (origins, directions)")
+    origins, directions = (np.atleast_2d(np.array(part, dtype=np.float64)) for part in given)
+    if origins.ndim != 2 or origins.shape[1] != 3 or directions.ndim != 2 or directions.shape[1] != 3:
+        raise OptionError(f"rays: origins and directions must be (N, 3), got {origins.shape} and {directions.shape}")
+    origins, directions = np.broadcast_arrays(origins, directions)
+    if not (np.isfinite(origins).all() and np.isfinite(directions).all()):
+        raise OptionError("rays: origins and directions must be finite")
+    largest = np.abs(directions).max(axis=1, initial=0.0, keepdims=True)
+    if (largest == 0).any():
+        raise OptionError(f"rays: direction {int(np.argmin(largest))} is zero")
+    unit = directions / largest
+    unit /= np.sqrt((unit * unit).sum(axis=1, keepdims=True))
+    return np.ascontiguousarray(origins), np.ascontiguousarray(unit)

@@ -1,0 +1,41 @@
+"""The world the symbolic kernels of radiometric scenes see, and its camera."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.leaves import radiometric as leaves
+from symrender.records import Table
+from symrender.scene.radiometric.arrays import RadiometricArrays
+from symrender.scene.radiometric.records import Light, Material, Shape
+from symrender.scene.records import Camera, Frame
+
+Array = npt.NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+
+class World(NamedTuple):
+    """The records of a scene; row j of ``frames`` says where shape j lies, if it is a plane."""
+
+    materials: Table[Material]
+    shapes: Table[Shape]
+    frames: Table[Frame]
+    lights: Table[Light]
+
+
+def make_world(arrays: RadiometricArrays) -> World:
+    """World of a scene."""
+    return World(arrays.materials, arrays.shapes, arrays.frames, arrays.lights)
+
+
+def camera_window(camera: Camera, width: int, height: int) -> Array:
+    """(3, 3): forward, right and up; the last two reach from the middle to the edges of the window at distance 1."""
+    axes = np.array(leaves.camera_axes(*camera.eye, *camera.target, *camera.up)).reshape(3, 3)
+    half = math.tan(math.radians(float(camera.fov)) / 2)
+    axes[1] *= half * width / height
+    axes[2] *= half
+    return axes

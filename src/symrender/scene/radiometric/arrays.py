@@ -1,0 +1,122 @@
+"""A radiometric scene as records: the only thing kernels see. Nothing is computed but frames and unit vectors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from symrender.records import Table, record, table
+from symrender.scene.arrays import CHECKER, LOOK_AT, MARBLE, PLANE, SOLID, STRIPES
+from symrender.scene.frames import frames
+from symrender.scene.radiometric import lights, shapes
+from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Phong, Reflectance, Solid
+from symrender.scene.radiometric.materials import Material as MaterialPart
+from symrender.scene.radiometric.records import Light, Material, Shape
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.records import Camera, Frame
+from symrender.scene.records import Plane as PlaneRecord
+
+# kinds of a material
+DIFFUSE: Final = 0
+CONDUCTOR: Final = 1
+PHONG: Final = 2
+
+# densities of facet normals
+GGX: Final = 0
+BECKMANN: Final = 1
+
+# kinds of a shape; a plane is PLANE
+SPHERE: Final = 1
+
+# kinds of a light; a point is POINT
+POINT: Final = 0
+DIRECTIONAL: Final = 1
+SKY: Final = 2
+
+FIRST_SHAPE: Final = 1
+"""Shape j of the scene has hit class ``FIRST_SHAPE + j``; 0 is nothing."""
+
+ALL: Final = 1 << 30
+"""``bounces`` of a scene that asks for all of them."""
+
+
+@dataclass(frozen=True)
+class RadiometricArrays:
+    """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes lie, row by shape."""
+
+    materials: Table[Material]
+    shapes: Table[Shape]
+    frames: Table[Frame]
+    lights: Table[Light]
+    camera: Camera
+    bounces: int
+
+
+def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
+    """Lay ``scene`` out as records."""
+    materials = table(Material, len(scene.materials))
+    names = {name: index for index, name in enumerate(scene.materials)}
+    for index, material in enumerate(scene.materials.values()):
+        _lay_material(material, materials[index])
+    rows = table(Shape, len(scene.shapes))
+    places = table(Frame, len(scene.shapes))
+    for j, shape in enumerate(scene.shapes):
+        row = rows[j]
+        row.material = names[shape.material]
+        if isinstance(shape, shapes.Sphere):
+            row.kind, row.radius = SPHERE, shape.radius
+            row.place[:] = shape.center
+            continue
+        row.kind = PLANE
+        row.place[:], row.normal[:], row.along[:] = shape.point, shape.normal, shape.along
+        one = table(PlaneRecord, 1)
+        one[0].point[:], one[0].normal[:], one[0].along[:] = shape.point, shape.normal, shape.along
+        places[j] = frames(one)[0]
+    lit = table(Light, len(scene.lights))
+    for light_row, light in zip(lit, scene.lights, strict=True):
+        match light:
+            case lights.Point():
+                light_row.kind = POINT
+                light_row.place[:], light_row.emitted[:] = light.position, light.intensity
+            case lights.Directional():
+                light_row.kind = DIRECTIONAL
+                direction = np.array(light.direction) / np.abs(light.direction).max()
+                light_row.place[:] = direction / np.sqrt(direction @ direction)
+                light_row.emitted[:] = light.irradiance
+            case lights.Sky():
+                light_row.kind = SKY
+                light_row.emitted[:] = light.radiance
+    camera = record(Camera)
+    camera.kind, camera.fov = LOOK_AT, scene.camera.fov
+    camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
+    return RadiometricArrays(materials, rows, places, lit, camera, ALL if scene.bounces == "all" else scene.bounces)
+
+
+def _lay_material(material: MaterialPart, row: Material) -> None:
+    row.two_sided = material.two_sided
+    _lay_reflectance(material.reflectance, row)
+    match material:
+        case Diffuse():
+            row.kind = DIFFUSE
+        case Conductor():
+            row.kind = CONDUCTOR
+            row.density = BECKMANN if material.distribution == "beckmann" else GGX
+            row.alpha = material.alpha
+            row.eta[:], row.k[:] = material.eta, material.k
+            row.correlated = material.masking == "correlated"
+            row.walter = material.g1 == "walter"
+        case Phong():
+            row.kind, row.exponent = PHONG, material.exponent
+
+
+def _lay_reflectance(reflectance: Reflectance, row: Material) -> None:
+    row.cell = 1.0
+    if isinstance(reflectance, Solid):
+        row.texture = SOLID
+        row.bright[:] = row.dark[:] = reflectance.color
+        return
+    kinds = {Checker: CHECKER, Marble: MARBLE}
+    row.texture = kinds.get(type(reflectance), STRIPES)
+    row.bright[:], row.dark[:], row.cell = reflectance.bright, reflectance.dark, reflectance.cell

@@ -1,0 +1,47 @@
+"""Lights of radiometric scenes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from symrender.scene.directions import coincide
+from symrender.scene.radiometric.values import Intensities, Irradiances, Radiances
+from symrender.scene.values import Part, PartName, Point3
+
+
+class Point(Part):
+    """A light at one point: the irradiance across its rays is intensity/r^2."""
+
+    type: Literal["point"] = "point"
+    name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
+    position: Annotated[Point3, Field(description="where the light is")]
+    intensity: Annotated[Intensities, Field(description="radiant intensity, a number or three")]
+
+
+class Directional(Part):
+    """Parallel light from infinity."""
+
+    type: Literal["directional"] = "directional"
+    name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
+    direction: Annotated[Point3, Field(description="direction in which the light travels, of any length")]
+    irradiance: Annotated[Irradiances, Field(description="irradiance across its rays, a number or three")]
+
+    @model_validator(mode="after")
+    def _goes_somewhere(self) -> Self:
+        if coincide(self.direction, (0.0, 0.0, 0.0)):
+            raise PydanticCustomError("scene", "direction must be longer than zero")
+        return self
+
+
+class Sky(Part):
+    """The same radiance from every direction in which nothing is met; seen where a ray meets nothing."""
+
+    type: Literal["sky"] = "sky"
+    name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
+    radiance: Annotated[Radiances, Field(description="radiance, a number or three")]
+
+
+Light = Annotated[Point | Directional | Sky, Field(discriminator="type")]

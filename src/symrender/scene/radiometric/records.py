@@ -1,0 +1,54 @@
+"""The records of a radiometric scene's numbers, as kernels read them.
+
+All fields are float64; kinds are whole numbers, named in ``scene/radiometric/arrays.py``. Lengths are in metres.
+"""
+
+from __future__ import annotations
+
+from symrender.records import Record, Three
+
+
+class Material(Record):
+    """A material: its ``kind``, its texture of ``bright`` and ``dark`` in cells, then what its kind needs.
+
+    ``density`` GGX or BECKMANN; ``correlated`` and ``walter`` 0 or 1 as ``masking`` and ``g1`` of the scene say.
+    """
+
+    kind: float
+    two_sided: float
+    texture: float
+    bright: Three
+    dark: Three
+    cell: float
+    density: float
+    alpha: float
+    eta: Three
+    k: Three
+    correlated: float
+    walter: float
+    exponent: float
+
+
+class Shape(Record):
+    """A shape: a PLANE by ``place``, ``normal`` and ``along``, a SPHERE by ``place`` (its centre) and ``radius``.
+
+    ``material`` is the index of its material. ``normal`` and ``along`` of a plane have any length.
+    """
+
+    kind: float
+    material: float
+    place: Three
+    normal: Three
+    along: Three
+    radius: float
+
+
+class Light(Record):
+    """A light: ``place`` is a point's position or the direction a directional light travels in, of any length.
+
+    ``emitted`` is intensity, irradiance or radiance, as the ``kind`` is POINT, DIRECTIONAL or SKY.
+    """
+
+    kind: float
+    place: Three
+    emitted: Three

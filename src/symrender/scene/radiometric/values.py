@@ -1,0 +1,35 @@
+"""The number types of radiometric scenes; a number alone stands for three equal channels."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Final
+
+from pydantic import BeforeValidator, Field
+
+from symrender.limits import MAX_EXPONENT, MAX_INDEX, MAX_RADIANCE, MIN_ALPHA, MIN_INDEX
+
+CHANNELS: Final = 3
+
+
+def triple(value: Any) -> Any:
+    """Three equal channels for a number, a tuple for a list, anything else as it is."""
+    if type(value) in (int, float):
+        return (value,) * CHANNELS
+    return tuple(value) if isinstance(value, list) else value
+
+
+Alpha = Annotated[float, Field(ge=MIN_ALPHA, le=1, json_schema_extra={"unit": "1"})]
+Index = Annotated[float, Field(ge=MIN_INDEX, le=MAX_INDEX, json_schema_extra={"unit": "1"})]
+Extinction = Annotated[float, Field(ge=0, le=MAX_INDEX, json_schema_extra={"unit": "1"})]
+Power = Annotated[float, Field(ge=0, le=MAX_EXPONENT, json_schema_extra={"unit": "1"})]
+_Share = Annotated[float, Field(ge=0, le=1, json_schema_extra={"unit": "1"})]
+_Intensity = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/sr"})]
+_Irradiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/m2"})]
+_Radiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/m2/sr"})]
+
+Shares = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple)]
+Indices = Annotated[tuple[Index, Index, Index], BeforeValidator(triple)]
+Extinctions = Annotated[tuple[Extinction, Extinction, Extinction], BeforeValidator(triple)]
+Intensities = Annotated[tuple[_Intensity, _Intensity, _Intensity], BeforeValidator(triple)]
+Irradiances = Annotated[tuple[_Irradiance, _Irradiance, _Irradiance], BeforeValidator(triple)]
+Radiances = Annotated[tuple[_Radiance, _Radiance, _Radiance], BeforeValidator(triple)]

@@ -1,0 +1,60 @@
+"""What is odd about a radiometric scene that is nevertheless valid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from symrender.scene.radiometric.lights import Point, Sky
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.shapes import Plane, Shape
+from symrender.scene.values import Part
+
+_Point = tuple[float, float, float]
+
+
+def radiometric_warnings(scene: RadiometricScene) -> tuple[str, ...]:
+    """One line for each oddity of ``scene``, naming its part: camera, lights, shapes, materials, in this order."""
+    return (*_camera(scene), *_lights(scene), *_shapes(scene))
+
+
+def _behind(shape: Shape, point: _Point) -> bool:
+    """Whether a point is on the side of a shape that its normal does not show to."""
+    if isinstance(shape, Plane):
+        return sum(n * (p - q) for n, p, q in zip(shape.normal, point, shape.point, strict=True)) < 0
+    return math.dist(point, shape.center) < shape.radius
+
+
+def _camera(scene: RadiometricScene) -> Iterator[str]:
+    for shape in scene.shapes:
+        if _behind(shape, scene.camera.eye):
+            side = "behind" if isinstance(shape, Plane) else "inside"
+            seen = "reflects there too" if scene.materials[shape.material].two_sided else "is black from there"
+            yield f"camera.eye is {side} shapes.{shape.name}, which {seen} and hides what is beyond it"
+
+
+def _lights(scene: RadiometricScene) -> Iterator[str]:
+    if not scene.lights:
+        yield "there are no lights: the image is black"
+    for light in scene.lights:
+        if isinstance(light, Sky):
+            continue
+        for shape in scene.shapes:
+            if isinstance(light, Point) and _behind(shape, light.position):
+                side = "behind" if isinstance(shape, Plane) else "inside"
+                yield f"lights.{light.name} is {side} shapes.{shape.name}: nothing on the other side is lit by it"
+
+
+def _shapes(scene: RadiometricScene) -> Iterator[str]:
+    if not scene.shapes:
+        yield "there is nothing to see: no shapes"
+    first: dict[Part, str] = {}
+    for shape in scene.shapes:
+        same = shape.model_copy(update={"name": "shape", "material": "material"})
+        other = first.setdefault(same, shape.name)
+        if other != shape.name:
+            yield f"shapes.{other} and shapes.{shape.name} are the same shape: rounding decides which is seen"
+    used = {shape.material for shape in scene.shapes}
+    for name in scene.materials:
+        if name not in used:
+            yield f"materials.{name} is used by no shape"
