@@ -114,10 +114,12 @@ def line_range(chart: Chart) -> tuple[float, float]:
     if nearest >= limb:
         return 0.0, 0.0
     rim = chart.lobe.rim_sin
-    if rim < sine:
-        x = math.atan2(math.sqrt((sine - rim) * (sine + rim)) * cosine, chart.lobe_cos * cosine)
+    if rim < sine or chart.lobe_cos > 0.0:
+        # a rim through the pole itself, whose sines may round either way, touches the lines across
+        opening = max(0.0, (sine - rim) * (sine + rim))
+        x = math.atan2(math.sqrt(opening) * cosine, chart.lobe_cos * cosine)
         if x < limb:
-            offset = math.asin(rim / sine)
+            offset = math.asin(min(1.0, rim / sine))
             return -offset, offset
     if math.sin(limb) * sine == 0.0:
         return -math.pi, math.pi
