@@ -45,7 +45,6 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
-python_maximum_signature_line_length = 100
 
 
 def _plain(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
@@ -65,10 +64,9 @@ _SAID_TO_SCREEN_READERS = (
     (r'(<p class="caption") (role="heading")', r'\1 aria-level="2" \2'),
     (r"<pre(?![^>]*tabindex)", '<pre tabindex="0"'),
     (r'<aside class="(sidebar|toc)-drawer">', r'<aside class="\1-drawer" aria-label="\1">'),
-    (r'<dl>(?=\s*<dd><em class="sig-param">)', '<dl role="list">'),
-    (r'<dd>(?=<em class="sig-param">)', '<dd role="listitem">'),
+    (r'<div class="table-wrapper', '<div tabindex="0" class="table-wrapper'),
 )
-"""What the theme and Sphinx leave out: levels of captions, keys for what scrolls, names, lists of parameters."""
+"""What the theme and Sphinx leave out: levels of captions, names, keys for what scrolls."""
 
 
 def _accessible(app: Any, exception: Exception | None) -> None:
