@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 from symrender.version import VERSION
@@ -44,7 +45,6 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
-python_maximum_signature_line_length = 100
 
 
 def _plain(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
@@ -60,7 +60,26 @@ def _no_signature_of_a_scene(app: Any, what: str, name: str, *rest: Any) -> tupl
     return ("", None) if name == "symrender.Scene" else None
 
 
+_SAID_TO_SCREEN_READERS = (
+    (r'(<p class="caption") (role="heading")', r'\1 aria-level="2" \2'),
+    (r"<pre(?![^>]*tabindex)", '<pre tabindex="0"'),
+    (r'<aside class="(sidebar|toc)-drawer">', r'<aside class="\1-drawer" aria-label="\1">'),
+    (r'<div class="table-wrapper', '<div tabindex="0" class="table-wrapper'),
+)
+"""What the theme and Sphinx leave out: levels of captions, names, keys for what scrolls."""
+
+
+def _accessible(app: Any, exception: Exception | None) -> None:
+    for page in app.env.found_docs if exception is None else ():
+        path = Path(app.outdir) / f"{page}.html"
+        text = path.read_text("utf-8")
+        for found, written in _SAID_TO_SCREEN_READERS:
+            text = re.sub(found, written, text)
+        path.write_text(text, "utf-8")
+
+
 def setup(app: Any) -> None:
     """Called by Sphinx."""
     app.connect("autodoc-process-signature", _no_signature_of_a_scene)
     app.connect("autodoc-process-docstring", _plain)
+    app.connect("build-finished", _accessible)

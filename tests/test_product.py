@@ -24,6 +24,7 @@ PUBLIC = {
     *(
         "simulator",
         "animate",
+        "export",
         "report",
         "Report",
         "Fit",

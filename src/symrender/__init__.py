@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 from symrender.version import VERSION as __version__
 
 if TYPE_CHECKING:
+    from symrender.bridge.export import export
     from symrender.errors import SymrenderError
     from symrender.expression.integrand import expression
     from symrender.fit import Fit, fit
@@ -48,6 +49,7 @@ _HOMES = {
     "SymrenderError": "symrender.errors",
     "animate": "symrender.sequences.film",
     "compare": "symrender.ledger.compare",
+    "export": "symrender.bridge.export",
     "expression": "symrender.expression.integrand",
     "fit": "symrender.fit",
     "gradient": "symrender.gradient",
@@ -75,6 +77,7 @@ __all__ = [
     "__version__",
     "animate",
     "compare",
+    "export",
     "expression",
     "fit",
     "gradient",

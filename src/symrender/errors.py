@@ -37,7 +37,7 @@ class SymrenderError(Exception):
 class SceneError(SymrenderError):
     """A scene file, a scene value or a parameter name is wrong.
 
-    The message reads ``scene.yaml:12: spheres[1].radius: must be > 0 and finite, got -1``.
+    The message reads ``scene.yaml:12:5: spheres[1].radius: must be > 0 and finite, got -1``.
     """
 
 

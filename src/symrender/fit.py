@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.errors import OptionError
+from symrender.errors import OptionError, remedy
 from symrender.gradient import gradient
 from symrender.images.image import Image
 from symrender.ledger.tables import html_table
@@ -107,7 +107,7 @@ def fit(
     the extra ``fit``, ImageError for a target without a radiance layer.
     """
     if importlib.util.find_spec("scipy") is None:
-        raise OptionError("fit: needs SciPy; install symrender[fit]")
+        raise OptionError(f"fit: needs SciPy: {remedy('fit')}")
     here = load(scene, "fit")
     names = components(here, free)
     ranges = {p.name: (p.low, p.high) for p in parameters(here)}

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import symrender as sr
 from simulator.test_formulas import RUN
 from symrender.bridge.glsl import Exported, glsl
-from symrender.errors import OptionError, Unsupported
+from symrender.cli import main
+from symrender.errors import OptionError, OutputError, Unsupported
 from symrender.leaves import values
 from symrender.scene.load import load
 
@@ -140,3 +143,18 @@ def test_what_is_not_written_is_refused() -> None:
         glsl(load("gloss").replace({"shading.lobe_units": "brdf_normalised"}))
     with pytest.raises(OptionError, match="lobe: must be from 1 to 32"):
         glsl(load("gloss"), lobe=33)
+
+
+def test_python_and_the_command_line_write_the_same_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    made = sr.export("gloss", "glsl", tmp_path / "a.glsl", lobe=2)
+    assert main(["export", "glsl", "gloss", "--lobe", "2", "--out", str(tmp_path / "b.glsl")]) == 0
+    assert "b.vectors.json" in capsys.readouterr().out
+    assert made.text == (tmp_path / "a.glsl").read_text() == (tmp_path / "b.glsl").read_text()
+    beside = (tmp_path / "a.vectors.json").read_text()
+    assert len(made.vectors["vectors"]) > 50
+    assert beside == (tmp_path / "b.vectors.json").read_text()
+    assert json.loads(json.dumps(made.vectors)) == json.loads(beside)
+    with pytest.raises(OutputError, match=r"a\.vectors\.json: exists"):
+        sr.export("gloss", "glsl", tmp_path / "a.glsl", lobe=2, force=False)
+    with pytest.raises(OptionError, match=r"^form: must be one of glsl, got 'hlsl'"):
+        sr.export("gloss", "hlsl")

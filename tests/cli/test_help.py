@@ -66,7 +66,7 @@ def test_faults_of_a_scene_stand_one_a_line(tmp_path: Path, capsys: pytest.Captu
     assert main(["params", str(scene)]) == 2
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) > 2 and all(line.startswith(f"ERROR {scene}:") for line in lines)
-    assert any(":3: spheres[0].raduis" in line and "did you mean 'radius'" in line for line in lines)
+    assert any(":3:15: spheres[0].raduis" in line and "did you mean 'radius'" in line for line in lines)
 
 
 def test_doctor_knows_every_extra(capsys: pytest.CaptureFixture[str]) -> None:

@@ -23,7 +23,7 @@ from symrender.certify.chart import Chart
 from symrender.certify.floor_point import FloorPoint
 from symrender.certify.plane_chart import PlaneChart
 from symrender.certify.sphere_chart import SphereChart
-from symrender.errors import OptionError
+from symrender.errors import OptionError, remedy
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
 from symrender.settings import EXACT_DISK
@@ -54,7 +54,7 @@ def certify(
     within a sphere or on one, or in a plane.
     """
     if importlib.util.find_spec("flint") is None:
-        raise OptionError("certify: needs python-flint; install symrender[certify]")
+        raise OptionError(f"certify: needs python-flint: {remedy('certify')}")
     if disk_order == EXACT_DISK:
         raise OptionError("certify: encloses point lights; use disk KxK")
     if (arrays.spheres["texture"] == at.MARBLE).any():

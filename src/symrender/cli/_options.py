@@ -112,6 +112,10 @@ def _change(text: str) -> tuple[str, Any]:
     if value.startswith("(") and value.endswith(")"):
         value = f"[{value[1:-1]}]"
     try:
-        return name.strip(), parse_yaml(value)[0]
+        read = parse_yaml(value, name)
+        problems = read.problems
     except Malformed as error:
-        raise SceneError(f"{name.strip()}: {error.problem.message}") from None
+        problems = [error.problem]
+    if problems:
+        raise SceneError(f"{name.strip()}: {problems[0].message}")
+    return name.strip(), read.data

@@ -33,13 +33,13 @@ def export(
 
     chosen = scene_with(scene, define, "export")
     target = Path(out or f"{Path(scene).stem}.{form}")
-    for written in (target, target.with_name(f"{target.stem}.vectors.json")):
+    beside = target.with_name(f"{target.stem}.vectors.json")
+    for written in (target, beside):
         check_target(written, force=force, inputs=scene_files(scene))
-    from symrender.bridge.glsl import glsl
+    from symrender.bridge.export import export as exported
 
-    made = glsl(chosen, lobe=lobe)
-    text, vectors = made.save(target, force=force)
+    made = exported(chosen, form, target, lobe=lobe, force=force)
     if not quiet:
         asked = made.vectors["vectors"]
-        typer.echo(f"wrote {text} ({len(made.text.encode()) / 1000:.0f} kB of GLSL)")
-        typer.echo(f"wrote {vectors} ({len(asked)} vectors of {len(made.vectors['functions'])} functions)")
+        typer.echo(f"wrote {target} ({len(made.text.encode()) / 1000:.0f} kB of GLSL)")
+        typer.echo(f"wrote {beside} ({len(asked)} vectors of {len(made.vectors['functions'])} functions)")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 from symrender.errors import SceneError
 from symrender.scene.printable import printable
@@ -13,6 +13,18 @@ Path: TypeAlias = tuple[str | int, ...]
 """Keys and indices from the root of a scene to one of its values."""
 
 _PATH_SHOWN: Final = 100
+
+
+class Mark(NamedTuple):
+    """Where a key, or an item of a list, begins in its text: line and column, both from 1."""
+
+    line: int
+    column: int
+
+    @classmethod
+    def at(cls, text: str, index: int) -> Mark:
+        """The mark of character ``index`` of ``text``."""
+        return cls(text.count("\n", 0, index) + 1, index - text.rfind("\n", 0, index))
 
 
 def path_text(path: Path) -> str:
@@ -29,35 +41,37 @@ class Problem:
 
     path: Path
     message: str
-    line: int | None = None
+    mark: Mark | None = None
 
 
 class Malformed(Exception):
     """A parser's refusal of a text, before there is any data; carries one :class:`Problem`."""
 
-    def __init__(self, message: str, line: int | None = None, path: Path = ()) -> None:
+    def __init__(self, message: str, mark: Mark | None = None, path: Path = ()) -> None:
         super().__init__(message)
-        self.problem = Problem(path, message, line)
+        self.problem = Problem(path, message, mark)
 
 
 @dataclass(frozen=True)
 class Document:
     """Plain data with its origin.
 
-    ``origin`` names the file (empty for a dict), ``lines`` maps paths to 1-based line numbers, ``labels`` maps
-    paths to the names a caller used for them.
+    ``origin`` names the file (empty for a dict), ``marks`` maps paths to where they stand in it, ``labels`` maps
+    paths to the names a caller used for them, ``problems`` are the values the parser has refused: it reads on with
+    nothing in their place.
     """
 
     data: Any
     origin: str = ""
-    lines: Mapping[Path, int] = field(default_factory=dict)
+    marks: Mapping[Path, Mark] = field(default_factory=dict)
     labels: Mapping[Path, str] = field(default_factory=dict)
+    problems: Sequence[Problem] = ()
 
-    def line(self, path: Path) -> int | None:
-        """Line of the innermost recorded piece that holds ``path``."""
+    def mark(self, path: Path) -> Mark | None:
+        """Mark of the innermost recorded piece that holds ``path``."""
         for stop in range(len(path), -1, -1):
-            if path[:stop] in self.lines:
-                return self.lines[path[:stop]]
+            if path[:stop] in self.marks:
+                return self.marks[path[:stop]]
         return None
 
     def label(self, path: Path) -> str:
@@ -70,10 +84,10 @@ class Document:
         return path_text(path)
 
     def describe(self, problem: Problem) -> str:
-        """One line: origin, line, path, message, as far as each is known."""
-        line = self.line(problem.path) if problem.line is None else problem.line
+        """One line: origin, line and column, path, message, as far as each is known."""
+        mark = problem.mark or self.mark(problem.path)
         origin = printable(self.origin, _PATH_SHOWN)
-        where = f"{origin}:{line}" if origin and line is not None else origin
+        where = f"{origin}:{mark.line}:{mark.column}" if origin and mark else origin
         return ": ".join(part for part in (where, self.label(problem.path), problem.message) if part)
 
 

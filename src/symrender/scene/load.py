@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Callable, Mapping
 from pathlib import PurePath
@@ -9,7 +10,7 @@ from typing import Any, Final
 
 from symrender.errors import SceneError, Unsupported
 from symrender.scene import gallery
-from symrender.scene.document import Document, Malformed, Path, Problem, failure
+from symrender.scene.document import Document, Malformed, Mark, Problem, failure
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.parse_json import parse_json
 from symrender.scene.parse_toml import parse_toml
@@ -21,7 +22,7 @@ from symrender.scene.read import read_file, read_stdin
 from symrender.scene.scene import Scene
 from symrender.scene.validate import validated
 
-Parser = Callable[[str], tuple[Any, dict[Path, int]]]
+Parser = Callable[[str, str], Document]
 
 _PARSERS: Final[Mapping[str, tuple[str, Parser]]] = {
     ".yaml": ("YAML", parse_yaml),
@@ -44,14 +45,14 @@ def parse_any(text: str, origin: str, suffix: str = ".yaml") -> AnyScene:
     """
     language, parser = _PARSERS[suffix]
     try:
-        data, lines = parser(text)
+        document = parser(text, origin)
     except Malformed as error:
         raise failure(Document(None, origin), [error.problem]) from None
-    document = Document(data, origin, lines)
+    data = document.data
     if not isinstance(data, dict) or not data:
         read = "nothing" if data in (None, {}) else shown(data)
         wanted = f"must be a mapping with a camera, spheres and lights, got {read} (read as {language})"
-        raise failure(Document(None, origin), [Problem((), wanted, lines.get((), 1))])
+        raise failure(Document(None, origin), [Problem((), wanted, document.marks.get((), Mark(1, 1)))])
     return _scene_of(document)
 
 
@@ -68,7 +69,7 @@ def _scene_of(document: Document) -> AnyScene:
         raise failure(document, [Problem(("units",), f"must be {' or '.join(_ROOTS)}, got {shown(units)}")])
     if root is Scene and "units" in document.data:
         data = {key: value for key, value in document.data.items() if key != "units"}
-        document = Document(data, document.origin, document.lines, document.labels)
+        document = dataclasses.replace(document, data=data)
     return validated(root, document)
 
 
@@ -89,7 +90,7 @@ def load_any(source: Source) -> AnyScene:
     other text and every path object is a file, read as YAML, JSON or TOML by its ending. A mapping is a scene with
     the keys of a file, and a scene is returned as it is.
 
-    Raises SceneError: ``scene.yaml:12: spheres[1].radius: must be > 0 and finite, got -1``; more problems follow on
+    Raises SceneError: ``scene.yaml:12:5: spheres[1].radius: must be > 0 and finite, got -1``; more problems follow on
     lines of their own. Files are refused beyond 1 MiB, 32 levels or 50000 keys and items, and YAML beyond plain data
     (tags, anchors, aliases, merge keys, several documents); numbers are those of YAML 1.2, all of them finite.
     """

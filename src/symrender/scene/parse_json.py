@@ -1,4 +1,4 @@
-"""JSON to plain data with line numbers: RFC 8259 to the letter, and no key twice."""
+"""JSON to plain data with marks: RFC 8259 to the letter, and no key twice."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from bisect import bisect_right
 from typing import Any, Final
 
 from symrender.limits import MAX_DEPTH, MAX_KEYS, MAX_MAPPING
-from symrender.scene.document import Malformed, Path
+from symrender.scene.document import Document, Malformed, Mark, Path, Problem
 from symrender.scene.numerals import number
 from symrender.scene.printable import printable
 
@@ -25,12 +25,14 @@ class _Reader:
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
-        self.breaks = [match.start() for match in re.finditer("\n", text)]
-        self.lines: dict[Path, int] = {}
+        self.breaks = [-1, *(match.start() for match in re.finditer("\n", text))]
+        self.marks: dict[Path, Mark] = {}
+        self.problems: list[Problem] = []
         self.entries = 0
 
-    def line(self) -> int:
-        return bisect_right(self.breaks, self.at - 1) + 1 if self.at else 1
+    def mark(self) -> Mark:
+        line = bisect_right(self.breaks, self.at - 1)
+        return Mark(line, self.at - self.breaks[line - 1])
 
     def peek(self) -> str:
         """The next character that is not white space, or nothing at the end."""
@@ -41,32 +43,32 @@ class _Reader:
     def unexpected(self, wanted: str) -> Malformed:
         word = _WORD.match(self.text, self.at)
         found = f"'{printable(word[0])}'" if word else "the end of the text"
-        return Malformed(f"not valid JSON: expected {wanted}, got {found}", self.line())
+        return Malformed(f"not valid JSON: expected {wanted}, got {found}", self.mark())
 
     def text_value(self) -> str:
         found = _TEXT.match(self.text, self.at)
         if found is None:
             raise Malformed(
-                "not valid JSON: a text without its closing quote, or with a bare control character", self.line()
+                "not valid JSON: a text without its closing quote, or with a bare control character", self.mark()
             )
         try:
             value = json.loads(found[0])
         except ValueError as error:
             what = getattr(error, "msg", str(error))
-            raise Malformed(f"not valid JSON: {printable(what, 100)}", self.line()) from None
+            raise Malformed(f"not valid JSON: {printable(what, 100)}", self.mark()) from None
         self.at = found.end()
         return str(value)
 
     def count(self) -> None:
         self.entries += 1
         if self.entries > MAX_KEYS:
-            raise Malformed(f"a scene file may hold at most {MAX_KEYS} keys and items", self.line())
+            raise Malformed(f"a scene file may hold at most {MAX_KEYS} keys and items", self.mark())
 
     def value(self, path: Path, depth: int) -> Any:
         first = self.peek()
         if first in ("{", "["):
             if depth >= MAX_DEPTH:
-                raise Malformed(f"nesting must be at most {MAX_DEPTH} deep", self.line())
+                raise Malformed(f"nesting must be at most {MAX_DEPTH} deep", self.mark())
             return self.mapping(path, depth + 1) if first == "{" else self.list(path, depth + 1)
         if first == '"':
             return self.text_value()
@@ -74,7 +76,8 @@ class _Reader:
             try:
                 value = number(numeral[0])
             except ValueError as error:
-                raise Malformed(str(error), self.line(), path) from None
+                value = None
+                self.problems.append(Problem(path, str(error)))
             self.at = numeral.end()
             return value
         word = _WORD.match(self.text, self.at)
@@ -92,14 +95,14 @@ class _Reader:
         while True:
             if self.peek() != '"':
                 raise self.unexpected("a key in double quotes")
-            line = self.line()
+            mark = self.mark()
             key = self.text_value()
             if key in result:
-                raise Malformed(f"duplicate key, first on line {self.lines[(*path, key)]}", line, (*path, key))
+                raise Malformed(f"duplicate key, first on line {self.marks[(*path, key)].line}", mark, (*path, key))
             if len(result) >= MAX_MAPPING:
-                raise Malformed(f"a mapping may hold at most {MAX_MAPPING} keys", line, path)
+                raise Malformed(f"a mapping may hold at most {MAX_MAPPING} keys", mark, path)
             self.count()
-            self.lines[(*path, key)] = line
+            self.marks[(*path, key)] = mark
             if self.peek() != ":":
                 raise self.unexpected("':'")
             self.at += 1
@@ -116,7 +119,7 @@ class _Reader:
         while True:
             self.peek()
             self.count()
-            self.lines[(*path, len(result))] = self.line()
+            self.marks[(*path, len(result))] = self.mark()
             result.append(self.value((*path, len(result)), depth))
             if self.closes("]"):
                 return result
@@ -129,12 +132,12 @@ class _Reader:
         return found == bracket
 
 
-def parse_json(text: str) -> tuple[Any, dict[Path, int]]:
-    """Plain data and the line of each key and item; Malformed names the line of what is refused."""
+def parse_json(text: str, origin: str) -> Document:
+    """Plain data and the mark of each key and item; Malformed says where the text is no JSON."""
     reader = _Reader(text)
     reader.peek()
-    reader.lines[()] = reader.line()
+    reader.marks[()] = reader.mark()
     data = reader.value((), 0)
     if reader.peek():
         raise reader.unexpected("the end of the text")
-    return data, reader.lines
+    return Document(data, origin, reader.marks, problems=reader.problems)

@@ -1,4 +1,4 @@
-"""YAML to plain data with line numbers: the YAML 1.2 core schema, and nothing beyond it.
+"""YAML to plain data with marks: the YAML 1.2 core schema, and nothing beyond it.
 
 The data is built from the event stream, so anchors, aliases, tags, merge keys, deep nesting and long lists are
 refused where they stand, before anything is constructed.
@@ -13,7 +13,7 @@ import yaml
 from yaml.reader import ReaderError
 
 from symrender.limits import MAX_DEPTH, MAX_KEYS, MAX_MAPPING
-from symrender.scene.document import Malformed, Path
+from symrender.scene.document import Document, Malformed, Mark, Path, Problem
 from symrender.scene.numerals import number
 from symrender.scene.printable import printable
 
@@ -53,10 +53,10 @@ class _Builder:
 
     def __init__(self) -> None:
         self.root: Any = None
-        self.lines: dict[Path, int] = {}
+        self.marks: dict[Path, Mark] = {}
+        self.problems: list[Problem] = []
         self.entries = 0
         self.frames: list[tuple[Any, Path]] = []
-        self.known: list[int] = []
         self.key: list[str | None] = []
 
     def path(self) -> Path:
@@ -69,107 +69,107 @@ class _Builder:
     def expects_key(self) -> bool:
         return bool(self.frames) and isinstance(self.frames[-1][0], dict) and self.key[-1] is None
 
-    def count(self, line: int) -> None:
+    def count(self, mark: Mark) -> None:
         self.entries += 1
         if self.entries > MAX_KEYS:
-            raise Malformed(f"a scene file may hold at most {MAX_KEYS} keys and items", line)
+            raise Malformed(f"a scene file may hold at most {MAX_KEYS} keys and items", mark)
 
-    def take_key(self, event: yaml.ScalarEvent, line: int) -> None:
+    def take_key(self, event: yaml.ScalarEvent, mark: Mark) -> None:
         name = str(event.value)
         holder, path = self.frames[-1]
         if event.implicit[0] and name == "<<":
-            raise Malformed("merge keys (<<) are not allowed", line, path)
+            raise Malformed("merge keys (<<) are not allowed", mark, path)
         try:
             is_text = not event.implicit[0] or isinstance(_plain(name), str)
         except ValueError:
             is_text = False
         if not is_text:
-            raise Malformed(f"a key must be text, got {printable(name)}", line, path)
+            raise Malformed(f"a key must be text, got {printable(name)}", mark, path)
         if name in holder:
-            first = self.lines[(*path, name)]
-            raise Malformed(f"duplicate key, first on line {first}", line, (*path, name))
+            first = self.marks[(*path, name)].line
+            raise Malformed(f"duplicate key, first on line {first}", mark, (*path, name))
         if len(holder) >= MAX_MAPPING:
-            raise Malformed(f"a mapping may hold at most {MAX_MAPPING} keys", line, path)
-        self.count(line)
-        self.lines[(*path, name)] = line
+            raise Malformed(f"a mapping may hold at most {MAX_MAPPING} keys", mark, path)
+        self.count(mark)
+        self.marks[(*path, name)] = mark
         self.key[-1] = name
 
-    def put(self, value: Any, line: int) -> None:
+    def put(self, value: Any, mark: Mark) -> None:
         if not self.frames:
             self.root = value
-            self.lines[()] = line
+            self.marks[()] = mark
             return
         holder, path = self.frames[-1]
         if isinstance(holder, list):
-            self.count(line)
-            if line != self.known[-1]:  # else the line of the list itself serves
-                self.lines[(*path, len(holder))] = line
+            self.count(mark)
+            self.marks[(*path, len(holder))] = mark
             holder.append(value)
         else:
             holder[self.key[-1]] = value
             self.key[-1] = None
 
-    def open(self, holder: Any, line: int) -> None:
+    def open(self, holder: Any, mark: Mark) -> None:
         if self.expects_key():
-            raise Malformed("a key must be text, got a list or a mapping", line, self.frames[-1][1])
+            raise Malformed("a key must be text, got a list or a mapping", mark, self.frames[-1][1])
         if len(self.frames) >= MAX_DEPTH:
-            raise Malformed(f"nesting must be at most {MAX_DEPTH} deep", line)
+            raise Malformed(f"nesting must be at most {MAX_DEPTH} deep", mark)
         path = self.path()
-        self.put(holder, line)
+        self.put(holder, mark)
         self.frames.append((holder, path))
-        self.known.append(self.lines.get(path, self.known[-1] if self.known else line))
         self.key.append(None)
 
     def close(self) -> None:
         self.frames.pop()
-        self.known.pop()
         self.key.pop()
 
-    def scalar(self, event: yaml.ScalarEvent, line: int) -> None:
+    def scalar(self, event: yaml.ScalarEvent, mark: Mark) -> None:
         if self.expects_key():
-            self.take_key(event, line)
+            self.take_key(event, mark)
             return
         try:
             value = _plain(event.value) if event.implicit[0] else event.value
         except ValueError as error:
-            raise Malformed(str(error), line, self.path()) from None
-        self.put(value, line)
+            value = None
+            self.problems.append(Problem(self.path(), str(error)))
+        self.put(value, mark)
 
 
 def _build(text: str) -> _Builder:
     builder = _Builder()
     documents = 0
     for event in yaml.parse(text, Loader=_LOADER):
-        mark = event.start_mark
-        line = mark.line + 1 if mark else 1
+        start = event.start_mark
+        mark = Mark(start.line + 1, start.column + 1) if start else Mark(1, 1)
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
-            raise Malformed("anchors and aliases are not allowed", line)
+            raise Malformed("anchors and aliases are not allowed", mark)
         if tag := getattr(event, "tag", None):
-            raise Malformed(f"tags are not allowed, got {printable(tag)}", line)
+            raise Malformed(f"tags are not allowed, got {printable(tag)}", mark)
         match event:
             case yaml.ScalarEvent():
-                builder.scalar(event, line)
+                builder.scalar(event, mark)
             case yaml.MappingStartEvent():
-                builder.open({}, line)
+                builder.open({}, mark)
             case yaml.SequenceStartEvent():
-                builder.open([], line)
+                builder.open([], mark)
             case yaml.MappingEndEvent() | yaml.SequenceEndEvent():
                 builder.close()
             case yaml.DocumentStartEvent():
                 documents += 1
                 if documents > 1:
-                    raise Malformed("a scene file must hold one document, a second one starts here", line)
+                    raise Malformed("a scene file must hold one document, a second one starts here", mark)
     return builder
 
 
-def parse_yaml(text: str) -> tuple[Any, dict[Path, int]]:
-    """Plain data and the line of each key and item; Malformed names the line of what is refused."""
+def parse_yaml(text: str, origin: str) -> Document:
+    """Plain data and the mark of each key and item; Malformed says where the text is no YAML, or more than data."""
     try:
         builder = _build(text)
     except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
+        where = getattr(error, "problem_mark", None)
         control = _CONTROL.search(text) if isinstance(error, ReaderError) else None
         what = getattr(error, "problem", None) or getattr(error, "reason", None) or "cannot be read"
-        line = mark.line + 1 if mark else text.count("\n", 0, control.start()) + 1 if control else None
-        raise Malformed(f"not valid YAML: {printable(str(what), 100)}", line) from None
-    return builder.root, builder.lines
+        mark = Mark.at(text, control.start()) if control else None
+        if where:
+            mark = Mark(where.line + 1, where.column + 1)
+        raise Malformed(f"not valid YAML: {printable(str(what), 100)}", mark) from None
+    return Document(builder.root, origin, builder.marks, problems=builder.problems)

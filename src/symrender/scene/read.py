@@ -8,6 +8,7 @@ import sys
 
 from symrender.errors import SceneError
 from symrender.limits import MAX_FILE_BYTES
+from symrender.scene.document import Mark
 from symrender.scene.printable import printable
 
 _SHOWN = 100
@@ -21,11 +22,13 @@ def _decode(data: bytes, origin: str) -> str:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise SceneError(f"{origin}:{line}: must be UTF-8, got byte 0x{data[error.start]:02x}") from None
+        before = data[: error.start].decode("utf-8-sig")
+        mark = Mark.at(before, len(before))
+        wrong = f"must be UTF-8, got byte 0x{data[error.start]:02x}"
+        raise SceneError(f"{origin}:{mark.line}:{mark.column}: {wrong}") from None
     if (at := text.find("\0")) >= 0:
-        line = text.count("\n", 0, at) + 1
-        raise SceneError(f"{origin}:{line}: must be text, got a NUL byte")
+        mark = Mark.at(text, at)
+        raise SceneError(f"{origin}:{mark.line}:{mark.column}: must be text, got a NUL byte")
     return text
 
 

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from symrender.limits import MAX_PART_NAME
-from symrender.scene.document import Document, Path, Problem, failure
+from symrender.scene.document import Document, Mark, Path, Problem, failure
 from symrender.scene.fields import length, locate, models
 from symrender.scene.printable import shown
 from symrender.scene.values import Part
@@ -18,6 +18,8 @@ _P = TypeVar("_P", bound=Part)
 
 MOST_LISTED: Final = 20
 """Most problems one error lists."""
+_MOST_SORTED: Final = 200
+"""Most problems put in the order of the text: a hostile file has tens of thousands."""
 
 
 def _at(data: Any, path: Path) -> Any:
@@ -64,10 +66,17 @@ def _problem(root: type[Part], error: ErrorDetails, data: Any) -> Problem:
 
 
 def validated(root: type[_P], document: Document) -> _P:
-    """The ``root``, a scene, that ``document`` describes; SceneError lists its problems, one a line."""
+    """The ``root``, a scene, that ``document`` describes; SceneError lists its problems, one a line, from the top."""
+    details: list[ErrorDetails] = []
     try:
-        return root.model_validate(document.data)
+        valid = root.model_validate(document.data)
+        if not document.problems:
+            return valid
     except ValidationError as error:
         details = error.errors(include_url=False)
-    problems = list(dict.fromkeys(_problem(root, detail, document.data) for detail in details[:MOST_LISTED]))
-    raise failure(document, problems, max(0, len(details) - MOST_LISTED))
+    refused = {problem.path for problem in document.problems}
+    found = (_problem(root, detail, document.data) for detail in details[:_MOST_SORTED])
+    problems = list(dict.fromkeys([*document.problems, *(p for p in found if p.path not in refused)]))
+    problems.sort(key=lambda problem: problem.mark or document.mark(problem.path) or Mark(0, 0))
+    unlisted = len(problems) + max(0, len(details) - _MOST_SORTED) - MOST_LISTED
+    raise failure(document, problems[:MOST_LISTED], max(0, unlisted))

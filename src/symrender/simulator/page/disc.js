@@ -30,14 +30,14 @@ class Disc {
         }
       }
     }
-    this.picture.getContext("2d").putImageData(image, 0, 0);
+    penOf(this.picture).putImageData(image, 0, 0);
   }
 
   // Everything drawn over the colours; ``t`` are the tables, ``seen`` what the pixel met, ``shows`` what to draw.
   draw(t, seen, state, pixel) {
     const box = this.canvas.clientWidth || 320, ratio = Math.min(2, window.devicePixelRatio || 1);
     this.canvas.width = this.canvas.height = Math.round(box * ratio);
-    const g = this.canvas.getContext("2d"), margin = DISC_MARGIN;
+    const g = penOf(this.canvas), margin = DISC_MARGIN;
     g.scale(ratio, ratio);
     const middle = box / 2, radius = middle - margin;
     const style = getComputedStyle(document.documentElement);
@@ -74,13 +74,13 @@ class Disc {
     g.fillText(`rim ${short((surfaceLobe(t, lobe).thetaMax * 180) / Math.PI)}°`, box - 2, box - 4);
     this.still = document.createElement("canvas");
     this.still.width = this.still.height = this.canvas.width;
-    this.still.getContext("2d").drawImage(this.canvas, 0, 0);
+    penOf(this.still).drawImage(this.canvas, 0, 0);
   }
 
   // A cross at the direction asked about, over what was last drawn.
   cross(found) {
     if (!this.still || this.still.width !== this.canvas.width) return;
-    const g = this.canvas.getContext("2d"), box = this.canvas.clientWidth, middle = 0.5 * box, radius = middle - DISC_MARGIN;
+    const g = penOf(this.canvas), box = this.canvas.clientWidth, middle = 0.5 * box, radius = middle - DISC_MARGIN;
     g.save();
     g.resetTransform();
     g.drawImage(this.still, 0, 0);

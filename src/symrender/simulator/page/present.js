@@ -1,5 +1,8 @@
 // Float pixels to pictures, and the ledger of what is shown.
 
+// A canvas drawn by the processor: a software GPU took ten times as long for the lines of a disc, and pictures come as pixels.
+const penOf = (canvas) => canvas.getContext("2d", { willReadFrequently: true });
+
 const SRGB = new Uint8ClampedArray(4097).map((_, k) => {
   const c = k / 4096;
   return Math.round(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055));
@@ -88,7 +91,7 @@ function presentDifference(canvas, frame, state) {
 
 function put(canvas, image, size) {
   if (canvas.width !== size) canvas.width = canvas.height = size;
-  canvas.getContext("2d").putImageData(image, 0, 0);
+  penOf(canvas).putImageData(image, 0, 0);
 }
 
 // The value that a share of all others does not exceed; the largest where that would be none.

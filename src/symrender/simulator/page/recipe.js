@@ -11,7 +11,7 @@ async function screenshot() {
 }
 
 function poster(link) {
-  const size = Math.max(SHOT_SIZE, app.state.size), names = Object.keys(app.canvases), canvas = document.createElement("canvas"), g = canvas.getContext("2d");
+  const size = Math.max(SHOT_SIZE, app.state.size), names = Object.keys(app.canvases), canvas = document.createElement("canvas"), g = penOf(canvas);
   const lines = recipeLines(link), top = SHOT_MARGIN + 2.4 * LINE, below = top + 2.6 * LINE + size + 2.4 * LINE;
   canvas.width = names.length * (size + SHOT_MARGIN) + SHOT_MARGIN;
   const letters = Math.floor((canvas.width - 2 * SHOT_MARGIN) / 7.3), wrapped = lines.flatMap((text) => text.match(new RegExp(`.{1,${letters}}`, "gu")) ?? []);

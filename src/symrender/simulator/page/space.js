@@ -75,7 +75,7 @@ class Space {
     if (!t) return;
     const box = canvas.clientWidth || 320, ratio = Math.min(2, window.devicePixelRatio || 1), style = getComputedStyle(document.documentElement);
     canvas.width = canvas.height = Math.round(box * ratio);
-    const g = canvas.getContext("2d"), { balls, near, eye, center, radius, framed } = this.look();
+    const g = penOf(canvas), { balls, near, eye, center, radius, framed } = this.look();
     g.scale(ratio, ratio);
     const a = this.around ?? this.start, h = this.height;
     const towards = [Math.cos(a) * Math.cos(h), Math.sin(a) * Math.cos(h), Math.sin(h)], right = [-Math.sin(a), Math.cos(a), 0];

@@ -5,7 +5,7 @@ const FRAMES_A_SECOND = 25;
 
 // A strip of all panels, drawn again when asked.
 function panelStrip(app) {
-  const size = Math.max(2, app.state.size - (app.state.size % 2)), strip = document.createElement("canvas"), g = strip.getContext("2d");
+  const size = Math.max(2, app.state.size - (app.state.size % 2)), strip = document.createElement("canvas"), g = penOf(strip);
   const canvases = Object.values(app.canvases);
   strip.width = canvases.length * size;
   strip.height = size;
