@@ -565,7 +565,7 @@ def cut_panel(
 
 @jitable
 def rounded_walls(work: Work) -> float:
-    """What the rounding of circles of normals may move from one side of them to the other.
+    """What the rounding of the circles of normals that lines met may move from one side of them to the other.
 
     A level rounded by e moves a circle of half-angle a by e/sin a, of places R e/sin a, seen from the distance t of
     its nearest place: a strip of at most R e/(t sin a) times min(2 pi, 2 pi R sin a/t). It is felt where a low point
@@ -577,7 +577,7 @@ def rounded_walls(work: Work) -> float:
     gap = (1.0 - chart.ratio) / chart.ratio
     for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
-        if row.kind != NORMAL:
+        if row.kind != NORMAL or row.met == 0.0:
             continue
         turned = row.axis[0] * row.cos + math.sqrt(max(0.0, 1.0 - row.axis[0] * row.axis[0])) * row.sin
         away = math.sqrt(gap * gap + 2.0 * max(0.0, 1.0 - turned) / chart.ratio)
@@ -600,7 +600,7 @@ def split_chart(
     bound = SAFETY * panel_bound(low, high, work.chart)
     if bound < 0.1 * tol:
         return bound, 0
-    left_out = find_highlights(tol, low, high, view, work) + rounded_walls(work)
+    left_out = find_highlights(tol, low, high, view, work)
     m = all_events(view, work, events, low, high)
     n = 0
     start = 0
@@ -689,7 +689,7 @@ def split_chart(
             p.inside = out[5]
             p.foreign = foreign
             p.per_radian = out[4] / width
-    error = left_out
+    error = left_out + rounded_walls(work)
     for i in range(work.counts.walls):
         if work.walls[i].met != 0.0:
             work.counts.crossings += 1
