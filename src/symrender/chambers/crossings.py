@@ -38,6 +38,8 @@ Array = npt.NDArray[np.float64]
 
 NEAR_PLANE = 1e-2
 """Cosine of a cone's half-angle below which its crossings with circles are found from those of a plane as well."""
+NEAR_ROOT = 1e-3
+"""Largest correction of a half-tangent; a root on the cone's other half moves farther."""
 
 
 @jitable
@@ -195,7 +197,7 @@ def circle_crossings(
 
 @jitable
 def half_tangent(t: float, cosine: float, v: Array, p: Array) -> float:
-    """From the root t of the plane p(t) = 0 to that of the cone p(t) = cosine |v(t)|, by Newton's method.
+    """From t near it to the root of p(t) = cosine |v(t)|, p the inner product of v and a cone's axis, by Newton.
 
     ``v`` (3, 3) and ``p`` are quadratics in t, all over 1 + t^2.
     """
@@ -270,8 +272,13 @@ def along_circle(
             found = quartic_roots(b, work.stack, work.quartic)
             for i in range(min(found, 4)):
                 t = 2.0 * work.quartic[i] - 1.0
-                if plane == 1 and cosine != 0.0:
-                    t = half_tangent(t, cosine, v, p)
+                if sine >= 0.0 and cosine != 0.0:
+                    # the quartic is of squares: near the point's foot on a huge ball its roots have half the digits
+                    for a in range(3):
+                        f[a] = axis0 * v[0, a] + axis1 * v[1, a] + axis2 * v[2, a]
+                    polished = half_tangent(t, cosine, v, f)
+                    if plane == 1 or abs(polished - t) < NEAR_ROOT:
+                        t = polished
                 inv = 1.0 / (1.0 + t * t)
                 ct, st = (1.0 - t * t) * inv, 2.0 * t * inv
                 n = add_crossing(

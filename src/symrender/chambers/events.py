@@ -31,6 +31,8 @@ SMOOTH = 0.0
 """An event of this kind leaves the line integral analytic on either side."""
 ROOT = 1.0
 """An event of this kind leaves a square root on one side."""
+AT_LIMB = 1e-12
+"""How far beyond the limb a circle may touch a line and still be taken to do so on it."""
 
 
 @jitable
@@ -82,7 +84,8 @@ def circle_events(
             phi = middle + (offset if branch < 2 else math.pi - offset) * (1.0 if branch % 2 == 0 else -1.0)
             b = rho * math.cos(phi - middle)
             x = math.atan2(b * cosine, a0 * cosine)
-            if 0.0 < x < limb:
+            # the floor's circle touches its line at the limb, where rounding decides
+            if 0.0 < x < limb + AT_LIMB:
                 if rim:
                     n = add_event(events, n, phi, low, high, ROOT)
                     continue
