@@ -124,14 +124,15 @@ def test_what_is_wrong_is_said(change: dict[str, Any], words: str) -> None:
     assert words in str(error.value)
 
 
-def test_errors_name_file_and_line(tmp_path: Path) -> None:
+def test_errors_name_file_line_and_column(tmp_path: Path) -> None:
     file = tmp_path / "mine.yaml"
     text = gallery.text("metal").replace("alpha: 0.1,", "alpha: 2,")
     file.write_text(text, "utf-8")
-    line = 1 + text[: text.index("alpha: 2,")].count("\n")
+    before = text[: text.index("alpha: 2,")]
+    line, column = 1 + before.count("\n"), len(before) - before.rfind("\n")
     with pytest.raises(SceneError) as error:
         sr.load(file)
-    assert str(error.value) == f"{file}:{line}: materials.gold10.alpha: must be from 0.0001 to 1, got 2"
+    assert str(error.value) == f"{file}:{line}:{column}: materials.gold10.alpha: must be from 0.0001 to 1, got 2"
 
 
 def test_units_series_may_be_said() -> None:
