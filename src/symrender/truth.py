@@ -84,13 +84,12 @@ def truth(
         silhouettes=silhouettes,
     )
     check_share(verify)
-    if verify:
-        in_series(loaded, "verify")
+    judged = in_series(loaded, "verify") if verify else None
     job = truth_job(loaded, settings)
     shown = None if preview is None else preview_file(preview)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress, preview=shown) as crew:
         image = true_image(crew, job, loaded)
-    return verified(image, in_series(loaded, "verify"), settings, verify, threads) if verify else image
+    return image if judged is None else verified(image, judged, settings, verify, threads)
 
 
 def truth_job(scene: AnyScene, settings: Settings) -> Job:

@@ -236,7 +236,7 @@ def along_circle(
     f0, f1, f2 = f0 * inv, f1 * inv, f2 * inv
     g0, g1, g2 = a1 * f2 - a2 * f1, a2 * f0 - a0 * f2, a0 * f1 - a1 * f0
     c, s, k = row.cos, row.sin, chart.ratio
-    v, p, f, g = work.quadric[:3], work.quadric[3], work.quadric[4], work.quadric[5]
+    v, p, f, g, lean = work.quadric[:3], work.quadric[3], work.quadric[4], work.quadric[5], work.quadric[6]
     for _ in range(2):
         lift(c * a0, s * f0, s * g0, v[0])
         lift(c * a1, s * f1, s * g1, v[1])
@@ -247,12 +247,14 @@ def along_circle(
                 v[0, i] = one - k * v[0, i]
                 v[1, i] *= k
                 v[2, i] *= k
+        for i in range(3):
+            lean[i] = axis0 * v[0, i] + axis1 * v[1, i] + axis2 * v[2, i]
         for plane in range(2):
             if plane == 1:
                 if sine < 0.0 or abs(cosine) > NEAR_PLANE:
                     continue
                 for i in range(3):
-                    p[i] = axis0 * v[0, i] + axis1 * v[1, i] + axis2 * v[2, i]
+                    p[i] = lean[i]
                 p[3] = p[4] = 0.0
             elif sine >= 0.0:
                 if cosine == 0.0:
@@ -274,9 +276,7 @@ def along_circle(
                 t = 2.0 * work.quartic[i] - 1.0
                 if sine >= 0.0 and cosine != 0.0:
                     # the quartic is of squares: near the point's foot on a huge ball its roots have half the digits
-                    for a in range(3):
-                        f[a] = axis0 * v[0, a] + axis1 * v[1, a] + axis2 * v[2, a]
-                    polished = half_tangent(t, cosine, v, f)
+                    polished = half_tangent(t, cosine, v, lean)
                     if plane == 1 or abs(polished - t) < NEAR_ROOT:
                         t = polished
                 inv = 1.0 / (1.0 + t * t)

@@ -229,7 +229,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         breaks=np.zeros(64),
         chords=np.zeros((CHORD_ROOM, 5)),
         frame=np.zeros((3, 3)),
-        quadric=np.zeros((6, 5)),
+        quadric=np.zeros((7, 5)),
         circles=table(Wall, 2),
         nodes=table(Nodes, 1)[0],
         aim=table(Aim, 1)[0],

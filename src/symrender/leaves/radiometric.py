@@ -107,29 +107,26 @@ def facet_reflection(density: float, masking: float, fresnel: float, outward: fl
 
 
 @inlined
-def camera_axes(
+def perspective_axes(
     eye_x: float, eye_y: float, eye_z: float, target_x: float, target_y: float, target_z: float, up_x: float,
     up_y: float, up_z: float,
 ) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """(forward, right, up) of a camera at ``eye`` that looks at ``target``, orthonormal."""
+    """(forward, right, up) of a look-at camera, orthonormal."""
     t1 = target_x - eye_x
     t2 = target_y - eye_y
     t3 = target_z - eye_z
     t4 = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
-    forward_x = t1 / t4
-    forward_y = t2 / t4
-    forward_z = t3 / t4
-    t5 = forward_y * up_z - forward_z * up_y
-    t6 = forward_z * up_x - forward_x * up_z
-    t7 = forward_x * up_y - forward_y * up_x
-    t8 = math.sqrt(t5 * t5 + t6 * t6 + t7 * t7)
-    right_x = t5 / t8
-    right_y = t6 / t8
-    right_z = t7 / t8
-    return (
-        forward_x, forward_y, forward_z, right_x, right_y, right_z, right_y * forward_z - right_z * forward_y,
-        right_z * forward_x - right_x * forward_z, right_x * forward_y - right_y * forward_x,
-    )
+    t5 = t1 / t4
+    t6 = t2 / t4
+    t7 = t3 / t4
+    t8 = t6 * up_z - t7 * up_y
+    t9 = t7 * up_x - t5 * up_z
+    t10 = t5 * up_y - t6 * up_x
+    t11 = math.sqrt(t8 * t8 + t9 * t9 + t10 * t10)
+    t12 = t8 / t11
+    t13 = t9 / t11
+    t14 = t10 / t11
+    return t5, t6, t7, t12, t13, t14, t13 * t7 - t14 * t6, t14 * t5 - t12 * t7, t12 * t6 - t13 * t5
 
 
 @inlined

@@ -108,6 +108,15 @@ def across_error(
     return max(known, min(slow, top * math.sqrt(min(1.0, top / max(size, 1e-300)))))
 
 
+@inlined
+def has_disk(view: View) -> bool:
+    """Whether a disk light is taken whole."""
+    found = False
+    for i in range(view.points.shape[0]):
+        found = found or view.points[i].radius > 0.0
+    return found
+
+
 @jitable
 def kinked(view: View) -> bool:
     """Whether highlights end so bluntly that coefficients fall no faster than their ends say.
@@ -120,10 +129,7 @@ def kinked(view: View) -> bool:
         return False
     if shading.shininess != math.floor(shading.shininess):
         return True
-    disks = False
-    for i in range(view.points.shape[0]):
-        disks = disks or view.points[i].radius > 0.0
-    return disks
+    return bool(has_disk(view))
 
 
 @inlined
@@ -406,9 +412,8 @@ def integrate_cells(
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart.lobe), SMALL
     faint, idle = faint_horizon(view, chart), least_error(chart, view.conductors)
-    for i in range(lights):
-        if view.points[i].radius > 0.0:
-            small = 1.0
+    if has_disk(view):
+        small = 1.0
     cell, top = 0, 0
     color = chart.albedo
     while top > 0 or cell < work.counts.cells:

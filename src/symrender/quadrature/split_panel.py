@@ -30,7 +30,7 @@ from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.records import Panel, Span
-from symrender.quadrature.split_line import across_error, integrate_cells, kinked
+from symrender.quadrature.split_line import across_error, has_disk, integrate_cells, kinked
 from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -492,15 +492,6 @@ def evaluate_panel(
             break
     out[3] = error + inner + 1e-15 * size
     return foreign
-
-
-@inlined
-def has_disk(view: View) -> bool:
-    """Whether a disk light is taken whole."""
-    found = False
-    for i in range(view.points.shape[0]):
-        found = found or view.points[i].radius > 0.0
-    return found
 
 
 @jitable

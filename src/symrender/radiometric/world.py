@@ -34,7 +34,7 @@ def make_world(arrays: RadiometricArrays) -> World:
 
 def camera_window(camera: Camera, width: int, height: int) -> Array:
     """(3, 3): forward, right and up; the last two reach from the middle to the edges of the window at distance 1."""
-    axes = np.array(leaves.camera_axes(*camera.eye, *camera.target, *camera.up)).reshape(3, 3)
+    axes = np.array(leaves.perspective_axes(*camera.eye, *camera.target, *camera.up)).reshape(3, 3)
     half = math.tan(math.radians(float(camera.fov)) / 2)
     axes[1] *= half * width / height
     axes[2] *= half

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from pydantic_core import PydanticCustomError
+
 from symrender.limits import MIN_LENGTH
 
 _PARALLEL: Final = 1e-12
@@ -35,3 +37,12 @@ def along(v: Triple, w: Triple) -> bool:
     ax, ay, az = _unit(v)
     bx, by, bz = _unit(w)
     return math.hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx) < _PARALLEL
+
+
+def check_frame(normal: Triple, x: Triple) -> None:
+    """Raise PydanticCustomError where a plane's ``normal`` and its field ``along`` make no frame."""
+    for name, direction in (("normal", normal), ("along", x)):
+        if coincide(direction, (0.0, 0.0, 0.0)):
+            raise PydanticCustomError("scene", f"{name} must be longer than zero")
+    if along(x, normal):
+        raise PydanticCustomError("scene", "along must not be parallel to normal: the texture would have no x")

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
-from symrender.scene.directions import along, coincide
+from symrender.scene.directions import check_frame
 from symrender.scene.lobe import Lobe
 from symrender.scene.texture import FloorChecker, FloorTexture, Solid, SphereTexture
 from symrender.scene.values import Albedo, Length, Part, PartName, Point3
@@ -52,9 +51,5 @@ class Plane(Part):
 
     @model_validator(mode="after")
     def _has_a_frame(self) -> Self:
-        for name, direction in (("normal", self.normal), ("along", self.along)):
-            if coincide(direction, (0.0, 0.0, 0.0)):
-                raise PydanticCustomError("scene", f"{name} must be longer than zero")
-        if along(self.along, self.normal):
-            raise PydanticCustomError("scene", "along must not be parallel to normal: the texture would have no x")
+        check_frame(self.normal, self.along)
         return self

@@ -8,17 +8,11 @@ from __future__ import annotations
 
 from typing import Final
 
+from symrender.expression.camera import perspective_axes
 from symrender.expression.elementary import Real, arc_cosine, azimuth, cos, pi, positive, ratio, sin, sqrt
 from symrender.expression.intersection import approach, discriminant, normal, power, root
 from symrender.expression.leaf import Leaf
 from symrender.expression.vectors import Vec3, cross, dot, norm2, unit
-
-
-def camera_axes(eye: Vec3, target: Vec3, up: Vec3) -> tuple[Vec3, Vec3, Vec3]:
-    """(forward, right, up) of a camera at ``eye`` that looks at ``target``, orthonormal."""
-    forward = unit(target - eye)
-    right = unit(cross(forward, up))
-    return forward, right, cross(right, forward)
 
 
 def camera_ray(forward: Vec3, right: Vec3, above: Vec3, across: Real, rise: Real) -> Vec3:
@@ -129,7 +123,7 @@ def cap_level(
 
 
 LEAVES: Final = (
-    Leaf(camera_axes, ("forward:3", "right:3", "above:3")),
+    Leaf(perspective_axes, ("forward:3", "right:3", "above:3")),
     Leaf(camera_ray, ("direction:3",)),
     Leaf(point_light, ("toward:3", "fall")),
     Leaf(diffuse_reflection, ("reflected",)),
