@@ -27,6 +27,7 @@ from .world import (
     EYE,
     KA,
     KD,
+    KS,
     MIRROR,
     NORMAL,
     PLACE,
@@ -42,6 +43,8 @@ from .world import (
 SIGMAS: Final = 5.0
 """Standard errors of 16 shifts taken as the doubt of a lattice: t with 15 degrees beyond 5 is 1.6e-4, and a second,
 fresh and longer lattice is asked before anything is called beyond, which makes 3e-8 a channel."""
+BROAD: Final = 32.0
+"""Shininess below which a highlight is as wide as what it lies on, so that a sliver of it may be missed."""
 UNSEEN: Final = 10.0
 """A part of the lobe that none of N looks met is smaller than this over N, but for a chance of e^-10."""
 FINEST: Final = 3e-9
@@ -287,7 +290,9 @@ def by_lattice(world: World, lobe: Array, count: int, seed: int, *, careful: boo
     smooth = rules[KA] * rules[AMBIENT:BACKGROUND] + rules[KD] * (
         world.points[:, 3:].sum(axis=0) + world.disks[:, 9:].sum(axis=0)
     )
-    # highlights have hats of their own; sky, ambient and diffuse light may hide in a part of the lobe never met
+    if rules[SHININESS] < BROAD:
+        smooth = smooth + rules[KS] * (world.points[:, 3:].sum(axis=0) + world.disks[:, 9:].sum(axis=0))
+    # narrow highlights have hats of their own; all other light may hide in a part of the lobe never met
     most = max(smooth.max(), rules[BACKGROUND:EYE].max()) if careful else 0.0
     rest = UNSEEN / found.looks * max(most, float(np.abs(found.value).max()))
     doubt = SIGMAS * found.sigma + rest + rounding(world, lobe) * np.abs(found.value)

@@ -116,6 +116,10 @@ def length_of(case: Case, index: int, name: str) -> float:
     return max(SHORTEST, min(apart))
 
 
+UNSETTLED: Final = 6.0
+"""Changes that are left where each is at most .83 of the one before."""
+
+
 def differences(
     case: Case, index: int, name: str, *, turn: float, cells: int, claim: Array | None = None, stated: float = 0.0
 ) -> tuple[Array, float, bool]:
@@ -125,7 +129,8 @@ def differences(
     """
     step = 2.0**-7 * length_of(case, index, name)
     rows: list[Array] = []
-    best, doubt = np.zeros(3), np.inf
+    plain: list[Array] = []
+    best, doubt, slow = np.zeros(3), np.inf, 0.0
     for _ in range(LEVELS):
         ends, noise = [], 0.0
         tol = 1e-10 if claim is None else min(1e-6, max(1e-10, 0.3 * stated * step))
@@ -139,6 +144,8 @@ def differences(
             if not np.isfinite(noise):
                 return best, np.inf, False
         row = [(ends[0] - ends[1]) / (2.0 * step)]
+        plain.append(row[0])
+        slow = unsettled(plain, noise / step)
         for k, coarse in enumerate(rows):
             row.append(row[k] + (row[k] - coarse) / (4.0 ** (k + 1) - 1.0))
             change = float(max(np.abs(row[k + 1] - row[k]).max(), np.abs(row[k + 1] - coarse).max()))
@@ -151,7 +158,19 @@ def differences(
             if agrees(float(away), doubt, stated):
                 return best, doubt, True
         rows, step = row, 0.5 * step
-    return best, doubt, False
+    return best, max(doubt, slow), False
+
+
+def unsettled(plain: list[Array], noise: float) -> float:
+    """How far off central differences may end that do not fall as those of a smooth function do, else 0.
+
+    At the end of what is smooth a value may go on like h^1.5: halving h then divides their error by 1.4, where it
+    divides it by 4 where extrapolation is of use.
+    """
+    if len(plain) < 3:
+        return 0.0
+    last, before = float(np.abs(plain[-1] - plain[-2]).max()), float(np.abs(plain[-2] - plain[-3]).max())
+    return UNSETTLED * last if last > max(0.45 * before, noise) else 0.0
 
 
 def judge_slopes(case: Case, most: int = 2) -> list[Slope]:

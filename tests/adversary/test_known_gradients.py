@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,26 @@ def test_a_ball_that_covers_the_lobe_moves_nothing() -> None:
     alone = asked(case, ["camera.eye.x"])
     slope = judge_slope(case, "camera.eye.x", alone, alone)
     assert slope.called in ("honest", "untold"), slope
+
+
+def test_a_light_that_leaves_a_plane_lights_it_on_one_side_alone() -> None:
+    from symrender.quadrature.tangent_point import EVENT
+
+    case, name = case_of(KNOWN[2]), "lights.L0.position.z"
+    found = asked(case, [name, "lights.L0.position.x"])
+    assert found.gradient_status[name][0] == EVENT
+    assert found.gradient_status["lights.L0.position.x"][0] != EVENT
+    risen = {"lights": [{**case.scene["lights"][0], "position": [-1.03, 2.28, 1e-9]}]}
+    assert asked(replace(case, scene={**case.scene, **risen}), [name]).gradient_status[name][0] != EVENT
+
+
+def test_differences_doubt_what_ends_like_the_power_three_halves() -> None:
+    case, name = case_of(KNOWN[3]), "spheres.S0.radius"
+    claim = asked(case, [name]).gradient[name][0]
+    value, doubt, _ = differences(case, 0, name, turn=0.1, cells=48)
+    away = float(abs(claim - value).max())
+    assert away > 1e-4, "differences are off there"
+    assert away < doubt < 0.05 * float(abs(claim).max())
 
 
 def test_differences_know_a_closed_form() -> None:

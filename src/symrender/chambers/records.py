@@ -65,6 +65,8 @@ class Chart(Record):
     strip_across: float
     strip_limb: float
     """How far from the real line the limb lies."""
+    strip_vein: float
+    """Half-width, along a line, of the strip in which a marble's veins are tame; inf where there are none."""
     albedo: Three
     """Mean albedo of the floor's fields."""
     limb_tangent: float

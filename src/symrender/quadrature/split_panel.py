@@ -17,7 +17,7 @@ from symrender.chambers.crossings import all_events
 from symrender.chambers.events import ROOT, SMOOTH, crossing, line_range
 from symrender.chambers.highlights import find_highlights, highlight_end, highlights_between, seeing
 from symrender.chambers.labels import HIDDEN
-from symrender.chambers.line import scan_line
+from symrender.chambers.line import rim_interval, scan_line
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import broken_rim
 from symrender.chambers.records import Chart, Event
@@ -143,6 +143,23 @@ def spot_sum(weak: int, work: Work, a: float, b: float, kind_a: float, kind_b: f
     return best
 
 
+@jitable
+def swept_log(a: float, b: float, kind_a: float, kind_b: float, chart: Chart) -> float:
+    """log rho of a panel over whose veins the lobe's rim sweeps: along the lines they are tame in a strip only."""
+    least_low, most_low, least_high, most_high = math.inf, 0.0, math.inf, 0.0
+    for q in range(3):
+        phi, _ = azimuth(0.01 + 0.49 * q, a, b, kind_a, kind_b)
+        low, high, _, _ = rim_interval(math.cos(phi), math.sin(phi), chart)
+        if low < high:
+            least_low, most_low = min(least_low, low), max(most_low, low)
+            least_high, most_high = min(least_high, high), max(most_high, high)
+    sweep = max(most_low - least_low, most_high - least_high)
+    if not sweep > 0.0:
+        return math.inf
+    x = 2.0 * chart.strip_vein / sweep
+    return math.log(x + math.sqrt(1.0 + x * x))
+
+
 @inlined
 def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
     """log rho that decides a panel's node counts."""
@@ -165,7 +182,10 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
         row = work.walls[i]
         if row.kind <= NORMAL:
             best = branch_sum(row.touch_azimuth, row.touch_offset, row.touch_depth, a, b, kind_a, kind_b, best)
-    return math.log(best + math.sqrt(max(0.0, best * best - 1.0)))
+    log_rho = math.log(best + math.sqrt(max(0.0, best * best - 1.0)))
+    if chart.strip_vein < math.inf:
+        log_rho = min(log_rho, swept_log(a, b, kind_a, kind_b, chart))
+    return log_rho
 
 
 @inlined

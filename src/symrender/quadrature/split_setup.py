@@ -84,9 +84,11 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
     chart.strip_along = min(0.3, width(k, chart.lobe))
     reach = math.sin(chart.lobe_beta) * math.sin(min(chart.lobe_beta, chart.beta_max))
     chart.strip_across = min(0.5, turning_width(reach, chart.lobe))
+    chart.strip_vein = math.inf
     if view.spheres[j].texture == MARBLE:
-        vein = 3.0 / (view.spheres[j].ku + 6.6 * view.spheres[j].kv)
-        chart.strip_along, chart.strip_across = min(chart.strip_along, vein), min(chart.strip_across, vein)
+        chart.strip_vein = 3.0 / (view.spheres[j].ku + 6.6 * view.spheres[j].kv)
+        chart.strip_along = min(chart.strip_along, chart.strip_vein)
+        chart.strip_across = min(chart.strip_across, chart.strip_vein)
     chart.strip_limb = 0.9 * math.acosh(1.0 / k)
     add_pole(view, work)
     radius = view.spheres[j].radius
@@ -212,6 +214,7 @@ def floor_strips(view: View, work: Work) -> None:
         if row.kind == DIRECTION:
             wide_spots(row.axis[0], row.axis[1], row.axis[2], row.cos, view, work)
     chart.strip_along = min(0.3, width(1.0, chart.lobe))
+    chart.strip_vein = math.inf
     chart.strip_across = min(0.5, turning_width(math.sin(chart.lobe_beta), chart.lobe))
     for a in range(3):
         chart.albedo[a] = 0.5 * (view.floor.bright[a] + view.floor.dark[a])

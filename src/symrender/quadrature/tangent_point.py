@@ -87,6 +87,8 @@ Ints = npt.NDArray[np.int64]
 
 EVENT: Final = 4
 """The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
+LEVEL: Final = 1e-15
+"""Height of a light over its distance from the origin of a plane up to which it lies in the plane, but for rounding."""
 
 BUDGET: Final = 4
 """Evaluations a derivative may take over those of its value: a value's rule, then two orders of every panel of it."""
@@ -318,7 +320,22 @@ def shape_slopes(
                 t.error[p, a] += off
     if radial_walls(lobe, view, work, gauss, disk, scratch, t.here, t.own, t.sums[0]):
         contract(t.sums[0], moves, t.value, 1.0)
+    if chart.plane >= 0 and chart.side > 0.0:
+        note_level_lights(view, moves, t.value)
     return found
+
+
+@jitable
+def note_level_lights(view: View, moves: Array, value: Array) -> None:
+    """Call one-sided what lifts a point light off the plane in which it lies: all of the plane is lit from there on."""
+    for i in range(view.points.shape[0]):
+        light = view.points[i]
+        reach = abs(light.position[0]) + abs(light.position[1])
+        if light.radius > 0.0 or abs(light.position[2]) > LEVEL * reach:
+            continue
+        for p in range(moves.shape[0]):
+            if moves[p, LIGHTS + 6 * i + 2] != 0.0:
+                value[p, ONE_SIDED] = 1.0
 
 
 def gradient_kernel(
