@@ -12,9 +12,10 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "wheels"))
+from uses import USES
+
 PROGRAM = Path(__file__).resolve().parents[1] / "wheels" / "first_uses.py"
-USES = ("slopes", "chambers", "pair")
-"""Its uses, the longest first; no two of them compile one kernel."""
 
 
 def compile_use(use: str) -> None:

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable
 from typing import Any, Final
 
+from uses import USES
+
 import symrender as sr
 
 _TINY: Final[dict[str, Any]] = {"size": 4, "threads": 1}
@@ -32,8 +34,13 @@ def slopes() -> None:
         sr.gradient("chapter8", ["spheres.B.radius"], tol=1e-1, disk=disk, **_TINY)
 
 
-FIRST_USES: Final[dict[str, Callable[[], None]]] = {"slopes": slopes, "chambers": chambers, "pair": pair}
-"""By name, the longest first."""
+def radiometric() -> None:
+    """A scene in watts and metres: closed forms of an image and of single rays, and the path tracer beside them."""
+    sr.render("metal", **_TINY)
+    sr.probe("metal", rays=([(0.0, -4.0, 1.5)], [(0.0, 0.95, -0.3)]))
+
+
+FIRST_USES: Final[dict[str, Callable[[], None]]] = {name: globals()[name] for name in USES}
 
 if __name__ == "__main__":
     FIRST_USES[sys.argv[1]]()

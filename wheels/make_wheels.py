@@ -20,11 +20,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Final
 
+from uses import USES
+
 HERE: Final = Path(__file__).resolve().parent
 TAG: Final = "py3-none-manylinux_2_17_x86_64"
 LEVELS: Final = ("x86-64-v2", "x86-64-v3", "x86-64-v4")
-USES: Final = ("slopes", "chambers", "pair")
-"""Names in ``first_uses``; a process each."""
 
 _DATE: Final = (1980, 1, 1, 0, 0, 0)
 
