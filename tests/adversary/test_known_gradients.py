@@ -48,6 +48,14 @@ def test_a_light_that_leaves_a_plane_lights_it_on_one_side_alone() -> None:
     assert asked(replace(case, scene={**case.scene, **risen}), [name]).gradient_status[name][0] != EVENT
 
 
+def test_a_panel_about_as_long_as_its_highlight_is_wide_doubts_itself() -> None:
+    case = case_of(KNOWN[4])
+    found = asked(case, ["camera.eye.x"])
+    slope = judge_slope(case, "camera.eye.x", found, found)
+    assert slope.called == "honest" and abs(slope.value).max() > 0.01, slope
+    assert slope.told(4.5), "differences can tell"
+
+
 def test_differences_doubt_what_ends_like_the_power_three_halves() -> None:
     case, name = case_of(KNOWN[3]), "spheres.S0.radius"
     claim = asked(case, [name]).gradient[name][0]

@@ -150,16 +150,18 @@ def panel_lines(p: Panel, step: int) -> int:
 
 @jitable
 def panel_misses(
-    n: int, log_rho: float, blunt: bool, inner: float, sums: Array, tangents: Array, low_order: Array,
+    n: int, more: int, log_rho: float, blunt: bool, inner: float, sums: Array, tangents: Array, low_order: Array,
     high_order: Array, misses: Array,
 ) -> float:  # fmt: skip
     """Estimated errors of a panel's derivatives at the higher order into ``misses`` (parameters, 4); the largest.
 
     Two orders agree by chance now and then, most of all where each has few lines: how the coefficients across the lines
-    fall is a second witness, and the worse of the two counts. Both are blind to what all lines err alike: ``inner`` is
-    the share of what moves that the rules along the lines, and over a disk light, may miss.
+    fall is a second witness, and the worse of the two counts. A third is what ``misses`` held at ``more`` lines fewer,
+    0 before the first estimate: no rule's error falls faster than its singularities let it. All are blind to what
+    all lines err alike: ``inner`` is the share of what moves that the rules along the lines, and over a disk light, may
+    miss.
     """
-    most = 0.0
+    most, fall = 0.0, math.exp(-2.0 * more * log_rho)
     for p in range(tangents.shape[0]):
         for c in range(3):
             last = before = middle = lower = moved = 0.0
@@ -176,7 +178,7 @@ def panel_misses(
             tail = tail_error(n, last, before, middle, size, log_rho)
             if blunt:
                 tail = max(tail, abs(last), 0.5 * abs(before))
-            misses[p, c] = max(abs(high_order[p, c] - low_order[p, c]), tail) + inner * moved
+            misses[p, c] = max(abs(high_order[p, c] - low_order[p, c]), tail, fall * misses[p, c]) + inner * moved
             most = max(most, misses[p, c])
             misses[p, c] += CANCELLED * moved
     return most
@@ -354,14 +356,16 @@ def replay_chart(
                 for c in range(4):
                     high_order[a, c] = 0.0
             # two orders of as many lines would only tell what differs along them
-            n_lines = max(n_lines + 1, panel_lines(p, step))
+            fewer, n_lines = n_lines, max(n_lines + 1, panel_lines(p, step))
             foreign, inner = panel_adjoint(
                 p, step, n_lines, lobe, view, work, gauss, disk, scratch, here, own, nodes, moving, sums
             )
             contract(sums[0], tangents, high_order, 1.0)
             if disk is not None:
                 inner += OVER_DISK * FALLS[step]
-            most = panel_misses(n_lines, p.log_rho, blunt, inner, sums, tangents, low_order, high_order, misses)
+            most = panel_misses(
+                n_lines, n_lines - fewer, p.log_rho, blunt, inner, sums, tangents, low_order, high_order, misses
+            )
             largest = 0.0
             for a in range(tangents.shape[0]):
                 for c in range(3):
