@@ -7,6 +7,7 @@ import pytest
 
 import symrender as sr
 from symrender.errors import OptionError
+from symrender.quadrature.tangent_point import EVENT
 from symrender.scene.parameters import get
 
 WRT = ["spheres.B.center.x", "floor.lobe.weight", "camera.eye.z", "floor.texture.cell"]
@@ -92,3 +93,20 @@ def test_where_a_weight_moves_the_values_error_and_status_count() -> None:
     assert ((status == 1) & (error > tol)).sum() >= 5
     assert (status[error > tol] == 1).all()
     assert (off <= error + known.layer("error")[floor]).all()
+
+
+def test_a_floor_in_which_a_light_lies_has_one_sided_derivatives() -> None:
+    scene = {
+        "camera": {"type": "look_at", "eye": [0, -4, 1.5], "target": [0, 0, 0.2]},
+        "spheres": [{"name": "A", "center": [0, 0, 0.5], "radius": 0.5, "color": [0.5, 0.5, 0.5]}],
+        "floor": {"texture": {"type": "solid", "color": [0.8, 0.8, 0.8]}},
+        "lights": [{"name": "L", "type": "point", "position": [1.5, -1.0, 0.0], "color": [1, 1, 1]}],
+    }
+    names = ["lights.L.position.x", "lights.L.position.z"]
+    for height, kinked in ((0.0, True), (1e-9, False)):
+        risen = sr.load(scene).replace({"lights.L.position.z": height})
+        along, up = (sr.gradient(risen, names, size=8, tol=1e-4, threads=1)[name] for name in names)
+        floor = up.layers["hit_class"] == 1.0
+        assert floor.sum() > 30 and (~floor).sum() > 3
+        assert ((up.layers["status"] == EVENT) == (floor & kinked)).all()
+        assert (along.layers["status"] != EVENT).all()

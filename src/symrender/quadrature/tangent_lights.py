@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.records import LightMove
+from symrender.chambers.records import LightMove, LightPoint
 from symrender.quadrature.light_points import disk_frame, light_rows
-from symrender.records import Grid, copied, grid
+from symrender.records import Grid, Table, copied, grid
 from symrender.scene.arrays import DISK, SceneArrays
-from symrender.scene.records import Light
+from symrender.scene.records import Frame, Light
 from symrender.settings import EXACT_DISK
 
 Array = npt.NDArray[np.float64]
+
+LEVEL: Final = 1e-15
+"""Height of a light over its distance from the origin of a plane up to which it lies in the plane, but for rounding."""
 
 
 def light_point_tangents(arrays: SceneArrays, moves: Grid[Light], order: int) -> Grid[LightMove]:
@@ -51,6 +55,25 @@ def light_point_tangents(arrays: SceneArrays, moves: Grid[Light], order: int) ->
             moved["position"][q, here] = move.position + along + offset * (move.radius / light.radius)
             moved["color"][q, here] = shares[here, None] * move.color
     return moved
+
+
+def lights_leaving(
+    points: Table[LightPoint], moves: Grid[LightMove], axes: Table[Frame], turns: Grid[Frame]
+) -> npt.NDArray[np.bool_]:
+    """(Q, planes): whether a point light that lies in a plane leaves it: derivatives of its light there are one-sided.
+
+    The height of a light over a plane is (L - O).up, of planes ``axes`` that move by ``turns`` (Q, planes).
+    """
+    found = np.zeros((moves.shape[0], len(axes)), np.bool_)
+    for i, light in enumerate(points):
+        for k, frame in enumerate(axes):
+            away = light.position - frame.origin
+            if light.radius > 0.0 or abs(away @ frame.up) > LEVEL * np.abs(away).sum():
+                continue
+            for q in range(moves.shape[0]):
+                rise = (moves[q, i].position - turns[q, k].origin) @ frame.up + turns[q, k].up @ away
+                found[q, k] = found[q, k] or rise != 0.0
+    return found
 
 
 def _exact_tangents(arrays: SceneArrays, moves: Grid[Light]) -> Grid[LightMove]:

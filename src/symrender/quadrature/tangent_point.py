@@ -65,7 +65,7 @@ from symrender.quadrature.split_setup import (
 )
 from symrender.quadrature.tangent_disk import disk_rows
 from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
-from symrender.quadrature.tangent_lights import light_point_tangents
+from symrender.quadrature.tangent_lights import LEVEL, light_point_tangents
 from symrender.quadrature.tangent_line import HERE_ROWS
 from symrender.quadrature.tangent_panel import (
     SUMS,
@@ -87,8 +87,6 @@ Ints = npt.NDArray[np.int64]
 
 EVENT: Final = 4
 """The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
-LEVEL: Final = 1e-15
-"""Height of a light over its distance from the origin of a plane up to which it lies in the plane, but for rounding."""
 
 BUDGET: Final = 4
 """Evaluations a derivative may take over those of its value: a value's rule, then two orders of every panel of it."""

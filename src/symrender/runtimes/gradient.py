@@ -9,13 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.records import LightPoint
+from symrender.chambers.work import scene_frames
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.quadrature.tangent_direct import direct_gradients
-from symrender.quadrature.tangent_lights import light_point_tangents
-from symrender.quadrature.tangent_point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
-from symrender.records import copied
+from symrender.quadrature.tangent_lights import light_point_tangents, lights_leaving
+from symrender.quadrature.tangent_point import BUDGET, EVENT, gloss_gradients, refuse_unknown, tangents_of
+from symrender.records import Table, copied
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.truth import DIRECT_SHARE, lobe_weights, showing
@@ -79,6 +81,7 @@ class _Slopes:
         light_moves = light_point_tangents(arrays, moved.lights, settings.disk_order)
         point_moves = np.concatenate([light_moves["position"], light_moves["color"]], axis=2)[:, points]
         self.point_moves = np.ascontiguousarray(point_moves)
+        self.one_sided = _leaving(arrays, moved, self.lights, settings.disk_order)
         self.axes, self.axes_moves = np.zeros(10), np.zeros((len(wrt), 10))
         if arrays.camera.kind == at.LOOK_AT:
             axes_kernel = numba.plain(text).camera_axes_dot
@@ -115,6 +118,9 @@ class _Slopes:
         if self.disks:
             rows, columns = np.nonzero(seen != at.NOTHING)
             self._add_disks(rays, (rows + y0, columns + x0), seen[rows, columns], layers)
+        for q, name in enumerate(self.names):
+            status = layers[f"status:{name}"][tile]
+            status[self.one_sided[q, seen] & (status < EVENT)] = EVENT
         lobed = (self.weights > 0) | (self.weight_moves != 0).any(axis=0)
         evaluations = 0
         for surface in np.unique(seen[lobed[seen]]).tolist():
@@ -199,11 +205,26 @@ class _Slopes:
         return int(result.evaluations.sum())
 
 
+def _leaving(arrays: SceneArrays, moved: SceneMoves, lights: Table[LightPoint], order: int) -> npt.NDArray[np.bool_]:
+    """(Q, hit classes): whether what is seen is a plane in which a light lies that leaves it."""
+    frames = scene_frames(arrays, lights)
+    tangents = tangents_of(arrays, moved, _nowhere(len(moved.floor)), order)
+    found = lights_leaving(lights, tangents.points, frames.axes, tangents.turns)
+    # a column of False behind all planes, for what is none
+    return np.pad(found, ((0, 0), (0, 1)))[:, frames.homes]
+
+
+def _nowhere(count: int) -> tuple[Array, Array, Array]:
+    """How no points move in ``count`` parameters."""
+    none = np.zeros((count, 0, 3))
+    return none, none, none
+
+
 def _compile(arrays: SceneArrays, moved: SceneMoves, settings: Settings, disks: bool) -> None:
     """Call the lobe's kernel, and that of exact disks, with no points, so that they are compiled before any clock."""
     none = np.zeros((0, 3))
-    still = [np.zeros((moved.camera.shape[0], 0, 3)) for _ in _PLACES]
-    tangents = tangents_of(arrays, moved, (still[0], still[1], still[2]), settings.disk_order)
+    still = _nowhere(len(moved.floor))
+    tangents = tangents_of(arrays, moved, still, settings.disk_order)
     nowhere = np.zeros(0, np.int64)
     gloss_gradients(arrays, none, none, none, nowhere, tangents, settings.tol, settings.disk_order)
     if disks:
