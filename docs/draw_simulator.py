@@ -12,7 +12,8 @@ from playwright.sync_api import sync_playwright
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from tests.simulator.conftest import CHROMIUM, FLAGS, Page
+from tests.conftest import CHROMIUM, FLAGS
+from tests.simulator.conftest import Page
 
 from symrender.simulator.build import simulator
 from symrender.simulator.state import State, to_fragment

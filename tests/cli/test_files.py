@@ -111,3 +111,9 @@ def test_a_point_inside_a_sphere_is_told_which(capsys: pytest.CaptureFixture[str
     inside = ["-D", "spheres.C.center=[0.1, -1.2, 0.1]"]
     assert main(["probe", "gloss", "-p", "0.1,-1.2", "--tol", "0.1", *inside]) == 4
     assert "no value: (0.1, -1.2, 0) is inside spheres.C, and nothing is seen from there" in capsys.readouterr().out
+
+
+def test_a_point_touched_by_a_sphere_is_told_which(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["probe", "gloss", "-p", "-0.72,0.15", "--tol", "0.1"]) == 4
+    told = capsys.readouterr().out
+    assert "no value: (-0.72, 0.15, 0) touches spheres.A: no rule covers a point in which two shapes meet" in told

@@ -271,8 +271,15 @@ def test_shell_completion_knows_verbs_scenes_and_parameters() -> None:
     assert completions("symrender params no-such -D floor.lobe.e") == []
 
 
+def test_shell_completion_knows_the_layers_of_a_file(tmp_path: Path) -> None:
+    Image({"radiance": np.ones((2, 3, 3)), "error": np.ones((2, 3))}).save(tmp_path / "a.npz")
+    assert completions(f"symrender view {tmp_path}/a.npz --layer e") == ["error"]
+    assert completions(f"symrender view {tmp_path}/none.npz --layer e") == []
+
+
 def test_shell_completion_knows_what_options_name() -> None:
     assert completions("symrender probe gloss --surface ") == ["floor", "spheres.A", "spheres.B", "spheres.C"]
+    assert completions("symrender probe room --surface p") == ["planes.rear", "planes.west", "planes.glass"]
     assert completions("symrender expression furnace --surface sph") == [
         f"spheres.{sphere.name}" for sphere in load("furnace").spheres
     ]

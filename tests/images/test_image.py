@@ -6,6 +6,7 @@ import io
 import json
 import pickle
 import struct
+import sys
 import zipfile
 import zlib
 from pathlib import Path
@@ -14,7 +15,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from symrender.errors import ImageError, NonFiniteError, OutputError
+from symrender.errors import ImageError, NonFiniteError, OptionError, OutputError
 from symrender.images import exr, npz
 from symrender.images.image import Image, read_image
 from symrender.images.picture import CLASSES, colors
@@ -352,3 +353,26 @@ def test_views_show_what_their_captions_say() -> None:
     assert "0 to yellow 5" in scale.caption
     flat = false_color(Image({"error": np.zeros((2, 2))}), "error")
     assert (flat.pixels == [0x44, 0x01, 0x54]).all()
+
+
+def test_an_image_is_a_tensor_of_its_radiance() -> None:
+    image = some_image()
+    taken = np.from_dlpack(image)
+    assert taken.shape == (6, 9, 3) and taken.max() > 0.5
+    assert np.array_equal(taken, image.radiance)
+    assert not np.shares_memory(taken, image.radiance)
+
+
+def test_an_image_is_a_dataset_of_its_layers() -> None:
+    pytest.importorskip("xarray", reason="xarray is not installed")
+    image = some_image()
+    found = image.to_xarray()
+    assert set(found.data_vars) == set(image.layers) and found.attrs == dict(image.meta)
+    assert found["radiance"].dims == ("y", "x", "channel") and found["error"].dims == ("y", "x")
+    assert np.array_equal(found["radiance"].sel(y=2.5, x=8.5, channel="g"), image.radiance[2, 8, 1])
+
+
+def test_without_xarray_the_line_that_installs_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(OptionError, match="pip install xarray"):
+        some_image().to_xarray()

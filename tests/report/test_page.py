@@ -128,3 +128,11 @@ def test_it_can_be_read_by_everyone(opened: Any) -> None:
     assert opened.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
     opened.evaluate((Path(axe_module.__file__).parent / "axe.min.js").read_text(encoding="utf-8"))
     assert opened.evaluate(AXE) == []
+
+
+def test_paper_shows_the_whole_ledger(opened: Any) -> None:
+    opened.set_viewport_size({"width": 720, "height": 1000})
+    opened.emulate_media(media="print")
+    assert opened.evaluate("() => document.getElementById('ledger').rows.length") >= 6
+    assert opened.evaluate("() => document.querySelector('.ledger').getBoundingClientRect().right <= innerWidth")
+    assert not opened.locator(".controls").is_visible()

@@ -154,7 +154,7 @@ def test_what_is_done_can_be_recorded(fresh):
     assert size > 500
 
 
-@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1366, 768), (390, 844)])
+@pytest.mark.parametrize(("width", "height"), [(1920, 1080), (1440, 900), (1366, 768), (1284, 676), (390, 844)])
 def test_pictures_and_controls_are_on_one_screen(fresh, width, height):
     page = fresh(32)
     before = page.page.viewport_size
@@ -171,10 +171,26 @@ def test_pictures_and_controls_are_on_one_screen(fresh, width, height):
       return [...panels, inside(box(document.querySelector('#presets button')))];
     }""")
     assert page.run("() => document.documentElement.scrollWidth <= innerWidth")
+    if width > 500:
+        # the frame of the chapter is 1284 by 676: it shows the lobe, too
+        low = "document.getElementById(name).getBoundingClientRect().bottom"
+        shown += page.run(f"() => ['disc', 'space'].map((name) => {low} <= innerHeight)")
     if width < 500:
         page.page.locator("#sheet").click()
     page.page.set_viewport_size(before)
-    assert shown == [True] * 5
+    assert shown == [True] * (7 if width > 500 else 5)
+
+
+def test_paper_shows_the_pictures_and_no_controls(fresh):
+    page = fresh(32)
+    page.page.emulate_media(media="print")
+    hidden = page.run(
+        "() => ['controls', 'views', 'share'].map((n) => document.getElementById(n).getBoundingClientRect().width)"
+    )
+    shown = page.run("() => [...document.querySelectorAll('.panels canvas, .lobe canvas')].map((e) => e.clientWidth)")
+    page.page.emulate_media(media="screen")
+    assert hidden == [0, 0, 0]
+    assert len(shown) == 6 and min(shown) > 200
 
 
 def test_without_webgl_the_javascript_program_draws(browser, tmp_path):

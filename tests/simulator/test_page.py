@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 
 from busy import in_time
+from conftest import CHROMIUM, FLAGS
 from symrender.scene.load import load
 from symrender.simulator.build import simulator
 from symrender.simulator.state import State, from_url, to_fragment
 
+from .conftest import Page
 from .test_build import HOSTILE
 
 GLOSSY = """(side) => {
@@ -214,8 +216,6 @@ def test_no_request_leaves_the_page_and_axe_finds_nothing(browser, tmp_path):
     source = (Path(axe_module.__file__).parent / "axe.min.js").read_text(encoding="utf-8")
     path = tmp_path / "page.html"
     simulator("gloss", path)
-    from .conftest import Page
-
     context = browser.new_context(color_scheme="dark", viewport={"width": 390, "height": 900})
     page, requests = context.new_page(), []
     context.on("request", lambda request: requests.append(request.url))
@@ -309,6 +309,89 @@ SLIDE = """async () => {
   on = false;
   return worst;
 }"""
+
+
+REFINING = """async () => {
+  const { app } = simulator;
+  for (let lobe = 2; lobe < 8; lobe++) {
+    app.change((s) => (s.lobe = lobe));
+    while (app.running || !app.facts.evaluations) await new Promise((r) => setTimeout(r, 2));
+    if (app.facts.final) continue;
+    const facts = app.facts, before = facts.evaluations;
+    app.change((s) => (s.seed += 1));
+    while (app.running) await new Promise((r) => setTimeout(r, 2));
+    return [before, facts.evaluations];
+  }
+  return null;
+}"""
+
+
+def test_what_refines_an_old_probe_stops_with_the_first_change(fresh):
+    """It took two thirds of the time of the frame that the change asks for."""
+    before, after = fresh(64).run(REFINING)
+    assert before > 0
+    assert after == before
+
+
+EXPOSE = """async () => {
+  const { app } = simulator, sizes = new Set();
+  let pictures = 0, last = app.frame;
+  for (let k = 0; k < 12; k++) {
+    app.change((s) => (s.exposure = k / 8), true);
+    await new Promise((r) => requestAnimationFrame(r));
+    if (app.frame !== last) pictures++;
+    last = app.frame;
+    sizes.add(last.size);
+  }
+  return [pictures, [...sizes]];
+}"""
+
+
+def test_a_drag_that_only_shows_pixels_in_another_way_keeps_them_all(fresh):
+    page = fresh(96)
+    page.run("() => (simulator.app.cost = 1e3)")
+    pictures, sizes = page.run(EXPOSE)
+    assert pictures >= 3
+    assert sizes == [96]
+    page.settle()
+
+
+DRAG = """async () => {
+  const { app } = simulator, sizes = new Set();
+  app.cost = 1e3;
+  let pictures = 0, last = app.frame, turns = 0;
+  const end = performance.now() + 1500;
+  while (performance.now() < end) {
+    app.change((s) => (s.scene['floor.lobe.exponent'] = 100 + (turns++ % 50)), true);
+    await new Promise((r) => requestAnimationFrame(r));
+    if (app.frame !== last) {
+      pictures++;
+      sizes.add(app.frame.size);
+    }
+    last = app.frame;
+  }
+  return [pictures, turns, Math.max(...sizes)];
+}"""
+
+
+def test_a_drag_shows_a_picture_for_most_of_its_steps(browser, tmp_path, capsys):
+    """In a browser without a GPU as it starts by itself.
+
+    Pictures waited for a timer that no change woke: two of five steps had one at best.
+    How many there are a second depends on the machine; that the next change is not waited for does not.
+    """
+    flags = [flag for flag in FLAGS if "angle" not in flag]
+    plain = browser.browser_type.launch(executable_path=CHROMIUM, args=flags)
+    simulator("gloss", tmp_path / "page.html")
+    page = Page(plain.new_page())
+    page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=64))}")
+    page.settle()
+    pictures, turns, largest = max((page.run(DRAG) for _ in range(2)), key=lambda found: found[0] / found[1])
+    plain.close()
+    with capsys.disabled():
+        print(f"\na drag: {pictures / 1.5:.0f} pictures a second, {pictures} for {turns} steps, at most {largest} wide")
+    assert turns > 5 and largest <= 32
+    assert pictures >= 0.45 * turns
 
 
 def slide(browser, page):

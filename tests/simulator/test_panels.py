@@ -116,7 +116,8 @@ RANDOM = """async (states) => {
   while (app.sampling) await new Promise((r) => setTimeout(r, 5));
   for (const edit of states) {
     const t = makeTables({...app.state, ...edit, size: n}), gpu = {};
-    await app.see(n, () => false, t);
+    app.traces(n, t);
+    app.traceTo(n);
     app.gpu.upload(t);
     for (const pass of ["pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers"]) {
       await app.gpu.draw(pass, n, 0, n);

@@ -33,7 +33,19 @@ def surfaces(ctx: typer.Context, incomplete: str) -> list[str]:
     scene = _scene(ctx)
     if not isinstance(scene, Scene):
         return []
-    return _starting(incomplete, [*(["floor"] if scene.floor else []), *(f"spheres.{s.name}" for s in scene.spheres)])
+    shapes = [*(f"spheres.{s.name}" for s in scene.spheres), *(f"planes.{p.name}" for p in scene.planes)]
+    return _starting(incomplete, [*(["floor"] if scene.floor else []), *shapes])
+
+
+def layers_of_file(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Layers of the image that the line names."""
+    from symrender.errors import SymrenderError
+    from symrender.images.image import read_image
+
+    try:
+        return _starting(incomplete, read_image([*ctx.args, ctx.params.get("file") or ""][0]).layers)
+    except SymrenderError:
+        return []
 
 
 def numbers(ctx: typer.Context, incomplete: str) -> list[str]:

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from symrender.scene.load import AnyScene
     from symrender.scene.scene import Scene
 
+_TOUCHES = 1e-12
+"""Distance from a sphere, in its radii, that rounding leaves of none."""
+
 
 def probe(
     scene: SceneArgument,
@@ -183,13 +186,18 @@ def _probe_rays(scene: AnyScene, ray: list[str], tol: float, *, json: bool) -> N
 
 
 def _why(scene: Scene, surface: str, point: Sequence[float]) -> str:
-    """Which sphere holds a point that sees nothing."""
+    """Which sphere holds or touches a point that has no value."""
     place = tuple([*point, 0.0][:3])
     own = next((sphere for sphere in scene.spheres if f"spheres.{sphere.name}" == surface), None)
     if own is not None:
         place = tuple(c + own.radius * n for c, n in zip(own.center, place, strict=True))
-    holding = [s.name for s in scene.spheres if s is not own and math.dist(place, s.center) < s.radius]
+    others = [(s, math.dist(place, s.center) - s.radius) for s in scene.spheres if s is not own]
+    touching = [s.name for s, apart in others if abs(apart) <= _TOUCHES * s.radius]
+    holding = [s.name for s, apart in others if apart < 0 and s.name not in touching]
+    at = ", ".join(f"{x:.6g}" for x in place)
+    if touching and not holding:
+        named = " and ".join(f"spheres.{name}" for name in touching)
+        return f"({at}) touches {named}: no rule covers a point in which two shapes meet"
     if not holding:
         return "no rule covers this point"
-    at = ", ".join(f"{x:.6g}" for x in place)
     return f"({at}) is inside {' and '.join(f'spheres.{name}' for name in holding)}, and nothing is seen from there"

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from symrender.cli._browser import open_page
+from symrender.cli._completions import layers_of_file
 from symrender.cli._console import native_output_hidden
 from symrender.cli._options import Exposure, Force, Quiet, TonemapOption
 from symrender.images.output import check_target
@@ -15,7 +16,9 @@ from symrender.images.output import check_target
 
 def view(
     file: Annotated[Path, typer.Argument(help="An .exr, .npz or .png.")],
-    layer: Annotated[str, typer.Option(help="The layer shown; symrender info lists them.")] = "radiance",
+    layer: Annotated[
+        str, typer.Option(help="The layer shown; symrender info lists them.", autocompletion=layers_of_file)
+    ] = "radiance",
     exposure: Exposure = 0.0,
     tonemap: TonemapOption = "clip",
     scale: Annotated[

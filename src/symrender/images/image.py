@@ -8,19 +8,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import ImageError, NonFiniteError
 from symrender.images import exr, npz, png
+from symrender.images.dataset import dataset
 from symrender.images.output import write_bytes
 from symrender.images.picture import DIVERGING, NON_FINITE_COLOR, SEQUENTIAL, Picture, color_map
 from symrender.images.srgb import clipped_pixels, encode_srgb
 from symrender.images.tonemap import exposed
 from symrender.limits import MAX_PIXELS
 from symrender.settings import Tonemap
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 Array = npt.NDArray[np.float64]
 
@@ -100,6 +104,17 @@ class Image:
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         return np.array(self.radiance, dtype=dtype, copy=copy)
+
+    def __dlpack__(self, **asked: Any) -> Any:
+        """The radiance for ``torch.from_dlpack`` and its like, a copy: an image is not changed through a tensor."""
+        return np.array(self.radiance).__dlpack__(**asked)
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return self.radiance.__dlpack_device__()
+
+    def to_xarray(self) -> Dataset:
+        """The layers by name as an xarray ``Dataset`` over pixel centres; OptionError where xarray is missing."""
+        return dataset(self.layers, self.meta)
 
     def __repr__(self) -> str:
         return f"Image({self.width}x{self.height}, layers: {', '.join(self.layers)})"

@@ -92,7 +92,7 @@ async function converge(app) {
     const made = frame.converger;
     let told = performance.now();
     while (!made.done && !stale()) {
-      app.gpu.see(app.seen.pixels, frame.size, data.tables.seen.columns);
+      app.traceTo(frame.size);
       app.gpu.upload(made.tables(frame.tables));
       if ((await app.bands("pixel_symbolic", frame.size, stale)) === null || app.gpu.lost()) break;
       made.add(app.gpu.read("pixel_symbolic", frame.size));

@@ -47,6 +47,12 @@ class Cpu {
     }
   }
 
+  async drawn(passes, size, meanwhile = () => {}) {
+    for (const pass of passes) await this.draw(pass, size, 0, size);
+    meanwhile();
+    return passes.map((pass) => [pass, this.read(pass, size)]);
+  }
+
   read(pass, size) {
     return this.targets.get(`${pass} ${size}`).slice();
   }

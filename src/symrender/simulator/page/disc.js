@@ -33,10 +33,13 @@ class Disc {
     penOf(this.picture).putImageData(image, 0, 0);
   }
 
-  // Everything drawn over the colours; ``t`` are the tables, ``seen`` what the pixel met, ``shows`` what to draw.
-  draw(t, seen, state, pixel) {
+  // Everything drawn over the colours; ``t`` are the tables, ``seen`` what the pixel met, ``steps`` those of a curve.
+  draw(t, seen, state, pixel, steps = CURVE_STEPS) {
+    this.steps = steps;
     const box = this.canvas.clientWidth || 320, ratio = Math.min(2, window.devicePixelRatio || 1);
     this.canvas.width = this.canvas.height = Math.round(box * ratio);
+    this.lobe = seen !== null;
+    this.still = null;
     const g = penOf(this.canvas), margin = DISC_MARGIN;
     g.scale(ratio, ratio);
     const middle = box / 2, radius = middle - margin;
@@ -51,14 +54,13 @@ class Disc {
       g.font = `15px ${style.getPropertyValue("--text")}`;
       g.textAlign = "center";
       g.fillText("no lobe here: point at something glossy", middle, middle, box - 8);
-      this.still = null;
       return;
     }
     const lobe = seen.shape - 1, at = (x, y) => [middle + radius * x, middle - radius * y];
     g.save();
     circle(g, middle, middle, radius);
     g.clip();
-    g.imageSmoothingQuality = "high";
+    g.imageSmoothingQuality = this.picture.width > 2 * radius * ratio ? "high" : "low";
     g.drawImage(this.picture, margin, margin, 2 * radius, 2 * radius);
     this.walls(g, t, seen, lobe, at);
     this.cells(g, t, lobe, at, radius, state);
@@ -72,19 +74,22 @@ class Disc {
     g.font = `11px ${style.getPropertyValue("--figures")}`;
     g.textAlign = "right";
     g.fillText(`rim ${short((surfaceLobe(t, lobe).thetaMax * 180) / Math.PI)}°`, box - 2, box - 4);
-    this.still = document.createElement("canvas");
-    this.still.width = this.still.height = this.canvas.width;
-    penOf(this.still).drawImage(this.canvas, 0, 0);
   }
 
-  // A cross at the direction asked about, over what was last drawn.
+  // A cross at the direction asked about, over what was last drawn; that is copied when the first cross comes over it.
   cross(found) {
-    if (!this.still || this.still.width !== this.canvas.width) return;
+    if (!this.lobe || (!found && !this.still)) return;
     const g = penOf(this.canvas), box = this.canvas.clientWidth, middle = 0.5 * box, radius = middle - DISC_MARGIN;
-    g.save();
-    g.resetTransform();
-    g.drawImage(this.still, 0, 0);
-    g.restore();
+    if (this.still) {
+      g.save();
+      g.resetTransform();
+      g.drawImage(this.still, 0, 0);
+      g.restore();
+    } else {
+      this.still = document.createElement("canvas");
+      this.still.width = this.still.height = this.canvas.width;
+      penOf(this.still).drawImage(this.canvas, 0, 0);
+    }
     if (!found) return;
     const x = middle + radius * found.x, y = middle - radius * found.y;
     for (const [width, color] of [[4.5, "rgba(0,0,0,.7)"], [2, "#ffd23f"]]) {
@@ -102,8 +107,8 @@ class Disc {
     const rim = surfaceLobe(t, lobe).thetaMax;
     const path = new Path2D();
     let open = false;
-    for (let k = 0; k <= CURVE_STEPS; k++) {
-      const w = direction(k / CURVE_STEPS);
+    for (let k = 0; k <= this.steps; k++) {
+      const w = direction(k / this.steps);
       const [x, y, theta] = w ? this.place(t, lobe, w) : [0, 0, 9];
       if (theta >= rim) {
         open = false;

@@ -62,18 +62,23 @@ class Gpu {
     });
   }
 
-  // What the pixels' rays meet, for the passes to read: ``columns`` numbers a pixel, row 0 first.
-  see(pixels, size, columns) {
-    const gl = this.gl;
-    if (this.seen === pixels) return;
-    this.seen = pixels;
-    gl.deleteTexture(this.image);
-    this.image = gl.createTexture();
+  // What the pixels' rays meet, for the passes to read: ``columns`` numbers a pixel, the first ``rows`` rows.
+  see(pixels, size, columns, rows) {
+    const gl = this.gl, width = (size * columns) / 4;
+    if (this.seen !== pixels) {
+      this.seen = pixels;
+      this.seenRows = 0;
+      gl.deleteTexture(this.image);
+      this.image = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, this.image);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, size);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    }
+    if (rows <= this.seenRows) return;
     gl.bindTexture(gl.TEXTURE_2D, this.image);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, (size * columns) / 4, size);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, (size * columns) / 4, size, gl.RGBA, gl.FLOAT, pixels);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, this.seenRows, width, rows - this.seenRows, gl.RGBA, gl.FLOAT, pixels, 4 * width * this.seenRows);
+    this.seenRows = rows;
   }
 
   target(pass, size) {
@@ -98,6 +103,14 @@ class Gpu {
 
   // Hands rows y0 to y1 of a pass to the GPU; the fence it returns is passed when they are done.
   submit(pass, size, y0, y1) {
+    const gl = this.gl;
+    this.send(pass, size, y0, y1);
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    return fence;
+  }
+
+  send(pass, size, y0, y1) {
     const gl = this.gl, made = this.program(pass);
     gl.useProgram(made);
     for (const [name, rows] of Object.entries(this.rows)) gl.uniform1i(gl.getUniformLocation(made, `${name}_rows`), rows);
@@ -107,9 +120,16 @@ class Gpu {
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(0, y0, size, y1 - y0);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
-    return fence;
+  }
+
+  // Pixels of several passes, all handed over before any is waited for; ``meanwhile`` is what the page does in the time.
+  async drawn(passes, size, meanwhile = () => {}) {
+    for (const pass of passes) this.send(pass, size, 0, size);
+    this.gl.flush();
+    meanwhile();
+    // input and what is to be painted come before a wait
+    await nextTask();
+    return passes.map((pass) => [pass, this.read(pass, size)]);
   }
 
   // Pixels of a finished pass, four numbers each, row 0 on top.

@@ -33,7 +33,7 @@ function tellPanels(app, frame) {
   by("difference-line").replaceChildren(...(frame.scale > 0 ? bar(scaleColors, "0", short(frame.scale), frame.beyond > 0.005 ? `${percent(frame.beyond)} beyond` : "") : [frame.scale === 0 ? "nothing differs" : "waits for the reference"]));
   const made = frame.converger, told = made?.told;
   by("panel-reference").classList.toggle("stale", !made?.passes);
-  note("reference-note", !made?.passes ? "waits until nothing moves" : !told ? "first directions" : made.done && told.within >= SEEN_SHARE ? "as exact as 8 bits show" : made.done ? "budget spent" : "converging");
+  note("reference-note", !made?.passes ? "begins at rest" : !told ? "first directions" : made.done && told.within >= SEEN_SHARE ? "as exact as 8 bits show" : made.done ? "budget spent" : "converging");
   note("reference-line", told ? `±${short(told.rms)} RMS, ${told.directions} directions` : "");
   by("reference-line").title = `${told ? `${percent(Math.floor(1000 * told.within) / 1000)} of pixels err by less than half an 8-bit step. ` : ""}± is the standard error of four independent streams, over pixels with a lobe`;
 }

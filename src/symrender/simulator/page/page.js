@@ -1,13 +1,16 @@
 // The page: state, frames, probe, keyboard.
 
 const VIEWS = [["full", "Full"], ["gloss", "Gloss alone"], ["direct", "Direct light"], ["class", "Surface class"], ["chambers", "Chamber count"]];
-const DISC_SIZE = 320, DISC_MOVING = 96, REST = 140, SLICE = 10, LEAST_PREVIEW = 32, PREVIEW_TIME = 11, PROBE_REST = 90;
+const DISC_SIZE = 320, DISC_MOVING = 64, DISC_STEPS_MOVING = 60, REST = 140, WORDS_REST = 200, SLICE = 10, LEAST_PREVIEW = 24, PREVIEW_TIME = 9;
 // Bands of a pass take about so many milliseconds: between two of them a frame can be given up.
 const BAND_TIME = 40, FIRST_BAND = 32;
+// Pixels whose rays are traced in JavaScript between two bands, some milliseconds.
+const SEEN_AT_ONCE = 8192;
 // Directions that together weigh less than half an ulp of a sum in float32 are not looked along there.
 const LEAST = 2 ** -24;
 // Pixels a side where nothing but JavaScript draws.
 const SLOW_SIZE = 128;
+const rowsAtOnce = (size) => Math.min(size, Math.max(1, Math.floor(SEEN_AT_ONCE / size)));
 const by = (id) => document.getElementById(id);
 
 const app = {
@@ -31,6 +34,10 @@ const app = {
     }
     if (live) this.moving = performance.now();
     this.generation++;
+    // what refines the old probe would take the processor from the new picture
+    this.probing = null;
+    clearTimeout(this.referring);
+    this.wake?.();
     this.showControls();
     this.start();
     clearTimeout(this.linking);
@@ -75,19 +82,18 @@ const app = {
 
   async render() {
     const generation = this.generation, state = structuredClone(this.state), t = makeTables(state);
-    const busy = performance.now() - this.moving < REST && (this.cost ?? 0) > 30;
+    const moving = performance.now() - this.moving < REST;
     const passes = state.view === "chambers" ? ["pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers"] : ["pixel_direct", "pixel_numeric", "pixel_symbolic"];
-    if (busy) {
-      const size = this.previewSize(state.size);
-      t.image_frame = Float64Array.of(0, 0, size, size, size, size, 1);
-      const start = performance.now();
-      await this.pass(passes, size, () => false, state, t, generation, false);
-      this.previewCost = (performance.now() - start) / size ** 2;
+    const held = moving && passes.every((pass) => this.reusable("whole", pass, t));
+    if (held || (moving && (this.cost ?? 0) > 30)) {
+      if (held) await this.showAgain(passes, state, t, generation);
+      else await this.preview(passes, state, t, generation);
+      if (this.turn === 0 && this.probedAt?.glossy) await this.colours(DISC_MOVING);
       // a drag's next state is waited for; at rest the whole frame follows
-      if (generation === this.generation) await delay(Math.max(0, REST - (performance.now() - this.moving)));
+      if (generation === this.generation) await Promise.race([delay(Math.max(0, REST - (performance.now() - this.moving))), new Promise((changed) => (this.wake = changed))]);
       return;
     }
-    await this.pass(passes, state.size, () => generation !== this.generation, state, t, generation, true);
+    await this.whole(passes, state.size, () => generation !== this.generation, state, t, generation);
   },
 
   // Pixels a side of a preview that is drawn within a frame of the display.
@@ -96,72 +102,115 @@ const app = {
     return Math.round(Math.min(size / 2, Math.max(LEAST_PREVIEW, Math.sqrt(PREVIEW_TIME / each))) / 8) * 8;
   },
 
-  // All passes of a frame at one size, in bands; given up where ``stale``.
-  async pass(passes, size, stale, state, t, generation, whole) {
-    const frame = { size, generation, whole, state, tables: t, took: {} };
-    if (!(await this.see(size, stale, t))) return;
+  // All passes of a whole frame, in bands; given up where ``stale``.
+  async whole(passes, size, stale, state, t, generation) {
+    const frame = { size, generation, whole: true, state, tables: t, took: {} };
+    this.traces(size, t);
     this.gpu.upload(makeTables(state, LEAST, t.image_frame));
     for (const pass of passes) {
-      const key = inputs(pass, t), held = this.held.get(pass);
-      if (held?.key === key) {
-        frame[pass] = held.pixels;
-        frame.took[pass] = held.took;
-        continue;
-      }
+      if (this.reuse(frame, "whole", pass)) continue;
       const took = await this.bands(pass, size, stale);
       if (took === null || this.gpu.lost()) return;
-      frame[pass] = this.gpu.read(pass, size);
-      frame.took[pass] = took;
-      if (whole) this.held.set(pass, { key, pixels: frame[pass], took });
+      this.keep(frame, "whole", pass, this.gpu.read(pass, size), took);
       await nextTask();
     }
-    if (whole) this.cost = passes.reduce((sum, pass) => sum + frame.took[pass], 0);
-    this.frame = frame;
-    Object.assign(frame, present(this.canvases, frame, state));
-    tellPanels(this, frame);
-    tellLegend(this, frame);
-    this.filming?.();
+    this.cost = passes.reduce((sum, pass) => sum + frame.took[pass], 0);
+    this.show(frame);
     // input goes before figures
     await nextTask();
-    if (whole) await this.tell(frame);
+    await this.tell(frame);
     await nextTask();
-    // while a slider moves the probe follows now and then only: the pictures come first
-    if (!whole && performance.now() - (this.probed ?? 0) < Math.max(PROBE_REST, 4 * (this.probeTime ?? 0))) return;
-    const start = performance.now();
-    await this.probe(whole);
-    this.probed = performance.now();
-    if (!whole) this.probeTime = this.probed - start;
+    await this.probe();
   },
 
-  // What the rays of all pixels meet, in double precision, in slices; false where given up.
-  async see(size, stale, t) {
-    const key = inputs("pixel_seen", t), columns = data.tables.seen.columns;
-    if (this.seen?.key !== key) {
-      const pixels = new Float32Array(size * size * columns);
-      let rested = performance.now();
-      for (let k = 0; k < size * size; k++) {
-        pixels.set(seenAt(t, k % size, Math.floor(k / size)), k * columns);
-        if (k % 64 === 0 && performance.now() - rested > SLICE) {
-          await nextTask();
-          if (stale()) return false;
-          rested = performance.now();
-        }
-      }
-      this.seen = { key, pixels };
+  // A coarse frame: its passes are handed over together and waited for, which is shorter than asking for each.
+  async preview(passes, state, t, generation) {
+    const start = performance.now(), size = this.previewSize(state.size), frame = { size, generation, whole: false, state, tables: t, took: {} };
+    t.image_frame = Float64Array.of(0, 0, size, size, size, size, 1);
+    this.traces(size, t);
+    this.traceTo(size);
+    this.gpu.upload(makeTables(state, LEAST, t.image_frame));
+    const due = passes.filter((pass) => !this.reuse(frame, "coarse", pass));
+    let last = performance.now();
+    for (const [pass, pixels] of await this.gpu.drawn(due, size, () => this.follow())) {
+      const now = performance.now();
+      this.keep(frame, "coarse", pass, pixels, now - last);
+      last = now;
     }
-    this.gpu.see(this.seen.pixels, size, columns);
+    this.show(frame);
+    this.previewCost = (performance.now() - start) / size ** 2;
+  },
+
+  // A frame of pixels that are all there, of a drag that only shows them in another way.
+  async showAgain(passes, state, t, generation) {
+    const frame = { size: state.size, generation, whole: false, state, tables: t, took: {} };
+    for (const pass of passes) this.reuse(frame, "whole", pass);
+    this.show(frame);
+    this.follow();
+    await nextTask();
+  },
+
+  show(frame) {
+    this.frame = frame;
+    Object.assign(frame, present(this.canvases, frame, frame.state));
+    this.filming?.();
+    // words that change with every picture cost more than the picture: their line is laid out and painted anew
+    if (!frame.whole && performance.now() - (this.spoke ?? 0) < WORDS_REST) return;
+    this.spoke = performance.now();
+    tellPanels(this, frame);
+    tellLegend(this, frame);
+    if (!frame.whole && this.facts) tellProbe(this.facts);
+  },
+
+  // A pass whose inputs did not change is not drawn again: of every kind of frame, whole and coarse, the last is kept.
+  reusable(kind, pass, t) {
+    return this.held.get(`${kind} ${pass}`)?.key === inputs(pass, t);
+  },
+
+  reuse(frame, kind, pass) {
+    if (!this.reusable(kind, pass, frame.tables)) return false;
+    const { pixels, took } = this.held.get(`${kind} ${pass}`);
+    frame[pass] = pixels;
+    frame.took[pass] = took;
     return true;
+  },
+
+  keep(frame, kind, pass, pixels, took) {
+    frame[pass] = pixels;
+    frame.took[pass] = took;
+    this.held.set(`${kind} ${pass}`, { key: inputs(pass, frame.tables), pixels, took });
+  },
+
+  // What the rays of all pixels meet, in double precision: begun here, traced row by row.
+  traces(size, t) {
+    const key = inputs("pixel_seen", t), columns = data.tables.seen.columns;
+    if (this.seen?.key === key) return;
+    this.seen = { key, t, size, columns, rows: 0, pixels: new Float32Array(size * size * columns) };
+  },
+
+  // Traces what is missing of the rows up to ``row`` and hands them to the passes.
+  traceTo(row) {
+    const seen = this.seen, { size, columns, pixels, t } = seen;
+    for (; seen.rows < row; seen.rows++) {
+      for (let x = 0; x < size; x++) pixels.set(seenAt(t, x, seen.rows), (seen.rows * size + x) * columns);
+    }
+    this.gpu.see(pixels, size, columns, seen.rows);
   },
 
   // One pass in bands, the next already waiting while one is drawn; milliseconds, or null where given up.
   async bands(pass, size, stale) {
-    if (!this.warm.has(pass)) await this.gpu.draw(pass, size, 0, 1);
+    if (!this.warm.has(pass)) {
+      this.traceTo(rowsAtOnce(size));
+      await this.gpu.draw(pass, size, 0, 1);
+    }
     this.warm.add(pass);
     const start = performance.now(), waiting = [];
     let y = 0, rows = Math.min(size, FIRST_BAND), last = start;
     while (y < size || waiting.length) {
       while (y < size && waiting.length < 2) {
-        const next = Math.min(size, y + rows);
+        // rays are traced while the bands before are drawn
+        const ahead = this.seen.rows - y, next = Math.min(size, y + Math.min(rows, ahead > 0 ? ahead : rowsAtOnce(size)));
+        this.traceTo(next);
         waiting.push([this.gpu.submit(pass, size, y, next), next - y]);
         y = next;
       }
@@ -194,17 +243,56 @@ const app = {
   },
 
   // Probe and lobe at the cursor; in double precision, the disc's colours from the GPU.
-  async probe(whole = true) {
+  async probe() {
+    const { t, seen, glossy } = this.ask();
+    const token = (this.probing = {});
+    drawCursor();
+    tellProbe(this.facts);
+    if (glossy) await this.colours(DISC_SIZE);
+    this.drawDisc();
+    this.showDirection();
+    tellCertify(this);
+    clearTimeout(this.referring);
+    if (!glossy) return;
+    const { facts } = this, { direct, weight } = facts;
+    this.referring = setTimeout(async () => {
+      let rested = performance.now();
+      for (const found of new Reference(t, seen, TOLERANCE, BUDGET).run()) {
+        if (this.probing !== token) return;
+        if (found) {
+          facts.reference = [0, 1, 2].map((c) => program.reflected(direct[c], weight, found.value[c]));
+          Object.assign(facts, { error: weight * found.error, met: found.met, evaluations: found.evaluations });
+        }
+        if (performance.now() - rested > SLICE) {
+          tellProbe(facts);
+          await nextTask();
+          rested = performance.now();
+        }
+      }
+      if (this.probing !== token) return;
+      facts.final = true;
+      tellProbe(facts);
+    }, REST);
+  },
+
+  // While something moves the probe follows in turns, one with each picture; the disc's colours come after the first.
+  follow() {
+    const turns = [() => this.ask(), () => this.drawDisc(DISC_STEPS_MOVING), () => this.showDirection()];
+    this.turn = ((this.turn ?? -1) + 1) % turns.length;
+    turns[this.turn]();
+  },
+
+  // What the cursor's pixel meets and what both estimators find there.
+  ask() {
     const frame = this.frame, state = this.state, t = frame.tables, scale = frame.size / frame.state.size;
     if (!state.cursor) state.cursor = defaultCursor(state);
     const pixel = state.cursor.map((v) => Math.min(frame.size - 1, Math.floor((v + 0.5) * scale)));
-    drawCursor();
     const seen = lookAt(t, ...pixel), lobe = seen.shape > 0 ? surfaceLobe(t, seen.shape - 1) : { weight: 0 };
     const numeric = glossExact("pixel_numeric", t, ...pixel), symbolic = glossExact("pixel_symbolic", t, ...pixel), direct = directExact(t, ...pixel).slice(0, 3);
     const glossy = lobe.weight > 0 && numeric[3] > 0;
     const full = (gloss) => [0, 1, 2].map((c) => program.reflected(direct[c], gloss[3], gloss[c]));
     const numericRgb = full(numeric), symbolicRgb = full(symbolic), lightness = (rgb) => rgb.reduce((a, b) => a + b, 0);
-    const facts = {
+    this.facts = {
       pixel: [...state.cursor],
       place: seen.shape ? seen.q : null,
       surface: surfaceName(seen.shape),
@@ -214,54 +302,37 @@ const app = {
       symbolic: symbolicRgb,
       weight: symbolic[3],
     };
-    this.facts = facts;
-    tellProbe(facts);
-    const token = (this.probing = {});
-    if (!whole) clearTimeout(this.referring);
-    if (glossy) {
-      t.disc.set([...seen.q, ...seen.n, ...seen.d, seen.shape, state.disc === "weight" ? 1 : 0, 0]);
-      const size = whole ? DISC_SIZE : DISC_MOVING;
-      t.disc[11] = size;
-      this.gpu.upload(t);
-      await this.gpu.draw("pixel_disc", size, 0, size);
-      const pixels = this.gpu.read("pixel_disc", size);
-      this.disc.paint(pixels, size, 2 ** state.exposure);
-    }
-    this.probedAt = { t, seen, glossy, pixel };
-    this.disc.draw(t, glossy ? seen : null, frame.state, pixel);
-    this.showDirection();
-    tellCarried(glossy ? carried(t, seen, frame.state) : null);
-    tellCertify(this);
-    if (!whole || !glossy) return;
-    clearTimeout(this.referring);
-    this.referring = setTimeout(async () => {
-      let rested = performance.now();
-      for (const found of new Reference(t, seen, TOLERANCE, BUDGET).run()) {
-        if (found) {
-          facts.reference = [0, 1, 2].map((c) => program.reflected(direct[c], symbolic[3], found.value[c]));
-          Object.assign(facts, { error: symbolic[3] * found.error, met: found.met, evaluations: found.evaluations });
-        }
-        if (performance.now() - rested > SLICE) {
-          tellProbe(facts);
-          await nextTask();
-          rested = performance.now();
-        }
-        if (this.probing !== token) return;
-      }
-      facts.final = true;
-      tellProbe(facts);
-    }, REST);
+    if (glossy) t.disc.set([...seen.q, ...seen.n, ...seen.d, seen.shape, state.disc === "weight" ? 1 : 0, 0]);
+    return (this.probedAt = { t, seen, glossy, pixel, state: frame.state });
+  },
+
+  // What the directions of the lobe see, drawn by the GPU.
+  async colours(size) {
+    const { t } = this.probedAt;
+    t.disc[11] = size;
+    this.gpu.upload(t);
+    if (!this.warm.has("pixel_disc")) await this.gpu.draw("pixel_disc", size, 0, 1);
+    this.warm.add("pixel_disc");
+    const [[, pixels]] = await this.gpu.drawn(["pixel_disc"], size);
+    this.disc.paint(pixels, size, 2 ** this.state.exposure);
+  },
+
+  drawDisc(steps) {
+    if (!this.probedAt) return;
+    const { t, seen, glossy, pixel, state } = this.probedAt;
+    this.disc.draw(t, glossy ? seen : null, state, pixel, steps);
+    if (!steps) tellCarried(glossy ? carried(t, seen, state) : null);
   },
 
   // What the direction asked about sees, in words, on the disc and in space.
   showDirection() {
-    const { t, seen, glossy } = this.probedAt ?? {};
+    const { t, seen, glossy, state } = this.probedAt ?? {};
     if (!t) return;
     const found = glossy && this.pointed ? directionAt(t, seen, ...this.pointed) : null;
     this.pointedAt = found;
     tellDirection(found, glossy);
     if (glossy) this.disc.cross(found);
-    this.space.show(t, seen, this.frame.state, found);
+    this.space.show(t, seen, state, found);
   },
 
   async link() {
