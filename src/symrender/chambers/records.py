@@ -12,7 +12,8 @@ class LightPoint(Record):
     """A light as kernels see it: a point, or an exact disk of ``radius`` > 0.
 
     ``color`` is the light's times the point's share, ``sign`` that in the embedded rule; ``e1``, ``e2`` and ``axis``
-    are the disk's frame. All fields are float64.
+    are the disk's frame. ``fall`` is 1 for a point whose light falls off with the square of its distance, else 0.
+    All fields are float64.
     """
 
     position: Three
@@ -22,6 +23,7 @@ class LightPoint(Record):
     e1: Three
     e2: Three
     axis: Three
+    fall: float
 
 
 class LightMove(Record):

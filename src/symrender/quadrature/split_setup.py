@@ -14,7 +14,7 @@ from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.split_line import NEAR_LIGHT
+from symrender.quadrature.fall_off import near_light
 from symrender.records import Table
 from symrender.scene.arrays import EYE, MARBLE
 from symrender.scene.records import Sphere
@@ -96,7 +96,7 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
         p, center = view.points[i], view.spheres[j]
         x, y, z = p.position[0] - center.center[0], p.position[1] - center.center[1], p.position[2] - center.center[2]
         far2 = x * x + y * y + z * z
-        if radius * radius < far2 < NEAR_LIGHT * radius * radius:
+        if radius * radius < far2 < near_light(p) * radius * radius:
             # |Q - L|^2 = 0 at azimuths +- i acosh(sqrt(a^2 - b^2)/c), at the nearest
             along = -2.0 * radius * (x * chart.pole[0] + y * chart.pole[1] + z * chart.pole[2])
             u = x * chart.e1[0] + y * chart.e1[1] + z * chart.e1[2]

@@ -33,6 +33,8 @@ MARBLE: Final = 3
 # kinds of a light
 POINT: Final = 0
 DISK: Final = 1
+FALLING: Final = 2
+"""A point whose light falls off with the square of its distance, as in radiometric scenes."""
 
 # conventions of shading: model, highlight view, terminator, units of the lobes
 BLINN: Final = 0
