@@ -7,12 +7,17 @@ from typing import Annotated, Final
 from symrender.chambers.lobes.record import Lobe
 from symrender.records import Array, Record, Three, Two
 
+INVERSE_SQUARE: Final = 1.0
+DISTANT: Final = 2.0
+"""Kinds of ``LightPoint.fall``."""
+
 
 class LightPoint(Record):
     """A light as kernels see it: a point, or an exact disk of ``radius`` > 0.
 
     ``color`` is the light's times the point's share, ``sign`` that in the embedded rule; ``e1``, ``e2`` and ``axis``
-    are the disk's frame. ``fall`` is 1 for a point whose light falls off with the square of its distance, else 0.
+    are the disk's frame. ``fall`` is ``INVERSE_SQUARE`` for a point whose light falls off with the square of its distance,
+    ``DISTANT`` for one that is the same direction everywhere, at no finite distance as far as rounding tells, else 0.
     All fields are float64.
     """
 

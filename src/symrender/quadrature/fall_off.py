@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.chambers.records import LightPoint
+from symrender.chambers.records import INVERSE_SQUARE, LightPoint
 from symrender.chambers.work import View
 from symrender.kernel_cache import inlined, jitable
 
@@ -20,18 +20,18 @@ TOUCHING: Final = 1e-300
 def most_light(p: LightPoint, square: float) -> float:
     """The largest channel of what arrives at this squared distance from a light, or farther off."""
     most = max(p.color[0], p.color[1], p.color[2])
-    return float(most / max(square, TOUCHING) if p.fall > 0.0 else most)
+    return float(most / max(square, TOUCHING) if p.fall == INVERSE_SQUARE else most)
 
 
 @inlined
 def near_light(p: LightPoint) -> float:
     """``NEAR_LIGHT`` or ``NEAR_FALLING``."""
-    return NEAR_FALLING if p.fall > 0.0 else NEAR_LIGHT
+    return NEAR_FALLING if p.fall == INVERSE_SQUARE else NEAR_LIGHT
 
 
 @inlined
-def falls_off(view: View) -> bool:
-    """Whether a light of the scene falls off."""
+def is_radiometric(view: View) -> bool:
+    """Whether a scene has the lights of radiometric scenes."""
     found = False
     for i in range(view.points.shape[0]):
         found = found or view.points[i].fall > 0.0

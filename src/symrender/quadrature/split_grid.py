@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import width_at
-from symrender.chambers.records import Chart, LightPoint
+from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.fall_off import most_light
@@ -141,7 +141,7 @@ def point_light(view: View) -> float:
     light = 0.0
     for i in range(view.points.shape[0]):
         height = view.points[i].position[2]
-        if not (view.points[i].fall > 0.0 and height <= 0.0):
+        if not (view.points[i].fall == INVERSE_SQUARE and height <= 0.0):
             light += most_light(view.points[i], height * height)
     return light
 
@@ -181,7 +181,7 @@ def block_bound(
             span = min(span, 1.2 * math.sqrt(apart * apart + lz * lz))
             square = apart * apart + lz * lz
             shine += most_light(points[i], square) * lz / math.sqrt(square)
-            falling = falling or points[i].fall > 0.0
+            falling = falling or points[i].fall == INVERSE_SQUARE
     if falling:
         light = min(light, shine)
     if reach < math.inf and foot > 0.2 * reach:

@@ -14,7 +14,7 @@ from symrender.chambers.lobes.density import facing_of, facing_share
 from symrender.chambers.lobes.poles import lobe_sum
 from symrender.chambers.lobes.rows import densities, lean_line, least_error, tint
 from symrender.chambers.lobes.width import BLUNT, broken_rim
-from symrender.chambers.records import NODES, Chart, Nodes, Piece
+from symrender.chambers.records import DISTANT, NODES, Chart, Nodes, Piece
 from symrender.chambers.walls import (
     PENUMBRA,
     SHADOW,
@@ -187,6 +187,8 @@ def cell_log(
         best = math.inf
         height = chart.height
         for i in range(points.shape[0]):
+            if points[i].fall == DISTANT:
+                continue
             ox, oy, oz = (
                 points[i].position[0] - chart.point[0],
                 points[i].position[1] - chart.point[1],

@@ -16,7 +16,7 @@ from symrender.chambers.lobes.mass import cap_share, facing_mass
 from symrender.chambers.lobes.record import Conductor
 from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
-from symrender.chambers.records import Chart, Event, LightPoint
+from symrender.chambers.records import INVERSE_SQUARE, Chart, Event, LightPoint
 from symrender.chambers.rooms import frame_view, in_a_plane
 from symrender.chambers.work import (
     MAX_ROOTS,
@@ -31,7 +31,7 @@ from symrender.chambers.work import (
 )
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature.fall_off import TOUCHING, falls_off, most_light, plane_bound
+from symrender.quadrature.fall_off import TOUCHING, is_radiometric, most_light, plane_bound
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
@@ -131,7 +131,7 @@ def gloss_kernel(
     chart = work.chart
     # a rounded base errs by so much more as its power is higher
     powers = ROUNDED * view.shading.shininess if view.shading.ks > 0.0 else 0.0
-    falling = falls_off(view)
+    falling = is_radiometric(view)
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
         home = frames.homes[surface[i]]
@@ -305,15 +305,16 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
 
 
 def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
-    """(L,) squared distance of every light that falls off from the surface nearest to it, 1 of the others."""
+    """(L,) squared distance of every light that falls off from the nearest surface it lights, 1 of the others."""
     squares = np.ones(len(points))
     planes = frames(arrays.planes)
-    for i in np.flatnonzero(points["fall"]):
+    for i in np.flatnonzero(points["fall"] == INVERSE_SQUARE).tolist():
         place = points[i].position
-        apart = [abs(math.dist(place, sphere.center) - sphere.radius) for sphere in arrays.spheres]
-        apart += [abs(float((place - frame.origin) @ frame.up)) for frame in planes]
-        apart += [abs(float(place[2]))] if arrays.floor.present else []
-        squares[i] = max(min(apart, default=1.0) ** 2, TOUCHING)
+        apart = [math.dist(place, sphere.center) - sphere.radius for sphere in arrays.spheres]
+        apart += [float((place - frame.origin) @ frame.up) for frame in planes]
+        apart += [float(place[2])] if arrays.floor.present else []
+        # what it is inside of or behind is not lit by it
+        squares[i] = max(min((a for a in apart if a > 0.0), default=1.0) ** 2, TOUCHING)
     return squares
 
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.poles import pole_across
 from symrender.chambers.lobes.width import turning_width, width
+from symrender.chambers.records import DISTANT
 from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
@@ -152,7 +153,7 @@ def floor_spots(view: View, work: Work) -> None:
             view.points[i].position[2],
         )
         rho = math.sqrt(x * x + y * y)
-        if not z > 0.0:
+        if not z > 0.0 or view.points[i].fall == DISTANT:
             continue
         slope = z / max(rho, 1e-9 * z)
         add_spot(x, y, math.log(slope + math.sqrt(1.0 + slope * slope)), work)
@@ -194,7 +195,7 @@ def wide_spots(a0: float, a1: float, a2: float, cosine: float, view: View, work:
                 continue
             x, y = x - chart.point[0], y - chart.point[1]
             along, far2 = x * ex + y * ey, x * x + y * y + z * z
-            if not z > 0.0 or far2 == 0.0:
+            if not z > 0.0 or far2 == 0.0 or (i < view.points.shape[0] and view.points[i].fall == DISTANT):
                 continue
             depth = abs(far) * math.sqrt(max(0.0, far2 - along * along)) / far2
             if depth < HARD_BY:

@@ -22,7 +22,7 @@ from symrender.limits import MAX_PLANES
 from symrender.records import Table, record, table
 from symrender.scene import arrays as series
 from symrender.scene.arrays import CHECKER, MARBLE, SOLID, STRIPES, SceneArrays
-from symrender.scene.radiometric.arrays import DIFFUSE, POINT, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import DIFFUSE, POINT, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.records import Material, Shape
 from symrender.scene.records import Floor, Light, Plane, Shading, Sphere
 
@@ -53,8 +53,8 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
     if any(material.kind != DIFFUSE for material in used):
         return "a conductor or a phong material"
-    if any(light.kind != POINT for light in arrays.lights):
-        return "a directional light or a sky"
+    if any(light.kind == SKY for light in arrays.lights):
+        return "a sky"
     planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
     if any(material.texture in (STRIPES, MARBLE) for material in planes):
         return "stripes or marble on a plane"
@@ -65,7 +65,7 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
 
 def bounce_scenes(arrays: RadiometricArrays, turned: Flags) -> Bounce:
     """The scenes in which the light that a point sees reflected is integrated; ``turned`` planes show their back."""
-    classes, kept = _classes(arrays)
+    classes, kept = shape_classes(arrays)
     spheres = [j for j in kept if arrays.shapes[j].kind == SPHERE]
     planes = [j for j in kept if arrays.shapes[j].kind != SPHERE]
     textured = [j for j in spheres if _material(arrays, j).texture != SOLID]
@@ -81,9 +81,7 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags) -> Bounce:
             _lay_plane(arrays, j, bool(turned[j]), 0.0 if difference else 1.0 / scale, side)
         shading = record(Shading)
         shading.kd = scale / math.pi
-        parts.append(
-            SceneArrays(rows, record(Floor), _lights(arrays), shading, arrays.camera, sides)
-        )
+        parts.append(SceneArrays(rows, record(Floor), _lights(arrays), shading, arrays.camera, sides))
     return Bounce(tuple(parts), classes)
 
 
@@ -97,7 +95,7 @@ def _mixed(arrays: RadiometricArrays, j: int) -> bool:
     return bool((material.bright != material.dark).any())
 
 
-def _classes(arrays: RadiometricArrays) -> tuple[Ints, list[int]]:
+def shape_classes(arrays: RadiometricArrays) -> tuple[Ints, list[int]]:
     """Hit class by shape, and the shapes that are not equal to an earlier one."""
     first: dict[tuple[float, ...], int] = {}
     same = []
@@ -141,6 +139,11 @@ def _lay_plane(arrays: RadiometricArrays, j: int, turned: bool, share: float, ro
 def _lights(arrays: RadiometricArrays) -> Table[Light]:
     rows = table(Light, len(arrays.lights))
     for row, light in zip(rows, arrays.lights, strict=True):
-        row.kind = series.FALLING
-        row.position[:], row.color[:] = light.place, light.emitted
+        row.color[:] = light.emitted
+        if light.kind == POINT:
+            row.kind = series.FALLING
+            row.position[:] = light.place
+        else:
+            row.kind = series.DISTANT
+            row.position[:] = -series.AFAR * light.place
     return rows
