@@ -25,11 +25,12 @@ def casts(lx: float, ly: float, lz: float, caster: Sphere, receiver: Sphere) -> 
     """Whether a sphere can shadow some point of another one from the light point l."""
     if max(abs(lx), abs(ly), abs(lz)) >= 0.5 * AFAR:
         # of a distant light only where the shadow lies tells, not how far off it begins
-        size2, along, apart2 = lx * lx + ly * ly + lz * lz, 0.0, 0.0
-        light = (lx, ly, lz)
-        for a in range(3):
-            along += (receiver.center[a] - caster.center[a]) * light[a]
-            apart2 += (receiver.center[a] - caster.center[a]) ** 2
+        x, y, z = (
+            receiver.center[0] - caster.center[0],
+            receiver.center[1] - caster.center[1],
+            receiver.center[2] - caster.center[2],
+        )
+        size2, along, apart2 = lx * lx + ly * ly + lz * lz, x * lx + y * ly + z * lz, x * x + y * y + z * z
         reach = caster.radius + receiver.radius
         across2 = max(0.0, apart2 - along * along / size2)
         return bool(across2 < (1.0 + 1e-9) * reach * reach and along <= (1.0 + 1e-9) * reach * math.sqrt(size2))

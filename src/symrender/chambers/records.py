@@ -16,9 +16,8 @@ class LightPoint(Record):
     """A light as kernels see it: a point, or an exact disk of ``radius`` > 0.
 
     ``color`` is the light's times the point's share, ``sign`` that in the embedded rule; ``e1``, ``e2`` and ``axis``
-    are the disk's frame. ``fall`` is ``INVERSE_SQUARE`` for a point whose light falls off with the square of its distance,
-    ``DISTANT`` for one that is the same direction everywhere, at no finite distance as far as rounding tells, else 0.
-    All fields are float64.
+    are the disk's frame. ``fall`` is ``INVERSE_SQUARE`` for a point whose light falls off with the square of its
+    distance, ``DISTANT`` for one so far away that it stands in one direction, else 0. All fields are float64.
     """
 
     position: Three

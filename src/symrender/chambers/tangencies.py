@@ -77,6 +77,29 @@ def floor_tangencies(row: Wall, chart: Chart, events: Table[Event], n: int, low:
     return n
 
 
+@inlined
+def straight_place(
+    c: float, s: float, caster: Sphere, beyond: bool, chart: Chart, frame: Array
+) -> tuple[float, float, float, bool]:  # fmt: skip
+    """``edge_place`` of the shadow of a distant light, whose rays are parallel and touch the caster."""
+    x = caster.center[0] + c * frame[1, 0] + s * frame[2, 0]
+    y = caster.center[1] + c * frame[1, 1] + s * frame[2, 1]
+    z = caster.center[2] + c * frame[1, 2] + s * frame[2, 2]
+    ux, uy, uz = frame[0, 0], frame[0, 1], frame[0, 2]
+    if chart.shape_index < 0.0:
+        if not uz < 0.0:
+            return 0.0, 0.0, 0.0, False
+        t = -z / uz
+        return x + t * ux, y + t * uy, 0.0, True
+    wx, wy, wz = x - chart.center[0], y - chart.center[1], z - chart.center[2]
+    b = wx * ux + wy * uy + wz * uz
+    square = b * b - (wx * wx + wy * wy + wz * wz) + chart.radius * chart.radius
+    if not square > 0.0:
+        return 0.0, 0.0, 0.0, False
+    t = -b + (math.sqrt(square) if beyond else -math.sqrt(square))
+    return x + t * ux, y + t * uy, z + t * uz, True
+
+
 @jitable
 def straight_turn(
     psi: float, caster: Sphere, beyond: bool, chart: Chart, frame: Array

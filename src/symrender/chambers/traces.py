@@ -17,8 +17,8 @@ from symrender.chambers.events import CROSSING, add_event, within_lobe
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.line import wall_level
 from symrender.chambers.place import surface_point
-from symrender.chambers.records import DISTANT, Chart, Event, Wall
-from symrender.chambers.tangencies import edge_frame
+from symrender.chambers.records import DISTANT, Event, Wall
+from symrender.chambers.tangencies import edge_frame, straight_place
 from symrender.chambers.walls import (
     BALL,
     DIRECTION,
@@ -32,7 +32,6 @@ from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.records import Table
 from symrender.scene.arrays import CUT
-from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
 
@@ -54,29 +53,6 @@ def set_circles(work: Work) -> None:
     # just inside, so that its places count as seen
     limb.cos = min(1.0, chart.ratio + 1e-12)
     limb.sin = math.sqrt((1.0 - limb.cos) * (1.0 + limb.cos))
-
-
-@inlined
-def straight_place(
-    c: float, s: float, caster: Sphere, beyond: bool, chart: Chart, frame: Array
-) -> tuple[float, float, float, bool]:  # fmt: skip
-    """``edge_place`` of the shadow of a distant light, whose rays are parallel and touch the caster."""
-    x = caster.center[0] + c * frame[1, 0] + s * frame[2, 0]
-    y = caster.center[1] + c * frame[1, 1] + s * frame[2, 1]
-    z = caster.center[2] + c * frame[1, 2] + s * frame[2, 2]
-    ux, uy, uz = frame[0, 0], frame[0, 1], frame[0, 2]
-    if chart.shape_index < 0.0:
-        if not uz < 0.0:
-            return 0.0, 0.0, 0.0, False
-        t = -z / uz
-        return x + t * ux, y + t * uy, 0.0, True
-    wx, wy, wz = x - chart.center[0], y - chart.center[1], z - chart.center[2]
-    b = wx * ux + wy * uy + wz * uz
-    square = b * b - (wx * wx + wy * wy + wz * wz) + chart.radius * chart.radius
-    if not square > 0.0:
-        return 0.0, 0.0, 0.0, False
-    t = -b + (math.sqrt(square) if beyond else -math.sqrt(square))
-    return x + t * ux, y + t * uy, z + t * uz, True
 
 
 @inlined
