@@ -78,7 +78,7 @@ class Probe:
 
 
 @overload
-def probe(scene: Source, *, rays: Rays, tol: float = 1e-9) -> RayProbe: ...
+def probe(scene: Source, *, rays: Rays, tol: float = 1e-9, budget: int = 1_000_000) -> RayProbe: ...
 
 
 @overload
