@@ -35,9 +35,10 @@ def slopes() -> None:
 
 
 def radiometric() -> None:
-    """A scene in watts and metres: closed forms of an image and of single rays, and the path tracer beside them."""
-    sr.render("metal", **_TINY)
-    sr.probe("metal", rays=([(0.0, -4.0, 1.5)], [(0.0, 0.95, -0.3)]))
+    """Scenes in watts and metres: closed forms of images and of single rays, the path tracer, and one bounce."""
+    for scene in ("metal", "interreflection"):
+        sr.render(scene, **_TINY)
+        sr.probe(scene, rays=([(0.0, -4.0, 1.5)], [(0.0, 0.95, -0.3)]))
 
 
 FIRST_USES: Final[dict[str, Callable[[], None]]] = {name: globals()[name] for name in USES}

@@ -78,7 +78,7 @@ class Probe:
 
 
 @overload
-def probe(scene: Source, *, rays: Rays, tol: float = 1e-9) -> RayProbe: ...
+def probe(scene: Source, *, rays: Rays, tol: float = 1e-9, budget: int = 1_000_000) -> RayProbe: ...
 
 
 @overload
@@ -124,7 +124,7 @@ def probe(
     Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
     """
     if rays is not None:
-        return _along(load_any(scene), rays, points, float(tol), wrt, certify)
+        return _along(load_any(scene), rays, points, float(tol), budget, wrt, certify)
     loaded, given = _at_points(load_any(scene), points)
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
@@ -185,7 +185,13 @@ def _at_points(scene: AnyScene, points: npt.ArrayLike | None) -> tuple[Scene, Ar
 
 
 def _along(
-    scene: AnyScene, rays: Rays, points: npt.ArrayLike | None, tol: float, wrt: Sequence[str], certify: bool
+    scene: AnyScene,
+    rays: Rays,
+    points: npt.ArrayLike | None,
+    tol: float,
+    budget: int,
+    wrt: Sequence[str],
+    certify: bool,
 ) -> RayProbe:
     """What ``probe`` says of rays."""
     if not isinstance(scene, RadiometricScene):
@@ -194,8 +200,8 @@ def _along(
         raise OptionError("points, rays: only one of them may be given")
     if wrt or certify:
         raise Unsupported(f"{'wrt' if wrt else 'certify'}: does not know radiometric scenes yet ({scene.name})")
-    Settings(tol=tol)
-    return probe_rays(scene, rays, tol)
+    Settings(tol=tol, budget=budget)
+    return probe_rays(scene, rays, tol, budget)
 
 
 def _in_batches(run: Callable[[slice], _T], count: int, threads: int) -> list[_T]:

@@ -11,9 +11,10 @@ import numpy.typing as npt
 from symrender.errors import OptionError
 from symrender.execution.finite import hit_names
 from symrender.ledger.tables import html_table
-from symrender.runtimes.radiometric import CAPPED, MET, rays
+from symrender.runtimes.radiometric import BUDGET, rays
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.truth import STATUS
 
 Array = npt.NDArray[np.float64]
 Rays = tuple[npt.ArrayLike, npt.ArrayLike]
@@ -25,8 +26,9 @@ class RayProbe:
     """What comes back along N rays, W/(m2 sr).
 
     ``radiance`` (N, 3) is ``emitted`` + ``direct`` + ``indirect``. ``error`` (N,): estimated largest absolute error of
-    radiance over the channels. ``status`` (N,): 0 met, 1 capped (the error is above the tolerance). ``shape`` names
-    what is met, "nothing" where that is nothing; ``evaluations`` (N,) counts rays.
+    radiance over the channels. ``status`` (N,): 0 met, 1 capped (the error is above the tolerance), 2 near-tangent,
+    3 unsupported. ``shape`` names what is met, "nothing" where that is nothing; ``evaluations`` (N,) counts rays and
+    shaded hits.
     """
 
     radiance: Array
@@ -42,7 +44,7 @@ class RayProbe:
     def _repr_html_(self) -> str:
         rows: list[tuple[str, ...]] = [("ray", "shape", "red", "green", "blue", "error", "status")]
         rows += [
-            (str(k), name, *(f"{x:.12g}" for x in radiance), f"{error:.1g}", ("met", "capped")[status])
+            (str(k), name, *(f"{x:.12g}" for x in radiance), f"{error:.1g}", STATUS[int(status)])
             for k, (name, radiance, error, status) in enumerate(
                 zip(self.shape, self.radiance, self.error, self.status, strict=True)
             )
@@ -50,18 +52,19 @@ class RayProbe:
         return html_table(rows, "radiance, W/(m2 sr)")
 
 
-def probe_rays(scene: RadiometricScene, given: Rays, tol: float) -> RayProbe:
+def probe_rays(scene: RadiometricScene, given: Rays, tol: float, budget: int = BUDGET) -> RayProbe:
     """What comes back along rays ``(origins, directions)`` of any length, each to ``tol``, absolute.
 
     Raises OptionError for rays that are no rays and Unsupported for what is not yet integrated.
     """
     origins, directions = _checked(given)
-    emitted, direct, hit_class, error = rays(radiometric_arrays(scene), origins, directions)
+    sent = rays(radiometric_arrays(scene), origins, directions, tol, budget)
     names = hit_names(scene)
-    status = np.where(error > tol, CAPPED, MET)
-    shapes = tuple(names[int(hit)] for hit in hit_class)
-    counts = np.ones(len(origins), dtype=np.int64)
-    return RayProbe(emitted + direct, emitted, direct, np.zeros_like(direct), error, status, shapes, counts)
+    shapes = tuple(names[int(hit)] for hit in sent.hit_class)
+    radiance = sent.emitted + sent.direct + sent.indirect
+    return RayProbe(
+        radiance, sent.emitted, sent.direct, sent.indirect, sent.error, sent.status, shapes, sent.evaluations
+    )
 
 
 def _checked(given: Rays) -> tuple[Array, Array]:

@@ -38,7 +38,7 @@ from symrender.execution.fill import Crew, Means
 from symrender.execution.finite import check_finite
 from symrender.execution.jobs import Job
 from symrender.execution.preview import preview_file
-from symrender.execution.provenance import provenance
+from symrender.execution.provenance import provenance, sent_by
 from symrender.execution.tiles import Progress
 from symrender.execution.warm import second_beside
 from symrender.images.image import Image
@@ -129,7 +129,8 @@ def render(
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j, then planes). Those of radiometric scenes have the layers of ``truth``: the
     numeric side traces ``lobe`` squared paths a pixel, which draw directions for a sky and for bounces (``importance``
-    by the material alone, else by light and material), the symbolic side is closed forms whatever rule is asked for.
+    by the material alone, else by light and material), the symbolic side is that of ``truth``, to ``tol``, whatever
+    rule is asked for.
     Raises SceneError, OptionError, Unsupported, and NonFiniteError naming the pixels.
 
     Keywords are many because each is an option of ``symrender render``, by its name.
@@ -206,7 +207,7 @@ def _one(crew: Crew, job: Job, scene: AnyScene) -> tuple[Image, Timing]:
     layers, timing = crew.fill(job)
     check_finite(layers, scene, job.side)
     if isinstance(scene, RadiometricScene):
-        words = _paths(scene, job.settings) if job.side == "numeric" else "closed forms"
+        words = _paths(scene, job.settings) if job.side == "numeric" else sent_by(scene, job.settings)
     else:
         words = _numeric_estimator(job.settings) if job.side == "numeric" else _symbolic_estimator(job.settings)
     return Image(layers, provenance(scene, job.settings, job.side, words)), timing

@@ -17,7 +17,7 @@ from symrender.execution.fill import Crew, Means
 from symrender.execution.finite import check_finite
 from symrender.execution.jobs import Job
 from symrender.execution.preview import preview_file
-from symrender.execution.provenance import provenance
+from symrender.execution.provenance import provenance, sent_by
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
@@ -64,9 +64,10 @@ def truth(
     file that shows the image while it is made. ``verify`` is a share of the pixels, drawn at random, that brute force
     makes again (``verify.py``); what it says is the metadata ``verified``.
 
-    A radiometric scene with ``bounces: 0`` has closed forms: layers ``radiance`` = ``emitted`` + ``direct`` +
-    ``indirect`` (zero) in W/(m2 sr), ``hit_class`` (1 + j shape j), ``error`` (what rounding may have done) and
-    ``status``; ``disk``, ``aa``, ``budget`` and ``counts`` have no say, textures are read at the pixel's centre.
+    A radiometric scene has layers ``radiance`` = ``emitted`` + ``direct`` + ``indirect`` in W/(m2 sr), ``hit_class``
+    (1 + j shape j), ``error`` and ``status``. With ``bounces: 0`` all is closed forms, ``indirect`` zero and ``error``
+    what rounding may have done; ``bounces: 1`` is split at the walls like gloss. ``disk``, ``aa`` and ``counts`` have
+    no say, textures are read at the pixel's centre.
     Choose truth whenever an image is to be
     trusted, ``render`` when it is to be quick. Keywords are many because each is an option of ``symrender truth``, by
     its name.
@@ -105,7 +106,8 @@ def true_image(crew: Crew, job: Job, scene: AnyScene) -> Image:
     layers, timing = crew.fill(job)
     check_finite(layers, scene, "truth")
     if isinstance(scene, RadiometricScene):
-        return Image(layers, provenance(scene, job.settings, "truth", f"closed forms, tol {job.settings.tol:g}"))
+        words = sent_by(scene, job.settings)
+        return Image(layers, provenance(scene, job.settings, "truth", f"{words}, tol {job.settings.tol:g}"))
     estimator = f"split at the walls, tol {job.settings.tol:g}, {timing.evaluations} evaluations"
     return Image(layers, provenance(scene, job.settings, "truth", estimator))
 

@@ -6,6 +6,7 @@ import math
 
 from symrender.chambers.records import Chart, LightPoint
 from symrender.kernel_cache import inlined, jitable
+from symrender.scene.arrays import AFAR
 from symrender.scene.records import Sphere
 
 
@@ -22,6 +23,17 @@ def is_at(light: LightPoint, chart: Chart) -> bool:
 @jitable
 def casts(lx: float, ly: float, lz: float, caster: Sphere, receiver: Sphere) -> bool:
     """Whether a sphere can shadow some point of another one from the light point l."""
+    if max(abs(lx), abs(ly), abs(lz)) >= 0.5 * AFAR:
+        # of a distant light only where the shadow lies tells, not how far off it begins
+        x, y, z = (
+            receiver.center[0] - caster.center[0],
+            receiver.center[1] - caster.center[1],
+            receiver.center[2] - caster.center[2],
+        )
+        size2, along, apart2 = lx * lx + ly * ly + lz * lz, x * lx + y * ly + z * lz, x * x + y * y + z * z
+        reach = caster.radius + receiver.radius
+        across2 = max(0.0, apart2 - along * along / size2)
+        return bool(across2 < (1.0 + 1e-9) * reach * reach and along <= (1.0 + 1e-9) * reach * math.sqrt(size2))
     ax, ay, az = caster.center[0] - lx, caster.center[1] - ly, caster.center[2] - lz
     bx, by, bz = receiver.center[0] - lx, receiver.center[1] - ly, receiver.center[2] - lz
     a, b = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)

@@ -52,6 +52,24 @@ def lambert_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, n
 
 
 @jitable
+def falling_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
+    """N.l/r^2 of a light point whose light falls off with the square of its distance r, of the first ``m`` nodes."""
+    m = min(m, NODES)
+    for i in range(m):
+        place_x = nodes.place[0, i]
+        place_y = nodes.place[1, i]
+        place_z = nodes.place[2, i]
+        normal_x = nodes.normal[0, i]
+        normal_y = nodes.normal[1, i]
+        normal_z = nodes.normal[2, i]
+        offset_x = light_x - place_x
+        offset_y = light_y - place_y
+        offset_z = light_z - place_z
+        fall = 1.0 / max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+        nodes.clear[i] *= (offset_x * normal_x + offset_y * normal_y + offset_z * normal_z) * fall * math.sqrt(fall)
+
+
+@jitable
 def blinn_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
     """(N.l, N.h) of a light point, the second kept within [0, 1], of the first ``m`` nodes."""
     m = min(m, NODES)

@@ -7,12 +7,17 @@ from typing import Annotated, Final
 from symrender.chambers.lobes.record import Lobe
 from symrender.records import Array, Record, Three, Two
 
+INVERSE_SQUARE: Final = 1.0
+DISTANT: Final = 2.0
+"""Kinds of ``LightPoint.fall``."""
+
 
 class LightPoint(Record):
     """A light as kernels see it: a point, or an exact disk of ``radius`` > 0.
 
     ``color`` is the light's times the point's share, ``sign`` that in the embedded rule; ``e1``, ``e2`` and ``axis``
-    are the disk's frame. All fields are float64.
+    are the disk's frame. ``fall`` is ``INVERSE_SQUARE`` for a point whose light falls off with the square of its
+    distance, ``DISTANT`` for one so far away that it stands in one direction, else 0. All fields are float64.
     """
 
     position: Three
@@ -22,6 +27,7 @@ class LightPoint(Record):
     e1: Three
     e2: Three
     axis: Three
+    fall: float
 
 
 class LightMove(Record):

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from symrender.chambers.events import CROSSING, ROOT, SMOOTH, add_event, within_lobe
 from symrender.chambers.penumbra_walls import edge_search
-from symrender.chambers.records import Chart, Event, LightPoint, Wall
+from symrender.chambers.records import DISTANT, Chart, Event, LightPoint, Wall
 from symrender.chambers.walls import (
     BALL,
     GLEAM_EDGE,
@@ -77,16 +77,75 @@ def floor_tangencies(row: Wall, chart: Chart, events: Table[Event], n: int, low:
     return n
 
 
+@inlined
+def straight_place(
+    c: float, s: float, caster: Sphere, beyond: bool, chart: Chart, frame: Array
+) -> tuple[float, float, float, bool]:  # fmt: skip
+    """``edge_place`` of the shadow of a distant light, whose rays are parallel and touch the caster."""
+    x = caster.center[0] + c * frame[1, 0] + s * frame[2, 0]
+    y = caster.center[1] + c * frame[1, 1] + s * frame[2, 1]
+    z = caster.center[2] + c * frame[1, 2] + s * frame[2, 2]
+    ux, uy, uz = frame[0, 0], frame[0, 1], frame[0, 2]
+    if chart.shape_index < 0.0:
+        if not uz < 0.0:
+            return 0.0, 0.0, 0.0, False
+        t = -z / uz
+        return x + t * ux, y + t * uy, 0.0, True
+    wx, wy, wz = x - chart.center[0], y - chart.center[1], z - chart.center[2]
+    b = wx * ux + wy * uy + wz * uz
+    square = b * b - (wx * wx + wy * wy + wz * wz) + chart.radius * chart.radius
+    if not square > 0.0:
+        return 0.0, 0.0, 0.0, False
+    t = -b + (math.sqrt(square) if beyond else -math.sqrt(square))
+    return x + t * ux, y + t * uy, z + t * uz, True
+
+
+@jitable
+def straight_turn(
+    psi: float, caster: Sphere, beyond: bool, chart: Chart, frame: Array
+) -> tuple[float, float, float, float, bool]:  # fmt: skip
+    """``edge_turn`` of a distant light, whose rays are parallel and touch the caster."""
+    c, s = math.cos(psi), math.sin(psi)
+    b, across, far2 = 0.0, 0.0, 0.0
+    for a in range(3):
+        start = caster.center[a] - chart.center[a] + c * frame[1, a] + s * frame[2, a]
+        b += start * frame[0, a]
+        far2 += start * start
+    square = b * b - far2 + chart.radius * chart.radius
+    if not square > 0.0:
+        return math.nan, 0.0, 0.0, 0.0, False
+    root = -math.sqrt(square) if beyond else math.sqrt(square)
+    t = -b - root
+    for a in range(3):
+        start = caster.center[a] - chart.center[a] + c * frame[1, a] + s * frame[2, a]
+        across += (start + t * frame[0, a]) * (c * frame[2, a] - s * frame[1, a])
+    slope = across / root
+    x, y, z, dx, dy, facing = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for a in range(3):
+        q = caster.center[a] + c * frame[1, a] + s * frame[2, a] + t * frame[0, a]
+        dq = slope * frame[0, a] + c * frame[2, a] - s * frame[1, a]
+        x += (q - chart.point[a]) * chart.e1[a]
+        y += (q - chart.point[a]) * chart.e2[a]
+        z += (q - chart.point[a]) * chart.pole[a]
+        dx += dq * chart.e1[a]
+        dy += dq * chart.e2[a]
+        facing += (chart.point[a] - q) * (q - chart.center[a])
+    return x * dy - y * dx, x, y, z, facing > 0.0
+
+
 @jitable
 def edge_turn(
-    psi: float, light: LightPoint, beyond: bool, chart: Chart, frame: Array
+    psi: float, light: LightPoint, caster: Sphere, beyond: bool, chart: Chart, frame: Array
 ) -> tuple[float, float, float, float, bool]:  # fmt: skip
     """Where a ray along a shadow's edge meets the charted sphere, as of P: (turn, x, y, z, faces P).
 
     x and y lie across the chart's pole and z along it; ``turn`` = x y' - y x' has the sign of the azimuth's change
     with the angle ``psi`` about the shadow's axis, NaN where the ray misses. ``frame`` (3, 3): the axis times the
-    cosine of the shadow's half-angle, and two unit vectors across it times its sine.
+    cosine of the shadow's half-angle, and two unit vectors across it times its sine, or, of a distant light, times the
+    caster's radius.
     """
+    if light.fall == DISTANT:
+        return straight_turn(psi, caster, beyond, chart, frame)
     c, s = math.cos(psi), math.sin(psi)
     b, change, far2 = 0.0, 0.0, 0.0
     for a in range(3):
@@ -132,7 +191,8 @@ def edge_frame(light: LightPoint, caster: Sphere, frame: Array) -> bool:
         fx, fy, fz = 0.0, ez, -ey
     else:
         fx, fy, fz = -ez, 0.0, ex
-    scale = sine / math.sqrt(fx * fx + fy * fy + fz * fz)
+    # the rays of a distant light are parallel, and what matters is how far apart they are
+    scale = (caster.radius if light.fall == DISTANT else sine) / math.sqrt(fx * fx + fy * fy + fz * fz)
     fx, fy, fz = fx * scale, fy * scale, fz * scale
     frame[0, 0], frame[0, 1], frame[0, 2] = ex * cosine, ey * cosine, ez * cosine
     frame[1, 0], frame[1, 1], frame[1, 2] = fx, fy, fz
@@ -152,16 +212,16 @@ def sphere_tangencies(
     if not edge_frame(light, caster, frame):
         return n
     step = 2.0 * math.pi / RAYS
-    before, _, _, _, _ = edge_turn(0.0, light, beyond, chart, frame)
+    before, _, _, _, _ = edge_turn(0.0, light, caster, beyond, chart, frame)
     for k in range(1, RAYS + 1):
-        turn, x, y, z, _ = edge_turn(k * step, light, beyond, chart, frame)
+        turn, x, y, z, _ = edge_turn(k * step, light, caster, beyond, chart, frame)
         left, right, fa, fb = (k - 1) * step, k * step, before, turn
         if (fa != fa) != (fb != fb):
             # the edge leaves the sphere's lit side between the two: look up to there
             hit, miss, last = (right, left, fb) if fa != fa else (left, right, fa)
             for _ in range(30):
                 psi = 0.5 * (hit + miss)
-                f, _, _, _, _ = edge_turn(psi, light, beyond, chart, frame)
+                f, _, _, _, _ = edge_turn(psi, light, caster, beyond, chart, frame)
                 if f == f:
                     hit, last = psi, f
                 else:
@@ -174,7 +234,7 @@ def sphere_tangencies(
             f, faces = math.nan, False
             for _ in range(60):
                 psi = (left * fb - right * fa) / (fb - fa)
-                f, x, y, z, faces = edge_turn(psi, light, beyond, chart, frame)
+                f, x, y, z, faces = edge_turn(psi, light, caster, beyond, chart, frame)
                 if f != f:
                     break
                 moved = abs(psi - right)

@@ -17,8 +17,8 @@ from symrender.chambers.events import CROSSING, add_event, within_lobe
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.line import wall_level
 from symrender.chambers.place import surface_point
-from symrender.chambers.records import Event, Wall
-from symrender.chambers.tangencies import edge_frame
+from symrender.chambers.records import DISTANT, Event, Wall
+from symrender.chambers.tangencies import edge_frame, straight_place
 from symrender.chambers.walls import (
     BALL,
     DIRECTION,
@@ -71,6 +71,8 @@ def edge_place(psi: float, row: Wall, beyond: bool, view: View, work: Work) -> t
         y = chart.point[1] + along * chart.e1[1] + across * chart.e2[1]
         return x, y, 0.0, size2 > 0.0
     light = view.points[row.light]
+    if light.fall == DISTANT:
+        return straight_place(c, s, view.spheres[row.shape_index], beyond, chart, frame)
     ux = frame[0, 0] + c * frame[1, 0] + s * frame[2, 0]
     uy = frame[0, 1] + c * frame[1, 1] + s * frame[2, 1]
     uz = frame[0, 2] + c * frame[1, 2] + s * frame[2, 2]

@@ -67,7 +67,7 @@ def probe(
     if bool(point) == bool(ray):
         raise OptionError("point, ray: give points of a surface, or rays through a radiometric scene")
     if ray:
-        _probe_rays(any_scene_with(scene, define), ray, tol, json=json)
+        _probe_rays(any_scene_with(scene, define), ray, tol, budget, json=json)
         return
     points = _points(point or [])
     chosen = scene_with(scene, define, "probe --point")
@@ -155,9 +155,10 @@ def _points(point: list[str]) -> list[list[float]]:
     return points
 
 
-def _probe_rays(scene: AnyScene, ray: list[str], tol: float, *, json: bool) -> None:
+def _probe_rays(scene: AnyScene, ray: list[str], tol: float, budget: int, *, json: bool) -> None:
     from symrender.errors import OptionError
     from symrender.probe import probe as probe_scene
+    from symrender.truth import STATUS
 
     numbers = []
     for text in ray:
@@ -167,10 +168,10 @@ def _probe_rays(scene: AnyScene, ray: list[str], tol: float, *, json: bool) -> N
             numbers.append([])
         if len(numbers[-1]) != 6:
             raise OptionError(f"ray: must be six numbers X,Y,Z,DX,DY,DZ, got {text!r}")
-    found = probe_scene(scene, rays=([n[:3] for n in numbers], [n[3:] for n in numbers]), tol=tol)
+    found = probe_scene(scene, rays=([n[:3] for n in numbers], [n[3:] for n in numbers]), tol=tol, budget=budget)
     rows = [
         {"ray": n, "shape": shape, "radiance": radiance.tolist(), "direct": direct.tolist(),
-         "indirect": indirect.tolist(), "error": float(error), "status": ("met", "capped")[int(status)]}
+         "indirect": indirect.tolist(), "error": float(error), "status": STATUS[int(status)]}
         for n, shape, radiance, direct, indirect, error, status in zip(
             numbers, found.shape, found.radiance, found.direct, found.indirect, found.error, found.status, strict=True
         )

@@ -30,6 +30,13 @@ def provenance(scene: AnyScene, settings: Settings, method: str, estimator: str)
     }
 
 
+def sent_by(scene: RadiometricScene, settings: Settings) -> str:
+    """How the noiseless image of a radiometric scene is made."""
+    if scene.bounces == 0:
+        return "closed forms"
+    return f"closed forms, one bounce split at the walls, budget {settings.budget}"
+
+
 def _series(scene: Scene) -> dict[str, str]:
     return {"units": "scene radiance, linear RGB", "convention": scene.shading.lobe_units}
 

@@ -151,6 +151,19 @@ def lambert_nodes(
 
 
 @inlined
+def falling_nodes(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float,
+) -> float:
+    """N.l/r^2 of a light point whose light falls off with the square of its distance r."""
+    offset_x = light_x - place_x
+    offset_y = light_y - place_y
+    offset_z = light_z - place_z
+    fall = 1.0 / max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+    return (offset_x * normal_x + offset_y * normal_y + offset_z * normal_z) * fall * math.sqrt(fall)
+
+
+@inlined
 def blinn_nodes(
     light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
     normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float,

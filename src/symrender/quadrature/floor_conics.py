@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.penumbra_walls import edge_search
-from symrender.chambers.records import Chart, Wall
+from symrender.chambers.records import DISTANT, Chart, Wall
 from symrender.chambers.rooms import height
 from symrender.chambers.roots import quadratic_roots
 from symrender.chambers.walls import (
@@ -110,6 +110,13 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         )
         far2 = ex * ex + ey * ey + ez * ez
         far = math.sqrt(far2)
+        if view.points[light].fall == DISTANT:
+            # the cylinder behind the ball: as a cone about its centre, of angle 0, which its radius is added to
+            s = view.spheres[k]
+            n = add_cone(conics, n, ex / far, ey / far, ez / far, 0.0, s.center[0] - px, s.center[1] - py, s.center[2])
+            if n <= conics.shape[0]:
+                conics[n - 1].free += s.radius * s.radius
+            continue
         rho = view.points[light].radius
         reach = view.spheres[k].radius + rho
         t = rho / reach

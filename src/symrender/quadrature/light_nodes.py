@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, GLINT, PARTLY
-from symrender.chambers.leaf_rows import blinn_nodes_rows, lambert_nodes_rows, phong_nodes_rows
-from symrender.chambers.records import NODES, LightPoint, Nodes, Piece
+from symrender.chambers.leaf_rows import blinn_nodes_rows, falling_nodes_rows, lambert_nodes_rows, phong_nodes_rows
+from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes, Piece
 from symrender.chambers.row_powers import powers
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
@@ -75,7 +75,10 @@ def point_light(m: int, b: Nodes, p: LightPoint, phong: bool, shininess: float, 
     m = min(m, NODES)
     x, y, z, red, green, blue = p.position[0], p.position[1], p.position[2], p.color[0], p.color[1], p.color[2]
     if ks == 0.0:
-        lambert_nodes_rows(m, x, y, z, b)
+        if p.fall == INVERSE_SQUARE:
+            falling_nodes_rows(m, x, y, z, b)
+        else:
+            lambert_nodes_rows(m, x, y, z, b)
         for i in range(m):
             b.shining[i] = 0.0
     elif phong:

@@ -11,8 +11,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.records import LightPoint
+from symrender.chambers.records import DISTANT, INVERSE_SQUARE, LightPoint
 from symrender.records import Table, joined, table
+from symrender.scene import arrays as at
 from symrender.scene.arrays import DISK, SceneArrays
 from symrender.scene.records import Light
 from symrender.settings import EXACT_DISK
@@ -54,6 +55,7 @@ def _points(light: Light, order: int) -> Table[LightPoint]:
     if light.kind != DISK:
         rows = table(LightPoint, 1)
         rows["position"][:], rows["color"][:] = position, color
+        rows["fall"][:] = {at.FALLING: INVERSE_SQUARE, at.DISTANT: DISTANT}.get(int(light.kind), 0.0)
         return rows
     e1, e2 = disk_frame(position, light.target)
     middles = (np.arange(order) + 0.5) / order

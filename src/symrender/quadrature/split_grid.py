@@ -20,9 +20,10 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import width_at
-from symrender.chambers.records import Chart, LightPoint
+from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
+from symrender.quadrature.fall_off import most_light
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.records import Conic
@@ -57,7 +58,8 @@ def light_beyond(distance: float, view: View, chart: Chart) -> float:
         x, y = p.position[0] - chart.point[0], p.position[1] - chart.point[1]
         apart = max(0.0, distance - math.sqrt(x * x + y * y) - p.radius)
         if rise > 0.0:
-            light += max(p.color[0], p.color[1], p.color[2]) * rise / math.sqrt(rise * rise + apart * apart)
+            square = rise * rise + apart * apart
+            light += most_light(p, square) * rise / math.sqrt(square)
     return light
 
 
@@ -138,7 +140,9 @@ def point_light(view: View) -> float:
     """No floor point gets more from all lights together."""
     light = 0.0
     for i in range(view.points.shape[0]):
-        light += max(view.points[i].color[0], view.points[i].color[1], view.points[i].color[2])
+        height = view.points[i].position[2]
+        if not (view.points[i].fall == INVERSE_SQUARE and height <= 0.0):
+            light += most_light(view.points[i], height * height)
     return light
 
 
@@ -164,6 +168,7 @@ def block_bound(
     # and none is seen under more than its area at its nearest, or half a sphere
     solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
     span = 2.0 * near * min(0.6, width_at(theta, chart.lobe))
+    shine, falling = 0.0, False
     for i in range(points.shape[0]):
         # light varies over its distance from the block, which its place on the floor bounds from below
         lx, ly, lz = (
@@ -174,6 +179,11 @@ def block_bound(
         if lz > 0.0:
             apart = max(0.0, math.sqrt(lx * lx + ly * ly) - 1.4143 * half)
             span = min(span, 1.2 * math.sqrt(apart * apart + lz * lz))
+            square = apart * apart + lz * lz
+            shine += most_light(points[i], square) * lz / math.sqrt(square)
+            falling = falling or points[i].fall == INVERSE_SQUARE
+    if falling:
+        light = min(light, shine)
     if reach < math.inf and foot > 0.2 * reach:
         span = min(span, 0.3 * reach)
     return largest_density(chord * chord, chart.lobe) * solid * light, span, foot

@@ -14,7 +14,7 @@ from symrender.chambers.lobes.density import facing_of, facing_share
 from symrender.chambers.lobes.poles import lobe_sum
 from symrender.chambers.lobes.rows import densities, lean_line, least_error, tint
 from symrender.chambers.lobes.width import BLUNT, broken_rim
-from symrender.chambers.records import NODES, Chart, Nodes, Piece
+from symrender.chambers.records import DISTANT, NODES, Chart, Nodes, Piece
 from symrender.chambers.walls import (
     PENUMBRA,
     SHADOW,
@@ -23,6 +23,7 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
 from symrender.leaves import values
+from symrender.quadrature.fall_off import near_light
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
 from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.node_rows import begin_sums, sines, whole_vectors
@@ -45,8 +46,6 @@ MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
 ONE_POINT = 0.15
 """Error of a rule of one point over what it holds, at least; stated is some times as much."""
-NEAR_LIGHT = 2.0
-"""Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""
 NEAREST_LEVEL = 1e-5
 """How far off the line a place where veins meet is taken to be at least: what lies nearer holds as little."""
 AT_HORIZON = 0.5 * math.pi * (1.0 - 1e-12)
@@ -188,6 +187,8 @@ def cell_log(
         best = math.inf
         height = chart.height
         for i in range(points.shape[0]):
+            if points[i].fall == DISTANT:
+                continue
             ox, oy, oz = (
                 points[i].position[0] - chart.point[0],
                 points[i].position[1] - chart.point[1],
@@ -220,7 +221,7 @@ def cell_log(
             points[i].position[2] - chart.center[2],
         )
         far2, radius = lx * lx + ly * ly + lz * lz, view.spheres[j].radius
-        if not radius * radius < far2 < NEAR_LIGHT * radius * radius:
+        if not radius * radius < far2 < near_light(points[i]) * radius * radius:
             continue
         # |Q - L|^2 = 0 where N.(L - C) is that high
         best = min(best, level_sum(lx, ly, lz, (radius * radius + far2) / (2.0 * radius), start, stop, c, s, chart))

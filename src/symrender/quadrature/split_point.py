@@ -14,9 +14,9 @@ from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import cap_share, facing_mass
 from symrender.chambers.lobes.record import Conductor
-from symrender.chambers.lobes.setup import conductor_setup, is_conductor, lobe_setup, weigh_by_cosine
+from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
-from symrender.chambers.records import Chart, Event, LightPoint
+from symrender.chambers.records import INVERSE_SQUARE, Chart, Event, LightPoint
 from symrender.chambers.rooms import frame_view, in_a_plane
 from symrender.chambers.work import (
     MAX_ROOTS,
@@ -31,6 +31,7 @@ from symrender.chambers.work import (
 )
 from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
+from symrender.quadrature.fall_off import TOUCHING, is_radiometric, most_light, plane_bound
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
@@ -59,6 +60,7 @@ from symrender.scene.arrays import (
     SceneArrays,
     lobes_of,
 )
+from symrender.scene.frames import frames
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -90,7 +92,7 @@ class SplitResult:
 def sphere_bound(j: int, view: View, chart: Chart) -> float:
     """No point of the charted sphere that P sees differs from the background by more radiance."""
     shading = view.shading
-    albedo = max(view.spheres[j].color[0], view.spheres[j].color[1], view.spheres[j].color[2])
+    albedo = max(abs(view.spheres[j].color[0]), abs(view.spheres[j].color[1]), abs(view.spheres[j].color[2]))
     most = shading.ka * max(shading.ambient[0], shading.ambient[1], shading.ambient[2])
     k = chart.ratio
     for i in range(view.points.shape[0]):
@@ -108,7 +110,9 @@ def sphere_bound(j: int, view: View, chart: Chart) -> float:
             most_cosine = k * cosine + math.sqrt(max(0.0, (1.0 - cosine * cosine) * (1.0 - k * k)))
         radius = view.spheres[j].radius
         rise = most_cosine * far + p.radius - radius
-        light = max(p.color[0], p.color[1], p.color[2])
+        # |Q - L|^2 where N.(L - C) is as large
+        apart = far - radius
+        light = most_light(p, apart * apart + 2.0 * radius * far * max(0.0, 1.0 - most_cosine))
         if rise > 0.0:
             most += light * shading.kd * albedo * min(1.0, rise / max(far - radius - p.radius, 1e-300))
         if rise > 0.0 or shading.terminator != CUT:
@@ -127,6 +131,7 @@ def gloss_kernel(
     chart = work.chart
     # a rounded base errs by so much more as its power is higher
     powers = ROUNDED * view.shading.shininess if view.shading.ks > 0.0 else 0.0
+    falling = is_radiometric(view)
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
         home = frames.homes[surface[i]]
@@ -147,7 +152,9 @@ def gloss_kernel(
             evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
             continue
-        total = lobe_setup(n, theta_max, tol, bound, chart.lobe) * bound
+        total = lobe_setup(n, theta_max, 0.0 if falling else tol, bound, chart.lobe) * bound
+        if falling:
+            end_at_horizon(normals[i], lobe, chart.lobe)
         if conductor:
             conductor_setup(surface[i], lobe, normals[i], view.conductors, chart.lobe)
             total = 0.0
@@ -217,7 +224,7 @@ def gloss_kernel(
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
             floor_strips(framed, work)
-            chart.bright = bound
+            chart.bright = plane_bound(framed) if falling else bound
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
                 max_evaluations, value,
@@ -297,10 +304,25 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
     )
 
 
+def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
+    """(L,) squared distance of every light that falls off from the nearest surface it lights, 1 of the others."""
+    squares = np.ones(len(points))
+    planes = frames(arrays.planes)
+    for i in np.flatnonzero(points["fall"] == INVERSE_SQUARE).tolist():
+        place = points[i].position
+        apart = [math.dist(place, sphere.center) - sphere.radius for sphere in arrays.spheres]
+        apart += [float((place - frame.origin) @ frame.up) for frame in planes]
+        apart += [float(place[2])] if arrays.floor.present else []
+        # what it is inside of or behind is not lit by it
+        squares[i] = max(min((a for a in apart if a > 0.0), default=1.0) ** 2, TOUCHING)
+    return squares
+
+
 def radiance_bound(arrays: SceneArrays, points: Table[LightPoint]) -> float:
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
     lit = arrays.shading.ka * arrays.shading.ambient
-    lit = lit + points["color"].sum(axis=0) * (arrays.shading.kd + arrays.shading.ks)
+    color = points["color"] / nearest_squares(arrays, points)[:, None]
+    lit = lit + color.sum(axis=0) * (arrays.shading.kd + arrays.shading.ks)
     return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
 
 

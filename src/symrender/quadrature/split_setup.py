@@ -10,11 +10,12 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.poles import pole_across
 from symrender.chambers.lobes.width import turning_width, width
+from symrender.chambers.records import DISTANT
 from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.split_line import NEAR_LIGHT
+from symrender.quadrature.fall_off import near_light
 from symrender.records import Table
 from symrender.scene.arrays import EYE, MARBLE
 from symrender.scene.records import Sphere
@@ -96,7 +97,7 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
         p, center = view.points[i], view.spheres[j]
         x, y, z = p.position[0] - center.center[0], p.position[1] - center.center[1], p.position[2] - center.center[2]
         far2 = x * x + y * y + z * z
-        if radius * radius < far2 < NEAR_LIGHT * radius * radius:
+        if radius * radius < far2 < near_light(p) * radius * radius:
             # |Q - L|^2 = 0 at azimuths +- i acosh(sqrt(a^2 - b^2)/c), at the nearest
             along = -2.0 * radius * (x * chart.pole[0] + y * chart.pole[1] + z * chart.pole[2])
             u = x * chart.e1[0] + y * chart.e1[1] + z * chart.e1[2]
@@ -152,7 +153,7 @@ def floor_spots(view: View, work: Work) -> None:
             view.points[i].position[2],
         )
         rho = math.sqrt(x * x + y * y)
-        if not z > 0.0:
+        if not z > 0.0 or view.points[i].fall == DISTANT:
             continue
         slope = z / max(rho, 1e-9 * z)
         add_spot(x, y, math.log(slope + math.sqrt(1.0 + slope * slope)), work)
@@ -194,7 +195,7 @@ def wide_spots(a0: float, a1: float, a2: float, cosine: float, view: View, work:
                 continue
             x, y = x - chart.point[0], y - chart.point[1]
             along, far2 = x * ex + y * ey, x * x + y * y + z * z
-            if not z > 0.0 or far2 == 0.0:
+            if not z > 0.0 or far2 == 0.0 or (i < view.points.shape[0] and view.points[i].fall == DISTANT):
                 continue
             depth = abs(far) * math.sqrt(max(0.0, far2 - along * along)) / far2
             if depth < HARD_BY:

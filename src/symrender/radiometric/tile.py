@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.direct import along_ray
+from symrender.radiometric.direct import along_ray, largest, vein_blur
+from symrender.radiometric.reflection import reflectance
+from symrender.radiometric.sight import nearest, vector
 from symrender.radiometric.world import Array, World
 
 
@@ -25,6 +27,44 @@ def fill_tile(
             for c in range(3):
                 emitted[j, i, c] = shining[c]
                 direct[j, i, c] = light[c]
+
+
+def fill_directions(eye: Array, window: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int,
+                    directions: Array) -> None:  # fmt: skip
+    """Unit directions of the rays through the pixels of a tile, row by row."""
+    f, r, u = window[0], window[1], window[2]
+    k = 0
+    for j in range(y0, y1):
+        for i in range(x0, x1):
+            a = (2.0 * i + 1.0) / width - 1.0
+            b = 1.0 - (2.0 * j + 1.0) / height
+            d = leaves.camera_ray(f[0], f[1], f[2], r[0], r[1], r[2], u[0], u[1], u[2], a, b)
+            directions[k, 0], directions[k, 1], directions[k, 2] = d
+            k += 1
+
+
+def fill_hits(
+    world: World, origins: Array, directions: Array, place: Array, normal: Array, albedo: Array, blur: Array,
+    behind: Array,
+) -> None:  # fmt: skip
+    """Where every ray meets a shape first, with the unit normal towards the ray, and how it reflects.
+
+    ``blur`` is what rounding does to the reflectance, relative to its largest channel, ``behind`` 1 where the shape's
+    own normal points away. Rays that meet nothing are left out.
+    """
+    for k in range(origins.shape[0]):
+        origin = (origins[k, 0], origins[k, 1], origins[k, 2])
+        own, distance, at, facing, front = nearest(
+            world, origin, (directions[k, 0], directions[k, 1], directions[k, 2])
+        )
+        if own < 0:
+            continue
+        size = largest(origin) + distance + largest(vector(world.shapes[own].place))
+        reflects = reflectance(world, own, at)
+        blur[k] = vein_blur(world, own, at, reflects, size)
+        behind[k] = 0.0 if front else 1.0
+        for c in range(3):
+            place[k, c], normal[k, c], albedo[k, c] = at[c], facing[c], reflects[c]
 
 
 def fill_rays(

@@ -33,6 +33,11 @@ MARBLE: Final = 3
 # kinds of a light
 POINT: Final = 0
 DISK: Final = 1
+FALLING: Final = 2
+"""A point whose light falls off with the square of its distance, as in radiometric scenes."""
+DISTANT: Final = 3
+"""A directional light: a point so far away (``AFAR``) that from everywhere in the scene it stands in one direction."""
+AFAR: Final = 1e30
 
 # conventions of shading: model, highlight view, terminator, units of the lobes
 BLINN: Final = 0

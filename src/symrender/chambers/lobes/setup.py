@@ -18,6 +18,9 @@ Array = npt.NDArray[np.float64]
 FLAT: Final = 1e-7
 """Cosine of theta_max below which the rim's cone is taken to be a plane: its quadratic could not be told from one."""
 
+ALIGNED: Final = 1e-12
+"""Two unit vectors that differ by less are one."""
+
 
 @jitable
 def lobe_setup(n: float, theta_max: float, tol: float, bound: float, lobe: Lobe) -> float:
@@ -48,6 +51,16 @@ def lobe_setup(n: float, theta_max: float, tol: float, bound: float, lobe: Lobe)
             lobe.rim_sin = math.sqrt(versine * (2.0 - versine))
             return cut - beyond
     return moved
+
+
+@inlined
+def end_at_horizon(normal: Array, axis: Array, lobe: Lobe) -> None:
+    """Leave out the rim of a half space about the surface normal itself: it is the horizon, which is a wall anyway."""
+    apart = 0.0
+    for a in range(3):
+        apart = max(apart, abs(axis[a] - normal[a]))
+    if lobe.rim_cos == 0.0 and apart < ALIGNED:
+        lobe.rim_cos, lobe.rim_sin = NO_RIM, 0.0
 
 
 @jitable

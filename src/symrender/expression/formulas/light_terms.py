@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.elementary import Real, clamp, gleam, length, positive
+from symrender.expression.elementary import Real, clamp, gleam, length, positive, sqrt
 from symrender.expression.leaf import Leaf, Rows
 from symrender.expression.vectors import Vec3, dot, norm2
 
@@ -87,6 +87,13 @@ def lambert_nodes(light: Vec3, place: Vec3, normal: Vec3) -> Real:
     return lambert(light - place, normal)
 
 
+def falling_nodes(light: Vec3, place: Vec3, normal: Vec3) -> Real:
+    """N.l/r^2 of a light point whose light falls off with the square of its distance r."""
+    offset = light - place
+    fall = 1 / positive(norm2(offset))
+    return dot(offset, normal) * fall * sqrt(fall)
+
+
 def blinn_nodes(light: Vec3, place: Vec3, normal: Vec3, view: Vec3) -> tuple[Real, Real]:
     """(N.l, N.h) of a light point, the second kept within [0, 1]."""
     cosine, base = blinn(light - place, normal, view)
@@ -120,6 +127,7 @@ LEAVES: Final = (
     Leaf(blinn_term, ("cosine", "highlight"), slopes=_FREE, adjoint=_FREE, pages=True),
     Leaf(phong_term, ("cosine", "highlight"), slopes=_FREE, adjoint=_FREE, pages=True),
     Leaf(lambert_nodes, ("cosine",), rows=Rows(_LIT, _TERMS[:1])),
+    Leaf(falling_nodes, ("share",), rows=Rows(_LIT, (("share", "clear", "scale"),))),
     Leaf(blinn_nodes, ("cosine", "base"), rows=Rows(_SEEN, _TERMS)),
     Leaf(phong_nodes, ("cosine", "base"), rows=Rows(_SEEN, _TERMS)),
     Leaf(light_channel, ("radiance",), adjoint=("color", "kd", "ks", "albedo", "cosine", "highlight"), pages=True),

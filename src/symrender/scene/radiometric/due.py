@@ -28,10 +28,15 @@ def not_yet(kinds: tuple[str, ...], known: str, limit: Callable[[Any], Any]) -> 
     return check
 
 
-def refuse_bounces(bounces: int | str) -> None:
-    """Raise ``Unsupported`` where more light than emission and direct light is asked of what has no noise."""
-    if bounces != 0:
-        raise Unsupported(
-            f"bounces: {bounces} is not yet integrated, which takes the lobe of every material; "
-            "0 (emission and direct light) is, and the numeric pipeline samples any"
-        )
+def refuse_bounces(bounces: int | str, reason: str) -> None:
+    """Raise ``Unsupported`` where more light is asked of what has no noise than it integrates.
+
+    ``reason`` is what of the scene keeps one bounce from being integrated, empty if nothing does.
+    """
+    if bounces == 0 or (bounces == 1 and not reason):
+        return
+    words = f" in a scene with {reason}" if reason and bounces == 1 else ""
+    raise Unsupported(
+        f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between diffuse "
+        "surfaces under point and directional lights, and the numeric pipeline samples any"
+    )

@@ -1,0 +1,149 @@
+"""A radiometric scene of diffuse surfaces as the scene whose lobes the split rule integrates.
+
+What a hit Q sends to P is (rho_Q/pi) sum_i I_i (N_Q.l_i)/r_i^2: Lambert's term with kd = 1/pi under lights that fall
+off. What P makes of it, (rho_P/pi) int cos L dw over the hemisphere of its normal, is rho_P times the average of L
+under the lobe of exponent 1 about the normal.
+
+Textures of spheres are linear in what they are mixed of, dark + share (bright - dark): a scene of the dark alone and
+one of the difference alone are added. Planes are black behind, so a plane that reflects on both sides is turned to
+where it is seen from.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.limits import MAX_PLANES
+from symrender.records import Table, record, table
+from symrender.scene import arrays as series
+from symrender.scene.arrays import CHECKER, MARBLE, SOLID, STRIPES, SceneArrays
+from symrender.scene.radiometric.arrays import DIFFUSE, POINT, SKY, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.records import Material, Shape
+from symrender.scene.records import Floor, Light, Plane, Shading, Sphere
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Flags = npt.NDArray[np.bool_]
+
+LEAST_VEIN: Final = 0.55
+VEINS: Final = 0.45
+"""The veins of a series' marble are ``LEAST_VEIN`` + ``VEINS`` times the share that is bright."""
+SPARE: Final = 2.25
+"""Factor by which colours are made smaller and kd larger where differences of veins may exceed 1."""
+
+
+@dataclass(frozen=True)
+class Bounce:
+    """Scenes whose lobe averages add up to what arrives, and the hit class of every shape in them.
+
+    A shape equal to an earlier one is not there, and its class is the earlier one's.
+    """
+
+    parts: tuple[SceneArrays, ...]
+    classes: Ints
+
+
+def bounce_refusal(arrays: RadiometricArrays) -> str:
+    """What of a scene keeps its bounced light from being integrated, as words for a message; empty if nothing does."""
+    used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
+    if any(material.kind != DIFFUSE for material in used):
+        return "a conductor or a phong material"
+    if any(light.kind == SKY for light in arrays.lights):
+        return "a sky"
+    planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
+    if any(material.texture in (STRIPES, MARBLE) for material in planes):
+        return "stripes or marble on a plane"
+    if len(planes) > MAX_PLANES:
+        return f"more than {MAX_PLANES} planes"
+    return ""
+
+
+def bounce_scenes(arrays: RadiometricArrays, turned: Flags) -> Bounce:
+    """The scenes in which the light that a point sees reflected is integrated; ``turned`` planes show their back."""
+    classes, kept = shape_classes(arrays)
+    spheres = [j for j in kept if arrays.shapes[j].kind == SPHERE]
+    planes = [j for j in kept if arrays.shapes[j].kind != SPHERE]
+    textured = [j for j in spheres if _material(arrays, j).texture != SOLID]
+    veined = any(_material(arrays, j).texture == MARBLE for j in textured)
+    scale = SPARE if veined else 1.0
+    parts = []
+    for difference in (False, True) if any(_mixed(arrays, j) for j in textured) else (False,):
+        rows = table(Sphere, len(spheres))
+        for row, j in zip(rows, spheres, strict=True):
+            _lay_sphere(arrays.shapes[j], _material(arrays, j), difference, scale, row)
+        sides = table(Plane, len(planes))
+        for side, j in zip(sides, planes, strict=True):
+            _lay_plane(arrays, j, bool(turned[j]), 0.0 if difference else 1.0 / scale, side)
+        shading = record(Shading)
+        shading.kd = scale / math.pi
+        parts.append(SceneArrays(rows, record(Floor), _lights(arrays), shading, arrays.camera, sides))
+    return Bounce(tuple(parts), classes)
+
+
+def _material(arrays: RadiometricArrays, j: int) -> Material:
+    return arrays.materials[int(arrays.shapes[j].material)]
+
+
+def _mixed(arrays: RadiometricArrays, j: int) -> bool:
+    """Whether a texture has two reflectances."""
+    material = _material(arrays, j)
+    return bool((material.bright != material.dark).any())
+
+
+def shape_classes(arrays: RadiometricArrays) -> tuple[Ints, list[int]]:
+    """Hit class by shape, and the shapes that are not equal to an earlier one."""
+    first: dict[tuple[float, ...], int] = {}
+    same = []
+    for j, shape in enumerate(arrays.shapes):
+        if shape.kind == SPHERE:
+            place = (*shape.place, float(shape.radius))
+        else:
+            place = (*arrays.frames[j].origin, *arrays.frames[j].up)
+        same.append(first.setdefault(tuple(float(x) for x in place), j))
+    kept = list(first.values())
+    order = [j for j in kept if arrays.shapes[j].kind == SPHERE] + [j for j in kept if arrays.shapes[j].kind != SPHERE]
+    number = {j: series.FIRST_SPHERE + k for k, j in enumerate(order)}
+    return np.array([number[j] for j in same], dtype=np.int64), sorted(kept)
+
+
+def _lay_sphere(shape: Shape, material: Material, difference: bool, scale: float, row: Sphere) -> None:
+    row.center[:], row.radius = shape.place, shape.radius
+    row.weight, row.exponent, row.theta_max = 1.0, 1.0, 0.5 * math.pi
+    contrast = material.bright - material.dark
+    veined = material.texture == MARBLE
+    if not difference:
+        # what a vein leaves out at least is taken off here
+        row.color[:] = (material.dark - (LEAST_VEIN / VEINS if veined else 0.0) * contrast) / scale
+        return
+    if material.texture == SOLID:
+        return
+    row.color[:] = contrast / (VEINS * scale if veined else scale)
+    row.texture, row.ku, row.kv = material.texture, 2.0 / material.cell, 1.0 / material.cell
+
+
+def _lay_plane(arrays: RadiometricArrays, j: int, turned: bool, share: float, row: Plane) -> None:
+    material, frame = _material(arrays, j), arrays.frames[j]
+    row.point[:] = frame.origin
+    # seen from behind, x and y of the texture change places
+    row.normal[:], row.along[:] = (-frame.up, frame.north) if turned else (frame.up, frame.east)
+    row.kind, row.cell = CHECKER if material.texture == CHECKER else SOLID, material.cell
+    row.bright[:], row.dark[:] = share * material.bright, share * material.dark
+    row.weight, row.exponent, row.theta_max = 1.0, 1.0, 0.5 * math.pi
+
+
+def _lights(arrays: RadiometricArrays) -> Table[Light]:
+    rows = table(Light, len(arrays.lights))
+    for row, light in zip(rows, arrays.lights, strict=True):
+        row.color[:] = light.emitted
+        if light.kind == POINT:
+            row.kind = series.FALLING
+            row.position[:] = light.place
+        else:
+            row.kind = series.DISTANT
+            row.position[:] = -series.AFAR * light.place
+    return rows
