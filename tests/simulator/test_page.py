@@ -391,7 +391,8 @@ def test_a_drag_shows_a_picture_for_most_of_its_steps(browser, tmp_path, capsys)
     with capsys.disabled():
         print(f"\na drag: {pictures / 1.5:.0f} pictures a second, {pictures} for {turns} steps, at most {largest} wide")
     assert turns > 5 and largest <= 32
-    assert pictures >= 0.45 * turns
+    # other processes take from the pictures, not from the steps
+    assert in_time(0.45 * turns, pictures)
 
 
 def slide(browser, page):
