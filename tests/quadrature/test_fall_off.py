@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from symrender.chambers.records import DISTANT, INVERSE_SQUARE
+from symrender.chambers.records import DISTANT, INVERSE_SQUARE, Chart, LightPoint
+from symrender.chambers.tangencies import edge_frame
+from symrender.chambers.traces import edge_place
+from symrender.chambers.walls import SHADOW
 from symrender.chambers.work import scene_view
 from symrender.quadrature.fall_off import most_light, plane_bound
 from symrender.quadrature.light_points import light_rows
@@ -154,3 +158,28 @@ def _floor(arrays: SceneArrays) -> Floor:
     floor = record(Floor)
     floor.bright[:], floor.dark[:] = arrays.planes[0].bright, arrays.planes[0].dark
     return floor
+
+
+@pytest.mark.parametrize("charted", [-1, 0])
+def test_the_edge_of_a_distant_lights_shadow_is_a_ray_that_touches_the_caster(charted: int) -> None:
+    light, caster, chart = record(LightPoint), record(Sphere), record(Chart)
+    way = np.array([0.48, -0.6, 0.64])
+    light.position[:], light.fall = at.AFAR * way, DISTANT
+    caster.center[:], caster.radius = (1.0, -1.0, 2.0), 0.5
+    chart.shape_index, chart.radius = charted, 0.8
+    chart.center[:] = caster.center - 1.5 * way + np.array([0.2, 0.3, 0.0])
+    row = SimpleNamespace(kind=SHADOW, light=0, shape_index=0)
+    work = SimpleNamespace(chart=chart, frame=np.zeros((3, 3)))
+    assert edge_frame(light, caster, work.frame)
+    met = 0
+    for psi in np.linspace(0.0, 6.0, 25):
+        *place, there = edge_place(float(psi), row, False, SimpleNamespace(points=[light], spheres=[caster]), work)
+        if there:
+            met += 1
+            away = np.array(place) - caster.center
+            assert np.linalg.norm(away - (away @ way) * way) == pytest.approx(caster.radius, rel=1e-14)
+            if charted < 0:
+                assert place[2] == pytest.approx(0.0, abs=1e-15)
+            else:
+                assert np.linalg.norm(np.array(place) - chart.center) == pytest.approx(chart.radius, rel=1e-14)
+    assert met >= 10
