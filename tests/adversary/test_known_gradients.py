@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from .case import Case
@@ -54,6 +55,17 @@ def test_a_panel_about_as_long_as_its_highlight_is_wide_doubts_itself() -> None:
     slope = judge_slope(case, "camera.eye.x", found, found)
     assert slope.called == "honest" and abs(slope.value).max() > 0.01, slope
     assert slope.told(4.5), "differences can tell"
+
+
+def test_changes_that_stay_as_large_add_up() -> None:
+    case, names = case_of(KNOWN[5]), ["spheres.S1.radius", "spheres.S2.radius"]
+    # central differences of values at 1e-12, the same for steps of 1e-5 and 1e-6
+    differs = np.array([5.10267157e-02, -3.09264182e-05, -1.61451674])
+    for asked_for in (names[:1], names):
+        found = asked(case, asked_for)
+        stated = found.gradient_error[names[0]][0]
+        assert stated < 1e-5
+        assert np.abs(found.gradient[names[0]][0] - differs).max() <= stated + 1e-8
 
 
 def test_differences_doubt_what_ends_like_the_power_three_halves() -> None:

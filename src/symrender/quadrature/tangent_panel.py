@@ -59,6 +59,8 @@ OVER_DISK = 3.0
 """Error of the rules over a disk light, which err alike on every line, over what their step aims at."""
 CANCELLED = 1e-15
 """Rounding of a derivative over the sum of what moves it: rims and densities sweep much that cancels."""
+STALLED = 0.95
+"""Most that a change is taken to be of the one before."""
 SUMS = 6
 """Adjoints kept of a panel: its own, four of its coefficients across the lines, and that of the line at hand."""
 LINE_SUM = SUMS - 1
@@ -157,12 +159,20 @@ def panel_misses(
 
     Two orders agree by chance now and then, most of all where each has few lines: how the coefficients across the lines
     fall is a second witness, and the worse of the two counts. A third is what ``misses`` held at ``more`` lines fewer,
-    0 before the first estimate: no rule's error falls faster than its singularities let it. All are blind to what
-    all lines err alike: ``inner`` is the share of what moves that the rules along the lines, and over a disk light, may
-    miss.
+    0 before the first estimate: no rule's error falls faster than its singularities let it, and changes that stay as
+    large, of which the last column keeps the largest, add up. All are blind to what all lines err alike: ``inner`` is
+    the share of what moves that the rules along the lines, and over a disk light, may miss.
     """
     most, fall = 0.0, math.exp(-2.0 * more * log_rho)
     for p in range(tangents.shape[0]):
+        largest, previous, grown = 0.0, misses[p, 3], 1.0
+        for c in range(3):
+            largest = max(largest, abs(high_order[p, c] - low_order[p, c]))
+        misses[p, 3] = largest
+        if 0.0 < previous < 2.0 * largest:
+            # changes that hardly fall go on: r + r^2 + ... of the last one is left
+            ratio = min(STALLED, largest / previous)
+            grown = max(1.0, ratio / (1.0 - ratio))
         for c in range(3):
             last = before = middle = lower = moved = 0.0
             for k in range(tangents.shape[1]):
@@ -178,7 +188,8 @@ def panel_misses(
             tail = tail_error(n, last, before, middle, size, log_rho)
             if blunt:
                 tail = max(tail, abs(last), 0.5 * abs(before))
-            misses[p, c] = max(abs(high_order[p, c] - low_order[p, c]), tail, fall * misses[p, c]) + inner * moved
+            change, doubt = grown * abs(high_order[p, c] - low_order[p, c]), misses[p, c]
+            misses[p, c] = max(change, tail, fall * doubt) + inner * moved
             most = max(most, misses[p, c])
             misses[p, c] += CANCELLED * moved
     return most
