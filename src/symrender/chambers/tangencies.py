@@ -81,7 +81,7 @@ def floor_tangencies(row: Wall, chart: Chart, events: Table[Event], n: int, low:
 def straight_place(
     c: float, s: float, caster: Sphere, beyond: bool, chart: Chart, frame: Array
 ) -> tuple[float, float, float, bool]:  # fmt: skip
-    """``edge_place`` of the shadow of a distant light, whose rays are parallel and touch the caster."""
+    """``edge_place`` of the shadow of a distant light, whose rays are parallel and touch the occluder."""
     x = caster.center[0] + c * frame[1, 0] + s * frame[2, 0]
     y = caster.center[1] + c * frame[1, 1] + s * frame[2, 1]
     z = caster.center[2] + c * frame[1, 2] + s * frame[2, 2]
@@ -104,7 +104,7 @@ def straight_place(
 def straight_turn(
     psi: float, caster: Sphere, beyond: bool, chart: Chart, frame: Array
 ) -> tuple[float, float, float, float, bool]:  # fmt: skip
-    """``edge_turn`` of a distant light, whose rays are parallel and touch the caster."""
+    """``edge_turn`` of a distant light, whose rays are parallel and touch the occluder."""
     c, s = math.cos(psi), math.sin(psi)
     b, across, far2 = 0.0, 0.0, 0.0
     for a in range(3):
@@ -142,7 +142,7 @@ def edge_turn(
     x and y lie across the chart's pole and z along it; ``turn`` = x y' - y x' has the sign of the azimuth's change
     with the angle ``psi`` about the shadow's axis, NaN where the ray misses. ``frame`` (3, 3): the axis times the
     cosine of the shadow's half-angle, and two unit vectors across it times its sine, or, of a distant light, times the
-    caster's radius.
+    occluder's radius.
     """
     if light.fall == DISTANT:
         return straight_turn(psi, caster, beyond, chart, frame)

@@ -319,12 +319,12 @@ def shape_slopes(
     if radial_walls(lobe, view, work, gauss, disk, scratch, t.here, t.own, t.sums[0]):
         contract(t.sums[0], moves, t.value, 1.0)
     if chart.plane >= 0 and chart.side > 0.0:
-        note_level_lights(view, moves, t.value)
+        note_level_lights(view, moves, t)
     return found
 
 
 @jitable
-def note_level_lights(view: View, moves: Array, value: Array) -> None:
+def note_level_lights(view: View, moves: Array, t: TangentWork) -> None:
     """Call one-sided what lifts a point light off the plane in which it lies: all of the plane is lit from there on."""
     for i in range(view.points.shape[0]):
         light = view.points[i]
@@ -332,8 +332,9 @@ def note_level_lights(view: View, moves: Array, value: Array) -> None:
         if light.radius > 0.0 or abs(light.position[2]) > LEVEL * reach:
             continue
         for p in range(moves.shape[0]):
-            if moves[p, LIGHTS + 6 * i + 2] != 0.0:
-                value[p, ONE_SIDED] = 1.0
+            row = moves[p]
+            if row[LIGHTS + 6 * i + 2] != 0.0:
+                t.value[p, ONE_SIDED] = 1.0
 
 
 def gradient_kernel(
