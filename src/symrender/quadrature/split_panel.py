@@ -505,11 +505,9 @@ def evaluate_panel(
         if kinked(view) or broken_rim(work.chart.lobe):
             known = max(known, last, 0.5 * before)
         error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
-    for i in range(view.points.shape[0]):
-        if view.points[i].radius > 0.0:
-            # the rules over a disk light keep to the panel's level and err alike on every line
-            inner += 3.0 * FALLS[step] * size
-            break
+    if has_disk(view):
+        # the rules over a disk light keep to the panel's level and err alike on every line
+        inner += 3.0 * FALLS[step] * size
     out[3] = error + inner + 1e-15 * size
     return foreign
 

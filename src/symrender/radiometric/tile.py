@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from symrender.kernel_cache import inlined
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.direct import along_ray, largest, vein_blur
 from symrender.radiometric.reflection import reflectance
 from symrender.radiometric.sight import nearest, vector
 from symrender.radiometric.world import Array, World
+
+
+@inlined
+def pixel_ray(window: Array, width: int, height: int, i: int, j: int) -> tuple[float, float, float]:
+    """Unit direction through the centre of column ``i`` of row ``j``."""
+    f, r, u = window[0], window[1], window[2]
+    a = (2.0 * i + 1.0) / width - 1.0
+    b = 1.0 - (2.0 * j + 1.0) / height
+    x, y, z = leaves.camera_ray(f[0], f[1], f[2], r[0], r[1], r[2], u[0], u[1], u[2], a, b)
+    return x, y, z
 
 
 def fill_tile(
@@ -15,12 +26,9 @@ def fill_tile(
 ) -> None:  # fmt: skip
     """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; arguments are many because a kernel takes arrays."""
     origin = (eye[0], eye[1], eye[2])
-    f, r, u = window[0], window[1], window[2]
     for j in range(y0, y1):
         for i in range(x0, x1):
-            a = (2.0 * i + 1.0) / width - 1.0
-            b = 1.0 - (2.0 * j + 1.0) / height
-            d = leaves.camera_ray(f[0], f[1], f[2], r[0], r[1], r[2], u[0], u[1], u[2], a, b)
+            d = pixel_ray(window, width, height, i, j)
             own, shining, light, missed = along_ray(world, origin, d, caps, arcs)
             hit_class[j, i] = own
             error[j, i] = missed
@@ -29,17 +37,14 @@ def fill_tile(
                 direct[j, i, c] = light[c]
 
 
-def fill_directions(eye: Array, window: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int,
-                    directions: Array) -> None:  # fmt: skip
+def fill_directions(
+    window: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, directions: Array
+) -> None:  # fmt: skip
     """Unit directions of the rays through the pixels of a tile, row by row."""
-    f, r, u = window[0], window[1], window[2]
     k = 0
     for j in range(y0, y1):
         for i in range(x0, x1):
-            a = (2.0 * i + 1.0) / width - 1.0
-            b = 1.0 - (2.0 * j + 1.0) / height
-            d = leaves.camera_ray(f[0], f[1], f[2], r[0], r[1], r[2], u[0], u[1], u[2], a, b)
-            directions[k, 0], directions[k, 1], directions[k, 2] = d
+            directions[k, 0], directions[k, 1], directions[k, 2] = pixel_ray(window, width, height, i, j)
             k += 1
 
 

@@ -58,7 +58,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         if not hasattr(own, "bouncer"):
             own.bouncer = Bouncer(arrays)
         directions = np.zeros((count, 3))
-        _kernel("fill_directions")(eye, window, width, height, x0, y0, x1, y1, directions)
+        _kernel("fill_directions")(window, width, height, x0, y0, x1, y1, directions)
         hits = own.bouncer.hits(np.tile(eye, (count, 1)), directions, layers["hit_class"][here].ravel())
         seen = own.bouncer.light(hits, settings.tol, settings.budget)
         shape = (y1 - y0, x1 - x0)
