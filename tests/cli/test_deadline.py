@@ -12,6 +12,7 @@ import time
 import pytest
 
 from busy import in_time, soon
+from symrender.cli import _deadline
 from symrender.cli._deadline import TIME_TO_END, ends_in_time
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
@@ -93,3 +94,16 @@ def test_a_process_that_is_not_asked_goes_on() -> None:
         time.sleep(0.01)
     assert threading.active_count() == threads and words == []
     assert signal.set_wakeup_fd(before) == before
+
+
+def test_a_child_that_one_reading_of_the_list_leaves_out_is_ended_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    children = [subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"]) for _ in range(2)]
+    first, second = ({child.pid} for child in children)
+    readings = iter([first, first | second])
+    monkeypatch.setattr(_deadline, "_children", lambda: next(readings, first | second))
+    try:
+        _deadline._end_children()
+        assert [child.wait(20) for child in children] == [-signal.SIGKILL] * 2
+    finally:
+        for child in children:
+            child.kill()

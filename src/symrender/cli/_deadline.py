@@ -73,14 +73,28 @@ def _asked(hear: int) -> int:
 def _end_children() -> None:
     """Workers and compilers would outlive this process for seconds; what multiprocessing cleans up with may end alone.
 
-    Where there is no ``/proc`` only what multiprocessing began is known.
+    The kernel's list of children may leave one out while another ends, so it is read until two readings in turn show
+    nobody new. Where there is no ``/proc`` only what multiprocessing began is known.
     """
     multiprocessing = sys.modules.get("multiprocessing")
     with contextlib.suppress(Exception):
         for process in multiprocessing.active_children() if multiprocessing else ():
             process.kill()
+    ended: set[int] = set()
+    readings_without_new = 0
+    while readings_without_new < 2:
+        new = _children() - ended
+        readings_without_new = 0 if new else readings_without_new + 1
+        for child in new:
+            with contextlib.suppress(OSError):
+                if b"resource_tracker" not in Path(f"/proc/{child}/cmdline").read_bytes():
+                    os.kill(child, signal.SIGKILL)
+        ended |= new
+
+
+def _children() -> set[int]:
+    found: set[int] = set()
     for listed in Path("/proc/self/task").glob("*/children"):
         with contextlib.suppress(OSError):
-            for child in listed.read_text().split():
-                if b"resource_tracker" not in Path(f"/proc/{child}/cmdline").read_bytes():
-                    os.kill(int(child), signal.SIGKILL)
+            found.update(int(child) for child in listed.read_text().split())
+    return found
