@@ -88,6 +88,11 @@ FAMILIES: Final[Mapping[str, Mapping[str, list[Any]]]] = {
     "grazing": {"eye": ["grazing"], "theta_max": [0.5, 1.2, math.pi / 2], "lights": [1, 2]},
     "budget": {"budget": [2_000, 20_000, 40_000, 60_000], "tol": [1e-6, 1e-8, 1e-10], "lights": [1, 2, 3],
                "cell": [0.02, 0.05, 0.3], "disk": ["1x1", "2x2", "exact"], "light": ["disk"]},
+    "far checker": {"floor": ["checker"], "cell": [0.05, 0.15, 0.3, 0.6, 1.0], "kd": [0.7], "lights": [1, 2],
+                    "light": ["point"], "where": ["above", "above", "low"], "surface": ["sphere"], "spheres": [1, 2],
+                    "place": ["free", "free", "beside"], "exponent": [0.0, 1.0, 4.0, 20.0, 100.0],
+                    "theta_max": [0.3, 1.0, 1.3, math.pi / 2], "ambient": [(0.0, 0.0, 0.0)],
+                    "background": [(0.0, 0.0, 0.0)], "aim": ["random", "edge"], "tol": [1e-4, 1e-5, 1e-6]},
 }  # fmt: skip
 """What each family replaces of the usual choices."""
 

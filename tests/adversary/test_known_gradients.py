@@ -68,6 +68,17 @@ def test_changes_that_stay_as_large_add_up() -> None:
         assert np.abs(found.gradient[names[0]][0] - differs).max() <= stated + 1e-8
 
 
+def test_squares_beyond_the_taper_are_part_of_what_is_stated() -> None:
+    case, name = case_of(KNOWN[6]), "spheres.S1.center.y"
+    # central differences of values at 1e-12, the same for steps of 1e-5 and 1e-6
+    differs = np.array([-0.02051488, -0.04068886, -0.01027511])
+    for asked_for in ([name], ["lights.L2.position.z", name]):
+        found = asked(case, asked_for)
+        stated = found.gradient_error[name][0]
+        assert stated < 1e-5
+        assert np.abs(found.gradient[name][0] - differs).max() <= stated + 1e-8
+
+
 def test_differences_doubt_what_ends_like_the_power_three_halves() -> None:
     case, name = case_of(KNOWN[3]), "spheres.S0.radius"
     claim = asked(case, [name]).gradient[name][0]

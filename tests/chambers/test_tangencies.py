@@ -11,8 +11,8 @@ from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.events import line_range
 from symrender.chambers.line import scan_line, wall_roots
 from symrender.chambers.lobes.setup import lobe_setup
-from symrender.chambers.records import Event
-from symrender.chambers.tangencies import tangencies
+from symrender.chambers.records import Event, Wall
+from symrender.chambers.tangencies import floor_tangencies, tangencies
 from symrender.chambers.walls import BALL, SHADOW, SHADOW_EDGE
 from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.kernel_cache import compiled
@@ -100,3 +100,47 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
                         seen += 1
                         assert np.abs(known - phi).min(initial=math.inf) <= 2 * (high - low) / LINES, (place, j, i, phi)
     assert seen >= 20
+
+
+def form_of(row: Wall) -> tuple[Array, Array, float]:
+    """A wall on the floor as x.A x + 2 b.x + c about the foot: (A, b, c)."""
+    if row.kind == BALL:
+        return np.eye(2), -np.array([row.foot[0], row.foot[1]]), float(row.power)
+    f, h = np.array([*row.first])[1:], np.array([*row.second])[1:]
+    a = row.sine2 * np.eye(2) - np.outer(f, f) - np.outer(h, h)
+    b = row.sine2 * np.array([*row.origin])[1:] - row.first_level * f - row.second_level * h
+    return a, b, float(row.sine2 * row.origin2 - row.first_level**2 - row.second_level**2)
+
+
+@pytest.mark.parametrize("kind", [BALL, SHADOW])
+def test_a_wall_knows_where_its_roots_branch_off_the_real_line_too(kind: int) -> None:
+    rng = np.random.default_rng(11)
+    work = work_arrays(2, 1)
+    work.chart.height, work.chart.shape_index = 0.7, -1
+    events = table(Event, 64)
+    real = off = 0
+    for _ in range(300):
+        row = table(Wall, 1)[0]
+        row.kind = kind
+        row.foot[0], row.foot[1] = rng.normal(size=2)
+        row.power = rng.normal()
+        row.sine2, row.origin2 = rng.uniform(0.01, 0.9), rng.uniform(1.0, 9.0)
+        for i in range(3):
+            row.first[i], row.second[i], row.origin[i] = rng.normal(size=3)
+        row.first_level, row.second_level = rng.normal(size=2)
+        floor_tangencies(row, work.chart, events, 0, -0.1, 0.1)
+        a, b, c = form_of(row)
+        # (b.u)^2 = c u.A u along u = (1, t)
+        t = np.roots([b[1] ** 2 - c * a[1, 1], 2.0 * (b[0] * b[1] - c * a[0, 1]), b[0] ** 2 - c * a[0, 0]])
+        azimuths = np.arctan(t.astype(complex))
+        told = row.touch_azimuth + np.array([row.touch_offset, -row.touch_offset]) + 1j * row.touch_depth
+        for azimuth in azimuths:
+            away = [
+                math.hypot(math.remainder(azimuth.real - w.real, math.pi), abs(azimuth.imag) - abs(w.imag))
+                for w in told
+            ]
+            assert min(away) < 1e-7
+        real += row.touch_depth == 0.0
+        off += row.touch_depth > 0.0
+    assert real >= 50
+    assert off >= 50

@@ -250,6 +250,7 @@ class Nodes(Record):
     """Albedo times kd."""
     radiance: ThreeRows
     near: Row
+    between: Row
     """What a shorter taper weighs by, over what ``weight`` does."""
     across: TwoRows
     """Points (a, b) of a disk, in its radius."""

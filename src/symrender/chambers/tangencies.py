@@ -38,7 +38,8 @@ RAYS = 32
 def floor_tangencies(row: Wall, chart: Chart, events: Table[Event], n: int, low: float, high: float) -> int:
     """Azimuths at which a scan line of the floor touches a shadow's edge or a ball.
 
-    Both are a r^2 + 2 b r + c = 0 along a line; b^2 - a c is a quadratic form of the azimuth's cosine and sine. A
+    Both are a r^2 + 2 b r + c = 0 along a line; b^2 - a c is a quadratic form of the azimuth's cosine and sine. The
+    wall gets where, off the lobe and off the real line too: its roots branch there, and panels beside it feel it. A
     penumbra's edges lie inside the shadow of a ball about the disk, and the line integral is smooth where that begins.
     """
     # a and b as sums over products of (c, s); the constant third coefficient
@@ -64,9 +65,15 @@ def floor_tangencies(row: Wall, chart: Chart, events: Table[Event], n: int, low:
     xx, xy, yy = bx * bx - axx * free, bx * by - axy * free, by * by - ayy * free
     level, even = 0.5 * (xx + yy), 0.5 * (xx - yy)
     size = math.sqrt(even * even + xy * xy)
+    middle = 0.5 * math.atan2(xy, even)
     if not abs(level) < size:
+        # no real one: cos 2 (phi - middle) = -level / size has its solutions off the line
+        row.touch_azimuth, row.touch_offset = middle, 0.0 if level < 0.0 else 0.5 * math.pi
+        ratio = abs(level) / size if size > 0.0 else math.inf
+        row.touch_depth = 0.5 * math.log(ratio + math.sqrt(ratio * ratio - 1.0)) if ratio < math.inf else math.inf
         return n
-    middle, offset = 0.5 * math.atan2(xy, even), 0.5 * math.acos(-level / size)
+    offset = 0.5 * math.acos(-level / size)
+    row.touch_azimuth, row.touch_offset, row.touch_depth = middle, offset, 0.0
     for branch in range(4):
         phi = middle + (offset if branch % 2 == 0 else -offset) + (0.0 if branch < 2 else math.pi)
         c, s = math.cos(phi), math.sin(phi)

@@ -51,3 +51,14 @@ def plane_bound(view: View) -> float:
         if height > 0.0:
             most += most_light(view.points[i], height * height) * (shading.kd * albedo + shading.ks)
     return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
+
+
+@inlined
+def most_floor_light(view: View) -> float:
+    """No floor point gets more from all lights together."""
+    light = 0.0
+    for i in range(view.points.shape[0]):
+        height = view.points[i].position[2]
+        if not (view.points[i].fall == INVERSE_SQUARE and height <= 0.0):
+            light += most_light(view.points[i], height * height)
+    return light

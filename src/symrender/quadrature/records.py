@@ -1,4 +1,4 @@
-"""The records of the outer integrals: panels of azimuth, and conics on the floor."""
+"""The records of the outer integrals: panels of azimuth, conics on the floor, and what lies beyond."""
 
 from __future__ import annotations
 
@@ -54,3 +54,19 @@ class Conic(Record):
     free: float
     soft: int
     """Of the cone about a disk's penumbra 1 + the index of its outer edge in the wall table; 0 of other conics."""
+
+
+class Remainder(Record):
+    """A place on the floor, beyond what of the checker is integrated, at which its signs do not cancel."""
+
+    x: float
+    """From the point's foot, as ``y``."""
+    y: float
+    left: float
+    """What the place adds to the deviation, in units of its value."""
+    swing: float
+    """By how much that changes as the walls move a unit across the checker: the sum over its waves of |k| times it."""
+    wall: int
+    """Row of the conic that lies there."""
+    other: int
+    """That of the one that meets it there, or -1."""

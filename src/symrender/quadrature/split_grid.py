@@ -7,8 +7,9 @@ polynomials times the checker's signs, so the rule is exact for a polynomial und
 their distance. Blocks that a conic crosses are quartered down to single squares, which are cut along lines y = const.
 
 Towards the horizon the squares never end. Their signs cancel: the integrand is weighted by a smooth taper in the
-distance from the point's foot, which damps the alternating remainder; what two tapers of different reach disagree by is
-its error estimate, and the reach is doubled until it is small.
+distance from the point's foot, which damps the alternating remainder; what three tapers of different reach disagree by
+(two may agree by chance) is its error estimate, to which comes what none of them sees (``grid_tail.py``), and the reach
+is doubled until it is small.
 """
 
 from __future__ import annotations
@@ -23,10 +24,11 @@ from symrender.chambers.lobes.width import width_at
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.fall_off import most_light
+from symrender.quadrature.fall_off import most_floor_light, most_light
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
-from symrender.quadrature.records import Conic
+from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
+from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.split_line import tail_error
 from symrender.quadrature.split_square import cut_square, floor_nodes, seen
 from symrender.records import Table
@@ -89,7 +91,10 @@ def grid_reach(
     if chart.normal[2] > 0.0:
         tilt = math.sqrt(chart.normal[0] ** 2 + chart.normal[1] ** 2)
         near = max(near, chart.normal[2] * h / max(tilt, 1e-300))
-    wanted = max(squares * cell, 3.0 * h, 4.0 * near)
+    # nor before the lobe has grown to what it is at its axis, or at the horizon if that is nearer
+    gap = max(0.0, 0.5 * math.pi - chart.lobe_beta) + width_at(max(0.0, chart.lobe_beta - 0.5 * math.pi), chart.lobe)
+    grown = h / math.tan(gap) if gap < 0.5 * math.pi else 0.0
+    wanted = max(squares * cell, 3.0 * h, 4.0 * near, 4.0 * grown)
     reach = min(wanted, MOST_SQUARES * cell)
     beyond = 0.0
     if reach < max(3.0 * h, 2.0 * near):
@@ -133,17 +138,6 @@ def push_quarters(x: float, y: float, side: float, level: int, blocks: Array, to
             blocks[top, 2], blocks[top, 3] = half, max(0, level - 1)
             top += 1
     return top
-
-
-@inlined
-def point_light(view: View) -> float:
-    """No floor point gets more from all lights together."""
-    light = 0.0
-    for i in range(view.points.shape[0]):
-        height = view.points[i].position[2]
-        if not (view.points[i].fall == INVERSE_SQUARE and height <= 0.0):
-            light += most_light(view.points[i], height * height)
-    return light
 
 
 @jitable
@@ -196,7 +190,7 @@ def smooth_block(
 ) -> float:  # fmt: skip
     """Integral of a block of 2^level squares a side that no conic crosses, by n x n nodes, in out[0:3].
 
-    ``out[3:6]`` is the same under the shorter taper. Returns its error, read off its coefficients.
+    ``out[3:9]`` is the same under the two shorter tapers. Returns its error, read off its coefficients.
     """
     base = n * (n - 1) // 2
     weights = gauss[1] if level == 0 else gauss[3 + level]
@@ -213,20 +207,23 @@ def smooth_block(
     floor_nodes(n * n, 1, step, reach, lobe, view, work, gauss)
     whole, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0
     middle_x, middle_y, lower_y = 0.0, 0.0, 0.0
-    for t in range(6):
+    for t in range(9):
         out[t] = 0.0
     for q in range(n):
         line, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
         for e in range(n):
             i = n * q + e
             red, green, blue = b.radiance[0, i], b.radiance[1, i], b.radiance[2, i]
-            w, near = weights[base + q] * weights[base + e], b.near[i]
+            w, near, between = weights[base + q] * weights[base + e], b.near[i], b.between[i]
             out[0] += w * red
             out[1] += w * green
             out[2] += w * blue
             out[3] += w * near * red
             out[4] += w * near * green
             out[5] += w * near * blue
+            out[6] += w * between * red
+            out[7] += w * between * green
+            out[8] += w * between * blue
             value = gauss[1, base + q] * gauss[1, base + e] * (red + green + blue)
             line += value
             last += value * gauss[2, base + e]
@@ -255,17 +252,17 @@ def grid_once(
     aim: float, reach: float, low_x: float, low_y: float, level: int, lobe: Array, view: View, work: Work,
     conics: Table[Conic], count: int, gauss: Array, states: Array, stack: Array, max_evaluations: int, out: Array,
 ) -> float:  # fmt: skip
-    """The deviation over the block of 2^level squares from (low_x, low_y) on, in out[0:6]; its error estimate.
+    """The deviation over the block of 2^level squares from (low_x, low_y) on, in out[0:9]; its error estimate.
 
     A block whose bound is small is left out, one too near to the point or too wide for the lobe is quartered, and so is
     one whose rule does not come within ``aim``.
     """
     chart = work.chart
     cell = view.floor.cell
-    light = point_light(view)
+    light = most_floor_light(view)
     part, crossing = stack[0], stack[1]
     blocks, scratch = stack[2:160], stack[160:]
-    for t in range(6):
+    for t in range(9):
         out[t] = 0.0
     blocks[0, 0], blocks[0, 1], blocks[0, 2], blocks[0, 3] = low_x, low_y, cell * 2.0**level, level
     top = 1
@@ -285,7 +282,7 @@ def grid_once(
             continue
         quarter = ratio < 0.8
         miss = bound
-        for t in range(6):
+        for t in range(9):
             part[t] = 0.0
         if not quarter:
             log_rho = math.log(ratio + math.sqrt(1.0 + ratio * ratio))
@@ -329,7 +326,7 @@ def grid_once(
             continue
         error += miss
         sign = block_sign(x - low_x, y - low_y, side, cell)
-        for t in range(6):
+        for t in range(9):
             out[t] += sign * part[t]
     return error
 
@@ -337,7 +334,7 @@ def grid_once(
 @jitable
 def split_grid(
     tol: float, own: int, lobe: Array, view: View, work: Work, conics: Table[Conic], gauss: Array, states: Array,
-    stack: Array, max_evaluations: int, value: Array,
+    stack: Array, remainders: Table[Remainder], max_evaluations: int, value: Array,
 ) -> float:  # fmt: skip
     """Add the checker's deviation from its mean albedo to ``value``; returns the error estimate.
 
@@ -353,6 +350,7 @@ def split_grid(
     ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     out, best = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]
     aim, found = tol / LEAVES, math.inf
+    places = stack[:8]
     for _ in range(8):
         level = block_level(far / cell)
         first = 2.0 ** (level - 1)
@@ -360,14 +358,18 @@ def split_grid(
             aim, reach, (ci - first) * cell - px, (cj - first) * cell - py, level, lobe, view, work, conics, count,
             gauss, states, stack[: stack.shape[0] - 2], max_evaluations, out,
         )  # fmt: skip
-        change = 0.0
+        change, tail = 0.0, 0.0
         if not whole:
             for t in range(3):
-                change = max(change, 3.0 * abs(out[t] - out[3 + t]))
+                change = max(change, 3.0 * abs(out[t] - out[3 + t]), 6.0 * abs(out[t] - out[6 + t]))
+            tail = tail_of_squares(
+                remainders, remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders)
+            )
         out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if out_of_budget and change > 0.3 * tol:
             # two tapers that still disagree tell less, and there is no third one
             change *= 4.0
+        change += tail
         if error + change < found:
             found = error + change
             for t in range(3):

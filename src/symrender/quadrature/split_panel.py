@@ -22,6 +22,7 @@ from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import broken_rim
 from symrender.chambers.records import Chart, Event
 from symrender.chambers.walls import (
+    BALL,
     NORMAL,
     UNBOUNDED,
     tangent_lines,
@@ -180,7 +181,7 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
         best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
     for i in range(work.counts.walls):
         row = work.walls[i]
-        if row.kind <= NORMAL:
+        if row.kind <= NORMAL or (chart.shape_index < 0.0 and row.kind <= BALL):
             best = branch_sum(row.touch_azimuth, row.touch_offset, row.touch_depth, a, b, kind_a, kind_b, best)
     log_rho = math.log(best + math.sqrt(max(0.0, best * best - 1.0)))
     if chart.strip_vein < math.inf:
@@ -492,11 +493,9 @@ def evaluate_panel(
     middle, lower = max(abs(middle0), abs(middle1), abs(middle2)), max(abs(lower0), abs(lower1), abs(lower2))
     size = out[4]
     if step == 0:
-        # a line or two say little more than the order of magnitude, where the lobe is as dense as there
-        error = 10.0 * size * max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
-        if out[5] > 0.0 or (size == 0.0 and has_disk(view)):
-            # where a penumbra begins to meet lines is no event: a dark line is no proof there
-            error = max(error, p.bound)
+        # a line or two say little more than the order of magnitude, where the lobe is as dense as there: that a panel
+        # holds little is believed of its bound only
+        error = max(p.bound, 10.0 * size * max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300)))
     elif out[5] > 0.0 or foreign == foreign:
         error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
     else:
@@ -665,11 +664,9 @@ def split_chart(
                 bad += 1
                 continue
             need = step + 1
-            held = p.error
-            if step < 0:
-                held = 10.0 * p.per_radian * width
-                if p.inside > 0.0 or held > 3.0 * share or p.glare > MAX_FIRST:
-                    need = 1
+            held = p.error if step > 0 else 10.0 * p.per_radian * width
+            if step < 0 and (p.inside > 0.0 or held > 3.0 * share or p.glare > MAX_FIRST):
+                need = 1
             if p.inside == 0.0 and need > 0:
                 # a first estimate is ten times what the panel holds
                 aim = LEVELS[max(0, step)] + math.log(max(held, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)

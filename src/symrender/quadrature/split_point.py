@@ -33,10 +33,11 @@ from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.fall_off import TOUCHING, is_radiometric, most_light, plane_bound
 from symrender.quadrature.gauss import gauss_table
+from symrender.quadrature.grid_tail import MOST_REMAINDERS
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
-from symrender.quadrature.records import Conic, Panel, Span
+from symrender.quadrature.records import Conic, Panel, Remainder, Span
 from symrender.quadrature.split_grid import split_grid
 from symrender.quadrature.split_panel import split_chart
 from symrender.quadrature.split_setup import (
@@ -124,7 +125,8 @@ def gloss_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, work: Work, gauss: Array,
     panels: Table[Panel], spans: Table[Span], ids: Ints, events: Table[Event], scratch: Array, tol: float, bound: float,
     max_evaluations: int, walled: bool, gloss: Array, error: Array, evaluations: Ints, status: Ints, chambers: Ints,
-    crossings: Ints, conics: Table[Conic], states: Array, grid_stack: Array, frames: Frames,
+    crossings: Ints, conics: Table[Conic], remainders: Table[Remainder], states: Array, grid_stack: Array,
+    frames: Frames,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``SplitResult`` for every point; see ``gloss_points``."""
     lobe, axis = scratch[24:27], scratch[50:53]
@@ -242,7 +244,7 @@ def gloss_kernel(
             if contrast > 0.0:
                 total += contrast * split_grid(
                     max(0.5 * (tol - total), 0.05 * tol) / contrast, own, axis, framed, work, conics, gauss,
-                    states, grid_stack, max_evaluations, scratch[20:23],
+                    states, grid_stack, remainders, max_evaluations, scratch[20:23],
                 )  # fmt: skip
                 for a in range(3):
                     value[a] += scratch[16 + a] * scratch[20 + a]
@@ -284,6 +286,7 @@ class SplitWork:
     events: Table[Event]
     scratch: Array
     conics: Table[Conic]
+    remainders: Table[Remainder]
     states: Array
     grid_stack: Array
 
@@ -299,6 +302,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
         events=table(Event, 2048),
         scratch=np.zeros(64),
         conics=table(Conic, 2 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres)),
+        remainders=table(Remainder, MOST_REMAINDERS),
         states=np.zeros(max(1, len(points))),
         grid_stack=np.zeros((256, 256)),
     )
@@ -383,7 +387,7 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics, s.states,
-        s.grid_stack, scene_frames(arrays, lights),
+        radiance_bound(arrays, lights), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics,
+        s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights),
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

@@ -20,7 +20,7 @@ from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.node_rows import whole_vectors
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_line import SOFT_LOG, across_error, tail_error
-from symrender.quadrature.split_panel import azimuth
+from symrender.quadrature.split_panel import azimuth, ellipse_sum
 from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -64,7 +64,8 @@ def floor_nodes(
     """Fill ``radiance`` of ``m`` nodes, (``sine``, ``cosine``) from the foot, with what the deviation holds there.
 
     That is ``weight`` times the taper to ``reach`` times lobe density times solid angle per area times the sum of
-    colour N.l over the lights that the nodes' pieces see. ``near`` gets the shorter taper over the longer one.
+    colour N.l over the lights that the nodes' pieces see. ``near`` and ``between`` get the
+    shorter tapers over the longest one.
     """
     m = whole_vectors(m)
     chart, b = work.chart, work.nodes
@@ -89,7 +90,7 @@ def floor_nodes(
     densities(m, FALLS[step], b, chart.lobe, view.conductors)
     light_nodes(m, pieces, step, 0.0, view, work, gauss)
     for i in range(m):
-        b.near[i] = 1.0
+        b.near[i] = b.between[i] = 1.0
     if reach < math.inf:
         taper_rows(m, reach, b)
     for i in range(m):
@@ -135,16 +136,17 @@ def decay(t: float) -> float:
 
 @jitable
 def taper_rows(m: int, reach: float, b: Nodes) -> None:
-    """Multiply ``weight`` by the taper; ``near`` gets the ratio of the taper to .7 of the reach to it."""
+    """Multiply ``weight`` by the taper; ``near`` gets the ratio to it of one of .7 its reach, ``between`` of .84."""
     m = min(m, NODES)
     scale = 1.0 / (0.36 * reach * reach)
-    shorter = 0.7**-8 - 1.0
+    shorter, middle = 0.7**-8 - 1.0, 0.84**-8 - 1.0
     for i in range(m):
         u = (b.sine[i] * b.sine[i] + b.cosine[i] * b.cosine[i]) * scale
         u *= u
         b.radix[i] = u * u
     for i in range(m):
         b.near[i] = decay(shorter * b.radix[i])
+        b.between[i] = decay(middle * b.radix[i])
         b.weight[i] *= decay(b.radix[i])
 
 
@@ -242,7 +244,7 @@ def add_pieces(
     m: int, pieces: int, base: int, step: int, reach: float, lobe: Array, view: View, work: Work, gauss: Array,
     sums: Array, out: Array,
 ) -> None:  # fmt: skip
-    """Add the pieces at hand to ``out`` (6,), and to ``sums`` (6,) size, error and coefficients along y of their sum.
+    """Add the pieces at hand to ``out`` (9,), and to ``sums`` (6,) size, error and coefficients along y of their sum.
 
     ``base`` is where the rule of the lines begins.
     """
@@ -255,13 +257,16 @@ def add_pieces(
         whole, top, second, half, under = 0.0, 0.0, 0.0, 0.0, 0.0
         for e in range(n):
             red, green, blue = b.radiance[0, first + e], b.radiance[1, first + e], b.radiance[2, first + e]
-            near = b.near[first + e]
+            near, between = b.near[first + e], b.between[first + e]
             out[0] += red
             out[1] += green
             out[2] += blue
             out[3] += near * red
             out[4] += near * green
             out[5] += near * blue
+            out[6] += between * red
+            out[7] += between * green
+            out[8] += between * blue
             value = red + green + blue
             whole += value
             top += value * gauss[2, start + e]
@@ -277,6 +282,41 @@ def add_pieces(
 
 
 @inlined
+def nearest_branch(
+    a: float, b: float, kind_a: float, kind_b: float, pieces: int, crossing: Array, conics: Table[Conic], work: Work
+) -> float:  # fmt: skip
+    """log rho of a strip a..b by the places, real or not, where the conics on the row at hand touch lines y = const.
+
+    There the two roots of a conic meet, and the ends of pieces move like a square root: just outside of the square too,
+    where it is no cut.
+    """
+    best = math.inf
+    for piece in range(1, pieces):
+        owner = int(work.root_id[piece]) // BRANCHES
+        row = conics[int(crossing[owner])]
+        square = row.xy * row.xy - row.xx * row.yy
+        half, free = row.xy * row.x - row.xx * row.y, row.x * row.x - row.xx * row.free
+        if row.soft > 0.0 or (square == 0.0 and half == 0.0):
+            continue
+        if square == 0.0:
+            # a parabola touches one of them
+            half, free = 0.5 * free / half, (0.5 * free / half) ** 2
+        else:
+            half, free = half / square, free / square
+        inner = half * half - free
+        root = math.sqrt(abs(inner))
+        for way in range(2):
+            y, depth = -half, root
+            if inner >= 0.0:
+                y, depth = -half + (root if way == 0 else -root), 0.0
+                if a - 1e-9 * (b - a) < y < b + 1e-9 * (b - a):
+                    # where the map begins, or the conic leaves the square before it
+                    continue
+            best = min(best, ellipse_sum(y, depth, a, b, kind_a, kind_b))
+    return math.log(best + math.sqrt(max(0.0, best * best - 1.0))) if best < math.inf else math.inf
+
+
+@inlined
 def strip_integral(
     x0: float, x1: float, a: float, b: float, kind_a: float, kind_b: float, n: int, more: int, signature: int,
     crossing: Array, crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work,
@@ -284,11 +324,11 @@ def strip_integral(
 ) -> float:  # fmt: skip
     """Integral over x0..x1 times a..b with ``n`` lines of equal structure, each cut at the conics, in out[0:3].
 
-    Pieces get ``more`` nodes than ``step`` asks. ``out[3:6]`` is the same under the shorter taper, ``out[6]`` the error
-    estimate. Returns the y of a line of another structure than ``signature``, or NaN.
+    Pieces get ``more`` nodes than ``step`` asks. ``out[3:9]`` is the same under the two shorter tapers, ``out[9]`` the
+    error estimate. Returns the y of a line of another structure than ``signature``, or NaN.
     """
     base = n * (n - 1) // 2
-    for t in range(7):
+    for t in range(10):
         out[t] = 0.0
     for t in range(6):
         sums[t] = 0.0
@@ -340,7 +380,10 @@ def strip_integral(
         add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
     x = span / (b - a)
     along_y = across_error(n, sums[2], sums[3], sums[4], sums[5], sums[0], math.log(x + math.sqrt(1.0 + x * x)))
-    out[6] = sums[1] + 2.0 * along_y
+    known = max(abs(sums[2]), 0.5 * abs(sums[3])) * math.exp(
+        -(n + 1) * nearest_branch(a, b, kind_a, kind_b, pieces, crossing, conics, work)
+    )
+    out[9] = sums[1] + 2.0 * max(along_y, known)
     return math.nan
 
 
@@ -350,8 +393,9 @@ def cut_square(
     view: View, work: Work, conics: Table[Conic], crossing: Array, crossings: int, gauss: Array, states: Array, scratch:
     Array, out: Array,
 ) -> float:  # fmt: skip
-    """Add the integral of a square some conics cross to ``out`` (6,); its error estimate. The second half of ``out`` is
-    under the shorter taper; ``bound`` is what the square can hold.
+    """Add the integral of a square some conics cross to ``out`` (9,); its error estimate.
+
+    ``out[3:9]`` is under the two shorter tapers; ``bound`` is what the square can hold.
 
     Lines start at the conics' tangencies, at their passages through the square's sides and
     where two conics meet, which is where the order of their roots changes; strips that miss ``room`` are halved.
@@ -400,10 +444,10 @@ def cut_square(
             beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
             # two conics that meet change places; an edge of a penumbra may open a piece like a square root
             kind = SMOOTH if beyond == pieces else ROOT
-        elif part[6] <= room or not room_left or strips > MAX_STRIPS or is_spent(work):
-            for t in range(6):
+        elif part[9] <= room or not room_left or strips > MAX_STRIPS or is_spent(work):
+            for t in range(9):
                 out[t] += part[t]
-            error += part[6]
+            error += part[9]
             continue
         elif level < min(step + MORE_LEVELS, len(LEVELS) - 1) and lines < MAX_LINES:
             row[5] = level + 1
@@ -412,9 +456,9 @@ def cut_square(
         elif depth < MAX_HALVINGS:
             cut, kind, depth, level = 0.5 * (a + b), SMOOTH, depth + 1.0, step
         else:
-            for t in range(6):
+            for t in range(9):
                 out[t] += part[t]
-            error += part[6]
+            error += part[9]
             continue
         low, high = stack[top], stack[top + 1]
         low[0], low[1], low[2], low[3], low[4], low[5] = a, cut, kind_a, kind, depth, level

@@ -32,9 +32,11 @@ from symrender.chambers.tangent_walls import (
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
+from symrender.quadrature.fall_off import most_floor_light
 from symrender.quadrature.floor_conics import conic_roots, floor_conics, is_edge, may_cross, square_cuts
 from symrender.quadrature.gauss import MAX_ORDER, order, step_of
-from symrender.quadrature.records import Conic
+from symrender.quadrature.grid_tail import REST, remainders_of
+from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.split_grid import (
     LEAVES,
     MAX_BLOCK_ORDER,
@@ -44,7 +46,6 @@ from symrender.quadrature.split_grid import (
     block_level,
     block_sign,
     grid_reach,
-    point_light,
     push_quarters,
 )
 from symrender.quadrature.split_line import SOFT_LOG
@@ -81,6 +82,15 @@ _KINDS = 6
 _STACK = 7
 _BLOCKS = 40
 GRID_ROWS = 200
+
+
+@inlined
+def contrast_of(view: View) -> float:
+    """Half the contrast of the chessboard times kd: the largest channel."""
+    most = 0.0
+    for a in range(3):
+        most = max(most, abs(view.floor.bright[a] - view.floor.dark[a]))
+    return 0.5 * abs(view.shading.kd) * most
 
 
 @jitable
@@ -577,13 +587,11 @@ def replay_once(
     """
     chart, floor = work.chart, view.floor
     cell = floor.cell
-    half = table[_STACK + 1]
-    contrast = 0.0
+    half, contrast = table[_STACK + 1], contrast_of(view)
     for a in range(3):
         half[a] = 0.5 * view.shading.kd * (floor.bright[a] - floor.dark[a])
-        contrast = max(contrast, abs(half[a]))
     states, blocks = table[_ABOVE], table[_BLOCKS:]
-    light = point_light(view)
+    light = most_floor_light(view)
     aim = 0.1 * tol / max(contrast, 1e-300) / LEAVES
     error = 0.0
     for p in range(moves.shape[0]):
@@ -673,16 +681,50 @@ def replay_once(
 
 
 @jitable
+def tail_slopes(
+    rows: Table[Remainder], n: int, nodes: bool, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints,
+    bar: Array, own: Array, moves: Array,
+) -> float:  # fmt: skip
+    """Estimate of what ``n`` places beyond the taper leave of the derivatives: the largest of all parameters.
+
+    What a place holds changes by ``swing`` for every unit by which a wall moves across the checker there.
+    """
+    largest = 0.0
+    for p in range(moves.shape[0]):
+        total = 0.0
+        for k in range(n):
+            row = rows[k]
+            if nodes:
+                # slopes in places and exponents are larger than what they are of
+                total += row.left * steepness(10.0, work.chart.lobe)
+            for end in range(2):
+                at = row.wall if end == 0 else row.other
+                if at < 0 or what[at, 3] == 0:
+                    continue
+                for c in range(own.shape[0]):
+                    own[c] = 0.0
+                conic_gradient(what[at, 0], what[at, 1], what[at, 2], row.x, row.y, lobe, view, work, bar, own)
+                ride(1.0, work.chart.point[0] + row.x, work.chart.point[1] + row.y, bar, view.floor, own)
+                moved = 0.0
+                for c in range(own.shape[0]):
+                    moved += own[c] * moves[p, c]
+                total += row.swing * abs(moved) / max(math.sqrt(bar[0] * bar[0] + bar[1] * bar[1]), 1e-300)
+        largest = max(largest, total)
+    return REST * contrast_of(view) * largest
+
+
+@jitable
 def replay_grid(
-    tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Table[Conic], what: Ints, gauss: Array,
-    disk: Array | None, table: Array, here: Array, own: Array, nodes: bool, adjoint: Array, moves: Array, low: Array,
-    high: Array, square: Array, shorter: Array, longer: Array, value: Array, max_evaluations: int,
+    tol: float, own_shape: int, lobe: Array, view: View, work: Work, conics: Table[Conic], remainders: Table[Remainder],
+    what: Ints, gauss: Array, disk: Array | None, table: Array, here: Array, own: Array, nodes: bool, adjoint: Array,
+    moves: Array, low: Array, high: Array, square: Array, shorter: Array, longer: Array, value: Array, max_evaluations:
+    int,
 ) -> float:  # fmt: skip
     """Add the derivatives of what the checker adds to a floor of mean albedo to ``value``; their error estimate.
 
     ``work`` holds the floor chart of the point, ``nodes`` is that of ``what_moves``. Where the squares are endless the
-    taper's reach is doubled until the derivatives no longer change: walls that move far out fall off more slowly than
-    the value does.
+    taper's reach is doubled until the derivatives no longer change, and what no taper has seen is small: walls that
+    move far out fall off more slowly than the value does.
     """
     chart, floor = work.chart, view.floor
     cell = floor.cell
@@ -711,6 +753,12 @@ def replay_grid(
             for p in range(moves.shape[0]):
                 for c in range(3):
                     change = max(change, 3.0 * abs(longer[p, c] - shorter[p, c]))
+        if not whole:
+            n = remainders_of(
+                0.1 * min(1.0, cell) * tol / max(contrast_of(view), 1e-300), reach, lobe, view, work, conics, count,
+                table[_ABOVE], table[_BLOCKS : _BLOCKS + 8], remainders,
+            )  # fmt: skip
+            change += tail_slopes(remainders, n, nodes, lobe, view, work, conics, what, here[0], own, moves)
         ran_out = max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if ran_out and error + change > before:
             # what the last reach gave stands

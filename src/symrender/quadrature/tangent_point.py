@@ -50,7 +50,7 @@ from symrender.errors import Unsupported
 from symrender.kernel_cache import compiled, jitable
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST
-from symrender.quadrature.records import Conic, Panel, Span
+from symrender.quadrature.records import Conic, Panel, Remainder, Span
 from symrender.quadrature.split_panel import split_chart
 from symrender.quadrature.split_point import SplitWork, radiance_bound, split_work
 from symrender.quadrature.split_setup import (
@@ -280,7 +280,7 @@ def room_left(tol: float, beyond: Array, error: Array) -> float:
 def shape_slopes(
     own: int, lobe: Array, view: View, work: Work, t: TangentWork, moves: Array, gauss: Array, disk: Array | None,
     panels: Table[Panel], spans: Table[Span], ids: Ints, events: Table[Event], scratch: Array, conics: Table[Conic],
-    what: Ints, grid: Array, tol: float, spent: float, max_evaluations: int, exact: bool,
+    remainders: Table[Remainder], what: Ints, grid: Array, tol: float, spent: float, max_evaluations: int, exact: bool,
 ) -> float:  # fmt: skip
     """Add what the charted shape adds to derivatives and their errors; the error of its value.
 
@@ -310,8 +310,8 @@ def shape_slopes(
         # however much was spent before, some is left for the checker
         most = max(max_evaluations, work.counts.evaluations + max_evaluations // 4)
         off = replay_grid(
-            room_left(tol, t.beyond, t.error), own, lobe, view, work, conics, what, gauss, disk, grid, t.here,
-            t.own, nodes, t.sums[0], moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
+            room_left(tol, t.beyond, t.error), own, lobe, view, work, conics, remainders, what, gauss, disk, grid,
+            t.here, t.own, nodes, t.sums[0], moves, t.low, t.high, t.square, t.shorter, t.longer, t.value, most,
         )  # fmt: skip
         for p in range(moves.shape[0]):
             for a in range(3):
@@ -340,9 +340,9 @@ def note_level_lights(view: View, moves: Array, t: TangentWork) -> None:
 def gradient_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents, work:
     Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Table[Panel], spans: Table[Span], ids:
-    Ints, events: Table[Event], scratch: Array, conics: Table[Conic], what: Ints, grid: Array, frames: Frames, tol:
-    float, bound: float, max_evaluations: int, exact: bool, gradient: Array, error: Array, evaluations: Ints, status:
-    Ints,
+    Ints, events: Table[Event], scratch: Array, conics: Table[Conic], remainders: Table[Remainder], what: Ints, grid:
+    Array, frames: Frames, tol: float, bound: float, max_evaluations: int, exact: bool, gradient: Array, error: Array,
+    evaluations: Ints, status: Ints,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``GradientResult`` for every point; see ``gloss_gradients``."""
     lobe, axis = scratch[24:27], scratch[50:53]
@@ -408,8 +408,8 @@ def gradient_kernel(
                 continue
             sphere_strips(j, view, work)
             spent += shape_slopes(
-                own, lobe, view, work, t, t.moves, gauss, disk, panels, spans, ids, events, scratch, conics, what, grid,
-                tol, spent, max_evaluations, exact,
+                own, lobe, view, work, t, t.moves, gauss, disk, panels, spans, ids, events, scratch, conics,
+                remainders, what, grid, tol, spent, max_evaluations, exact,
             )  # fmt: skip
         for k in range(view.sides.shape[0]):
             if k == home or work.room[k] == 0.0:
@@ -421,8 +421,8 @@ def gradient_kernel(
             moves_in_frame(k, points[i], normals[i], lobe, view, tangents.turns, frames, t.moves, t.framed)
             chart_moves(-1, chart, tangents, t.framed)
             spent += shape_slopes(
-                own, axis, framed, work, t, t.framed, gauss, disk, panels, spans, ids, events, scratch, conics, what,
-                grid, tol, spent, max_evaluations, exact,
+                own, axis, framed, work, t, t.framed, gauss, disk, panels, spans, ids, events, scratch, conics,
+                remainders, what, grid, tol, spent, max_evaluations, exact,
             )  # fmt: skip
         evaluations[i] = work.counts.evaluations
         for p in range(count):
@@ -530,7 +530,7 @@ def gloss_gradients(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         tangents, s.work, own, s.gauss, table, s.panels, s.spans, s.ids,
-        s.events, s.scratch, s.conics, np.zeros((len(s.conics), 4), np.int64), np.zeros((GRID_ROWS, 256)),
+        s.events, s.scratch, s.conics, s.remainders, np.zeros((len(s.conics), 4), np.int64), np.zeros((GRID_ROWS, 256)),
         frames, float(tol), radiance_bound(arrays, lights), int(max_evaluations),
         tol < 1e-5, result.gradient, result.error, result.evaluations, result.status,
     )  # fmt: skip

@@ -1,0 +1,354 @@
+"""What a taper cannot see of endless squares: places beyond it where the checker's signs do not cancel.
+
+The checker is a sum of plane waves, +-(8 / pi^2) / (p q) cos(k.x) with k = (p, +-q) pi / cell, p and q odd. Integrated
+over one side of a wall each leaves an integral along the wall, which cancels but for two kinds of places: where the
+wall runs along the wave's crests, so that its sign does not change (stationary phase), and where two walls meet. Within
+reach of the taper both are integrated; two tapers that end before such a place agree, and say nothing about it. So the
+places are looked for in closed form, and what they leave is estimated by the leading term of its expansion,
+
+    f sqrt(2 pi / (|k| curvature)) / |k|    and    f |t x t'| / (|k.t| |k.t'|),
+
+f being the jump of lobe density times solid angle times light across the wall, t and t' the directions of two walls. A
+wall that never ends but tends to a straight line runs nearly along some crests for longer than the taper reaches; it
+leaves f / (|k| |k.t|) where |k.t| times the reach is small, for then the taper ends before the wave has turned.
+Wong, Asymptotic Approximations of Integrals (2001), VIII, doi:10.1137/1.9780898719260.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.roots import quadratic_roots, quartic_roots
+from symrender.chambers.work import View, Work
+from symrender.kernel_cache import inlined, jitable
+from symrender.leaves import slopes
+from symrender.quadrature.fall_off import most_floor_light, most_light
+from symrender.quadrature.records import Conic, Remainder
+from symrender.quadrature.split_square import seen
+from symrender.records import Table
+
+Array = npt.NDArray[np.float64]
+
+UNSEEN: Final = 0.6
+"""Share of its reach from which on a taper holds less than half of what it would be to see."""
+MODES: Final = 15
+"""Largest p and q of the waves that are asked."""
+REST: Final = 1.3
+"""By how much more than they the others may leave."""
+STEEPEST: Final = 41
+"""Largest p and q of the waves that a straight wall is held against: a wall that hardly leaves its row of squares runs
+along those of large q / p."""
+TURNS: Final = 6.0
+"""Radians by which a wave turns along a straight wall within the taper's flat part, from which on the taper tells."""
+NEGLIGIBLE: Final = 1e-3
+"""Share of the tolerance below which no wave is asked."""
+MOST_REMAINDERS: Final = 256
+"""Places beyond a taper that are told apart."""
+FARTHEST: Final = 30.0
+"""Reaches from the foot beyond which walls are not followed to where they meet: density falls as their cube."""
+
+
+@inlined
+def point_of_wave(row: Conic, p: float, q: float) -> tuple[int, float, float, float, float]:
+    """Where the conic's normal is along (p, q): up to two places (count, x, y, x, y) from the foot."""
+    a, b, c = q * row.xx - p * row.xy, q * row.xy - p * row.yy, q * row.x - p * row.y
+    square = a * a + b * b
+    if square == 0.0:
+        return 0, 0.0, 0.0, 0.0, 0.0
+    # the points of this line, base + t along, at which the conic's level is 0
+    bx, by = -a * c / square, -b * c / square
+    inv = 1.0 / math.sqrt(square)
+    ux, uy = -b * inv, a * inv
+    n, s, t = quadratic_roots(
+        row.xx * ux * ux + 2.0 * row.xy * ux * uy + row.yy * uy * uy,
+        (row.xx * bx + row.xy * by + row.x) * ux + (row.xy * bx + row.yy * by + row.y) * uy,
+        row.xx * bx * bx + 2.0 * row.xy * bx * by + row.yy * by * by + 2.0 * (row.x * bx + row.y * by) + row.free,
+    )
+    return n, bx + s * ux, by + s * uy, bx + t * ux, by + t * uy
+
+
+@inlined
+def lit_at(x: float, y: float, lobe: Array, view: View, work: Work, states: Array) -> float:
+    """Light on the floor at (x, y) from the foot times cosine, 0 where it is not seen; largest channels, summed."""
+    if not seen(x, y, lobe, view, work, states):
+        return 0.0
+    chart = work.chart
+    total = 0.0
+    for i in range(view.points.shape[0]):
+        if states[i] > 0.0:
+            p = view.points[i]
+            lx, ly, lz = p.position[0] - chart.point[0] - x, p.position[1] - chart.point[1] - y, p.position[2]
+            square = lx * lx + ly * ly + lz * lz
+            total += most_light(p, square) * abs(lz) / math.sqrt(square)
+    return total
+
+
+@inlined
+def most_density(x: float, y: float, lobe: Array, view: View, work: Work) -> float:
+    """Lobe density, or its bound, times solid angle per floor area at (x, y) from the foot."""
+    h = work.chart.height
+    inv = 1.0 / math.sqrt(x * x + y * y + h * h)
+    dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
+    return largest_density(dx * dx + dy * dy + dz * dz, work.chart.lobe) * h * inv * inv * inv
+
+
+@inlined
+def along_wall(
+    row: Conic, p: float, q: float, x: float, y: float, lobe: Array, view: View, work: Work, states: Array
+) -> tuple[float, float]:
+    """What the wave (p, q) leaves where it runs along the wall at (x, y), in units of ``value``, and |k| times that."""
+    cell = view.floor.cell
+    away = math.sqrt(x * x + y * y)
+    gx, gy = 2.0 * (row.xx * x + row.xy * y + row.x), 2.0 * (row.xy * x + row.yy * y + row.y)
+    steep = math.sqrt(gx * gx + gy * gy)
+    if steep == 0.0:
+        return 0.0, 0.0
+    nx, ny = gx / steep, gy / steep
+    jump = jump_across(x, y, nx, ny, lobe, view, work, states)
+    if jump == 0.0:
+        return 0.0, 0.0
+    k = math.pi * math.sqrt(p * p + q * q) / cell
+    curved = abs(2.0 * (row.xx * ny * ny - 2.0 * row.xy * nx * ny + row.yy * nx * nx)) / steep
+    length = min(math.sqrt(2.0 * math.pi / (k * max(curved, 1e-300))), away)
+    swing = 8.0 / (math.pi**2 * abs(p * q)) * most_density(x, y, lobe, view, work) * jump * length
+    return swing / k, swing
+
+
+@inlined
+def jump_across(x: float, y: float, nx: float, ny: float, lobe: Array, view: View, work: Work, states: Array) -> float:
+    """What light differs by on the two sides of a wall of normal (nx, ny)."""
+    step = 0.1 * view.floor.cell
+    return abs(
+        lit_at(x + step * nx, y + step * ny, lobe, view, work, states)
+        - lit_at(x - step * nx, y - step * ny, lobe, view, work, states)
+    )
+
+
+@inlined
+def at_corner(
+    ax: float, ay: float, bx: float, by: float, x: float, y: float, lobe: Array, view: View, work: Work, states: Array
+) -> tuple[float, float]:
+    """What all waves leave where walls of directions ``a`` and ``b`` meet, in units of ``value``, and |k| times it."""
+    cell = view.floor.cell
+    step = 0.1 * cell
+    jump = abs(
+        lit_at(x + step * (ax + bx), y + step * (ay + by), lobe, view, work, states)
+        - lit_at(x + step * (ax - bx), y + step * (ay - by), lobe, view, work, states)
+        - lit_at(x - step * (ax - bx), y - step * (ay - by), lobe, view, work, states)
+        + lit_at(x - step * (ax + bx), y - step * (ay + by), lobe, view, work, states)
+    )
+    if jump == 0.0:
+        return 0.0, 0.0
+    left, swing = 0.0, 0.0
+    least = 1.0 / math.sqrt(x * x + y * y)
+    for p in range(-MODES, MODES + 1, 2):
+        for q in range(1, MODES + 1, 2):
+            kx, ky = math.pi * p / cell, math.pi * q / cell
+            one, other = max(least, abs(kx * ax + ky * ay)), max(least, abs(kx * bx + ky * by))
+            wave = 1.0 / (abs(p * q) * one * other)
+            left += wave
+            swing += wave * math.sqrt(kx * kx + ky * ky)
+    sine = abs(ax * by - ay * bx)
+    most = 8.0 / math.pi**2 * most_density(x, y, lobe, view, work) * jump * sine
+    return most * left, most * swing
+
+
+@inlined
+def meetings(one: Conic, other: Conic, far: float, work: Work, places: Array) -> int:
+    """Places (x, y) within ``far`` of the foot where two conics meet, as rows of ``places`` (8, 2); their number.
+
+    The resultant of the two as quadratics in x is a quartic in y.
+    """
+    p, r = work.bernstein, work.quartic
+    # a x^2 + 2 (b0 + b1 y) x + c0 + c1 y + c2 y^2, y = far s
+    a, b0, b1 = one.xx, one.x, one.xy * far
+    c0, c1, c2 = one.free, 2.0 * one.y * far, one.yy * far * far
+    d, e0, e1 = other.xx, other.x, other.xy * far
+    f0, f1, f2 = other.free, 2.0 * other.y * far, other.yy * far * far
+    u0, u1, u2 = a * f0 - d * c0, a * f1 - d * c1, a * f2 - d * c2
+    v0, v1 = a * e0 - d * b0, a * e1 - d * b1
+    w0, w1 = b0 * f0 - e0 * c0, b0 * f1 + b1 * f0 - e0 * c1 - e1 * c0
+    w2, w3 = b0 * f2 + b1 * f1 - e0 * c2 - e1 * c1, b1 * f2 - e1 * c2
+    m0 = u0 * u0 - 4.0 * v0 * w0
+    m1 = 2.0 * u0 * u1 - 4.0 * (v0 * w1 + v1 * w0)
+    m2 = u1 * u1 + 2.0 * u0 * u2 - 4.0 * (v0 * w2 + v1 * w1)
+    m3 = 2.0 * u1 * u2 - 4.0 * (v0 * w3 + v1 * w2)
+    m4 = u2 * u2 - 4.0 * v1 * w3
+    if a == 0.0 and d == 0.0:
+        # neither has a square of x: both are of first degree in it
+        m0, m1, m2, m3, m4 = w0, w1, w2, w3, 0.0
+    # s = 2 t - 1, then Bernstein's coefficients on [0, 1]
+    q0 = m0 - m1 + m2 - m3 + m4
+    q1 = 2.0 * (m1 - 2.0 * m2 + 3.0 * m3 - 4.0 * m4)
+    q2 = 4.0 * (m2 - 3.0 * m3 + 6.0 * m4)
+    q3 = 8.0 * (m3 - 4.0 * m4)
+    q4 = 16.0 * m4
+    p[0] = q0
+    p[1] = q0 + q1 / 4.0
+    p[2] = q0 + q1 / 2.0 + q2 / 6.0
+    p[3] = q0 + 0.75 * q1 + 0.5 * q2 + 0.25 * q3
+    p[4] = q0 + q1 + q2 + q3 + q4
+    count = 0
+    for k in range(min(4, quartic_roots(p, work.stack, r))):
+        s = 2.0 * r[k] - 1.0
+        v, u = v0 + v1 * s, u0 + (u1 + u2 * s) * s
+        n, x1, x2 = 1, 0.0, 0.0
+        if a == 0.0 and d == 0.0:
+            n, x1, x2 = quadratic_roots(a, b0 + b1 * s, c0 + (c1 + c2 * s) * s)
+        elif v != 0.0:
+            x1 = -0.5 * u / v
+        else:
+            # both have the same sum of roots here, as two that are mirror images in a column have
+            n, x1, x2 = quadratic_roots(a, b0 + b1 * s, c0 + (c1 + c2 * s) * s)
+        for i in range(n):
+            x = x1 if i == 0 else x2
+            if abs(x) <= far and count < places.shape[0]:
+                places[count, 0], places[count, 1] = x, far * s
+                count += 1
+    return count
+
+
+@jitable
+def wall_direction(row: Conic, x: float, y: float) -> tuple[float, float]:
+    """Unit vector along the conic at a place on it; (1, 0) at a singular one."""
+    gx, gy = row.xx * x + row.xy * y + row.x, row.xy * x + row.yy * y + row.y
+    steep = math.sqrt(gx * gx + gy * gy)
+    if steep == 0.0:
+        return 1.0, 0.0
+    return -gy / steep, gx / steep
+
+
+@inlined
+def straight_parts(row: Conic) -> tuple[int, float, float, float, float, float, float]:
+    """(count, x, y of its middle, directions of the one and the other straight line that a conic tends to far out)."""
+    if row.xx == 0.0 and row.xy == 0.0 and row.yy == 0.0:
+        square = row.x * row.x + row.y * row.y
+        if square == 0.0:
+            return 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        inv, at = 1.0 / math.sqrt(square), -0.5 * row.free / square
+        return 1, at * row.x, at * row.y, -row.y * inv, row.x * inv, 0.0, 0.0
+    determinant = row.xx * row.yy - row.xy * row.xy
+    if not determinant < 0.0:
+        return 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x = (row.xy * row.y - row.yy * row.x) / determinant
+    y = (row.xy * row.x - row.xx * row.y) / determinant
+    root = math.sqrt(-determinant)
+    ax, ay, bx, by = -row.xy + root, row.xx, -row.xy - root, row.xx
+    if abs(row.yy) > abs(row.xx):
+        ax, ay, bx, by = row.yy, -row.xy + root, row.yy, -row.xy - root
+    one, other = math.sqrt(ax * ax + ay * ay), math.sqrt(bx * bx + by * by)
+    return 2, x, y, ax / one, ay / one, bx / other, by / other
+
+
+@inlined
+def along_straight(
+    row: Conic, mx: float, my: float, tx: float, ty: float, begin: float, lobe: Array, view: View, work: Work, states:
+    Array,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """(x, y, left, swing) of the place ``begin`` out on the line (mx, my) + s (tx, ty) that a wall tends to."""
+    cell = view.floor.cell
+    x, y = mx + begin * tx, my + begin * ty
+    level, _, _, _, _, _, _, gx, gy = slopes.conic_level_slopes(row.xx, row.xy, row.yy, row.x, row.y, row.free, x, y)
+    steep = gx * gx + gy * gy
+    if steep == 0.0:
+        return x, y, 0.0, 0.0
+    # onto the conic itself
+    x, y = x - level / steep * gx, y - level / steep * gy
+    left, swing = 0.0, 0.0
+    for p in range(-STEEPEST, STEEPEST + 1, 2):
+        for q in range(1, STEEPEST + 1, 2):
+            turn = math.pi / cell * abs(p * tx + q * ty)
+            if turn * begin < TURNS:
+                wave = 1.0 / (abs(p * q) * max(turn, 1.0 / begin))
+                left += wave / (math.pi / cell * math.sqrt(float(p * p + q * q)))
+                swing += wave
+    if left == 0.0:
+        return x, y, 0.0, 0.0
+    inv = 1.0 / math.sqrt(steep)
+    most = 8.0 / math.pi**2 * jump_across(x, y, gx * inv, gy * inv, lobe, view, work, states)
+    if most > 0.0:
+        most *= most_density(x, y, lobe, view, work)
+    return x, y, most * left, most * swing
+
+
+@inlined
+def densest_beyond(distance: float, work: Work) -> float:
+    """No place on the floor so far from the foot has more lobe density times solid angle per area."""
+    chart = work.chart
+    steepest = math.atan2(distance, chart.height)
+    chord = 2.0 * math.sin(0.5 * max(0.0, steepest - chart.lobe_beta))
+    return largest_density(chord * chord, chart.lobe) * chart.height / (distance * distance * distance)
+
+
+@inlined
+def note_remainder(
+    x: float, y: float, left: float, swing: float, wall: int, other: int, rows: Table[Remainder], n: int
+) -> int:
+    """Append a place that leaves something; one beyond the table's end is added to the last row's. New count."""
+    if left == 0.0:
+        return n
+    if n < rows.shape[0]:
+        row = rows[n]
+        row.x, row.y, row.left, row.swing, row.wall, row.other = x, y, left, swing, wall, other
+        return n + 1
+    rows[n - 1].left += left
+    rows[n - 1].swing += swing
+    return n
+
+
+@inlined
+def remainders_of(
+    tol: float, reach: float, lobe: Array, view: View, work: Work, conics: Table[Conic], count: int, states: Array,
+    places: Array, rows: Table[Remainder],
+) -> int:  # fmt: skip
+    """Fill ``rows`` with all places that a taper of this ``reach`` cannot see; how many.
+
+    Waves that leave less than ``tol`` (of the value, in its units) times ``NEGLIGIBLE`` wherever they run along a wall
+    are not asked. ``states`` (lights,) and ``places`` (8, 2) are scratch.
+    """
+    begin = UNSEEN * reach
+    n = 0
+    # what a wave with p q |(p, q)| = 1 can leave: density falls faster than the length grows along which it runs
+    peak = 8.0 / math.pi**3 * view.floor.cell * begin * most_floor_light(view) * densest_beyond(begin, work)
+    for i in range(count):
+        row = conics[i]
+        for p in range(-MODES, MODES + 1, 2):
+            for q in range(1, MODES + 1, 2):
+                if peak < NEGLIGIBLE * tol * abs(p * q) * math.sqrt(float(p * p + q * q)):
+                    continue
+                found, x0, y0, x1, y1 = point_of_wave(row, float(p), float(q))
+                for k in range(found):
+                    x, y = x0 if k == 0 else x1, y0 if k == 0 else y1
+                    if x * x + y * y > begin * begin:
+                        left, swing = along_wall(row, float(p), float(q), x, y, lobe, view, work, states)
+                        n = note_remainder(x, y, left, swing, i, -1, rows, n)
+        parts, mx, my, ax, ay, bx, by = straight_parts(row)
+        for end in range(2 * parts):
+            way = 1.0 if end % 2 == 0 else -1.0
+            tx, ty = way * (ax if end < 2 else bx), way * (ay if end < 2 else by)
+            x, y, left, swing = along_straight(row, mx, my, tx, ty, begin, lobe, view, work, states)
+            n = note_remainder(x, y, left, swing, i, -1, rows, n)
+        for j in range(i):
+            for k in range(meetings(row, conics[j], FARTHEST * reach, work, places)):
+                x, y = places[k, 0], places[k, 1]
+                if x * x + y * y <= begin * begin:
+                    continue
+                ax, ay = wall_direction(row, x, y)
+                bx, by = wall_direction(conics[j], x, y)
+                left, swing = at_corner(ax, ay, bx, by, x, y, lobe, view, work, states)
+                n = note_remainder(x, y, left, swing, i, j, rows, n)
+    return n
+
+
+@inlined
+def tail_of_squares(rows: Table[Remainder], n: int) -> float:
+    """Estimate of what ``n`` places leave of the deviation, in units of its value."""
+    total = 0.0
+    for k in range(n):
+        total += rows[k].left
+    return REST * total
