@@ -11,6 +11,7 @@ import math
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Final
 
 import numpy as np
@@ -243,6 +244,8 @@ def contradicts(world: World, lobe: Array, claim: Array, stated: float, seed: in
     """An opinion of a lobe and what it calls a claimed value: ``honest`` or ``beyond``."""
     if not np.isfinite(claim).all() or not np.isfinite(stated):
         return Opinion(np.zeros(3), np.zeros(3), "not finite"), "beyond"
+    if stands_in_a_surface(world):
+        return Opinion(np.zeros(3), np.full(3, np.inf), "rounding says which side a light is on"), "honest"
     if lobe[THETA_MAX] == 0.0 and not len(world.disks):
         opinion = mirrored(world, lobe)
         return opinion, "honest" if _within(opinion, claim, stated) else "beyond"
@@ -277,6 +280,22 @@ def contradicts(world: World, lobe: Array, claim: Array, stated: float, seed: in
             return last, "honest" if _within(last, claim, stated) else "beyond"
         best = longer if not _within(best, claim, stated) else _finer(longer, best)
     return best, "honest"
+
+
+def stands_in_a_surface(world: World) -> bool:
+    """Whether a light point is as near to a sphere's surface as its coordinates are rounded, but not on it exactly.
+
+    Inside it lights nothing, outside half of space: two computations of one place of a disk may differ in that.
+    """
+    for x, y, z, *_ in world.points:
+        for cx, cy, cz, radius, *_ in world.spheres:
+            level = (
+                sum((Fraction(a) - Fraction(b)) ** 2 for a, b in ((x, cx), (y, cy), (z, cz))) - Fraction(radius) ** 2
+            )
+            size = max(abs(x), abs(y), abs(z), radius)
+            if 0 < abs(level) <= 4e-16 * size * radius:
+                return True
+    return False
 
 
 def _finer(one: Opinion, other: Opinion) -> Opinion:

@@ -387,6 +387,9 @@ def piece_error(row: Piece, b: Nodes, blunt: bool, gauss: Array) -> tuple[float,
             lower += mixture * gauss[MIDDLE + 1, base + q]
     middle = max(abs(middle), abs(lower))
     miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, row.log_rho)
+    if 2 < n < 6:
+        # the last coefficients may be small by chance, but from there on they fall as the nearest singularity lets them
+        miss = max(miss, 0.5 * max(abs(last), 0.5 * abs(before)) * math.exp(-(n + 1) * row.log_rho))
     if blunt and n > 1:
         miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
     return whole, miss

@@ -59,6 +59,10 @@ WEAK = 0.25
 """Share of a panel's last coefficients that what is weak is taken to hold."""
 SAFETY = 4.0
 """Error reported over the sum of the panels' estimates."""
+UNFALLEN = 1.0
+"""Share of a panel's size from which on its last coefficients are those of a spike between lines, and tell nothing."""
+FLANK = 100.0
+"""By how much the flank of a highlight may be brighter between its panel's lines than on them."""
 
 
 @inlined
@@ -504,6 +508,9 @@ def evaluate_panel(
         if kinked(view) or broken_rim(work.chart.lobe):
             known = max(known, last, 0.5 * before)
         error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
+        if p.glare > 0 and top > UNFALLEN * size:
+            # what lies of a highlight between lines may be far brighter than on them
+            error = max(error, min(p.bound, FLANK * size))
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size

@@ -334,7 +334,7 @@ def strip_integral(
         sums[t] = 0.0
     walls, chart, roots, ends, ids = work.walls, work.chart, work.quartic, work.root_x, work.root_id
     rows, lit, side = work.nodes, work.lit, work.cell_side
-    m, placed = 0, 0
+    m, placed, pieces = 0, 0, 0
     for q in range(n):
         y, slope = azimuth(gauss[0, base + q], a, b, kind_a, kind_b)
         slope *= gauss[1, base + q]

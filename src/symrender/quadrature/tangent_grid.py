@@ -40,7 +40,6 @@ from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.split_grid import (
     LEAVES,
     MAX_BLOCK_ORDER,
-    MOST_SQUARES,
     SMALLEST,
     block_bound,
     block_level,
@@ -62,7 +61,7 @@ Ints = npt.NDArray[np.int64]
 REPLAY_REACH = 12.0
 """Squares from the foot of a point whose lobe holds endless squares, at first."""
 MOST_REPLAY_REACH = 500.0
-"""The reach beyond which it is not doubled; one more doubling than values need shows that they changed no more."""
+"""The farthest reach; one more doubling than values need shows that they changed no more."""
 # what a conic is
 _RIM = 0
 _HORIZON = 1
@@ -689,12 +688,20 @@ def tail_slopes(
 
     What a place holds changes by ``swing`` for every unit by which a wall moves across the checker there.
     """
-    largest = 0.0
+    largest, contrast = 0.0, contrast_of(view)
     for p in range(moves.shape[0]):
+        tint, other = 0.0, 0.0
+        for k in range(moves.shape[1]):
+            if BRIGHT <= k < DARK + 3:
+                tint = max(tint, abs(moves[p, k]))
+            else:
+                other = max(other, abs(moves[p, k]))
         total = 0.0
         for k in range(n):
             row = rows[k]
-            if nodes:
+            # of the two colours the value is linear
+            total += 0.5 * abs(view.shading.kd) * tint * row.left / max(contrast, 1e-300)
+            if nodes and other > 0.0:
                 # slopes in places and exponents are larger than what they are of
                 total += row.left * steepness(10.0, work.chart.lobe)
             for end in range(2):
@@ -710,7 +717,7 @@ def tail_slopes(
                     moved += own[c] * moves[p, c]
                 total += row.swing * abs(moved) / max(math.sqrt(bar[0] * bar[0] + bar[1] * bar[1]), 1e-300)
         largest = max(largest, total)
-    return REST * contrast_of(view) * largest
+    return REST * contrast * largest
 
 
 @jitable
@@ -769,13 +776,13 @@ def replay_grid(
             break
         if whole or ran_out or error + change <= tol:
             break
-        if passes > 0 and (2.0 * far > MOST_REPLAY_REACH * cell or error >= change):
+        if passes > 0 and (1.5 * far > MOST_REPLAY_REACH * cell or error >= change):
             break
         for p in range(moves.shape[0]):
             for c in range(4):
                 shorter[p, c] = longer[p, c]
         passes, before = passes + 1, error + change
-        reach = far = min(2.0 * reach, MOST_SQUARES * cell)
+        reach = far = min(2.0 * reach, max(reach, MOST_REPLAY_REACH * cell))
     for p in range(moves.shape[0]):
         for c in range(4):
             value[p, c] += longer[p, c]
