@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from symrender.cli import main
-from symrender.cli._application import OPTION_PANELS, PANELS, verbs
+from symrender.cli._application import PANELS, verbs
+from symrender.cli._help import OPTION_PANELS
 from symrender.errors import extras, remedy
 
 
@@ -31,6 +34,22 @@ def test_the_help_of_a_verb_with_many_options_is_grouped(capsys: pytest.CaptureF
     places = [out.index(f"─ {heading} ─") for heading in OPTION_PANELS]
     assert places == sorted(places)
     assert out.index("--numeric") < out.index("─ How the work is done ─") < out.index("--threads")
+
+
+@pytest.mark.parametrize("verb", ["render", "truth", "gradient", "sweep", "animate"])
+def test_help_is_short_and_names_where_the_rest_is(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    shown = {}
+    for option in ("--help", "--help-all"):
+        assert main([verb, option]) == 0
+        out = capsys.readouterr().out
+        shown[option] = set(re.findall(r"^│ (--[a-z-]+)", out, re.MULTILINE)), out
+    (few, text), (every, _) = shown["--help"], shown["--help-all"]
+    assert text.rstrip().endswith(f"{len(every - few)} more options, rarely needed: symrender {verb} --help-all")
+    assert "--cluster" in every - few and "--size" in few and few < every
+    # what help leaves out is still completed
+    typed = {"_SYMRENDER_COMPLETE": "complete_bash", "COMP_WORDS": f"symrender {verb} --clu", "COMP_CWORD": "2"}
+    run = subprocess.run([sys.executable, "-m", "symrender"], capture_output=True, text=True, env=os.environ | typed)
+    assert "--cluster" in run.stdout
 
 
 @pytest.mark.parametrize(
