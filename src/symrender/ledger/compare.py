@@ -68,6 +68,9 @@ class Comparison:
             ),
         ]
 
+    def __repr__(self) -> str:
+        return self.text()
+
     def text(self) -> str:
         """A readable report, in the shape ``idiff`` users know."""
         w = self.whole

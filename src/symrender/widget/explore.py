@@ -75,6 +75,9 @@ def _widget_class() -> type[Any]:
             self._draw({})
             self.observe(lambda change: self._draw(change["new"]), names="asked")
 
+        def __repr__(self) -> str:
+            return f"Explorer({self.scene.name}, {', '.join(s['name'] for s in self.sliders)})"
+
         @property
         def scene(self) -> Scene:
             """The scene that is shown."""
