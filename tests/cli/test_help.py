@@ -101,10 +101,27 @@ def test_doctor_knows_every_extra(capsys: pytest.CaptureFixture[str]) -> None:
     assert all(f"extra {name} " in out for name in declared) and "IEEE doubles" in out
 
 
-def test_a_reader_that_leaves_costs_no_file(tmp_path: Path) -> None:
-    words = ["render", "gloss", "--size", "64", "--lobe", "1", "--out", str(tmp_path)]
+RENDERED = {"numeric.png", "numeric.exr", "symbolic.png", "symbolic.exr", "difference.png"}
+FRAMES = {f"frame_{k:05d}_{side}.exr" for k in range(2) for side in ("numeric", "symbolic")}
+
+
+@pytest.mark.parametrize(
+    ("words", "files"),
+    [
+        (["render", "gloss", "--size", "64", "--lobe", "1"], RENDERED),
+        (["truth", "gloss", "--size", "8"], {"truth.png", "truth.exr", "truth.npz"}),
+        (
+            ["sweep", "gloss", "--size", "16", "--over", "floor.lobe.exponent=8:64:2:log"],
+            {*FRAMES, "ledgers.csv", "contact_sheet.png"},
+        ),
+    ],
+)
+def test_a_reader_that_leaves_costs_no_file(words: list[str], files: set[str], tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [sys.executable, "-m", "symrender", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "symrender", *words, "--out", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     )
     assert process.stdout is not None and process.stderr is not None
     process.stdout.close()
@@ -112,4 +129,4 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path: Path) -> None:
     with process.stderr as said:
         assert "Traceback" not in said.read()
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"numeric.png", "numeric.exr", "symbolic.png", "symbolic.exr", "difference.png"}
+    assert names == files
