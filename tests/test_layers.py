@@ -27,7 +27,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("ledger", "certify"),
     ("execution",),
     ("render", "truth", "verify", "probe", "probe_rays", "gradient", "hessian", "fit"),
-    ("studies", "simulator", "sequences", "bridge"),
+    ("studies", "simulator", "sequences", "bridge", "widget"),
     ("report",),
     ("chapter",),
     ("cli", "__init__"),

@@ -24,6 +24,7 @@ PUBLIC = {
     *(
         "simulator",
         "animate",
+        "explore",
         "export",
         "report",
         "Report",

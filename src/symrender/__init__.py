@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from symrender.sequences.film import animate
     from symrender.simulator.build import simulator
     from symrender.truth import truth
+    from symrender.widget.explore import explore
 
 _HOMES = {
     "Fit": "symrender.fit",
@@ -49,6 +50,7 @@ _HOMES = {
     "SymrenderError": "symrender.errors",
     "animate": "symrender.sequences.film",
     "compare": "symrender.ledger.compare",
+    "explore": "symrender.widget.explore",
     "export": "symrender.bridge.export",
     "expression": "symrender.expression.integrand",
     "fit": "symrender.fit",
@@ -77,6 +79,7 @@ __all__ = [
     "__version__",
     "animate",
     "compare",
+    "explore",
     "export",
     "expression",
     "fit",

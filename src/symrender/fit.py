@@ -69,6 +69,9 @@ class Fit:
     residual: float
     correlation: Array
 
+    def __repr__(self) -> str:
+        return self.text(steps=False)
+
     def text(self, steps: bool = True) -> str:
         """The report, with or without a row for each of the ``steps``."""
         lines = [STEP_HEADING, *(step.text() for step in self.steps)] if steps else []

@@ -7,7 +7,9 @@ contribute what they sweep, to the rule's own order, without sampling edges and 
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import Any, Final
 
@@ -30,6 +32,13 @@ LAYERS: Final = ("radiance", "direct", "gloss", "error", "status")
 """Layers of each image, beside ``hit_class``."""
 
 
+class Gradients(dict[str, Image]):
+    """The derivatives of an image by the parameter's name; signed pictures in a notebook."""
+
+    def _repr_html_(self) -> str:
+        return "".join(map(_figure, self.values()))
+
+
 def gradient(
     scene: Scene | str | Path | Mapping[str, Any] = "gloss",
     wrt: Sequence[str] = (),
@@ -44,7 +53,7 @@ def gradient(
     cluster: str = "",
     insecure_cluster: bool = False,
     progress: Progress | None = None,
-) -> dict[str, Image]:
+) -> Gradients:
     """Derivative of every pixel in every real number of ``wrt``, by dotted name; a vector gives its components.
 
     Each image has the layers ``direct`` and ``gloss`` (h, w, 3), the derivatives of those layers of ``truth``,
@@ -64,6 +73,16 @@ def gradient(
         return gradient_images(crew, job, loaded)
 
 
+def _figure(image: Image) -> str:
+    """A picture and what its colours mean."""
+    source = b64encode(image._repr_png_()).decode()
+    words = escape(image.view().caption)
+    return (
+        f'<figure style="display:inline-block;margin:4px"><img alt="{words}" src="data:image/png;base64,{source}"/>'
+        f"<figcaption>{words}</figcaption></figure>"
+    )
+
+
 def file_stem(name: str) -> str:
     """How files call the derivative by the parameter ``name``: ``gradient_spheres.B.center.x``."""
     return "gradient_" + name.replace("[", "_").replace("]", "")
@@ -76,10 +95,10 @@ def gradient_job(scene: Scene, wrt: Sequence[str], settings: Settings) -> Job:
     return Job.of("gradient", scene, settings, moves(scene, wrt))
 
 
-def gradient_images(crew: Crew, job: Job, scene: Scene) -> dict[str, Image]:
+def gradient_images(crew: Crew, job: Job, scene: Scene) -> Gradients:
     """Carry out ``job``, of ``scene``, with an open ``crew``."""
     layers, timing = crew.fill(job)
-    images = {}
+    images = Gradients()
     for name, _ in job.wrt:
         spent = f"tol {job.settings.tol:g}, {timing.evaluations} evaluations"
         estimator = f"derivative in {name}, split at the walls, {spent}"

@@ -37,8 +37,8 @@ from symrender.errors import OptionError
 from symrender.execution.fill import Crew, Means
 from symrender.execution.finite import check_finite
 from symrender.execution.jobs import Job
-from symrender.execution.preview import preview_file
 from symrender.execution.provenance import provenance, sent_by
+from symrender.execution.tev import watched
 from symrender.execution.tiles import Progress
 from symrender.execution.warm import second_beside
 from symrender.images.image import Image
@@ -123,8 +123,8 @@ def render(
     texture over the pixel (``analytic``) or read it at the centre (``none``). ``seed``: of the samplers. ``threads``:
     0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile, 0 to measure
     one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes
-    (``execution/cluster.py``). ``preview``: a PNG file that shows each image while it is made. ``silhouettes``: K of
-    the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
+    (``execution/cluster.py``). ``preview``: a PNG file that shows each image while it is made, or ``tev`` to see it
+    there. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j, then planes). Those of radiometric scenes have the layers of ``truth``: the
@@ -159,7 +159,7 @@ def render(
         **limits,
     )
     jobs = plan(loaded, settings)
-    shown = None if preview is None else preview_file(preview)
+    shown = None if preview is None else watched(preview)
     with Crew(Means(threads, tile, cluster, insecure_cluster), jobs, progress, preview=shown) as crew:
         return carry_out(crew, jobs, loaded)
 

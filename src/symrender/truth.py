@@ -16,8 +16,8 @@ import numpy as np
 from symrender.execution.fill import Crew, Means
 from symrender.execution.finite import check_finite
 from symrender.execution.jobs import Job
-from symrender.execution.preview import preview_file
 from symrender.execution.provenance import provenance, sent_by
+from symrender.execution.tev import watched
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
@@ -60,9 +60,9 @@ def truth(
     centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. Without ``counts`` spheres are done on
     lattices of directions where that is good enough, quicker at loose tolerances, and ``chambers`` and ``crossings``
     leave these out. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its
-    centre alone. ``threads``, ``tile`` and ``cluster`` change no byte. ``preview``: a PNG
-    file that shows the image while it is made. ``verify`` is a share of the pixels, drawn at random, that brute force
-    makes again (``verify.py``); what it says is the metadata ``verified``.
+    centre alone. ``threads``, ``tile`` and ``cluster`` change no byte. ``preview``: a PNG file that shows the image
+    while it is made, or ``tev`` to see it there. ``verify`` is a share of the pixels, drawn at random, that brute
+    force makes again (``verify.py``); what it says is the metadata ``verified``.
 
     A radiometric scene has layers ``radiance`` = ``emitted`` + ``direct`` + ``indirect`` in W/(m2 sr), ``hit_class``
     (1 + j shape j), ``error`` and ``status``. With ``bounces: 0`` all is closed forms, ``indirect`` zero and ``error``
@@ -87,7 +87,7 @@ def truth(
     check_share(verify)
     judged = in_series(loaded, "verify") if verify else None
     job = truth_job(loaded, settings)
-    shown = None if preview is None else preview_file(preview)
+    shown = None if preview is None else watched(preview)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress, preview=shown) as crew:
         image = true_image(crew, job, loaded)
     return image if judged is None else verified(image, judged, settings, verify, threads)

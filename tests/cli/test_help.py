@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from symrender.cli import main
-from symrender.cli._application import OPTION_PANELS, PANELS, verbs
+from symrender.cli._application import PANELS, verbs
+from symrender.cli._help import OPTION_PANELS
 from symrender.errors import extras, remedy
 
 
@@ -31,6 +34,22 @@ def test_the_help_of_a_verb_with_many_options_is_grouped(capsys: pytest.CaptureF
     places = [out.index(f"─ {heading} ─") for heading in OPTION_PANELS]
     assert places == sorted(places)
     assert out.index("--numeric") < out.index("─ How the work is done ─") < out.index("--threads")
+
+
+@pytest.mark.parametrize("verb", ["render", "truth", "gradient", "sweep", "animate"])
+def test_help_is_short_and_names_where_the_rest_is(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    shown = {}
+    for option in ("--help", "--help-all"):
+        assert main([verb, option]) == 0
+        out = capsys.readouterr().out
+        shown[option] = set(re.findall(r"^│ (--[a-z-]+)", out, re.MULTILINE)), out
+    (few, text), (every, _) = shown["--help"], shown["--help-all"]
+    assert text.rstrip().endswith(f"{len(every - few)} more options, rarely needed: symrender {verb} --help-all")
+    assert "--cluster" in every - few and "--size" in few and few < every
+    # what help leaves out is still completed
+    typed = {"_SYMRENDER_COMPLETE": "complete_bash", "COMP_WORDS": f"symrender {verb} --clu", "COMP_CWORD": "2"}
+    run = subprocess.run([sys.executable, "-m", "symrender"], capture_output=True, text=True, env=os.environ | typed)
+    assert "--cluster" in run.stdout
 
 
 @pytest.mark.parametrize(
@@ -82,10 +101,27 @@ def test_doctor_knows_every_extra(capsys: pytest.CaptureFixture[str]) -> None:
     assert all(f"extra {name} " in out for name in declared) and "IEEE doubles" in out
 
 
-def test_a_reader_that_leaves_costs_no_file(tmp_path: Path) -> None:
-    words = ["render", "gloss", "--size", "64", "--lobe", "1", "--out", str(tmp_path)]
+RENDERED = {"numeric.png", "numeric.exr", "symbolic.png", "symbolic.exr", "difference.png"}
+FRAMES = {f"frame_{k:05d}_{side}.exr" for k in range(2) for side in ("numeric", "symbolic")}
+
+
+@pytest.mark.parametrize(
+    ("words", "files"),
+    [
+        (["render", "gloss", "--size", "64", "--lobe", "1"], RENDERED),
+        (["truth", "gloss", "--size", "8"], {"truth.png", "truth.exr", "truth.npz"}),
+        (
+            ["sweep", "gloss", "--size", "16", "--over", "floor.lobe.exponent=8:64:2:log"],
+            {*FRAMES, "ledgers.csv", "contact_sheet.png"},
+        ),
+    ],
+)
+def test_a_reader_that_leaves_costs_no_file(words: list[str], files: set[str], tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [sys.executable, "-m", "symrender", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "symrender", *words, "--out", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     )
     assert process.stdout is not None and process.stderr is not None
     process.stdout.close()
@@ -93,4 +129,4 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path: Path) -> None:
     with process.stderr as said:
         assert "Traceback" not in said.read()
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"numeric.png", "numeric.exr", "symbolic.png", "symbolic.exr", "difference.png"}
+    assert names == files

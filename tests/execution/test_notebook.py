@@ -30,8 +30,9 @@ def test_a_cell_shows_both_and_takes_them_away() -> None:
         "symrender.execution.preview.EVERY = 0; symrender.execution.notebook._PATIENCE = 0\n"
         "from slow_kind import slow_job\n"
         "from symrender.execution.fill import Crew, Means\n"
-        "with Crew(Means(1, 6), (job := slow_job(24, 18, 100),)) as crew:\n"
-        "    crew.fill(job)\n"
+        "for _ in range(3):\n"
+        "    with Crew(Means(1, 6), (job := slow_job(24, 18, 40),)) as crew:\n"
+        "        crew.fill(job)\n"
     )
     book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(code)])
     seen: list[Any] = []
@@ -47,4 +48,5 @@ def test_a_cell_shows_both_and_takes_them_away() -> None:
     assert bars and "of 12 tiles" in bars[-1]
     assert all(base64.b64decode(data["image/png"]).startswith(b"\x89PNG") for data in shown if "image/png" in data)
     left = [output.get("data", {}) for output in book.cells[0].outputs]
-    assert left and all(data == {"text/plain": ""} for data in left), "the cell ends as it began"
+    assert 0 < len(left) <= 2, "one place for bars and one for pictures, however many runs"
+    assert all(data == {"text/plain": ""} for data in left), "the cell ends as it began"

@@ -11,6 +11,7 @@ import pytest
 
 import symrender as sr
 from symrender.errors import OptionError
+from symrender.gradient import Gradients
 from symrender.images.image import Image
 from symrender.images.picture import DIVERGING, colors
 from symrender.images.srgb import encode_srgb
@@ -84,6 +85,22 @@ def test_a_fit_is_a_table_of_values() -> None:
     assert (
         "<td" in made._repr_html_() and "1.5" in made._repr_html_() and "converged: small change" in made._repr_html_()
     )
+
+
+def test_gradients_are_signed_pictures_with_their_words() -> None:
+    made = Gradients({"a": ramp(method="gradient", parameter="a"), "b<": ramp(method="gradient", parameter="b<")})
+    text = made._repr_html_()
+    assert text.count("<img") == 2 and "<figcaption>d radiance / d b&lt;: blue -1, white 0, red +1<" in text
+
+
+def test_in_a_console_they_are_read_too() -> None:
+    pair = sr.render("gloss", size=8, lobe=1)
+    assert repr(pair.ledger) == pair.ledger.text() == repr(pair)
+    compared = sr.compare(pair.numeric, pair.symbolic)
+    assert repr(compared) == compared.text() and repr(compared).startswith("Comparing")
+    made = sr.Fit(sr.load("gloss"), {"a": 1.5}, {"a": 0.25}, (), True, "small change", 1e-7, np.eye(1))
+    assert repr(made).splitlines()[-1] == "a  1.5 +- 0.2"
+    assert repr(ramp().view()) == "Picture(5x2, radiance x 2^0, clip, sRGB)"
 
 
 def test_a_simulator_is_one_line() -> None:

@@ -9,6 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
+from symrender.cli._help import Verb
+
 EXIT_CODES = (
     "Exit codes: 0 success; 1 two images differ; 2 wrong input; 3 non-finite pixels; 4 some pixel missed its "
     "tolerance; 70 a fault in symrender; 74 the output could not be written; 130 interrupted."
@@ -23,28 +25,6 @@ PANELS = {
     "Know": ("scenes", "params", "doctor", "cite"),
 }
 """The verbs by what one wants, as the help groups them."""
-OPTION_PANELS = {
-    "Estimators": (
-        *("lobe", "numeric", "normalised", "symbolic", "weights", "nodes", "partition", "disk", "aa", "tol", "budget"),
-        *("seed", "silhouettes", "estimators"),
-    ),
-    "How the work is done": (
-        *(
-            "threads",
-            "tile",
-            "cluster",
-            "insecure_cluster",
-            "resume",
-            "restart",
-            "max_pixels",
-            "progress_mode",
-            "preview",
-        ),
-    ),
-    "What is written": ("out", "force", "views", "exposure", "tonemap", "layers", "video", "rate", "open_"),
-    "What is printed": ("json", "quiet"),
-}
-"""Options many verbs have, as their help groups them."""
 
 
 def panel_of(verb: str) -> str:
@@ -81,10 +61,10 @@ def application() -> Any:
 
     for name in sorted(verbs(), key=_order):
         module = importlib.import_module(f"symrender.cli.{name}")
-        app.command(name, epilog=EXIT_CODES, rich_help_panel=panel_of(name))(getattr(module, name))
+        app.command(name, cls=Verb, epilog=EXIT_CODES, rich_help_panel=panel_of(name))(getattr(module, name))
     command: Any = typer.main.get_command(app)
     for verb in command.commands.values():
-        _group_options(verb)
+        verb.group_options()
     return command
 
 
@@ -92,16 +72,6 @@ def _order(verb: str) -> tuple[int, int]:
     panels = list(PANELS)
     panel = panel_of(verb)
     return panels.index(panel), PANELS[panel].index(verb)
-
-
-def _group_options(verb: Any) -> None:
-    """Give the options of a verb with many of them their headings."""
-    if len(verb.params) < 14:
-        return
-    for parameter in verb.params:
-        panel = next((name for name, members in OPTION_PANELS.items() if parameter.name in members), None)
-        if panel is not None:
-            parameter.rich_help_panel = panel
 
 
 def _version(wanted: bool) -> None:

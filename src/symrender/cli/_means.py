@@ -17,7 +17,7 @@ from symrender.errors import OptionError
 if TYPE_CHECKING:
     from symrender.execution.fill import Means
     from symrender.execution.journal import Start
-    from symrender.execution.preview import Preview
+    from symrender.execution.preview import Watch
 
 Threads = Annotated[int, typer.Option(help="Worker threads; 0 takes the processors this process may use.")]
 Tile = Annotated[int, typer.Option(help="Side of a tile, pixels; 0 measures one; changes no byte of the image.")]
@@ -41,7 +41,12 @@ InsecureCluster = Annotated[
 ]
 
 PreviewOption = Annotated[
-    str, typer.Option("--preview", metavar="FILE", help="A .png that shows the picture while it is made.")
+    str,
+    typer.Option(
+        "--preview",
+        metavar="WHERE",
+        help="A .png that shows the picture while it is made, or tev to see it there.",
+    ),
 ]
 SilhouettesOption = Annotated[
     int, typer.Option("--silhouettes", help="K of the K x K points of a pixel at a silhouette; 1: its centre.")
@@ -76,8 +81,8 @@ def ended_by_signals() -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def shown_in(file: str) -> Preview | None:
+def shown_in(file: str) -> Watch | None:
     """The preview ``--preview`` asks for, None for none."""
-    from symrender.execution.preview import preview_file
+    from symrender.execution.tev import watched
 
-    return preview_file(file) if file else None
+    return watched(file) if file else None

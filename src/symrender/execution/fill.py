@@ -13,7 +13,7 @@ from symrender.execution.first_use import first_use
 from symrender.execution.jobs import Job, Tile, blocks, prepared
 from symrender.execution.journal import PATIENCE, Entry, Journal, Start
 from symrender.execution.notebook import in_notebook, notebook_preview, notebook_progress
-from symrender.execution.preview import Preview
+from symrender.execution.preview import Watch
 from symrender.execution.silhouettes import smooth
 from symrender.execution.tiles import Progress, Threads, Workers, measured_side, spread, tiles
 from symrender.ledger.ledger import Timing
@@ -53,7 +53,7 @@ class Crew:
         jobs: tuple[Job, ...],
         progress: Progress | None = None,
         workers: Workers | None = None,
-        preview: Preview | None = None,
+        preview: Watch | None = None,
     ) -> None:
         self._means, self._jobs, self._given = means, jobs, workers
         shown = progress is None and in_notebook()

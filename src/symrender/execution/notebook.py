@@ -41,6 +41,10 @@ def notebook_preview() -> Preview:
     return Preview(show)
 
 
+_spare: list[tuple[int, Any]] = []
+"""Outputs that were taken away, each with the number of its cell, for the next that need one there."""
+
+
 class _Place:
     """One output of the cell, replaced by the next."""
 
@@ -52,6 +56,10 @@ class _Place:
 
         display: Any = IPython.display.display
         if self._handle is None:
+            while _spare and self._handle is None:
+                cell, handle = _spare.pop()
+                self._handle = handle if cell == _cell() else None
+        if self._handle is None:
             self._handle = display(bundle, raw=True, display_id=True)
         else:
             self._handle.update(bundle, raw=True)
@@ -59,7 +67,15 @@ class _Place:
     def clear(self) -> None:
         if self._handle is not None:
             self._handle.update({"text/plain": ""}, raw=True)
+            _spare.append((_cell(), self._handle))
             self._handle = None
+
+
+def _cell() -> int:
+    """The number of the cell that runs."""
+    import IPython
+
+    return int(IPython.get_ipython().execution_count)
 
 
 class _Bar:

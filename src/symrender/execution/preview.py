@@ -21,6 +21,9 @@ from symrender.scene.arrays import Array
 Show = Callable[[bytes, str], None]
 """``show(png, caption)``"""
 
+Watch = Callable[[str, Mapping[str, Array], Sequence[Tile], Sequence[Tile]], None]
+"""``watch(kind, layers, finished, left)``: shows what stands of an image, as ``Preview`` does."""
+
 EVERY: Final = 1.0
 """Seconds between two pictures."""
 _MOST: Final = 2048

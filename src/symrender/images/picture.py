@@ -33,6 +33,9 @@ class Picture:
     pixels: Bytes
     caption: str
 
+    def __repr__(self) -> str:
+        return f"Picture({self.pixels.shape[1]}x{self.pixels.shape[0]}, {self.caption})"
+
     def save(self, path: str | Path, *, force: bool = True) -> None:
         """Write as PNG with the caption as text; ``OutputError`` when it cannot be written."""
         write_bytes(path, png.encode(self.pixels, {"caption": self.caption}), force=force)

@@ -68,6 +68,9 @@ class Comparison:
             ),
         ]
 
+    def __repr__(self) -> str:
+        return self.text()
+
     def text(self) -> str:
         """A readable report, in the shape ``idiff`` users know."""
         w = self.whole
@@ -144,7 +147,7 @@ def compare(
     x, y = (_layer(image, layer, name) for image, name in zip((first, second), names, strict=True))
     if x.shape[:2] != y.shape[:2]:
         sizes = [f"{name} is {i.width} x {i.height}" for name, i in zip(names, (first, second), strict=True)]
-        raise ImageError(f"sizes differ: {', '.join(sizes)}")
+        raise ImageError(f"sizes differ: {', '.join(sizes)}; make both at one size")
     if x.shape != y.shape:
         raise ImageError(
             f"layer {layer}: {names[0]} has {x.shape[2]} channels, {names[1]} has {y.shape[2]}, expected as many"

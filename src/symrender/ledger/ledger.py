@@ -88,6 +88,9 @@ class Ledger:
             tables.append(("lobe widths, radians; chapter ruler 1/sqrt(2n), per axis 1/sqrt(n)", [head, *widths]))
         return tables
 
+    def __repr__(self) -> str:
+        return self.text()
+
     def text(self) -> str:
         """The report as plain lines."""
         blocks = []

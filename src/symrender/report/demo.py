@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from symrender.errors import OptionError
 from symrender.execution.fill import Crew, Means
 from symrender.execution.jobs import code_digest
-from symrender.execution.preview import Preview
+from symrender.execution.preview import Watch
 from symrender.execution.tiles import Progress, thread_count
 from symrender.images.image import Image
 from symrender.render import Pair, carry_out, plan
@@ -82,7 +82,7 @@ def demo(
     tol: float,
     seconds: float,
     progress: Progress | None = None,
-    preview: Preview | None = None,
+    preview: Watch | None = None,
     finished: Finished | None = None,
 ) -> Demo:
     """Make the pair ``settings`` describe and the truth to ``tol`` in at most about ``seconds`` more.
