@@ -242,10 +242,16 @@ def opinions(world: World, lobe: Array, stated: float, seed: int) -> Iterator[Op
 
 def contradicts(world: World, lobe: Array, claim: Array, stated: float, seed: int) -> tuple[Opinion, str]:
     """An opinion of a lobe and what it calls a claimed value: ``honest`` or ``beyond``."""
+    opinion, called = opposed(world, lobe, claim, stated, seed)
+    if called == "beyond" and np.isfinite(opinion.value).all() and stands_in_a_surface(world):
+        return Opinion(opinion.value, np.full(3, np.inf), "rounding says which side a light is on"), "honest"
+    return opinion, called
+
+
+def opposed(world: World, lobe: Array, claim: Array, stated: float, seed: int) -> tuple[Opinion, str]:
+    """As ``contradicts``, of a world whose lights stand clear of surfaces."""
     if not np.isfinite(claim).all() or not np.isfinite(stated):
         return Opinion(np.zeros(3), np.zeros(3), "not finite"), "beyond"
-    if stands_in_a_surface(world):
-        return Opinion(np.zeros(3), np.full(3, np.inf), "rounding says which side a light is on"), "honest"
     if lobe[THETA_MAX] == 0.0 and not len(world.disks):
         opinion = mirrored(world, lobe)
         return opinion, "honest" if _within(opinion, claim, stated) else "beyond"
