@@ -32,7 +32,7 @@ FILES = (
 def demo(
     scene: SceneArgument = DEFAULT_SCENE,
     size: Annotated[str, typer.Option(help="Pixels: N for a square, or WxH; less if the truth does not fit.")] = "256",
-    seconds: Annotated[float, typer.Option(help="Seconds the truth may take.")] = 40.0,
+    seconds: Annotated[float, typer.Option(help="Seconds the truth may take.")] = 20.0,
     tol: Annotated[float, typer.Option(help="Error asked of every pixel of the truth, scene radiance.")] = 1e-3,
     lobe: Annotated[int, typer.Option(help="K of the K x K directions of a lobe.")] = 4,
     estimators: Annotated[
@@ -131,7 +131,7 @@ def _simulator(scene: Scene, path: Path) -> str:
 
 def _told(size: str, seconds: float, tol: float, lobe: int, estimators: str, define: list[str] | None) -> list[str]:
     """The options that were given, as they are typed."""
-    given = {"--size": (size, "256"), "--seconds": (f"{seconds:g}", "40"), "--tol": (f"{tol:g}", "0.001")}
+    given = {"--size": (size, "256"), "--seconds": (f"{seconds:g}", "20"), "--tol": (f"{tol:g}", "0.001")}
     given |= {"--lobe": (str(lobe), "4"), "--estimators": (estimators, "best")}
     options = [word for name, (value, usual) in given.items() if value != usual for word in (name, value)]
     return [*options, *(word for change in define or () for word in ("-D", change))]
