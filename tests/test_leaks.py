@@ -10,7 +10,7 @@ from leaks import leaks
 from symrender.runtimes import numba
 
 ROOT = Path(__file__).resolve().parent.parent / "src" / "symrender"
-FOLDERS = ("chambers", "quadrature", "numeric")
+FOLDERS = ("chambers", "quadrature", "adjoint", "numeric")
 MEANT = {
     # a list of nodes that is evaluated, and begun again, when it is full
     ("arc_term", "m"), ("strip_integral", "m"), ("strip_integral", "placed"),

@@ -22,6 +22,8 @@ FOREIGN = {
 PUBLIC = {
     *("load", "render", "truth", "probe", "gradient", "hessian", "fit", "expression", "compare", "read_image"),
     *(
+        "audit",
+        "Verdict",
         "simulator",
         "animate",
         "explore",

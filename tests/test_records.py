@@ -268,7 +268,9 @@ def test_checked_kernels_watch_tables_and_fields(monkeypatch: pytest.MonkeyPatch
 
 def modules() -> list[Path]:
     """The files whose numbers have names."""
-    found = [path for folder in ("chambers", "quadrature") for path in sorted((PACKAGE / folder).rglob("*.py"))]
+    found = [
+        path for folder in ("chambers", "quadrature", "adjoint") for path in sorted((PACKAGE / folder).rglob("*.py"))
+    ]
     assert len(found) > 40
     return found
 
@@ -322,18 +324,18 @@ def test_a_record_read_by_number_is_noticed() -> None:
 GIVEN = ("gauss", "lobes", "arrays.", "moved[", "tangents.")
 """Arrays that are no records: the table of rules, and what a scene, a surface and a parameter are given as."""
 NUMBERED = {
-    "adjoint.py": {"moves", "out", "row"},
-    "disk_curves.py": {"table"},
-    "disk_refined.py": {"room"},
-    "split_panel.py": {"scratch"},
-    "tangent_direct.py": {"moves", "row", "rows"},
-    "tangent_disk.py": {"out", "rows", "table"},
-    "tangent_grid.py": {"adjoint", "here", "out", "own", "table"},
-    "tangent_line.py": {"adjoint", "here", "out"},
-    "tangent_panel.py": {"adjoint", "here", "sums"},
-    "tangent_point.py": {"row", "t.value"},
-    "tangent_rooms.py": {"out", "row"},
-    "tangent_walls.py": {"bar", "here", "out", "own"},
+    "adjoint/direct.py": {"moves", "row", "rows"},
+    "adjoint/disk.py": {"out", "rows", "table"},
+    "adjoint/grid.py": {"adjoint", "here", "out", "own", "table"},
+    "adjoint/line.py": {"adjoint", "here", "out"},
+    "adjoint/lobe.py": {"moves", "out", "row"},
+    "adjoint/panel.py": {"adjoint", "here", "sums"},
+    "adjoint/point.py": {"row", "t.value"},
+    "adjoint/rooms.py": {"out", "row"},
+    "adjoint/walls.py": {"bar", "here", "out", "own"},
+    "quadrature/disk_curves.py": {"table"},
+    "quadrature/disk_refined.py": {"room"},
+    "quadrature/split_panel.py": {"scratch"},
 }
 """By file the arrays whose columns or rows still have numbers, named by constants. This list only grows shorter."""
 
@@ -346,5 +348,5 @@ def test_what_is_still_numbered_is_listed() -> None:
             constants = [part for part in ast.walk(node.slice) if isinstance(part, ast.Name) and part.id.isupper()]
             name = ast.unparse(node.value)
             if constants and not is_table(of) and not is_record(whose) and not name.startswith(GIVEN):
-                found[path.name].add(name)
+                found[path.relative_to(PACKAGE).as_posix()].add(name)
     assert dict(found) == NUMBERED

@@ -22,6 +22,8 @@ from typing import TYPE_CHECKING, Any
 from symrender.version import VERSION as __version__
 
 if TYPE_CHECKING:
+    from symrender.audit.audit import audit
+    from symrender.audit.verdict import Verdict
     from symrender.bridge.export import export
     from symrender.errors import SymrenderError
     from symrender.expression.integrand import expression
@@ -48,7 +50,9 @@ _HOMES = {
     "Report": "symrender.report.build",
     "Scene": "symrender.scene.scene",
     "SymrenderError": "symrender.errors",
+    "Verdict": "symrender.audit.verdict",
     "animate": "symrender.sequences.film",
+    "audit": "symrender.audit.audit",
     "compare": "symrender.ledger.compare",
     "explore": "symrender.widget.explore",
     "export": "symrender.bridge.export",
@@ -76,8 +80,10 @@ __all__ = [
     "Report",
     "Scene",
     "SymrenderError",
+    "Verdict",
     "__version__",
     "animate",
+    "audit",
     "compare",
     "explore",
     "export",

@@ -11,7 +11,7 @@
     +-- CellError             a cell of the laboratory fails or does not find what it expects (exit 70)
     +-- Unsupported           the mathematics does not cover this case; refused, never dropped
 
-Exit codes of the command line: 0 success, 1 two images differ, 2 wrong input
+Exit codes of the command line: 0 success, 1 two images differ or an audit failed, 2 wrong input
 (``SceneError``, ``OptionError``, ``ImageError``, ``Unsupported``), 3 non-finite pixels, 4 image written but
 some pixel missed its tolerance, 70 a fault in symrender, 74 the output could not be written, 130 interrupted.
 

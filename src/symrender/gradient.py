@@ -13,6 +13,7 @@ from html import escape
 from pathlib import Path
 from typing import Any, Final
 
+from symrender.adjoint.point import EVENT
 from symrender.errors import OptionError
 from symrender.execution.fill import Crew, Means
 from symrender.execution.jobs import Job
@@ -20,7 +21,6 @@ from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
-from symrender.quadrature.tangent_point import EVENT
 from symrender.scene.load import load
 from symrender.scene.moves import moves
 from symrender.scene.scene import Scene

@@ -79,3 +79,11 @@ MAX_LISTED_LOBE: Final = 32
 """Most K of a rule that an exported text lists direction by direction."""
 MAX_STATE_BYTES: Final = 1 << 16
 """Longest state of a simulator read from a URL, bytes."""
+MAX_AUDIT_PIXELS: Final = 1 << 26
+"""Most pixels of all renders of an audit together."""
+MAX_AUDIT_SAMPLES: Final = 1 << 40
+"""Most samples a pixel that an audit is told of."""
+MIN_SEEDS: Final = 8
+"""Fewest images whose scatter is taken for a variance."""
+MAX_SEEDS: Final = 1024
+"""Most images of one audit."""

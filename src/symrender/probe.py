@@ -28,7 +28,7 @@ from symrender.scene.shape import Plane, Sphere
 from symrender.settings import Settings
 
 if TYPE_CHECKING:
-    from symrender.quadrature.tangent_point import GradientResult
+    from symrender.adjoint.point import GradientResult
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -154,7 +154,7 @@ def probe(
         enclosures = tuple(enclose(arrays, p, settings.disk_order, settings.tol) for p in place)
     if not wrt:
         return Probe(*values, enclosures=enclosures, convention=loaded.shading.lobe_units)
-    from symrender.quadrature.tangent_point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
+    from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
 
     moved = moves(loaded, wrt)
     names = tuple(name for name, _ in moved)

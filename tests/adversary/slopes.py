@@ -19,8 +19,9 @@ from .world import NORMAL, PLACE, SURFACE, Array, lobe_of, world_of
 LEVELS: Final = 5
 SHORTEST: Final = 1e-5
 """No length that steps are measured by is shorter: rounding and lines would drown what such a step changes."""
-CONFIRMED: Final = ((0.77, 97), (0.43, 1500), (0.7, 4000))
-"""Turns of the sweeps, and their cells, that all have to contradict a derivative before it is called beyond."""
+CONFIRMED: Final = ((0.77, 97, 1.0), (0.43, 1500, 0.125), (0.7, 4000, 1.0))
+"""Turns of the sweeps, their cells and the share of the first step: all have to contradict a derivative before it is
+called beyond. A step wider than a highlight may be extrapolated to a wrong limit from any lines."""
 AXES: Final = {"x": 0, "y": 1, "z": 2}
 
 
@@ -124,13 +125,15 @@ UNSETTLED: Final = 6.0
 
 
 def differences(
-    case: Case, index: int, name: str, *, turn: float, cells: int, claim: Array | None = None, stated: float = 0.0
-) -> tuple[Array, float, bool]:
+    case: Case, index: int, name: str, *, turn: float, cells: int, claim: Array | None = None, stated: float = 0.0,
+    share: float = 1.0,
+) -> tuple[Array, float, bool]:  # fmt: skip
     """The derivative of a value by extrapolated central differences (Ridders), and its doubt; infinite for none.
 
     With a ``claim`` they end early, and the third is true, where they agree with it; lines are as fine as that needs.
+    The first step is ``share`` of the usual one.
     """
-    step = 2.0**-7 * length_of(case, index, name)
+    step = share * 2.0**-7 * length_of(case, index, name)
     rows: list[Array] = []
     plain: list[Array] = []
     best, doubt, slow = np.zeros(3), np.inf, 0.0
@@ -220,9 +223,9 @@ def judge_slope(case: Case, name: str, one: Any, many: Any) -> Slope:
     if not np.abs(alone - value).max() > 3.0 * stated[0] + doubt:
         return told(value, doubt, "honest" if np.isfinite(doubt) else "untold", early)
     value, doubt, _ = differences(case, 0, name, turn=0.1, cells=48)
-    for turn, cells in CONFIRMED:
+    for turn, cells, share in CONFIRMED:
         # lines that start too far apart can leave out the same highlight twice: the finest have the last word
-        again, doubt_again, _ = differences(case, 0, name, turn=turn, cells=cells)
+        again, doubt_again, _ = differences(case, 0, name, turn=turn, cells=cells, share=share)
         doubt = max(doubt, doubt_again) + float(np.abs(again - value).max())
         if not np.abs(alone - again).max() > 3.0 * stated[0] + doubt:
             return told(again, doubt, "untold")

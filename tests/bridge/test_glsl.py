@@ -147,7 +147,7 @@ def test_what_is_not_written_is_refused() -> None:
 
 def test_python_and_the_command_line_write_the_same_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     made = sr.export("gloss", "glsl", tmp_path / "a.glsl", lobe=2)
-    assert main(["export", "glsl", "gloss", "--lobe", "2", "--out", str(tmp_path / "b.glsl")]) == 0
+    assert main(["export", "gloss", "--to", "glsl", "--lobe", "2", "--out", str(tmp_path / "b.glsl")]) == 0
     assert "b.vectors.json" in capsys.readouterr().out
     assert made.text == (tmp_path / "a.glsl").read_text() == (tmp_path / "b.glsl").read_text()
     beside = (tmp_path / "a.vectors.json").read_text()
@@ -156,5 +156,5 @@ def test_python_and_the_command_line_write_the_same_files(tmp_path: Path, capsys
     assert json.loads(json.dumps(made.vectors)) == json.loads(beside)
     with pytest.raises(OutputError, match=r"a\.vectors\.json: exists"):
         sr.export("gloss", "glsl", tmp_path / "a.glsl", lobe=2, force=False)
-    with pytest.raises(OptionError, match=r"^form: must be one of glsl, got 'hlsl'"):
+    with pytest.raises(OptionError, match=r"^form: must be one of glsl, mitsuba, got 'hlsl'"):
         sr.export("gloss", "hlsl")

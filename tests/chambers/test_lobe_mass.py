@@ -7,8 +7,10 @@ import math
 
 import numpy as np
 import pytest
+from mpmath import mp
 
-from symrender.chambers.lobes.mass import cap_share, facing_mass, ring_share
+from symrender.adjoint.lobe_mass import horizon_slopes
+from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, ring_share, tilt_of
 from symrender.quadrature.gauss import gauss_table
 
 TABLE = gauss_table()
@@ -72,3 +74,49 @@ def test_mean_facing_of_tilted_lobes() -> None:
     phi = 2 * np.pi * (np.arange(3000) + 0.5) / 3000
     facing = np.maximum(c * math.cos(beta) + np.sqrt(1 - c * c) * math.sin(beta) * np.cos(phi), 0.0)
     assert facing_mass(n, theta_max, beta, TABLE) == pytest.approx(facing.mean(), abs=2e-6)
+
+
+@pytest.mark.parametrize("theta_max", [0.4, 1.5, math.pi / 2 - 1e-6, math.pi / 2])
+@pytest.mark.parametrize("n", [0.0, 0.01, 0.3, 0.5, 1.5, 7.3])
+def test_shares_above_a_horizon_and_their_slopes_at_fractional_exponents(n: float, theta_max: float) -> None:
+    # by azimuths about the axis, to 30 digits, on which nothing is fractional but the end of each ray
+    tilt, digits = mp.mpf(1.3), mp.mpf(10) ** -12
+    rim = mp.pi / 2 if theta_max == math.pi / 2 else mp.mpf(theta_max)
+
+    def share(u: mp.mpf, alpha: mp.mpf) -> mp.mpf:
+        def ray(phi: mp.mpf) -> mp.mpf:
+            end = mp.atan2(mp.cos(alpha), -mp.sin(alpha) * mp.cos(phi))
+            return 1 - mp.cos(min(end, rim)) ** u
+
+        turn = mp.mpf(0) if rim == mp.pi / 2 else mp.acos(mp.cot(alpha) / mp.tan(rim))
+        corners = [0, turn, mp.pi / 2, mp.pi - turn, mp.pi]
+        return mp.quad(ray, sorted(set(corners))) / (mp.pi * ray(mp.mpf(0)))
+
+    with mp.workdps(30):
+        u = mp.mpf(n) + 1
+        expected = share(u, tilt)
+        by_n = (share(u + digits, tilt) - share(u - digits, tilt)) / (2 * digits)
+        by_tilt = (share(u, tilt + digits) - share(u, tilt - digits)) / (2 * digits)
+    assert 0.3 < expected < 0.95
+    value = cap_share(n, theta_max, 1.3, math.pi / 2, TABLE)
+    assert abs(value - float(expected)) < ROUNDED_SHARE
+    slopes = horizon_slopes(n, theta_max, 1.3, value, TABLE)
+    assert abs(by_tilt) > 0.1
+    assert slopes[2] == pytest.approx(float(by_tilt), rel=1e-12)
+    assert slopes[0] == pytest.approx(float(by_n), abs=3e-12)
+
+
+def test_narrow_discs_keep_their_digits() -> None:
+    # the share of a narrow uniform lobe is the overlap of two flat discs, but for the square of its width
+    lobe, disc, apart = 1e-4, 7e-5, 9e-5
+    x = (apart**2 + lobe**2 - disc**2) / (2 * apart)
+    y = (apart**2 - lobe**2 + disc**2) / (2 * apart)
+    lens = lobe**2 * math.acos(x / lobe) + disc**2 * math.acos(y / disc) - apart * math.sqrt(lobe**2 - x**2)
+    assert 0.1 < lens / (math.pi * lobe**2) < 0.9
+    assert cap_share(0.0, lobe, apart, disc, TABLE) == pytest.approx(lens / (math.pi * lobe**2), rel=1e-8)
+
+
+def test_a_tilt_that_a_cosine_cannot_tell() -> None:
+    axis = np.array([math.sin(1e-9), 0.0, math.cos(1e-9)])
+    assert axis[2] == 1.0
+    assert tilt_of(axis, np.array([0.0, 0.0, 1.0])) == pytest.approx(1e-9, rel=1e-12)

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from symrender.chambers import leaf_rows, place, tangent_walls, walls
-from symrender.chambers.lobes import mass_slopes
+from symrender.adjoint import lobe_mass
+from symrender.adjoint import walls as adjoint_walls
+from symrender.chambers import leaf_rows, place, walls
 from symrender.chambers.records import NODES, Chart, Wall
 from symrender.chambers.work import work_arrays
 from symrender.leaves import slopes, tangents, values
@@ -76,7 +77,7 @@ def test_slopes_of_normalisers(theta: float) -> None:
     for n in (0.0, 1.0, 48.5, 1e6):
         _, by_cosine, by_n = slopes.log_normaliser_slopes(values.log_rim(theta), n)
         _, by_theta = slopes.log_rim_slopes(theta)
-        assert (by_n, by_cosine * by_theta) == pytest.approx(mass_slopes.normaliser_slopes(n, theta), rel=1e-13)
+        assert (by_n, by_cosine * by_theta) == pytest.approx(lobe_mass.normaliser_slopes(n, theta), rel=1e-13)
 
 
 def chart_of(shape: int) -> Chart:
@@ -93,16 +94,16 @@ def test_places_on_a_chart() -> None:
     for _ in range(200):
         chart, x, turn = chart_of(0), RNG.uniform(0.05, 1.5), RNG.uniform(0.0, 6.3)
         c, s = math.cos(turn), math.sin(turn)
-        here = np.zeros((tangent_walls.PLACE_ROWS, 3))
-        measure, _ = tangent_walls.chart_place(x, c, s, chart, here)
+        here = np.zeros((adjoint_walls.PLACE_ROWS, 3))
+        measure, _ = adjoint_walls.chart_place(x, c, s, chart, here)
         across = values.chart_across(c, s, *chart.e1, *chart.e2)
         found = np.array(tangents.sphere_sight_tangents(x, *across, *chart.pole, 0.7, 0.4))
         assert found[9] == measure
         assert np.abs(found[:9].reshape(3, 3) - here[:3]).max() < 4 * ULP
         by_x, by_ratio, by_radius = found[10:].reshape(3, 10)
-        assert np.abs(by_x[:9].reshape(3, 3) - here[tangent_walls.BY_X : tangent_walls.BY_X + 3]).max() < 1e-14
-        assert np.abs(by_ratio[:9].reshape(3, 3) - here[tangent_walls.BY_CHART :][:3]).max() < 1e-14
-        assert np.abs(by_radius[:3] - here[tangent_walls.BY_RADIUS]).max() < 4 * ULP
+        assert np.abs(by_x[:9].reshape(3, 3) - here[adjoint_walls.BY_X : adjoint_walls.BY_X + 3]).max() < 1e-14
+        assert np.abs(by_ratio[:9].reshape(3, 3) - here[adjoint_walls.BY_CHART :][:3]).max() < 1e-14
+        assert np.abs(by_radius[:3] - here[adjoint_walls.BY_RADIUS]).max() < 4 * ULP
 
 
 def test_a_shadow_on_a_line_is_the_double_cone() -> None:

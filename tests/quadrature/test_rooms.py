@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from quadrature.rooms import AT_HOME, SPHERES, elsewhere, places, room
+from symrender.adjoint.direct import direct_gradients
+from symrender.adjoint.point import gloss_gradients, tangents_of
 from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.split_point import gloss_points
 from symrender.quadrature.split_setup import MET
-from symrender.quadrature.tangent_direct import direct_gradients
-from symrender.quadrature.tangent_point import gloss_gradients, tangents_of
 from symrender.scene.arrays import FLOOR, SceneArrays, scene_arrays
 from symrender.scene.moves import moves, scene_moves
 from symrender.scene.parameters import get

@@ -90,6 +90,8 @@ class Chart(Record):
     """No highlight that can hold less than this of a lobe is looked for."""
     clipped: int
     """1 where highlights begin at walls of their own: a line may then see none beside one that does."""
+    apart: float
+    """No azimuth of the panel at hand is farther from one of its lines."""
     pace: float
     """How much faster than values a derivative of the chart may change with what is left out; 1 for values."""
 
@@ -176,8 +178,8 @@ class Spot(Record):
 
     azimuth: float
     depth: float
-    weak: int
-    """1 where so little depends on it that it chooses no node counts: it has its say in what error is stated."""
+    share: float
+    """Of the panel's integral, what depends on it; below 1 it chooses no node counts, but errors are stated by it."""
 
 
 class Highlight(Record):
@@ -309,6 +311,8 @@ class Piece(Record):
     """In a square, the number of its line."""
     doubt: float
     """What its disks' refined rules may be off, in its integral."""
+    unseen: float
+    """What highlights of disks may add to it between nodes that see none."""
 
 
 class Curve(Record):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.kernel_cache import jitable
+from symrender.kernel_cache import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -52,6 +52,19 @@ def quadratic_roots(a: float, b: float, c: float) -> tuple[int, float, float]:
     x1 = q / a
     x2 = c / q if q != 0.0 else 0.0
     return 2, min(x1, x2), max(x1, x2)
+
+
+@inlined
+def square_root(x: float, y: float) -> tuple[float, float]:
+    """Square root of x + i y whose real part is not negative."""
+    size = math.sqrt(x * x + y * y)
+    if size == 0.0:
+        return 0.0, 0.0
+    if x >= 0.0:
+        real = math.sqrt(0.5 * (size + x))
+        return real, 0.5 * y / real
+    imaginary = math.copysign(math.sqrt(0.5 * (size - x)), y)
+    return 0.5 * y / imaginary, imaginary
 
 
 @jitable

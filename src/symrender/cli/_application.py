@@ -12,7 +12,7 @@ import typer
 from symrender.cli._help import Verb
 
 EXIT_CODES = (
-    "Exit codes: 0 success; 1 two images differ; 2 wrong input; 3 non-finite pixels; 4 some pixel missed its "
+    "Exit codes: 0 success; 1 two images differ or an audit failed; 2 wrong input; 3 non-finite pixels; 4 a missed "
     "tolerance; 70 a fault in symrender; 74 the output could not be written; 130 interrupted."
 )
 
@@ -20,7 +20,7 @@ EXIT_CODES = (
 PANELS = {
     "Draw": ("demo", "render", "truth", "gradient", "animate", "sweep"),
     "Ask": ("probe", "expression", "fit", "study"),
-    "Look": ("info", "view", "compare", "simulator", "chapter", "lab"),
+    "Look": ("info", "view", "compare", "audit", "simulator", "chapter", "lab"),
     "Carry": ("export",),
     "Know": ("scenes", "params", "doctor", "cite"),
 }

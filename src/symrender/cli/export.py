@@ -1,45 +1,96 @@
-"""``symrender export``: a scene's formulas for other renderers."""
+"""``symrender export``: a scene for other renderers, as itself or as formulas."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from symrender.cli._completions import DEFAULT_SCENE
-from symrender.cli._options import Define, Force, Quiet, SceneArgument, scene_files, scene_with
+from symrender.cli._options import (
+    Define,
+    Force,
+    Quiet,
+    SceneArgument,
+    any_scene_with,
+    parse_size,
+    scene_files,
+)
+from symrender.errors import OptionError
 from symrender.limits import MAX_LISTED_LOBE
 
 
 def export(
-    form: Annotated[Literal["glsl"], typer.Argument(help="What is written: GLSL ES 3.00.")],
+    to: Annotated[
+        Literal["glsl", "mitsuba"],
+        typer.Option("--to", help="glsl: the scene's formulas, with vectors; mitsuba: the scene for Mitsuba 3."),
+    ],
     scene: SceneArgument = DEFAULT_SCENE,
     out: Annotated[
-        str, typer.Option("--out", "-o", help="The .glsl written; default: SCENE.glsl, the vectors beside it.")
+        str, typer.Option("--out", "-o", help="glsl: the file; else the folder. Default: by the scene's name.")
     ] = "",
     lobe: Annotated[
-        int, typer.Option(help="K of the K x K directions listed for every lobe.", min=1, max=MAX_LISTED_LOBE)
+        int, typer.Option(help="glsl: K of the K x K directions listed for every lobe.", min=1, max=MAX_LISTED_LOBE)
     ] = 4,
+    size: Annotated[str, typer.Option(help="mitsuba: pixels, N for a square, or WxH.")] = "256",
+    samples: Annotated[int, typer.Option(help="mitsuba: samples a pixel.")] = 256,
+    rays: Annotated[
+        Literal["box", "centre"], typer.Option(help="mitsuba: all over pixels, or through centres as truth has them.")
+    ] = "box",
+    scale: Annotated[float, typer.Option(help="mitsuba: lengths times this; intensities times its square.")] = 1.0,
+    center: Annotated[
+        str, typer.Option(metavar="X,Y,Z", help="mitsuba: what becomes the origin, a place or middle (of spheres).")
+    ] = "0,0,0",
+    reach: Annotated[
+        float, typer.Option(help="mitsuba: size of squares that stand for planes, over the scene's; 0 chooses.")
+    ] = 0.0,
+    calibration: Annotated[
+        bool, typer.Option("--calibration", help="mitsuba: also a scene every pixel of which must be 1.")
+    ] = False,
     define: Define = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write the formulas of SCENE as GLSL, and beside it vectors that prove what each function returns.
+    """Write SCENE for another renderer: as GLSL formulas, or as a folder for Mitsuba 3 with a program that renders it.
 
-    Example: symrender export glsl gloss --out gloss.glsl
+    Example: symrender export metal --to mitsuba --rays centre -o metal
     """
-    from symrender.images.output import check_target
-
-    chosen = scene_with(scene, define, "export")
-    target = Path(out or f"{Path(scene).stem}.{form}")
-    beside = target.with_name(f"{target.stem}.vectors.json")
-    for written in (target, beside):
-        check_target(written, force=force, inputs=scene_files(scene))
     from symrender.bridge.export import export as exported
 
-    made = exported(chosen, form, target, lobe=lobe, force=force)
+    chosen = any_scene_with(scene, define)
+    if to == "mitsuba":
+        options: dict[str, Any] = {"reach": reach} if reach else {}
+        made = exported(
+            chosen, "mitsuba", size=parse_size(size), samples=samples, rays=rays, scale=scale, center=_place(center),
+            calibration=calibration, **options,
+        )  # fmt: skip
+        written = made.save(out or f"{Path(scene).stem}.mitsuba", force=force, inputs=scene_files(scene))
+        if not quiet:
+            for path in written:
+                typer.echo(f"wrote {path}")
+        return
+    from symrender.images.output import check_target
+
+    target = Path(out or f"{Path(scene).stem}.glsl")
+    beside = target.with_name(f"{target.stem}.vectors.json")
+    for path in (target, beside):
+        check_target(path, force=force, inputs=scene_files(scene))
+    formulas = exported(chosen, "glsl", target, lobe=lobe, force=force)
     if not quiet:
-        asked = made.vectors["vectors"]
-        typer.echo(f"wrote {target} ({len(made.text.encode()) / 1000:.0f} kB of GLSL)")
-        typer.echo(f"wrote {beside} ({len(asked)} vectors of {len(made.vectors['functions'])} functions)")
+        asked = formulas.vectors["vectors"]
+        typer.echo(f"wrote {target} ({len(formulas.text.encode()) / 1000:.0f} kB of GLSL)")
+        typer.echo(f"wrote {beside} ({len(asked)} vectors of {len(formulas.vectors['functions'])} functions)")
+
+
+def _place(text: str) -> Any:
+    """``middle``, or three numbers."""
+    if text == "middle":
+        return text
+    try:
+        place = tuple(float(x) for x in text.split(","))
+    except ValueError:
+        place = ()
+    if len(place) != 3 or not all(abs(x) < 1e12 for x in place):
+        raise OptionError(f"center: must be X,Y,Z or middle, got {text[:40]!r}")
+    return place

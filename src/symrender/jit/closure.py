@@ -10,14 +10,14 @@ from symrender.jit.source import module_text
 
 
 def closure_texts(module: str) -> list[str]:
-    """Texts of ``module`` and of every module of its package that it imports, directly or not, in order of names."""
-    package, found, waiting = module.partition(".")[0], {}, [module]
+    """Texts of ``module`` and of all that it imports of its package and of this one, directly or not, by name."""
+    packages, found, waiting = {module.partition(".")[0], __name__.partition(".")[0]}, {}, [module]
     while waiting:
         name = waiting.pop()
         if name in found or name not in sys.modules:
             continue
         found[name] = module_text(name)
-        waiting += [each for each in _imported(found[name], name) if each.partition(".")[0] == package]
+        waiting += [each for each in _imported(found[name], name) if each.partition(".")[0] in packages]
     return [found[name] for name in sorted(found)]
 
 

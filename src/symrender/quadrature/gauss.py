@@ -14,6 +14,8 @@ from symrender.kernel_cache import jitable
 Array = npt.NDArray[np.float64]
 
 MAX_ORDER: Final = 24
+NODE_GAP: Final = 0.25 * math.pi
+"""No place of a unit interval is farther than this over n from the nearest of its n Gauss nodes."""
 
 BLOCK_LEVELS: Final = 14
 """Blocks of a checker are 2^k squares wide, k below this."""

@@ -11,6 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.highlights import chord_about
 from symrender.chambers.labels import DARK, GLINT, PARTLY
 from symrender.chambers.leaf_rows import blinn_nodes_rows, falling_nodes_rows, lambert_nodes_rows, phong_nodes_rows
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes, Piece
@@ -31,7 +32,7 @@ from symrender.quadrature.disk_node import (
 from symrender.quadrature.disk_points import clear_sums, highlights
 from symrender.quadrature.disk_refined import may_shine
 from symrender.quadrature.disk_term import disk_log, highlight_lean, served
-from symrender.quadrature.gauss import DISK_STARTS, FALLS, disk_level
+from symrender.quadrature.gauss import DISK_STARTS, FALLS, NODE_GAP, disk_level
 from symrender.quadrature.node_rows import whole_vectors
 from symrender.scene.arrays import OPEN, PHONG
 
@@ -212,11 +213,47 @@ def flank_doubts(row: Piece, p: LightPoint, step: int, view: View, b: Nodes) -> 
     return doubt
 
 
+@jitable
+def note_silence(i: int, row: Piece, most: float, view: View, work: Work) -> None:
+    """Note what hides about the nodes of a piece, none of which sees anything of disk ``i``, of ``most``, at most.
+
+    A wide highlight ends where its base is 0, inside a disk and at no wall. That nodes see none is no proof, where
+    nothing diffuse makes the piece be looked at more closely: the bound of its angle holds for all places that are
+    nearer to a node than half its distance from the next, along the line and across it. The piece is ``unseen`` where
+    the line is what is too coarse, else in ``doubt``.
+    """
+    chart, b, shininess = work.chart, work.nodes, view.shading.shininess
+    along = NODE_GAP * (row.stop - row.start) / row.count
+    for q in range(row.first, row.first + row.count):
+        x, y, z = b.place[0, q], b.place[1, q], b.place[2, q]
+        if chart.shape_index < 0.0:
+            dx, dy = x - chart.point[0], y - chart.point[1]
+            wide = math.sqrt(dx * dx + dy * dy)
+            far = math.sqrt(wide * wide + chart.height * chart.height)
+            # h tan of the angle from straight down
+            room = chart.height / far - along
+            length, across, turn = far * along / room if room > 0.0 else math.inf, wide * chart.apart, 0.0
+            reach = math.sqrt(length * length + across * across)
+        else:
+            turn = math.sqrt(along * along + chart.apart * chart.apart)
+            reach = chart.radius * turn
+        chord, varies, blur = chord_about(
+            i, x, y, z, b.normal[0, q], b.normal[1, q], b.normal[2, q], reach, turn, view, work
+        )  # fmt: skip
+        nearest = max(0.0, chord - varies - blur)
+        if nearest * nearest < 2.0:
+            hidden = most * abs(b.weight[q]) * math.exp(shininess * math.log(1.0 - 0.5 * nearest * nearest))
+            if along > chart.apart:
+                row.unseen += hidden
+            else:
+                row.doubt += hidden
+
+
 @inlined
 def cut_disk(i: int, row: Piece, state: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
     """Add to ``radiance`` what disk light ``i`` adds to a piece that sees a part of it or that no rule serves."""
     b, p = work.nodes, view.points[i]
-    first, most, missed = row.first, max(p.color[0], p.color[1], p.color[2]), 0.0
+    first, most, missed, seen = row.first, max(p.color[0], p.color[1], p.color[2]), 0.0, 0.0
     work.counts.labour += DISK_LABOUR * row.count
     for q in range(first, first + row.count):
         cosine, gleam, doubt = node_term(
@@ -225,8 +262,11 @@ def cut_disk(i: int, row: Piece, state: int, step: int, ks: float, view: View, w
             b.toward[2, q], step, ks != 0.0, view, work, gauss,
         )  # fmt: skip
         missed += abs(b.weight[q]) * (ks + max(b.factor[0, q], b.factor[1, q], b.factor[2, q])) * doubt
+        seen += gleam + abs(cosine) * max(b.factor[0, q], b.factor[1, q], b.factor[2, q])
         for a in range(3):
             b.radiance[a, q] += p.color[a] * (b.factor[a, q] * cosine + ks * gleam)
+    if ks != 0.0 and seen == 0.0 and ending(view):
+        note_silence(i, row, most * ks, view, work)
     row.doubt += most * missed
 
 
@@ -278,6 +318,12 @@ def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work
                 at = table[k].first
                 for q in range(at, at + table[k].count):
                     b.cosines[q] = 0.0
+            if gleaming and ending(view):
+                seen = 0.0
+                for q in range(table[k].first, table[k].first + table[k].count):
+                    seen += b.gleams[q] + abs(b.cosines[q]) * max(b.factor[0, q], b.factor[1, q], b.factor[2, q])
+                if seen == 0.0:
+                    note_silence(i, table[k], most * ks, view, work)
         for q in range(start + count, stop):
             # these nodes are of other pieces
             b.cosines[q] = b.gleams[q] = 0.0

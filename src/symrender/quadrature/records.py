@@ -19,7 +19,9 @@ class Panel(Record):
     error: float
     log_rho: float
     slow: float
-    """The same of singularities that choose no node counts, on which little depends; inf where there are none."""
+    """The same of the one that is felt most of those that choose no node counts; inf where there are none."""
+    share: float
+    """What of the panel depends on it."""
     inside: int
     """Events known inside the panel."""
     foreign: float

@@ -267,7 +267,7 @@ def place_nodes(
     """Make ``row`` of the stack the piece at hand of this number, with ``n`` nodes from node ``m`` on."""
     b, at = work.nodes, work.pieces[piece]
     work.pieces[piece] = row
-    at.first, at.count, at.log_rho, at.doubt = m, n, log_rho, 0.0
+    at.first, at.count, at.log_rho, at.doubt, at.unseen = m, n, log_rho, 0.0, 0.0
     base = n * (n - 1) // 2
     length = row.stop - row.start
     for q in range(n):
@@ -387,7 +387,7 @@ def piece_error(row: Piece, b: Nodes, blunt: bool, gauss: Array) -> tuple[float,
             lower += mixture * gauss[MIDDLE + 1, base + q]
     middle = max(abs(middle), abs(lower))
     miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, row.log_rho)
-    if 2 < n < 6:
+    if n > 2:
         # the last coefficients may be small by chance, but from there on they fall as the nearest singularity lets them
         miss = max(miss, 0.5 * max(abs(last), 0.5 * abs(before)) * math.exp(-(n + 1) * row.log_rho))
     if blunt and n > 1:
@@ -469,6 +469,7 @@ def integrate_cells(
             row = table[piece]
             n, start, stop = row.count, row.start, row.stop
             held, miss = piece_error(row, b, blunt or (faint and stop > AT_HORIZON), gauss)
+            miss += row.unseen
             tame = miss <= promise * (held + small * (size + whole)) + idle
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from

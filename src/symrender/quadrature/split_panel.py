@@ -20,7 +20,7 @@ from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import rim_interval, scan_line
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import broken_rim
-from symrender.chambers.records import Chart, Event
+from symrender.chambers.records import Chart, Event, Spot
 from symrender.chambers.walls import (
     BALL,
     NORMAL,
@@ -29,7 +29,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
-from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, NODE_GAP, order
 from symrender.quadrature.records import Panel, Span
 from symrender.quadrature.split_line import across_error, has_disk, integrate_cells, kinked
 from symrender.records import Table
@@ -57,6 +57,8 @@ FELT_ROOT = 0.1
 """Share of a panel's length from which on a square root beyond its end is left to the error estimate."""
 WEAK = 0.25
 """Share of a panel's last coefficients that what is weak is taken to hold."""
+FELT_LINES = 20.0
+"""Twice the lines of a panel of which singularities are compared that choose no node counts."""
 SAFETY = 4.0
 """Error reported over the sum of the panels' estimates."""
 UNFALLEN = 1.0
@@ -109,7 +111,11 @@ def ellipse_sum(x: float, y: float, a: float, b: float, kind_a: float, kind_b: f
         r = math.sqrt(u * u + v * v)
         u, v = math.sqrt(max(0.0, 0.5 * (r + u))), math.sqrt(max(0.0, 0.5 * (r - u)))
         if kind_a == kind_b:
-            u, v = (2.0 / math.pi) * u, (2.0 / math.pi) * v
+            # sin^2 of a right angle times the mapped coordinate
+            one, other = math.sqrt((u + 1.0) ** 2 + v * v), math.sqrt((u - 1.0) ** 2 + v * v)
+            deep = max(1.0, 0.5 * (one + other))
+            u = (2.0 / math.pi) * math.asin(max(-1.0, min(1.0, 0.5 * (one - other))))
+            v = (2.0 / math.pi) * math.log(deep + math.sqrt(deep * deep - 1.0))
     return math.sqrt(u * u + v * v) + math.sqrt((u - 1.0) * (u - 1.0) + v * v)
 
 
@@ -137,15 +143,25 @@ def branch_sum(
 
 
 @inlined
-def spot_sum(weak: int, work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
-    """Smallest ``ellipse_sum`` of the chart's spots, of the weak ones or of the others; inf where there are none."""
-    best, spots = math.inf, work.spots
+def spot_sum(spot: Spot, a: float, b: float, kind_a: float, kind_b: float) -> float:
+    """``ellipse_sum`` of one of the chart's spots."""
+    away = spot.azimuth - 0.5 * (a + b)
+    away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+    return ellipse_sum(0.5 * (a + b) + away, spot.depth, a, b, kind_a, kind_b)
+
+
+@inlined
+def felt_spot(work: Work, p: Panel) -> None:
+    """Give a panel the spot that it feels most of those that choose no node counts."""
+    p.slow, p.share, most = math.inf, 0.0, 0.0
     for i in range(work.counts.spots):
-        if spots[i].weak == weak:
-            away = spots[i].azimuth - 0.5 * (a + b)
-            away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-            best = min(best, ellipse_sum(0.5 * (a + b) + away, spots[i].depth, a, b, kind_a, kind_b))
-    return best
+        spot = work.spots[i]
+        if spot.share < 1.0:
+            rho = spot_sum(spot, p.ends[0], p.ends[1], p.kinds[0], p.kinds[1])
+            slow = math.log(rho + math.sqrt(max(0.0, rho * rho - 1.0)))
+            felt = spot.share * math.exp(-FELT_LINES * slow)
+            if felt > most:
+                p.slow, p.share, most = slow, spot.share, felt
 
 
 @jitable
@@ -179,7 +195,9 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
         # its excess over 1 is the square of what lies off the line
         highlight = 1.0 + 0.5 * (highlight - 1.0)
     best = min(best, highlight)
-    best = min(best, spot_sum(0, work, a, b, kind_a, kind_b))
+    for i in range(work.counts.spots):
+        if work.spots[i].share == 1.0:
+            best = min(best, spot_sum(work.spots[i], a, b, kind_a, kind_b))
     if chart.lobe.rim_cos >= 0.0:
         middle, offset, depth = tangent_lines(chart.lobe_sin, 0.0, chart.lobe.rim_sin)
         best = branch_sum(middle, offset, depth, a, b, kind_a, kind_b, best)
@@ -235,8 +253,7 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
             # a rim or a wall that sweeps over a highlight narrow along the lines hides it within less
             p.glare = max(p.glare, MAX_KINKED if work.chart.clipped != 0.0 else MAX_FIRST + 1)
         p.log_rho = panel_log(work, a, b, kind_a, kind_b)
-        rho = spot_sum(1, work, a, b, kind_a, kind_b)
-        p.slow = math.log(rho + math.sqrt(max(0.0, rho * rho - 1.0))) if rho < math.inf else math.inf
+        felt_spot(work, p)
     return n + 1
 
 
@@ -429,6 +446,8 @@ def evaluate_panel(
         n = min(n, MAX_KINKED)
     n = min(MAX_ORDER, max(n, p.glare))
     base = n * (n - 1) // 2
+    # the map of a square root's end is twice as steep as the plain one at most
+    work.chart.apart = NODE_GAP * (b - a) / n * (2.0 if p.kinds[0] == ROOT or p.kinds[1] == ROOT else 1.0)
     line = scratch[LINE : LINE + 6]
     for i in range(6):
         out[i] = 0.0
@@ -505,6 +524,8 @@ def evaluate_panel(
     else:
         top = max(last, 0.5 * before)
         known = max(top * math.exp(-(n + 1) * p.log_rho), WEAK * top * math.exp(-(n + 1) * p.slow))
+        # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
+        known = max(known, p.share * size * math.exp(-2.0 * n * p.slow) / (2.0 * n * math.sqrt(2.0 * n)))
         if kinked(view) or broken_rim(work.chart.lobe):
             known = max(known, last, 0.5 * before)
         error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
@@ -524,6 +545,7 @@ def rough_panel(p: Panel, view: View, work: Work, gauss: Array, scratch: Array) 
     width = p.ends[1] - p.ends[0]
     phi = 0.5 * (p.ends[0] + p.ends[1])
     line = scratch[LINE : LINE + 6]
+    work.chart.apart = 0.5 * width
     scan_line(phi, view, work, scratch)
     integrate_cells(phi, 2, view, work, gauss, line)
     for i in range(3):

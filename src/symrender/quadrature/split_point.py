@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobes.density import largest_density
-from symrender.chambers.lobes.mass import cap_share, facing_mass
+from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
 from symrender.chambers.lobes.record import Conductor
 from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
@@ -168,12 +168,12 @@ def gloss_kernel(
         sky = max(view.shading.background[0], view.shading.background[1], view.shading.background[2])
         share = 1.0
         if sky > 0.0:
-            facing = lobe[0] * normals[i, 0] + lobe[1] * normals[i, 1] + lobe[2] * normals[i, 2]
-            tilt = math.acos(max(-1.0, min(1.0, facing)))
+            tilt = tilt_of(lobe, normals[i])
             if brdf:
                 share = facing_mass(n, theta_max, tilt, gauss)
             else:
                 share = cap_share(n, theta_max, tilt, 0.5 * math.pi, gauss)
+            total += ROUNDED_SHARE * sky if share < 1.0 else 0.0
         for a in range(3):
             value[a] = view.shading.background[a] * share
         bad = 0

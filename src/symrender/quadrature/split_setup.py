@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.poles import pole_across
 from symrender.chambers.lobes.width import turning_width, width
-from symrender.chambers.records import DISTANT
+from symrender.chambers.records import DISTANT, INVERSE_SQUARE
 from symrender.chambers.rooms import carry, enter_room, turn
+from symrender.chambers.roots import square_root
 from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
 from symrender.kernel_cache import inlined, jitable
@@ -30,8 +31,12 @@ NEAR_TANGENT: Final = 2
 """A piece too thin to be cut further stayed unresolved; the error estimate bounds it."""
 UNSUPPORTED: Final = 3
 """The point lies inside another sphere; no value is given and the error is infinite."""
-HARD_BY: Final = 0.1
-"""Depth below which what the line integral does beside the horizon end of a circle is told in the error."""
+GRAZING: Final = 1.2
+"""Secant of an angle: circles that come no nearer to the floor's horizon do not sweep over what is far away."""
+MEETING_STEPS: Final = 2
+"""Steps to where a circle meets a light off the real azimuths; each gains two digits where the point is low."""
+MOST_SHARE: Final = 0.999
+"""Largest share of what chooses no node counts."""
 
 
 @jitable
@@ -105,7 +110,7 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
             across, level = 2.0 * radius * math.hypot(u, v), radius * radius + far2
             if across > 0.0:
                 ratio = math.sqrt(max(0.0, (level - along) * (level + along))) / across
-                add_spot_at(math.atan2(v, u), math.acosh(max(1.0, ratio)), 0, work)
+                add_spot_at(math.atan2(v, u), math.acosh(max(1.0, ratio)), 1.0, work)
 
 
 @inlined
@@ -113,7 +118,7 @@ def add_pole(view: View, work: Work) -> None:
     """Note where the lobe's own density makes the integral over lines singular."""
     phi, depth = pole_across(work.chart, view.conductors)
     if depth < math.inf:
-        add_spot_at(phi, depth, 0, work)
+        add_spot_at(phi, depth, 1.0, work)
 
 
 @inlined
@@ -121,17 +126,17 @@ def add_spot(x: float, y: float, depth: float, work: Work) -> None:
     """Note that the floor's integrand is tame only so far off the real azimuths towards (x, y) from the foot."""
     chart = work.chart
     if x * x + y * y > 0.0:
-        add_spot_at(math.atan2(x * chart.e2[0] + y * chart.e2[1], x * chart.e1[0] + y * chart.e1[1]), depth, 0, work)
+        add_spot_at(math.atan2(x * chart.e2[0] + y * chart.e2[1], x * chart.e1[0] + y * chart.e1[1]), depth, 1.0, work)
 
 
 @inlined
-def add_spot_at(phi: float, depth: float, weak: int, work: Work) -> None:
+def add_spot_at(phi: float, depth: float, share: float, work: Work) -> None:
     """Note that the chart's integrand is tame only so far off the real azimuth ``phi``."""
     k = work.counts.spots
     if k < work.spots.shape[0]:
         work.spots[k].azimuth = phi
         work.spots[k].depth = depth
-        work.spots[k].weak = weak
+        work.spots[k].share = share
         work.counts.spots += 1
 
 
@@ -168,38 +173,62 @@ def floor_spots(view: View, work: Work) -> None:
 
 @inlined
 def wide_spots(a0: float, a1: float, a2: float, cosine: float, view: View, work: Work) -> None:
-    """Note where a light or the eye makes the line integral vary beside the horizon end of a circle of directions.
+    """Note where a circle of directions that passes or grazes the floor's horizon meets a light or the eye.
 
-    Towards the horizon the circle's place on the floor runs off like r = K/(phi_0 - phi), so what varies over the
-    distance of a light, in front by ``along`` and off by ``off``, does so about phi_0 - K/(along +- i off): hard by
-    phi_0 where the point is low.
+    Where cells end on the circle the line integral is singular at an azimuth where the circle's place on the floor is
+    at distance 0 of the light. With w = h/r, r the place's distance from the foot, and the light in front by ``along``
+    and off by ``off``, that is w = h (along +- i off)/|L|^2 and
+
+        cos(phi - phi_0) = (cosine sqrt(1 + w^2) - a0 w)/rho:
+
+    hard by where the circle meets the horizon if the point is low, and off the real line if the circle grazes it. The
+    root that opens there is of a share sqrt(2) |w|/sqrt(Im w times the line's length) of the line, at most.
     """
     chart, rho = work.chart, math.hypot(a1, a2)
-    if not abs(cosine) < rho:
+    if not abs(cosine) < GRAZING * rho:
         return
-    middle, offset = math.atan2(a2, a1), math.acos(cosine / rho)
-    for branch in range(2):
-        phi = middle + (offset if branch == 0 else -offset)
-        slope = a1 * math.sin(phi) - a2 * math.cos(phi)
-        if slope == 0.0:
+    middle = math.atan2(a2, a1)
+    c, s = math.cos(middle), math.sin(middle)
+    ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
+    fx, fy = c * chart.e2[0] - s * chart.e1[0], c * chart.e2[1] - s * chart.e1[1]
+    length = min(1.0, 2.0 * chart.lobe.rim_sin) if chart.lobe.rim_cos >= 0.0 else 1.0
+    for i in range(view.points.shape[0] + 1):
+        whole = False
+        if i < view.points.shape[0]:
+            x, y, z = view.points[i].position[0], view.points[i].position[1], view.points[i].position[2]
+            if view.points[i].fall == DISTANT:
+                continue
+            whole = view.points[i].fall == INVERSE_SQUARE
+        elif view.shading.highlight_view == EYE and view.shading.ks > 0.0:
+            x, y, z = view.eye[0], view.eye[1], view.eye[2]
+        else:
             continue
-        far = -chart.height * a0 / slope
-        c, s = math.cos(phi), math.sin(phi)
-        ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
-        for i in range(view.points.shape[0] + 1):
-            if i < view.points.shape[0]:
-                x, y, z = view.points[i].position[0], view.points[i].position[1], view.points[i].position[2]
-            elif view.shading.highlight_view == EYE and view.shading.ks > 0.0:
-                x, y, z = view.eye[0], view.eye[1], view.eye[2]
-            else:
-                continue
-            x, y = x - chart.point[0], y - chart.point[1]
-            along, far2 = x * ex + y * ey, x * x + y * y + z * z
-            if not z > 0.0 or far2 == 0.0 or (i < view.points.shape[0] and view.points[i].fall == DISTANT):
-                continue
-            depth = abs(far) * math.sqrt(max(0.0, far2 - along * along)) / far2
-            if depth < HARD_BY:
-                add_spot_at(phi - far * along / far2, depth, 1, work)
+        x, y = x - chart.point[0], y - chart.point[1]
+        far2 = x * x + y * y + z * z
+        if not z > 0.0 or far2 == 0.0:
+            continue
+        front, aside = x * ex + y * ey, x * fx + y * fy
+        for side in range(2):
+            re, im = cosine / rho, 0.0
+            wr, wi, sr = 0.0, 0.0, 0.0
+            for _ in range(MEETING_STEPS):
+                sr, si = square_root(1.0 - re * re + im * im, -2.0 * re * im)
+                if side == 1:
+                    sr, si = -sr, -si
+                along, aslant = front * re + aside * sr, front * im + aside * si
+                off, sunk = square_root(far2 - along * along + aslant * aslant, -2.0 * along * aslant)
+                wr, wi = chart.height * (along - sunk) / far2, chart.height * (aslant + off) / far2
+                ur, ui = square_root(1.0 + wr * wr - wi * wi, 2.0 * wr * wi)
+                re, im = (cosine * ur - a0 * wr) / rho, (cosine * ui - a0 * wi) / rho
+            sr, _ = square_root(1.0 - re * re + im * im, -2.0 * re * im)
+            one, other = math.sqrt((re + 1.0) ** 2 + im * im), math.sqrt((re - 1.0) ** 2 + im * im)
+            away = math.acos(max(-1.0, min(1.0, 0.5 * (one - other))))
+            away = -away if (sr < 0.0) != (side == 1) else away
+            deep = max(1.0, 0.5 * (one + other))
+            share = math.sqrt(2.0 * (wr * wr + wi * wi) / max(1e-300, abs(wi) * length))
+            if whole:
+                share = 1.0
+            add_spot_at(middle + away, math.log(deep + math.sqrt(deep * deep - 1.0)), min(MOST_SHARE, share), work)
 
 
 @inlined

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from symrender.adjoint.direct import direct_gradients
+from symrender.adjoint.lights import light_point_tangents, lights_leaving
+from symrender.adjoint.point import BUDGET, EVENT, gloss_gradients, refuse_unknown, tangents_of
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import scene_frames
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
-from symrender.quadrature.tangent_direct import direct_gradients
-from symrender.quadrature.tangent_lights import light_point_tangents, lights_leaving
-from symrender.quadrature.tangent_point import BUDGET, EVENT, gloss_gradients, refuse_unknown, tangents_of
 from symrender.records import Table, copied
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel

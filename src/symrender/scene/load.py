@@ -24,11 +24,20 @@ from symrender.scene.validate import validated
 
 Parser = Callable[[str, str], Document]
 
+
+def _parse_mitsuba(text: str, origin: str) -> Document:
+    """``parse_mitsuba``, imported when a file asks for it: it needs NumPy, which loading does not."""
+    from symrender.scene.mitsuba.read import parse_mitsuba
+
+    return parse_mitsuba(text, origin)
+
+
 _PARSERS: Final[Mapping[str, tuple[str, Parser]]] = {
     ".yaml": ("YAML", parse_yaml),
     ".yml": ("YAML", parse_yaml),
     ".json": ("JSON", parse_json),
     ".toml": ("TOML", parse_toml),
+    ".xml": ("Mitsuba", _parse_mitsuba),
 }
 
 
@@ -87,7 +96,8 @@ def load_any(source: Source) -> AnyScene:
     """The scene ``source`` names or holds, a ``Scene`` in units of the series or a ``RadiometricScene``.
 
     A text that is the name of a gallery scene (``"gloss"``) is that scene, ``"-"`` is YAML from standard input, any
-    other text and every path object is a file, read as YAML, JSON or TOML by its ending. A mapping is a scene with
+    other text and every path object is a file, read as YAML, JSON or TOML by its ending, or as a scene of Mitsuba 3
+    (.xml), of which all that a radiometric scene cannot say is refused with its line. A mapping is a scene with
     the keys of a file, and a scene is returned as it is.
 
     Raises SceneError: ``scene.yaml:12:5: spheres[1].radius: must be > 0 and finite, got -1``; more problems follow on

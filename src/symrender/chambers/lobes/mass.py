@@ -19,6 +19,8 @@ _FIRST = _ORDER * (_ORDER - 1) // 2
 """Where the Gauss rule of that order stands in ``gauss_table()``."""
 NODES: Final = _ORDER * _PIECES
 """Rings of a sum over those a circle crosses."""
+ROUNDED_SHARE: Final = 3e-14
+"""What rounding and ``NODES`` rings may leave of a share."""
 
 
 @jitable
@@ -36,26 +38,49 @@ def last_ring(n: float, low: float, high: float) -> float:
 
 
 @jitable
-def ring_node(node: int, low: float, high: float, n: float, gauss: Array) -> tuple[float, float, float]:
-    """Weight cos^n theta sin theta dtheta, sine and cosine of one of ``NODES`` rings from ``low`` to ``high``.
+def tilt_of(axis: Array, normal: Array) -> float:
+    """Angle between two unit vectors, with all digits where they are nearly one."""
+    x = axis[1] * normal[2] - axis[2] * normal[1]
+    y = axis[2] * normal[0] - axis[0] * normal[2]
+    z = axis[0] * normal[1] - axis[1] * normal[0]
+    along = axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2]
+    return math.atan2(math.sqrt(x * x + y * y + z * z), along)
 
-    The map is quadratic at both ends, where the arc of a circle that crosses the rings begins and ends as a root.
+
+@jitable
+def graded(node: int, gauss: Array) -> tuple[float, float]:
+    """One of ``NODES`` nodes of [0, 1] and its weight, after a map of fourth order at both ends.
+
+    It makes the square root smooth by which the arc of a circle begins or ends, and leaves of a fractional power, as
+    of cos^n at a right angle, what rounding hides: sin^2 of sin^2.
     """
     x = (node // _ORDER + gauss[0, _FIRST + node % _ORDER]) / _PIECES
-    s, c = math.sin(0.5 * math.pi * x), math.cos(0.5 * math.pi * x)
-    theta = low + (high - low) * s * s
+    half = 0.5 * math.pi
+    inner = math.sin(half * x) ** 2
+    at = math.sin(half * inner)
+    slope = half * half * math.sin(math.pi * inner) * math.sin(math.pi * x)
+    return at * at, gauss[1, _FIRST + node % _ORDER] / _PIECES * slope
+
+
+@jitable
+def ring_node(node: int, low: float, high: float, n: float, gauss: Array) -> tuple[float, float, float]:
+    """Weight cos^n theta sin theta dtheta, sine and cosine of one of ``NODES`` rings from ``low`` to ``high``."""
+    at, weight = graded(node, gauss)
+    theta = low + (high - low) * at
     st, ct = math.sin(theta), math.cos(theta)
     density = math.exp(n * math.log1p(-2.0 * math.sin(0.5 * theta) ** 2)) if ct > 0.0 else 0.0
-    return gauss[1, _FIRST + node % _ORDER] / _PIECES * math.pi * s * c * (high - low) * density * st, st, ct
+    return weight * (high - low) * density * st, st, ct
 
 
 @jitable
 def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Array) -> float:
     """Share of the lobe cos^n theta (theta <= theta_max) inside the cap of angular radius ``alpha`` at angle ``beta``.
 
-    On the ring theta the cap covers the half-arc acos((cos alpha - cos theta cos beta)/(sin theta sin beta)); its
-    square-root ends are removed by a quadratic map, and the ring's weight is integrated exactly piece by piece where
-    the whole ring lies inside. A horizon is the cap alpha = pi/2 about the normal. ``gauss`` is ``gauss_table()``.
+    On the ring theta the cap covers the half-arc A with cos A = (cos alpha - cos theta cos beta)/(sin theta sin beta),
+    taken from half angles, tan^2(A/2) = sin(s - theta) sin(s - beta)/(sin s sin(s - alpha)) with 2 s the sum, so that
+    narrow lobes and discs keep their digits; its square-root ends are removed by ``graded``, and the ring's weight is
+    integrated exactly where the whole ring lies inside. A horizon is the cap alpha = pi/2 about the normal. ``gauss``
+    is ``gauss_table()``.
     """
     full = alpha - beta
     share = 0.0
@@ -67,12 +92,14 @@ def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Arra
     high = min(high, theta_max)
     if not low < high:
         return share
-    ca, cb, sb = math.cos(alpha), math.cos(beta), math.sin(beta)
     mc = values.log_rim(theta_max)
     scale = u / (2.0 * math.pi * -math.expm1(u * mc))
     for node in range(NODES):
         weight, st, ct = ring_node(node, low, high, n, gauss)
-        arc = math.acos(max(-1.0, min(1.0, (ca - ct * cb) / max(st * sb, 1e-300))))
+        theta = math.atan2(st, ct)
+        opposite = math.sin(0.5 * (alpha + beta - theta)) * math.sin(0.5 * (alpha + theta - beta))
+        beside = math.sin(0.5 * (alpha + beta + theta)) * math.sin(0.5 * (beta + theta - alpha))
+        arc = 2.0 * math.atan2(math.sqrt(max(0.0, opposite)), math.sqrt(max(0.0, beside)))
         share += weight * scale * 2.0 * arc
     return share
 

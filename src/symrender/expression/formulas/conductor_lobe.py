@@ -62,4 +62,4 @@ LEAVES: Final = (
     Leaf(conductor_fresnels, ("reflectance:3",),
          rows=Rows((("cosine2", "chord"),), (("reflectance", "radiance", "scale"),))),
 )  # fmt: skip
-"""Slopes are due with the derivative of the lobe (``chambers/lobes/adjoint.py`` refuses it)."""
+"""Slopes are due with the derivative of the lobe (``adjoint/lobe.py`` refuses it)."""

@@ -18,10 +18,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.adjoint.light_term import BAR_ROWS, offset_gradient
+from symrender.adjoint.walls import LIGHTS, plane_columns
 from symrender.chambers.labels import PARTLY
 from symrender.chambers.records import LightPoint
 from symrender.chambers.rooms import height
-from symrender.chambers.tangent_walls import LIGHTS, plane_columns
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable
 from symrender.quadrature.disk_arcs import ARC, LINEAR, arc_log, arc_point, arc_side, corners, radial_log
@@ -36,7 +37,6 @@ from symrender.quadrature.disk_curves import (
 from symrender.quadrature.disk_term import disk_log, highlight_lean, served
 from symrender.quadrature.gauss import DISK_STARTS, disk_level, fitting
 from symrender.quadrature.light_term import light_term
-from symrender.quadrature.tangent_light import BAR_ROWS, offset_gradient
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]

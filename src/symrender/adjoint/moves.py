@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.tangent_walls import HORIZON_NORMAL, LIGHTS, RIM, SHADING, plane_columns
+from symrender.adjoint.walls import HORIZON_NORMAL, LIGHTS, RIM, SHADING, plane_columns
 from symrender.chambers.walls import FLOOR_CUT, HORIZON, SHADOW_EDGE, SILHOUETTE, TERMINATOR, TEXTURE_EDGE
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import jitable

@@ -15,12 +15,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.events import ROOT, SMOOTH
-from symrender.chambers.labels import HIDDEN
-from symrender.chambers.line import LIMB, POLE_END, scan_line
-from symrender.chambers.lobes.width import blunt_rim
-from symrender.chambers.records import Chart, Event
-from symrender.chambers.tangent_walls import (
+from symrender.adjoint.line import BAR, RADIANCE, line_adjoint, log_density, radiance, set_view
+from symrender.adjoint.walls import (
     ONE_SIDED,
     chart_place,
     condition_of,
@@ -28,6 +24,11 @@ from symrender.chambers.tangent_walls import (
     pull_back,
     wall_gradient,
 )
+from symrender.chambers.events import ROOT, SMOOTH
+from symrender.chambers.labels import HIDDEN
+from symrender.chambers.line import LIMB, POLE_END, scan_line
+from symrender.chambers.lobes.width import blunt_rim
+from symrender.chambers.records import Chart, Event
 from symrender.chambers.walls import DIRECTION, FLOOR_CUT, NORMAL, TEXTURE_EDGE
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
@@ -40,7 +41,6 @@ from symrender.quadrature.split_panel import (
     panel_log,
     split_span,
 )
-from symrender.quadrature.tangent_line import BAR, RADIANCE, line_adjoint, log_density, radiance, set_view
 from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -152,7 +152,7 @@ def panel_lines(p: Panel, step: int) -> int:
 
 @jitable
 def panel_misses(
-    n: int, more: int, log_rho: float, blunt: bool, inner: float, sums: Array, tangents: Array, low_order: Array,
+    n: int, more: int, panel: Panel, blunt: bool, inner: float, sums: Array, tangents: Array, low_order: Array,
     high_order: Array, misses: Array,
 ) -> float:  # fmt: skip
     """Estimated errors of a panel's derivatives at the higher order into ``misses`` (parameters, 4); the largest.
@@ -161,9 +161,11 @@ def panel_misses(
     fall is a second witness, and the worse of the two counts. A third is what ``misses`` held at ``more`` lines fewer,
     0 before the first estimate: no rule's error falls faster than its singularities let it, and changes that stay as
     large, of which the last column keeps the largest, add up. All are blind to what all lines err alike: ``inner`` is
-    the share of what moves that the rules along the lines, and over a disk light, may miss.
+    the share of what moves that the rules along the lines, and over a disk light, may miss. And what chooses no node
+    counts falls slowly from a level of its own: where ends of cells move past it by one power less than in a value.
     """
-    most, fall = 0.0, math.exp(-2.0 * more * log_rho)
+    most, fall = 0.0, math.exp(-2.0 * more * panel.log_rho)
+    slowly = panel.share * math.exp(-2.0 * n * panel.slow) / math.sqrt(2.0 * n)
     for p in range(tangents.shape[0]):
         largest, previous, grown = 0.0, misses[p, 3], 1.0
         for c in range(3):
@@ -185,7 +187,7 @@ def panel_misses(
                     lower += sums[4, c, k] * t
             size = max(abs(high_order[p, c]), abs(low_order[p, c]), abs(last))
             middle = max(abs(middle), abs(lower)) if n >= 6 else 0.0
-            tail = tail_error(n, last, before, middle, size, log_rho)
+            tail = max(tail_error(n, last, before, middle, size, panel.log_rho), slowly * moved)
             if blunt:
                 tail = max(tail, abs(last), 0.5 * abs(before))
             change, doubt = grown * abs(high_order[p, c] - low_order[p, c]), misses[p, c]
@@ -375,7 +377,7 @@ def replay_chart(
             if disk is not None:
                 inner += OVER_DISK * FALLS[step]
             most = panel_misses(
-                n_lines, n_lines - fewer, p.log_rho, blunt, inner, sums, tangents, low_order, high_order, misses
+                n_lines, n_lines - fewer, p, blunt, inner, sums, tangents, low_order, high_order, misses
             )
             largest = 0.0
             for a in range(tangents.shape[0]):

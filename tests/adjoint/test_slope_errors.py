@@ -14,9 +14,9 @@ import pytest
 import symrender as sr
 from adversary.sweep import swept_value
 from adversary.world import lobe_of, world_of
+from symrender.adjoint.point import outline
 from symrender.chambers.lobes.width import rim_power
 from symrender.chambers.records import Chart
-from symrender.quadrature.tangent_point import outline
 from symrender.records import record
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene

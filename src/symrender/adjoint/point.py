@@ -1,6 +1,6 @@
 """The lobe integral of surface points, differentiated: values of the split rule with exact gradients.
 
-The rule runs as it always does, its accepted panels are replayed with their adjoint (``tangent_panel``), and the
+The rule runs as it always does, its accepted panels are replayed with their adjoint (``adjoint/panel.py``), and the
 adjoint is contracted with how every number of the chart moves. The adjoint costs the same for one parameter and for a
 hundred; only the last contraction knows how many there are.
 """
@@ -15,18 +15,24 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.chart import floor_chart, sphere_chart
-from symrender.chambers.lobes.adjoint import fill_own, gradient_rim, own_moves
-from symrender.chambers.lobes.density import largest_density
-from symrender.chambers.lobes.mass import cap_share
-from symrender.chambers.lobes.mass_slopes import horizon_slopes, normaliser_slopes
-from symrender.chambers.lobes.units import is_brdf
-from symrender.chambers.lobes.width import fastest_fall
-from symrender.chambers.records import Chart, Event, LightMove
-from symrender.chambers.rooms import frame_view
-from symrender.chambers.tangent_moves import fastest_of, pace, what_moves
-from symrender.chambers.tangent_rooms import moves_in_frame, side_moves
-from symrender.chambers.tangent_walls import (
+from symrender.adjoint.disk import disk_rows
+from symrender.adjoint.grid import GRID_ROWS, contrast_of, replay_grid
+from symrender.adjoint.lights import LEVEL, light_point_tangents
+from symrender.adjoint.line import HERE_ROWS
+from symrender.adjoint.lobe import fill_own, gradient_rim, own_moves
+from symrender.adjoint.lobe_mass import horizon_slopes, normaliser_slopes
+from symrender.adjoint.moves import fastest_of, pace, what_moves
+from symrender.adjoint.panel import (
+    SUMS,
+    UNUSED,
+    clear_panels,
+    contract,
+    panels_in_use,
+    radial_walls,
+    replay_chart,
+)
+from symrender.adjoint.rooms import moves_in_frame, side_moves
+from symrender.adjoint.walls import (
     AMBIENT,
     AT_POINT,
     AXIS,
@@ -40,14 +46,23 @@ from symrender.chambers.tangent_walls import (
     GRID,
     HORIZON_NORMAL,
     LIGHTS,
+    LOG_NORMALISER,
     ONE_SIDED,
     SHADING,
     TURN,
     adjoint_columns,
 )
+from symrender.chambers.chart import floor_chart, sphere_chart
+from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.lobes.mass import cap_share, tilt_of
+from symrender.chambers.lobes.units import is_brdf
+from symrender.chambers.lobes.width import fastest_fall
+from symrender.chambers.records import Chart, Event, LightMove
+from symrender.chambers.rooms import frame_view
 from symrender.chambers.work import MAX_WALLS, Frames, View, Work, begin_counts, scene_frames, scene_view
 from symrender.errors import Unsupported
-from symrender.kernel_cache import compiled, jitable
+from symrender.kernel_cache import compiled, inlined, jitable
+from symrender.quadrature.fall_off import most_floor_light
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST
 from symrender.quadrature.records import Conic, Panel, Remainder, Span
@@ -63,19 +78,6 @@ from symrender.quadrature.split_setup import (
     sphere_strips,
     stand_in_frame,
 )
-from symrender.quadrature.tangent_disk import disk_rows
-from symrender.quadrature.tangent_grid import GRID_ROWS, replay_grid
-from symrender.quadrature.tangent_lights import LEVEL, light_point_tangents
-from symrender.quadrature.tangent_line import HERE_ROWS
-from symrender.quadrature.tangent_panel import (
-    SUMS,
-    UNUSED,
-    clear_panels,
-    contract,
-    panels_in_use,
-    radial_walls,
-    replay_chart,
-)
 from symrender.records import Grid, Table, joined, one, stacked, table
 from symrender.scene.arrays import CHECKER, FIRST_SPHERE, FLOOR, MARBLE, SceneArrays, lobes_of
 from symrender.scene.frames import floor_of, frame_moves
@@ -84,6 +86,11 @@ from symrender.scene.records import Floor, Frame, Shading, Sphere
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+
+ROUNDED_ELLIPSE: Final = 2e-13
+"""Error of a mean over a narrow rim's ellipse on the floor, over the square of its distance over its half-width."""
+ROUNDED_ROOT: Final = 1e-8
+"""That of an integral along the ellipse, over its distance over its half-width."""
 
 EVENT: Final = 4
 """The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
@@ -337,6 +344,31 @@ def note_level_lights(view: View, moves: Array, t: TangentWork) -> None:
                 t.value[p, ONE_SIDED] = 1.0
 
 
+@inlined
+def rounded_ellipse(view: View, work: Work) -> tuple[float, float]:
+    """What the rounding of a narrow rim's ellipse leaves of a mean over the checkered floor, at most, and of its sweep.
+
+    The ellipse's half-width is the lobe's angle times the distance, taken from squares of its distance from the foot:
+    beside a slope of the normaliser, of the inverse of that angle, it is felt. The sweep, for a rim that moves by its
+    own angle, feels its square root where rows of the checker touch the ellipse.
+    """
+    chart, contrast = work.chart, contrast_of(view)
+    if contrast == 0.0 or not 0.0 < chart.lobe.rim_sin < math.cos(chart.lobe_beta):
+        return 0.0, 0.0
+    ratio, light = math.sin(chart.lobe_beta) / chart.lobe.rim_sin, contrast * most_floor_light(view)
+    return ROUNDED_ELLIPSE * ratio * ratio * light, ROUNDED_ROOT * ratio * light
+
+
+@inlined
+def rim_speed(row: Array, chart: Chart) -> float:
+    """How fast a lobe's rim moves over the floor, in its own angle."""
+    axis, place = 0.0, 0.0
+    for a in range(3):
+        axis += row[AXIS + a] ** 2
+        place += row[AT_POINT + a] ** 2
+    return (math.sqrt(axis) + math.sqrt(place) / chart.height) / chart.lobe.rim_sin
+
+
 def gradient_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, tangents: Tangents, work:
     Work, tangent_work: TangentWork, gauss: Array, disk: Array | None, panels: Table[Panel], spans: Table[Span], ids:
@@ -370,8 +402,7 @@ def gradient_kernel(
             disk[disk.shape[0] - 1, 0] = 0.0
 
         sky = max(view.shading.background[0], view.shading.background[1], view.shading.background[2])
-        facing = max(-1.0, min(1.0, lobe[0] * normals[i, 0] + lobe[1] * normals[i, 1] + lobe[2] * normals[i, 2]))
-        alpha = math.acos(facing)
+        alpha = tilt_of(lobe, normals[i])
         share, by_n, by_theta, by_alpha = 1.0, 0.0, 0.0, 0.0
         if alpha + theta_max > 0.5 * math.pi:
             share = cap_share(n, theta_max, alpha, 0.5 * math.pi, gauss)
@@ -420,6 +451,11 @@ def gradient_kernel(
             floor_strips(framed, work)
             moves_in_frame(k, points[i], normals[i], lobe, view, tangents.turns, frames, t.moves, t.framed)
             chart_moves(-1, chart, tangents, t.framed)
+            mean, sweep = rounded_ellipse(framed, work)
+            if sweep > 0.0:
+                for p in range(count):
+                    row = t.framed[p]
+                    t.beyond[p] += mean * abs(row[LOG_NORMALISER]) + sweep * rim_speed(row, chart)
             spent += shape_slopes(
                 own, axis, framed, work, t, t.framed, gauss, disk, panels, spans, ids, events, scratch, conics,
                 remainders, what, grid, tol, spent, max_evaluations, exact,

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from adversary.families import generate
+from symrender.adjoint.lobe_mass import horizon_slopes, normaliser_slopes
 from symrender.chambers.chart import set_frame
 from symrender.chambers.lobes.mass import cap_share
-from symrender.chambers.lobes.mass_slopes import horizon_slopes, normaliser_slopes
 from symrender.chambers.records import Chart
 from symrender.errors import SceneError, Unsupported
 from symrender.probe import probe

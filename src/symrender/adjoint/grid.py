@@ -13,11 +13,12 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import PARTLY
-from symrender.chambers.lobes.adjoint import add_own, log_density_at, pull, steepness
-from symrender.chambers.records import Chart
-from symrender.chambers.tangent_moves import any_moves
-from symrender.chambers.tangent_walls import (
+from symrender.adjoint.disk import disk_adjoint, disk_gradient
+from symrender.adjoint.line import NODE
+from symrender.adjoint.lobe import add_own, log_density_at, pull, steepness
+from symrender.adjoint.moves import any_moves
+from symrender.adjoint.panel import contract
+from symrender.adjoint.walls import (
     AT_POINT,
     AXIS,
     BRIGHT,
@@ -29,6 +30,8 @@ from symrender.chambers.tangent_walls import (
     SHADING,
     plane_columns,
 )
+from symrender.chambers.labels import PARTLY
+from symrender.chambers.records import Chart
 from symrender.chambers.work import View, Work
 from symrender.kernel_cache import inlined, jitable
 from symrender.quadrature.disk_term import disk_term
@@ -49,9 +52,6 @@ from symrender.quadrature.split_grid import (
 )
 from symrender.quadrature.split_line import SOFT_LOG
 from symrender.quadrature.split_square import seen, taper
-from symrender.quadrature.tangent_disk import disk_adjoint, disk_gradient
-from symrender.quadrature.tangent_line import NODE
-from symrender.quadrature.tangent_panel import contract
 from symrender.records import Table
 from symrender.scene.records import Floor
 

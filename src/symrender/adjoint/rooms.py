@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.tangent_walls import AT_POINT, AXIS, EYE, HORIZON_NORMAL, LIGHTS, plane_columns
+from symrender.adjoint.walls import AT_POINT, AXIS, EYE, HORIZON_NORMAL, LIGHTS, plane_columns
 from symrender.chambers.work import Frames, View
 from symrender.kernel_cache import inlined, jitable
 from symrender.records import Grid

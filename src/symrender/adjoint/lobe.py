@@ -7,11 +7,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.adjoint.moves import fastest_of, pace
+from symrender.adjoint.walls import EXPONENT, LOG_NORMALISER, RIM
 from symrender.chambers.lobes.density import density_of
 from symrender.chambers.lobes.record import Lobe
 from symrender.chambers.lobes.setup import FLAT, lobe_setup
-from symrender.chambers.tangent_moves import fastest_of, pace
-from symrender.chambers.tangent_walls import EXPONENT, LOG_NORMALISER, RIM
 from symrender.kernel_cache import inlined, jitable
 from symrender.scene.records import Floor, Sphere
 

@@ -9,25 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import DARK, light_state
-from symrender.chambers.rooms import carry, frame_view, turn
-from symrender.chambers.tangent_rooms import moves_in_frame
-from symrender.chambers.tangent_walls import (
-    AT_POINT,
-    AXIS,
-    HORIZON_NORMAL,
-    LIGHTS,
-    SHADING,
-    adjoint_columns,
-    plane_columns,
-)
-from symrender.chambers.work import Frames, View, Work, scene_frames, scene_view, work_arrays
-from symrender.kernel_cache import compiled, jitable
-from symrender.quadrature.disk_direct import KINKED_SAFETY, cast_by_all, compared_step, disk_step, stand_at
-from symrender.quadrature.gauss import gauss_table
-from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_line import kinked
-from symrender.quadrature.tangent_disk import (
+from symrender.adjoint.disk import (
     AT_Q,
     BALLS,
     NORMAL,
@@ -39,7 +21,25 @@ from symrender.quadrature.tangent_disk import (
     disk_rows,
     functional,
 )
-from symrender.quadrature.tangent_point import Tangents, point_moves
+from symrender.adjoint.point import Tangents, point_moves
+from symrender.adjoint.rooms import moves_in_frame
+from symrender.adjoint.walls import (
+    AT_POINT,
+    AXIS,
+    HORIZON_NORMAL,
+    LIGHTS,
+    SHADING,
+    adjoint_columns,
+    plane_columns,
+)
+from symrender.chambers.labels import DARK, light_state
+from symrender.chambers.rooms import carry, frame_view, turn
+from symrender.chambers.work import Frames, View, Work, scene_frames, scene_view, work_arrays
+from symrender.kernel_cache import compiled, jitable
+from symrender.quadrature.disk_direct import KINKED_SAFETY, cast_by_all, compared_step, disk_step, stand_at
+from symrender.quadrature.gauss import gauss_table
+from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.split_line import kinked
 from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
 from symrender.settings import EXACT_DISK
 

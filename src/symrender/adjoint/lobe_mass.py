@@ -7,12 +7,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.mass import NODES, graded, last_ring, ring_node
 from symrender.kernel_cache import jitable
 
 Array = npt.NDArray[np.float64]
 
-_PIECES = 8
-_ORDER = 24
 _NEGLIGIBLE = 42.0
 """e to the minus this is below rounding."""
 
@@ -46,17 +45,15 @@ def horizon_slopes(n: float, theta_max: float, alpha: float, share: float, gauss
     u = n + 1.0
     scale = u / (2.0 * math.pi * -math.expm1(u * log_rim))
     sa, ca = math.sin(alpha), math.cos(alpha)
-    base = _ORDER * (_ORDER - 1) // 2
 
     last = math.acos(max(0.0, min(1.0, math.cos(rim) / sa))) if rim < 1.5707963267948966 else 0.5 * math.pi
     if n > 0.0:
         last = min(last, math.acos(math.exp(-_NEGLIGIBLE / n)) if n > 0.05 else last)
     tilt = 0.0
-    for piece in range(_PIECES):
-        for q in range(_ORDER):
-            t = last * (piece + gauss[0, base + q]) / _PIECES
-            weight = 2.0 * last * gauss[1, base + q] / _PIECES
-            tilt -= weight * scale * math.exp(n * math.log(max(sa * math.cos(t), 1e-300))) * math.cos(t)
+    for node in range(NODES):
+        at, weight = graded(node, gauss)
+        along = math.cos(last * at)
+        tilt -= 2.0 * last * weight * scale * math.exp(n * math.log(max(sa * along, 1e-300))) * along
 
     # rings below ``low`` are whole, those up to ``high`` cut by the horizon
     low, high = 0.5 * math.pi - alpha, rim
@@ -65,20 +62,14 @@ def horizon_slopes(n: float, theta_max: float, alpha: float, share: float, gauss
         log_low = math.log1p(-2.0 * math.sin(0.5 * low) ** 2)
         inner = -math.exp(u * log_low) * log_low / -math.expm1(u * log_rim)
     low = abs(low)
-    reach = 2.0 * math.asin(math.sqrt(min(1.0, -math.expm1(-_NEGLIGIBLE / u)) * 0.5))
-    high = min(high, max(reach, low + _NEGLIGIBLE / (u * max(math.tan(min(low, 1.5)), 1e-9))))
+    high = min(high, last_ring(n, low, high))
     logs = 0.0
     if low < high:
-        for piece in range(_PIECES):
-            for q in range(_ORDER):
-                x = (piece + gauss[0, base + q]) / _PIECES
-                s, c = math.sin(0.5 * math.pi * x), math.cos(0.5 * math.pi * x)
-                theta = low + (high - low) * s * s
-                log = math.log1p(-2.0 * math.sin(0.5 * theta) ** 2) if theta < 1.5707963267948966 else -1e300
-                arc = math.acos(max(-1.0, min(1.0, -math.cos(theta) * ca / max(math.sin(theta) * sa, 1e-300))))
-                weight = gauss[1, base + q] / _PIECES * math.pi * s * c * (high - low)
-                if log > -1e299:
-                    logs += weight * scale * math.exp(n * log) * log * math.sin(theta) * 2.0 * arc
+        for node in range(NODES):
+            weight, st, ct = ring_node(node, low, high, n, gauss)
+            if ct > 0.0:
+                arc = math.acos(max(-1.0, min(1.0, -ct * ca / max(st * sa, 1e-300))))
+                logs += weight * scale * math.log1p(-st * st / (1.0 + ct)) * 2.0 * arc
     # of the whole rings: d/dn of (1 - c^u) over the normaliser, less the normaliser's own slope
     whole = 0.0
     if 0.5 * math.pi - alpha > 0.0:

@@ -18,14 +18,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.labels import BEYOND_SEAM, GLINT, HIDDEN, PARTLY
-from symrender.chambers.labels import DARK as UNLIT
-from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
-from symrender.chambers.lobes.adjoint import add_own, log_density_at, pull
-from symrender.chambers.lobes.density import density_of, rim_density
-from symrender.chambers.lobes.width import blunt_rim, rim_power, steepening
-from symrender.chambers.records import Chart
-from symrender.chambers.tangent_walls import (
+from symrender.adjoint.disk import disk_adjoint, disk_gradient, monitor
+from symrender.adjoint.light_term import BAR_ROWS, offset_gradient
+from symrender.adjoint.lobe import add_own, log_density_at, pull
+from symrender.adjoint.walls import (
     AMBIENT,
     AXIS,
     BACKGROUND,
@@ -49,7 +45,13 @@ from symrender.chambers.tangent_walls import (
     rim_gradient,
     wall_gradient,
 )
-from symrender.chambers.tangent_walls import DARK as DARK_COLUMN
+from symrender.adjoint.walls import DARK as DARK_COLUMN
+from symrender.chambers.labels import BEYOND_SEAM, GLINT, HIDDEN, PARTLY
+from symrender.chambers.labels import DARK as UNLIT
+from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
+from symrender.chambers.lobes.density import density_of, rim_density
+from symrender.chambers.lobes.width import blunt_rim, rim_power, steepening
+from symrender.chambers.records import Chart
 from symrender.chambers.walls import FLOOR_CUT, HORIZON, TEXTURE_EDGE
 from symrender.chambers.work import View, Work, is_spent
 from symrender.kernel_cache import inlined, jitable
@@ -59,8 +61,6 @@ from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.light_term import light_term
 from symrender.quadrature.split_line import SOFT_LOG, cell_order, disk_edge, tail_error
-from symrender.quadrature.tangent_disk import disk_adjoint, disk_gradient, monitor
-from symrender.quadrature.tangent_light import BAR_ROWS, offset_gradient
 from symrender.scene.arrays import EYE as FROM_EYE
 from symrender.scene.arrays import MARBLE, PHONG
 

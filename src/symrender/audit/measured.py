@@ -1,0 +1,199 @@
+"""What a renderer measured: means of pixels with the variances of these means, from moments or from seeds."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.errors import ImageError, OptionError
+from symrender.images.image import Image, read_image
+from symrender.limits import MAX_AUDIT_PIXELS, MAX_AUDIT_SAMPLES, MAX_SEEDS, MIN_SEEDS
+
+Array = npt.NDArray[np.float64]
+Render = Image | str | os.PathLike[str]
+Source = Literal["moments", "variance", "seeds", "none"]
+
+XYZ_OF_RGB: Final = np.array(
+    [[0.412453, 0.357580, 0.180423], [0.212671, 0.715160, 0.072169], [0.019334, 0.119193, 0.950227]]
+)
+"""CIE XYZ of linear sRGB, as Mitsuba's moment integrator turns what it squares."""
+SINGLE: Final = 2.0**-22
+"""Relative rounding allowed to a value that was kept in 32-bit float: conversions and one sum."""
+_MIN_SAMPLES: Final = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Pixels a renderer measured: ``mean`` (h, w, c), ``variance`` of that mean, alike, and where it comes from.
+
+    ``samples`` a pixel (seeds: how many images), ``freedom`` the degrees of freedom of one variance. ``seeds``
+    (K, h, w, c) are the images themselves where the variance comes from them. ``basis`` takes radiance (h, w, 3) to
+    the channels that were measured. ``single``: every mean is a 32-bit number. ``receipts``: the scene hashes that the
+    images carry, "" where one carries none.
+    """
+
+    mean: Array
+    variance: Array
+    samples: int
+    source: Source
+    channels: tuple[str, ...]
+    basis: Array
+    single: bool
+    receipts: tuple[str, ...] = ()
+    seeds: Array | None = None
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom of the variance of one pixel."""
+        return self.samples - 1
+
+    def of(self, radiance: Array) -> Array:
+        """Radiance (h, w, 3) in the channels that were measured."""
+        return radiance if np.array_equal(self.basis, np.eye(3)) else radiance @ self.basis.T
+
+
+def measured(renders: Sequence[Render], samples: int = 0, *, noise_free: bool = False) -> Measured:
+    """Read one render that carries its moments or variances, or K of them made with K seeds.
+
+    ``samples`` a pixel are needed where one render is given whose metadata tells none, unless it is ``noise_free``.
+    Raises ``ImageError`` for NaN, infinity, sizes that differ, no second moment, or moments that no numbers have;
+    ``OptionError`` for too few seeds or samples.
+    """
+    if not renders:
+        raise OptionError("renders: must name at least one image")
+    if noise_free:
+        if len(renders) > 1:
+            raise OptionError(f"noise-free: one render says all, got {len(renders)}")
+        image, name = _read(renders[0])
+        mean = finite(image.radiance, f"{name}: radiance")
+        return Measured(
+            mean, np.zeros_like(mean), 1, "none", ("R", "G", "B"), np.eye(3), _is_single(mean), (_receipt(image),)
+        )
+    if len(renders) == 1:
+        return _of_moments(renders[0], samples)
+    if not MIN_SEEDS <= len(renders) <= MAX_SEEDS:
+        raise OptionError(f"renders: must be 1 with moments or {MIN_SEEDS} to {MAX_SEEDS} seeds, got {len(renders)}")
+    return of_seeds(*radiances(renders))
+
+
+def radiances(renders: Iterable[Render]) -> tuple[Array, tuple[str, ...]]:
+    """Radiance of images of one size, (K, h, w, 3), and their receipts."""
+    found: list[Array] = []
+    receipts: list[str] = []
+    pixels = 0
+    for render in renders:
+        image, name = _read(render)
+        values = finite(image.radiance, f"{name}: radiance")
+        if found and values.shape != found[0].shape:
+            raise ImageError(f"{name}: is {_size(values)} pixels, the first render {_size(found[0])}")
+        pixels += values.shape[0] * values.shape[1]
+        if pixels > MAX_AUDIT_PIXELS:
+            raise ImageError(f"{name}: {pixels} pixels together exceed {MAX_AUDIT_PIXELS}")
+        found.append(values)
+        receipts.append(_receipt(image))
+    return np.stack(found), tuple(receipts)
+
+
+def of_seeds(seeds: Array, receipts: tuple[str, ...] = ()) -> Measured:
+    """Images (K, h, w, 3) of K seeds as one measurement; equal images are refused, for they are one seed."""
+    count = len(seeds)
+    mean = seeds.mean(axis=0)
+    variance = seeds.var(axis=0, ddof=1) / count
+    alike = [k for k in range(1, count) if np.array_equal(seeds[0], seeds[k])]
+    if alike and variance.any():
+        raise ImageError(f"renders: images 1 and {alike[0] + 1} are equal, each must have a seed of its own")
+    exact = _is_single(seeds[0])
+    return Measured(mean, variance, count, "seeds", ("R", "G", "B"), np.eye(3), exact, receipts, seeds)
+
+
+def _of_moments(render: Render, samples: int) -> Measured:
+    image, name = _read(render)
+    mean, second, source, channels, basis = _layers(image, name)
+    samples = samples or _samples(image)
+    if not _MIN_SAMPLES <= samples <= MAX_AUDIT_SAMPLES:
+        got = "none" if samples == 0 else str(samples)
+        raise OptionError(f"samples: must be the samples a pixel, {_MIN_SAMPLES} to {MAX_AUDIT_SAMPLES}, got {got}")
+    mean, second = finite(mean, f"{name}: mean"), finite(second, f"{name}: {source}")
+    if source == "moments":
+        # 32-bit sums of squares cancel: what is below their rounding is no variance
+        rounding = (SINGLE * 2 if _is_single(mean) else 1e-14) * second
+        spread = second - mean * mean
+        bad = int((spread < -64.0 * rounding).sum())
+        if bad:
+            raise ImageError(f"{name}: {bad} second moments lie below the squared mean, so they are no moments")
+        spread = np.maximum(spread, np.where(mean != 0.0, rounding, 0.0))
+        variance = spread / (samples - 1)
+    else:
+        if (second < 0.0).any():
+            raise ImageError(f"{name}: a variance must not be negative, got {float(second.min()):.4g}")
+        variance = second / samples
+    return Measured(mean, variance, samples, source, channels, basis, _is_single(mean), (_receipt(image),))
+
+
+def _layers(image: Image, name: str) -> tuple[Array, Array, Source, tuple[str, ...], Array]:
+    """Mean, second moment or variance of one sample, which of both, channels and their basis."""
+    layers = image.layers
+    rgb = ("R", "G", "B")
+    for moment in layers:
+        if not moment.startswith("m2_"):
+            continue
+        stem = moment.removeprefix("m2_")
+        if layers[moment].ndim == 3 and stem in layers and layers[stem].ndim == 3:
+            return layers[stem], layers[moment], "moments", rgb, np.eye(3)
+        parts = [f"{stem.removesuffix('.X')}.{letter}" for letter in "XYZ"]
+        if stem.endswith(".X") and all(part in layers and f"m2_{part}" in layers for part in parts):
+            means = np.stack([layers[part] for part in parts], axis=-1)
+            seconds = np.stack([layers[f"m2_{part}"] for part in parts], axis=-1)
+            return means, seconds, "moments", ("X", "Y", "Z"), XYZ_OF_RGB
+    for variance in ("Variance", "variance"):
+        if variance in layers and layers[variance].ndim == 3:
+            return image.radiance, layers[variance], "variance", rgb, np.eye(3)
+    raise ImageError(
+        f"{name}: has neither second moments (m2_*) nor variances (Variance.R ...), and {MIN_SEEDS} seeds are the "
+        f"fewest; its layers are {', '.join(list(layers)[:12])}"
+    )
+
+
+def _read(render: Render) -> tuple[Image, str]:
+    if isinstance(render, Image):
+        image, name = render, "render"
+    else:
+        image, name = read_image(os.fspath(render), max_pixels=MAX_AUDIT_PIXELS), os.fspath(render)
+        if name.lower().endswith(".png"):
+            raise ImageError(f"{name}: a PNG is rounded to 8 bits and clipped, an audit needs .exr or .npz")
+    if image.height * image.width > MAX_AUDIT_PIXELS:
+        raise ImageError(f"{name}: {image.width} x {image.height} pixels exceed {MAX_AUDIT_PIXELS}")
+    return image, name
+
+
+def finite(values: Array, what: str) -> Array:
+    """``values``, or ``ImageError`` where some are NaN, infinite, or too large to square."""
+    bad = np.argwhere(~(np.abs(values) < 1e100))
+    if len(bad):
+        row, column = int(bad[0][0]), int(bad[0][1])
+        raise ImageError(f"{what}: {len(bad)} values are NaN, infinite or beyond 1e100, first at ({column}, {row})")
+    return values
+
+
+def _receipt(image: Image) -> str:
+    return image.meta.get("scene_hash", "")
+
+
+def _samples(image: Image) -> int:
+    """Samples a pixel that the render's metadata tells, else 0."""
+    told = image.meta.get("samples", "")
+    return int(told) if told.isascii() and told.isdigit() and len(told) < 19 else 0
+
+
+def _is_single(values: Array) -> bool:
+    with np.errstate(over="ignore", under="ignore"):
+        return bool(np.array_equal(values, values.astype(np.float32)))
+
+
+def _size(values: Array) -> str:
+    return f"{values.shape[1]} x {values.shape[0]}"

@@ -1,0 +1,207 @@
+"""What an audit finds: records with names, and the words for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Outcome = Literal["passed", "failed", "not judged"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One test of the family.
+
+    ``bias`` is what was measured less the truth (``scale``: relative), ``error`` its standard error, ``allowance`` what
+    the truth's own error and 32-bit rounding may make of it, ``z`` the bias beyond its allowance in standard errors
+    with ``freedom`` degrees, ``p`` its two-sided probability and ``adjusted`` that after Holm. ``visible`` is the
+    smallest bias that such a test sees with probability .9. ``relative`` and ``visible_relative`` are over the
+    truth's mean. ``why``: what makes a test unsafe to judge.
+    """
+
+    name: str
+    region: str
+    channel: str
+    pixels: int
+    truth: float
+    bias: float
+    error: float
+    allowance: float
+    freedom: float
+    z: float
+    p: float
+    adjusted: float
+    visible: float
+    outcome: Outcome
+    why: str = ""
+
+    @property
+    def relative(self) -> float:
+        """Bias over the truth's mean."""
+        return self.bias / self.truth if self.truth else float("nan")
+
+    @property
+    def visible_relative(self) -> float:
+        """Smallest visible bias over the truth's mean."""
+        return self.visible / abs(self.truth) if self.truth else float("nan")
+
+
+@dataclass(frozen=True)
+class PixelTest:
+    """Every pixel by itself: ``rejected`` by Holm at its share of the level, ``discovered`` by Benjamini-Hochberg.
+
+    ``unjudged`` pixels are too noisy for the normal distribution or have no truth. ``worst`` is (column, row).
+    ``kurtosis`` is that of the z values, 3 where they are normal.
+    """
+
+    judged: int
+    unjudged: int
+    rejected: int
+    discovered: int
+    worst: tuple[int, int]
+    largest: float
+    kurtosis: float
+    outcome: Outcome
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """One thing that would change the truth into what was measured.
+
+    Of a parameter ``current`` is the scene's value, ``value`` what the render is consistent with, ``error`` its
+    standard error; a mutation has no numbers. ``explains`` is the share of the regions' squared z values that goes.
+    ``consistent``: after it no region is off any more.
+    """
+
+    name: str
+    explains: float
+    consistent: bool
+    current: float = float("nan")
+    value: float = float("nan")
+    error: float = float("nan")
+    how: str = ""
+
+    def text(self) -> str:
+        """One sentence."""
+        if np.isfinite(self.value):
+            words = f"{self.name} were {self.value:.6g} +- {self.error:.2g} instead of {self.current:.6g}"
+        else:
+            words = self.name
+        verb = "consistent with truth if" if self.consistent else "nearer to truth, not equal, if"
+        return f"{verb} {words} (explains {100 * self.explains:.2f} % of the misfit)"
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """The outcome of an audit at family-wise ``level``.
+
+    ``passed`` says that no test failed; ``tests`` are the scale of the whole image and ``regions`` the signed means;
+    ``pixels`` every pixel by itself; ``attribution`` what would explain a failure, best first; ``maps`` the images
+    ``difference``, ``z``, ``error`` (h, w, c) and ``rejected``, ``discovered`` (h, w); ``notes`` what a reader must
+    know. ``looks`` counts the interim looks of a sequential audit (1 without), ``samples`` those used.
+    """
+
+    passed: bool
+    level: float
+    scene: str
+    scene_hash: str
+    source: str
+    samples: int
+    size: tuple[int, int]
+    tests: tuple[Finding, ...]
+    regions: tuple[Finding, ...]
+    pixels: PixelTest
+    attribution: tuple[Explanation, ...]
+    notes: tuple[str, ...]
+    looks: int = 1
+    maps: Mapping[str, Array] = field(default_factory=dict, repr=False)
+
+    @property
+    def failed(self) -> tuple[Finding, ...]:
+        """The tests that failed, strongest first."""
+        found = [test for test in (*self.tests, *self.regions) if test.outcome == "failed"]
+        return tuple(sorted(found, key=lambda test: (test.p, -abs(test.z))))
+
+    def sentence(self) -> str:
+        """What a person should know, in a sentence or two."""
+        whole = next(test for test in self.regions if test.region == "all")
+        if self.passed:
+            seen = f"a bias of {_percent(whole.visible_relative)} over the whole image would have been seen"
+            return f"Passed: nothing tells this render from the truth of {self.scene}; {seen}."
+        words = []
+        if self.failed:
+            worst = self.failed[0]
+            what = "all of the image" if worst.region == "all" else worst.region
+            size = "brighter" if worst.bias > 0 else "darker"
+            if worst.name == "scale":
+                words.append(f"it is {_percent(worst.bias)} {size} as a whole")
+            else:
+                off = _percent(worst.relative) if worst.truth else f"{worst.bias:.3g}"
+                words.append(f"{what} is {off} {size} in {worst.channel} (z {worst.z:+.1f})")
+        if self.pixels.outcome == "failed":
+            words.append(f"{self.pixels.rejected} single pixels are off, most at {self.pixels.worst}")
+        text = f"Failed: {'; '.join(words)}."
+        if self.attribution and self.attribution[0].explains > 0.1:
+            text += f" It is {self.attribution[0].text()}."
+        return text
+
+    def text(self) -> str:
+        """The verdict, its power and its tests, for a terminal."""
+        lines = [
+            f"audit of {self.scene}, {self.size[0]} x {self.size[1]} pixels, {self.source}, {self.samples} samples; "
+            f"family-wise level {self.level:g}",
+            "power: bias seen with probability .9, of the truth's mean",
+        ]
+        for test in self.regions:
+            lines.append(
+                f"  {_label(test):44} {test.pixels:8d} px  {_percent(test.visible_relative):>9} (+-{test.visible:.3g})"
+            )
+        lines.append("tests:")
+        for test in (*self.tests, *self.regions):
+            what = f"  {_label(test):44} {test.bias:+.4g} +- {test.error:.2g}  z {test.z:+7.2f}  p {test.adjusted:.2g}"
+            lines.append(f"{what}  {test.outcome}{_because(test.why)}")
+        pixel = self.pixels
+        lines.append(
+            f"  pixels: {pixel.judged} judged, {pixel.unjudged} not; {pixel.rejected} rejected (Holm), "
+            f"{pixel.discovered} discovered (Benjamini-Hochberg); {pixel.outcome}{_because(pixel.why)}"
+        )
+        lines += [f"attribution: {found.text()}; {found.how}" for found in self.attribution]
+        lines += [f"note: {note}" for note in self.notes]
+        return "\n".join([*lines, self.sentence()])
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data without the maps; what is not a finite number is null."""
+        kept: dict[str, Any] = {
+            name: getattr(self, name)
+            for name in ("passed", "level", "scene", "scene_hash", "source", "samples", "looks")
+        }
+        kept |= {"size": list(self.size), "sentence": self.sentence(), "notes": list(self.notes)}
+        kept["tests"] = [_plain(asdict(test)) for test in self.tests]
+        kept["regions"] = [_plain(asdict(test)) for test in self.regions]
+        kept["pixels"] = _plain(asdict(self.pixels))
+        kept["attribution"] = [_plain(asdict(found)) for found in self.attribution]
+        return kept
+
+
+def _label(test: Finding) -> str:
+    return f"{test.name} {test.region} {test.channel}" if test.name != "scale" else "scale (truth times 1 + b)"
+
+
+def _because(why: str) -> str:
+    return f": {why}" if why else ""
+
+
+def _percent(share: float) -> str:
+    return f"{100 * abs(share):.3g} %" if np.isfinite(share) else "unbounded"
+
+
+def _plain(record: dict[str, Any]) -> dict[str, Any]:
+    return {
+        key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in record.items()
+    }

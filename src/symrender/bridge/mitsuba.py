@@ -1,0 +1,309 @@
+"""A radiometric scene as Mitsuba 3 reads it: ``scene.xml``, a program that renders it, and a receipt.
+
+What Mitsuba means by each plugin was checked against its version 3.9.1 along single rays (``docs/bridge.md``).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any, Final, Literal, assert_never
+
+from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, reach_of
+from symrender.errors import OptionError, Unsupported
+from symrender.images.output import check_target, make_folder, write_bytes
+from symrender.scene.mitsuba.plane import frame_of, said, said_cell, square
+from symrender.scene.radiometric import lights
+from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Material, Phong, Stripes
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.shapes import Plane, Sphere
+from symrender.settings import image_size
+from symrender.version import VERSION
+
+Rays = Literal["box", "centre"]
+
+_FACET: Final = "Mitsuba's roughconductor has"
+_CLIP: Final = 0.01
+"""Near clipping distance over the distance from the eye to the nearest surface."""
+
+
+@dataclass(frozen=True)
+class Carried:
+    """The files of an exported scene by name, and what is told of them (also in ``receipt.json``)."""
+
+    files: dict[str, str]
+    receipt: dict[str, Any]
+
+    def save(self, folder: str | Path, *, force: bool = True, inputs: Iterable[str | Path] = ()) -> tuple[Path, ...]:
+        """Write every file into ``folder``, made if missing; ``OutputError`` where one cannot be written.
+
+        A file among ``inputs`` is never replaced.
+        """
+        into = make_folder(folder)
+        targets = {into / name: text for name, text in self.files.items()}
+        for target in targets:
+            check_target(target, force=force, inputs=inputs)
+        for target, text in targets.items():
+            write_bytes(target, text.encode("utf-8"), force=force)
+        return tuple(targets)
+
+
+def mitsuba(
+    scene: RadiometricScene,
+    *,
+    size: int | tuple[int, int] = 256,
+    samples: int = 256,
+    scale: float = 1.0,
+    center: Triple | Literal["middle"] = (0.0, 0.0, 0.0),
+    rays: Rays = "box",
+    reach: float | None = None,
+    calibration: bool = False,
+) -> Carried:
+    """``scene`` for Mitsuba 3: ``scene.xml``, ``run.py``, ``receipt.json``, and ``calibration.xml`` where asked.
+
+    Places p become ``scale`` (p - ``center``), ``middle`` being that of the spheres; radiance stays as it is
+    (:func:`symrender.bridge.moved.moved`). ``rays``: through pixels at random, whose mean is a box filter, or through
+    their centres, as truth has them. ``reach``: half a side of the square that stands for a plane, over the distance
+    to what is farthest of the scene (:func:`symrender.bridge.moved.reach_of`).
+    Raises Unsupported naming what Mitsuba cannot state.
+    """
+    width, height = image_size(size)
+    if not 1 <= samples <= 1 << 30:
+        raise OptionError(f"samples: must be from 1 to {1 << 30}, got {samples}")
+    if rays not in ("box", "centre"):
+        raise OptionError(f"rays: must be box or centre, got {rays!r}")
+    reach = reach_of(scene) if reach is None else float(reach)
+    if not 2.0 <= reach <= 1e6:
+        raise OptionError(f"reach: must be from 2 to 1e6, got {reach!r}")
+    for name, material in scene.materials.items():
+        _refuse(name, material)
+    origin = middle(scene) if center == "middle" else center
+    there = moved(scene, scale, origin)
+    halves = {shape.name: half_side(there, shape, reach) for shape in there.shapes if isinstance(shape, Plane)}
+    sensor = _sensor(there, width, height, samples, halves)
+    used = {shape.material for shape in there.shapes}
+    body: list[str] = []
+    for name, material in there.materials.items():
+        if name not in used or not isinstance(material.reflectance, Checker):
+            body += _material(material, f' id="material-{name}"', None)
+    for shape in there.shapes:
+        body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0))
+    for light in there.lights:
+        body += _emitter(light)
+    receipt = _receipt(scene, there, scale, origin, halves, (width, height), rays)
+    files = {
+        "scene.xml": _document([*_integrator(scene), *sensor, *body]),
+        "run.py": (resources.files("symrender.bridge") / "run_mitsuba.txt").read_text("utf-8"),
+        "receipt.json": json.dumps(receipt, indent=1, sort_keys=True) + "\n",
+    }
+    if calibration:
+        one = _emitter(lights.Sky(type="sky", name="one", radiance=(1.0, 1.0, 1.0)))
+        files["calibration.xml"] = _document([*_integrator(scene), *sensor, *one])
+    return Carried(files, receipt)
+
+
+def _refuse(name: str, material: Material) -> None:
+    """Raise Unsupported where Mitsuba has no such material."""
+    where = f"materials.{name}"
+    if isinstance(material, Phong):
+        raise Unsupported(f"{where}: mitsuba: has no phong lobe whose normalisation is this one")
+    if isinstance(material.reflectance, Stripes | Marble):
+        raise Unsupported(f"{where}.reflectance: mitsuba: has no {material.reflectance.type}; checker and solid are")
+    if isinstance(material, Diffuse):
+        return
+    if material.masking != "separable":
+        raise Unsupported(f"{where}.masking: mitsuba: {_FACET} masking: separable, got {material.masking}")
+    if material.distribution == "beckmann" and material.g1 != "walter":
+        raise Unsupported(f"{where}.g1: mitsuba: {_FACET} g1: walter with beckmann, got {material.g1}")
+
+
+def _numbers(values: tuple[float, ...]) -> str:
+    return ", ".join(repr(float(x)) for x in values)
+
+
+def _rgb(name: str, color: tuple[float, ...]) -> str:
+    return f'<rgb name="{name}" value="{_numbers(color)}"/>'
+
+
+def _nested(head: str, inner: list[str], tag: str) -> list[str]:
+    return [f"<{head}>", *(f"  {line}" for line in inner), f"</{tag}>"]
+
+
+def _document(lines: list[str]) -> str:
+    return "\n".join(_nested('scene version="3.0.0"', lines, "scene")) + "\n"
+
+
+def _integrator(scene: RadiometricScene) -> list[str]:
+    depth = -1 if scene.bounces == "all" else scene.bounces + 2
+    return _nested('integrator type="path"', [f'<integer name="max_depth" value="{depth}"/>'], "integrator")
+
+
+def _sensor(scene: RadiometricScene, width: int, height: int, samples: int, halves: dict[str, float]) -> list[str]:
+    camera = scene.camera
+    near, far = math.inf, 2.0 * extent(scene, camera.eye)
+    for shape in scene.shapes:
+        if isinstance(shape, Sphere):
+            near = min(near, abs(math.dist(camera.eye, shape.center) - shape.radius))
+            continue
+        up = frame_of(shape)[2]
+        near = min(near, abs(sum(n * (e - p) for n, e, p in zip(up, camera.eye, shape.point, strict=True))))
+        far = max(far, math.dist(camera.eye, shape.point) + 2.0 * halves[shape.name])
+    clip = _CLIP * near if 0.0 < near < math.inf else 1e-9 * far
+    inner = [
+        '<string name="fov_axis" value="y"/>',
+        f'<float name="fov" value="{camera.fov!r}"/>',
+        f'<float name="near_clip" value="{clip!r}"/>',
+        f'<float name="far_clip" value="{2.0 * far!r}"/>',
+        *_nested(
+            'transform name="to_world"',
+            [
+                f'<lookat origin="{_numbers(camera.eye)}" target="{_numbers(camera.target)}" '
+                f'up="{_numbers(camera.up)}"/>'
+            ],
+            "transform",
+        ),
+        *_nested(
+            'film type="hdrfilm"',
+            [
+                f'<integer name="width" value="{width}"/>',
+                f'<integer name="height" value="{height}"/>',
+                '<string name="pixel_format" value="rgb"/>',
+                '<string name="component_format" value="float32"/>',
+                '<rfilter type="box"/>',
+            ],
+            "film",
+        ),
+        *_nested('sampler type="independent"', [f'<integer name="sample_count" value="{samples}"/>'], "sampler"),
+    ]
+    return _nested('sensor type="perspective"', inner, "sensor")
+
+
+def _material(material: Material, identity: str, to_uv: tuple[float, float] | None) -> list[str]:
+    outer = identity if not material.two_sided else ""
+    reflectance = _reflectance(
+        "reflectance" if isinstance(material, Diffuse) else "specular_reflectance", material, to_uv
+    )
+    match material:
+        case Diffuse():
+            inner = _nested(f'bsdf type="diffuse"{outer}', reflectance, "bsdf")
+        case Conductor():
+            lines = [
+                f'<string name="distribution" value="{material.distribution}"/>',
+                f'<float name="alpha" value="{material.alpha!r}"/>',
+                _rgb("eta", material.eta),
+                _rgb("k", material.k),
+                *reflectance,
+            ]
+            inner = _nested(f'bsdf type="roughconductor"{outer}', lines, "bsdf")
+        case Phong():
+            raise AssertionError("refused before")
+        case _:
+            assert_never(material)
+    return _nested(f'bsdf type="twosided"{identity}', inner, "bsdf") if material.two_sided else inner
+
+
+def _reflectance(name: str, material: Material, to_uv: tuple[float, float] | None) -> list[str]:
+    reflectance = material.reflectance
+    if not isinstance(reflectance, Checker):
+        assert not isinstance(reflectance, Stripes | Marble)
+        return [_rgb(name, reflectance.color)]
+    u, v = to_uv or _turns(reflectance)
+    inner = [
+        f"<!-- {said_cell(reflectance.cell)} -->",
+        _rgb("color0", reflectance.bright),
+        _rgb("color1", reflectance.dark),
+        *_nested('transform name="to_uv"', [f'<scale x="{u!r}" y="{v!r}" z="1.0"/>'], "transform"),
+    ]
+    return _nested(f'texture type="checkerboard" name="{name}"', inner, "texture")
+
+
+def _turns(checker: Checker) -> tuple[float, float]:
+    """Scale of (u, v) for a checker on a sphere turned by half a turn about z, where x = 2 u and y = v."""
+    return 1.0 / checker.cell, 0.5 / checker.cell
+
+
+def _shape(shape: Plane | Sphere, material: Material, half: float) -> list[str]:
+    checker = material.reflectance if isinstance(material.reflectance, Checker) else None
+    own = f' id="material-{shape.material}:{shape.name}"'
+    if isinstance(shape, Plane):
+        matrix = " ".join(repr(x) for x in square(shape, half))
+        # the point is a corner of four cells, for half a side is a whole number of pairs of them
+        scales = (half / checker.cell, half / checker.cell) if checker else None
+        inner = [
+            f"<!-- {said(shape)} -->",
+            *_nested('transform name="to_world"', [f'<matrix value="{matrix}"/>'], "transform"),
+        ]
+        kind = "rectangle"
+    else:
+        scales, kind = None, "sphere"
+        x, y, z = shape.center
+        r = shape.radius
+        inner = [f'<point name="center" value="{_numbers(shape.center)}"/>', f'<float name="radius" value="{r!r}"/>']
+        if checker:
+            # half a turn, so that Mitsuba's azimuth begins where that of a scene does
+            turned = " ".join(repr(v) for v in (-r, 0.0, 0.0, x, 0.0, -r, 0.0, y, 0.0, 0.0, r, z, 0.0, 0.0, 0.0, 1.0))
+            inner = _nested('transform name="to_world"', [f'<matrix value="{turned}"/>'], "transform")
+    surface = _material(material, own, scales) if checker else [f'<ref id="material-{shape.material}"/>']
+    return _nested(f'shape type="{kind}" id="shape-{shape.name}"', [*inner, *surface], "shape")
+
+
+def _emitter(light: lights.Light) -> list[str]:
+    match light:
+        case lights.Point():
+            kind = "point"
+            inner = [f'<point name="position" value="{_numbers(light.position)}"/>', _rgb("intensity", light.intensity)]
+        case lights.Directional():
+            kind = "directional"
+            inner = [
+                f'<vector name="direction" value="{_numbers(light.direction)}"/>',
+                _rgb("irradiance", light.irradiance),
+            ]
+        case lights.Sky():
+            kind, inner = "constant", [_rgb("radiance", light.radiance)]
+    return _nested(f'emitter type="{kind}" id="light-{light.name}"', inner, "emitter")
+
+
+def _receipt(
+    scene: RadiometricScene,
+    there: RadiometricScene,
+    scale: float,
+    origin: Triple,
+    halves: dict[str, float],
+    size: tuple[int, int],
+    rays: Rays,
+) -> dict[str, Any]:
+    """What was written, for who judges the image: hashes, what was moved, conventions, and where squares end."""
+    planes = {
+        shape.name: {
+            "half_side": halves[shape.name],
+            "within": extent(there, shape.point),
+            "radiance_lost_within": lost(there, shape, halves[shape.name]),
+        }
+        for shape in there.shapes
+        if isinstance(shape, Plane)
+    }
+    return {
+        "symrender": VERSION,
+        "to": "mitsuba",
+        "checked_against": "3.9.1",
+        "scene_name": scene.name,
+        "scene_hash": scene.hash,
+        "written_hash": there.hash,
+        "scale": scale,
+        "center": list(origin),
+        "scaled": "places p are scale (p - center); point intensities are scale^2 times as large, since the irradiance "
+        "falls off as 1/r^2; irradiances, radiances and so the image are as they were",
+        "width": size[0],
+        "height": size[1],
+        "rays": rays,
+        "bounces": scene.bounces,
+        "units": "radiance, W/(m2 sr), linear rgb channel by channel",
+        "planes": planes,
+        "planes_say": "a square of half a side half_side about the plane's point stands for an endless plane: rays "
+        "that meet it further out see nothing; places within `within` of the point, which holds eye, spheres and point "
+        "lights, differ by at most radiance_lost_within (null: not bounded)",
+    }

@@ -1,0 +1,144 @@
+"""A radiometric scene at another scale and about another origin, and how far squares stand for its planes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+from symrender.errors import OptionError, Unsupported
+from symrender.scene.load import load_any
+from symrender.scene.radiometric import lights
+from symrender.scene.radiometric.materials import Checker, Diffuse, Marble, Material, Stripes
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.shapes import Plane, Sphere
+
+Triple = tuple[float, float, float]
+
+NEAR_REACH: Final = 16.0
+"""Half a side of the square that stands for a plane, over the distance to what is farthest of the scene.
+
+Single precision knows a place in a square to 6e-8 of its side, so a larger square is a worse place.
+"""
+FAR_REACH: Final = 100.0
+"""The same where bounced light or a sky reaches the scene from afar."""
+_SLANT: Final = 1e-4
+"""Sine of the angle to a plane below which a directional light crosses it too far away."""
+
+
+def moved(scene: RadiometricScene, scale: float, center: Triple) -> RadiometricScene:
+    """``scene`` with every place p at ``scale`` (p - ``center``), and the same radiance along every ray.
+
+    Lengths become ``scale`` times as long, so intensities of point lights become ``scale`` squared times as large;
+    irradiances and radiances stay. Raises Unsupported where one textured material is on a plane, whose cells are
+    lengths, and on a sphere, whose cells are angles.
+    """
+    if not (math.isfinite(scale) and 1e-9 <= scale <= 1e9):
+        raise OptionError(f"scale: must be from 1e-9 to 1e9, got {scale!r}")
+    if scale == 1.0 and center == (0.0, 0.0, 0.0):
+        return scene
+
+    def place(p: Triple) -> list[float]:
+        return [scale * (x - c) for x, c in zip(p, center, strict=True)]
+
+    data: dict[str, Any] = scene.model_dump(mode="python")
+    for key in ("eye", "target"):
+        data["camera"][key] = place(data["camera"][key])
+    on_spheres = {shape.material for shape in scene.shapes if isinstance(shape, Sphere)}
+    for shape, row in zip(scene.shapes, data["shapes"], strict=True):
+        if isinstance(shape, Sphere):
+            row["center"], row["radius"] = place(shape.center), scale * shape.radius
+            continue
+        row["point"] = place(shape.point)
+        reflectance = data["materials"][shape.material]["reflectance"]
+        if "cell" in reflectance and scale != 1.0:
+            if shape.material in on_spheres:
+                raise Unsupported(
+                    f"materials.{shape.material}: its cells are lengths on {shape.name} and angles on a sphere, so it "
+                    "cannot be scaled; give them materials of their own"
+                )
+            reflectance["cell"] = scale * getattr(scene.materials[shape.material].reflectance, "cell")  # noqa: B009
+    for light, row in zip(scene.lights, data["lights"], strict=True):
+        if isinstance(light, lights.Point):
+            row["position"] = place(light.position)
+            row["intensity"] = [scale**2 * x for x in light.intensity]
+    result = load_any(data)
+    assert isinstance(result, RadiometricScene)
+    return result
+
+
+def middle(scene: RadiometricScene) -> Triple:
+    """The middle of the box about the spheres, or where the camera looks where there are none."""
+    spheres = [shape for shape in scene.shapes if isinstance(shape, Sphere)]
+    if not spheres:
+        return scene.camera.target
+    low = [min(s.center[k] - s.radius for s in spheres) for k in range(3)]
+    high = [max(s.center[k] + s.radius for s in spheres) for k in range(3)]
+    x, y, z = (0.5 * (a + b) for a, b in zip(low, high, strict=True))
+    return (x, y, z)
+
+
+def extent(scene: RadiometricScene, about: Triple) -> float:
+    """Distance from a place to what is farthest of eye, target, spheres and point lights."""
+    far = [math.dist(about, scene.camera.eye), math.dist(about, scene.camera.target)]
+    far += [math.dist(about, s.center) + s.radius for s in scene.shapes if isinstance(s, Sphere)]
+    far += [math.dist(about, light.position) for light in scene.lights if isinstance(light, lights.Point)]
+    return max(far)
+
+
+def reach_of(scene: RadiometricScene) -> float:
+    """How far squares go if nobody says."""
+    far = scene.bounces != 0 or any(isinstance(light, lights.Sky) for light in scene.lights)
+    return FAR_REACH if far else NEAR_REACH
+
+
+def half_side(scene: RadiometricScene, plane: Plane, reach: float) -> float:
+    """Half a side of the square about ``plane.point`` that stands for the plane; whole pairs of cells of a checker.
+
+    It is ``reach`` times the distance to what is farthest, or more where the sun casts a plane's shadow further.
+    """
+    within = extent(scene, plane.point)
+    reflectance = scene.materials[plane.material].reflectance
+    needed = reach * within
+    size = math.hypot(*plane.normal)
+    for light in scene.lights:
+        if isinstance(light, lights.Directional):
+            cross = sum(a * b for a, b in zip(plane.normal, light.direction, strict=True))
+            slant = abs(cross) / size / math.hypot(*light.direction)
+            if 0.0 < slant < _SLANT:
+                raise Unsupported(
+                    f"lights.{light.name}: almost parallel to shapes.{plane.name}, whose shadow falls beyond any square"
+                )
+            needed = max(needed, within * (1.0 + 2.0 / slant) if slant else 0.0)
+    if isinstance(reflectance, Checker):
+        period = 2.0 * reflectance.cell
+        return period * math.ceil(needed / period)
+    return needed
+
+
+def lost(scene: RadiometricScene, plane: Plane, half: float) -> float | None:
+    """Most radiance by which a place within ``extent`` of ``plane.point`` differs for a square in the plane's place.
+
+    What lies beyond the square fills at most the solid angle w = 2 pi d/(H - d) of what such a place sees; d is that
+    distance, H = ``half`` half a side. Through it enters or is missing the sky, and at one bounce the light the
+    plane sends back. None where that is not bounded: more bounces, or surfaces that are not diffuse.
+    """
+    sky = max((max(x.radiance) for x in scene.lights if isinstance(x, lights.Sky)), default=0.0)
+    if scene.bounces == 0 and sky == 0.0:
+        return 0.0
+    used = [scene.materials[shape.material] for shape in scene.shapes]
+    if scene.bounces == "all" or not all(isinstance(material, Diffuse) for material in used):
+        return None
+    within = extent(scene, plane.point)
+    share = 2.0 * math.pi * within / (half - within)
+    arrives = sum(max(x.irradiance) for x in scene.lights if isinstance(x, lights.Directional))
+    arrives += sum(max(x.intensity) for x in scene.lights if isinstance(x, lights.Point)) / (half - within) ** 2
+    sent = _brightest(scene.materials[plane.material]) / math.pi * (arrives + math.pi * sky)
+    seen = sky + (sent if scene.bounces == 1 else 0.0)
+    return max(map(_brightest, used)) / math.pi * share * seen
+
+
+def _brightest(material: Material) -> float:
+    reflectance = material.reflectance
+    if isinstance(reflectance, Checker | Stripes | Marble):
+        return max(*reflectance.bright, *reflectance.dark)
+    return max(reflectance.color)
