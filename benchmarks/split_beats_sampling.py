@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 from measure import Report, arguments, cpu_seconds, median
 
+from symrender.jit.records import Table
 from symrender.quadrature.split_point import SplitResult, gloss_points
-from symrender.records import Table
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 from symrender.scene.records import Sphere

@@ -10,7 +10,7 @@ from types import FunctionType, ModuleType
 from typing import Any, get_args, get_origin, get_type_hints
 
 from symrender.chambers.work import View, Work
-from symrender.records import Record, Table
+from symrender.jit.records import Record, Table
 
 BUNDLES = (View, Work)
 

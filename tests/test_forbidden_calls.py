@@ -10,7 +10,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 RUNS_TEXT = {
     "eval": {"chapter/run_cell.py"},
     "exec": {"chapter/run_cell.py"},
-    "compile": {"chapter/run_cell.py", "kernel_cache.py"},
+    "compile": {"chapter/run_cell.py", "jit/generated.py"},
     "pickle.loads": {"jit/fallback.py"},
     "pickle.load": set(),
     "yaml.load": set(),

@@ -15,8 +15,6 @@ PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("errors", "limits", "settings", "version"),
     ("jit",),
-    ("kernel_cache",),
-    ("records",),
     ("scene", "images"),
     ("numeric", "expression", "leaves"),
     ("chambers",),

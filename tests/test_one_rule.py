@@ -17,6 +17,7 @@ from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import is_hidden, light_state, texture_side
 from symrender.chambers.rooms import enter_room
 from symrender.chambers.work import View, Work, scene_view, work_arrays
+from symrender.jit.records import record, table
 from symrender.numeric.random import pixel_key
 from symrender.numeric.shading import direct_light
 from symrender.numeric.textures import floor_albedo, floor_sign, sphere_albedo
@@ -26,7 +27,6 @@ from symrender.quadrature.lattice_nodes import mark_nodes, tint_nodes
 from symrender.quadrature.light_nodes import light_nodes, point_light
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.node_rows import begin_sums
-from symrender.records import record, table
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.records import Camera, Floor, Light, Shading, Sphere

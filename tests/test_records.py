@@ -17,9 +17,7 @@ from records_in_source import is_name, is_record, is_table, subscripts
 from symrender.chambers.work import scene_view
 from symrender.jit.kernel import Kernel
 from symrender.jit.marks import jitable
-from symrender.jit.types import type_of
-from symrender.quadrature.light_points import light_rows
-from symrender.records import (
+from symrender.jit.records import (
     Array,
     Record,
     Table,
@@ -36,6 +34,8 @@ from symrender.records import (
     rows_of,
     table,
 )
+from symrender.jit.types import type_of
+from symrender.quadrature.light_points import light_rows
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 from symrender.scene.records import Floor, Shading, Sphere

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="POSIX alarms")
 

@@ -23,11 +23,11 @@ from symrender.adjoint.disk import (
 from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import scene_view, work_arrays
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
+from symrender.jit.records import record, table
 from symrender.quadrature.disk_direct import cast_by_all
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import gauss_table
-from symrender.records import record, table
 from symrender.scene.arrays import CUT, OPEN, SceneArrays
 from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 

@@ -13,9 +13,9 @@ from symrender.chambers.chart import set_frame
 from symrender.chambers.lobes.mass import cap_share
 from symrender.chambers.records import Chart
 from symrender.errors import SceneError, Unsupported
+from symrender.jit.records import table
 from symrender.probe import probe
 from symrender.quadrature.gauss import gauss_table
-from symrender.records import table
 from symrender.scene.load import load
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene

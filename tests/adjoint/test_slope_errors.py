@@ -17,7 +17,7 @@ from adversary.world import lobe_of, world_of
 from symrender.adjoint.point import outline
 from symrender.chambers.lobes.width import rim_power
 from symrender.chambers.records import Chart
-from symrender.records import record
+from symrender.jit.records import record
 from symrender.scene.parameters import get
 from symrender.scene.scene import Scene
 

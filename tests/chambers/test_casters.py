@@ -9,8 +9,8 @@ from symrender.chambers.chart import sphere_chart
 from symrender.chambers.records import LightPoint
 from symrender.chambers.walls import SHADOW_EDGE
 from symrender.chambers.work import scene_view, work_arrays
+from symrender.jit.records import record, table
 from symrender.quadrature.light_points import disk_frame
-from symrender.records import record, table
 from symrender.scene.arrays import CUT, OPEN, SceneArrays
 from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 

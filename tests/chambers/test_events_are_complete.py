@@ -19,8 +19,8 @@ from symrender.chambers.line import scan_line
 from symrender.chambers.records import Event
 from symrender.chambers.walls import GLEAM_EDGE, PENUMBRA
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import compiled
-from symrender.records import table
+from symrender.jit.compiled import compiled
+from symrender.jit.records import table
 
 from .charts import charts_of
 

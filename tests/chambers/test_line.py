@@ -8,7 +8,7 @@ import numpy as np
 
 from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW, rim_interval
 from symrender.chambers.records import Chart
-from symrender.records import table
+from symrender.jit.records import table
 
 
 def test_the_rim_cuts_a_line_where_the_cone_of_the_lobe_does() -> None:

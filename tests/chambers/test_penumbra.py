@@ -10,8 +10,8 @@ import pytest
 
 from symrender.chambers.penumbra import CLEAR, COVERS, CUTS, WITHIN, cover, edge_level
 from symrender.chambers.records import LightPoint
+from symrender.jit.records import table
 from symrender.quadrature.light_points import disk_frame
-from symrender.records import table
 
 TURNS = np.linspace(0.0, 2.0 * math.pi, 4001)
 

@@ -15,10 +15,10 @@ from symrender.chambers.records import Event, Wall
 from symrender.chambers.tangencies import floor_tangencies, tangencies
 from symrender.chambers.walls import BALL, SHADOW, SHADOW_EDGE
 from symrender.chambers.work import View, Work, scene_view, work_arrays
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
+from symrender.jit.records import table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_setup import place_point
-from symrender.records import table
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.load import load
 

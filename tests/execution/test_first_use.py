@@ -10,9 +10,10 @@ import pytest
 from symrender.execution.first_use import first_use
 from symrender.execution.jobs import Job
 from symrender.execution.warm import second_beside
+from symrender.jit.compiled import compiled
+from symrender.jit.generated import load_module
 from symrender.jit.kernel import Kernel
 from symrender.jit.refused import Refused
-from symrender.kernel_cache import compiled, load_module
 from symrender.scene.load import load
 from symrender.settings import Settings
 

@@ -13,7 +13,7 @@ import sympy as sp
 from emitted import FORMULAS
 from symrender.expression import intersection
 from symrender.expression.vectors import dot, norm2, renormalising, vec3
-from symrender.records import Table, record, table
+from symrender.jit.records import Table, record, table
 from symrender.scene import arrays as at
 from symrender.scene.records import Floor, Plane, Sphere
 

@@ -12,7 +12,7 @@ import sympy as sp
 from emitted import FORMULAS
 from symrender.expression import texture
 from symrender.expression.vectors import vec3
-from symrender.records import Table, table
+from symrender.jit.records import Table, table
 from symrender.scene import arrays as at
 from symrender.scene.records import Sphere
 

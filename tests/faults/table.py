@@ -175,5 +175,5 @@ FAULTS = (
           "status[i] = NEAR_TANGENT", ("quadrature/test_budget.py", "quadrature/test_split_point.py"),
           "a spent budget called a tangency"),
     Fault("cache", "jit/entries.py", "if hashlib.sha256(content).digest() == data[:_DIGEST_BYTES] else None",
-          "if data else None", ("test_kernel_cache.py",), "a damaged kernel run"),
+          "if data else None", ("jit/test_kernel_cache.py",), "a damaged kernel run"),
 )  # fmt: skip

@@ -14,14 +14,14 @@ import pytest
 
 from symrender.jit import entries
 from symrender.jit.closure import closure_texts
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
 
 TEXTS = {
     "__init__": "",
     "columns": "from planted.numbers import SCALE\nWIDTH = 2\nTABLE = (1.0, 2.0)\nUNUSED = 5\n",
     "numbers": "SCALE = 3.0\n",
     "helper": (
-        "from symrender.kernel_cache import jitable\nfrom planted.columns import SCALE\n"
+        "from symrender.jit.marks import jitable\nfrom planted.columns import SCALE\n"
         "@jitable\ndef scaled(x: float) -> float:\n    return SCALE * x\n"
     ),
     "kernel": (
@@ -81,7 +81,7 @@ def test_the_closure_of_imports_has_every_module(directory: Path) -> None:
     found = closure_texts("planted.kernel")
     assert set(TEXTS.values()) <= set(found)
     # of this package, too, what it imports
-    assert Path(str(importlib.import_module("symrender.kernel_cache").__file__)).read_text() in found
+    assert Path(str(importlib.import_module("symrender.jit.marks").__file__)).read_text() in found
     importlib.import_module("symrender.quadrature.split_point")
     texts = closure_texts("symrender.quadrature.split_point")
     for path in ("scene/arrays.py", "chambers/walls.py", "chambers/work.py"):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import sympy as sp
 
+from symrender.jit.records import flat
 from symrender.kernel.assemble_pixels import TABLES, pixel_program
 from symrender.kernel.block import Block
 from symrender.kernel.program import Array, Function, Loop, Next, Program, When
 from symrender.kernel.straighten import straightened
-from symrender.records import flat
 from symrender.runtimes import interpreter
 from symrender.scene import arrays as at
 from symrender.scene.load import load

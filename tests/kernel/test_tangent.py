@@ -9,11 +9,11 @@ import pytest
 import sympy as sp
 from sympy.codegen.cfunctions import expm1, log1p
 
+from symrender.jit.generated import load_module
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function, Program
 from symrender.kernel.tangent import forward
 from symrender.kernel.tangent_sight import power_tangent, tangent_program
-from symrender.kernel_cache import load_module
 from symrender.targets.numba import emit
 
 

@@ -12,9 +12,9 @@ from symrender.adjoint import walls as adjoint_walls
 from symrender.chambers import leaf_rows, place, walls
 from symrender.chambers.records import NODES, Chart, Wall
 from symrender.chambers.work import work_arrays
+from symrender.jit.records import table
 from symrender.leaves import slopes, tangents, values
 from symrender.leaves.gleams import gleam, gleam_slopes
-from symrender.records import table
 
 RNG = np.random.default_rng(11)
 ULP = 2.3e-16

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from symrender.jit.records import record
 from symrender.numeric.antialias import MAX_CROSSINGS, Quad, footprint, mean_sign, pixel_sign, wave
 from symrender.numeric.rays import camera_frame, primary_ray
 from symrender.numeric.textures import floor_sign
-from symrender.records import record
 from symrender.scene.arrays import CHECKER, LOOK_AT, PLANE
 from symrender.scene.records import Camera, Floor
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
 from symrender.numeric.estimators import two_sum
 from symrender.numeric.lobe import cone_depth
 from symrender.numeric.random import pixel_key

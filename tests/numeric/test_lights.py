@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from symrender.errors import OptionError
+from symrender.jit.records import Table, joined, table
 from symrender.numeric.lights import disk_axes, light_points
-from symrender.records import Table, joined, table
 from symrender.scene.arrays import DISK, POINT
 from symrender.scene.records import Light
 

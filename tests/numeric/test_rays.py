@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from symrender.errors import SceneError
+from symrender.jit.records import record
 from symrender.numeric.rays import (
     camera_frame,
     floor_distance,
@@ -18,7 +19,6 @@ from symrender.numeric.rays import (
     window_direction,
 )
 from symrender.numeric.vectors import dot
-from symrender.records import record
 from symrender.scene.arrays import LOOK_AT
 from symrender.scene.records import Camera
 

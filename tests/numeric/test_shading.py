@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from symrender.jit.records import record
 from symrender.numeric.shading import light_terms, power, sphere_blocks, visible
 from symrender.numeric.world import World, make_world
-from symrender.records import record
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, scene_arrays
 from symrender.scene.records import Sphere
 from symrender.scene.scene import Scene

@@ -5,8 +5,8 @@ import math
 import mpmath
 import pytest
 
+from symrender.jit.records import record
 from symrender.numeric.textures import floor_albedo, floor_sign, sin_pi, sphere_albedo, sphere_factor
-from symrender.records import record
 from symrender.scene.arrays import CHECKER, MARBLE, SOLID, STRIPES
 from symrender.scene.records import Floor, Sphere
 

@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 
 from symrender.chambers.records import LightPoint
+from symrender.jit.records import joined, table
 from symrender.quadrature.light_points import disk_frame, light_rows
-from symrender.records import joined, table
 from symrender.scene.arrays import (
     BRDF_NORMALISED,
     CHECKER,

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from symrender.jit.records import record, table
 from symrender.quadrature.split_point import SplitResult, gloss_points
-from symrender.records import record, table
 from symrender.scene.arrays import CHECKER, DISK, MARBLE, SOLID, STRIPES, SceneArrays
 from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from symrender.jit.records import table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.records import Panel
 from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET
-from symrender.records import table
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, scene_arrays
 from symrender.scene.load import load
 

@@ -11,9 +11,9 @@ import pytest
 import symrender as sr
 from symrender.chambers.lobes.record import CORRELATED, SEPARABLE, Conductor
 from symrender.errors import Unsupported
+from symrender.jit.records import Table, table
 from symrender.leaves import radiometric, values
 from symrender.quadrature.split_point import SplitResult, gloss_points
-from symrender.records import Table, table
 from symrender.scene.arrays import SceneArrays, scene_arrays
 
 from .half_vector import Rough, fresnel, masking, reflected

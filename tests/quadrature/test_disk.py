@@ -9,9 +9,9 @@ import pytest
 
 from emitted import FORMULAS
 from symrender.errors import OptionError
+from symrender.jit.records import Table, table
 from symrender.limits import MAX_LIGHT_POINTS
 from symrender.quadrature.disk import centroids, light_points
-from symrender.records import Table, table
 from symrender.scene.arrays import DISK, scene_arrays
 from symrender.scene.load import load
 from symrender.scene.records import Light

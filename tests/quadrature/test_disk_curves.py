@@ -9,6 +9,7 @@ import pytest
 
 from symrender.chambers.penumbra import CLEAR, COVERS, CUTS, TOUCHES, WITHIN, cover
 from symrender.chambers.work import scene_view, work_arrays
+from symrender.jit.records import copied, record
 from symrender.quadrature.disk_arcs import arc_point, radial_log
 from symrender.quadrature.disk_curves import (
     BALL,
@@ -17,7 +18,6 @@ from symrender.quadrature.disk_curves import (
     trig_roots,
 )
 from symrender.quadrature.light_points import light_rows
-from symrender.records import copied, record
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.load import load
 from symrender.scene.records import Floor

@@ -11,7 +11,7 @@ import pytest
 
 from symrender.chambers.labels import DARK, LIT, PARTLY, light_state
 from symrender.chambers.work import scene_view, work_arrays
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
 from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import DISK_DEGREES, DISK_STARTS, gauss_table

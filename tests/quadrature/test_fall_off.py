@@ -14,11 +14,11 @@ from symrender.chambers.tangencies import edge_frame
 from symrender.chambers.traces import edge_place
 from symrender.chambers.walls import SHADOW
 from symrender.chambers.work import scene_view
+from symrender.jit.records import record, table
 from symrender.quadrature.fall_off import most_light, plane_bound
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, nearest_squares, radiance_bound
 from symrender.quadrature.split_setup import MET
-from symrender.records import record, table
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from symrender.chambers.work import work_arrays
+from symrender.jit.records import Table, table
 from symrender.quadrature import grid_tail
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.split_square import ROOT, SMOOTH, nearest_branch
-from symrender.records import Table, table
 
 CURVES = 400
 CORNERS = 200

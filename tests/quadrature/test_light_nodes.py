@@ -8,6 +8,7 @@ import pytest
 from symrender.chambers.labels import DARK, GLINT, LIT, PARTLY
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Work, scene_view, work_arrays
+from symrender.jit.records import table
 from symrender.quadrature.disk_node import node_term
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import gauss_table
@@ -22,7 +23,6 @@ from symrender.quadrature.light_nodes import (
 )
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.light_term import light_term
-from symrender.records import table
 from symrender.scene.arrays import CUT, OPEN, scene_arrays
 from symrender.scene.load import load
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from emitted import FORMULAS
+from symrender.jit.records import table
 from symrender.leaves.values import marble
 from symrender.quadrature.disk import light_points as emitted_points
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.light_term import light_term
-from symrender.records import table
 from symrender.scene import arrays as at
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load

@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
+from symrender.jit.records import copied
 from symrender.probe import probe
 from symrender.quadrature.split_setup import MET
-from symrender.records import copied
 from symrender.scene.arrays import POINT, SOLID
 
 from .random_lobe import RandomLobe, random_lobe

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from symrender.jit.records import Table, copied
 from symrender.quadrature.split_point import gloss_points
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
-from symrender.records import Table, copied
 from symrender.scene.arrays import CHECKER, SOLID, SceneArrays, scene_arrays
 from symrender.scene.load import load
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from symrender.chambers.work import Work, work_arrays
+from symrender.jit.records import Table, table
 from symrender.quadrature import split_square
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_setup import MET
-from symrender.records import Table, table
 
 from .random_lobe import random_lobe
 

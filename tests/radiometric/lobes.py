@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from symrender.records import record
+from symrender.jit.records import record
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG
 from symrender.scene.radiometric.records import Material
 

@@ -12,12 +12,12 @@ import pytest
 import sympy as sp
 
 from emitted import plain
+from symrender.jit.records import copied, flat
 from symrender.kernel.assemble import ENTRIES, image_program
 from symrender.kernel.block import Block, real, whole
 from symrender.kernel.program import Array, Function, Loop, Program, Return, Statement, When
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.strata import rings, rule
-from symrender.records import copied, flat
 from symrender.runtimes import interpreter
 from symrender.runtimes import numba as runtime
 from symrender.scene import arrays as at

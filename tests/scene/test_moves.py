@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from symrender.errors import SceneError, Unsupported
-from symrender.records import column, flat
+from symrender.jit.records import column, flat
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import load
 from symrender.scene.moves import components, moves, scene_moves

@@ -35,7 +35,8 @@ from symrender.adjoint.walls import (
 from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.rooms import carry, frame_view, turn
 from symrender.chambers.work import Frames, View, Work, scene_frames, scene_view, work_arrays
-from symrender.kernel_cache import compiled, jitable
+from symrender.jit.compiled import compiled
+from symrender.jit.marks import jitable
 from symrender.quadrature.disk_direct import KINKED_SAFETY, cast_by_all, compared_step, disk_step, stand_at
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.light_points import light_rows

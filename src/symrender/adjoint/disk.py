@@ -24,7 +24,7 @@ from symrender.chambers.labels import PARTLY
 from symrender.chambers.records import LightPoint
 from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 from symrender.quadrature.disk_arcs import ARC, LINEAR, arc_log, arc_point, arc_side, corners, radial_log
 from symrender.quadrature.disk_curves import (
     BALL,

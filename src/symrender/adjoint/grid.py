@@ -33,7 +33,8 @@ from symrender.adjoint.walls import (
 from symrender.chambers.labels import PARTLY
 from symrender.chambers.records import Chart
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.fall_off import most_floor_light
 from symrender.quadrature.floor_conics import conic_roots, floor_conics, is_edge, may_cross, square_cuts
@@ -52,7 +53,6 @@ from symrender.quadrature.split_grid import (
 )
 from symrender.quadrature.split_line import SOFT_LOG
 from symrender.quadrature.split_square import seen, taper
-from symrender.records import Table
 from symrender.scene.records import Floor
 
 Array = npt.NDArray[np.float64]

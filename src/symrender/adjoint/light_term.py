@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.leaves.slopes import blinn_term_slopes, lambert_slopes, phong_term_slopes
 
 Array = npt.NDArray[np.float64]

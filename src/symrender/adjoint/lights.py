@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import LightMove, LightPoint
+from symrender.jit.records import Grid, Table, copied, grid
 from symrender.quadrature.light_points import disk_frame, light_rows
-from symrender.records import Grid, Table, copied, grid
 from symrender.scene.arrays import DISK, SceneArrays
 from symrender.scene.records import Frame, Light
 from symrender.settings import EXACT_DISK

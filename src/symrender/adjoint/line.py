@@ -54,7 +54,7 @@ from symrender.chambers.lobes.width import blunt_rim, rim_power, steepening
 from symrender.chambers.records import Chart
 from symrender.chambers.walls import FLOOR_CUT, HORIZON, TEXTURE_EDGE
 from symrender.chambers.work import View, Work, is_spent
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves.slopes import marble_slopes
 from symrender.leaves.values import marble
 from symrender.quadrature.disk_term import disk_term

@@ -12,7 +12,7 @@ from symrender.adjoint.walls import EXPONENT, LOG_NORMALISER, RIM
 from symrender.chambers.lobes.density import density_of
 from symrender.chambers.lobes.record import Lobe
 from symrender.chambers.lobes.setup import FLAT, lobe_setup
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.scene.records import Floor, Sphere
 
 Array = npt.NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.mass import NODES, graded, last_ring, ring_node
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 
 Array = npt.NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from symrender.adjoint.walls import HORIZON_NORMAL, LIGHTS, RIM, SHADING, plane_columns
 from symrender.chambers.walls import FLOOR_CUT, HORIZON, SHADOW_EDGE, SILHOUETTE, TERMINATOR, TEXTURE_EDGE
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 
 Array = npt.NDArray[np.float64]
 

@@ -31,7 +31,8 @@ from symrender.chambers.lobes.width import blunt_rim
 from symrender.chambers.records import Chart, Event
 from symrender.chambers.walls import DIRECTION, FLOOR_CUT, NORMAL, TEXTURE_EDGE
 from symrender.chambers.work import View, Work, is_spent
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.records import Panel, Span
 from symrender.quadrature.split_line import kinked, tail_error
@@ -41,7 +42,6 @@ from symrender.quadrature.split_panel import (
     panel_log,
     split_span,
 )
-from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

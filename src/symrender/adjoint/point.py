@@ -61,7 +61,9 @@ from symrender.chambers.records import Chart, Event, LightMove
 from symrender.chambers.rooms import frame_view
 from symrender.chambers.work import MAX_WALLS, Frames, View, Work, begin_counts, scene_frames, scene_view
 from symrender.errors import Unsupported
-from symrender.kernel_cache import compiled, inlined, jitable
+from symrender.jit.compiled import compiled
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Grid, Table, joined, one, stacked, table
 from symrender.quadrature.fall_off import most_floor_light
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST
@@ -78,7 +80,6 @@ from symrender.quadrature.split_setup import (
     sphere_strips,
     stand_in_frame,
 )
-from symrender.records import Grid, Table, joined, one, stacked, table
 from symrender.scene.arrays import CHECKER, FIRST_SPHERE, FLOOR, MARBLE, SceneArrays, lobes_of
 from symrender.scene.frames import floor_of, frame_moves
 from symrender.scene.moves import SceneMoves

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from symrender.adjoint.walls import AT_POINT, AXIS, EYE, HORIZON_NORMAL, LIGHTS, plane_columns
 from symrender.chambers.work import Frames, View
-from symrender.kernel_cache import inlined, jitable
-from symrender.records import Grid
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Grid
 from symrender.scene.records import Frame
 
 Array = npt.NDArray[np.float64]

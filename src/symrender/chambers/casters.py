@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from symrender.chambers.records import Chart, LightPoint
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.scene.arrays import AFAR
 from symrender.scene.records import Sphere
 

@@ -28,8 +28,8 @@ from symrender.chambers.walls import (
     add_shadow,
 )
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
-from symrender.records import Table
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.scene.arrays import CHECKER, CUT, EYE, MARBLE, PHONG, STRIPES
 from symrender.scene.records import Sphere
 

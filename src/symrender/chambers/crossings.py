@@ -30,8 +30,8 @@ from symrender.chambers.walls import (
     TEXTURE_EDGE,
 )
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
-from symrender.records import Table
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.scene.arrays import MARBLE
 
 Array = npt.NDArray[np.float64]

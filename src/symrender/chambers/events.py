@@ -20,8 +20,8 @@ from symrender.chambers.walls import (
     tangent_lines,
 )
 from symrender.chambers.work import Work
-from symrender.kernel_cache import inlined, jitable
-from symrender.records import Table
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
 

@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.density import log_fall, log_peak
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.scene.arrays import CUT, EYE, PHONG
 
 Array = npt.NDArray[np.float64]

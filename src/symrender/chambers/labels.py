@@ -14,9 +14,9 @@ import numpy.typing as npt
 from symrender.chambers.penumbra import CLEAR, COVERS, cover
 from symrender.chambers.rooms import disk_over, height, is_walled_off, planes_hide
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.leaves.values import texture_phases
-from symrender.records import Table
 from symrender.scene.arrays import CHECKER, CUT, MARBLE, STRIPES
 from symrender.scene.records import Sphere
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from symrender.chambers.records import NODES, Nodes
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 
 
 @jitable

@@ -26,7 +26,7 @@ from symrender.chambers.walls import (
     TEXTURE_EDGE,
 )
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 

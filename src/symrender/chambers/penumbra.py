@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import LightPoint
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from symrender.chambers.walls import (
     add_shadow,
 )
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
 from symrender.scene.arrays import CUT
 from symrender.scene.records import Sphere

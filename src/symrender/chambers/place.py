@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from symrender.chambers.records import Chart, Wall
 from symrender.chambers.roots import quadratic_roots
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
 
 Array = npt.NDArray[np.float64]

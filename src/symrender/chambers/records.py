@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Final
 
 from symrender.chambers.lobes.record import Lobe
-from symrender.records import Array, Record, Three, Two
+from symrender.jit.records import Array, Record, Three, Two
 
 INVERSE_SQUARE: Final = 1.0
 DISTANT: Final = 2.0

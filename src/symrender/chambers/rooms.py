@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from symrender.chambers.records import Chart, LightPoint, Side
 from symrender.chambers.work import Frames, View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 

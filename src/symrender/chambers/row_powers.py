@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from symrender.chambers.records import NODES, Nodes
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 from symrender.leaves.gleams import MOST_SQUARED
 
 

@@ -22,8 +22,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import Chart, Wall
-from symrender.kernel_cache import jitable
-from symrender.records import Table
+from symrender.jit.marks import jitable
+from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
 

@@ -24,9 +24,9 @@ from symrender.chambers.records import (
     Spot,
     Wall,
 )
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Grid, Table, copied, joined, one, stacked, table
 from symrender.limits import MAX_PLANES
-from symrender.records import Grid, Table, copied, joined, one, stacked, table
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.frames import floor_of, frames
 from symrender.scene.records import Floor, Frame, Shading, Sphere

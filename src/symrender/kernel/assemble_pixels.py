@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from symrender.jit.records import columns
 from symrender.kernel import (
     footprint,
     gather,
@@ -33,7 +34,6 @@ from symrender.limits import (
     MAX_SIMULATOR_PLANES,
     MAX_SIMULATOR_SPHERES,
 )
-from symrender.records import columns
 from symrender.scene.records import Camera, Floor, Plane, Shading, Sphere
 
 

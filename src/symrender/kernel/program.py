@@ -12,7 +12,7 @@ from typing import TypeAlias
 import sympy as sp
 
 from symrender.expression.vectors import Vec3
-from symrender.records import Record, column
+from symrender.jit.records import Record, column
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 
 MOST_SQUARED: Final = 4096.0
 """Whole exponents up to this one are taken by squaring, several times quicker than a general power."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 
 
 @inlined

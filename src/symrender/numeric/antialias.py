@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.rays import window_direction
 from symrender.numeric.textures import floor_sign
 from symrender.scene.arrays import PLANE, SOLID, Array

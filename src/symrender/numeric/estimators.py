@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.lobe import (
     EXPONENT,
     HEIGHT,

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
+from symrender.jit.records import Table
 from symrender.limits import MAX_LIGHT_POINTS
 from symrender.numeric.vectors import Vector, cross, unit
-from symrender.records import Table
 from symrender.scene.arrays import DISK, Array
 from symrender.scene.records import Light
 from symrender.settings import EXACT_DISK

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.vectors import Vector, along, cross, dot, unit
 from symrender.scene.arrays import Array
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
 from symrender.scene.arrays import Array, SceneArrays
 from symrender.settings import EXACT_DISK, Settings
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.numeric.rays import floor_distance
 from symrender.numeric.vectors import Vector
 from symrender.numeric.world import World
-from symrender.records import Table
 from symrender.scene.arrays import FIRST_SPHERE, LOOK_AT, PLANE, Array
 from symrender.scene.records import Frame
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 
 Key = tuple[np.uint64, np.uint64, np.uint64, np.uint64]
 """Column, row, low and high half of the seed."""

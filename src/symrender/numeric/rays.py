@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from symrender.errors import SceneError
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.vectors import Vector, along, dot, unit
 from symrender.scene.arrays import PLANE, Array
 from symrender.scene.records import Camera

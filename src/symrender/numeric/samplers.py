@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.random import Key, uniforms, words
 
 JITTERED: Final = 0

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.lights import disk_point
 from symrender.numeric.planes import planes_hide
 from symrender.numeric.random import Key, uniforms

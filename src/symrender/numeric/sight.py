@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.lobe import COS_MAX, SIN_MAX
 from symrender.numeric.planes import faces, nearest_plane, plane_point
 from symrender.numeric.random import Key

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.vectors import Vector
 from symrender.scene.arrays import CHECKER, MARBLE, SOLID
 from symrender.scene.records import Floor, Sphere

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.antialias import pixel_sign
 from symrender.numeric.estimators import gloss
 from symrender.numeric.lobe import WEIGHT

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 
 Vector = tuple[float, float, float]
 

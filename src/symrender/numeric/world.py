@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from symrender.jit.records import Table, table
 from symrender.numeric.lights import light_points
 from symrender.numeric.lobe import lobe_rows
-from symrender.records import Table, table
 from symrender.scene.arrays import BRDF_NORMALISED, Array, SceneArrays, lobes_of
 from symrender.scene.frames import frames
 from symrender.scene.records import Floor, Frame, Light, Plane, Shading, Sphere

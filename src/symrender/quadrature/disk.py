@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError
+from symrender.jit.records import Table
 from symrender.limits import MAX_LIGHT_POINTS
-from symrender.records import Table
 from symrender.scene import arrays as at
 from symrender.scene.records import Light
 

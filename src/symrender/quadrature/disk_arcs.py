@@ -17,7 +17,8 @@ import numpy.typing as npt
 
 from symrender.chambers.records import NODES, Curve, LightPoint, Nodes
 from symrender.chambers.roots import quadratic_roots
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.disk_curves import (
     CONE,
     LINE,
@@ -35,7 +36,6 @@ from symrender.quadrature.disk_points import (
 )
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, fitting
 from symrender.quadrature.node_rows import whole_vectors
-from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 

@@ -18,7 +18,8 @@ from symrender.chambers.penumbra import segment_distance2
 from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.roots import quadratic_roots, quartic_roots
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
+from symrender.jit.records import Table
 from symrender.quadrature.disk_curves import (
     BALL,
     EDGE,
@@ -29,7 +30,6 @@ from symrender.quadrature.disk_curves import (
 )
 from symrender.quadrature.gauss import MAX_ORDER, order
 from symrender.quadrature.light_term import light_term
-from symrender.records import Table
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]

@@ -24,8 +24,8 @@ from symrender.chambers.penumbra import (
 from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
-from symrender.records import Table
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]

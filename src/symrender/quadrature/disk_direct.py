@@ -12,7 +12,8 @@ import numpy.typing as npt
 from symrender.chambers.labels import DARK, PARTLY, light_state
 from symrender.chambers.rooms import carry, enter_room, frame_view, turn
 from symrender.chambers.work import Frames, View, Work, begin_counts, scene_frames, scene_view, work_arrays
-from symrender.kernel_cache import compiled, jitable
+from symrender.jit.compiled import compiled
+from symrender.jit.marks import jitable
 from symrender.quadrature.disk_curves import TERMINATOR, disk_curves
 from symrender.quadrature.disk_node import TAME_LOG, chorded, is_tame
 from symrender.quadrature.disk_refined import SAFETY, refined_term

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from symrender.chambers.labels import PARTLY
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves.values import mirror_direction
 from symrender.quadrature.disk_curves import BALL, EDGE_ON, TERMINATOR, disk_curves, elevation
 from symrender.quadrature.disk_refined import DULL, may_shine, refined_term

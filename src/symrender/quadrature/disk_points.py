@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from symrender.chambers.records import NODES, LightPoint, Nodes
 from symrender.chambers.row_powers import powers
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 from symrender.quadrature.gauss import DISK_STARTS
 from symrender.quadrature.node_rows import whole_vectors
 

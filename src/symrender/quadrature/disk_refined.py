@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.work import CHORD_ROOM, View, Work, is_spent
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.quadrature.disk_chords import chord_breaks, place_crossings, place_events, shown, turn_curves
 from symrender.quadrature.disk_curves import EDGE
 from symrender.quadrature.disk_term import highlight_lean

@@ -17,13 +17,13 @@ import numpy.typing as npt
 from symrender.chambers.labels import PARTLY
 from symrender.chambers.records import Curve, LightPoint, Nodes
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.disk_arcs import arc_term
 from symrender.quadrature.disk_chords import chord_term
 from symrender.quadrature.disk_curves import BALL, EDGE_ON, TERMINATOR, disk_curves, elevation
 from symrender.quadrature.disk_points import whole_disk
 from symrender.quadrature.gauss import DISK_DEGREES, LEVELS, disk_level
-from symrender.records import Table
 from symrender.scene.arrays import OPEN, PHONG
 
 Array = npt.NDArray[np.float64]

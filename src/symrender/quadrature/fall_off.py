@@ -6,7 +6,7 @@ from typing import Final
 
 from symrender.chambers.records import INVERSE_SQUARE, LightPoint
 from symrender.chambers.work import View
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 
 NEAR_LIGHT: Final = 2.0
 """Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""

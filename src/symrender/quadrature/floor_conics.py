@@ -16,10 +16,10 @@ from symrender.chambers.walls import (
     PENUMBRA,
 )
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.leaves import values
 from symrender.quadrature.records import Conic
-from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 

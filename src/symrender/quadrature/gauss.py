@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 
 Array = npt.NDArray[np.float64]
 

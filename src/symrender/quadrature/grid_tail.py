@@ -25,12 +25,12 @@ import numpy.typing as npt
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.roots import quadratic_roots, quartic_roots
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.leaves import slopes
 from symrender.quadrature.fall_off import most_floor_light, most_light
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.split_square import seen
-from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 

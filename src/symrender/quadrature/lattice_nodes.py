@@ -14,7 +14,7 @@ from symrender.chambers.casters import casts, shadow_in_view
 from symrender.chambers.labels import texture_side
 from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 from symrender.leaves.values import marble
 from symrender.scene.arrays import CHECKER, CUT, MARBLE, STRIPES
 

@@ -28,7 +28,7 @@ from symrender.chambers.lobes.density import facing_of
 from symrender.chambers.lobes.lattice import density_at, is_sharp, map_rate, ring_mass
 from symrender.chambers.lobes.rows import falls
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 from symrender.quadrature.lattice_nodes import BATCH, hide_nodes, mark_nodes, tint_nodes, wall_off_nodes
 from symrender.quadrature.light_nodes import point_light
 from symrender.quadrature.node_rows import begin_sums

@@ -17,7 +17,7 @@ from symrender.chambers.leaf_rows import blinn_nodes_rows, falling_nodes_rows, l
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes, Piece
 from symrender.chambers.row_powers import powers
 from symrender.chambers.work import View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.quadrature.disk_node import (
     FAR,
     GROWTH,

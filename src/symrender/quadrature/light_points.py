@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import DISTANT, INVERSE_SQUARE, LightPoint
-from symrender.records import Table, joined, table
+from symrender.jit.records import Table, joined, table
 from symrender.scene import arrays as at
 from symrender.scene.arrays import DISK, SceneArrays
 from symrender.scene.records import Light

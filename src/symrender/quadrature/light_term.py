@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 from symrender.leaves.values import blinn_term, phong_term
 
 

@@ -17,7 +17,7 @@ from symrender.chambers.place import surface_point
 from symrender.chambers.records import NODES, Chart
 from symrender.chambers.rooms import frame_view, height
 from symrender.chambers.work import Frames, View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves.values import floor_phases
 from symrender.quadrature.gauss import LEVELS
 from symrender.quadrature.split_line import place_nodes, shade_nodes, shape_nodes

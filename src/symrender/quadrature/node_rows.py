@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import NODES, Nodes
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.scene.records import Shading
 
 Array = npt.NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symrender.records import Record, Three, Two
+from symrender.jit.records import Record, Three, Two
 
 
 class Panel(Record):

@@ -23,7 +23,8 @@ from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import width_at
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.fall_off import most_floor_light, most_light
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
@@ -31,7 +32,6 @@ from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.split_line import tail_error
 from symrender.quadrature.split_square import cut_square, floor_nodes, seen
-from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from symrender.chambers.walls import (
     TERMINATOR,
 )
 from symrender.chambers.work import PENDING, View, Work, is_spent
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
 from symrender.quadrature.fall_off import near_light
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order

@@ -28,11 +28,11 @@ from symrender.chambers.walls import (
     tangent_lines,
 )
 from symrender.chambers.work import View, Work, is_spent
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, NODE_GAP, order
 from symrender.quadrature.records import Panel, Span
 from symrender.quadrature.split_line import across_error, has_disk, integrate_cells, kinked
-from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -30,7 +30,9 @@ from symrender.chambers.work import (
     work_arrays,
 )
 from symrender.errors import Unsupported
-from symrender.kernel_cache import compiled, jitable
+from symrender.jit.compiled import compiled
+from symrender.jit.marks import jitable
+from symrender.jit.records import Table, table
 from symrender.quadrature.fall_off import TOUCHING, is_radiometric, most_light, plane_bound
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.grid_tail import MOST_REMAINDERS
@@ -51,7 +53,6 @@ from symrender.quadrature.split_setup import (
     sphere_strips,
     stand_in_frame,
 )
-from symrender.records import Table, table
 from symrender.scene.arrays import (
     BRDF_NORMALISED,
     CHECKER,

@@ -15,9 +15,9 @@ from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.roots import square_root
 from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.fall_off import near_light
-from symrender.records import Table
 from symrender.scene.arrays import EYE, MARBLE
 from symrender.scene.records import Sphere
 

@@ -13,7 +13,8 @@ from symrender.chambers.lobes.density import facing_of
 from symrender.chambers.lobes.rows import densities, lean_square, tint
 from symrender.chambers.records import NODES, Chart, Nodes, Wall
 from symrender.chambers.work import View, Work, is_spent
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, nodes
 from symrender.quadrature.light_nodes import light_nodes
@@ -21,7 +22,6 @@ from symrender.quadrature.node_rows import whole_vectors
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_line import SOFT_LOG, across_error, tail_error
 from symrender.quadrature.split_panel import azimuth, ellipse_sum
-from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

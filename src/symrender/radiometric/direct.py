@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
 from symrender.radiometric.reflection import reflectance, reflected

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
 from symrender.radiometric.sight import dot, minus, vector

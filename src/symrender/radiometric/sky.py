@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.sight import dot, minus, vector
 from symrender.radiometric.world import Array, Vector, World

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.direct import along_ray, largest, vein_blur
 from symrender.radiometric.reflection import reflectance

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
-from symrender.records import Table
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.scene.radiometric.records import Light, Material, Shape
 from symrender.scene.records import Camera, Frame

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import INVERSE_SQUARE
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import SplitWork, gloss_points, nearest_squares, split_work
 from symrender.quadrature.split_setup import MET, UNSUPPORTED

@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.units import lobe_scale
 from symrender.errors import OptionError
+from symrender.jit.records import Table, chosen, copied
 from symrender.quadrature.disk import light_points
 from symrender.quadrature.strata import NARROWEST, Rule, mirror_rule, rings, rule
-from symrender.records import Table, chosen, copied
 from symrender.runtimes import numba
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, lobes_of

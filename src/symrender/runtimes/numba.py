@@ -15,8 +15,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from symrender import kernel_cache
+from symrender.jit.compiled import compiled
 from symrender.jit.entries import cache_directory, read_entry, write_entry
+from symrender.jit.generated import load_module
+from symrender.jit.marks import jitable
 from symrender.jit.shelf import PACKAGE_FOLDER
 from symrender.jit.shipped import folders_to_fill
 
@@ -27,7 +29,7 @@ _SOURCES = (
     "targets/*.py",
     "scene/arrays.py",
     "scene/records.py",
-    "records.py",
+    "jit/records.py",
     "limits.py",
 )
 
@@ -61,17 +63,17 @@ def _entry(name: str, sympy: str) -> str:
 @cache
 def kernel(text: str, name: str) -> Any:
     """Function ``name`` of an emitted module, compiled; everything it calls is compiled with it."""
-    module = kernel_cache.load_module(text)
+    module = load_module(text)
     for called in module.CALLED:
         function = getattr(module, called)
         if inspect.isfunction(function):
-            kernel_cache.jitable(function, inline=called in module.INLINE)
-    return kernel_cache.compiled(getattr(module, name), sources=[text], _nrt=False)
+            jitable(function, inline=called in module.INLINE)
+    return compiled(getattr(module, name), sources=[text], _nrt=False)
 
 
 def plain(text: str) -> ModuleType:
     """The emitted module as it is, for what runs once an image."""
-    return kernel_cache.load_module(text)
+    return load_module(text)
 
 
 def image_text() -> str:

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import Unsupported
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.radiometric import tile
 from symrender.radiometric.sky import sky_room

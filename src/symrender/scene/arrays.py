@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.jit.records import Table, record, table
 from symrender.limits import MIN_LENGTH
-from symrender.records import Table, record, table
 from symrender.scene.camera import PlaneCamera
 from symrender.scene.light import DiskLight
 from symrender.scene.lobe import Lobe

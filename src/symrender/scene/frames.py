@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from symrender.records import Grid, Table, grid, table
+from symrender.jit.records import Grid, Table, grid, table
 from symrender.scene.records import Floor, Frame, Plane
 
 Array = npt.NDArray[np.float64]

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from symrender.errors import SceneError, Unsupported
-from symrender.records import Grid, Table, column, flat, grid, table
+from symrender.jit.records import Grid, Table, column, flat, grid, table
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.fields import number_range
 from symrender.scene.names import letters, resolve

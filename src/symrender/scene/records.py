@@ -6,7 +6,7 @@ units, angles in radians, colours linear RGB.
 
 from __future__ import annotations
 
-from symrender.records import Record, Three, Two
+from symrender.jit.records import Record, Three, Two
 
 
 class Sphere(Record):

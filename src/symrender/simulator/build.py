@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 from symrender.errors import Unsupported
 from symrender.images.output import write_bytes
 from symrender.images.picture import CLASSES, SEQUENTIAL
+from symrender.jit.records import column, columns, flat
 from symrender.limits import (
     MAX_SIMULATOR_LIGHT_POINTS,
     MAX_SIMULATOR_LOBE,
@@ -26,7 +27,6 @@ from symrender.limits import (
     MAX_SIMULATOR_PLANES,
     MAX_SIMULATOR_SPHERES,
 )
-from symrender.records import column, columns, flat
 from symrender.scene import arrays as at
 from symrender.scene.light import DiskLight
 from symrender.scene.load import load

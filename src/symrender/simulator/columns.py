@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from symrender.records import Record, column, columns
+from symrender.jit.records import Record, column, columns
 from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere
 from symrender.scene.scene import Scene
 from symrender.scene.texture import Checker, Marble, Solid, Stripes

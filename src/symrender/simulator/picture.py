@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.images.srgb import encode_srgb
+from symrender.jit.records import Record
 from symrender.kernel.assemble_pixels import TABLES, pixel_program
 from symrender.quadrature.light_points import light_rows
-from symrender.records import Record
 from symrender.scene import arrays as at
 from symrender.scene.arrays import lobes_of
 from symrender.scene.scene import Scene

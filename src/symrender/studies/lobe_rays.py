@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import segment_meets, texture_side
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
+from symrender.jit.records import Table
 from symrender.quadrature.disk import light_points
-from symrender.records import Table
 from symrender.runtimes import image as symbolic
 from symrender.runtimes import numba
 from symrender.scene import arrays as at

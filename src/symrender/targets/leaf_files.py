@@ -54,7 +54,7 @@ def _each(write: Callable[[Leaf], str], leaves: Iterable[Leaf]) -> list[str]:
 def _python(title: str, functions: list[str]) -> str:
     body = "\n\n\n".join(functions)
     lines = [f'"""{title}', "", _NOTE, '"""', "", "# fmt: off", "from __future__ import annotations", "", "import math"]
-    lines += ["", "from symrender.kernel_cache import inlined"]
+    lines += ["", "from symrender.jit.marks import inlined"]
     called = [name for name in ("gleam", "gleam_slopes") if f"{name}(" in body]
     if called:
         lines.append(f"from symrender.leaves.gleams import {', '.join(called)}")
@@ -67,7 +67,7 @@ def _python(title: str, functions: list[str]) -> str:
 def _rows(functions: list[str]) -> str:
     lines = ['"""Formulas as loops over the rows of nodes.', "", _NOTE, '"""', "", "# fmt: off"]
     lines += ["from __future__ import annotations", "", "import math", ""]
-    lines += ["from symrender.chambers.records import NODES, Nodes", "from symrender.kernel_cache import jitable"]
+    lines += ["from symrender.chambers.records import NODES, Nodes", "from symrender.jit.marks import jitable"]
     return "\n".join(lines) + "\n\n\n" + "\n\n\n".join(functions) + "\n"
 
 

@@ -12,6 +12,7 @@ import sympy as sp
 from sympy.printing.precedence import PRECEDENCE, precedence
 from sympy.printing.str import StrPrinter
 
+from symrender.jit.records import Record, named
 from symrender.kernel.program import (
     Array,
     Call,
@@ -27,7 +28,6 @@ from symrender.kernel.program import (
     Store,
     When,
 )
-from symrender.records import Record, named
 from symrender.targets.interface import Target
 
 _FUNCTIONS = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from symrender.chambers.lobes.record import CONDUCTOR, Lobe
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
 
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from symrender.chambers.lobes.density import density_of
 from symrender.chambers.lobes.record import Lobe
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 
 SHARPEST: Final = 1e6
 """Exponent above which the lobe's power has lost digits."""

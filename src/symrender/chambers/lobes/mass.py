@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.kernel_cache import jitable
+from symrender.jit.marks import jitable
 from symrender.leaves import values
 
 Array = npt.NDArray[np.float64]

@@ -20,8 +20,8 @@ from typing import Final
 
 from symrender.chambers.lobes.record import CONDUCTOR, Conductor
 from symrender.chambers.records import Chart
-from symrender.kernel_cache import inlined, jitable
-from symrender.records import Table
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 
 STEPS: Final = 6
 """Most steps of Newton's method; where it has not settled, the quadratic form's zero stands."""

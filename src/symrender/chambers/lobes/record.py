@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.records import Record, Three
+from symrender.jit.records import Record, Three
 
 POWER: Final = 0
 """cos^n theta about the mirror direction m, theta <= theta_max."""

@@ -12,8 +12,8 @@ from symrender.chambers.leaf_rows import conductor_fresnels_rows, ggx_lobe_rows,
 from symrender.chambers.lobes.record import CONDUCTOR, Conductor, Lobe
 from symrender.chambers.records import NODES, Chart, Nodes
 from symrender.chambers.row_powers import powers
-from symrender.kernel_cache import inlined, jitable
-from symrender.records import Table
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
 

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.record import CONDUCTOR, CORRELATED, NO_RIM, POWER, Conductor, Lobe
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.leaves.values import log_normaliser, log_rim, smith_root
-from symrender.records import Table
 
 Array = npt.NDArray[np.float64]
 

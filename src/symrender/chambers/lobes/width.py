@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from symrender.chambers.lobes.record import CONDUCTOR, Lobe
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 
 BLUNT: Final = 6.0
 """Exponent below which the end of a power is felt."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.numeric.planes import carried, turned
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.rays import floor_distance, sphere_offset, sphere_roots

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches, triple
 from symrender.numeric.radiometric.scatter import choose, density, reflected
 from symrender.numeric.radiometric.world import World

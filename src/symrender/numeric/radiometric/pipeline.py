@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from symrender.errors import OptionError
-from symrender.kernel_cache import compiled
+from symrender.jit.compiled import compiled
 from symrender.numeric.radiometric import tile
 from symrender.numeric.radiometric.world import make_world
 from symrender.numeric.rays import camera_frame

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.kernel_cache import inlined, jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.numeric.vectors import Vector, cross, dot
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE
 from symrender.scene.radiometric.records import Material

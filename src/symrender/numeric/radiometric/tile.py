@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symrender.kernel_cache import inlined
+from symrender.jit.marks import inlined
 from symrender.numeric.radiometric.hits import first_hit, triple
 from symrender.numeric.radiometric.path import from_points, path, plus, shows, surface
 from symrender.numeric.radiometric.world import World

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from symrender.records import Table
+from symrender.jit.records import Table
 from symrender.scene.radiometric.arrays import SKY, RadiometricArrays
 from symrender.scene.radiometric.records import Light, Material, Shape
 from symrender.scene.records import Frame

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.records import table
+from symrender.jit.records import table
 from symrender.scene.frames import frames
 from symrender.scene.radiometric.shapes import Plane
 from symrender.scene.records import Plane as PlaneRecord

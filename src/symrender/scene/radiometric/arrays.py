@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from symrender.records import Table, record, table
+from symrender.jit.records import Table, record, table
 from symrender.scene.arrays import CHECKER, LOOK_AT, MARBLE, PLANE, SOLID, STRIPES
 from symrender.scene.frames import frames
 from symrender.scene.radiometric import lights, shapes

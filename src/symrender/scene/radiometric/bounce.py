@@ -18,8 +18,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.jit.records import Table, record, table
 from symrender.limits import MAX_PLANES
-from symrender.records import Table, record, table
 from symrender.scene import arrays as series
 from symrender.scene.arrays import CHECKER, MARBLE, SOLID, STRIPES, SceneArrays
 from symrender.scene.radiometric.arrays import DIFFUSE, POINT, SKY, SPHERE, RadiometricArrays

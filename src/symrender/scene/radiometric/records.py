@@ -5,7 +5,7 @@ All fields are float64; kinds are whole numbers, named in ``scene/radiometric/ar
 
 from __future__ import annotations
 
-from symrender.records import Record, Three
+from symrender.jit.records import Record, Three
 
 
 class Material(Record):

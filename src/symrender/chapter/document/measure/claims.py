@@ -10,9 +10,9 @@ import numpy as np
 
 from symrender.chapter.document.effort import Effort
 from symrender.chapter.document.figures import Figure, Measured, figures_of
+from symrender.jit.records import copied
 from symrender.ledger.lobe_widths import lobe_widths
 from symrender.quadrature.strata import rings, rule
-from symrender.records import copied
 from symrender.render import render
 from symrender.runtimes import numba
 from symrender.runtimes.image import trace

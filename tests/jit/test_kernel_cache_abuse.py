@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from symrender.jit import entries
+from symrender.jit.compiled import compiled
 from symrender.jit.entries import read_entry, write_entry
-from symrender.kernel_cache import compiled, load_module
+from symrender.jit.generated import load_module
 
 SOURCE = """
 def total(values, shift):
@@ -96,7 +97,8 @@ def test_an_entry_others_could_have_written_is_never_unpickled(
 
 def test_eight_cold_processes(directory: Path) -> None:
     program = (
-        "import numpy as np; from symrender.kernel_cache import compiled, load_module\n"
+        "import numpy as np; from symrender.jit.compiled import compiled\n"
+        "from symrender.jit.generated import load_module\n"
         f"text = {SOURCE!r}\n"
         "for _ in range(3): print(compiled(load_module(text).total, sources=[text])(np.arange(7.0), 0.5))\n"
     )

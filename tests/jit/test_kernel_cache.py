@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 
 from symrender.jit import entries
+from symrender.jit.compiled import compiled
 from symrender.jit.entries import cache_directory
-from symrender.kernel_cache import compiled, inlined, jitable, load_module
+from symrender.jit.generated import load_module
+from symrender.jit.marks import inlined, jitable
 
 SOURCE = """
 def total(values, shift):
@@ -135,7 +137,8 @@ def test_default_directory_follows_the_environment(tmp_path: Path, monkeypatch: 
 
 def test_two_cold_processes_agree(directory: Path) -> None:
     program = (
-        "import numpy as np; from symrender.kernel_cache import compiled, load_module; "
+        "import numpy as np; from symrender.jit.compiled import compiled; "
+        "from symrender.jit.generated import load_module; "
         f"text = {SOURCE!r}; print(compiled(load_module(text).total, sources=[text])(np.arange(7.0), 0.5))"
     )
     running = [subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE) for _ in range(2)]
