@@ -42,6 +42,7 @@ _CUT = 1e-12
 _DEEP = 16
 _MOST = 400
 _SHARP = 4.0
+_BESIDE = 0.02  # a light so near to a surface, as seen from the point, lights a spot that even steps may pass over
 _BROAD = 4.0  # peaks so many steps wide are met by the nodes of any piece
 
 
@@ -146,6 +147,24 @@ def tilt_to_t(lobe: Array, chart: Array, angle: float) -> float:
 
 
 @kernel
+def foot(w: World, k: int, i: int, o: Vector) -> tuple[Vector, float]:
+    """Unit direction from o to the place of sphere i, or of the floor (-1), that light k is nearest to, and how wide
+    what the light does there is seen: as far as the light is off."""
+    p = (w.points[k, 0], w.points[k, 1], w.points[k, 2])
+    if i < 0:
+        q, off = (p[0], p[1], 0.0), abs(p[2])
+    else:
+        s = w.spheres[i]
+        d = (p[0] - s[0], p[1] - s[1], p[2] - s[2])
+        far = max(1e-300, math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]))
+        q = (s[0] + s[3] * d[0] / far, s[1] + s[3] * d[1] / far, s[2] + s[3] * d[2] / far)
+        off = abs(far - s[3])
+    e = (q[0] - o[0], q[1] - o[1], q[2] - o[2])
+    size = max(1e-300, math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]))
+    return (e[0] / size, e[1] / size, e[2] / size), off / size
+
+
+@kernel
 def special(
     w: World, lobe: Array, chart: Array, charted: Array, phi: float, t: Array, seen: Array, ends: Array, more: Array
 ) -> int:
@@ -179,6 +198,21 @@ def special(
             count += 1
     points = w.points.shape[0]
     step = t[1] - t[0]
+    for k in range(points):
+        for i in range(-1, w.spheres.shape[0]):
+            if w.points[k, 3] + w.points[k, 4] + w.points[k, 5] <= 0.0 or (i >= 0 and w.spheres[i, 3] == 0.0):
+                continue
+            c, width = foot(w, k, i, o)
+            if width > _BESIDE or count + 9 >= room:
+                continue
+            along = math.cos(phi) * (chart[4] * c[0] + chart[5] * c[1] + chart[6] * c[2])
+            along += math.sin(phi) * (chart[7] * c[0] + chart[8] * c[1] + chart[9] * c[2])
+            angle = math.atan2(along, chart[1] * c[0] + chart[2] * c[1] + chart[3] * c[2])
+            for f in (-12.0, -4.0, -1.5, -0.5, 0.0, 0.5, 1.5, 4.0, 12.0):
+                at = tilt_to_t(lobe, chart, angle + f * width)
+                if 0.0 < at < high:
+                    more[count, 0], more[count, 1] = at, 1.0
+                    count += 1
     if w.rules[SHININESS] >= _SHARP and w.rules[2] > 0.0:
         for k in range(points):
             if w.points[k, 3] + w.points[k, 4] + w.points[k, 5] <= 0.0:

@@ -16,7 +16,7 @@ from .chart import base_at, lobe_chart, shining, sphere_chart
 from .compile import kernel
 from .lattice import mirror_value
 from .light import Vector, base_of
-from .scanline import TICKS, axis_turn, bent, embedded, gauss, line, separation, top
+from .scanline import _BESIDE, TICKS, axis_turn, bent, embedded, foot, gauss, line, separation, top
 from .world import EXPONENT, MIRROR, NORMAL, PLACE, SHININESS, SURFACE, THETA_MAX, Array, World
 
 _SCAN = 32
@@ -60,6 +60,12 @@ def seeds(w: World, lobe: Array, chart: Array, charted: Array, cells: int, offse
         width = min(lobe[THETA_MAX], 1.0 / math.sqrt(lobe[EXPONENT] + 1.0)) / max(1e-9, math.sin(angle))
         count = flanks(turn, width, found, count)
     count = circle(chart, (lobe[NORMAL], lobe[NORMAL + 1], lobe[NORMAL + 2]), 0.5 * math.pi, found, count)
+    for k in range(w.points.shape[0]):
+        for i in range(-1, w.spheres.shape[0]):
+            if w.points[k, 3] + w.points[k, 4] + w.points[k, 5] > 0.0 and (i < 0 or w.spheres[i, 3] > 0.0):
+                c, width = foot(w, k, i, o)
+                if width < _BESIDE:
+                    count = flanks(axis_turn(chart, c), width / max(1e-9, math.sin(separation(chart, c))), found, count)
     if w.rules[SHININESS] >= 4.0 and w.rules[2] > 0.0:
         count = highlights(w, lobe, chart, charted, cells, found, count)
     out = found[:count]

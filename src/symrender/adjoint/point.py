@@ -52,6 +52,7 @@ from symrender.adjoint.walls import (
     TURN,
     adjoint_columns,
 )
+from symrender.chambers.casters import in_lobe
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import cap_share, tilt_of
@@ -425,7 +426,8 @@ def gradient_kernel(
 
         spent = 0.0
         for j in range(view.spheres.shape[0]):
-            if j == own:
+            ball = view.spheres[j]
+            if j == own or not in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, chart):
                 continue
             sphere_chart(j, own, lobe, view, work)
             k = chart.ratio

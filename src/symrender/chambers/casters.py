@@ -1,13 +1,24 @@
-"""Which spheres can shadow what is charted: bounds that leave out those whose shadows stay out of view."""
+"""Which spheres a chart has to know: bounds that leave out what the lobe does not meet and shadows out of its sight."""
 
 from __future__ import annotations
 
 import math
+from typing import Final
 
-from symrender.chambers.records import Chart, LightPoint
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.records import DISTANT, Chart, LightPoint
+from symrender.chambers.work import View
 from symrender.jit.marks import inlined, jitable
 from symrender.scene.arrays import AFAR
 from symrender.scene.records import Sphere
+
+Array = npt.NDArray[np.float64]
+
+SLACK: Final = 1e-9
+"""Of cosines, and of lengths beside the largest at hand, within which bounds do not tell."""
+ROUNDED_UP: Final = 1.0 + 1e-9
 
 
 @inlined
@@ -21,30 +32,96 @@ def is_at(light: LightPoint, chart: Chart) -> bool:
 
 
 @jitable
-def casts(lx: float, ly: float, lz: float, caster: Sphere, receiver: Sphere) -> bool:
-    """Whether a sphere can shadow some point of another one from the light point l."""
+def in_lobe(x: float, y: float, z: float, radius: float, lobe: Array, chart: Chart) -> bool:
+    """Whether P can see some of a ball inside its lobe of axis ``lobe``: above its horizon and within the rim."""
+    dx, dy, dz = x - chart.point[0], y - chart.point[1], z - chart.point[2]
+    far2 = dx * dx + dy * dy + dz * dz
+    if far2 <= ROUNDED_UP * radius * radius:
+        return True
+    far = math.sqrt(far2)
+    if dx * chart.normal[0] + dy * chart.normal[1] + dz * chart.normal[2] <= -radius - SLACK * far:
+        return False
+    rim = chart.lobe.rim_cos
+    if rim < 0.0:
+        return True
+    sine = radius / far
+    both = rim * math.sqrt(max(0.0, (1.0 - sine) * (1.0 + sine))) - chart.lobe.rim_sin * sine
+    return bool(dx * lobe[0] + dy * lobe[1] + dz * lobe[2] >= far * (both - SLACK))
+
+
+@jitable
+def cone_on_floor(
+    ax: float, ay: float, az: float, ex: float, ey: float, ez: float, sine: float
+) -> tuple[float, float, float]:
+    """Centre and radius of a disc on the floor that holds all a cone meets of it; a radius of inf where it meets more.
+
+    The cone has its apex in a, its axis along the unit vector e and the half-angle asin(``sine``).
+    """
+    across, cosine = math.hypot(ex, ey), math.sqrt(max(0.0, (1.0 - sine) * (1.0 + sine)))
+    # with b the axis's angle from the nadir, tan(b - a) and tan(b + a) of the ellipse's ends
+    last = -ez * cosine - across * sine
+    if not (az > 0.0 and last > 1e-3):
+        return 0.0, 0.0, math.inf
+    near = az * (across * cosine + ez * sine) / (-ez * cosine + across * sine)
+    far = az * (across * cosine - ez * sine) / last
+    middle = 0.5 * (near + far) / max(across, 1e-300)
+    size = abs(ax) + abs(ay) + abs(far) + abs(near)
+    return ax + middle * ex, ay + middle * ey, 0.5 * (far - near) + SLACK * size
+
+
+@jitable
+def shadow_disc(p: LightPoint, ball: Sphere) -> tuple[float, float, float]:
+    """A disc of the floor, as of ``cone_on_floor``, outside of which a ball hides nothing of a light or of its disk."""
+    if p.fall == DISTANT or ball.center[2] <= 0.0:
+        return 0.0, 0.0, math.inf
+    ex, ey, ez = (
+        ball.center[0] - p.position[0],
+        ball.center[1] - p.position[1],
+        ball.center[2] - p.position[2],
+    )
+    far = math.sqrt(ex * ex + ey * ey + ez * ez)
+    reach = ball.radius + p.radius
+    if far <= reach:
+        return 0.0, 0.0, math.inf
+    ex, ey, ez = ex / far, ey / far, ez / far
+    # the outer penumbra's cone has its apex between the disk and the ball
+    t = far * p.radius / reach
+    x, y, radius = cone_on_floor(
+        p.position[0] + t * ex, p.position[1] + t * ey, p.position[2] + t * ez, ex, ey, ez, reach / far
+    )
+    return x, y, radius
+
+
+@jitable
+def casts_on_floor(i: int, ball: Sphere, lobe: Array, view: View, chart: Chart) -> bool:
+    """Whether P can see, inside its lobe, some of what a ball shadows or partly hides of light ``i`` on the floor."""
+    x, y, radius = shadow_disc(view.points[i], ball)
+    return radius == math.inf or in_lobe(x, y, 0.0, radius, lobe, chart)
+
+
+@jitable
+def casts(
+    lx: float, ly: float, lz: float, caster: Sphere, x: float, y: float, z: float, radius: float
+) -> bool:  # fmt: skip
+    """Whether a sphere can shadow, from the light point l, some point of the ball of ``radius`` about (x, y, z)."""
     if max(abs(lx), abs(ly), abs(lz)) >= 0.5 * AFAR:
         # of a distant light only where the shadow lies tells, not how far off it begins
-        x, y, z = (
-            receiver.center[0] - caster.center[0],
-            receiver.center[1] - caster.center[1],
-            receiver.center[2] - caster.center[2],
-        )
-        size2, along, apart2 = lx * lx + ly * ly + lz * lz, x * lx + y * ly + z * lz, x * x + y * y + z * z
-        reach = caster.radius + receiver.radius
+        gx, gy, gz = x - caster.center[0], y - caster.center[1], z - caster.center[2]
+        size2, along, apart2 = lx * lx + ly * ly + lz * lz, gx * lx + gy * ly + gz * lz, gx * gx + gy * gy + gz * gz
+        reach = caster.radius + radius
         across2 = max(0.0, apart2 - along * along / size2)
-        return bool(across2 < (1.0 + 1e-9) * reach * reach and along <= (1.0 + 1e-9) * reach * math.sqrt(size2))
+        return bool(across2 < ROUNDED_UP * reach * reach and along <= ROUNDED_UP * reach * math.sqrt(size2))
     ax, ay, az = caster.center[0] - lx, caster.center[1] - ly, caster.center[2] - lz
-    bx, by, bz = receiver.center[0] - lx, receiver.center[1] - ly, receiver.center[2] - lz
+    bx, by, bz = x - lx, y - ly, z - lz
     a, b = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
-    if a <= caster.radius or b <= receiver.radius:
+    if a <= caster.radius or b <= radius:
         return True
-    if a - caster.radius > b + receiver.radius:
+    if a - caster.radius > b + radius:
         return False
     # less than asin(p) + asin(q) apart, by the cosine of that sum
-    p, q = caster.radius / a, receiver.radius / b
+    p, q = caster.radius / a, radius / b
     apart = math.sqrt((1.0 - p) * (1.0 + p) * (1.0 - q) * (1.0 + q)) - p * q
-    return bool(ax * bx + ay * by + az * bz > a * b * apart)
+    return bool(ax * bx + ay * by + az * bz > a * b * (apart - SLACK))
 
 
 @jitable

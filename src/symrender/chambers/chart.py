@@ -7,9 +7,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.casters import casts, is_at, shadow_in_view
+from symrender.chambers.casters import ROUNDED_UP, casts, casts_on_floor, in_lobe, is_at, shadow_in_view
 from symrender.chambers.events import line_range
 from symrender.chambers.penumbra_walls import disk_on_floor, disk_on_sphere
+from symrender.chambers.reach import note_reach
 from symrender.chambers.records import Chart, Counts, Wall
 from symrender.chambers.rooms import height
 from symrender.chambers.walls import (
@@ -70,7 +71,17 @@ def set_frame(chart: Chart, mx: float, my: float, mz: float) -> None:
 
 @jitable
 def set_lens(chart: Chart) -> None:
-    """Note a circle of normals that holds all of the charted sphere's visible part inside the lobe."""
+    """Note a circle of normals that holds all of the charted sphere's visible part inside the lobe, and its ball."""
+    narrow_lens(chart)
+    c, s, level, r = chart.lens_cos, chart.lens_sin, chart.lens_level, chart.radius
+    for a in range(3):
+        chart.ball[a] = chart.center[a] + r * level * (s * chart.e1[a] - c * chart.pole[a])
+    chart.ball_radius = ROUNDED_UP * r * math.sqrt(max(0.0, (1.0 - level) * (1.0 + level)))
+
+
+@inlined
+def narrow_lens(chart: Chart) -> None:
+    """Find that circle: the visible cap's own, unless the lobe's part of it is narrower."""
     k = chart.ratio
     chart.lens_cos, chart.lens_sin, chart.lens_level = 1.0, 0.0, k
     low, high = line_range(chart)
@@ -211,10 +222,9 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
         crossing = apart < s.radius + r
         if not crossing and (d2 - s.radius) * (d2 + s.radius) > power:
             continue
-        k2 = min(1.0, s.radius / d2)
-        cosine = (ox * dx + oy * dy + oz * dz) / (d2 * dist)
-        if math.acos(max(-1.0, min(1.0, cosine))) >= chart.beta_max + math.asin(k2):
+        if not casts(px, py, pz, s, chart.ball[0], chart.ball[1], chart.ball[2], chart.ball_radius):
             continue
+        k2 = min(1.0, s.radius / d2)
         work.occluders[work.counts.occluders] = i
         work.counts.occluders += 1
         add_direction(
@@ -253,8 +263,9 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
                 continue
             s = view.spheres[h]
             if casts(
-                view.points[i].position[0], view.points[i].position[1], view.points[i].position[2], s, sphere
-            ) and shadow_in_view(-lx, -ly, -lz, s, sphere, glint, chart):
+                view.points[i].position[0], view.points[i].position[1], view.points[i].position[2], s, chart.ball[0],
+                chart.ball[1], chart.ball[2], chart.ball_radius,
+            ) and shadow_in_view(-lx, -ly, -lz, s, sphere, glint, chart):  # fmt: skip
                 work.casters[work.counts.casters].light = i
                 work.casters[work.counts.casters].ball = h
                 work.counts.casters += 1
@@ -262,6 +273,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
                     work.walls, work.counts.walls, chart, -lx, -ly, -lz, sphere.center[0] - s.center[0],
                     sphere.center[1] - s.center[1], sphere.center[2] - s.center[2], s.radius, h, i,
                 )  # fmt: skip
+    note_reach(view, work)
 
 
 @jitable
@@ -297,6 +309,8 @@ def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> No
         s = view.spheres[i]
         if i == own or chart.side * s.center[2] <= -s.radius:
             continue
+        if not in_lobe(s.center[0], s.center[1], s.center[2], s.radius, lobe, chart):
+            continue
         ox, oy, oz = s.center[0] - px, s.center[1] - py, s.center[2] - pz
         far = math.sqrt(ox * ox + oy * oy + oz * oz)
         k = min(1.0, s.radius / far)
@@ -312,11 +326,19 @@ def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> No
             row.foot[1] = ox * chart.e2[0] + oy * chart.e2[1]
             row.power = ox * ox + oy * oy - (s.radius - s.center[2]) * (s.radius + s.center[2])
             work.counts.walls += 1
-    if chart.side < 0.0:
-        return
+    if chart.side >= 0.0:
+        floor_lights(lobe, view, work)
+    note_reach(view, work)
+
+
+@inlined
+def floor_lights(lobe: Array, view: View, work: Work) -> None:
+    """Append what the lights lay on the floor: highlights' ends, shadows and penumbrae, and what casts them."""
+    walls, chart = work.walls, work.chart
+    px, py = chart.point[0], chart.point[1]
     for i in range(view.points.shape[0]):
         if view.points[i].radius > 0.0:
-            disk_on_floor(i, view, work)
+            disk_on_floor(i, lobe, view, work)
             continue
         if view.points[i].position[2] <= 0.0:
             continue
@@ -326,20 +348,12 @@ def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> No
             s = view.spheres[h]
             if s.center[2] <= -s.radius or s.center[2] - s.radius >= view.points[i].position[2]:
                 continue
+            if not casts_on_floor(i, s, lobe, view, chart):
+                continue
             work.casters[work.counts.casters].light = i
             work.casters[work.counts.casters].ball = h
             work.counts.casters += 1
             work.counts.walls = add_shadow(
-                work.walls,
-                work.counts.walls,
-                chart,
-                ux,
-                uy,
-                uz,
-                px - s.center[0],
-                py - s.center[1],
-                -s.center[2],
-                s.radius,
-                h,
-                i,
-            )
+                walls, work.counts.walls, chart, ux, uy, uz, px - s.center[0], py - s.center[1], -s.center[2], s.radius,
+                h, i,
+            )  # fmt: skip

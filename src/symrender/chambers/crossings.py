@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from symrender.chambers.events import CROSSING, add_event, chart_events, close_events, vein_events
 from symrender.chambers.labels import is_hidden
+from symrender.chambers.reach import are_apart
 from symrender.chambers.records import Chart, Event, Wall
 from symrender.chambers.roots import quartic_roots
 from symrender.chambers.tangencies import tangencies
@@ -303,6 +304,8 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
             if j == -2 and (floor or kind != SHADOW):
                 continue
             other = walls[j] if j >= 0 else work.circles[LIMB_ROW if j == -2 else RIM_ROW]
+            if j >= 0 and are_apart(one, other):
+                continue
             also, hides = other.kind, True
             b0, b1, b2, cosine, sine = other.axis[0], other.axis[1], other.axis[2], other.cos, other.sin
             if j >= 0:

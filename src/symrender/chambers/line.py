@@ -10,6 +10,7 @@ import numpy.typing as npt
 from symrender.chambers.labels import DARK, HIDDEN, is_hidden, light_state, texture_side
 from symrender.chambers.penumbra_walls import edge_value, penumbra_roots
 from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_quartic, surface_point
+from symrender.chambers.reach import passes
 from symrender.chambers.records import Chart
 from symrender.chambers.roots import circle_roots, quadratic_roots, quartic_roots
 from symrender.chambers.walls import (
@@ -176,6 +177,8 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     walls, root_x, root_id = work.walls, work.root_x, work.root_id
     ratio = work.chart.ratio
     for i in range(min(work.counts.walls, walls.shape[0])):
+        if not passes(walls[i], phi):
+            continue
         if walls[i].kind == NORMAL:
             found, c1, s1, c2, s2 = circle_roots(
                 walls[i].axis[0], walls[i].axis[1], walls[i].axis[2], walls[i].cos, walls[i].sin, c, s

@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.casters import casts_on_floor
 from symrender.chambers.penumbra import edge_level
 from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_quartic, surface_point
 from symrender.chambers.records import Chart, Wall
@@ -110,7 +111,7 @@ def disk_on_sphere(i: int, j: int, view: View, work: Work) -> None:
     """Walls of disk ``i`` on the charted sphere ``j``, and the spheres that can hide some of it there."""
     chart = work.chart
     p, sphere = view.points[i], view.spheres[j]
-    rho, r, k = p.radius, sphere.radius, chart.ratio
+    rho, r = p.radius, sphere.radius
     lx, ly, lz = p.position[0] - sphere.center[0], p.position[1] - sphere.center[1], p.position[2] - sphere.center[2]
     far = math.sqrt(lx * lx + ly * ly + lz * lz)
     if far + rho <= r:
@@ -122,13 +123,7 @@ def disk_on_sphere(i: int, j: int, view: View, work: Work) -> None:
             facing = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2]) / far
             if math.acos(max(-1.0, min(1.0, facing))) - chart.gamma_max > math.acos(max(-1.0, (r - rho) / far)):
                 return
-    # a ball about the visible cap
-    bx, by, bz = (
-        sphere.center[0] - k * r * chart.pole[0],
-        sphere.center[1] - k * r * chart.pole[1],
-        sphere.center[2] - k * r * chart.pole[2],
-    )
-    wide = r * math.sin(chart.gamma_max)
+    bx, by, bz, wide = chart.ball[0], chart.ball[1], chart.ball[2], chart.ball_radius
     for h in range(view.spheres.shape[0]):
         if h == j:
             continue
@@ -152,7 +147,7 @@ def disk_on_sphere(i: int, j: int, view: View, work: Work) -> None:
 
 
 @jitable
-def disk_on_floor(i: int, view: View, work: Work) -> None:
+def disk_on_floor(i: int, lobe: Array, view: View, work: Work) -> None:
     """Walls of disk ``i`` on the floor, and the spheres that can hide some of it there."""
     p = view.points[i]
     top = p.position[2] + p.radius * math.hypot(p.e1[2], p.e2[2])
@@ -160,7 +155,7 @@ def disk_on_floor(i: int, view: View, work: Work) -> None:
         return
     for h in range(view.spheres.shape[0]):
         s = view.spheres[h]
-        if s.center[2] > -s.radius and s.center[2] - s.radius < top:
+        if s.center[2] > -s.radius and s.center[2] - s.radius < top and casts_on_floor(i, s, lobe, view, work.chart):
             add_edges(i, h, work.chart.point[0], work.chart.point[1], 0.0, view, work)
 
 

@@ -86,6 +86,9 @@ class Chart(Record):
     holds all of the shape inside the lobe; then the cosine of that circle's radius."""
     lens_sin: float
     lens_level: float
+    ball: Three
+    """Centre and radius of a ball that holds what that circle does of the charted sphere."""
+    ball_radius: float
     least: float
     """No highlight that can hold less than this of a lobe is looked for."""
     clipped: int
@@ -116,6 +119,12 @@ class Wall(Record):
     touch_azimuth: float
     touch_offset: float
     touch_depth: float
+    middle: float
+    """On the floor: no line farther than ``opening`` from this azimuth meets the wall, nor any nearer to the pole than
+    ``nearest`` or farther than ``farthest``, as angles."""
+    opening: float
+    nearest: float
+    farthest: float
     foot: Two
     power: float
     first: Three

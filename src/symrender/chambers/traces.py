@@ -17,6 +17,7 @@ from symrender.chambers.events import CROSSING, add_event, within_lobe
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.line import wall_level
 from symrender.chambers.place import surface_point
+from symrender.chambers.reach import are_apart
 from symrender.chambers.records import DISTANT, Event, Wall
 from symrender.chambers.tangencies import edge_frame, straight_place
 from symrender.chambers.walls import (
@@ -380,7 +381,7 @@ def trace_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
                 also = walls[j].kind
                 both = also == BALL or (also == SHADOW and walls[j].tag == SHADOW_EDGE)
                 wanted = j != i and (not both or j < i) and (also > DIRECTION or sphere) and also != NORMAL
-            if not wanted:
+            if not wanted or (j >= 0 and are_apart(one, walls[j])):
                 continue
             hides = j < 0 or not (one.tag == SHADOW_EDGE and (walls[j].tag in (TEXTURE_EDGE, TERMINATOR, SHADOW_EDGE)))
             for side in range(sides):

@@ -146,7 +146,10 @@ def mark_nodes(m: int, l: int, j: int, view: View, work: Work) -> bool:
         cx, cy, cz, r2 = caster.center[0], caster.center[1], caster.center[2], caster.radius * caster.radius
         if (cx - x) ** 2 + (cy - y) ** 2 + (cz - z) ** 2 < r2:
             return False
-        if not (casts(x, y, z, caster, sphere) and shadow_in_view(-lx, -ly, -lz, caster, sphere, open_light, chart)):
+        if not (
+            casts(x, y, z, caster, sphere.center[0], sphere.center[1], sphere.center[2], sphere.radius)
+            and shadow_in_view(-lx, -ly, -lz, caster, sphere, open_light, chart)
+        ):
             continue
         for i in range(m):
             qx, qy, qz = b.place[0, i], b.place[1, i], b.place[2, i]

@@ -355,13 +355,12 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
 
 @inlined
 def weigh_nodes(m: int, work: Work) -> float:
-    """Multiply ``radiance`` by ``weight``; ``power`` gets the channels' sum, ``radix`` the largest; its sum."""
+    """Multiply ``radiance`` by ``weight``; ``radix`` gets the largest magnitude of a node; their sum."""
     b = work.nodes
     for i in range(whole_vectors(m)):
         w = b.weight[i]
         red, green, blue = w * b.radiance[0, i], w * b.radiance[1, i], w * b.radiance[2, i]
         b.radiance[0, i], b.radiance[1, i], b.radiance[2, i] = red, green, blue
-        b.power[i] = red + green + blue
         b.radix[i] = max(abs(red), abs(green), abs(blue))
     whole = 0.0
     for i in range(m):
@@ -371,27 +370,35 @@ def weigh_nodes(m: int, work: Work) -> float:
 
 @inlined
 def piece_error(row: Piece, b: Nodes, blunt: bool, gauss: Array) -> tuple[float, float]:
-    """Integral of the largest magnitude over a piece, and the error of its rule by its Legendre coefficients."""
+    """Integral of the largest magnitude over a piece, and the error of its rule by its Legendre coefficients.
+
+    Magnitudes are taken channel by channel: beside a background brighter than it in one of them, the sum of all three
+    may be nothing where each holds much.
+    """
     n, first = row.count, row.first
     base = n * (n - 1) // 2
     whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(n):
-        mixture = b.power[first + q]
         whole += b.radix[first + q]
-        last += mixture * gauss[2, base + q]
-        before += mixture * gauss[3, base + q]
-    if n >= 6:
+    for a in range(3):
+        top, second, half, under = 0.0, 0.0, 0.0, 0.0
         for q in range(n):
-            mixture = b.power[first + q]
-            middle += mixture * gauss[MIDDLE, base + q]
-            lower += mixture * gauss[MIDDLE + 1, base + q]
-    middle = max(abs(middle), abs(lower))
+            held = b.radiance[a, first + q]
+            top += held * gauss[2, base + q]
+            second += held * gauss[3, base + q]
+        if n >= 6:
+            for q in range(n):
+                held = b.radiance[a, first + q]
+                half += held * gauss[MIDDLE, base + q]
+                under += held * gauss[MIDDLE + 1, base + q]
+        last, before, middle, lower = last + abs(top), before + abs(second), middle + abs(half), lower + abs(under)
+    middle = max(middle, lower)
     miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, row.log_rho)
     if n > 2:
         # the last coefficients may be small by chance, but from there on they fall as the nearest singularity lets them
-        miss = max(miss, 0.5 * max(abs(last), 0.5 * abs(before)) * math.exp(-(n + 1) * row.log_rho))
+        miss = max(miss, 0.5 * max(last, 0.5 * before) * math.exp(-(n + 1) * row.log_rho))
     if blunt and n > 1:
-        miss = max(miss, 0.5 * abs(last), 0.25 * abs(before))
+        miss = max(miss, 0.5 * last, 0.25 * before)
     return whole, miss
 
 

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.casters import in_lobe
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
@@ -179,7 +180,8 @@ def gloss_kernel(
             value[a] = view.shading.background[a] * share
         bad = 0
         for j in range(view.spheres.shape[0]):
-            if j == own:
+            ball = view.spheres[j]
+            if j == own or not in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, chart):
                 continue
             if not walled and not conductor and not in_a_plane(view, work):
                 mass = aim_lattice(j, lobe, view, work)

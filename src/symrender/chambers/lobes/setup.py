@@ -94,6 +94,7 @@ def conductor_setup(surface: int, axis: Array, normal: Array, conductors: Table[
 def mirror_setup(lobe: Lobe) -> None:
     """A lobe of density 1, of which one direction is asked."""
     lobe.kind, lobe.exponent, lobe.log_normaliser = POWER, 0.0, 0.0
+    lobe.rim_cos, lobe.rim_sin = NO_RIM, 0.0
     lobe.facing[0] = lobe.facing[1] = lobe.facing[2] = 0.0
     lobe.facing_level = 1.0
 
