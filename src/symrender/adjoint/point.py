@@ -52,8 +52,8 @@ from symrender.adjoint.walls import (
     TURN,
     adjoint_columns,
 )
-from symrender.chambers.casters import in_lobe
 from symrender.chambers.chart import floor_chart, sphere_chart
+from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import cap_share, tilt_of
 from symrender.chambers.lobes.units import is_brdf

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.casters import ROUNDED_UP, casts, casts_on_floor, in_lobe, is_at, shadow_in_view
 from symrender.chambers.events import line_range
+from symrender.chambers.listed import ROUNDED_UP, casts, casts_on_floor, in_lobe, is_at, shadow_in_view
 from symrender.chambers.penumbra_walls import disk_on_floor, disk_on_sphere
 from symrender.chambers.reach import note_reach
 from symrender.chambers.records import Chart, Counts, Wall

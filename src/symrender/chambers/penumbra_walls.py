@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.casters import casts_on_floor
+from symrender.chambers.listed import casts_on_floor
 from symrender.chambers.penumbra import edge_level
 from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_quartic, surface_point
 from symrender.chambers.records import Chart, Wall

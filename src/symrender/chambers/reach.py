@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.chambers.casters import ROUNDED_UP, SLACK, shadow_disc
+from symrender.chambers.listed import ROUNDED_UP, SLACK, shadow_disc
 from symrender.chambers.records import Wall
 from symrender.chambers.walls import BALL, DIRECTION, PENUMBRA, SHADOW
 from symrender.chambers.work import View, Work

@@ -41,8 +41,15 @@ def notebook_preview() -> Preview:
     return Preview(show)
 
 
-_spare: list[tuple[int, Any]] = []
-"""Outputs that were taken away, each with the number of its cell, for the next that need one there."""
+def _spare() -> list[tuple[int, Any]]:
+    """Outputs that were taken away, each with the number of its cell, for the next that need one there.
+
+    They are the notebook's, so its shell keeps them.
+    """
+    import IPython
+
+    held: list[tuple[int, Any]] = IPython.get_ipython().__dict__.setdefault("_symrender_spare", [])
+    return held
 
 
 class _Place:
@@ -56,8 +63,9 @@ class _Place:
 
         display: Any = IPython.display.display
         if self._handle is None:
-            while _spare and self._handle is None:
-                cell, handle = _spare.pop()
+            spare = _spare()
+            while spare and self._handle is None:
+                cell, handle = spare.pop()
                 self._handle = handle if cell == _cell() else None
         if self._handle is None:
             self._handle = display(bundle, raw=True, display_id=True)
@@ -67,7 +75,7 @@ class _Place:
     def clear(self) -> None:
         if self._handle is not None:
             self._handle.update({"text/plain": ""}, raw=True)
-            _spare.append((_cell(), self._handle))
+            _spare().append((_cell(), self._handle))
             self._handle = None
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.chambers.casters import casts, shadow_in_view
 from symrender.chambers.labels import texture_side
+from symrender.chambers.listed import casts, shadow_in_view
 from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import jitable

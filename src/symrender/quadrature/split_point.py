@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.casters import in_lobe
 from symrender.chambers.chart import floor_chart, sphere_chart
+from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
 from symrender.chambers.lobes.record import Conductor
