@@ -12,11 +12,11 @@ from symrender.scene.printable import printable
 from symrender.scene.radiometric.scene import RadiometricScene
 
 if TYPE_CHECKING:
+    from symrender.bridge.carried import Carried
     from symrender.bridge.glsl import Exported
-    from symrender.bridge.mitsuba import Carried
 
 
-FORMS: Final = ("glsl", "mitsuba")
+FORMS: Final = ("glsl", "mitsuba", "pbrt")
 """What a scene is written as."""
 
 
@@ -28,7 +28,7 @@ def export(
 
 @overload
 def export(
-    scene: Source, form: Literal["mitsuba"], path: str | PathLike[str] | None = None, **options: Any
+    scene: Source, form: Literal["mitsuba", "pbrt"], path: str | PathLike[str] | None = None, **options: Any
 ) -> Carried: ...
 
 
@@ -41,9 +41,9 @@ def export(
     directions listed for every lobe (4), and ``vectors`` that prove what each function returns; they are written
     beside the text, ``scene.vectors.json`` for ``scene.glsl``.
     ``"mitsuba"``, of a radiometric scene: a folder with ``scene.xml``, a program ``run.py`` that renders it, and a
-    receipt; options are ``size``, ``samples``, ``scale``, ``center``, ``rays``,
-    ``reach`` and ``calibration`` of
-    :func:`symrender.bridge.mitsuba.mitsuba`.
+    receipt; options are ``size``, ``samples``, ``scale``, ``center``, ``rays``, ``reach`` and ``calibration`` of
+    :func:`symrender.bridge.mitsuba.mitsuba`. ``"pbrt"``, with the same options: a folder with ``scene.pbrt``, or a
+    grey file for each channel, a program and a receipt (:func:`symrender.bridge.pbrt.pbrt`).
 
     Raises ``OptionError`` for another form or option and without python-flint for GLSL, ``Unsupported`` for what the
     other renderer cannot state, and ``OutputError`` where a file cannot be written, or exists and ``force`` is false.
@@ -61,14 +61,19 @@ def export(
 
         made = glsl(in_series(loaded, "export"), lobe=options.get("lobe", 4))
     else:
-        from symrender.bridge.mitsuba import mitsuba
-
         if not isinstance(loaded, RadiometricScene):
             raise Unsupported(
                 f"{printable(loaded.name)}: {form}: units of the series (lights that do not fall off, lobes that are "
                 "averages) are no renderer's; a scene with units: radiometric says light in W/sr and materials as BRDFs"
             )
-        made = mitsuba(loaded, **options)
+        if form == "mitsuba":
+            from symrender.bridge.mitsuba import mitsuba
+
+            made = mitsuba(loaded, **options)
+        else:
+            from symrender.bridge.pbrt import pbrt
+
+            made = pbrt(loaded, **options)
     if path is not None:
         made.save(Path(path), force=force)
     return made

@@ -5,51 +5,22 @@ What Mitsuba means by each plugin was checked against its version 3.9.1 along si
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
 from importlib import resources
-from pathlib import Path
-from typing import Any, Final, Literal, assert_never
+from typing import Final, Literal, assert_never
 
-from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, reach_of
-from symrender.errors import OptionError, Unsupported
-from symrender.images.output import check_target, make_folder, write_bytes
+from symrender.bridge.carried import Carried, Rays, prepare
+from symrender.bridge.moved import Triple, extent
+from symrender.errors import Unsupported
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell, square
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Plane, Sphere
-from symrender.settings import image_size
-from symrender.version import VERSION
-
-Rays = Literal["box", "centre"]
 
 _FACET: Final = "Mitsuba's roughconductor has"
 _CLIP: Final = 0.01
 """Near clipping distance over the distance from the eye to the nearest surface."""
-
-
-@dataclass(frozen=True)
-class Carried:
-    """The files of an exported scene by name, and what is told of them (also in ``receipt.json``)."""
-
-    files: dict[str, str]
-    receipt: dict[str, Any]
-
-    def save(self, folder: str | Path, *, force: bool = True, inputs: Iterable[str | Path] = ()) -> tuple[Path, ...]:
-        """Write every file into ``folder``, made if missing; ``OutputError`` where one cannot be written.
-
-        A file among ``inputs`` is never replaced.
-        """
-        into = make_folder(folder)
-        targets = {into / name: text for name, text in self.files.items()}
-        for target in targets:
-            check_target(target, force=force, inputs=inputs)
-        for target, text in targets.items():
-            write_bytes(target, text.encode("utf-8"), force=force)
-        return tuple(targets)
 
 
 def mitsuba(
@@ -71,19 +42,13 @@ def mitsuba(
     to what is farthest of the scene (:func:`symrender.bridge.moved.reach_of`).
     Raises Unsupported naming what Mitsuba cannot state.
     """
-    width, height = image_size(size)
-    if not 1 <= samples <= 1 << 30:
-        raise OptionError(f"samples: must be from 1 to {1 << 30}, got {samples}")
-    if rays not in ("box", "centre"):
-        raise OptionError(f"rays: must be box or centre, got {rays!r}")
-    reach = reach_of(scene) if reach is None else float(reach)
-    if not 2.0 <= reach <= 1e6:
-        raise OptionError(f"reach: must be from 2 to 1e6, got {reach!r}")
+    prepared = prepare(
+        scene, "mitsuba", "3.9.1", size=size, samples=samples, scale=scale, center=center, rays=rays, reach=reach
+    )
     for name, material in scene.materials.items():
         _refuse(name, material)
-    origin = middle(scene) if center == "middle" else center
-    there = moved(scene, scale, origin)
-    halves = {shape.name: half_side(there, shape, reach) for shape in there.shapes if isinstance(shape, Plane)}
+    there, halves = prepared.scene, prepared.halves
+    width, height = prepared.size
     sensor = _sensor(there, width, height, samples, halves)
     used = {shape.material for shape in there.shapes}
     body: list[str] = []
@@ -94,16 +59,15 @@ def mitsuba(
         body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0))
     for light in there.lights:
         body += _emitter(light)
-    receipt = _receipt(scene, there, scale, origin, halves, (width, height), rays)
     files = {
         "scene.xml": _document([*_integrator(scene), *sensor, *body]),
         "run.py": (resources.files("symrender.bridge") / "run_mitsuba.txt").read_text("utf-8"),
-        "receipt.json": json.dumps(receipt, indent=1, sort_keys=True) + "\n",
+        "receipt.json": prepared.told(),
     }
     if calibration:
         one = _emitter(lights.Sky(type="sky", name="one", radiance=(1.0, 1.0, 1.0)))
         files["calibration.xml"] = _document([*_integrator(scene), *sensor, *one])
-    return Carried(files, receipt)
+    return Carried(files, prepared.receipt)
 
 
 def _refuse(name: str, material: Material) -> None:
@@ -265,45 +229,3 @@ def _emitter(light: lights.Light) -> list[str]:
         case lights.Sky():
             kind, inner = "constant", [_rgb("radiance", light.radiance)]
     return _nested(f'emitter type="{kind}" id="light-{light.name}"', inner, "emitter")
-
-
-def _receipt(
-    scene: RadiometricScene,
-    there: RadiometricScene,
-    scale: float,
-    origin: Triple,
-    halves: dict[str, float],
-    size: tuple[int, int],
-    rays: Rays,
-) -> dict[str, Any]:
-    """What was written, for who judges the image: hashes, what was moved, conventions, and where squares end."""
-    planes = {
-        shape.name: {
-            "half_side": halves[shape.name],
-            "within": extent(there, shape.point),
-            "radiance_lost_within": lost(there, shape, halves[shape.name]),
-        }
-        for shape in there.shapes
-        if isinstance(shape, Plane)
-    }
-    return {
-        "symrender": VERSION,
-        "to": "mitsuba",
-        "checked_against": "3.9.1",
-        "scene_name": scene.name,
-        "scene_hash": scene.hash,
-        "written_hash": there.hash,
-        "scale": scale,
-        "center": list(origin),
-        "scaled": "places p are scale (p - center); point intensities are scale^2 times as large, since the irradiance "
-        "falls off as 1/r^2; irradiances, radiances and so the image are as they were",
-        "width": size[0],
-        "height": size[1],
-        "rays": rays,
-        "bounces": scene.bounces,
-        "units": "radiance, W/(m2 sr), linear rgb channel by channel",
-        "planes": planes,
-        "planes_say": "a square of half a side half_side about the plane's point stands for an endless plane: rays "
-        "that meet it further out see nothing; places within `within` of the point, which holds eye, spheres and point "
-        "lights, differ by at most radiance_lost_within (null: not bounded)",
-    }

@@ -23,8 +23,8 @@ from symrender.limits import MAX_LISTED_LOBE
 
 def export(
     to: Annotated[
-        Literal["glsl", "mitsuba"],
-        typer.Option("--to", help="glsl: the scene's formulas, with vectors; mitsuba: the scene for Mitsuba 3."),
+        Literal["glsl", "mitsuba", "pbrt"],
+        typer.Option("--to", help="glsl: its formulas, with vectors; not glsl: the scene for Mitsuba 3, pbrt-v4."),
     ],
     scene: SceneArgument = DEFAULT_SCENE,
     out: Annotated[
@@ -33,39 +33,41 @@ def export(
     lobe: Annotated[
         int, typer.Option(help="glsl: K of the K x K directions listed for every lobe.", min=1, max=MAX_LISTED_LOBE)
     ] = 4,
-    size: Annotated[str, typer.Option(help="mitsuba: pixels, N for a square, or WxH.")] = "256",
-    samples: Annotated[int, typer.Option(help="mitsuba: samples a pixel.")] = 256,
+    size: Annotated[str, typer.Option(help="not glsl: pixels, N for a square, or WxH.")] = "256",
+    samples: Annotated[int, typer.Option(help="not glsl: samples a pixel.")] = 256,
     rays: Annotated[
-        Literal["box", "centre"], typer.Option(help="mitsuba: all over pixels, or through centres as truth has them.")
+        Literal["box", "centre"],
+        typer.Option(help="not glsl: all over pixels, or through centres, as truth has them."),
     ] = "box",
-    scale: Annotated[float, typer.Option(help="mitsuba: lengths times this; intensities times its square.")] = 1.0,
+    scale: Annotated[float, typer.Option(help="not glsl: lengths times this; intensities times its square.")] = 1.0,
     center: Annotated[
-        str, typer.Option(metavar="X,Y,Z", help="mitsuba: what becomes the origin, a place or middle (of spheres).")
+        str,
+        typer.Option(metavar="X,Y,Z", help="not glsl: what becomes the origin, a place or middle (of spheres)."),
     ] = "0,0,0",
     reach: Annotated[
-        float, typer.Option(help="mitsuba: size of squares that stand for planes, over the scene's; 0 chooses.")
+        float, typer.Option(help="not glsl: size of squares that stand for planes, over the scene's; 0 chooses.")
     ] = 0.0,
     calibration: Annotated[
-        bool, typer.Option("--calibration", help="mitsuba: also a scene every pixel of which must be 1.")
+        bool, typer.Option("--calibration", help="not glsl: also a scene every pixel of which must be 1.")
     ] = False,
     define: Define = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write SCENE for another renderer: as GLSL formulas, or as a folder for Mitsuba 3 with a program that renders it.
+    """Write SCENE for another renderer: as GLSL formulas, or as a folder with a program that renders it.
 
     Example: symrender export metal --to mitsuba --rays centre -o metal
     """
     from symrender.bridge.export import export as exported
 
     chosen = any_scene_with(scene, define)
-    if to == "mitsuba":
+    if to != "glsl":
         options: dict[str, Any] = {"reach": reach} if reach else {}
         made = exported(
-            chosen, "mitsuba", size=parse_size(size), samples=samples, rays=rays, scale=scale, center=_place(center),
+            chosen, to, size=parse_size(size), samples=samples, rays=rays, scale=scale, center=_place(center),
             calibration=calibration, **options,
         )  # fmt: skip
-        written = made.save(out or f"{Path(scene).stem}.mitsuba", force=force, inputs=scene_files(scene))
+        written = made.save(out or f"{Path(scene).stem}.{to}", force=force, inputs=scene_files(scene))
         if not quiet:
             for path in written:
                 typer.echo(f"wrote {path}")

@@ -16,6 +16,7 @@ from symrender.chambers.lobes.rows import densities, lean_line, least_error, tin
 from symrender.chambers.lobes.width import BLUNT, broken_rim
 from symrender.chambers.records import DISTANT, NODES, Chart, Nodes, Piece
 from symrender.chambers.walls import (
+    GLEAM_EDGE,
     PENUMBRA,
     SHADOW,
     TERMINATOR,
@@ -251,6 +252,17 @@ def disk_edge(wall: int, work: Work) -> bool:
 
 
 @inlined
+def nodes_to_end(cell: int, view: View, work: Work) -> int:
+    """Fewest nodes of a cell that ends where a highlight does: there it is a power of the distance, told by as many."""
+    ends = 0
+    for side in range(2):
+        wall = work.cell_wall[cell + side]
+        if wall >= 0 and work.walls[wall // 4].kind == GLEAM_EDGE:
+            ends = 1 + math.ceil(0.5 * view.shading.shininess)
+    return ends
+
+
+@inlined
 def stack_piece(
     top: int, cell: int, start: float, stop: float, halvings: int, wary: int, soft: int, work: Work
 ) -> int:  # fmt: skip
@@ -443,6 +455,7 @@ def integrate_cells(
             row = table[NODES + top - 1]
             start, stop = row.start, row.stop
             log_rho, fewest = cell_log(start, stop, phi, c, s, view, work)
+            fewest = max(fewest, nodes_to_end(row.cell, view, work))
             n = max(fewest, order(step, log_rho) if row.wary != 0.0 else nodes(step, CAUTION * log_rho))
             if row.soft != 0.0:
                 n = max(n + (n + 1) // 2, least)

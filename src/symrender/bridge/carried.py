@@ -1,0 +1,129 @@
+"""What every other renderer is given alike: a scene at its scale, squares for planes, files and their receipt."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, reach_of
+from symrender.errors import OptionError
+from symrender.images.output import check_target, make_folder, write_bytes
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.shapes import Plane
+from symrender.settings import image_size
+from symrender.version import VERSION
+
+Rays = Literal["box", "centre"]
+
+
+@dataclass(frozen=True)
+class Carried:
+    """The files of an exported scene by name, and what is told of them (also in ``receipt.json``)."""
+
+    files: dict[str, str]
+    receipt: dict[str, Any]
+
+    def save(self, folder: str | Path, *, force: bool = True, inputs: Iterable[str | Path] = ()) -> tuple[Path, ...]:
+        """Write every file into ``folder``, made if missing; ``OutputError`` where one cannot be written.
+
+        A file among ``inputs`` is never replaced.
+        """
+        into = make_folder(folder)
+        targets = {into / name: text for name, text in self.files.items()}
+        for target in targets:
+            check_target(target, force=force, inputs=inputs)
+        for target, text in targets.items():
+            write_bytes(target, text.encode("utf-8"), force=force)
+        return tuple(targets)
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A scene to be written: where it was moved to, half a side of the square of each plane, pixels, the receipt."""
+
+    scene: RadiometricScene
+    halves: dict[str, float]
+    size: tuple[int, int]
+    receipt: dict[str, Any]
+
+    def told(self) -> str:
+        """The receipt as text."""
+        return json.dumps(self.receipt, indent=1, sort_keys=True) + "\n"
+
+
+def prepare(
+    scene: RadiometricScene,
+    to: str,
+    checked: str,
+    *,
+    size: int | tuple[int, int],
+    samples: int,
+    scale: float,
+    center: Triple | Literal["middle"],
+    rays: Rays,
+    reach: float | None,
+) -> Prepared:
+    """``scene`` moved for the renderer ``to``, whose version ``checked`` its conventions are known of.
+
+    Raises OptionError for an option out of its range, Unsupported for a plane no square can stand for.
+    """
+    if not 1 <= samples <= 1 << 30:
+        raise OptionError(f"samples: must be from 1 to {1 << 30}, got {samples}")
+    if rays not in ("box", "centre"):
+        raise OptionError(f"rays: must be box or centre, got {rays!r}")
+    reach = reach_of(scene) if reach is None else float(reach)
+    if not 2.0 <= reach <= 1e6:
+        raise OptionError(f"reach: must be from 2 to 1e6, got {reach!r}")
+    origin = middle(scene) if center == "middle" else center
+    there = moved(scene, scale, origin)
+    halves = {shape.name: half_side(there, shape, reach) for shape in there.shapes if isinstance(shape, Plane)}
+    pixels = image_size(size)
+    receipt = _receipt(to, checked, scene, there, scale, origin, halves, pixels, rays)
+    return Prepared(there, halves, pixels, receipt)
+
+
+def _receipt(
+    to: str,
+    checked: str,
+    scene: RadiometricScene,
+    there: RadiometricScene,
+    scale: float,
+    origin: Triple,
+    halves: dict[str, float],
+    size: tuple[int, int],
+    rays: Rays,
+) -> dict[str, Any]:
+    """What was written, for who judges the image: hashes, what was moved, conventions, and where squares end."""
+    planes = {
+        shape.name: {
+            "half_side": halves[shape.name],
+            "within": extent(there, shape.point),
+            "radiance_lost_within": lost(there, shape, halves[shape.name]),
+        }
+        for shape in there.shapes
+        if isinstance(shape, Plane)
+    }
+    return {
+        "symrender": VERSION,
+        "to": to,
+        "checked_against": checked,
+        "scene_name": scene.name,
+        "scene_hash": scene.hash,
+        "written_hash": there.hash,
+        "scale": scale,
+        "center": list(origin),
+        "scaled": "places p are scale (p - center); point intensities are scale^2 times as large, since the irradiance "
+        "falls off as 1/r^2; irradiances, radiances and so the image are as they were",
+        "width": size[0],
+        "height": size[1],
+        "rays": rays,
+        "bounces": scene.bounces,
+        "units": "radiance, W/(m2 sr), linear rgb channel by channel",
+        "planes": planes,
+        "planes_say": "a square of half a side half_side about the plane's point stands for an endless plane: rays "
+        "that meet it further out see nothing; places within `within` of the point, which holds eye, spheres and point "
+        "lights, differ by at most radiance_lost_within (null: not bounded)",
+    }

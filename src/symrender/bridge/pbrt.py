@@ -1,0 +1,209 @@
+"""A radiometric scene as pbrt-v4 reads it: grey ``.pbrt`` files, a program that renders and joins them, a receipt.
+
+pbrt traces spectra. A spectrum that is the same everywhere keeps its number: reflectances and indices as they are,
+light as so many of the film's white. So every channel is a grey scene of its own, or all three one where they agree.
+What each directive means was read in pbrt's sources, not measured (``docs/bridge.md``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from importlib import resources
+from typing import Final, Literal
+
+from symrender.bridge.carried import Carried, Prepared, Rays, prepare
+from symrender.bridge.moved import Triple
+from symrender.errors import Unsupported
+from symrender.scene.mitsuba.plane import frame_of
+from symrender.scene.radiometric import lights
+from symrender.scene.radiometric.materials import Checker, Conductor, Marble, Material, Phong, Stripes
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.shapes import Plane, Sphere
+
+COLORS: Final = ("red", "green", "blue")
+SMOOTHEST: Final = 1e-3
+"""Roughness below which pbrt takes a conductor for a mirror."""
+_ENDLESS: Final = 1_000_000
+"""Bounces of a scene with all of them: roulette ends paths long before."""
+Channel = Callable[[tuple[float, ...]], str]
+
+
+def pbrt(
+    scene: RadiometricScene,
+    *,
+    size: int | tuple[int, int] = 256,
+    samples: int = 256,
+    scale: float = 1.0,
+    center: Triple | Literal["middle"] = (0.0, 0.0, 0.0),
+    rays: Rays = "box",
+    reach: float | None = None,
+    calibration: bool = False,
+) -> Carried:
+    """``scene`` for pbrt-v4: ``scene.pbrt`` if all is grey, else one file a channel; ``run.py``, ``receipt.json``.
+
+    Options as of :func:`symrender.bridge.mitsuba.mitsuba`. Raises Unsupported naming what pbrt cannot state.
+    """
+    prepared = prepare(
+        scene, "pbrt", "sources of pbrt-v4 of 2026-06", size=size, samples=samples, scale=scale, center=center,
+        rays=rays, reach=reach,
+    )  # fmt: skip
+    for name, material in scene.materials.items():
+        _refuse(name, material)
+    _refuse_backs(scene)
+    colored = [
+        "\n".join(_document(prepared, samples, lambda color, k=k: repr(float(color[k])))) + "\n"  # type: ignore[misc]
+        for k in range(3)
+    ]
+    grey = colored[0] == colored[1] == colored[2]
+    files = {"scene.pbrt": colored[0]} if grey else dict(zip((f"scene.{c}.pbrt" for c in COLORS), colored, strict=True))
+    if calibration:
+        one = lights.Sky(type="sky", name="one", radiance=(1.0, 1.0, 1.0))
+        lines = [*_head(prepared, samples), "WorldBegin", *_light(one, lambda color: repr(float(color[0])))]
+        files["calibration.pbrt"] = "\n".join(lines) + "\n"
+    prepared.receipt["samples"] = samples
+    prepared.receipt["files"] = [name for name in files if name.startswith("scene")]
+    files["run.py"] = (resources.files("symrender.bridge") / "run_pbrt.txt").read_text("utf-8")
+    files["receipt.json"] = prepared.told()
+    return Carried(files, prepared.receipt)
+
+
+def _refuse(name: str, material: Material) -> None:
+    """Raise Unsupported where pbrt has no such material."""
+    where = f"materials.{name}"
+    reflectance = material.reflectance
+    if isinstance(material, Phong):
+        raise Unsupported(f"{where}: pbrt: has no phong lobe")
+    if isinstance(reflectance, Stripes | Marble):
+        raise Unsupported(f"{where}.reflectance: pbrt: has no {reflectance.type}; checker and solid are")
+    if not isinstance(material, Conductor):
+        return
+    if material.distribution != "ggx":
+        raise Unsupported(f"{where}.distribution: pbrt: conductors have ggx, got {material.distribution}")
+    if material.masking != "correlated":
+        raise Unsupported(f"{where}.masking: pbrt: conductors have masking: correlated, got {material.masking}")
+    if material.alpha < SMOOTHEST:
+        raise Unsupported(f"{where}.alpha: pbrt: is a mirror below {SMOOTHEST:g}, got {material.alpha:g}")
+    if isinstance(reflectance, Checker) or set(reflectance.color) != {1.0}:
+        raise Unsupported(f"{where}.reflectance: pbrt: a conductor with eta and k has no factor; 1 is what it can be")
+
+
+def _refuse_backs(scene: RadiometricScene) -> None:
+    """Raise Unsupported where the eye sees the back of a one-sided surface, which pbrt does not keep black.
+
+    In front of all planes and outside all spheres no ray meets a back first, nor does what it meets send one there.
+    """
+    for shape in scene.shapes:
+        if scene.materials[shape.material].two_sided:
+            continue
+        if isinstance(shape, Sphere):
+            inside = math.dist(scene.camera.eye, shape.center) < shape.radius
+        else:
+            up = frame_of(shape)[2]
+            inside = sum(n * (e - p) for n, e, p in zip(up, scene.camera.eye, shape.point, strict=True)) < 0.0
+        if inside:
+            raise Unsupported(
+                f"shapes.{shape.name}: pbrt: reflects on both sides, and this one is seen from behind; give "
+                f"materials.{shape.material} two_sided: true"
+            )
+
+
+def _numbers(values: tuple[float, ...] | list[float]) -> str:
+    return " ".join(repr(float(x)) for x in values)
+
+
+def _head(prepared: Prepared, samples: int) -> list[str]:
+    """Who looks, and how: everything before ``WorldBegin``."""
+    scene, (width, height) = prepared.scene, prepared.size
+    camera, wide = scene.camera, width / height
+    depth = _ENDLESS if scene.bounces == "all" else scene.bounces + 1
+    return [
+        f"# scene {scene.hash}",
+        f'Integrator "path" "integer maxdepth" [ {depth} ]',
+        f'Sampler "independent" "integer pixelsamples" [ {samples} ]',
+        'PixelFilter "box" "float xradius" [ 0.5 ] "float yradius" [ 0.5 ]',
+        f'Film "gbuffer" "integer xresolution" [ {width} ] "integer yresolution" [ {height} ]',
+        '  "string filename" "scene.exr" "string sensor" "cie1931" "bool savefp16" false',
+        "# pbrt's coordinates are left-handed",
+        "Scale -1 1 1",
+        f"LookAt {_numbers(camera.eye)}",
+        f"  {_numbers(camera.target)}",
+        f"  {_numbers(camera.up)}",
+        f'Camera "perspective" "float fov" [ {camera.fov!r} ]',
+        f'  "float screenwindow" [ {-wide!r} {wide!r} -1 1 ]',
+    ]
+
+
+def _document(prepared: Prepared, samples: int, channel: Channel) -> list[str]:
+    scene = prepared.scene
+    lines = [*_head(prepared, samples), "WorldBegin"]
+    for light in scene.lights:
+        lines += _light(light, channel)
+    for shape in scene.shapes:
+        lines += _shape(shape, scene.materials[shape.material], prepared.halves.get(shape.name, 0.0), channel)
+    return lines
+
+
+def _grey(kind: str, name: str, value: str) -> str:
+    return f'"{kind} {name}" [ {value} {value} {value} ]'
+
+
+def _light(light: lights.Light, channel: Channel) -> list[str]:
+    match light:
+        case lights.Point():
+            what = f'"point" {_grey("rgb", "I", channel(light.intensity))} "point3 from" [ {_numbers(light.position)} ]'
+        case lights.Directional():
+            # what falls on a surface across it is L
+            what = f'"distant" {_grey("rgb", "L", channel(light.irradiance))}'
+            what += f' "point3 from" [ 0 0 0 ] "point3 to" [ {_numbers(light.direction)} ]'
+        case lights.Sky():
+            what = f'"infinite" {_grey("rgb", "L", channel(light.radiance))}'
+    return [f"# lights.{light.name}", f"LightSource {what}"]
+
+
+def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Channel) -> list[str]:
+    inner = _material(shape, material, channel)
+    if isinstance(shape, Sphere):
+        inner += [f"Translate {_numbers(shape.center)}"]
+        if isinstance(material.reflectance, Checker):
+            # so that pbrt's azimuth begins where that of a scene does
+            inner += ["Rotate 180 0 0 1"]
+        inner += [f'Shape "sphere" "float radius" [ {shape.radius!r} ]']
+    else:
+        east, north, _ = frame_of(shape)
+        cell = material.reflectance.cell if isinstance(material.reflectance, Checker) else half
+        corners, places = [], []
+        for u, v in ((-half, -half), (half, -half), (half, half), (-half, half)):
+            corners += [p + u * e + v * n for p, e, n in zip(shape.point, east, north, strict=True)]
+            places += [u / cell, v / cell]
+        inner += [
+            'Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ]',
+            f'  "point3 P" [ {_numbers(corners)} ]',
+            f'  "point2 uv" [ {_numbers(places)} ]',
+        ]
+    return [f"# shapes.{shape.name}", "AttributeBegin", *(f"  {line}" for line in inner), "AttributeEnd"]
+
+
+def _material(shape: Plane | Sphere, material: Material, channel: Channel) -> list[str]:
+    if isinstance(material, Conductor):
+        # numbers at two wavelengths, and on the line between them
+        eta, k = channel(material.eta), channel(material.k)
+        return [
+            f'Material "conductor" "spectrum eta" [ 300 {eta} 900 {eta} ] "spectrum k" [ 300 {k} 900 {k} ]',
+            f'  "float roughness" [ {material.alpha!r} ] "bool remaproughness" false',
+        ]
+    reflectance = material.reflectance
+    if not isinstance(reflectance, Checker):
+        assert not isinstance(reflectance, Stripes | Marble)
+        return [f'Material "diffuse" {_grey("rgb", "reflectance", channel(reflectance.color))}']
+    name = f"cells of {shape.name}"
+    turns = ""
+    if isinstance(shape, Sphere):
+        # x = 2 u, y = 1 - v
+        inverse = 1.0 / reflectance.cell
+        turns = f'"float uscale" [ {2.0 * inverse!r} ] "float vscale" [ {-inverse!r} ] "float vdelta" [ {inverse!r} ]'
+    return [
+        f'Texture "{name}" "spectrum" "checkerboard" {turns}'.rstrip(),
+        f"  {_grey('rgb', 'tex1', channel(reflectance.bright))} {_grey('rgb', 'tex2', channel(reflectance.dark))}",
+        f'Material "diffuse" "texture reflectance" "{name}"',
+    ]
