@@ -44,7 +44,7 @@ def scene(**changes: Any) -> dict[str, Any]:
         "materials": {
             "tiles": {"type": "diffuse", "reflectance": {"type": "checker", "bright": 0.75, "dark": 0.25, "cell": 0.7}},
             "globe": {"type": "diffuse",
-                      "reflectance": {"type": "checker", "bright": 0.75, "dark": 0.25, "cell": 0.125}},
+                      "reflectance": {"type": "checker", "bright": 0.75, "dark": 0.25, "cell": 0.2}},
             "metal": {"type": "conductor", "alpha": 0.2, "eta": 0.4, "k": 2.5, "masking": "correlated"},
         },
         "shapes": [
