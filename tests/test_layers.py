@@ -27,7 +27,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("execution",),
     ("render", "truth", "verify", "probe", "probe_rays", "gradient", "hessian", "fit"),
     ("studies", "simulator", "sequences", "bridge", "widget", "audit"),
-    ("report",),
+    ("report", "suite"),
     ("chapter",),
     ("cli", "__init__"),
     ("__main__",),

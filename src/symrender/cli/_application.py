@@ -21,7 +21,7 @@ PANELS = {
     "Draw": ("demo", "render", "truth", "gradient", "animate", "sweep"),
     "Ask": ("probe", "expression", "fit", "study"),
     "Look": ("info", "view", "compare", "audit", "simulator", "chapter", "lab"),
-    "Carry": ("export",),
+    "Carry": ("export", "suite"),
     "Know": ("scenes", "params", "doctor", "cite"),
 }
 """The verbs by what one wants, as the help groups them."""
