@@ -156,5 +156,5 @@ def test_python_and_the_command_line_write_the_same_files(tmp_path: Path, capsys
     assert json.loads(json.dumps(made.vectors)) == json.loads(beside)
     with pytest.raises(OutputError, match=r"a\.vectors\.json: exists"):
         sr.export("gloss", "glsl", tmp_path / "a.glsl", lobe=2, force=False)
-    with pytest.raises(OptionError, match=r"^form: must be one of glsl, mitsuba, got 'hlsl'"):
+    with pytest.raises(OptionError, match=r"^form: must be one of glsl, mitsuba, pbrt, got 'hlsl'"):
         sr.export("gloss", "hlsl")

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from busy import in_processor_time
 from symrender.cli import main
 from symrender.cli._application import verbs
 from symrender.cli._progress import progress
@@ -75,19 +76,8 @@ def processor_seconds(*arguments: str) -> float:
 
 
 def answers_at_once(*arguments: str) -> bool:
-    """Whether a verb takes less than 0.8 processor seconds, or than four times what Typer's own import takes now.
-
-    Where other processes share a processor's parts, its seconds do less.
-    """
-    if min(processor_seconds(*arguments) for _ in range(3)) < 0.8:
-        return True
-    spent: list[float] = []
-    for _ in range(3):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([sys.executable, "-c", "import typer.rich_utils"], check=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        spent.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return min(processor_seconds(*arguments) for _ in range(3)) < 4.0 * min(spent)
+    """Whether a verb takes less than 0.8 processor seconds, the best of three times."""
+    return in_processor_time(min(processor_seconds(*arguments) for _ in range(3)), 0.8)
 
 
 @pytest.mark.parametrize("arguments", [("--help",), ("compare", "--help"), ("render", "--help")])
