@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -15,10 +14,9 @@ from symrender.errors import OptionError, remedy
 from symrender.gradient import gradient
 from symrender.images.image import Image
 from symrender.ledger.tables import html_table
-from symrender.scene.load import load
+from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
 from symrender.scene.parameters import get, parameters
-from symrender.scene.scene import Scene
 from symrender.truth import truth
 
 Array = npt.NDArray[np.float64]
@@ -60,7 +58,7 @@ class Fit:
     (Q, Q) of the parameters.
     """
 
-    scene: Scene
+    scene: AnyScene
     values: Mapping[str, float]
     deviations: Mapping[str, float]
     steps: tuple[Step, ...]
@@ -89,7 +87,7 @@ class Fit:
 
 
 def fit(
-    scene: Scene | str | Path | Mapping[str, Any],
+    scene: Source,
     target: Image,
     free: Sequence[str],
     *,
@@ -111,7 +109,7 @@ def fit(
     """
     if importlib.util.find_spec("scipy") is None:
         raise OptionError(f"fit: needs SciPy: {remedy('fit')}")
-    here = load(scene, "fit")
+    here = load_any(scene)
     names = components(here, free)
     ranges = {p.name: (p.low, p.high) for p in parameters(here)}
     low, high = np.array([ranges.get(name, (-np.inf, np.inf)) for name in names]).T
@@ -119,7 +117,7 @@ def fit(
     size = (target.width, target.height)
     settings: dict[str, Any] = {"size": size, "disk": disk, "threads": threads}
 
-    def image(x: Array, within: float) -> tuple[Scene, Array]:
+    def image(x: Array, within: float) -> tuple[AnyScene, Array]:
         changed = here.replace(dict(zip(names, map(float, x), strict=True)))
         return changed, truth(changed, tol=within, **settings).radiance
 

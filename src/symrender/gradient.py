@@ -8,28 +8,28 @@ contribute what they sweep, to the rule's own order, without sampling edges and 
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from symrender.adjoint.point import EVENT
 from symrender.errors import OptionError
 from symrender.execution.fill import Crew, Means
-from symrender.execution.jobs import Job
+from symrender.execution.jobs import KINDS, Job
 from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
-from symrender.scene.load import load
+from symrender.runtimes.radiometric_gradient import check_gradient
+from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
-from symrender.scene.scene import Scene
+from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.scene.radiometric.moves import radiometric_moves
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import Antialias, Settings, split_settings
 
 STATUS: Final = {MET: "met", CAPPED: "capped", UNSUPPORTED: "unsupported", EVENT: "one-sided"}
 """What the numbers of a gradient's status layer mean."""
-LAYERS: Final = ("radiance", "direct", "gloss", "error", "status")
-"""Layers of each image, beside ``hit_class``."""
 
 
 class Gradients(dict[str, Image]):
@@ -40,7 +40,7 @@ class Gradients(dict[str, Image]):
 
 
 def gradient(
-    scene: Scene | str | Path | Mapping[str, Any] = "gloss",
+    scene: Source = "gloss",
     wrt: Sequence[str] = (),
     *,
     size: int | tuple[int, int] = 64,
@@ -62,11 +62,14 @@ def gradient(
     ``tol`` is absolute in them. The value of a pixel is that of the ray through its centre: where that ray itself
     passes from one shape, one shadow or one field of a texture to the next, the image jumps, and the derivative is
     that of the side it is on. All edges inside a lobe contribute.
+    Of a radiometric scene with ``bounces: 0`` the layers are ``emitted``, ``direct``, ``indirect`` (zero),
+    ``radiance``, ``error`` and ``status``. Values are functions of what the ray through the pixel's centre meets, and
+    so are their derivatives: no edge inside the pixel contributes. ``error`` is how far roundings could have moved one.
     Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
     parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
     or where the scene changes its structure, Unsupported for a wall the method does not cover.
     """
-    loaded = load(scene, "gradient")
+    loaded = load_any(scene)
     settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile)
     job = gradient_job(loaded, wrt, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
@@ -88,21 +91,28 @@ def file_stem(name: str) -> str:
     return "gradient_" + name.replace("[", "_").replace("]", "")
 
 
-def gradient_job(scene: Scene, wrt: Sequence[str], settings: Settings) -> Job:
+def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job:
     """The job that makes the images."""
     if isinstance(wrt, str) or not wrt:
         raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
+    if isinstance(scene, RadiometricScene):
+        check_gradient(radiometric_arrays(scene))
+        return Job.of("radiometric_gradient", scene, settings, radiometric_moves(scene, wrt))
     return Job.of("gradient", scene, settings, moves(scene, wrt))
 
 
-def gradient_images(crew: Crew, job: Job, scene: Scene) -> Gradients:
+def gradient_images(crew: Crew, job: Job, scene: AnyScene) -> Gradients:
     """Carry out ``job``, of ``scene``, with an open ``crew``."""
     layers, timing = crew.fill(job)
     images = Gradients()
+    radiance = "radiance, W/(m2 sr)," if isinstance(scene, RadiometricScene) else "scene radiance"
     for name, _ in job.wrt:
+        # closed forms are split at no walls
+        split = "closed forms" if isinstance(scene, RadiometricScene) else "split at the walls"
         spent = f"tol {job.settings.tol:g}, {timing.evaluations} evaluations"
-        estimator = f"derivative in {name}, split at the walls, {spent}"
-        parts = {layer: layers[f"{layer}:{name}"] for layer in LAYERS} | {"hit_class": layers["hit_class"]}
+        estimator = f"derivative in {name}, {split}, {spent}"
+        parts = {layer: layers[f"{layer}:{name}"] for layer, _ in KINDS[job.kind].each}
+        parts["hit_class"] = layers["hit_class"]
         meta = provenance(scene, job.settings, "gradient", estimator)
-        images[name] = Image(parts, meta | {"parameter": name, "units": "scene radiance over the parameter's unit"})
+        images[name] = Image(parts, meta | {"parameter": name, "units": f"{radiance} over the parameter's unit"})
     return images

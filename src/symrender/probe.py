@@ -16,6 +16,7 @@ from symrender.execution.tiles import run_threads, thread_count
 from symrender.ledger.tables import html_table
 from symrender.probe_rays import RayProbe, Rays, probe_rays
 from symrender.quadrature.split_point import SplitResult, gloss_points
+from symrender.runtimes.radiometric import Sent
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.frames import frame_moves, frames
@@ -35,6 +36,8 @@ Ints = npt.NDArray[np.int64]
 _T = TypeVar("_T")
 _BATCH: Final = 8
 """Points a thread takes at a time: milliseconds to a fifth of a second."""
+_RAYS: Final = 4096
+"""Rays in closed form a thread takes at a time: some milliseconds."""
 _VALUES: Final = ("gloss", "error", "evaluations", "status", "chambers", "crossings")
 _SLOPES: Final = ("gradient", "error", "status")
 
@@ -120,11 +123,11 @@ def probe(
     ``certify``: enclose each value by ball arithmetic as well (``certify/``; floor points, point lights or ``KxK``).
     ``threads`` work on batches of points, 0 takes the processors at hand; their number changes no bit.
     ``rays``: instead of points, ``(origins, directions)`` of rays through a radiometric scene, (N, 3) each; what comes
-    back along them is a ``RayProbe``.
+    back along them is a ``RayProbe``. A ray's answer is its own: neither order nor number of the rays changes a bit.
     Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
     """
     if rays is not None:
-        return _along(load_any(scene), rays, points, float(tol), budget, wrt, certify)
+        return _along(load_any(scene), rays, points, float(tol), budget, wrt, certify, threads)
     loaded, given = _at_points(load_any(scene), points)
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
@@ -192,6 +195,7 @@ def _along(
     budget: int,
     wrt: Sequence[str],
     certify: bool,
+    threads: int,
 ) -> RayProbe:
     """What ``probe`` says of rays."""
     if not isinstance(scene, RadiometricScene):
@@ -200,13 +204,18 @@ def _along(
         raise OptionError("points, rays: only one of them may be given")
     if wrt or certify:
         raise Unsupported(f"{'wrt' if wrt else 'certify'}: does not know radiometric scenes yet ({scene.name})")
-    Settings(tol=tol, budget=budget)
-    return probe_rays(scene, rays, tol, budget)
+    Settings(tol=tol, budget=budget, threads=threads)
+    batch = _BATCH if scene.bounces else _RAYS
+
+    def in_batches(run: Callable[[slice], Sent], count: int) -> list[Sent]:
+        return _in_batches(run, count, threads, batch)
+
+    return probe_rays(scene, rays, tol, budget, in_batches)
 
 
-def _in_batches(run: Callable[[slice], _T], count: int, threads: int) -> list[_T]:
+def _in_batches(run: Callable[[slice], _T], count: int, threads: int, batch_size: int = _BATCH) -> list[_T]:
     """What ``run`` makes of all points, in order; between batches Ctrl-C is heard."""
-    work = [(first, 0, min(first + _BATCH, count), 1) for first in range(0, count, _BATCH)]
+    work = [(first, 0, min(first + batch_size, count), 1) for first in range(0, count, batch_size)]
     made: dict[int, _T] = {}
 
     def batch(first: int, _: int, stop: int, __: int, layers: Mapping[str, Array]) -> int:

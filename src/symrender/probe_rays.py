@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ import numpy.typing as npt
 from symrender.errors import OptionError
 from symrender.execution.finite import hit_names
 from symrender.ledger.tables import html_table
-from symrender.runtimes.radiometric import BUDGET, rays
+from symrender.runtimes.radiometric import BUDGET, Sent, check, rays
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.truth import STATUS
@@ -19,6 +19,13 @@ from symrender.truth import STATUS
 Array = npt.NDArray[np.float64]
 Rays = tuple[npt.ArrayLike, npt.ArrayLike]
 """Origins and directions, (N, 3) each or (3,)."""
+Batches = Callable[[Callable[[slice], Sent], int], list[Sent]]
+"""Runs a function on parts of so many rays, in any order and thread; returns what it gave in the order of the rays."""
+
+
+def at_once(run: Callable[[slice], Sent], count: int) -> list[Sent]:
+    """All rays in one part."""
+    return [run(slice(0, count))]
 
 
 @dataclass(frozen=True)
@@ -52,13 +59,21 @@ class RayProbe:
         return html_table(rows, "radiance, W/(m2 sr)")
 
 
-def probe_rays(scene: RadiometricScene, given: Rays, tol: float, budget: int = BUDGET) -> RayProbe:
+def probe_rays(
+    scene: RadiometricScene, given: Rays, tol: float, budget: int = BUDGET, in_batches: Batches = at_once
+) -> RayProbe:
     """What comes back along rays ``(origins, directions)`` of any length, each to ``tol``, absolute.
 
+    ``in_batches`` runs the rays, part by part, and returns the parts in order.
     Raises OptionError for rays that are no rays and Unsupported for what is not yet integrated.
     """
     origins, directions = _checked(given)
-    sent = rays(radiometric_arrays(scene), origins, directions, tol, budget)
+    arrays = radiometric_arrays(scene)
+    check(arrays)
+    # a part without rays stands in for none
+    parts = [rays(arrays, origins[:0], directions[:0], tol, budget)]
+    parts += in_batches(lambda part: rays(arrays, origins[part], directions[part], tol, budget), len(origins))
+    sent = Sent(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Sent)))
     names = hit_names(scene)
     shapes = tuple(names[int(hit)] for hit in sent.hit_class)
     radiance = sent.emitted + sent.direct + sent.indirect

@@ -52,6 +52,23 @@ def test_probe_prints_what_comes_back_along_rays() -> None:
         assert code == 2 and told in err and len(err.strip().splitlines()) == 1
 
 
+def test_probe_refuses_along_rays_what_it_does_not_know() -> None:
+    ray = ("probe", "metal", "--ray", "0,-9.5,3.1,0,9.5,-2.5")
+    for more, verb in ((("--certify",), "certify"), (("--wrt", "camera.fov"), "wrt")):
+        code, out, err = run(*ray, *more)
+        assert code == 2 and not out
+        assert f"{verb}: does not know radiometric scenes yet" in err and len(err.strip().splitlines()) == 1
+
+
+def test_a_probed_ray_names_its_convention_and_what_it_is_made_of() -> None:
+    code, out, _ = run("probe", "metal", "--ray", "0,-9.5,3.1,0,9.5,-2.5", "--json")
+    (row,) = json.loads(out)
+    assert code == 0 and row["convention"] == "radiometric" and min(row["direct"]) > 0
+    for channel in range(3):
+        parts = row["emitted"][channel] + row["direct"][channel] + row["indirect"][channel]
+        assert row["radiance"][channel] == parts
+
+
 def test_scenes_and_params_list_them() -> None:
     code, out, _ = run("scenes")
     assert code == 0 and "metal " in out
@@ -64,13 +81,12 @@ def test_scenes_and_params_list_them() -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        ("gradient", "metal", "--wrt", "materials.gold05.alpha", "--size", "4"),
+        ("gradient", "interreflection", "--wrt", "camera.fov", "--size", "4"),
         ("expression", "metal"),
         ("simulator", "metal"),
         ("study", "convergence", "metal"),
         ("sweep", "metal", "--over", "camera.fov=20:30:2"),
         ("animate", "metal", "--orbit", "4"),
-        ("fit", "metal", "never.exr", "--free", "camera.fov"),
         ("truth", "metal", "--size", "4", "--verify", "0.5"),
         ("truth", "metal", "--size", "4", "--layers", "chambers"),
         ("truth", "metal", "--size", "4", "-D", "bounces=1"),

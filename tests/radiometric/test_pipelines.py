@@ -185,16 +185,15 @@ def test_what_takes_a_lobe_is_refused_by_name(bounces: int | str) -> None:
 
 def test_other_verbs_refuse_by_name() -> None:
     calls: dict[str, Any] = {
-        "gradient": lambda: sr.gradient("metal", wrt=["materials.gold05.alpha"], size=4),
         "hessian": lambda: sr.hessian("metal", ["materials.gold05.alpha"], [(0, 0)]),
-        "fit": lambda: sr.fit("metal", sr.truth("metal", size=4), ["materials.gold05.alpha"]),
         "expression": lambda: sr.expression("metal"),
         "simulator": lambda: sr.simulator("metal", "never.html"),
         "verify": lambda: sr.truth("metal", size=4, verify=0.5),
     }
     for verb, call in calls.items():
-        with pytest.raises(Unsupported, match=rf"^{verb}: does not know radiometric scenes yet \(metal\)"):
+        with pytest.raises(Unsupported, match=rf"^{verb}: does not know radiometric scenes yet \(metal\)") as told:
             call()
+        assert "\n" not in str(told.value)
 
 
 def test_rays_are_checked() -> None:
@@ -215,3 +214,32 @@ def test_rays_are_checked() -> None:
     long = sr.probe("metal", rays=([0, -9.5, 3.1], [0, 9.5e200, -2.5e200]))
     same = sr.probe("metal", rays=([0, -9.5, 3.1], [0, 9.5, -2.5]))
     np.testing.assert_allclose(long.direct, same.direct, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name, count", [("metal", 9000), ("interreflection", 40)])
+def test_order_and_number_of_rays_change_no_bit(name: str, count: int) -> None:
+    rng = np.random.default_rng(5)
+    origins = np.array([0.0, -6.0, 2.0]) + rng.normal(size=(count, 3)) * 0.1
+    directions = rng.uniform(-1.2, 1.2, (count, 3)) * [1, 1, 0.8] + [0, 0, 0.6] - origins
+    told = ("radiance", "emitted", "direct", "indirect", "error", "status", "evaluations")
+    whole = sr.probe(name, rays=(origins, directions), tol=1e-4, threads=1)
+    assert (whole.radiance.max(axis=1) > 1e-3).sum() > 0.5 * count and len(set(whole.shape)) > 2
+    order = rng.permutation(count)
+    again = sr.probe(name, rays=(origins[order], directions[order]), tol=1e-4, threads=3)
+    some = sr.probe(name, rays=(origins[3:11], directions[3:11]), tol=1e-4)
+    for each in told:
+        np.testing.assert_array_equal(getattr(whole, each)[order], getattr(again, each))
+        np.testing.assert_array_equal(getattr(whole, each)[3:11], getattr(some, each))
+    assert tuple(whole.shape[k] for k in order) == again.shape
+
+
+@pytest.mark.parametrize("bounces", [0, 1])
+def test_nothing_to_meet_and_no_rays_are_answered(bounces: int) -> None:
+    camera = {"type": "look_at", "eye": [0, -3, 1], "target": [0, 0, 0], "fov": 30}
+    empty = {"units": "radiometric", "name": "empty", "bounces": bounces, "camera": camera}
+    empty |= {"materials": {"grey": {"type": "diffuse"}}, "shapes": [], "lights": []}
+    found = sr.probe(empty, rays=([0, 0, 0], [0, 0, 1]))
+    assert found.shape == ("nothing",) and not found.radiance.any() and found.status[0] == 0
+    assert (sr.truth(empty, size=3).layer("status") == 0).all()
+    none = sr.probe(empty, rays=(np.zeros((0, 3)), np.zeros((0, 3))))
+    assert none.shape == () and none.radiance.shape == (0, 3)

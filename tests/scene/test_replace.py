@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from symrender.errors import SceneError
@@ -121,6 +121,12 @@ def test_a_replaced_number_is_read_back_and_nothing_else_moves(case: tuple[str, 
     low, high = max(parameter.low, -8.0), min(parameter.high, 8.0)  # type: ignore[attr-defined]
     value = low + share * (high - low)
     before = {p.name: p.value for p in scene.parameters()}
-    after = {p.name: p.value for p in scene.replace({parameter.name: value}).parameters()}  # type: ignore[attr-defined]
+    try:
+        changed = scene.replace({parameter.name: value})  # type: ignore[attr-defined]
+    except SceneError as error:
+        # an eye straight above its target sees no up
+        assume("parallel" not in str(error))
+        raise
+    after = {p.name: p.value for p in changed.parameters()}
     assert after == {**before, parameter.name: value}  # type: ignore[attr-defined]
     assert scene.replace({parameter.name: value}).replace({parameter.name: before[parameter.name]}) == scene  # type: ignore[attr-defined]

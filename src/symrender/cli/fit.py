@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from symrender.cli._completions import numbers
-from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, scene_files, scene_with
+from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, any_scene_with, scene_files
 from symrender.images.output import check_target, write_bytes
 
 
@@ -37,7 +37,7 @@ def fit(
     """
     from symrender.images.image import read_image
 
-    chosen = scene_with(scene, define, "fit")
+    chosen = any_scene_with(scene, define)
     if out:
         check_target(out, force=force, inputs=[*scene_files(scene), target])
     image = read_image(target)

@@ -18,7 +18,7 @@ from symrender.cli._means import (
     ended_by_signals,
     means_of,
 )
-from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, parse_size, scene_files, scene_with
+from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, any_scene_with, parse_size, scene_files
 from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
@@ -76,7 +76,7 @@ def gradient(
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, max_pixels=max_pixels
     )
-    chosen = scene_with(scene, define, "gradient")
+    chosen = any_scene_with(scene, define)
     every = components(chosen, names)
     folder = make_folder(out)
     journal = folder / "gradient.journal"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -67,7 +67,9 @@ def probe(
     if bool(point) == bool(ray):
         raise OptionError("point, ray: give points of a surface, or rays through a radiometric scene")
     if ray:
-        _probe_rays(any_scene_with(scene, define), ray, tol, budget, json=json)
+        names = _names(wrt)
+        _probe_rays(any_scene_with(scene, define), ray, json=json, tol=tol, budget=budget, wrt=names, certify=certify,
+                    threads=threads)  # fmt: skip
         return
     points = _points(point or [])
     chosen = scene_with(scene, define, "probe --point")
@@ -78,7 +80,7 @@ def probe(
     from symrender.probe import probe as probe_points
     from symrender.truth import STATUS
 
-    names = [name.strip() for name in wrt.split(",") if name.strip()]
+    names = _names(wrt)
     with progress("auto", quiet=json) as advance, first_use("probe", advance):
         found = probe_points(
             chosen,
@@ -141,6 +143,10 @@ def probe(
         raise typer.Exit(4)
 
 
+def _names(wrt: str) -> list[str]:
+    return [name.strip() for name in wrt.split(",") if name.strip()]
+
+
 def _points(point: list[str]) -> list[list[float]]:
     from symrender.errors import OptionError
 
@@ -155,8 +161,10 @@ def _points(point: list[str]) -> list[list[float]]:
     return points
 
 
-def _probe_rays(scene: AnyScene, ray: list[str], tol: float, budget: int, *, json: bool) -> None:
+def _probe_rays(scene: AnyScene, ray: list[str], *, json: bool, **options: Any) -> None:
+    from symrender.cli._progress import progress
     from symrender.errors import OptionError
+    from symrender.execution.first_use import first_use
     from symrender.probe import probe as probe_scene
     from symrender.truth import STATUS
 
@@ -168,14 +176,16 @@ def _probe_rays(scene: AnyScene, ray: list[str], tol: float, budget: int, *, jso
             numbers.append([])
         if len(numbers[-1]) != 6:
             raise OptionError(f"ray: must be six numbers X,Y,Z,DX,DY,DZ, got {text!r}")
-    found = probe_scene(scene, rays=([n[:3] for n in numbers], [n[3:] for n in numbers]), tol=tol, budget=budget)
+    given = ([n[:3] for n in numbers], [n[3:] for n in numbers])
+    with progress("auto", quiet=json) as advance, first_use("probe", advance):
+        found = probe_scene(scene, rays=given, **options)
+    three = {name: getattr(found, name).tolist() for name in ("radiance", "emitted", "direct", "indirect")}
     rows = [
-        {"ray": n, "shape": shape, "radiance": radiance.tolist(), "direct": direct.tolist(),
-         "indirect": indirect.tolist(), "error": float(error), "status": STATUS[int(status)]}
-        for n, shape, radiance, direct, indirect, error, status in zip(
-            numbers, found.shape, found.radiance, found.direct, found.indirect, found.error, found.status, strict=True
-        )
-    ]  # fmt: skip
+        {"ray": n, "shape": found.shape[k]}
+        | {name: values[k] for name, values in three.items()}
+        | {"error": float(found.error[k]), "status": STATUS[int(found.status[k])], "convention": found.convention}
+        for k, n in enumerate(numbers)
+    ]
     if json:
         show_json(rows)
     else:

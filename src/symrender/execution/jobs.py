@@ -66,6 +66,12 @@ KINDS: Final[Mapping[str, Kind]] = {
     "radiometric": Kind(
         "symrender.runtimes.radiometric", (*_RADIOMETRIC, ("error", 1), ("status", 1)), radiometric=True
     ),
+    "radiometric_gradient": Kind(
+        "symrender.runtimes.radiometric_gradient",
+        (("hit_class", 1),),
+        each=(*_RADIOMETRIC[:4], ("error", 1), ("status", 1)),
+        radiometric=True,
+    ),
     "gradient": Kind(
         "symrender.runtimes.gradient",
         (("hit_class", 1), ("evaluations", 1)),

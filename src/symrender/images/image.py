@@ -191,7 +191,7 @@ class Image:
         """
         array = self.layer(layer)
         finite = np.where(np.isfinite(array), array, 0.0)
-        if self.signed and layer in ("radiance", "direct", "gloss"):
+        if self.signed and layer in ("radiance", "emitted", "direct", "indirect", "gloss"):
             values = array.mean(axis=-1) if array.ndim == 3 else array
             sizes = np.abs(values[np.isfinite(values) & (values != 0)])
             reach = scale if scale is not None else float(np.percentile(sizes, 99.0)) if sizes.size else 1.0

@@ -17,17 +17,17 @@ _BAR: Final = 12
 _TEXT: Final = 16
 
 
-def signed_view(
-    image: Image, title: str, layers: Sequence[str] = ("direct", "gloss"), *, scale: float | None = None
-) -> Picture:
+def signed_view(image: Image, title: str, layers: Sequence[str] = (), *, scale: float | None = None) -> Picture:
     """Layers of a derivative side by side, mean of the channels, over one bar that says what the colours mean.
 
+    ``layers`` are by default the addends of radiance: direct and gloss, or emitted and direct of a radiometric scene.
     ``scale`` is the value of the ends of the bar, beyond which colours stay; it defaults to the 99th percentile of the
     magnitude of what is not zero. Colours are linear in the value; white is exactly 0.
     """
     from PIL import Image as Pillow
     from PIL import ImageDraw
 
+    layers = layers or (("direct", "gloss") if "gloss" in image.layers else ("emitted", "direct"))
     parts = [image.layer(name) for name in layers]
     values = [part.mean(axis=-1) if part.ndim == 3 else part for part in parts]
     sizes = np.abs(np.concatenate([value[np.isfinite(value) & (value != 0)] for value in values]))

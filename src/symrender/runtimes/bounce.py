@@ -82,6 +82,8 @@ class Bouncer:
         """
         count = len(hits.shape)
         found = Bounced(np.zeros((count, 3)), np.zeros(count), np.full(count, MET), np.zeros(count, np.int64))
+        if not (hits.shape >= 0).any():
+            return found
         shapes, materials = self._arrays.shapes, self._arrays.materials
         two_sided = np.array([materials[int(shape.material)].two_sided != 0.0 for shape in shapes], dtype=bool)
         is_plane = np.array([shape.kind != SPHERE for shape in shapes], dtype=bool)

@@ -41,11 +41,11 @@ def frame_moves(planes: Table[Plane], moves: Grid[Plane]) -> Grid[Frame]:
         for q in range(count):
             move, row = moves[q, k], rows[q, k]
             row.origin[:] = move.point
-            row.up[:] = up = _turned(plane.normal, move.normal)
+            row.up[:] = up = turned(plane.normal, move.normal)
             level = plane.along @ frame.up
             flat = plane.along - level * frame.up
             slope = move.along @ frame.up + plane.along @ up
-            row.east[:] = east = _turned(flat, move.along - slope * frame.up - level * up)
+            row.east[:] = east = turned(flat, move.along - slope * frame.up - level * up)
             row.north[:] = np.cross(up, frame.east) + np.cross(frame.up, east)
     return rows
 
@@ -55,7 +55,7 @@ def _unit(v: Array) -> Array:
     return np.asarray(v / np.sqrt(v @ v))
 
 
-def _turned(v: Array, move: Array) -> Array:
+def turned(v: Array, move: Array) -> Array:
     """Derivative of unit(v) where v moves."""
     size, unit = float(np.sqrt(v @ v)), _unit(v)
     return np.asarray((move - (move @ unit) * unit) / size)

@@ -127,5 +127,6 @@ def in_series(scene: AnyScene, verb: str = "") -> Scene:
     """``scene``, or ``Unsupported`` naming it and ``verb`` where it is radiometric."""
     if isinstance(scene, RadiometricScene):
         what = f"{verb}: does not know" if verb else "this does not know"
-        raise Unsupported(f"{what} radiometric scenes yet ({printable(scene.name)}); render, truth and probe do")
+        known = "render, truth, probe, gradient and fit do"
+        raise Unsupported(f"{what} radiometric scenes yet ({printable(scene.name)}); {known}")
     return scene

@@ -15,6 +15,7 @@ from symrender.scene.fields import number_range
 from symrender.scene.names import letters, resolve
 from symrender.scene.parameters import get
 from symrender.scene.plain import plain
+from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere
 from symrender.scene.scene import Scene
 
@@ -22,7 +23,7 @@ Move: TypeAlias = tuple[str, tuple[tuple[str, tuple[int, ...]], ...]]
 """A parameter's dotted name and the elements (array of ``SceneArrays``, index) that move with it, one for one."""
 
 
-def components(scene: Scene, names: Iterable[str]) -> tuple[str, ...]:
+def components(scene: Scene | RadiometricScene, names: Iterable[str]) -> tuple[str, ...]:
     """``names`` with vectors and colours written out: ``camera.eye`` becomes ``camera.eye.x``, ``.y`` and ``.z``.
 
     SceneError for what is not a real number of the scene.
@@ -30,7 +31,7 @@ def components(scene: Scene, names: Iterable[str]) -> tuple[str, ...]:
     found: list[str] = []
     data = plain(scene.model_dump(mode="python"))
     for name in names:
-        _, info = resolve(Scene, data, name)
+        _, info = resolve(type(scene), data, name)
         if axes := letters(info):
             found += [f"{name}.{axis}" for axis in axes]
         elif number_range(info) is not None and isinstance(get(scene, name), float):

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
-from symrender.jit.records import Table, record, table
+from symrender.jit.records import Table, copied, record, table
 from symrender.scene.arrays import CHECKER, LOOK_AT, MARBLE, PLANE, SOLID, STRIPES
 from symrender.scene.frames import frames
 from symrender.scene.radiometric import lights, shapes
@@ -17,6 +18,8 @@ from symrender.scene.radiometric.records import Light, Material, Shape
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.records import Camera, Frame
 from symrender.scene.records import Plane as PlaneRecord
+
+Array = npt.NDArray[np.float64]
 
 # kinds of a material
 DIFFUSE: Final = 0
@@ -44,12 +47,16 @@ ALL: Final = 1 << 30
 
 @dataclass(frozen=True)
 class RadiometricArrays:
-    """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes lie, row by shape."""
+    """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes lie, row by shape.
+
+    ``directions`` (lights, 3) are those of directional lights, of any length: ``place`` of these is its unit vector.
+    """
 
     materials: Table[Material]
     shapes: Table[Shape]
     frames: Table[Frame]
     lights: Table[Light]
+    directions: Array
     camera: Camera
     bounces: int
 
@@ -61,7 +68,6 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     for index, material in enumerate(scene.materials.values()):
         _lay_material(material, materials[index])
     rows = table(Shape, len(scene.shapes))
-    places = table(Frame, len(scene.shapes))
     for j, shape in enumerate(scene.shapes):
         row = rows[j]
         row.material = names[shape.material]
@@ -71,19 +77,16 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
             continue
         row.kind = PLANE
         row.place[:], row.normal[:], row.along[:] = shape.point, shape.normal, shape.along
-        one = table(PlaneRecord, 1)
-        one[0].point[:], one[0].normal[:], one[0].along[:] = shape.point, shape.normal, shape.along
-        places[j] = frames(one)[0]
     lit = table(Light, len(scene.lights))
-    for light_row, light in zip(lit, scene.lights, strict=True):
+    directions = np.zeros((len(scene.lights), 3))
+    for light_row, travel, light in zip(lit, directions, scene.lights, strict=True):
         match light:
             case lights.Point():
                 light_row.kind = POINT
                 light_row.place[:], light_row.emitted[:] = light.position, light.intensity
             case lights.Directional():
                 light_row.kind = DIRECTIONAL
-                direction = np.array(light.direction) / np.abs(light.direction).max()
-                light_row.place[:] = direction / np.sqrt(direction @ direction)
+                travel[:] = light.direction
                 light_row.emitted[:] = light.irradiance
             case lights.Sky():
                 light_row.kind = SKY
@@ -91,7 +94,30 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     camera = record(Camera)
     camera.kind, camera.fov = LOOK_AT, scene.camera.fov
     camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
-    return RadiometricArrays(materials, rows, places, lit, camera, ALL if scene.bounces == "all" else scene.bounces)
+    return laid_out(materials, rows, lit, directions, camera, ALL if scene.bounces == "all" else scene.bounces)
+
+
+def laid_out(
+    materials: Table[Material], shapes: Table[Shape], lights: Table[Light], directions: Array, camera: Camera,
+    bounces: int,
+) -> RadiometricArrays:  # fmt: skip
+    """The records of a scene with what follows from them: frames of planes, unit vectors of directional lights."""
+    places, lit = table(Frame, len(shapes)), copied(lights)
+    for j, row in enumerate(shapes):
+        if row.kind == PLANE:
+            places[j] = frames(plane_record(row))[0]
+    for i, light in enumerate(lit):
+        if light.kind == DIRECTIONAL:
+            direction = directions[i] / np.abs(directions[i]).max()
+            light.place[:] = direction / np.sqrt(direction @ direction)
+    return RadiometricArrays(materials, shapes, places, lit, directions, camera, bounces)
+
+
+def plane_record(shape: Shape) -> Table[PlaneRecord]:
+    """Where a plane lies, as the one record of a table."""
+    one = table(PlaneRecord, 1)
+    one[0].point[:], one[0].normal[:], one[0].along[:] = shape.place, shape.normal, shape.along
+    return one
 
 
 def _lay_material(material: MaterialPart, row: Material) -> None:

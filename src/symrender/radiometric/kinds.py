@@ -1,0 +1,43 @@
+"""Which values of a kernel have a slope: real numbers and what is made of them."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from types import FunctionType
+from typing import Final, TypeAlias
+
+from symrender.jit.source import source_of
+
+Kind: TypeAlias = "bool | tuple[Kind, ...]"
+"""Whether a value has a slope; of a tuple, whether each of its parts has."""
+
+WHOLE: Final = ("int", "bool")
+
+
+def returned(function: FunctionType) -> Kind:
+    """Whether what a function returns has a slope, from its annotation."""
+
+    def parts(node: ast.expr) -> Iterator[Kind]:
+        assert isinstance(node, ast.Subscript)
+        inner = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        for each in inner:
+            yield tuple(parts(each)) if isinstance(each, ast.Subscript) else ast.unparse(each) not in WHOLE
+
+    annotation = source_of(function).tree.returns
+    assert annotation is not None, function.__name__
+    if isinstance(annotation, ast.Subscript):
+        return tuple(parts(annotation))
+    return ast.unparse(annotation) not in (*WHOLE, "None")
+
+
+def has_slope(kind: Kind) -> bool:
+    """Whether some part has one."""
+    return any(map(has_slope, kind)) if isinstance(kind, tuple) else kind
+
+
+def either(a: Kind, b: Kind) -> Kind:
+    """Of a variable that is assigned both; a part that is constant at one place and moves at another moves."""
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return tuple(either(x, y) for x, y in zip(a, b, strict=True))
+    return a if isinstance(a, tuple) else (b if isinstance(b, tuple) else a or b)

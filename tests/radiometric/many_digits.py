@@ -1,0 +1,79 @@
+"""The pushed kernel run in 50 digits: what roundings do to a derivative is the difference to it."""
+
+from __future__ import annotations
+
+import inspect
+from types import SimpleNamespace
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from symrender.radiometric import rules
+from symrender.radiometric.sky import CAP
+from symrender.radiometric.slopes import Seen, pushed_text
+from symrender.radiometric.world import World
+
+MP = mpmath.mp.clone()
+MP.dps = 50
+
+
+class _Math:
+    """What kernels use of ``math``, in many digits."""
+
+    pi, inf = MP.pi * 1, MP.inf
+    sqrt, exp, log, sin, cos, tan, erf = MP.sqrt, MP.exp, MP.log, MP.sin, MP.cos, MP.tan, MP.erf
+    acos, atan2, floor, log1p, expm1 = MP.acos, MP.atan2, MP.floor, MP.log1p, MP.expm1
+
+
+def _loaded(text: str, **names: Any) -> SimpleNamespace:
+    """A module's text with other names in place of what it imports."""
+    space: dict[str, Any] = {"__name__": "many_digits"}
+    exec(compile(text, "<many digits>", "exec", dont_inherit=True), space)  # noqa: S102
+    space |= {"math": _Math} | names
+    return SimpleNamespace(**space)
+
+
+_RULES = _loaded(inspect.getsource(rules))
+_KERNEL = _loaded(pushed_text(), rules=_RULES)
+
+
+def _exact(value: Any) -> Any:
+    """Numbers of records and arrays in many digits."""
+    if isinstance(value, np.ndarray) and value.dtype.names is None:
+        return np.array([MP.mpf(float(x)) for x in value.ravel()], dtype=object).reshape(value.shape)
+    return MP.mpf(float(value))
+
+
+def _record(row: Any) -> SimpleNamespace:
+    return SimpleNamespace(**{name: _exact(np.asarray(row[name]) if np.ndim(row[name]) else row[name])
+                              for name in row.dtype.names})  # fmt: skip
+
+
+class _Rows(list[Any]):
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return (len(self),)
+
+
+def _world(world: World) -> World:
+    return World(*(_Rows(_record(row) for row in part) for part in world))  # type: ignore[arg-type]
+
+
+def slope(view: Seen, moves: Seen) -> list[Any]:
+    """Slope of the radiance of the one pixel."""
+
+    def zeros(*shape: int) -> Any:
+        return np.array([MP.mpf(0)] * int(np.prod(shape)), dtype=object).reshape(shape)
+
+    def room() -> tuple[Any, ...]:
+        return zeros(1, 1, 3), zeros(1, 1, 3), zeros(1, 1), zeros(1, 1)
+
+    count = len(view.world.shapes) + 1
+    values, slopes = room(), room()
+    _KERNEL.fill_tile_dot(
+        _world(view.world), _exact(view.eye), _exact(view.window), 1, 1, 0, 0, 1, 1, zeros(count, CAP),
+        zeros(2 * count, 2), *values, _world(moves.world), _exact(moves.eye), _exact(moves.window), zeros(count, CAP),
+        zeros(2 * count, 2), *slopes,
+    )  # fmt: skip
+    return [slopes[0][0, 0, c] + slopes[1][0, 0, c] for c in range(3)]
