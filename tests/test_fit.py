@@ -7,6 +7,7 @@ import pytest
 
 import symrender as sr
 from symrender.errors import SceneError
+from symrender.fit import _untold
 from symrender.scene.parameters import get
 
 FREE = ["spheres.B.center.x", "floor.lobe.exponent"]
@@ -31,6 +32,26 @@ def test_a_scene_is_found_in_its_own_image() -> None:
     assert found.text(steps=False).splitlines() == lines[len(seen) + 1 :]
     # no image is known better than its tolerance, however little is left
     assert all(found.deviations[name] > 1e-7 for name in FREE)
+
+
+def test_a_number_that_few_pixels_tell_is_found() -> None:
+    """All but a few pixels fit to the last digit after one step: the few are curved, they have not jumped."""
+    scene = sr.load("metal")
+    start = {"materials.gold50.alpha": 0.4, "lights.key.intensity.r": 60.0}
+    target = sr.truth(scene, size=(24, 12))
+    slopes = sr.gradient(scene, list(start), size=(24, 12))
+    tells = [int((np.abs(slopes[name].radiance) > 1e-9).any(axis=2).sum()) for name in start]
+    assert 3 <= tells[0] <= 12 and tells[1] > 8 * tells[0]
+    found = sr.fit(scene.replace(start), target, list(start))
+    assert found.converged
+    for name in start:
+        assert found.values[name] == pytest.approx(get(scene, name), rel=1e-8), name
+
+
+def test_what_only_pixels_that_do_not_count_would_tell_is_not_said_to_be_found() -> None:
+    names, jacobian = ["a", "b"], np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 3.0], [0.0, 2.0]])
+    assert _untold(names, jacobian, np.array([1.0, 1.0, 1e-3, 1e-4])) == ["b"]
+    assert _untold(names, jacobian, np.array([1.0, 1.0, 1e-3, 1.0])) == []
 
 
 def test_an_unknown_name_is_refused() -> None:

@@ -25,6 +25,8 @@ OUTLIER: Final = 4.0
 """Residuals beyond this many robust standard deviations count less (Geman-McClure's weight)."""
 
 
+TOLD: Final = 1e-2
+"""Share of the information on a parameter below which a fit does not say that it found it."""
 STEP_HEADING: Final = "iteration  weighted RMS  largest change"
 """What the columns of a step's row are."""
 ROUGH: Final = 1e-4
@@ -149,7 +151,11 @@ def fit(
         if progress is not None:
             progress(steps[-1])
         if change < precision and within == tol:
-            reason, converged = f"the parameters change by less than {precision:g} of themselves", True
+            untold = _untold(names, jacobian, weight)
+            reason = f"the parameters change by less than {precision:g} of themselves"
+            if untold:
+                reason = f"nearly all pixels that tell {', '.join(untold)} jump: they meet other shapes or fields"
+            converged = not untold
             break
     residual = (radiance - wanted).ravel()
     normal = np.linalg.pinv(jacobian.T @ jacobian)
@@ -167,6 +173,12 @@ def fit(
     )
 
 
+def _untold(names: Sequence[str], jacobian: Array, weight: Array) -> list[str]:
+    """The parameters which only pixels that hardly count would tell."""
+    felt, counted = (jacobian**2).sum(axis=0), (weight[:, None] * jacobian**2).sum(axis=0)
+    return [name for name, all_, some in zip(names, felt, counted, strict=True) if some < TOLD * all_]
+
+
 def _cost(residual: Array, weight: Array) -> float:
     return float(np.sqrt((weight * residual**2).sum() / max(float(weight.sum()), 1e-300)))
 
@@ -175,7 +187,8 @@ def _robust_step(jacobian: Array, residual: Array, room: tuple[Array, Array]) ->
     """Step of least |J step + residual| within ``room``, and the weights of the residuals it was found with.
 
     What the linear model leaves of a residual says whether that pixel changed its shape, shadow or field: weights are
-    Geman and McClure's for leftovers beyond ``OUTLIER`` robust standard deviations, found by reweighting.
+    Geman and McClure's for leftovers beyond ``OUTLIER`` robust standard deviations, found by reweighting. A leftover
+    below what the step changes the pixel by is no jump but a curve, also where most others fit to the last digit.
     """
     from scipy.optimize import lsq_linear
 
@@ -184,9 +197,9 @@ def _robust_step(jacobian: Array, residual: Array, room: tuple[Array, Array]) ->
     for _ in range(12):
         root = np.sqrt(weight)
         step = lsq_linear(root[:, None] * jacobian, -root * residual, bounds=room).x
-        left = jacobian @ step + residual
+        changed = jacobian @ step
+        left = changed + residual
         spread = 1.4826 * float(np.median(np.abs(left[felt]))) if felt.any() else 0.0
-        if not spread > 0.0:
-            break
-        weight = (1.0 + (left / (OUTLIER * spread)) ** 2) ** -2
+        usual = np.maximum(OUTLIER * spread, np.abs(changed))
+        weight = (1.0 + (left / np.maximum(usual, 1e-300)) ** 2) ** -2
     return step, weight

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import mpmath
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -14,6 +15,7 @@ from symrender.errors import Unsupported
 from symrender.jit.records import Table, table
 from symrender.leaves import radiometric, values
 from symrender.quadrature.split_point import SplitResult, gloss_points
+from symrender.radiometric.slopes import pushed_module
 from symrender.scene.arrays import SceneArrays, scene_arrays
 
 from .half_vector import Rough, fresnel, masking, reflected
@@ -196,6 +198,40 @@ def test_reflectance_is_that_of_complex_amplitudes() -> None:
         assert radiometric.conductor_fresnel(cosine, eta, k) == pytest.approx(expected, rel=1e-11)
     for cosine in (0.0, 0.3, 1.0):
         assert radiometric.conductor_fresnel(cosine, 0.0, 1.0) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_reflectance_keeps_its_digits_where_hardly_anything_is_absorbed() -> None:
+    """Total reflection, eta < 1 and a small k, is where the textbook's form loses half of them."""
+    rng, lost = np.random.default_rng(6), []
+    with mpmath.workdps(50):
+        for _ in range(1000):
+            eta, cosine = float(10 ** rng.uniform(-3, 1)), float(rng.uniform(0.0, 1.0))
+            k = float(10 ** rng.uniform(-14, 1)) if rng.random() < 0.8 else 0.0
+            index, sin2 = mpmath.mpc(eta, k) ** 2, 1 - mpmath.mpf(cosine) ** 2
+            onward = mpmath.sqrt(index - sin2)
+            upright, level = (
+                (cosine - onward) / (cosine + onward),
+                (index * cosine - onward) / (index * cosine + onward),
+            )
+            expected = (abs(upright) ** 2 + abs(level) ** 2) / 2
+            assert abs(radiometric.conductor_fresnel(cosine, eta, k) - expected) <= 4e-15, (cosine, eta, k)
+            # the same by sqrt((|s + 2 i eta k| + s)/2)
+            s = (eta - k) * (eta + k) - float(sin2)
+            textbook = math.sqrt(max(0.0, 0.5 * (math.hypot(s, 2.0 * eta * k) + s)))
+            lost.append(float(abs(textbook - onward.real)))
+    assert sum(each > 1e-10 for each in lost) > 50 and max(lost) > 1e-9
+
+
+def test_slope_of_reflectance_at_total_reflection() -> None:
+    """By cosine and eta nothing changes while all is reflected; a first trace of absorption is felt at once."""
+    slope = pushed_module().conductor_fresnel_dot
+    for cosine, eta in ((0.3, 0.25), (0.5, 0.6), (0.05, 0.9)):
+        assert slope(cosine, eta, 0.0, 1.0, 0.0, 0.0) == pytest.approx((1.0, 0.0), abs=1e-14)
+        assert slope(cosine, eta, 0.0, 0.0, 1.0, 0.0) == pytest.approx((1.0, 0.0), abs=1e-14)
+        step = 1e-6
+        by_difference = (radiometric.conductor_fresnel(cosine, eta, step) - 1.0) / step
+        assert by_difference < -0.1
+        assert slope(cosine, eta, step, 0.0, 0.0, 1.0)[1] == pytest.approx(by_difference, rel=1e-4)
 
 
 def test_what_is_not_integrated_is_refused_by_name() -> None:

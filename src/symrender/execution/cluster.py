@@ -9,11 +9,13 @@ machine nor behind TLS is refused.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import hashlib
 import ipaddress
 import logging
 import math
+import os
 import platform
 import re
 import signal
@@ -26,8 +28,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 from importlib import metadata
 from itertools import islice
-from multiprocessing.process import active_children
-from multiprocessing.resource_tracker import ensure_running
+from multiprocessing.resource_tracker import _resource_tracker, ensure_running
 from queue import Empty, SimpleQueue
 from typing import Any, Final
 from urllib.parse import urlsplit
@@ -47,6 +48,8 @@ _PATIENCE: Final = 20.0
 _LOOK_EVERY: Final = 5.0
 _LONELY: Final = 60.0
 _AHEAD: Final = 4
+_ENDING: Final = 1.0
+_QUIET: Final = 0.05
 _WORKERS_A_TILE: Final = 20
 _PROBE_SIDE: Final = 8
 
@@ -255,43 +258,76 @@ def _is_loopback(host: str) -> bool:
 
 @contextmanager
 def _local(distributed: Any, count: int) -> Iterator[tuple[Any, Callable[[], object]]]:
+    ended = threading.Event()
+
+    class Keeper(distributed.Nanny):  # type: ignore[misc]
+        """Begins its worker, and begins it again when it dies, until all is ended."""
+
+        async def instantiate(self) -> Any:
+            while ended.is_set():
+                await asyncio.sleep(1.0)
+            return await super().instantiate()
+
     options = {
         "n_workers": count,
         "threads_per_worker": 1,
         "processes": True,
+        "worker_class": Keeper,
         "host": "127.0.0.1",
         "scheduler_kwargs": {"dashboard": False, "dashboard_address": "127.0.0.1:0"},
         "memory_limit": 0,
         "silence_logs": logging.CRITICAL,
         "security": distributed.Security.temporary(),
     }
-    cluster = _begun_out_of_earshot(distributed, options)
-    client = None
+    strangers = _children()
+    cluster = client = None
     try:
+        cluster = _begun_out_of_earshot(distributed, options)
         client = distributed.Client(cluster, set_as_default=False)
         # on a busy machine dask gives up a worker that is slow to come back
         yield client, lambda: cluster.scale(count)
     except BaseException:
         # workers that still compute are not waited for
-        for nanny in list(cluster.workers.values()):
-            with contextlib.suppress(Exception):
-                nanny.process.process._process.kill()
+        ended.set()
+        _end_children(strangers)
         raise
     finally:
         with contextlib.suppress(Exception):
             if client is not None:
                 client.close(timeout=1)
         with contextlib.suppress(Exception):
-            cluster.close(timeout=1)
+            if cluster is not None:
+                cluster.close(timeout=1)
+
+
+def _children() -> set[int]:
+    """Living processes begun by this one, other than the tracker of semaphores."""
+    import psutil
+
+    found: set[int] = set()
+    for process in psutil.Process().children():
+        with contextlib.suppress(psutil.NoSuchProcess):
+            if process.status() != psutil.STATUS_ZOMBIE:
+                found.add(process.pid)
+    return found - {getattr(_resource_tracker, "_pid", None)}
+
+
+def _end_children(strangers: set[int]) -> None:
+    """End workers that still compute, and those on their way: one that is begun by a process that ends complains."""
+    began = quiet_since = time.monotonic()
+    while time.monotonic() < min(began + _ENDING, quiet_since + _QUIET):
+        for number in _children() - strangers:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(number, signal.SIGKILL)
+            quiet_since = time.monotonic()
+        time.sleep(0.005)
 
 
 def _begun_out_of_earshot(distributed: Any, options: Mapping[str, Any]) -> Any:
     """A local cluster whose processes never get SIGINT: a terminal's Ctrl-C goes to all, and this process ends them.
 
-    Threads and processes inherit the signals that their parent blocks. Interrupted while it begins, the cluster is
-    ended process by process as they come.
+    Threads and processes inherit the signals that their parent blocks.
     """
-    strangers = set(active_children())
     begun: SimpleQueue[Any] = SimpleQueue()
 
     def begin() -> None:
@@ -303,14 +339,7 @@ def _begun_out_of_earshot(distributed: Any, options: Mapping[str, Any]) -> Any:
         except BaseException as error:
             begun.put(error)
 
-    def end_as_they_come() -> None:
-        while thread.is_alive():
-            for process in set(active_children()) - strangers:
-                process.kill()
-            time.sleep(0.005)
-
-    thread = threading.Thread(target=begin, daemon=True)
-    thread.start()
+    threading.Thread(target=begin, daemon=True).start()
     try:
         result = next_of(begun)
         if isinstance(result, BaseException):
@@ -318,7 +347,6 @@ def _begun_out_of_earshot(distributed: Any, options: Mapping[str, Any]) -> Any:
     except BaseException:
         # half begun it cannot be closed, and would complain at exit
         distributed.SpecCluster._instances.clear()
-        threading.Thread(target=end_as_they_come, daemon=True).start()
         raise
     return result
 

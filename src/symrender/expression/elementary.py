@@ -200,6 +200,22 @@ def clamp(x: Real) -> Real:
     return x
 
 
+def ramp(x: Real) -> Real:
+    """``x`` where it is positive, else 0. A complex ball whose real part has either sign is not finite."""
+    match kind_of(x):
+        case Kind.FLOAT:
+            return max(x, 0.0)
+        case Kind.SYMBOL:
+            import sympy as sp
+
+            return sp.Max(x, 0)
+        case Kind.NODE:
+            return x.ramp()
+    if hasattr(x, "max"):
+        return x.max(type(x)(0))
+    return x if x.real > 0 else (x * 0 if x.real <= 0 else type(x)("nan"))
+
+
 def where_positive(test: Real, value: Callable[[], Real], otherwise: float) -> Real:
     """``value()`` where ``test`` is positive, else the constant; SymPy and balls know the value alone."""
     match kind_of(test):

@@ -33,7 +33,7 @@ UNARY: Final = frozenset(
         "expm1",
         "erf",
     ]
-) | {"clamp"}
+) | {"clamp", "ramp"}
 """Functions of one number; their meaning and their guards are those of ``expression/elementary.py``."""
 _FORMULAS: Final = "symrender.expression.formulas."
 _SWAP: Final = frozenset({"add", "mul"})

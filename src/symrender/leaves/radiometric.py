@@ -90,10 +90,14 @@ def conductor_fresnel(cosine: float, eta: float, k: float) -> float:
     """Share reflected by a conductor of index eta + i k, of unpolarised light at incidence ``cosine``."""
     sin2 = (1.0 - cosine) * (1.0 + cosine)
     square = (eta - k) * (eta + k) - sin2
-    size = math.sqrt(square * square + 4.0 * eta * eta * k * k)
+    mixed = eta * k
+    size = math.sqrt(max(square * square + 4.0 * mixed * mixed, 1e-300))
     cos2 = cosine * cosine
     across = size + cos2
-    twice = 2.0 * cosine * math.sqrt(0.5 * (size + square))
+    rising = max(square, 0.0)
+    falling = max(-square, 0.0)
+    t1 = math.sqrt(max(rising + 2.0 * mixed * mixed / max(size + (rising + falling), 1e-300), 1e-300))
+    twice = 2.0 * cosine * t1
     upright = (across - twice) / (across + twice)
     level = cos2 * size + sin2 * sin2
     tilted = twice * sin2

@@ -341,32 +341,42 @@ def conductor_fresnels(
     cosine = math.sqrt(cosine2)
     sin2 = (1.0 - cosine) * (1.0 + cosine)
     square = (eta_x - k_x) * (eta_x + k_x) - sin2
-    size = math.sqrt(square * square + 4.0 * eta_x * eta_x * k_x * k_x)
+    mixed = eta_x * k_x
+    size = math.sqrt(max(square * square + 4.0 * mixed * mixed, 1e-300))
     cos2 = cosine * cosine
     across = size + cos2
     t1 = 2.0 * cosine
-    twice = t1 * math.sqrt(0.5 * (size + square))
+    rising = max(square, 0.0)
+    falling = max(-square, 0.0)
+    t2 = math.sqrt(max(rising + 2.0 * mixed * mixed / max(size + (rising + falling), 1e-300), 1e-300))
+    twice = t1 * t2
     upright = (across - twice) / (across + twice)
-    t2 = sin2 * sin2
-    level = cos2 * size + t2
+    t3 = sin2 * sin2
+    level = cos2 * size + t3
     tilted = twice * sin2
-    t3 = (eta_y - k_y) * (eta_y + k_y) - sin2
-    t4 = math.sqrt(t3 * t3 + 4.0 * eta_y * eta_y * k_y * k_y)
-    t5 = t4 + cos2
-    t6 = t1 * math.sqrt(0.5 * (t4 + t3))
-    t7 = (t5 - t6) / (t5 + t6)
-    t8 = cos2 * t4 + t2
-    t9 = t6 * sin2
-    t10 = (eta_z - k_z) * (eta_z + k_z) - sin2
-    t11 = math.sqrt(t10 * t10 + 4.0 * eta_z * eta_z * k_z * k_z)
-    t12 = t11 + cos2
-    t13 = t1 * math.sqrt(0.5 * (t11 + t10))
-    t14 = (t12 - t13) / (t12 + t13)
-    t15 = cos2 * t11 + t2
-    t16 = t13 * sin2
+    t4 = (eta_y - k_y) * (eta_y + k_y) - sin2
+    t5 = eta_y * k_y
+    t6 = math.sqrt(max(t4 * t4 + 4.0 * t5 * t5, 1e-300))
+    t7 = t6 + cos2
+    t8 = max(t4, 0.0)
+    t9 = max(-t4, 0.0)
+    t10 = t1 * math.sqrt(max(t8 + 2.0 * t5 * t5 / max(t6 + (t8 + t9), 1e-300), 1e-300))
+    t11 = (t7 - t10) / (t7 + t10)
+    t12 = cos2 * t6 + t3
+    t13 = t10 * sin2
+    t14 = (eta_z - k_z) * (eta_z + k_z) - sin2
+    t15 = eta_z * k_z
+    t16 = math.sqrt(max(t14 * t14 + 4.0 * t15 * t15, 1e-300))
+    t17 = t16 + cos2
+    t18 = max(t14, 0.0)
+    t19 = max(-t14, 0.0)
+    t20 = t1 * math.sqrt(max(t18 + 2.0 * t15 * t15 / max(t16 + (t18 + t19), 1e-300), 1e-300))
+    t21 = (t17 - t20) / (t17 + t20)
+    t22 = cos2 * t16 + t3
+    t23 = t20 * sin2
     return (
-        0.5 * upright * (1.0 + (level - tilted) / (level + tilted)), 0.5 * t7 * (1.0 + (t8 - t9) / (t8 + t9)),
-        0.5 * t14 * (1.0 + (t15 - t16) / (t15 + t16)),
+        0.5 * upright * (1.0 + (level - tilted) / (level + tilted)), 0.5 * t11 * (1.0 + (t12 - t13) / (t12 + t13)),
+        0.5 * t21 * (1.0 + (t22 - t23) / (t22 + t23)),
     )
 
 

@@ -24,6 +24,7 @@ _JAVASCRIPT: Final = {
     "arc_cosine": "Math.acos(Math.max(-1.0, Math.min(1.0, {})))",
     "azimuth": "Math.atan2({}, {})",
     "clamp": "Math.min(1.0, Math.max(0.0, {}))",
+    "ramp": "Math.max({}, 0.0)",
     "gleam": "gleam({}, {})",
 }
 _SMALLEST: Final = "1.0e-37"
@@ -36,6 +37,7 @@ _GLSL: Final = {
     "arc_cosine": "own_acos({})",
     "azimuth": "own_atan2({}, {})",
     "clamp": "clamp({}, 0.0, 1.0)",
+    "ramp": "max({}, 0.0)",
     "gleam": "own_pow({}, {})",
 }
 _GLEAM: Final = (

@@ -23,6 +23,7 @@ _CALLS: Final = {
     "arc_cosine": "math.acos(max(-1.0, min(1.0, {})))",
     "azimuth": "math.atan2({}, {})",
     "clamp": "min(1.0, max(0.0, {}))",
+    "ramp": "max({}, 0.0)",
     "gleam": "gleam({}, {})",
 }
 _WIDTH: Final = 118

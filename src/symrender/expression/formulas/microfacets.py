@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.elementary import Real, erf, exp, length, pi, positive, ratio, sqrt, where_positive
+from symrender.expression.elementary import Real, erf, exp, length, pi, positive, ramp, ratio, sqrt, where_positive
 from symrender.expression.leaf import Leaf
 from symrender.expression.vectors import Vec3, cross, dot, norm2
 
@@ -76,13 +76,20 @@ def correlated_masking(inward: Real, outward: Real) -> Real:
 
 
 def conductor_fresnel(cosine: Real, eta: Real, k: Real) -> Real:
-    """Share reflected by a conductor of index eta + i k, of unpolarised light at incidence ``cosine``."""
+    """Share reflected by a conductor of index eta + i k, of unpolarised light at incidence ``cosine``.
+
+    The wave beyond goes on as a + i b with (a + i b)^2 = s + 2 i eta k, s = eta^2 - k^2 - sin^2, so that
+    2 a^2 = |s + 2 i eta k| + s. Where s < 0 that sum cancels: a would lose half its digits where k is small beside
+    it, and its slope all of them at total reflection. It is written as 2 max(s, 0) and a rest of positive terms.
+    """
     cos2 = cosine * cosine
     sin2 = (1 - cosine) * (1 + cosine)
     square = (eta - k) * (eta + k) - sin2
-    size = sqrt(square * square + 4 * eta * eta * k * k)
+    mixed = eta * k
+    size = length(square * square + 4 * mixed * mixed)
+    rising, falling = ramp(square), ramp(-square)
     across = size + cos2
-    twice = 2 * cosine * sqrt(ratio(1, 2, size) * (size + square))
+    twice = 2 * cosine * length(rising + 2 * mixed * mixed / positive(size + (rising + falling)))
     level = cos2 * size + sin2 * sin2
     tilted = twice * sin2
     upright = (across - twice) / (across + twice)
