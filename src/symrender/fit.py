@@ -151,11 +151,7 @@ def fit(
         if progress is not None:
             progress(steps[-1])
         if change < precision and within == tol:
-            untold = _untold(names, jacobian, weight)
-            reason = f"the parameters change by less than {precision:g} of themselves"
-            if untold:
-                reason = f"nearly all pixels that tell {', '.join(untold)} jump: they meet other shapes or fields"
-            converged = not untold
+            reason, converged = _found(precision, _untold(names, jacobian, weight))
             break
     residual = (radiance - wanted).ravel()
     normal = np.linalg.pinv(jacobian.T @ jacobian)
@@ -171,6 +167,13 @@ def fit(
         residual=float(np.sqrt((residual**2).mean())),
         correlation=normal / np.outer(np.maximum(spread, 1e-300), np.maximum(spread, 1e-300)),
     )
+
+
+def _found(precision: float, untold: Sequence[str]) -> tuple[str, bool]:
+    """Why a fit whose parameters stand still ends, and whether it has converged."""
+    if untold:
+        return f"nearly all pixels that tell {', '.join(untold)} jump: they meet other shapes or fields", False
+    return f"the parameters change by less than {precision:g} of themselves", True
 
 
 def _untold(names: Sequence[str], jacobian: Array, weight: Array) -> list[str]:

@@ -93,6 +93,61 @@ def scene(seed: int) -> RadiometricScene:
     return made
 
 
+def beside_walls(seed: int, lit_by: str) -> RadiometricScene:
+    """A scene whose one pixel looks where digits are lost: by contacts, at grazing angles, far from the origin.
+
+    ``lit_by`` is "sky" or "points": a diffuse world under a sky, or any material under a point and a parallel light.
+    """
+    rng = np.random.default_rng(seed)
+    origin = rng.choice([0.0, 1.0, 1e3, 1e6]) * rng.normal(size=3)
+    size = float(10 ** rng.uniform(-3, 3))
+    normal = rng.normal(size=3) * [0.3, 0.3, 0.1] + [0, 0, 1] if rng.random() < 0.5 else np.array([0.0, 0.0, 1.0])
+    up = normal / np.sqrt(normal @ normal)
+    along = np.cross(up, [1, 0, 0.3])
+    along /= np.sqrt(along @ along)
+    radius = size * float(10 ** rng.uniform(-2, 1))
+    centre = origin + up * (1.0 + float(rng.choice([0, 1e-12, 1e-8, 1e-4, 0.1]))) * radius
+    shapes: list[dict[str, Any]] = [
+        {"type": "plane", "name": "F", "point": origin.tolist(), "normal": normal.tolist(), "material": "m"},
+        {"type": "sphere", "name": "A", "center": centre.tolist(), "radius": radius, "material": "m"},
+    ]
+    if rng.random() < 0.6:
+        other = radius * float(10 ** rng.uniform(-2, 1))
+        way = rng.normal(size=3)
+        way += up * max(0.0, -2.0 * way @ up)
+        gap = 1.0 + float(rng.choice([0, 1e-12, 1e-8, 1e-3, 0.5]))
+        place = centre + way / np.sqrt(way @ way) * (radius + other) * gap
+        shapes.append({"type": "sphere", "name": "B", "center": place.tolist(), "radius": other, "material": "m"})
+    if rng.random() < 0.5:
+        at, facing = origin + along * radius * float(10 ** rng.uniform(-7, 0.5)), up
+    else:
+        facing = rng.normal(size=3) if rng.random() < 0.6 else -up + 1e-3 * rng.normal(size=3)
+        facing /= np.sqrt(facing @ facing)
+        at = centre + radius * facing
+    side = np.cross(facing, rng.normal(size=3))
+    side /= np.sqrt(side @ side)
+    slant = float(10 ** rng.uniform(-5, 1))
+    view = side + slant * facing
+    eye = at + view / np.sqrt(view @ view) * size * float(10 ** rng.uniform(-3, 1))
+    material: dict[str, Any] = {"type": "diffuse", "reflectance": 0.5}
+    lights: list[dict[str, Any]] = [{"type": "sky", "name": "Y", "radiance": 1.0}]
+    if lit_by == "points":
+        material = _material(rng, ("diffuse", "conductor", "phong"))
+        toward = -side + slant * facing + rng.normal(size=3) * float(rng.choice([1e-3, 0.1, 1.0]))
+        toward /= np.sqrt(toward @ toward)
+        position = at + toward * size * float(10 ** rng.uniform(-3, 2))
+        travels = rng.normal(size=3) * 0.1 - toward
+        lights = [
+            {"type": "point", "name": "P", "position": position.tolist(), "intensity": [1.0, 0.5, 0.0]},
+            {"type": "directional", "name": "D", "direction": travels.tolist(), "irradiance": [1.0, 0.5, 0.0]},
+        ]
+    camera = {"type": "look_at", "eye": eye.tolist(), "target": at.tolist(), "fov": 1.0, "up": [0.1, 0.2, 1.0]}
+    made = load_any({"units": "radiometric", "name": "hostile", "bounces": 0, "camera": camera,
+                     "materials": {"m": material}, "shapes": shapes, "lights": lights})  # fmt: skip
+    assert isinstance(made, RadiometricScene)
+    return made
+
+
 def radiance(made: RadiometricScene) -> Array:
     """Radiance of the one pixel, from the kernel of truth."""
     layers = {name: np.zeros((1, 1, 3)) for name in ("emitted", "direct", "indirect", "radiance")}

@@ -11,8 +11,8 @@ import numpy as np
 
 from symrender.radiometric import rules
 from symrender.radiometric.sky import CAP
-from symrender.radiometric.slopes import Seen, pushed_text
-from symrender.radiometric.world import World
+from symrender.radiometric.slopes import pushed_text
+from symrender.radiometric.world import Seen, World
 
 MP = mpmath.mp.clone()
 MP.dps = 50
@@ -60,14 +60,14 @@ def _world(world: World) -> World:
     return World(*(_Rows(_record(row) for row in part) for part in world))  # type: ignore[arg-type]
 
 
-def slope(view: Seen, moves: Seen) -> list[Any]:
-    """Slope of the radiance of the one pixel."""
+def value_and_slope(view: Seen, moves: Seen) -> tuple[list[Any], int, list[Any]]:
+    """Radiance of the one pixel, its hit class, and its slope."""
 
     def zeros(*shape: int) -> Any:
         return np.array([MP.mpf(0)] * int(np.prod(shape)), dtype=object).reshape(shape)
 
     def room() -> tuple[Any, ...]:
-        return zeros(1, 1, 3), zeros(1, 1, 3), zeros(1, 1), zeros(1, 1)
+        return zeros(1, 1, 3), zeros(1, 1, 3), zeros(1, 1)
 
     count = len(view.world.shapes) + 1
     values, slopes = room(), room()
@@ -76,4 +76,7 @@ def slope(view: Seen, moves: Seen) -> list[Any]:
         zeros(2 * count, 2), *values, _world(moves.world), _exact(moves.eye), _exact(moves.window), zeros(count, CAP),
         zeros(2 * count, 2), *slopes,
     )  # fmt: skip
-    return [slopes[0][0, 0, c] + slopes[1][0, 0, c] for c in range(3)]
+    radiance, slope = (
+        [emitted[0, 0, c] + direct[0, 0, c] for c in range(3)] for emitted, direct, _ in (values, slopes)
+    )
+    return radiance, int(values[2][0, 0]), slope

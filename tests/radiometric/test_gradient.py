@@ -13,7 +13,8 @@ from tests.radiometric import hostile, many_digits
 
 import symrender as sr
 from symrender.cli import main
-from symrender.radiometric.slopes import seen, seen_moves
+from symrender.radiometric.slopes import seen_moves
+from symrender.radiometric.world import seen
 from symrender.scene.load import load_any
 from symrender.scene.parameters import get, parameters
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -68,7 +69,7 @@ def tally() -> Tally:
             found.relative.append(off / size)
             found.kinds.add(name.rstrip("xyzrgb").rstrip(".").rpartition(".")[2])
             arrays, (move,) = radiometric_arrays(scene), radiometric_moves(scene, [name])
-            exact = many_digits.slope(seen(arrays, 1, 1), seen_moves(arrays, move, 1, 1))
+            _, _, exact = many_digits.value_and_slope(seen(arrays, 1, 1), seen_moves(arrays, move, 1, 1))
             rounded = max(abs(float(a - b)) for a, b in zip(exact, image.radiance[0, 0], strict=True))
             found.rounded.append(rounded / size)
             if rounded > float(image.layer("error")[0, 0]):

@@ -24,12 +24,9 @@ from symrender.radiometric.kinds import WHOLE, Kind, either, has_slope, returned
 _SUFFIX: Final = "_dot"
 
 
-def pushed(roots: Iterable[Callable[..., Any]], passive: Iterable[Callable[..., Any]] = ()) -> str:
-    """Text of a module with ``f_dot`` of every function f of ``roots`` and of all these call.
-
-    What ``passive`` functions return is taken to be constant.
-    """
-    module = _Module({function.__name__ for function in passive})
+def pushed(roots: Iterable[Callable[..., Any]]) -> str:
+    """Text of a module with ``f_dot`` of every function f of ``roots`` and of all these call."""
+    module = _Module()
     for root in roots:
         assert isinstance(root, FunctionType)
         module.name_of(root)
@@ -38,9 +35,8 @@ def pushed(roots: Iterable[Callable[..., Any]], passive: Iterable[Callable[..., 
 
 @dataclass
 class _Module:
-    """A module in the making: the functions of it, what it imports, who is passive."""
+    """A module in the making: the functions of it and what it imports."""
 
-    passive: set[str]
     functions: dict[FunctionType, str] = field(default_factory=dict)
     imports: dict[str, str] = field(default_factory=dict)
 
@@ -315,7 +311,7 @@ class _Function:
             return self._elementary(node)
         kind = returned(called)
         writes = any(ast.unparse(each.annotation or node) == "Array" for each in source_of(called).tree.args.args)
-        if called.__name__ in self.module.passive or not (has_slope(kind) or writes):
+        if not (has_slope(kind) or writes):
             return self._plain(node), ""
         wanted = [ast.unparse(each.annotation or node) not in WHOLE for each in source_of(called).tree.args.args]
         values, slopes = [], []

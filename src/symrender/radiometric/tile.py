@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from symrender.jit.marks import inlined
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.direct import along_ray, largest, vein_blur
+from symrender.radiometric.direct import along_ray
 from symrender.radiometric.reflection import reflectance
-from symrender.radiometric.sight import nearest, vector
+from symrender.radiometric.sight import nearest
 from symrender.radiometric.world import Array, World
 
 
@@ -22,19 +22,18 @@ def pixel_ray(window: Array, width: int, height: int, i: int, j: int) -> tuple[f
 
 def fill_tile(
     world: World, eye: Array, window: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, caps: Array,
-    arcs: Array, emitted: Array, direct: Array, hit_class: Array, error: Array,
+    arcs: Array, emitted: Array, direct: Array, hit_class: Array,
 ) -> None:  # fmt: skip
-    """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; arguments are many because a kernel takes arrays."""
+    """Fill the layers of a tile, columns x0:x1 of rows y0:y1; arguments are many because a kernel takes arrays."""
     origin = (eye[0], eye[1], eye[2])
     for j in range(y0, y1):
         for i in range(x0, x1):
             d = pixel_ray(window, width, height, i, j)
-            own, shining, light, missed = along_ray(world, origin, d, caps, arcs)
-            hit_class[j, i] = own
-            error[j, i] = missed
+            own, shining, light = along_ray(world, origin, d, caps, arcs)
+            hit_class[j - y0, i - x0] = own
             for c in range(3):
-                emitted[j, i, c] = shining[c]
-                direct[j, i, c] = light[c]
+                emitted[j - y0, i - x0, c] = shining[c]
+                direct[j - y0, i - x0, c] = light[c]
 
 
 def fill_directions(
@@ -49,24 +48,20 @@ def fill_directions(
 
 
 def fill_hits(
-    world: World, origins: Array, directions: Array, place: Array, normal: Array, albedo: Array, blur: Array,
+    world: World, origins: Array, directions: Array, shape: Array, place: Array, normal: Array, albedo: Array,
     behind: Array,
 ) -> None:  # fmt: skip
-    """Where every ray meets a shape first, with the unit normal towards the ray, and how it reflects.
+    """Which ``shape`` every ray meets first, -1 for none, where, and the unit normal towards the ray.
 
-    ``blur`` is what rounding does to the reflectance, relative to its largest channel, ``behind`` 1 where the shape's
-    own normal points away. Rays that meet nothing are left out.
+    ``albedo`` is how the place reflects, ``behind`` 1 where the shape's own normal points away.
     """
     for k in range(origins.shape[0]):
         origin = (origins[k, 0], origins[k, 1], origins[k, 2])
-        own, distance, at, facing, front = nearest(
-            world, origin, (directions[k, 0], directions[k, 1], directions[k, 2])
-        )
+        own, _, at, facing, front = nearest(world, origin, (directions[k, 0], directions[k, 1], directions[k, 2]))
+        shape[k] = own
         if own < 0:
             continue
-        size = largest(origin) + distance + largest(vector(world.shapes[own].place))
         reflects = reflectance(world, own, at)
-        blur[k] = vein_blur(world, own, at, reflects, size)
         behind[k] = 0.0 if front else 1.0
         for c in range(3):
             place[k, c], normal[k, c], albedo[k, c] = at[c], facing[c], reflects[c]
@@ -74,15 +69,14 @@ def fill_hits(
 
 def fill_rays(
     world: World, origins: Array, directions: Array, caps: Array, arcs: Array, emitted: Array, direct: Array,
-    hit_class: Array, error: Array,
+    hit_class: Array,
 ) -> None:  # fmt: skip
     """Answer for every ray, a row of the arrays each; directions are unit."""
     for k in range(origins.shape[0]):
         origin = (origins[k, 0], origins[k, 1], origins[k, 2])
         d = (directions[k, 0], directions[k, 1], directions[k, 2])
-        own, shining, light, missed = along_ray(world, origin, d, caps, arcs)
+        own, shining, light = along_ray(world, origin, d, caps, arcs)
         hit_class[k] = own
-        error[k] = missed
         for c in range(3):
             emitted[k, c] = shining[c]
             direct[k, c] = light[c]

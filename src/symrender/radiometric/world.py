@@ -32,6 +32,20 @@ def make_world(arrays: RadiometricArrays) -> World:
     return World(arrays.materials, arrays.shapes, arrays.frames, arrays.lights)
 
 
+class Seen(NamedTuple):
+    """A world and who looks at it: what the kernel of an image takes; of slopes their twin."""
+
+    world: World
+    eye: Array
+    window: Array
+
+
+def seen(arrays: RadiometricArrays, width: int, height: int) -> Seen:
+    """A scene as its kernel takes it."""
+    eye = np.ascontiguousarray(arrays.camera.eye)
+    return Seen(make_world(arrays), eye, camera_window(arrays.camera, width, height))
+
+
 def camera_window(camera: Camera, width: int, height: int) -> Array:
     """(3, 3): forward, right and up; the last two reach from the middle to the edges of the window at distance 1."""
     axes = np.array(leaves.perspective_axes(*camera.eye, *camera.target, *camera.up)).reshape(3, 3)

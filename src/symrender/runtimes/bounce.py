@@ -15,6 +15,7 @@ from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import SplitWork, gloss_points, nearest_squares, split_work
 from symrender.quadrature.split_setup import MET, UNSUPPORTED
 from symrender.radiometric import tile
+from symrender.radiometric.shaken import shaken
 from symrender.radiometric.world import Array, make_world
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.radiometric.arrays import SPHERE, RadiometricArrays
@@ -35,44 +36,74 @@ RULE: Final = 1
 class Hits:
     """Where N rays meet shapes: ``shape`` (N,), -1 where none, and ``place``, unit ``normal``, ``albedo`` (N, 3).
 
-    ``blur`` (N,) is what rounding does to the albedo, relative to its largest channel, ``behind`` (N,) 1 where the
-    shape's own normal points away from the ray.
+    ``behind`` (N,) is 1 where the shape's own normal points away from the ray.
     """
 
     shape: Ints
     place: Array
     normal: Array
     albedo: Array
-    blur: Array
     behind: Array
+
+    def some(self, which: Ints) -> Hits:
+        """Those of ``which``."""
+        vectors = (self.place[which], self.normal[which], self.albedo[which])
+        return Hits(self.shape[which], *vectors, self.behind[which])
+
+
+def hits(arrays: RadiometricArrays, origins: Array, directions: Array) -> Hits:
+    """Where unit rays meet the shapes of a scene."""
+    count = len(origins)
+    place, normal, albedo = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
+    shape, behind = np.zeros(count), np.zeros(count)
+    _hits_kernel()(make_world(arrays), origins, directions, shape, place, normal, albedo, behind)
+    return Hits(shape.astype(np.int64), place, normal, albedo, behind)
 
 
 @dataclass(frozen=True)
 class Bounced:
-    """Light of N places: ``indirect`` (N, 3), and ``error``, ``status``, ``evaluations`` (N,) as of the split rule."""
+    """Light of N places: ``indirect`` (N, 3), and ``error``, ``status``, ``evaluations`` (N,) as of the split rule.
+
+    ``incoming`` (N, 3) is what ``indirect`` is of, before the place reflects it.
+    """
 
     indirect: Array
+    incoming: Array
     error: Array
     status: Ints
     evaluations: Ints
 
 
 class Bouncer:
-    """A scene of diffuse surfaces with the scratch of one thread; ``light`` answers for the places of rays."""
+    """A scene of diffuse surfaces with the scratch of one thread; ``sent`` answers for rays."""
 
     def __init__(self, arrays: RadiometricArrays) -> None:
         self._arrays = arrays
+        self._shaken = shaken(arrays)
         self._classes, _ = shape_classes(arrays)
         self._scenes: dict[bytes, Bounce] = {}
         self._scratch: SplitWork | None = None
 
-    def hits(self, origins: Array, directions: Array, hit_class: Array) -> Hits:
-        """Where unit rays, whose hit classes are known, meet shapes."""
-        count = len(origins)
-        three = [np.zeros((count, 3)) for _ in range(3)]
-        one = [np.zeros(count) for _ in range(2)]
-        _hits_kernel()(make_world(self._arrays), origins, directions, *three, *one)
-        return Hits(hit_class.astype(np.int64) - 1, *three, *one)
+    def sent(self, rays: list[tuple[Array, Array]], tol: float, budget: int) -> Bounced:
+        """One bounce of light along rays, each to ``tol``, absolute, or ``budget`` evaluations.
+
+        ``rays`` are origins and unit directions (N, 3), as they are and as they go with the scenes of ``shaken``: where
+        those meet another shape, or another part of a texture, the error says what that changes.
+        """
+        first, *others = (hits(arrays, *pair) for arrays, pair in zip(self._shaken, rays, strict=True))
+        found = self.light(first, tol, budget)
+        doubts = np.zeros(len(found.error))
+        for other in others:
+            same = (first.shape == other.shape) & (first.behind == other.behind)
+            off = np.where(same, (np.abs(other.albedo - first.albedo) * found.incoming).max(axis=1, initial=0.0), 0.0)
+            elsewhere = np.flatnonzero(~same)
+            if len(elsewhere):
+                again = self.light(other.some(elsewhere), tol, budget)
+                off[elsewhere] = np.abs(again.indirect - found.indirect[elsewhere]).max(axis=1) + again.error
+                found.evaluations[elsewhere] += again.evaluations
+            doubts = np.maximum(doubts, off)
+        found.error[:] += doubts
+        return found
 
     def light(self, hits: Hits, tol: float, budget: int) -> Bounced:
         """One bounce of light at ``hits``, each to ``tol``, absolute, or ``budget`` evaluations.
@@ -81,7 +112,9 @@ class Bouncer:
         of a place in another plane, no value is given: the status is ``UNSUPPORTED`` and the error infinite.
         """
         count = len(hits.shape)
-        found = Bounced(np.zeros((count, 3)), np.zeros(count), np.full(count, MET), np.zeros(count, np.int64))
+        found = Bounced(
+            np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count), np.full(count, MET), np.zeros(count, np.int64)
+        )
         if not (hits.shape >= 0).any():
             return found
         shapes, materials = self._arrays.shapes, self._arrays.materials
@@ -116,6 +149,22 @@ class Bouncer:
             inside |= (np.abs(offset @ frame.up) <= 4.0 * ULP * size) & (self._classes[hits.shape] != self._classes[j])
         return inside
 
+    def _nearness(self, own: int, place: Array) -> Array:
+        """(N,) size of coordinates over the distance to the nearest other shape, or over the radius of their own."""
+        size, nearest = np.abs(place).max(axis=1), np.full(len(place), np.inf)
+        for j, shape in enumerate(self._arrays.shapes):
+            size = np.maximum(size, np.abs(shape.place).max())
+            if shape.kind == SPHERE:
+                reach = np.sqrt(((place - shape.place) ** 2).sum(axis=1))
+                gap = shape.radius if j == own else np.abs(reach - shape.radius)
+            elif j == own:
+                continue
+            else:
+                frame = self._arrays.frames[j]
+                gap = np.abs((place - frame.origin) @ frame.up)
+            nearest = np.minimum(nearest, gap)
+        return np.asarray(1.0 + size / np.maximum(nearest, 1e-300))
+
     def _integrate(
         self, some: Ints, turned: npt.NDArray[np.bool_], hits: Hits, tol: float, budget: int, found: Bounced
     ) -> None:
@@ -140,9 +189,9 @@ class Bouncer:
             found.status[some] = np.maximum(found.status[some], seen.status)
             found.evaluations[some] += seen.evaluations
         albedo = hits.albedo[some]
-        found.indirect[some] = albedo * total
+        found.indirect[some], found.incoming[some] = albedo * total, total
         light = found.indirect[some].max(axis=1)
-        astray = SLACK * (ULP * _closeness(bounce.parts[0], place) + hits.blur[some])
+        astray = SLACK * ULP * np.maximum(_closeness(bounce.parts[0], place), self._nearness(own, place))
         found.error[some] = albedo.max(axis=1) * missed + astray * light
 
 

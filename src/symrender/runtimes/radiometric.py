@@ -15,8 +15,9 @@ from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.radiometric import tile
+from symrender.radiometric.shaken import doubt, shaken, shaken_rays
 from symrender.radiometric.sky import sky_room
-from symrender.radiometric.world import Array, camera_window, make_world
+from symrender.radiometric.world import Array, make_world, seen
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.image import TileKernel
 from symrender.scene.radiometric.arrays import DIFFUSE, SKY, RadiometricArrays
@@ -34,39 +35,44 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     """Kernel that renders tiles of a scene; Unsupported where ``check`` says so.
 
     It fills ``emitted``, ``direct``, ``indirect``, ``radiance`` (h, w, 3), ``hit_class``, ``error`` (of radiance: what
-    rounding may have done, and with ``bounces: 1`` what the split rule states) and ``status`` (h, w) of the full image.
+    roundings may have done, by the scenes of ``shaken``, and with ``bounces: 1`` what the split rule states) and
+    ``status`` (h, w) of the full image.
     Every pixel is a pure function of its place.
     """
     check(arrays)
-    world = make_world(arrays)
     width, height = settings.width, settings.height
-    window, eye = camera_window(arrays.camera, width, height), np.ascontiguousarray(arrays.camera.eye)
-    kernel = _kernel("fill_tile")
+    views = [seen(each, width, height) for each in shaken(arrays)]
     own = threading.local()
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
-        names = ("emitted", "direct", "hit_class", "error")
-        kernel(
-            *(world, eye, window, width, height, x0, y0, x1, y1, *sky_room(world)), *(layers[name] for name in names)
-        )
-        here = (slice(y0, y1), slice(x0, x1))
-        layers["radiance"][here] = layers["emitted"][here] + layers["direct"][here]
+        here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
+        tile_ = (width, height, x0, y0, x1, y1)
+        found = []
+        for view in views:
+            one = (np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape))
+            _kernel("fill_tile")(*view, *tile_, *sky_room(view.world), *one)
+            found.append(one)
+        for name, values in zip(("emitted", "direct", "hit_class"), found[0], strict=True):
+            layers[name][here] = values
+        closed = [emitted + direct for emitted, direct, _ in found]
+        layers["radiance"][here], layers["error"][here] = closed[0], doubt(closed[0], closed[1:])
         layers["status"][here] = np.where(layers["error"][here] > settings.tol, CAPPED, MET)
-        count = (x1 - x0) * (y1 - y0)
+        count = shape[0] * shape[1]
         if not arrays.bounces:
             return count
         if not hasattr(own, "bouncer"):
             own.bouncer = Bouncer(arrays)
-        directions = np.zeros((count, 3))
-        _kernel("fill_directions")(window, width, height, x0, y0, x1, y1, directions)
-        hits = own.bouncer.hits(np.tile(eye, (count, 1)), directions, layers["hit_class"][here].ravel())
-        seen = own.bouncer.light(hits, settings.tol, settings.budget)
-        shape = (y1 - y0, x1 - x0)
-        layers["indirect"][here] = seen.indirect.reshape(*shape, 3)
+        sent = []
+        for view in views:
+            directions = np.zeros((count, 3))
+            _kernel("fill_directions")(view.window, *tile_, directions)
+            sent.append((np.tile(view.eye, (count, 1)), directions))
+        bounced = own.bouncer.sent(sent, settings.tol, settings.budget)
+        layers["indirect"][here] = bounced.indirect.reshape(*shape, 3)
         layers["radiance"][here] += layers["indirect"][here]
-        layers["error"][here] += seen.error.reshape(shape)
-        layers["status"][here] = _status(layers["error"][here], seen.status.reshape(shape), settings.tol)
-        return count + int(seen.evaluations.sum())
+        layers["error"][here] += bounced.error.reshape(shape)
+        layers["status"][here] = _status(layers["error"][here], bounced.status.reshape(shape), settings.tol)
+        return count + int(bounced.evaluations.sum())
 
     return render
 
@@ -92,16 +98,20 @@ class Sent:
 def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: float, budget: int = BUDGET) -> Sent:
     """What comes back along unit rays, each to ``tol``, absolute; Unsupported where ``check`` says so."""
     check(arrays)
-    world, count = make_world(arrays), len(origins)
-    found = (np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count), np.zeros(count))
-    _kernel("fill_rays")(world, origins, directions, *sky_room(world), *found)
-    emitted, direct, hit_class, error = found
+    count, sent = len(origins), shaken_rays(arrays, origins, directions)
+    found = []
+    for each, pair in zip(shaken(arrays), sent, strict=True):
+        world = make_world(each)
+        one = (np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count))
+        _kernel("fill_rays")(world, *pair, *sky_room(world), *one)
+        found.append(one)
+    emitted, direct, hit_class = found[0]
+    error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
     indirect, status, evaluations = np.zeros((count, 3)), np.zeros(count, np.int64), np.ones(count, np.int64)
     if arrays.bounces:
-        bouncer = Bouncer(arrays)
-        seen = bouncer.light(bouncer.hits(origins, directions, hit_class), tol, budget)
-        indirect, status, evaluations = seen.indirect, seen.status, evaluations + seen.evaluations
-        error = error + seen.error
+        bounced = Bouncer(arrays).sent(sent, tol, budget)
+        indirect, status, evaluations = bounced.indirect, bounced.status, evaluations + bounced.evaluations
+        error = error + bounced.error
     return Sent(emitted, direct, indirect, hit_class, error, _status(error, status, tol), evaluations)
 
 

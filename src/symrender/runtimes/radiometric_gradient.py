@@ -4,26 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
+from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
-from symrender.radiometric.slopes import Seen, pushed_module, pushed_text, seen, seen_moves, shaken
-from symrender.radiometric.world import Array
+from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
+from symrender.radiometric.world import Array, Seen, seen
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.radiometric import check
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
-
-SHAKES: Final = 3
-"""Shaken scenes whose derivatives are compared with that of the scene."""
-_LAST: Final = 2.0**-48
-"""Relative error stated at least."""
 
 
 def check_gradient(arrays: RadiometricArrays) -> None:
@@ -39,13 +35,13 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
 
     For every parameter of ``wrt`` it fills ``emitted:NAME``, ``direct:NAME``, ``radiance:NAME`` (h, w, 3),
     ``error:NAME`` and ``status:NAME`` (h, w), and once ``hit_class``. The error is the largest change of the derivative
-    when all numbers of the scene are shaken by 64 roundings, three times over, which is no less where a pixel's ray
-    comes within that of the edge of a shape, a shadow or a field. No finite derivative, as at the very limb of a
+    in the scenes of ``shaken``, which is no less where a pixel's ray comes within roundings of the edge of a shape, a
+    shadow or a field. No finite derivative, as at the very limb of a
     sphere, is ``unsupported``.
     """
     check_gradient(arrays)
     width, height = settings.width, settings.height
-    worlds = [arrays, *(shaken(arrays, number) for number in range(SHAKES))]
+    worlds = shaken(arrays)
     views = [seen(each, width, height) for each in worlds]
     moving = {move[0]: [seen_moves(each, move, width, height) for each in worlds] for move in wrt}
 
@@ -55,9 +51,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
             results = [_slopes(*pair, width, height, x0, y0, x1, y1) for pair in zip(views, moves, strict=True)]
             emitted, direct, classes = results[0]
             radiance = emitted + direct
-            with np.errstate(invalid="ignore", over="ignore"):
-                off = [np.abs(radiance - (e + d)).max(axis=2) for e, d, _ in results[1:]]
-                error = np.max(off, axis=0) + _LAST * np.abs(radiance).max(axis=2)
+            error = doubt(radiance, [e + d for e, d, _ in results[1:]])
             unknown = ~np.isfinite(error)
             layers["hit_class"][here] = classes
             for layer, values in (("emitted", emitted), ("direct", direct), ("radiance", radiance)):
@@ -74,20 +68,18 @@ def _slopes(
     view: Seen, moves: Seen, width: int, height: int, x0: int, y0: int, x1: int, y1: int
 ) -> tuple[Array, Array, Array]:  # fmt: skip
     """Slopes of emitted and direct light of a tile, and the hit classes."""
-    shape = (y1, x1)
-    values, slopes = _room(shape), _room(shape)
+    values, slopes = _room(x1 - x0, y1 - y0), _room(x1 - x0, y1 - y0)
     caps, arcs = sky_room(view.world)
     _kernel()(
         *view, width, height, x0, y0, x1, y1, caps, arcs, *values,
         *moves, np.zeros_like(caps), np.zeros_like(arcs), *slopes,
     )  # fmt: skip
-    here = (slice(y0, y1), slice(x0, x1))
-    return slopes[0][here], slopes[1][here], values[2][here]
+    return slopes[0], slopes[1], values[2]
 
 
-def _room(shape: tuple[int, int]) -> tuple[Array, Array, Array, Array]:
-    """Layers emitted, direct, hit_class and error."""
-    return np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape), np.zeros(shape)
+def _room(width: int, height: int) -> tuple[Array, Array, Array]:
+    """Layers emitted, direct and hit_class of a tile."""
+    return np.zeros((height, width, 3)), np.zeros((height, width, 3)), np.zeros((height, width))
 
 
 @lru_cache(maxsize=1)
