@@ -46,7 +46,7 @@ from symrender.ledger.ledger import Ledger, Timing, ledger
 from symrender.runtimes.radiometric import check
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
-from symrender.scene.radiometric.lights import Sky
+from symrender.scene.radiometric.lights import Area, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import (
     Antialias,
@@ -221,6 +221,9 @@ def _paths(scene: RadiometricScene, settings: Settings) -> str:
         drawn.append(
             "the sky by the material" if alone else "the sky by both itself and the material (balance heuristic)"
         )
+    if any(isinstance(light, Area) for light in scene.lights):
+        by = "the material" if settings.numeric == "importance" else "both themselves and the material"
+        drawn.append(f"spheres that emit by {by}")
     if scene.bounces != 0:
         drawn.append(f"bounces ({scene.bounces}) by the material")
     return f"paths, {settings.numeric} {settings.lobe}x{settings.lobe}: {', '.join(drawn)}"

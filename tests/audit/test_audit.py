@@ -12,6 +12,7 @@ import symrender as sr
 from symrender.errors import ImageError, OptionError
 from symrender.images.image import Image
 from symrender.scene.load import AnyScene
+from symrender.scene.parameters import get
 
 SIZE = (24, 16)
 Truths = Callable[[str], tuple[AnyScene, Image]]
@@ -179,3 +180,46 @@ def test_the_smallest_images(size: tuple[int, int], mutants: ModuleType) -> None
     assert verdict.passed and verdict.size == size
     one = sr.audit(images[0], scene, samples=64, tol=1e-6)
     assert one.passed and one.regions[0].pixels == size[0] * size[1]
+
+
+def slopes(mutants: ModuleType, scene: AnyScene, name: str, step: float, seed: int) -> Image:
+    """The derivative as a renderer that knows none finds it: two images with the same random numbers."""
+    value = float(get(scene, name))
+    high, low = (
+        mutants.rendered(scene.replace({name: value + s}), SIZE, 16, seed, plain=False).radiance for s in (step, -step)
+    )
+    return Image({"radiance": (high - low) / (2 * step)})
+
+
+def test_derivatives_are_audited(mutants: ModuleType, truths: Truths) -> None:
+    """The share of a ball's light by its own reflectance: right from 12 seeds, and 4 % low found and measured."""
+    scene, _ = truths("sky")
+    name = "materials.a.reflectance.color.g"
+    images = [slopes(mutants, scene, name, 0.05, 3000 + k) for k in range(12)]
+    assert np.abs(images[0].radiance).max() > 0.5
+    passed = sr.audit(images, scene, derivative=name)
+    assert passed.passed and any(f"the derivative in {name}" in note for note in passed.notes)
+    low = sr.audit([Image({"radiance": 0.96 * image.radiance}) for image in images], scene, derivative=name)
+    assert not low.passed
+    factor = next(found for found in low.attribution if found.name == "the factor of the whole image")
+    assert abs(factor.value - 0.96) < 4 * factor.error < 0.03
+    # metal has no noise: a wrong alpha squared in the derivative's place shows at once
+    metal, alpha = truths("metal")[0], "materials.a.alpha"
+    exact = Image({"radiance": sr.gradient(metal, [alpha], size=SIZE)[alpha].radiance})
+    assert sr.audit(exact, metal, derivative=alpha, noise_free=True).passed
+    other = sr.gradient(metal.replace({alpha: 0.41}), [alpha], size=SIZE)[alpha]
+    assert not sr.audit(Image({"radiance": other.radiance}), metal, derivative=alpha, noise_free=True).passed
+
+
+def test_what_a_derivative_cannot_be(mutants: ModuleType, truths: Truths) -> None:
+    scene, true = truths("sky")
+    images = seeds(mutants, truths, "sky", 8)
+    with pytest.raises(OptionError, match="must name one number"):
+        sr.audit(images, scene, derivative="lights.dome.radiance")
+    with pytest.raises(OptionError, match="leave it out"):
+        sr.audit(images, scene, derivative="lights.dome.radiance.r", wrt=["lights.dome.radiance.r"])
+    with pytest.raises(ImageError, match=r"is the derivative in no parameter, not in lights\.dome"):
+        sr.audit(images, scene, derivative="lights.dome.radiance.r", truth=true)
+    slope = sr.gradient(scene, ["lights.dome.radiance.g"], size=SIZE)["lights.dome.radiance.g"]
+    with pytest.raises(ImageError, match=r"is the derivative in lights.dome.radiance.g, not in none"):
+        sr.audit(images, scene, truth=slope)

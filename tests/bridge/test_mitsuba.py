@@ -129,6 +129,10 @@ def drawn(seed: int) -> dict[str, Any]:
     if r.random() < 0.5:
         lights.append({"type": "sky", "name": "sky", "radiance": three(0, 2)})
     r.shuffle(shapes)
+    # inside its shape a light comes before those of the scene
+    emit = [shape["name"] for shape in shapes if r.random() < 0.2]
+    lights[:0] = [{"type": "area", "name": f"lamp{k}", "shape": name, "radiance": three(0, 9)}
+                  for k, name in enumerate(emit)]  # fmt: skip
     return {
         "units": "radiometric", "name": "drawn", "bounces": r.choice([0, 1, "all"]),
         "camera": {"type": "look_at", "eye": three(20, 30), "target": three(-1, 1), "up": [0.1, 0.2, 1.0],
@@ -138,13 +142,14 @@ def drawn(seed: int) -> dict[str, Any]:
 
 
 def test_random_scenes_come_back_bit_for_bit(tmp_path: Path) -> None:
-    textured = moved = 0
+    textured = moved = shining = 0
     for seed in range(150):
         scene = sr.load(drawn(seed))
         sr.export(scene, "mitsuba", tmp_path)
         back = sr.load(tmp_path / "scene.xml")
         assert back.hash == scene.hash, seed
         textured += "checkerboard" in (tmp_path / "scene.xml").read_text()
+        shining += 'emitter type="area"' in (tmp_path / "scene.xml").read_text()
         try:
             made = sr.export(scene, "mitsuba", tmp_path, scale=37.5, center="middle", rays="centre")
         except Unsupported as error:
@@ -152,7 +157,7 @@ def test_random_scenes_come_back_bit_for_bit(tmp_path: Path) -> None:
             continue
         moved += 1
         assert sr.load(tmp_path / "scene.xml").hash == made.receipt["written_hash"] != scene.hash
-    assert textured > 60 and moved > 90
+    assert textured > 60 and moved > 90 and shining > 30
 
 
 @pytest.mark.parametrize("name", ["metal", "interreflection"])

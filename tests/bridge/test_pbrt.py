@@ -184,6 +184,19 @@ def test_light_and_metal_keep_their_numbers() -> None:
     assert made.files == sr.export(scene(), "pbrt", samples=64, scale=2.0, center=(1.0, 0.0, 0.0)).files
 
 
+def test_a_sphere_that_emits_keeps_its_radiance() -> None:
+    lamp = {"type": "area", "name": "bulb", "shape": "ball", "radiance": 2.5}
+    data = scene() | {"lights": [lamp]}
+    balls = [shape["name"] for shape in data["shapes"] if shape["type"] == "sphere"]
+    data["lights"] = [lamp | {"shape": balls[0]}]
+    found = directives(sr.export(data, "pbrt", scale=2.0).files["scene.pbrt"])
+    assert not [d for d in found if d[0] == "LightSource"]
+    (home,) = [block for block in blocks(found) if any(d[0] == "AreaLightSource" for d in block)]
+    light, ball = one(home, "AreaLightSource"), one(home, "Shape")
+    assert light[1] == ["diffuse"] and light[2] == {"rgb L": [2.5] * 3} and ball[1] == ["sphere"]
+    assert [d[0] for d in home].index("AreaLightSource") < [d[0] for d in home].index("Shape")
+
+
 def test_a_colored_scene_is_three_grey_ones() -> None:
     data = scene()
     data["materials"]["metal"]["eta"] = [0.2, 0.9, 1.2]

@@ -8,15 +8,15 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import SceneError
-from symrender.runtimes.radiometric import prepare
+from symrender.radiometric.sky import sky_room
+from symrender.radiometric.world import seen
+from symrender.runtimes.radiometric import _kernel
 from symrender.scene.load import load_any
 from symrender.scene.parameters import get
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.settings import split_settings
 
 Array = npt.NDArray[np.float64]
-_ONE = split_settings(1, tol=1.0, disk="2x2", aa="analytic", budget=1, threads=1, tile=0)
 ALPHAS = (0.001, 0.01, 0.05, 0.3, 1.0)
 
 
@@ -96,7 +96,8 @@ def scene(seed: int) -> RadiometricScene:
 def beside_walls(seed: int, lit_by: str) -> RadiometricScene:
     """A scene whose one pixel looks where digits are lost: by contacts, at grazing angles, far from the origin.
 
-    ``lit_by`` is "sky" or "points": a diffuse world under a sky, or any material under a point and a parallel light.
+    ``lit_by`` is "sky" or "area", a diffuse world under a sky or by a sphere that emits, or "points": any material
+    under a point and a parallel light.
     """
     rng = np.random.default_rng(seed)
     origin = rng.choice([0.0, 1.0, 1e3, 1e6]) * rng.normal(size=3)
@@ -131,6 +132,17 @@ def beside_walls(seed: int, lit_by: str) -> RadiometricScene:
     eye = at + view / np.sqrt(view @ view) * size * float(10 ** rng.uniform(-3, 1))
     material: dict[str, Any] = {"type": "diffuse", "reflectance": 0.5}
     lights: list[dict[str, Any]] = [{"type": "sky", "name": "Y", "radiance": 1.0}]
+    if lit_by == "area":
+        # above the horizon, or about to rise, or behind the ball
+        toward = facing + rng.normal(size=3) * float(rng.choice([0.1, 0.3, 1.0]))
+        if rng.random() < 0.1:
+            toward = centre - at + radius * rng.normal(size=3) * float(rng.choice([0.01, 0.3]))
+        toward /= np.sqrt(toward @ toward)
+        far = radius * float(10 ** rng.uniform(-2, 2))
+        lamp = far * float(10 ** rng.uniform(-5, -0.1))
+        shapes.append({"type": "sphere", "name": "L", "center": (at + far * toward).tolist(), "radius": lamp,
+                       "material": "m"})  # fmt: skip
+        lights = [{"type": "area", "name": "Y", "shape": "L", "radiance": 1.0}]
     if lit_by == "points":
         material = _material(rng, ("diffuse", "conductor", "phong"))
         toward = -side + slant * facing + rng.normal(size=3) * float(rng.choice([1e-3, 0.1, 1.0]))
@@ -150,10 +162,10 @@ def beside_walls(seed: int, lit_by: str) -> RadiometricScene:
 
 def radiance(made: RadiometricScene) -> Array:
     """Radiance of the one pixel, from the kernel of truth."""
-    layers = {name: np.zeros((1, 1, 3)) for name in ("emitted", "direct", "indirect", "radiance")}
-    layers |= {name: np.zeros((1, 1)) for name in ("hit_class", "error", "status")}
-    prepare(radiometric_arrays(made), _ONE)(0, 0, 1, 1, layers)
-    return layers["radiance"][0, 0]
+    view = seen(radiometric_arrays(made), 1, 1)
+    emitted, direct, hit_class = np.zeros((1, 1, 3)), np.zeros((1, 1, 3)), np.zeros((1, 1))
+    _kernel("fill_tile")(*view, 1, 1, 0, 0, 1, 1, *sky_room(view.world), emitted, direct, hit_class)
+    return np.asarray(emitted[0, 0] + direct[0, 0])
 
 
 def differences(made: RadiometricScene, name: str) -> tuple[Array, float]:

@@ -44,7 +44,7 @@ class Tally:
 @pytest.fixture(scope="module")
 def tally() -> Tally:
     found = Tally()
-    for seed in range(110):
+    for seed in range(70):
         scene = hostile.scene(seed)
         rng = np.random.default_rng(seed)
         # central differences need room on both sides
@@ -78,7 +78,7 @@ def tally() -> Tally:
 
 
 def test_derivatives_are_those_of_extrapolated_differences(tally: Tally) -> None:
-    assert len(tally.relative) >= 500
+    assert len(tally.relative) >= 320
     assert len(tally.relative) > 3 * tally.unknown
     wanted = {"intensity", "position", "direction", "irradiance", "radiance", "bright", "dark", "color", "alpha", "eta"}
     wanted |= {"k", "exponent", "center", "radius", "point", "normal", "cell", "eye", "target"}
@@ -87,7 +87,7 @@ def test_derivatives_are_those_of_extrapolated_differences(tally: Tally) -> None
 
 
 def test_stated_errors_hold_against_50_digits(tally: Tally) -> None:
-    assert len(tally.rounded) >= 500 and sum(each > 1e-14 for each in tally.rounded) > 50
+    assert len(tally.rounded) >= 320 and sum(each > 1e-14 for each in tally.rounded) > 30
     assert not tally.beyond
 
 

@@ -8,6 +8,7 @@ import pytest
 from tests.radiometric import hostile, many_digits
 
 import symrender as sr
+from symrender.errors import Unsupported
 from symrender.radiometric import shaken
 from symrender.radiometric.slopes import seen_moves
 from symrender.radiometric.world import seen
@@ -38,17 +39,22 @@ def judged(scene: RadiometricScene) -> tuple[float, float, float]:
     return off, float(image.layer("error")[0, 0]), float(image.radiance.max())
 
 
-@pytest.mark.parametrize("lit_by", ["sky", "points"])
+@pytest.mark.parametrize("lit_by", ["sky", "area", "points"])
 def test_roundings_are_stated_beside_contacts_and_walls(lit_by: str) -> None:
     tally = Tally()
     for seed in range(COUNT):
-        off, stated, light = judged(hostile.beside_walls(seed, lit_by))
+        try:
+            off, stated, light = judged(hostile.beside_walls(seed, lit_by))
+        except Unsupported:
+            # a lamp that crosses another shape
+            assert lit_by == "area"
+            continue
         tally.lit += light > 0.0
         tally.torn += off > 0.1 * light > 0.0
         tally.lost += off > 1e-12 * light > 0.0
         if off > stated:
             tally.beyond.append(seed)
-    assert tally.lit > COUNT / 4 and tally.lost > COUNT / 20
+    assert tally.lit > COUNT / 5 and tally.lost > COUNT / 20
     assert not tally.beyond
 
 

@@ -75,7 +75,11 @@ CASES = {
     "disk": (changed('shape type="sphere"', 'shape type="disk"'), "disk is not yet rendered"),
     "area": (
         changed('<point name="center"', '<emitter type="area"/><point name="center"'),
-        "lights[0].type: area is not yet",
+        "radiance",
+    ),
+    "lamp of another kind": (
+        changed('<point name="center"', '<emitter type="projector"/><point name="center"'),
+        "a shape emits as area",
     ),
     "gaussian": (changed('<rfilter type="box"/>', '<rfilter type="gaussian"/>'), "needs an rfilter box"),
     "depth": (changed('name="max_depth" value="2"', 'name="max_depth" value="7"'), "max_depth must be 2"),

@@ -22,7 +22,11 @@ def test_a_scene_holds_signal_and_goes_to_a_renderer(name: str) -> None:
     lit = (made.truth.radiance.max(axis=-1) > 0.0).mean()
     assert lit > 0.1 and made.told["rms_radiance"] > 0.01
     assert made.told["status"] == {"met": 144}
-    assert made.told["largest_error"] < (1e-5 if name == "interreflection" else 1e-10)
+    # far from the origin, beside a contact, roundings are felt
+    assert made.told["largest_error"] < {"interreflection": 1e-5, "epsilon": 1e-8}.get(name, 1e-10)
+    assert (name == "interreflection") == (not made.told["derivatives"])
+    for told in made.told["derivatives"].values():
+        assert told["rms"] > 1e-4 and told["met"] > 130 and told["file"] in made.files
     assert any(not told.startswith("refused") for told in made.told["exports"].values())
     assert scene_of(name).name == name and len(scene_of(name).description) > 20
 
@@ -78,7 +82,7 @@ def test_the_verb_writes_it_and_refuses_in_a_line(
     assert "silhouette: what is in front; error at most" in out and "files below here" in out
     assert main(["suite", "silhouette", "--size", "8", "-o", "here"]) == 74
     assert "here" in capsys.readouterr().err
-    assert main(["suite", "penumbra"]) == 2
+    assert main(["suite", "caustic"]) == 2
     assert capsys.readouterr().err.startswith("ERROR scene: must be one of cosine, epsilon, falloff")
     assert not (tmp_path / "suite").exists()
     with pytest.raises(OptionError, match="must be one of"):

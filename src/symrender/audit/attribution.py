@@ -35,11 +35,13 @@ _MATERIAL: Final = ("materials.", "lights.", "floor.lobe.", "floor.material.")
 
 
 def attribution(
-    seen: Evidence, regions: Sequence[Region], scene: AnyScene, layers: dict[str, Array], wrt: Sequence[str], tol: float
-) -> tuple[Explanation, ...]:
+    seen: Evidence, regions: Sequence[Region], scene: AnyScene | None, layers: dict[str, Array], wrt: Sequence[str],
+    tol: float,
+) -> tuple[Explanation, ...]:  # fmt: skip
     """Explanations of the misfit, those that leave no region off first, then by how much they explain.
 
     ``layers`` are those of the truth, ``wrt`` the parameters tried (none: real numbers of materials and lights).
+    Without a ``scene`` only the layers themselves are tried, by factors and as mistakes of an image.
     """
     fit = Fit(seen, regions)
     if fit.before <= 0.0:
@@ -57,7 +59,8 @@ def attribution(
     size = (seen.truth.shape[1], seen.truth.shape[0])
     if isinstance(scene, RadiometricScene):
         found += [fit.mutation(name, image) for name, image in scene_mutations(scene, size, tol)]
-    found += list(_parameters(fit, scene, list(wrt), size, tol, layers["radiance"]))
+    if scene is not None:
+        found += list(_parameters(fit, scene, list(wrt), size, tol, layers["radiance"]))
     useful = [e for e in found if e.explains > 0.02]
     useful.sort(key=lambda e: (not e.consistent, -e.explains))
     return tuple(useful[:SHOWN])

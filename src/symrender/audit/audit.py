@@ -17,9 +17,11 @@ from symrender.audit.regions import Region, regions
 from symrender.audit.sequential import sequential as in_turn
 from symrender.audit.verdict import Explanation, Verdict
 from symrender.errors import ImageError, OptionError
+from symrender.gradient import gradient
 from symrender.images.image import Image, read_image
 from symrender.limits import MAX_AUDIT_PIXELS
 from symrender.scene.load import AnyScene, Source, load_any
+from symrender.scene.moves import components
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.truth import STATUS, truth
 
@@ -48,6 +50,7 @@ def audit(
     wrt: Sequence[str] = (),
     explain: bool = True,
     tol: float = 0.0,
+    derivative: str = "",
     threads: int = 0,
 ) -> Verdict:
     """Judge ``renders`` of ``scene``: one image with second moments or variances, or K >= 8 of K seeds.
@@ -58,6 +61,8 @@ def audit(
     regions and the scale, half for single pixels, each by Holm. ``sequential`` looks after 8, 16, 32 ... images of an
     iterable and stops at the first decision, which may be a power that sees the relative bias ``visible``. After a
     failure, or where ``wrt`` names parameters, ``explain`` seeks what would explain it.
+    With ``derivative``, the dotted name of a number of the scene, ``renders`` are images of the derivative in it, and
+    the truth is that of ``gradient``: of what the ray through a pixel's centre meets.
     Raises ``ImageError`` and ``OptionError`` for what cannot be judged. Keywords are many because each is an option of
     ``symrender audit``, by its name.
     """
@@ -67,7 +72,11 @@ def audit(
         raise OptionError(f"tol: must be 0 or {_TIGHTEST:g} to 1, got {tol:g}")
     loaded = load_any(scene)
     many: list[Render] | Iterable[Render] = [renders] if isinstance(renders, (Image, str, os.PathLike)) else renders
-    auditor = Auditor(loaded, truth, tol, threads, tuple(wrt), explain)
+    if derivative and wrt:
+        raise OptionError("wrt: derivatives of derivatives explain nothing here; leave it out, or --derivative")
+    if derivative and components(loaded, [derivative]) != (derivative,):
+        raise OptionError(f"derivative: must name one number, got {derivative[:60]!r}")
+    auditor = Auditor(loaded, truth, tol, threads, tuple(wrt), explain, derivative)
     if sequential:
         auditor.margin = _FAR_UNDER / 8.0
         return in_turn(many, level, visible, auditor.verdict)
@@ -85,15 +94,10 @@ class Auditor:
         threads: int,
         wrt: tuple[str, ...],
         explain: bool,
+        derivative: str = "",
     ) -> None:
-        self.scene, self.given, self.tol, self.threads, self.wrt, self.explain = (
-            scene,
-            given,
-            tol,
-            threads,
-            wrt,
-            explain,
-        )
+        self.scene, self.given, self.tol, self.threads = scene, given, tol, threads
+        self.wrt, self.explain, self.derivative = wrt, explain, derivative
         # smaller in a sequence: the error of its last look is smaller than that of its first
         self.margin = _FAR_UNDER
         self._true: Image | None = None
@@ -120,7 +124,8 @@ class Auditor:
         if self.explain and (self.wrt or not passed):
             layers = dict(true.layers)
             loose = max(4.0 * self._tolerance(found), _EXPLAINED * float(np.abs(found.mean).mean()))
-            why = attribution(seen, self._regions, self.scene, layers, self.wrt, loose)
+            scene = None if self.derivative else self.scene
+            why = attribution(seen, self._regions, scene, layers, self.wrt, loose)
         return Verdict(
             passed, level, self.scene.name, self.scene.hash, found.source, found.samples, (true.width, true.height),
             tuple(tests[:1]), tuple(tests[1:]), pixels, why, self._notes(seen, true, pixels.kurtosis), look, maps,
@@ -139,6 +144,9 @@ class Auditor:
         return self._true
 
     def _brought(self, size: tuple[int, int], found: Measured) -> Image:
+        if self.given is None and self.derivative:
+            asked = {"size": size, "tol": self._tolerance(found), "threads": self.threads}
+            return gradient(self.scene, [self.derivative], **asked)[self.derivative]  # type: ignore[arg-type]
         if self.given is None:
             return truth(self.scene, size=size, tol=self._tolerance(found), threads=self.threads)
         given, name = self.given, "truth"
@@ -148,6 +156,9 @@ class Auditor:
         made = given.meta.get("scene_hash", "")
         if made and made != self.scene.hash:
             raise ImageError(f"{name}: is the truth of scene {made[:12]}, not of {self.scene.name}")
+        if given.meta.get("parameter", "") != self.derivative:
+            what = given.meta.get("parameter", "") or "no parameter"
+            raise ImageError(f"{name}: is the derivative in {what}, not in {self.derivative or 'none'}")
         if "error" not in given.layers or given.layer("error").ndim != 2:
             raise ImageError(f"{name}: has no error layer, so it is no truth; symrender truth writes one")
         if (given.layer("error") < 0).any():
@@ -168,6 +179,11 @@ class Auditor:
             notes.append("unverified scene: the render carries no receipt, so it may be of another scene")
         if isinstance(self.scene, RadiometricScene) or self.given is None:
             notes.append("the truth is of rays through pixel centres; a render with jitter differs at every edge")
+        if self.derivative:
+            notes.append(
+                f"images of the derivative in {self.derivative}, of what the rays through pixel centres meet: how "
+                "edges move across a pixel is no part of it"
+            )
         if self.given is not None and "scene_hash" not in true.meta:
             notes.append("unverified truth: its file names no scene")
         lost = int((~seen.usable).sum())

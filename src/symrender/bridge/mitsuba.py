@@ -55,10 +55,12 @@ def mitsuba(
     for name, material in there.materials.items():
         if name not in used or not isinstance(material.reflectance, Checker):
             body += _material(material, f' id="material-{name}"', None)
+    shining = {light.shape: light for light in there.lights if isinstance(light, lights.Area)}
     for shape in there.shapes:
-        body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0))
+        lamp = _emitter(shining[shape.name]) if shape.name in shining else []
+        body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0), lamp)
     for light in there.lights:
-        body += _emitter(light)
+        body += [] if isinstance(light, lights.Area) else _emitter(light)
     files = {
         "scene.xml": _document([*_integrator(scene), *sensor, *body]),
         "run.py": (resources.files("symrender.bridge") / "run_mitsuba.txt").read_text("utf-8"),
@@ -190,7 +192,7 @@ def _turns(checker: Checker) -> tuple[float, float]:
     return 1.0 / checker.cell, 0.5 / checker.cell
 
 
-def _shape(shape: Plane | Sphere, material: Material, half: float) -> list[str]:
+def _shape(shape: Plane | Sphere, material: Material, half: float, lamp: list[str]) -> list[str]:
     checker = material.reflectance if isinstance(material.reflectance, Checker) else None
     own = f' id="material-{shape.material}:{shape.name}"'
     if isinstance(shape, Plane):
@@ -212,7 +214,7 @@ def _shape(shape: Plane | Sphere, material: Material, half: float) -> list[str]:
             turned = " ".join(repr(v) for v in (-r, 0.0, 0.0, x, 0.0, -r, 0.0, y, 0.0, 0.0, r, z, 0.0, 0.0, 0.0, 1.0))
             inner = _nested('transform name="to_world"', [f'<matrix value="{turned}"/>'], "transform")
     surface = _material(material, own, scales) if checker else [f'<ref id="material-{shape.material}"/>']
-    return _nested(f'shape type="{kind}" id="shape-{shape.name}"', [*inner, *surface], "shape")
+    return _nested(f'shape type="{kind}" id="shape-{shape.name}"', [*inner, *surface, *lamp], "shape")
 
 
 def _emitter(light: lights.Light) -> list[str]:
@@ -228,4 +230,8 @@ def _emitter(light: lights.Light) -> list[str]:
             ]
         case lights.Sky():
             kind, inner = "constant", [_rgb("radiance", light.radiance)]
+        case lights.Area():
+            kind, inner = "area", [_rgb("radiance", light.radiance)]
+        case _:
+            assert_never(light)
     return _nested(f'emitter type="{kind}" id="light-{light.name}"', inner, "emitter")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from importlib import resources
-from typing import Final, Literal
+from typing import Final, Literal, assert_never
 
 from symrender.bridge.carried import Carried, Prepared, Rays, prepare
 from symrender.bridge.moved import Triple
@@ -137,10 +137,12 @@ def _head(prepared: Prepared, samples: int) -> list[str]:
 def _document(prepared: Prepared, samples: int, channel: Channel) -> list[str]:
     scene = prepared.scene
     lines = [*_head(prepared, samples), "WorldBegin"]
+    shining = {light.shape: light for light in scene.lights if isinstance(light, lights.Area)}
     for light in scene.lights:
-        lines += _light(light, channel)
+        lines += [] if isinstance(light, lights.Area) else _light(light, channel)
     for shape in scene.shapes:
-        lines += _shape(shape, scene.materials[shape.material], prepared.halves.get(shape.name, 0.0), channel)
+        lamp = _light(shining[shape.name], channel) if shape.name in shining else []
+        lines += _shape(shape, scene.materials[shape.material], prepared.halves.get(shape.name, 0.0), channel, lamp)
     return lines
 
 
@@ -158,11 +160,16 @@ def _light(light: lights.Light, channel: Channel) -> list[str]:
             what += f' "point3 from" [ 0 0 0 ] "point3 to" [ {_numbers(light.direction)} ]'
         case lights.Sky():
             what = f'"infinite" {_grey("rgb", "L", channel(light.radiance))}'
+        case lights.Area():
+            # on the outside alone, twosided being false
+            return [f"# lights.{light.name}", f'AreaLightSource "diffuse" {_grey("rgb", "L", channel(light.radiance))}']
+        case _:
+            assert_never(light)
     return [f"# lights.{light.name}", f"LightSource {what}"]
 
 
-def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Channel) -> list[str]:
-    inner = _material(shape, material, channel)
+def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Channel, lamp: list[str]) -> list[str]:
+    inner = [*_material(shape, material, channel), *lamp]
     if isinstance(shape, Sphere):
         inner += [f"Translate {_numbers(shape.center)}"]
         if isinstance(material.reflectance, Checker):

@@ -32,6 +32,9 @@ def audit(
         list[str] | None, typer.Option(help="Parameter that may explain a failure; repeatable, else many are tried.")
     ] = None,
     explain: Annotated[bool, typer.Option(help="Seek what would explain a failure.")] = True,
+    derivative: Annotated[
+        str, typer.Option(metavar="NAME", help="The renders are derivatives in this number of the scene.")
+    ] = "",
     tol: Annotated[float, typer.Option(help="Tolerance of the truth; 0: far under the noise.")] = 0.0,
     threads: Threads = 0,
     define: Define = None,
@@ -68,7 +71,8 @@ def audit(
     with native_output_hidden():
         verdict = judge(
             renders, chosen, truth=truth, samples=samples, noise_free=noise_free, sequential=sequential,
-            visible=visible, level=level, wrt=tuple(wrt or ()), explain=explain, tol=tol, threads=threads,
+            visible=visible, level=level, wrt=tuple(wrt or ()), explain=explain, tol=tol, derivative=derivative,
+            threads=threads,
         )  # fmt: skip
     if json is not None:
         text = json_module.dumps(verdict.as_json(), indent=2, allow_nan=False) + "\n"

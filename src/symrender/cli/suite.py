@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def suite(
-    scenes: Annotated[list[str] | None, typer.Argument(help="Names of scenes of the suite; none: all twelve.")] = None,
+    scenes: Annotated[list[str] | None, typer.Argument(help="Names of scenes of the suite; none: all of them.")] = None,
     out: Annotated[
         str, typer.Option("--out", "-o", help="Folder the files are written to; made if missing.")
     ] = "suite",

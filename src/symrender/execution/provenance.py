@@ -46,7 +46,7 @@ def _conventions(scene: RadiometricScene) -> dict[str, str]:
     said = {
         "bounces": scene.bounces,
         "filter": "centre",
-        "lights": "point intensity/r^2, directional irradiance, sky radiance",
+        "lights": "point intensity/r^2, directional irradiance, sky and area radiance",
         "materials": {
             name: material.model_dump(include={"type", "distribution", "masking", "g1", "two_sided"})
             for name, material in scene.materials.items()

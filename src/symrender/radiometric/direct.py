@@ -6,9 +6,9 @@ from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.reflection import reflectance, reflected
 from symrender.radiometric.sight import hidden_direction, hidden_point, nearest, vector
-from symrender.radiometric.sky import sky_irradiance
+from symrender.radiometric.sky import area_irradiance, sky_irradiance
 from symrender.radiometric.world import Array, Vector, World
-from symrender.scene.radiometric.arrays import FIRST_SHAPE, POINT, SKY, SPHERE
+from symrender.scene.radiometric.arrays import AREA, FIRST_SHAPE, POINT, SKY, SPHERE
 
 
 @jitable
@@ -25,8 +25,12 @@ def direct_light(
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
         e = vector(light.emitted)
-        if light.kind == SKY:
-            seen = sky_irradiance(world, own, place, normal, caps, arcs) if front or shape.kind != SPHERE else 0.0
+        if light.kind == SKY or light.kind == AREA:
+            seen = 0.0
+            if light.kind == AREA:
+                seen = area_irradiance(world, own, front, int(light.emitter), place, normal, caps, arcs)
+            elif front or shape.kind != SPHERE:
+                seen = sky_irradiance(world, own, place, normal, caps, arcs)
             share = leaves.diffuse_reflection(seen)
             term = (albedo[0] * share, albedo[1] * share, albedo[2] * share)
         else:
@@ -59,5 +63,9 @@ def along_ray(world: World, origin: Vector, d: Vector, caps: Array, arcs: Array)
             if world.lights[i].kind == SKY:
                 emitted = vector(world.lights[i].emitted)
         return 0, emitted, (0.0, 0.0, 0.0)
+    if front:
+        for i in range(world.lights.shape[0]):
+            if world.lights[i].kind == AREA and int(world.lights[i].emitter) == own:
+                emitted = vector(world.lights[i].emitted)
     view = (-d[0], -d[1], -d[2])
     return FIRST_SHAPE + own, emitted, direct_light(world, own, front, place, normal, view, caps, arcs)

@@ -1,8 +1,9 @@
-"""Irradiance of a constant sky in closed form: the sky a place sees is a region bounded by arcs of circles.
+"""Irradiance of a constant sky, or of a sphere that emits, in closed form: arcs of circles bound what a place sees.
 
 What hides the sky are caps of the sphere of directions: the horizon, a hemisphere for every other plane, a cone for
-every other sphere. Along the circle of each the arcs outside all others bound what is seen, and an arc contributes
-``arc_flux``.
+every other sphere. Of a sphere that emits only its own cone is seen, so that all but that cone is one cap more, and
+only shapes before it hide it. Along the circle of each cap the arcs outside all others bound what is seen, and an arc
+contributes ``arc_flux``.
 """
 
 from __future__ import annotations
@@ -91,26 +92,37 @@ def hide(arcs: Array, count: int, begin: float, end: float) -> int:
     return count + 1
 
 
+@inlined
+def level_about(c: Array, o: Array) -> tuple[float, float, float]:
+    """(A, B, C): along circle c, at angle t, A + B cos t + C sin t is positive inside cap o."""
+    return leaves.cap_level(
+        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], o[0], o[1], o[2], o[9]
+    )  # fmt: skip
+
+
 @jitable
 def hidden_arcs(caps: Array, count: int, own: int, arcs: Array) -> int:
-    """List the arcs of circle ``own`` that lie in other caps; returns how many, -1 where all of it does."""
+    """List the arcs of circle ``own`` that lie in other caps; returns how many, -1 where all of it does.
+
+    Where two circles cross is a root of one discriminant, B^2 + C^2 - A^2 of the smaller: both circles take the same,
+    so that an arc ends where the other's begins even where they all but touch, as a ball on a floor does the horizon.
+    """
     found = 0
     c = caps[own]
     for j in range(count):
         if j == own:
             continue
         o = caps[j]
-        middle, first, second = leaves.cap_level(
-            c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], o[0], o[1], o[2], o[9]
-        )
-        swing = math.sqrt(first * first + second * second)
-        if middle >= swing:
+        middle, first, second = level_about(c, o)
+        cut = first * first + second * second - middle * middle
+        if o[10] < c[10] or (o[10] == c[10] and j < own):
+            m, f, s = level_about(o, c)
+            cut = f * f + s * s - m * m
+        if cut <= 0.0:
             if middle > 0.0:
                 return -1
             continue
-        if middle <= -swing:
-            continue
-        half = math.acos(max(-1.0, min(1.0, -middle / swing)))
+        half = math.atan2(math.sqrt(cut), -middle)
         at = math.atan2(second, first)
         begin, end = at - half, at + half
         if begin < 0.0:
@@ -132,9 +144,62 @@ def add_arc(cap: Array, begin: float, end: float, flux: Vector) -> Vector:
 
 
 @jitable
+def gather_light(
+    world: World, own: int, front: bool, emitter: int, place: Vector, normal: Vector, caps: Array
+) -> int:  # fmt: skip
+    """List all that is not sphere ``emitter`` as a place sees it, as ``gather_caps`` lists what is not sky.
+
+    The sphere crosses no other shape. Of two spheres apart from each other the one of less power is before the other,
+    for what lies between them is the plane of equal powers.
+    """
+    lamp = world.shapes[emitter]
+    offset = minus(vector(lamp.place), place)
+    whole = leaves.sphere_power(*offset, lamp.radius)
+    if whole <= 0.0 or own == emitter:
+        return -1
+    x, y, z, cosine, sine = leaves.sphere_cap(*offset, lamp.radius)
+    count = put_cap(caps, 0, (-normal[0], -normal[1], -normal[2]), 0.0, 1.0)
+    count = put_cap(caps, count, (-x, -y, -z), -cosine, sine)
+    for j in range(world.shapes.shape[0]):
+        if count < 0 or j == emitter:
+            continue
+        shape = world.shapes[j]
+        if shape.kind == SPHERE:
+            way = minus(vector(shape.place), place)
+            power = leaves.sphere_power(*way, shape.radius)
+            encloses = leaves.sphere_power(*minus(vector(shape.place), vector(lamp.place)), shape.radius) < 0.0
+            inside = not front if j == own else power < 0.0
+            if encloses != inside:
+                return -1
+            if j != own and not encloses and power < whole:
+                x, y, z, cosine, sine = leaves.sphere_cap(*way, shape.radius)
+                count = put_cap(caps, count, (x, y, z), cosine, sine)
+        elif j != own:
+            frame = world.frames[j]
+            up = vector(frame.up)
+            here = leaves.height(*place, *vector(frame.origin), *up)
+            if here * leaves.height(*vector(lamp.place), *vector(frame.origin), *up) < 0.0:
+                return -1
+    return count
+
+
+@jitable
 def sky_irradiance(world: World, own: int, place: Vector, normal: Vector, caps: Array, arcs: Array) -> float:
     """Irradiance of a place by a sky of radiance 1, pi where nothing hides it."""
-    count = gather_caps(world, own, place, normal, caps)
+    return open_irradiance(caps, gather_caps(world, own, place, normal, caps), normal, arcs)
+
+
+@jitable
+def area_irradiance(
+    world: World, own: int, front: bool, emitter: int, place: Vector, normal: Vector, caps: Array, arcs: Array
+) -> float:  # fmt: skip
+    """Irradiance of a place by sphere ``emitter``, of radiance 1."""
+    return open_irradiance(caps, gather_light(world, own, front, emitter, place, normal, caps), normal, arcs)
+
+
+@jitable
+def open_irradiance(caps: Array, count: int, normal: Vector, arcs: Array) -> float:
+    """Irradiance by radiance 1 from outside the first ``count`` caps, one the horizon; 0 of a negative count."""
     if count < 0:
         return 0.0
     flux = (0.0, 0.0, 0.0)

@@ -20,7 +20,7 @@ from symrender.radiometric.sky import sky_room
 from symrender.radiometric.world import Array, make_world, seen
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.image import TileKernel
-from symrender.scene.radiometric.arrays import DIFFUSE, SKY, RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal
 from symrender.scene.radiometric.due import refuse_bounces
 from symrender.settings import Settings
@@ -121,11 +121,39 @@ def check(arrays: RadiometricArrays) -> None:
     refuse_bounces(asked, bounce_refusal(arrays) if asked == 1 else "")
     used = {int(shape.material) for shape in arrays.shapes}
     glossy = any(arrays.materials[m].kind != DIFFUSE for m in used)
-    if glossy and any(light.kind == SKY for light in arrays.lights):
-        raise Unsupported(
-            "lights: a sky over a conductor or a phong material is not yet integrated, which takes its lobe; "
-            "over diffuse ones it is, and the numeric pipeline samples any"
-        )
+    extended = {SKY: "a sky", AREA: "an area light"}
+    for light in arrays.lights if glossy else ():
+        if light.kind in extended:
+            raise Unsupported(
+                f"lights: {extended[int(light.kind)]} over a conductor or a phong material is not yet integrated, "
+                "which takes its lobe; over diffuse ones it is, and the numeric pipeline samples any"
+            )
+    for index, light in enumerate(arrays.lights):
+        other = _crossed(arrays, int(light.emitter)) if light.kind == AREA else -1
+        if other >= 0:
+            raise Unsupported(
+                f"lights[{index}]: its sphere, shapes[{int(light.emitter)}], crosses shapes[{other}], and what is seen "
+                "of it then is not yet integrated; apart from other shapes it is, and the numeric pipeline samples any"
+            )
+
+
+def _crossed(arrays: RadiometricArrays, emitter: int) -> int:
+    """A shape whose surface the sphere ``emitter`` crosses, -1 if there is none; one that it touches is crossed."""
+    lamp = arrays.shapes[emitter]
+    for j, shape in enumerate(arrays.shapes):
+        if j == emitter:
+            continue
+        if shape.kind == SPHERE:
+            apart = float(np.sqrt(((lamp.place - shape.place) ** 2).sum()))
+            crosses = abs(lamp.radius - shape.radius) <= apart <= lamp.radius + shape.radius
+            # a lamp may hold no shape either: nothing in it is lit
+            crosses = crosses or apart < lamp.radius - shape.radius
+        else:
+            frame = arrays.frames[j]
+            crosses = abs(float((lamp.place - frame.origin) @ frame.up)) <= lamp.radius
+        if crosses:
+            return j
+    return -1
 
 
 @lru_cache(maxsize=3)

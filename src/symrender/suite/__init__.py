@@ -1,1 +1,1 @@
-"""Twelve small scenes, one mechanism of light each, with their truths: what another renderer is tested against."""
+"""Small scenes, one mechanism of light each, with their truths: what another renderer is tested against."""

@@ -15,6 +15,7 @@ import numpy as np
 from symrender.bridge.mitsuba import mitsuba
 from symrender.bridge.pbrt import pbrt
 from symrender.errors import OptionError, Unsupported
+from symrender.gradient import gradient
 from symrender.images import exr, npz
 from symrender.images.image import Image
 from symrender.images.output import check_target, make_folder, write_bytes
@@ -31,13 +32,29 @@ MECHANISMS: Final = {
     "interreflection": "one bounce between diffuse surfaces",
     "masking": "masking of rough facets",
     "normalisation": "a surface sends back its reflectance and no more",
+    "penumbra": "how much of a lamp is seen past what hides it",
     "roughness": "what alpha means",
     "silhouette": "what is in front",
     "sky": "how much of a sky is seen",
     "texture": "coordinates of textures, and which side a field is on",
     "visibility": "shadows",
 }
-"""What each scene is about; a penumbra asks for area lights, which radiometric scenes have not yet."""
+"""What each scene is about."""
+SLOPES: Final = {
+    "cosine": ("lights.sun.direction.z", "shapes.ball.radius"),
+    "epsilon": ("shapes.ball.center.z", "lights.lamp.position.x"),
+    "falloff": ("lights.lamp.position.z", "lights.lamp.intensity.g"),
+    "fresnel": ("materials.copper.eta.g", "materials.dull.k.r"),
+    "masking": ("materials.steel.alpha",),
+    "normalisation": ("materials.grey.reflectance.color.g",),
+    "penumbra": ("shapes.bulb.radius", "shapes.ball.center.x"),
+    "roughness": ("materials.rough.alpha", "materials.satin.alpha", "materials.polished.alpha"),
+    "silhouette": ("shapes.between.center.x",),
+    "sky": ("shapes.ball.center.z", "shapes.ball.radius"),
+    "texture": ("materials.globe.reflectance.bright.r",),
+    "visibility": ("lights.left.position.x", "shapes.high.radius"),
+}
+"""Numbers in which the image of a scene is differentiated; not where light bounces."""
 Exporter = Callable[..., Any]
 EXPORTERS: Final[dict[str, Exporter]] = {"mitsuba": mitsuba, "pbrt": pbrt}
 
@@ -65,7 +82,7 @@ def scene_of(name: str) -> RadiometricScene:
 
 
 def entry(name: str, *, size: int | tuple[int, int] = 32, tol: float = 1e-8, threads: int = 0) -> Entry:
-    """The scene's files: its text, truth in three forms, Mitsuba's pair of references, and what renderers read.
+    """The scene's files: its text, truth in three forms, derivatives, Mitsuba's references, and what renderers read.
 
     ``truth.npz`` and ``truth.json`` hold float64, ``truth.exr`` float32. The pair is what Mitsuba's own tests compare
     a render with: means, and the variance of these means, which here is the stated error squared.
@@ -77,6 +94,9 @@ def entry(name: str, *, size: int | tuple[int, int] = 32, tol: float = 1e-8, thr
     files["truth.npz"], files["truth.exr"] = npz.encode(image.layers, image.meta), exr.encode(image.layers, image.meta)
     files["truth.json"] = _json(_numbers(image))
     error = np.repeat(image.layers["error"][..., None], 3, axis=2)
+    slopes = gradient(scene, SLOPES[name], size=size, tol=tol, threads=threads) if name in SLOPES else {}
+    for parameter, slope in slopes.items():
+        files[f"derivative/{parameter}.npz"] = npz.encode(slope.layers, slope.meta)
     pair = {"ref_rgb": image.radiance, "ref_rgb_var": error**2}
     files |= {f"{name}_{part}.exr": exr.encode({"radiance": held}, image.meta) for part, held in pair.items()}
     exports: dict[str, str] = {}
@@ -96,6 +116,14 @@ def entry(name: str, *, size: int | tuple[int, int] = 32, tol: float = 1e-8, thr
         "largest_error": float(image.layers["error"].max()),
         "status": {STATUS[k]: int((status == k).sum()) for k in np.unique(status).astype(int).tolist()},
         "rms_radiance": float(np.sqrt((image.radiance**2).mean())),
+        "derivatives": {
+            parameter: {
+                "file": f"{folder}/derivative/{parameter}.npz",
+                "rms": float(np.sqrt((slope.radiance**2).mean())),
+                "met": int((slope.layers["status"] == 0).sum()),
+            }
+            for parameter, slope in slopes.items()
+        },
         "truth_sha256": hashlib.sha256(files["truth.npz"]).hexdigest(),
         "exports": exports,
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from symrender.jit.marks import inlined
 from symrender.numeric.radiometric.hits import first_hit, triple
-from symrender.numeric.radiometric.path import from_points, path, plus, shows, surface
+from symrender.numeric.radiometric.path import from_points, path, plus, shining, shows, surface
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, pixel_key
 from symrender.numeric.rays import window_direction
@@ -23,11 +23,12 @@ def along_ray(world: World, eye: Vector, d: Vector, sampler: int, order: int, ke
     hit = first_hit(world, eye, d, -1, False)
     if hit.own < 0:
         return 0, triple(world.lights[world.sky].emitted) if world.sky >= 0 else black, black, black, 1
+    emitted = shining(world, hit)
     if not shows(world, hit):
-        return FIRST_SHAPE + hit.own, black, black, black, 1
+        return FIRST_SHAPE + hit.own, emitted, black, black, 1
     at = surface(world, hit, d)
     direct, indirect, spent = from_points(world, at), black, 1
-    if world.sky >= 0 or world.bounces > 0:
+    if world.extended or world.bounces > 0:
         count = order * order
         near, later = black, black
         for index in range(count):
@@ -35,7 +36,7 @@ def along_ray(world: World, eye: Vector, d: Vector, sampler: int, order: int, ke
             near, later, spent = plus(near, some), plus(later, other), spent + rays
         direct = plus(direct, (near[0] / count, near[1] / count, near[2] / count))
         indirect = (later[0] / count, later[1] / count, later[2] / count)
-    return FIRST_SHAPE + hit.own, black, direct, indirect, spent
+    return FIRST_SHAPE + hit.own, emitted, direct, indirect, spent
 
 
 def fill_tile(

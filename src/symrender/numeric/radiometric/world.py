@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from symrender.jit.records import Table
-from symrender.scene.radiometric.arrays import SKY, RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, SKY, RadiometricArrays
 from symrender.scene.radiometric.records import Light, Material, Shape
 from symrender.scene.records import Frame
 
@@ -13,7 +13,8 @@ from symrender.scene.records import Frame
 class World(NamedTuple):
     """The records of a scene; row j of ``frames`` says where shape j lies, if it is a plane.
 
-    ``sky`` is the index of the sky among the lights, -1 if there is none; ``bounces`` how many reflections follow the
+    ``sky`` is the index of the sky among the lights, -1 if there is none; ``extended`` says whether a light is a sky or
+    a sphere, which a direction may meet; ``bounces`` how many reflections follow the
     direct light.
     """
 
@@ -22,12 +23,13 @@ class World(NamedTuple):
     frames: Table[Frame]
     lights: Table[Light]
     sky: int
+    extended: bool
     bounces: int
 
 
 def make_world(arrays: RadiometricArrays) -> World:
     """World of a scene."""
     skies = [index for index, light in enumerate(arrays.lights) if light.kind == SKY]
-    return World(
-        arrays.materials, arrays.shapes, arrays.frames, arrays.lights, skies[0] if skies else -1, arrays.bounces
-    )
+    extended = any(light.kind in (SKY, AREA) for light in arrays.lights)
+    sky = skies[0] if skies else -1
+    return World(arrays.materials, arrays.shapes, arrays.frames, arrays.lights, sky, extended, arrays.bounces)

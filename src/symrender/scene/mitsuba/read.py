@@ -239,8 +239,8 @@ def _shape(read: _Scene, element: Element) -> None:
     properties = Properties(element)
     lamp = [child for child in element.children if child.tag == "emitter"]
     if lamp:
-        read.put("lights", {"type": str(lamp[0].attributes.get("type")), "name": name}, lamp[0].mark, {})
-        properties.others = [child for child in properties.others if child not in lamp]
+        _lamp(read, name, lamp[0])
+        properties.others.remove(lamp[0])
     plane = next((found for comment in element.comments if (found := told(comment))), None)
     if kind == "sphere" or (kind == "rectangle" and plane is not None):
         material, scales = _surface_of(read, properties)
@@ -259,6 +259,18 @@ def _shape(read: _Scene, element: Element) -> None:
         read.put("shapes", {"type": DUE[kind], "name": name}, element.mark, {})
     else:
         raise properties.wrong("no such shape here; known are sphere, and rectangle with a comment `symrender plane`")
+
+
+def _lamp(read: _Scene, shape: str, element: Element) -> None:
+    """The emitter inside a shape as an area light."""
+    properties = Properties(element)
+    if element.attributes.get("type") != "area":
+        raise properties.wrong("a shape emits as area, no other way")
+    radiance, mark = properties.triple("radiance", "rgb")
+    properties.done("radiance")
+    name = read.name(element, "light-", "lights")
+    read.put("lights", {"type": "area", "name": name, "shape": shape, "radiance": radiance}, element.mark,
+             {"radiance": mark})  # fmt: skip
 
 
 def _surface_of(read: _Scene, properties: Properties) -> tuple[str, list[float] | None]:

@@ -37,6 +37,7 @@ SPHERE: Final = 1
 POINT: Final = 0
 DIRECTIONAL: Final = 1
 SKY: Final = 2
+AREA: Final = 3
 
 FIRST_SHAPE: Final = 1
 """Shape j of the scene has hit class ``FIRST_SHAPE + j``; 0 is nothing."""
@@ -79,6 +80,7 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
         row.place[:], row.normal[:], row.along[:] = shape.point, shape.normal, shape.along
     lit = table(Light, len(scene.lights))
     directions = np.zeros((len(scene.lights), 3))
+    places = {shape.name: j for j, shape in enumerate(scene.shapes)}
     for light_row, travel, light in zip(lit, directions, scene.lights, strict=True):
         match light:
             case lights.Point():
@@ -90,6 +92,9 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
                 light_row.emitted[:] = light.irradiance
             case lights.Sky():
                 light_row.kind = SKY
+                light_row.emitted[:] = light.radiance
+            case lights.Area():
+                light_row.kind, light_row.emitter = AREA, places[light.shape]
                 light_row.emitted[:] = light.radiance
     camera = record(Camera)
     camera.kind, camera.fov = LOOK_AT, scene.camera.fov

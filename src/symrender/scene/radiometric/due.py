@@ -10,7 +10,6 @@ from pydantic_core import PydanticCustomError
 from symrender.errors import Unsupported
 
 SHAPES_DUE: Final = ("rectangle", "triangle", "disk", "box")
-LIGHTS_DUE: Final = ("area",)
 
 
 def not_yet(kinds: tuple[str, ...], known: str, limit: Callable[[Any], Any]) -> Callable[[Any], Any]:

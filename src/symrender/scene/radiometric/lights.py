@@ -44,4 +44,13 @@ class Sky(Part):
     radiance: Annotated[Radiances, Field(description="radiance, a number or three")]
 
 
-Light = Annotated[Point | Directional | Sky, Field(discriminator="type")]
+class Area(Part):
+    """A sphere that emits the same radiance from every place of its outside, in every direction."""
+
+    type: Literal["area"] = "area"
+    name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
+    shape: Annotated[PartName, Field(description="name of the sphere that emits")]
+    radiance: Annotated[Radiances, Field(description="radiance, a number or three")]
+
+
+Light = Annotated[Point | Directional | Sky | Area, Field(discriminator="type")]

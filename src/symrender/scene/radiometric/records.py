@@ -46,9 +46,11 @@ class Shape(Record):
 class Light(Record):
     """A light: ``place`` is a point's position or the direction a directional light travels in, of any length.
 
-    ``emitted`` is intensity, irradiance or radiance, as the ``kind`` is POINT, DIRECTIONAL or SKY.
+    ``emitted`` is intensity, irradiance or radiance, as the ``kind`` is POINT, DIRECTIONAL or SKY; of AREA it is
+    radiance, and ``emitter`` the index of the sphere that emits.
     """
 
     kind: float
+    emitter: float
     place: Three
     emitted: Three

@@ -10,10 +10,10 @@ from pydantic_core import PydanticCustomError
 from symrender.limits import MAX_LIGHTS, MAX_SHAPES
 from symrender.scene.camera import LookAtCamera
 from symrender.scene.nearest import did_you_mean
-from symrender.scene.radiometric.due import LIGHTS_DUE, SHAPES_DUE, not_yet
-from symrender.scene.radiometric.lights import Light, Sky
+from symrender.scene.radiometric.due import SHAPES_DUE, not_yet
+from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.materials import Material
-from symrender.scene.radiometric.shapes import Shape
+from symrender.scene.radiometric.shapes import Shape, Sphere
 from symrender.scene.root import Root, check_names, wrong
 from symrender.scene.values import Held, PartName, at_most
 
@@ -46,7 +46,7 @@ class RadiometricScene(Root):
     lights: Annotated[
         tuple[Light, ...],
         Field(max_length=MAX_LIGHTS, description="the lights, at most one of them a sky"),
-        BeforeValidator(not_yet(LIGHTS_DUE, "point, directional and sky", at_most(MAX_LIGHTS))),
+        BeforeValidator(at_most(MAX_LIGHTS)),
     ] = ()
 
     @model_validator(mode="after")
@@ -61,4 +61,22 @@ class RadiometricScene(Root):
         skies = [index for index, light in enumerate(self.lights) if isinstance(light, Sky)]
         if len(skies) > 1:
             raise wrong(f"at most one light is a sky, lights[{skies[0]}] is one too", "lights", skies[1], "type")
+        self._spheres_emit()
         return self
+
+    def _spheres_emit(self) -> None:
+        """Refuse area lights of shapes that are none, no spheres, or emit already."""
+        shapes, emitters = {shape.name: shape for shape in self.shapes}, dict[str, int]()
+        for index, light in enumerate(self.lights):
+            if not isinstance(light, Area):
+                continue
+            shape, where = shapes.get(light.shape), ("lights", index, "shape")
+            if shape is None:
+                known = list(shapes)
+                guess = did_you_mean(light.shape, known) or f", known are {', '.join(known[:12]) or 'none'}"
+                raise wrong(f"unknown shape '{light.shape}'{guess}", *where)
+            if not isinstance(shape, Sphere):
+                raise wrong(f"must name a sphere, got the {shape.type} '{light.shape}'", *where)
+            if light.shape in emitters:
+                raise wrong(f"'{light.shape}' is the shape of lights[{emitters[light.shape]}] already", *where)
+            emitters[light.shape] = index
