@@ -25,6 +25,7 @@ def test_a_scene_holds_signal_and_goes_to_a_renderer(name: str) -> None:
     # far from the origin, beside a contact, roundings are felt
     assert made.told["largest_error"] < {"interreflection": 1e-5, "epsilon": 1e-8}.get(name, 1e-10)
     assert (name == "interreflection") == (not made.told["derivatives"])
+    assert len(made.told["mistakes_shown_after_samples"]) >= 4
     for told in made.told["derivatives"].values():
         assert told["rms"] > 1e-4 and told["met"] > 130 and told["file"] in made.files
     assert any(not told.startswith("refused") for told in made.told["exports"].values())

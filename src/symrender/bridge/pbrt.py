@@ -15,7 +15,7 @@ from typing import Final, Literal, assert_never
 from symrender.bridge.carried import Carried, Prepared, Rays, prepare
 from symrender.bridge.moved import Triple
 from symrender.errors import Unsupported
-from symrender.scene.mitsuba.plane import frame_of
+from symrender.scene.mitsuba.plane import frame_of, said, said_cell
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
@@ -170,12 +170,13 @@ def _light(light: lights.Light, channel: Channel) -> list[str]:
 
 def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Channel, lamp: list[str]) -> list[str]:
     inner = [*_material(shape, material, channel), *lamp]
+    name = f"# shapes.{shape.name}"
     if isinstance(shape, Sphere):
         inner += [f"Translate {_numbers(shape.center)}"]
         if isinstance(material.reflectance, Checker):
             # so that pbrt's azimuth begins where that of a scene does
             inner += ["Rotate 180 0 0 1"]
-        inner += [f'Shape "sphere" "float radius" [ {shape.radius!r} ]']
+        inner += [name, f'Shape "sphere" "float radius" [ {shape.radius!r} ]']
     else:
         east, north, _ = frame_of(shape)
         cell = material.reflectance.cell if isinstance(material.reflectance, Checker) else half
@@ -184,25 +185,29 @@ def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Chan
             corners += [p + u * e + v * n for p, e, n in zip(shape.point, east, north, strict=True)]
             places += [u / cell, v / cell]
         inner += [
+            name,
+            f"# {said(shape)}",
             'Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ]',
             f'  "point3 P" [ {_numbers(corners)} ]',
             f'  "point2 uv" [ {_numbers(places)} ]',
         ]
-    return [f"# shapes.{shape.name}", "AttributeBegin", *(f"  {line}" for line in inner), "AttributeEnd"]
+    return ["AttributeBegin", *(f"  {line}" for line in inner), "AttributeEnd"]
 
 
 def _material(shape: Plane | Sphere, material: Material, channel: Channel) -> list[str]:
+    called = f"# materials.{shape.material}"
     if isinstance(material, Conductor):
         # numbers at two wavelengths, and on the line between them
         eta, k = channel(material.eta), channel(material.k)
         return [
+            called,
             f'Material "conductor" "spectrum eta" [ 300 {eta} 900 {eta} ] "spectrum k" [ 300 {k} 900 {k} ]',
             f'  "float roughness" [ {material.alpha!r} ] "bool remaproughness" false',
         ]
     reflectance = material.reflectance
     if not isinstance(reflectance, Checker):
         assert not isinstance(reflectance, Stripes | Marble)
-        return [f'Material "diffuse" {_grey("rgb", "reflectance", channel(reflectance.color))}']
+        return [called, f'Material "diffuse" {_grey("rgb", "reflectance", channel(reflectance.color))}']
     name = f"cells of {shape.name}"
     turns = ""
     if isinstance(shape, Sphere):
@@ -210,7 +215,9 @@ def _material(shape: Plane | Sphere, material: Material, channel: Channel) -> li
         inverse = 1.0 / reflectance.cell
         turns = f'"float uscale" [ {2.0 * inverse!r} ] "float vscale" [ {-inverse!r} ] "float vdelta" [ {inverse!r} ]'
     return [
+        f"# {said_cell(reflectance.cell)}",
         f'Texture "{name}" "spectrum" "checkerboard" {turns}'.rstrip(),
         f"  {_grey('rgb', 'tex1', channel(reflectance.bright))} {_grey('rgb', 'tex2', channel(reflectance.dark))}",
+        called,
         f'Material "diffuse" "texture reflectance" "{name}"',
     ]

@@ -70,6 +70,12 @@ class Entry:
     told: dict[str, Any]
 
 
+def mistakes(name: str) -> dict[str, int]:
+    """Mistakes planted in a path tracer that the scene shows, and after how many samples a pixel."""
+    table = json.loads((resources.files("symrender.suite") / "mistakes.json").read_text("utf-8"))
+    return {mistake: by[name] for mistake, by in sorted(table.items()) if name in by}
+
+
 def scene_of(name: str) -> RadiometricScene:
     """The scene of this name; OptionError lists the names there are."""
     if name not in MECHANISMS:
@@ -112,6 +118,7 @@ def entry(name: str, *, size: int | tuple[int, int] = 32, tol: float = 1e-8, thr
     told = {
         "folder": folder,
         "mechanism": MECHANISMS[name],
+        "mistakes_shown_after_samples": mistakes(name),
         "scene_hash": scene.hash,
         "largest_error": float(image.layers["error"].max()),
         "status": {STATUS[k]: int((status == k).sum()) for k in np.unique(status).astype(int).tolist()},
