@@ -15,7 +15,7 @@ from typing import Final, Literal
 from symrender.bridge.carried import Carried, Prepared, Rays, prepare
 from symrender.bridge.moved import Triple
 from symrender.errors import Unsupported
-from symrender.scene.mitsuba.plane import frame_of
+from symrender.scene.mitsuba.plane import frame_of, said, said_cell
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
@@ -162,7 +162,7 @@ def _light(light: lights.Light, channel: Channel) -> list[str]:
 
 
 def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Channel) -> list[str]:
-    inner = _material(shape, material, channel)
+    inner = [f"# materials.{shape.material}", *_material(shape, material, channel)]
     if isinstance(shape, Sphere):
         inner += [f"Translate {_numbers(shape.center)}"]
         if isinstance(material.reflectance, Checker):
@@ -177,6 +177,7 @@ def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Chan
             corners += [p + u * e + v * n for p, e, n in zip(shape.point, east, north, strict=True)]
             places += [u / cell, v / cell]
         inner += [
+            f"# {said(shape)}",
             'Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ]',
             f'  "point3 P" [ {_numbers(corners)} ]',
             f'  "point2 uv" [ {_numbers(places)} ]',
@@ -203,6 +204,7 @@ def _material(shape: Plane | Sphere, material: Material, channel: Channel) -> li
         inverse = 1.0 / reflectance.cell
         turns = f'"float uscale" [ {2.0 * inverse!r} ] "float vscale" [ {-inverse!r} ] "float vdelta" [ {inverse!r} ]'
     return [
+        f"# {said_cell(reflectance.cell)}",
         f'Texture "{name}" "spectrum" "checkerboard" {turns}'.rstrip(),
         f"  {_grey('rgb', 'tex1', channel(reflectance.bright))} {_grey('rgb', 'tex2', channel(reflectance.dark))}",
         f'Material "diffuse" "texture reflectance" "{name}"',
