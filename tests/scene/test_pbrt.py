@@ -80,7 +80,9 @@ def drawn(seed: int) -> dict[str, Any]:
          "material": r.choice(names)}
         for k in range(r.randint(0, 3))
     ]  # fmt: skip
-    lights: list[dict[str, Any]] = [{"type": "point", "name": "key", "position": three(-9, 9), "intensity": three(0, 90)}]
+    lights: list[dict[str, Any]] = [
+        {"type": "point", "name": "key", "position": three(-9, 9), "intensity": three(0, 90)}
+    ]
     if r.random() < 0.5:
         lights.append({"type": "directional", "name": "sun", "direction": three(-1, 1), "irradiance": three(0, 9)})
     return {
@@ -208,7 +210,9 @@ def test_a_camera_of_many_words_is_the_same_camera(tmp_path: Path) -> None:
 )
 def test_fov_is_that_of_the_shorter_side(film: tuple[int, int], camera: str, fov: float, tmp_path: Path) -> None:
     head = HEAD.replace('"float fov" 40', camera)
-    head = head.replace("xresolution\" 40", f'xresolution" {film[0]}').replace('yresolution" 30', f'yresolution" {film[1]}')
+    head = head.replace('xresolution" 40', f'xresolution" {film[0]}').replace(
+        'yresolution" 30', f'yresolution" {film[1]}'
+    )
     assert read(tmp_path, world(BALL, head)).camera.fov == pytest.approx(fov, rel=1e-15)
 
 
@@ -216,17 +220,19 @@ def test_materials_and_textures(tmp_path: Path) -> None:
     found = read(
         tmp_path,
         world(
-            BALL
-            + 'MakeNamedMaterial "dull gold" "string type" "conductor" "rgb eta" [ .4 .4 .4 ]'
-            ' "spectrum k" [ 360 2 500 2 830 2 ] "float uroughness" .3 "float vroughness" .3 "bool remaproughness" false\n'
-            'NamedMaterial "dull gold"\nTranslate 3 0 0\n' + BALL
+            BALL + 'MakeNamedMaterial "dull gold" "string type" "conductor" "rgb eta" [ .4 .4 .4 ]'
+            ' "spectrum k" [ 360 2 500 2 830 2 ] "float uroughness" .3 "float vroughness" .3'
+            ' "bool remaproughness" false\n'
+            'NamedMaterial "dull gold"\nTranslate 3 0 0\n'
+            + BALL
             + 'Texture "t" "spectrum" "constant" "rgb value" [ .8 .8 .8 ]\n'
             'Texture "half" "spectrum" "scale" "texture tex" "t" "float scale" .5\n'
-            'Material "diffuse" "texture reflectance" "half"\nTranslate 3 0 0\n' + BALL
+            'Material "diffuse" "texture reflectance" "half"\nTranslate 3 0 0\n'
+            + BALL
             + 'Texture "c" "spectrum" "checkerboard" "float uscale" 8 "float vscale" -4 "float vdelta" 4\n'
             'Material "diffuse" "texture reflectance" [ "c" ]\nTranslate 3 0 0\nRotate 180 0 0 1\n' + BALL
         ),
-    )  # fmt: skip
+    )
     made = [found.materials[shape.material] for shape in found.shapes]
     assert [shape.material for shape in found.shapes][1] == "dull_gold"
     assert made[0].reflectance.color == (0.5, 0.5, 0.5)
@@ -239,7 +245,7 @@ def test_materials_and_textures(tmp_path: Path) -> None:
 
 def test_a_sky_and_the_depths(tmp_path: Path) -> None:
     for depth, bounces in ((1, 0), (2, 1), (1000000, "all")):
-        head = HEAD.replace("maxdepth\" 1", f'maxdepth" {depth}')
+        head = HEAD.replace('maxdepth" 1', f'maxdepth" {depth}')
         found = read(tmp_path, world('LightSource "infinite" "rgb L" [ .5 .5 .5 ] "float scale" 4\n' + BALL, head))
         assert found.bounces == bounces and found.lights[1].radiance == (2.0, 2.0, 2.0)
 

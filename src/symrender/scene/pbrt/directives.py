@@ -75,6 +75,7 @@ class _Words:
             if token.kind != "comment":
                 self.ahead = token
                 return
+            self.counted(token.mark)
             self.comments.append(token.text.strip())
         self.ahead = None
 
@@ -88,10 +89,10 @@ class _Words:
         return token
 
     def counted(self, mark: Mark) -> None:
-        """Count one directive or parameter."""
+        """Count one directive, parameter or comment."""
         self.count += 1
         if self.count > MAX_KEYS:
-            raise Malformed(f"a scene file may hold at most {MAX_KEYS} directives and parameters", mark)
+            raise Malformed(f"a scene file may hold at most {MAX_KEYS} directives, parameters and comments", mark)
 
     def at(self, kind: str, text: str | None = None) -> bool:
         """Whether the next word is of a kind, and that one."""

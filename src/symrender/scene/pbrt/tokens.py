@@ -11,7 +11,7 @@ from symrender.scene.numerals import number
 from symrender.scene.printable import printable
 
 _TOKEN: Final = re.compile(
-    r'(?P<comment>#[^\r\n]*)|(?P<string>"[^"\r\n\\]*")|(?P<bracket>[\[\]])|(?P<word>[^ \t\r\n"\[\]]+)'
+    r'[ \t\r\n]*(?:(?P<comment>#[^\r\n]*)|(?P<string>"[^"\r\n\\]*")|(?P<bracket>[\[\]])|(?P<word>[^ \t\r\n"\[\]]+)|$)'
 )
 _BLANK: Final = re.compile(r"[ \t\r\n]*")
 _NUMBER: Final = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
@@ -30,20 +30,25 @@ def tokens(text: str) -> Iterator[Token]:
     """The words of ``text`` in order; Malformed where a string does not end."""
     at, line, begins = 0, 1, 0
     while True:
-        blank = _BLANK.match(text, at)
-        assert blank is not None
-        if (breaks := text.count("\n", at, blank.end())) > 0:
-            line, begins = line + breaks, text.rindex("\n", at, blank.end()) + 1
-        at = blank.end()
-        if at == len(text):
-            return
-        mark = Mark(line, at - begins + 1)
         found = _TOKEN.match(text, at)
+        kind = found.lastgroup if found else None
+        begin = found.start(kind) if found and kind else _end_of_blanks(text, at)
+        if (breaks := text.count("\n", at, begin)) > 0:
+            line, begins = line + breaks, text.rindex("\n", at, begin) + 1
+        mark = Mark(line, begin - begins + 1)
         if found is None:
             raise Malformed("a string must end on its line, and have no backslash", mark)
-        kind = str(found.lastgroup)
-        yield Token(kind, found[0][1:-1] if kind == "string" else found[0].removeprefix("#"), mark)
+        if kind is None:
+            return
         at = found.end()
+        yield Token(
+            kind, text[begin + 1 : at - 1] if kind == "string" else text[begin + (kind == "comment") : at], mark
+        )
+
+
+def _end_of_blanks(text: str, at: int) -> int:
+    found = _BLANK.match(text, at)
+    return found.end() if found else at
 
 
 def float_of(token: Token, path: tuple[str, ...]) -> float:

@@ -32,16 +32,14 @@ class Transform:
     def then(self, directive: Directive) -> Transform:
         """This transform after one more directive."""
         name, numbers = directive.name, directive.numbers
-        with np.errstate(all="ignore"):
-            if name in ("Identity", "Transform"):
-                matrix: Matrix = np.eye(4) if name == "Identity" else _given(numbers)
-                words: Words = () if name == "Identity" else ((name, numbers),)
-            else:
-                matrix = self.matrix @ _step(directive)
-                words = (*self.words, (name, numbers))[:_KEPT]
+        if name == "Identity":
+            return IDENTITY
+        with np.errstate(over="ignore", invalid="ignore"):
+            matrix: Matrix = _given(numbers) if name == "Transform" else self.matrix @ _step(directive)
+        words = ((name, numbers),) if name == "Transform" else (*self.words, (name, numbers))[:_KEPT]
         if not np.isfinite(matrix).all():
             raise Malformed("must leave coordinates finite", directive.mark, (name,))
-        if not (matrix[3] == (0.0, 0.0, 0.0, 1.0)).all():
+        if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
             raise Malformed("must be affine, its last row 0 0 0 1", directive.mark, (name,))
         return Transform(matrix, words)
 
