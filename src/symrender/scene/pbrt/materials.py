@@ -1,4 +1,4 @@
-"""Textures and materials of a pbrt file: diffuse and rough metal, of one number or in the fields of a checkerboard."""
+"""Textures and materials of a pbrt file: diffuse and rough metal, of one number or in the fields of a checker."""
 
 from __future__ import annotations
 
