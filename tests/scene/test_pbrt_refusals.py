@@ -181,6 +181,14 @@ CASES = {
     "gold": (changed("[ 300 .4 900 .4 ]", '"metal-Au-eta"'), r"Material\.eta: must be one number at all wavelengths"),
     "spectral": (changed("900 .4 ]", "900 .5 ]"), r"Material\.eta: must be one number from 360 to 830 nm, got"),
     "narrow": (changed("[ 300 .4 900 .4 ]", "[ 400 .4 700 .4 ]"), r"Material\.eta: must be one number from 360 to 830"),
+    "from 400": (
+        changed("[ 300 .4 900 .4 ]", "[ 400 .4 900 .4 ]"),
+        r"Material\.eta: must be one number from 360 to 830",
+    ),
+    "up to 700": (
+        changed("[ 300 .4 900 .4 ]", "[ 300 .4 700 .4 ]"),
+        r"Material\.eta: must be one number from 360 to 830",
+    ),
     "float eta": (
         changed('"spectrum eta" [ 300 .4 900 .4 ]', '"float eta" .4'),
         r"eta: must be rgb or spectrum.*got float",
@@ -280,7 +288,7 @@ def test_a_mark_is_line_and_column_of_the_parameter(tmp_path: Path) -> None:
     line = next(k for k, text in enumerate(path.read_text().splitlines(), 1) if 'Material "conductor"' in text)
     with pytest.raises(SceneError, match=rf"case\.pbrt:{line}:3: materials\.material\d\.alpha: must be"):
         sr.load(path)
-    path.write_text("# one\n\t" + changed("WorldBegin", "WorldBegin Bogus"))
+    path.write_text("# one\n\n \r\n\t" + changed("WorldBegin", "WorldBegin Bogus"))
     line = next(k for k, text in enumerate(path.read_text().splitlines(), 1) if "Bogus" in text)
     with pytest.raises(SceneError, match=rf"case\.pbrt:{line}:12: must be a directive, got Bogus"):
         sr.load(path)
@@ -325,6 +333,25 @@ def test_nothing_beside_the_file_is_opened(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr("builtins.open", lambda *a, **k: pytest.fail(f"opened {a}"))
     assert len(sr.load(path).shapes) >= 4  # type: ignore[attr-defined]
     assert opened == [str(path)]
+
+
+def test_numbers_at_the_ends_are_refused_or_loaded(tmp_path: Path) -> None:
+    r = random.Random(6)
+    path = tmp_path / "case.pbrt"
+    places = [m.span() for m in re.finditer(r"(?<=[ \[])-?[0-9.]+(?:e-?[0-9]+)?(?=[ \n])", GOOD)]
+    assert len(places) > 60
+    counts = [0, 0]
+    for _ in range(400):
+        begin, end = r.choice(places)
+        number = r.choice(["0", "-0.0", "1e308", "-1e308", "5e-324", "1e160", "-1e-170", "1e11", "0.5", "2147483647"])
+        path.write_text(GOOD[:begin] + number + GOOD[end:])
+        try:
+            sr.load(path)
+            counts[0] += 1
+        except SceneError as error:
+            assert str(error).startswith(str(path))
+            counts[1] += 1
+    assert min(counts) >= 10, counts
 
 
 def test_damaged_files_are_refused_or_loaded(tmp_path: Path) -> None:

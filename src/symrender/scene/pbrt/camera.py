@@ -100,7 +100,7 @@ def _stands(parameters: Parameters, at: Transform) -> dict[str, Any]:
     back = at.inverse()
     if back is None or at.scale() is None:
         raise parameters.wrong("", _SKEWED)
-    if np.linalg.det(at.matrix[:3, :3]) > 0.0:
+    if np.linalg.slogdet(at.matrix[:3, :3])[0] > 0.0:
         raise parameters.wrong(
             "", "must stand behind `Scale -1 1 1`: coordinates of pbrt are left-handed, and this image is mirrored"
         )

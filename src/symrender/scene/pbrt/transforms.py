@@ -35,7 +35,7 @@ class Transform:
         if name == "Identity":
             return IDENTITY
         with np.errstate(over="ignore", invalid="ignore"):
-            matrix: Matrix = _given(numbers) if name == "Transform" else np.matmul(self.matrix, _step(directive))
+            matrix: Matrix = _given(numbers) if name == "Transform" else self.matrix @ _step(directive)
         words = ((name, numbers),) if name == "Transform" else (*self.words, (name, numbers))[:_KEPT]
         if not np.isfinite(matrix).all():
             raise Malformed("must leave coordinates finite", directive.mark, (name,))
@@ -47,7 +47,7 @@ class Transform:
         """The way back; None where there is none."""
         try:
             with np.errstate(all="ignore"):
-                matrix = np.linalg.inv(self.matrix)
+                matrix = np.linalg.inv(self.matrix).astype(np.float64)
         except np.linalg.LinAlgError:
             return None
         return Transform(matrix, (("", ()),)) if np.isfinite(matrix).all() else None
