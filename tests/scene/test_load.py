@@ -468,7 +468,7 @@ def test_what_is_not_a_regular_file(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 def test_names_that_are_no_scene() -> None:
-    assert file_message("glos").endswith(", .xml nor a gallery scene, did you mean 'gloss'")
+    assert file_message("glos").endswith(", .xml, .pbrt nor a gallery scene, did you mean 'gloss'")
     assert "chapter8" in file_message("qqqqqqqq")
     with pytest.raises(SceneError, match="must be a name, a path, a mapping or a Scene, got 3"):
         load(3)  # type: ignore[arg-type]

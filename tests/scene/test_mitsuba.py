@@ -88,6 +88,7 @@ CASES = {
     "property": (changed('<float name="alpha"', '<float name="alpha_u"'), "alpha_u has no meaning here"),
     "spectrum": (changed('<rgb name="eta"', '<spectrum name="eta"'), "eta must be rgb"),
     "finite": (changed("symrender plane:", "a plane:"), "rectangle is not yet rendered"),
+    "no number": (changed("plane: point 0.0", "plane: point 0.0.0"), "rectangle is not yet rendered"),
     "another plane": (
         changed("symrender plane: point 0.0 0.0", "symrender plane: point 0.0 0.1"),
         "is not a square of",

@@ -24,7 +24,7 @@ _SIZE = re.compile(r"([0-9]{1,10})(?:[xX]([0-9]{1,10}))?")
 SceneArgument = Annotated[
     str,
     typer.Argument(
-        help="Gallery name, path of a .yaml, .toml, .json, Mitsuba .xml or pbrt file, or an image of ours: its scene.",
+        help="Gallery name, path of a .yaml, .toml, .json, Mitsuba .xml or .pbrt file, or an image of ours: its scene.",
         autocompletion=scene_names,
     ),
 ]

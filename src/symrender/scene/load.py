@@ -33,7 +33,7 @@ def _parse_mitsuba(text: str, origin: str) -> Document:
 
 
 def _parse_pbrt(text: str, origin: str) -> Document:
-    """``parse_pbrt``, imported when a file asks for it."""
+    """``parse_pbrt``, imported when a file asks for it, for the same reason."""
     from symrender.scene.pbrt.read import parse_pbrt
 
     return parse_pbrt(text, origin)
@@ -105,7 +105,7 @@ def load_any(source: Source) -> AnyScene:
 
     A text that is the name of a gallery scene (``"gloss"``) is that scene, ``"-"`` is YAML from standard input, any
     other text and every path object is a file, read as YAML, JSON or TOML by its ending, or as a scene of Mitsuba 3
-    (.xml) or pbrt-v4 (.pbrt), of which all that a radiometric scene cannot say is refused with its line. A mapping
+    (.xml) or of pbrt-v4 (.pbrt), of which all that a radiometric scene cannot say is refused with its line. A mapping
     is a scene with the keys of a file, and a scene is returned as it is.
 
     Raises SceneError: ``scene.yaml:12:5: spheres[1].radius: must be > 0 and finite, got -1``; more problems follow on

@@ -17,7 +17,7 @@ from symrender.scene.records import Plane as PlaneRecord
 
 Triple = tuple[float, float, float]
 
-_NUMBER: Final = r"(-?[0-9.]{1,30}(?:e[-+]?[0-9]{1,3})?)"
+_NUMBER: Final = r"(-?[0-9]{1,25}(?:[.][0-9]{0,25})?(?:e[-+]?[0-9]{1,3})?)"
 _SAID: Final = re.compile(
     rf"symrender plane: point {_NUMBER} {_NUMBER} {_NUMBER}; normal {_NUMBER} {_NUMBER} {_NUMBER}; "
     rf"along {_NUMBER} {_NUMBER} {_NUMBER}"

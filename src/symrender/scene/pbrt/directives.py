@@ -1,185 +1,203 @@
-"""The directives of a pbrt file, each with its arguments, its parameters and the comments before it."""
+"""The directives of a pbrt file one by one: their words and parameters, of the right types and in sane numbers."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
+from symrender.limits import MAX_KEYS, MAX_MAPPING
 from symrender.scene.document import Malformed, Mark
-from symrender.scene.numerals import number
+from symrender.scene.nearest import did_you_mean
+from symrender.scene.pbrt.tokens import Token, float_of, is_integer, said, tokens
 from symrender.scene.printable import printable
 
-_WORDS: Final = re.compile(r'(#[^\n]*)|("[^"\n]*")|([\[\]])|([^\s\[\]"#]+)|(["])')
-_MOST_WORDS: Final = 50_000
-STRINGS: Final = {
-    **dict.fromkeys(("Integrator", "Sampler", "PixelFilter", "Film", "Camera", "LightSource", "AreaLightSource"), 1),
-    **dict.fromkeys(("Shape", "Material", "MakeNamedMaterial", "NamedMaterial"), 1),
-    "Texture": 3,
-}
-"""How many texts a directive begins with."""
-NUMBERS: Final = {"LookAt": 9, "Translate": 3, "Rotate": 4, "Scale": 3}
-BARE: Final = ("WorldBegin", "AttributeBegin", "AttributeEnd")
-TYPES: Final = ("integer", "float", "bool", "string", "rgb", "spectrum", "point2", "point3", "texture")
+NUMBERS: Final = {"LookAt": 9, "Translate": 3, "Scale": 3, "Rotate": 4, "Identity": 0, "AttributeBegin": 0,
+                  "AttributeEnd": 0, "ReverseOrientation": 0, "WorldBegin": 0}  # fmt: skip
+MATRICES: Final = ("Transform", "ConcatTransform")
+STRINGS: Final = {"CoordinateSystem": 1, "CoordSysTransform": 1, "ColorSpace": 1, "NamedMaterial": 1}
+LISTED: Final = {"Camera": 1, "Film": 1, "Sampler": 1, "Integrator": 1, "PixelFilter": 1, "Accelerator": 1,
+                 "LightSource": 1, "AreaLightSource": 1, "Shape": 1, "Material": 1, "MakeNamedMaterial": 1,
+                 "Texture": 3}  # fmt: skip
+"""Directives with parameters, and how many strings come before these."""
+_NO_FILES: Final = "nothing beside the file itself is opened"
+REFUSED: Final = {
+    "Include": _NO_FILES, "Import": _NO_FILES,
+    "ObjectBegin": "a scene has no instances", "ObjectEnd": "a scene has no instances",
+    "ObjectInstance": "a scene has no instances",
+    "MediumInterface": "a scene has no media", "MakeNamedMedium": "a scene has no media",
+    "TransformTimes": "nothing moves in a scene", "ActiveTransform": "nothing moves in a scene",
+    "TransformBegin": "AttributeBegin says it in pbrt-v4", "TransformEnd": "AttributeEnd says it in pbrt-v4",
+    "Attribute": "parameters stand with what they belong to", "WorldEnd": "pbrt-v4 has none",
+}  # fmt: skip
+KNOWN: Final = (*NUMBERS, *MATRICES, *STRINGS, *LISTED, "Option")
+SIZES: Final = {"float": 1, "integer": 1, "bool": 1, "string": 1, "texture": 1, "blackbody": 1, "spectrum": 0,
+                "rgb": 3, "point2": 2, "vector2": 2, "point3": 3, "vector3": 3, "normal": 3}  # fmt: skip
+"""Types of parameters, and of how many values one is made (0: any number)."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Parameter:
-    """``"type name" [ values ]``: numbers, texts or truth values, and where it stands."""
+    """One parameter: numbers, or strings (``true`` and ``false`` of a bool), and where it stands."""
 
     type: str
-    values: list[float | str | bool]
+    name: str
+    numbers: tuple[float, ...]
+    strings: tuple[str, ...]
     mark: Mark
 
 
-@dataclass
+@dataclass(frozen=True)
 class Directive:
-    """One directive; ``parameters`` by name, taken one by one, and ``done`` refuses what nobody took."""
+    """One directive with what follows it, and the comments between it and the last one."""
 
     name: str
+    numbers: tuple[float, ...]
+    strings: tuple[str, ...]
+    parameters: dict[str, Parameter]
+    comments: tuple[str, ...]
     mark: Mark
-    comments: list[str]
-    arguments: list[float | str] = field(default_factory=list)
-    parameters: dict[str, Parameter] = field(default_factory=dict)
 
-    def said(self) -> str:
-        """``Shape sphere``, as messages call it."""
-        kind = self.arguments[0] if self.name in STRINGS and self.arguments else ""
-        return f"{self.name} {printable(str(kind))}" if kind else self.name
 
-    def wrong(self, message: str, at: Mark | None = None) -> Malformed:
-        """A refusal of this directive, or of what stands at a mark in it."""
-        return Malformed(f"{self.said()}: {message}", at or self.mark)
+class _Words:
+    """Words of a text with one to look ahead; comments are put aside."""
 
-    def numbers(self, name: str, kind: str, count: int, default: list[float] | None = None) -> list[float]:
-        """``count`` numbers of a parameter (0: any), ``default`` where it is not given."""
-        found = self.parameters.pop(name, None)
-        if found is None:
-            if default is None:
-                raise self.wrong(f"needs {kind} {name}")
-            return default
-        values = [v for v in found.values if isinstance(v, float)]
-        if found.type != kind or len(values) != len(found.values) or (count and len(values) != count):
-            wanted = f"{count} numbers" if count else "numbers"
-            raise self.wrong(f"{name} must be {kind}, {wanted}, got {found.type} of {len(found.values)}", found.mark)
-        return values
+    def __init__(self, text: str) -> None:
+        self._all = tokens(text)
+        self.comments: list[str] = []
+        self.last = Mark(1, 1)
+        self.ahead: Token | None = None
+        self.count = 0
+        self._step()
 
-    def one(self, name: str, kind: str, default: float | None = None) -> float:
-        """One number."""
-        return self.numbers(name, kind, 1, None if default is None else [default])[0]
+    def _step(self) -> None:
+        for token in self._all:
+            if token.kind != "comment":
+                self.ahead = token
+                return
+            self.counted(token.mark)
+            self.comments.append(token.text.strip())
+        self.ahead = None
 
-    def word(self, name: str, kind: str, default: str | bool) -> str | bool:
-        """One text or truth value."""
-        found = self.parameters.pop(name, None)
-        if found is None:
-            return default
-        if found.type != kind or len(found.values) != 1 or not isinstance(found.values[0], type(default)):
-            raise self.wrong(f"{name} must be one {kind}, got {found.type} of {len(found.values)}", found.mark)
-        return found.values[0]
+    def next(self, wanted: str, path: tuple[str, ...]) -> Token:
+        """The next word, which messages call ``wanted``."""
+        token = self.ahead
+        if token is None:
+            raise Malformed(f"must be {wanted}, got the end of the file", self.last, path)
+        self.last = token.mark
+        self._step()
+        return token
 
-    def grey(self, name: str, default: float | None = None) -> float:
-        """An rgb of three equal numbers."""
-        values = self.numbers(name, "rgb", 3, None if default is None else [default] * 3)
-        if len(set(values)) != 1:
-            raise self.wrong(
-                f"{name} must be grey, three equal numbers: pbrt makes a spectrum of a colour, and no channel keeps "
-                "its number; export a coloured scene as three grey ones"
-            )
-        return values[0]
+    def counted(self, mark: Mark) -> None:
+        """Count one directive, parameter or comment."""
+        self.count += 1
+        if self.count > MAX_KEYS:
+            raise Malformed(f"a scene file may hold at most {MAX_KEYS} directives, parameters and comments", mark)
 
-    def done(self, known: str) -> None:
-        """Refuse what was not taken."""
-        for name, found in self.parameters.items():
-            raise self.wrong(f"{printable(name)} has no meaning here; known are {known}", found.mark)
+    def at(self, kind: str, text: str | None = None) -> bool:
+        """Whether the next word is of a kind, and that one."""
+        return self.ahead is not None and self.ahead.kind == kind and text in (None, self.ahead.text)
 
 
 def directives(text: str) -> Iterator[Directive]:
-    """Every directive of a file; Malformed says which word cannot stand where it stands."""
-    here: Directive | None = None
-    comments: list[str] = []
-    into: Parameter | None = None
-    listed, line, start, head = False, 1, 0, 0
-    count = 0
-    for match in _WORDS.finditer(text):
-        line += text.count("\n", start, match.start())
-        # looked for in what is new only: a file may be one line
-        head = max(head, text.rfind("\n", start, match.start()) + 1)
-        start = match.start()
-        mark = Mark(line, start - head + 1)
-        comment, quoted, bracket, word, open_ = match.groups()
-        if comment:
-            comments.append(comment[1:].strip())
-            continue
-        count += 1
-        if count > _MOST_WORDS:
-            raise Malformed(f"scene: must have at most {_MOST_WORDS} words", mark)
-        if open_:
-            raise Malformed('text: must end with " on its own line', mark)
-        if bracket:
-            if (bracket == "[") == listed or into is None or (bracket == "[" and into.values):
-                raise Malformed(f"{bracket}: cannot stand here", mark)
-            listed = bracket == "["
-            into = into if listed else None
-            continue
-        if into is not None:
-            into.values.append(quoted[1:-1] if quoted else _value(word, mark))
-            into = into if listed else None
-            continue
-        if quoted and here is not None:
-            into = _quoted(here, quoted[1:-1], mark)
-        elif word and here is not None and len(here.arguments) < NUMBERS.get(here.name, 0):
-            here.arguments.append(_number(word, mark))
-        else:
-            if here is not None:
-                yield _whole(here)
-            here, comments = _begun(quoted or word, mark, comments), []
-    if listed or into is not None:
-        raise Malformed("scene: ends within a parameter", Mark.at(text, len(text)))
-    if here is not None:
-        yield _whole(here)
+    """The directives of ``text`` in order; Malformed where one is unknown, refused or ill-formed."""
+    words = _Words(text)
+    while words.ahead is not None:
+        comments, words.comments = tuple(words.comments), []
+        token = words.next("a directive", ())
+        words.counted(token.mark)
+        if token.kind != "word" or token.text not in KNOWN:
+            raise _unknown(token)
+        yield _directive(words, token, comments)
 
 
-def _begun(word: str, mark: Mark, comments: list[str]) -> Directive:
-    if word not in STRINGS and word not in NUMBERS and word not in BARE:
-        known = ", ".join((*STRINGS, *NUMBERS, *BARE))
-        raise Malformed(f"{printable(word)} has no meaning here; known are {known}", mark)
-    return Directive(word, mark, comments)
+def _unknown(token: Token) -> Malformed:
+    if token.kind == "word" and token.text in REFUSED:
+        return Malformed(f"must not be there: {REFUSED[token.text]}", token.mark, (token.text,))
+    guess = did_you_mean(token.text, KNOWN) if token.kind == "word" and len(token.text) < 40 else ""
+    return Malformed(f"must be a directive, got {said(token)}{guess}", token.mark)
 
 
-def _quoted(here: Directive, text: str, mark: Mark) -> Parameter | None:
-    """A text as the next argument, or as the head of a parameter."""
-    if len(here.arguments) < STRINGS.get(here.name, 0):
-        here.arguments.append(text)
-        return None
-    kind, _, name = text.strip().partition(" ")
-    name = name.strip()
-    if kind not in TYPES or not name:
-        raise here.wrong(f'a parameter must be "type name" of a type {", ".join(TYPES)}, got {printable(text)}', mark)
-    if name in here.parameters:
-        raise here.wrong(f"{printable(name)}: given twice", mark)
-    here.parameters[name] = Parameter(kind, [], mark)
-    return here.parameters[name]
+def _directive(words: _Words, token: Token, comments: tuple[str, ...]) -> Directive:
+    name = token.text
+    path = (name,)
+    numbers: tuple[float, ...] = ()
+    strings: tuple[str, ...] = ()
+    parameters: dict[str, Parameter] = {}
+    if name in NUMBERS:
+        wanted = f"{NUMBERS[name]} numbers"
+        numbers = tuple(float_of(words.next(wanted, path), path) for _ in range(NUMBERS[name]))
+    elif name in MATRICES:
+        opening = words.next("16 numbers in brackets", path)
+        if opening.text != "[" or opening.kind != "bracket":
+            raise Malformed(f"must be 16 numbers in brackets, got {said(opening)}", opening.mark, path)
+        found = _bracketed(words, path)
+        numbers = tuple(float_of(value, path) for value in found)
+        if len(numbers) != 16:
+            raise Malformed(f"must be 16 numbers in brackets, got {len(numbers)}", opening.mark, path)
+    elif name == "Option":
+        strings = (_string(words, path), words.next("a value", path).text)
+    else:
+        strings = tuple(_string(words, path) for _ in range(STRINGS.get(name, LISTED.get(name, 0))))
+    while name in LISTED and words.at("string"):
+        parameter = _parameter(words, name)
+        if parameter.name in parameters:
+            first = parameters[parameter.name].mark
+            raise Malformed(f"must be given once, first on line {first.line}", parameter.mark, (name, parameter.name))
+        if len(parameters) == MAX_MAPPING:
+            raise Malformed(f"a directive may have at most {MAX_MAPPING} parameters", parameter.mark, path)
+        parameters[parameter.name] = parameter
+    return Directive(name, numbers, strings, parameters, comments, token.mark)
 
 
-def _whole(here: Directive) -> Directive:
-    due = STRINGS.get(here.name, 0) + NUMBERS.get(here.name, 0)
-    if len(here.arguments) < due:
-        what = "texts" if here.name in STRINGS else "numbers"
-        raise here.wrong(f"needs {due} {what}, got {len(here.arguments)}")
-    return here
+def _string(words: _Words, path: tuple[str, ...]) -> str:
+    token = words.next("a string", path)
+    if token.kind != "string":
+        raise Malformed(f"must be a string, got {said(token)}", token.mark, path)
+    return token.text
 
 
-def _value(word: str, mark: Mark) -> float | bool:
-    return word == "true" if word in ("true", "false") else _number(word, mark)
+def _bracketed(words: _Words, path: tuple[str, ...]) -> list[Token]:
+    """The words up to a closing bracket."""
+    found: list[Token] = []
+    while True:
+        token = words.next("a value or ]", path)
+        if token.kind == "bracket":
+            if token.text == "]":
+                return found
+            raise Malformed("must be values, got a bracket within brackets", token.mark, path)
+        if len(found) == MAX_MAPPING:
+            raise Malformed(f"must be at most {MAX_MAPPING} values, got more", token.mark, path)
+        found.append(token)
 
 
-def _number(word: str, mark: Mark) -> float:
-    try:
-        return float(number(word))
-    except ValueError as error:
-        said = str(error)
-        raise Malformed(
-            f"number: {said}" if said.startswith(("must", "a number")) else f"must be a number, got {printable(word)}",
-            mark,
-        ) from None
+def _parameter(words: _Words, of: str) -> Parameter:
+    told = words.next("a parameter", (of,))
+    words.counted(told.mark)
+    parts = told.text.split()
+    if len(parts) != 2:
+        raise Malformed(f'must be "type name", got {said(told)}', told.mark, (of,))
+    kind, name = parts
+    path = (of, name)
+    if kind not in SIZES:
+        raise Malformed(f"must be of a type such as float or rgb, got {printable(kind)}", told.mark, path)
+    first = words.next("a value", path)
+    values = _bracketed(words, path) if first.kind == "bracket" and first.text == "[" else [first]
+    if first.kind == "bracket" and first.text == "]":
+        raise Malformed("must be a value, got ]", first.mark, path)
+    size = SIZES[kind]
+    if not values or (size and len(values) % size):
+        raise Malformed(f"must be {kind}, made of {size or 'some'} values, got {len(values)}", told.mark, path)
+    as_text = kind in ("string", "texture") or (kind == "spectrum" and values[0].kind == "string")
+    if as_text or kind == "bool":
+        for value in values:
+            if as_text and value.kind != "string":
+                raise Malformed(f"must be a string, got {said(value)}", value.mark, path)
+            if kind == "bool" and (value.kind != "word" or value.text not in ("true", "false")):
+                raise Malformed(f"must be true or false, got {said(value)}", value.mark, path)
+        return Parameter(kind, name, (), tuple(value.text for value in values), told.mark)
+    numbers = tuple(float_of(value, path) for value in values)
+    for value in values:
+        if kind == "integer" and not is_integer(value):
+            raise Malformed(f"must be an integer, got {said(value)}", value.mark, path)
+    return Parameter(kind, name, numbers, (), told.mark)

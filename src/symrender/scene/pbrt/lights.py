@@ -1,0 +1,61 @@
+"""Lights of a pbrt file whose colour is the film's white."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from symrender.scene.document import Mark
+from symrender.scene.pbrt.parameters import Parameters
+from symrender.scene.pbrt.transforms import Transform
+from symrender.scene.printable import printable
+
+_ORIGIN = (0.0, 0.0, 0.0)
+
+
+def area(parameters: Parameters) -> dict[str, Any]:
+    """The entry of what a sphere emits, without name and shape."""
+    (kind,) = parameters.directive.strings
+    parameters.must("", kind, "diffuse")
+    if parameters.given("power"):
+        raise parameters.wrong("power", "must be left out: a light is as strong as L times scale says")
+    if parameters.given("filename"):
+        raise parameters.wrong("filename", "must be left out: nothing beside the file itself is opened")
+    parameters.must("twosided", parameters.word("twosided", "false", "bool"), "false", "a sphere emits outside")
+    radiance = [parameters.number("scale", 1.0) * parameters.light("L", 1.0)] * 3
+    parameters.done("L, scale and twosided")
+    return {"type": "area", "radiance": radiance}
+
+
+def light(parameters: Parameters, at: Transform) -> tuple[dict[str, Any], dict[str, Mark]]:
+    """The entry of a light without its name, and where its fields stand."""
+    (kind,) = parameters.directive.strings
+    for name in ("power", "illuminance"):
+        if parameters.given(name):
+            raise parameters.wrong(name, "must be left out: a light is as strong as I or L times scale says")
+    match kind:
+        case "point":
+            strength, given = "I", "intensity"
+            entry: dict[str, Any] = {
+                "type": "point",
+                "position": list(at.place(parameters.triple("from", "point3", _ORIGIN))),
+            }
+        case "distant":
+            strength, given = "L", "irradiance"
+            begin = parameters.triple("from", "point3", _ORIGIN)
+            end = parameters.triple("to", "point3", (0.0, 0.0, 1.0))
+            x, y, z = (b - a for a, b in zip(begin, end, strict=True))
+            entry = {"type": "directional", "direction": list(at.vector((x, y, z)))}
+        case "infinite":
+            strength, given = "L", "radiance"
+            if parameters.given("filename"):
+                raise parameters.wrong("filename", "must be left out: nothing beside the file itself is opened")
+            entry = {"type": "sky"}
+        case _:
+            raise parameters.wrong("", f"must be point, distant or infinite, got {printable(kind)}, a light not read")
+    entry[given] = [parameters.number("scale", 1.0) * parameters.light(strength, 1.0)] * 3
+    parameters.done({"point": "I, scale and from", "distant": "L, scale, from and to"}.get(kind, "L and scale"))
+    return entry, {
+        given: parameters.where(strength),
+        "position": parameters.where("from"),
+        "direction": parameters.where("to"),
+    }

@@ -1,0 +1,71 @@
+"""The text of a pbrt file as words that know their line and column: comments, strings, brackets, all else."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+from symrender.scene.document import Malformed, Mark
+from symrender.scene.numerals import number
+from symrender.scene.printable import printable
+
+_TOKEN: Final = re.compile(
+    r'[ \t\r\n]*(?:(?P<comment>#[^\r\n]*)|(?P<string>"[^"\r\n\\]*")|(?P<bracket>[\[\]])|(?P<word>[^ \t\r\n"\[\]]+)|$)'
+)
+_BLANK: Final = re.compile(r"[ \t\r\n]*")
+_NUMBER: Final = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_INTEGER: Final = re.compile(r"[-+]?[0-9]+")
+
+
+class Token(NamedTuple):
+    """One word: its kind (comment, string, bracket, word), its text without quotes or ``#``, where it begins."""
+
+    kind: str
+    text: str
+    mark: Mark
+
+
+def tokens(text: str) -> Iterator[Token]:
+    """The words of ``text`` in order; Malformed where a string does not end."""
+    at, line, begins = 0, 1, 0
+    while True:
+        found = _TOKEN.match(text, at)
+        kind = found.lastgroup if found else None
+        begin = found.start(kind) if found and kind else _end_of_blanks(text, at)
+        if (breaks := text.count("\n", at, begin)) > 0:
+            line, begins = line + breaks, text.rindex("\n", at, begin) + 1
+        mark = Mark(line, begin - begins + 1)
+        if found is None:
+            raise Malformed("a string must end on its line, and have no backslash", mark)
+        if kind is None:
+            return
+        at = found.end()
+        yield Token(
+            kind, text[begin + 1 : at - 1] if kind == "string" else text[begin + (kind == "comment") : at], mark
+        )
+
+
+def _end_of_blanks(text: str, at: int) -> int:
+    found = _BLANK.match(text, at)
+    return found.end() if found else at
+
+
+def float_of(token: Token, path: tuple[str, ...]) -> float:
+    """The finite decimal number a word spells; Malformed for anything else, named ``path``."""
+    if token.kind != "word" or not _NUMBER.fullmatch(token.text):
+        raise Malformed(f"must be a number, got {said(token)}", token.mark, path)
+    try:
+        return float(number(token.text))
+    except ValueError as error:
+        raise Malformed(str(error), token.mark, path) from None
+
+
+def is_integer(token: Token) -> bool:
+    """Whether a word is spelled as an integer of 32 bits."""
+    return bool(_INTEGER.fullmatch(token.text)) and len(token.text) < 20 and abs(int(token.text)) < 1 << 31
+
+
+def said(token: Token) -> str:
+    """A word as messages show it."""
+    return f'the string "{printable(token.text)}"' if token.kind == "string" else printable(token.text)
