@@ -419,12 +419,11 @@ def test_a_drag_leaves_input_free(fresh, browser, capsys):
     """
     page = fresh(256)
     took = page.run("() => simulator.app.frame.took")
-    walls = []
     for _ in range(3):
         wall, own = slide(browser, page)
-        walls.append(wall)
+        kept = in_time(wall / 1000, 0.1)  # asked beside the drag that it judges: a moment later the machine is another
         assert own <= 100
-        if in_time(wall / 1000, 0.1):
+        if kept:
             break
     frame = took["pixel_numeric"] + took["pixel_symbolic"]
     with capsys.disabled():
@@ -432,4 +431,4 @@ def test_a_drag_leaves_input_free(fresh, browser, capsys):
               f"under a software driver; input held for at most {wall:.0f} ms while sliding, "
               f"{own:.0f} ms of it the page's own")  # fmt: skip
     assert frame > 0
-    assert in_time(min(walls) / 1000, 0.1)
+    assert kept

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere
 from symrender.scene.scene import Scene
 
+_AnyScene = TypeVar("_AnyScene", Scene, RadiometricScene)
+_Arrays = TypeVar("_Arrays")
 Move: TypeAlias = tuple[str, tuple[tuple[str, tuple[int, ...]], ...]]
 """A parameter's dotted name and the elements (array of ``SceneArrays``, index) that move with it, one for one."""
 
@@ -52,19 +54,24 @@ def moves(scene: Scene, names: Iterable[str]) -> tuple[Move, ...]:
     return tuple((name, _moved(scene, name)) for name in components(scene, names))
 
 
-def _moved(scene: Scene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
+def stepped(scene: _AnyScene, name: str, lay: Callable[[_AnyScene], _Arrays]) -> tuple[float, float, _Arrays]:
+    """(value of the parameter, one a little beside it, the arrays that ``lay`` makes of the scene there).
+
+    SceneError where the scene has room on neither side.
+    """
     value = float(get(scene, name))
-    here = scene_arrays(scene)
     step = max(abs(value), 1.0) * 2.0**-10
-    there = None
     for other in (value + step, value - step):
         try:
-            there = scene_arrays(scene.replace({name: other}))
-            break
+            return value, other, lay(scene.replace({name: other}))
         except SceneError:
             continue
-    if there is None:
-        raise SceneError(f"{name}: has no room to move about {value:g}")
+    raise SceneError(f"{name}: has no room to move about {value:g}")
+
+
+def _moved(scene: Scene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
+    here = scene_arrays(scene)
+    value, other, there = stepped(scene, name, scene_arrays)
     found: list[tuple[str, tuple[int, ...]]] = []
     for field in fields(SceneArrays):
         a, b = flat(getattr(here, field.name)), flat(getattr(there, field.name))

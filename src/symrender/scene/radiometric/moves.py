@@ -7,10 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from symrender.errors import SceneError
 from symrender.jit.records import flat
-from symrender.scene.moves import Move, components
-from symrender.scene.parameters import get
+from symrender.scene.moves import Move, components, stepped
 from symrender.scene.radiometric.arrays import DIRECTIONAL, Array, RadiometricArrays, radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 
@@ -37,17 +35,8 @@ def numbers(arrays: RadiometricArrays, name: str) -> Array:
 
 
 def _moved(scene: RadiometricScene, name: str) -> tuple[tuple[str, tuple[int, ...]], ...]:
-    value = float(get(scene, name))
-    step = max(abs(value), 1.0) * 2.0**-10
-    here, there = radiometric_arrays(scene), None
-    for other in (value + step, value - step):
-        try:
-            there = radiometric_arrays(scene.replace({name: other}))
-            break
-        except SceneError:
-            continue
-    if there is None:
-        raise SceneError(f"{name}: has no room to move about {value:g}")
+    here = radiometric_arrays(scene)
+    _, _, there = stepped(scene, name, radiometric_arrays)
     found: list[tuple[str, tuple[int, ...]]] = []
     for part in MOVED:
         changed = np.nonzero(numbers(here, part) != numbers(there, part))

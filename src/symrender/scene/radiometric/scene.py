@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -22,6 +23,13 @@ def _no_truth(value: Any) -> Any:
     if isinstance(value, bool):
         raise PydanticCustomError("scene", f"must be 0 or 1 or all, got {str(value).lower()}")
     return value
+
+
+def _unknown(what: str, name: str, known: Iterable[str]) -> str:
+    """What is said of a name that no part has."""
+    names = list(known)
+    guess = did_you_mean(name, names) or f", known are {', '.join(names[:12]) or 'none'}"
+    return f"unknown {what} '{name}'{guess}"
 
 
 class RadiometricScene(Root):
@@ -55,9 +63,7 @@ class RadiometricScene(Root):
             check_names(field, parts)
         for index, shape in enumerate(self.shapes):
             if shape.material not in self.materials:
-                known = list(self.materials)
-                guess = did_you_mean(shape.material, known) or f", known are {', '.join(known[:12]) or 'none'}"
-                raise wrong(f"unknown material '{shape.material}'{guess}", "shapes", index, "material")
+                raise wrong(_unknown("material", shape.material, self.materials), "shapes", index, "material")
         skies = [index for index, light in enumerate(self.lights) if isinstance(light, Sky)]
         if len(skies) > 1:
             raise wrong(f"at most one light is a sky, lights[{skies[0]}] is one too", "lights", skies[1], "type")
@@ -72,9 +78,7 @@ class RadiometricScene(Root):
                 continue
             shape, where = shapes.get(light.shape), ("lights", index, "shape")
             if shape is None:
-                known = list(shapes)
-                guess = did_you_mean(light.shape, known) or f", known are {', '.join(known[:12]) or 'none'}"
-                raise wrong(f"unknown shape '{light.shape}'{guess}", *where)
+                raise wrong(_unknown("shape", light.shape, shapes), *where)
             if not isinstance(shape, Sphere):
                 raise wrong(f"must name a sphere, got the {shape.type} '{light.shape}'", *where)
             if light.shape in emitters:
