@@ -20,6 +20,7 @@ NEEDS = {
     "chapter_errata": "chapter",
     "kernel_keeps_up_with_c": "peers",
     "split_beats_sampling": "peers",
+    "one_bounce_beats_mitsuba": "mitsuba",
 }
 """Benchmarks that take a path, and which."""
 
@@ -35,6 +36,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="small enough for continuous integration")
     parser.add_argument("--chapter", type=Path, help="text of the source chapter")
     parser.add_argument("--peers", type=Path, help="folder with lobe.c")
+    parser.add_argument("--mitsuba", type=Path, help="Python that has Mitsuba 3")
     parser.add_argument("--out", type=Path, help="file for the page, instead of standard output")
     options = parser.parse_args()
     packages = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in ("numpy", "numba", "sympy"))

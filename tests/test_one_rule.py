@@ -132,7 +132,7 @@ def by_the_lobe(own: int, q: Array, n: Array, v: Array, albedo: Array, work: Wor
         work.lit[0, l] = light_state(l, *q, *n, view, work)
     work.pieces[0].cell, work.pieces[0].first, work.pieces[0].count = 0, 0, 1
     begin_sums(1, view.shading.ka, view.shading, b)
-    light_nodes(1, 1, 0, view.shading.ks, view, work, GAUSS)
+    light_nodes(1, 0, view.shading.ks, view, work, GAUSS)
     return b.radiance[:, 0].copy()
 
 
@@ -144,7 +144,9 @@ def by_a_lattice(own: int, q: Array, n: Array, v: Array, work: Work, view: View)
     begin_sums(1, view.shading.ka, view.shading, b)
     for l in range(len(view.points)):
         if mark_nodes(1, l, own, view, work):
-            point_light(1, b, view.points[l], view.shading.model == at.PHONG, view.shading.shininess, view.shading.ks)
+            point_light(
+                0, 1, b, view.points[l], view.shading.model == at.PHONG, view.shading.shininess, view.shading.ks
+            )
     return b.radiance[:, 0].copy()
 
 

@@ -11,6 +11,7 @@ light and shadows are those of surfaces that far apart, and the audit says so.
 
 import argparse
 import json
+import time
 from pathlib import Path
 
 import numpy as np
@@ -111,7 +112,9 @@ def main():
     d = np.repeat(directions, each, axis=0).T.astype(np.float32)
     rays = mi.RayDifferential3f(o=mi.Point3f(*(float(x) for x in origin)), d=mi.Vector3f(*(mi.Float(x) for x in d)))
     sums, squares = np.zeros((count, 3)), np.zeros((count, 3))
+    seconds = []
     for k in range(rounds):
+        begun = time.process_time()
         sampler = mi.load_dict({"type": "independent"})
         sampler.seed(1000 + k, count * each)
         light, _, _ = integrator.sample(scene, sampler, rays)
@@ -120,13 +123,19 @@ def main():
         sums += values.sum(axis=1)
         squares += (values**2).sum(axis=1)
         dr.eval()
+        seconds.append(time.process_time() - begun)
     samples = rounds * each
     options.folder.mkdir(parents=True, exist_ok=True)
     shape = (height, width, 3)
     layers = {"radiance": sums.reshape(shape) / samples, "m2_radiance": squares.reshape(shape) / samples}
     np.savez(options.folder / "render.npz", **layers)
     (options.folder / "scene.json").write_text(json.dumps(SCENE, indent=1), "utf-8")
-    print(f"Mitsuba {mi.__version__}, shift {options.shift:g}: {width} x {height} pixels, {samples} samples each")
+    # the first round also compiles
+    cost = sum(seconds[1:]) / ((rounds - 1) * each) if rounds > 1 else float("nan")
+    print(
+        f"Mitsuba {mi.__version__}, shift {options.shift:g}: {width} x {height} pixels, {samples} samples each, "
+        f"{cost:.6g} CPU s a sample of every pixel"
+    )
 
 
 if __name__ == "__main__":

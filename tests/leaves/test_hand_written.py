@@ -35,7 +35,7 @@ def test_rows_are_the_scalars(model: str) -> None:
     b.normal[:], b.toward[:] = unit(RNG.normal(size=(3, NODES))), unit(RNG.normal(size=(3, NODES)))
     b.clear[:] = marks = RNG.integers(0, 2, NODES).astype(float)
     light = np.array([0.3, -0.2, 4.0])
-    getattr(leaf_rows, f"{model}_nodes_rows")(NODES, *light, b)
+    getattr(leaf_rows, f"{model}_nodes_rows")(0, NODES, *light, b)
     shown = 0
     for i in range(NODES):
         where = (*(light - b.place[:, i]), *b.normal[:, i])
@@ -54,8 +54,8 @@ def test_views_and_densities() -> None:
     b.place[:], b.weight[:] = RNG.normal(size=(3, NODES)), 3.0
     b.chord[:] = RNG.uniform(0.0, 2.2, NODES)
     b.chord[0] = 2.0
-    leaf_rows.eye_view_rows(NODES, 1.0, 2.0, 3.0, b)
-    leaf_rows.lobe_density_rows(NODES, 48.5, 0.3, b)
+    leaf_rows.eye_view_rows(0, NODES, 1.0, 2.0, 3.0, b)
+    leaf_rows.lobe_density_rows(0, NODES, 48.5, 0.3, b)
     for i in range(NODES):
         assert tuple(b.toward[:, i]) == values.eye_view(1.0, 2.0, 3.0, *b.place[:, i])
         density = values.lobe_density(b.chord[i], 48.5, 0.3)

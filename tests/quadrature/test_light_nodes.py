@@ -63,13 +63,16 @@ def test_point_lights_add_light_term(phong: bool, shininess: float, ks: float) -
     views = 2.0 * (normals * towards).sum(axis=1)[:, None] * normals - towards + 0.3 * units(rng, USED)
     views /= np.linalg.norm(views, axis=1)[:, None]
     factors, states = rng.uniform(0.1, 1.0, (USED, 3)), rng.choice([DARK, GLINT, LIT], USED)
+    states[:3] = states[-3:] = DARK
     b = work.nodes
     for row, values in ((b.place, places), (b.normal, normals), (b.toward, views), (b.factor, factors)):
         fill(row, values)
     for i, state in enumerate(states):
         own_piece(work, i, 1, state)
-    assert mark_states(USED, USED, 0, work)
-    point_light(USED, work.nodes, light, phong, shininess, ks)
+    start, stop = mark_states(USED, 0, work)
+    lit = [i for i in range(USED) if states[i] != DARK]
+    assert start == lit[0] >= 3 and lit[-1] < stop < lit[-1] + 9
+    point_light(start, stop, work.nodes, light, phong, shininess, ks)
     expected = np.zeros((USED, 3))
     for i in range(USED):
         cosine, gleam = light_term(*(light.position - places[i]), *normals[i], *views[i], phong, shininess)
@@ -85,7 +88,8 @@ def test_a_light_that_every_cell_sees_alike_is_marked_alike() -> None:
     for state, clear, shining, seen in ((DARK, 0.0, None, False), (GLINT, 0.0, 1.0, True), (LIT, 1.0, 1.0, True)):
         for i in range(4):
             own_piece(work, i, 10, state)
-        assert mark_states(USED, 4, 0, work) is seen
+        start, stop = mark_states(4, 0, work)
+        assert (start, stop) == ((0, USED) if seen else (0, 0))
         if shining is not None:
             assert (work.nodes.clear[:USED] == clear).all()
             assert (work.nodes.shining[:USED] == shining).all()

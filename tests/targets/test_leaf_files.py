@@ -89,7 +89,7 @@ def test_a_formula_may_not_branch_on_its_arguments() -> None:
 
 def test_rows_compute_what_is_the_same_for_all_nodes_once() -> None:
     text = leaf_python.rows(LEAVES["lambert_nodes"])
-    assert text.index("m = min") < text.index("for i in range")
+    assert text.index("stop = min") < text.index("for i in range")
     assert "light_x - place_x" in text.partition("for i")[2]
 
 

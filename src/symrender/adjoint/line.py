@@ -60,7 +60,8 @@ from symrender.leaves.values import marble
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, order
 from symrender.quadrature.light_term import light_term
-from symrender.quadrature.split_line import SOFT_LOG, cell_order, disk_edge, tail_error
+from symrender.quadrature.line_poles import cell_order, find_poles
+from symrender.quadrature.split_line import SOFT_LOG, disk_edge, tail_error
 from symrender.scene.arrays import EYE as FROM_EYE
 from symrender.scene.arrays import MARBLE, PHONG
 
@@ -477,11 +478,9 @@ def piece_adjoint(
 
 
 @inlined
-def piece_order(
-    a: float, end: float, step: int, phi: float, c: float, s: float, soft: bool, view: View, work: Work
-) -> int:  # fmt: skip
+def piece_order(a: float, end: float, step: int, soft: bool, work: Work) -> int:
     """Gauss nodes of a piece of a cell; above ``MAX_ORDER`` it must be cut."""
-    n: int = cell_order(a, end, step, phi, c, s, view, work)
+    n: int = cell_order(a, end, step, work)
     return max(n + (n + 1) // 2, order(step, SOFT_LOG)) if soft else n
 
 
@@ -502,6 +501,7 @@ def line_adjoint(
     if not nodes:
         return size, missed
     promise = 100.0 * FALLS[step]
+    find_poles(phi, c, s, view, work)
     for cell in range(work.counts.cells):
         if work.cell_side[cell] == HIDDEN:
             continue
@@ -514,11 +514,11 @@ def line_adjoint(
             if placed < 0:
                 end = a + 0.5 * (end - a)
                 placed = piece_map(a, end, cell, soft, work)
-            n = piece_order(a, end, step, phi, c, s, soft, view, work)
+            n = piece_order(a, end, step, soft, work)
             while n > MAX_ORDER and not is_spent(work):
                 end = a + 0.5 * (end - a)
                 placed = piece_map(a, end, cell, soft, work)
-                n = piece_order(a, end, step, phi, c, s, soft, view, work)
+                n = piece_order(a, end, step, soft, work)
             n = min(n, MAX_ORDER)
             whole, miss = piece_adjoint(
                 a, end, n, c, s, weight, placed, cell, step, lobe, view, work, gauss, disk, here, adjoint

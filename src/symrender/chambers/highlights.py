@@ -405,13 +405,23 @@ def highlight_end(a: float, b: float, work: Work) -> float:
 
 
 @inlined
-def piece_highlights(phi: float, start: float, stop: float, work: Work) -> tuple[float, float]:
-    """The same of those felt on start..stop of the scan line at azimuth ``phi``."""
-    nearest, narrowest = math.inf, math.inf
-    rows = work.highlights
+def line_highlights(phi: float, work: Work) -> None:
+    """Note those felt on the scan line at azimuth ``phi``."""
+    n, rows = 0, work.highlights
     for i in range(work.counts.highlights):
-        row = rows[i]
-        if row.first <= phi <= row.last and stop >= row.innermost and start <= row.outermost:
+        if rows[i].first <= phi <= rows[i].last:
+            work.felt[n] = i
+            n += 1
+    work.counts.felt = n
+
+
+@inlined
+def piece_highlights(start: float, stop: float, work: Work) -> tuple[float, float]:
+    """As ``highlights_between``, of those felt on start..stop of the line of which ``line_highlights`` took note."""
+    nearest, narrowest = math.inf, math.inf
+    for i in range(work.counts.felt):
+        row = work.highlights[work.felt[i]]
+        if stop >= row.innermost and start <= row.outermost:
             narrowest = min(narrowest, row.along)
             if row.along < NARROW:
                 nearest = min(nearest, nearest_sum(start, stop, row.innermost, row.outermost, row.along))

@@ -13,12 +13,12 @@ from symrender.jit.marks import jitable
 
 
 @jitable
-def eye_view_rows(m: int, eye_x: float, eye_y: float, eye_z: float, nodes: Nodes) -> None:
-    """Unit vector from a place to the eye, along which its highlight is seen (``highlight_view: eye``), of the first
-    ``m`` nodes.
+def eye_view_rows(start: int, stop: int, eye_x: float, eye_y: float, eye_z: float, nodes: Nodes) -> None:
+    """Unit vector from a place to the eye, along which its highlight is seen (``highlight_view: eye``), of nodes
+    ``start`` to ``stop``.
     """
-    m = min(m, NODES)
-    for i in range(m):
+    stop = min(stop, NODES)
+    for i in range(start, stop):
         place_x = nodes.place[0, i]
         place_y = nodes.place[1, i]
         place_z = nodes.place[2, i]
@@ -33,10 +33,10 @@ def eye_view_rows(m: int, eye_x: float, eye_y: float, eye_z: float, nodes: Nodes
 
 
 @jitable
-def lambert_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
-    """N.l of a light point, of the first ``m`` nodes."""
-    m = min(m, NODES)
-    for i in range(m):
+def lambert_nodes_rows(start: int, stop: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
+    """N.l of a light point, of nodes ``start`` to ``stop``."""
+    stop = min(stop, NODES)
+    for i in range(start, stop):
         place_x = nodes.place[0, i]
         place_y = nodes.place[1, i]
         place_z = nodes.place[2, i]
@@ -52,10 +52,12 @@ def lambert_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, n
 
 
 @jitable
-def falling_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
-    """N.l/r^2 of a light point whose light falls off with the square of its distance r, of the first ``m`` nodes."""
-    m = min(m, NODES)
-    for i in range(m):
+def falling_nodes_rows(start: int, stop: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
+    """N.l/r^2 of a light point whose light falls off with the square of its distance r, of nodes ``start`` to
+    ``stop``.
+    """
+    stop = min(stop, NODES)
+    for i in range(start, stop):
         place_x = nodes.place[0, i]
         place_y = nodes.place[1, i]
         place_z = nodes.place[2, i]
@@ -70,10 +72,10 @@ def falling_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, n
 
 
 @jitable
-def blinn_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
-    """(N.l, N.h) of a light point, the second kept within [0, 1], of the first ``m`` nodes."""
-    m = min(m, NODES)
-    for i in range(m):
+def blinn_nodes_rows(start: int, stop: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
+    """(N.l, N.h) of a light point, the second kept within [0, 1], of nodes ``start`` to ``stop``."""
+    stop = min(stop, NODES)
+    for i in range(start, stop):
         place_x = nodes.place[0, i]
         place_y = nodes.place[1, i]
         place_z = nodes.place[2, i]
@@ -102,10 +104,10 @@ def blinn_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, nod
 
 
 @jitable
-def phong_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
-    """(N.l, r.v) of a light point, the second kept within [0, 1], of the first ``m`` nodes."""
-    m = min(m, NODES)
-    for i in range(m):
+def phong_nodes_rows(start: int, stop: int, light_x: float, light_y: float, light_z: float, nodes: Nodes) -> None:
+    """(N.l, r.v) of a light point, the second kept within [0, 1], of nodes ``start`` to ``stop``."""
+    stop = min(stop, NODES)
+    for i in range(start, stop):
         place_x = nodes.place[0, i]
         place_y = nodes.place[1, i]
         place_z = nodes.place[2, i]
@@ -130,12 +132,12 @@ def phong_nodes_rows(m: int, light_x: float, light_y: float, light_z: float, nod
 
 
 @jitable
-def lobe_density_rows(m: int, exponent: float, log_normaliser: float, nodes: Nodes) -> None:
-    """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m, of the
-    first ``m`` nodes.
+def lobe_density_rows(start: int, stop: int, exponent: float, log_normaliser: float, nodes: Nodes) -> None:
+    """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m, of
+    nodes ``start`` to ``stop``.
     """
-    m = min(m, NODES)
-    for i in range(m):
+    stop = min(stop, NODES)
+    for i in range(start, stop):
         square = nodes.chord[i]
         depth = 0.5 * square
         t1 = (math.exp(exponent * math.log1p(-depth) - log_normaliser) if depth < 1.0 else 0.0)
@@ -144,13 +146,15 @@ def lobe_density_rows(m: int, exponent: float, log_normaliser: float, nodes: Nod
 
 
 @jitable
-def ggx_lobe_rows(m: int, alpha: float, cos_view: float, by_cosine: float, by_root: float, nodes: Nodes) -> None:
-    """D G/(4 cos_o) and cos^2 of the angle between w and h, at w of which |w - m|^2 and (w - m).N are told, of the
-    first ``m`` nodes.
+def ggx_lobe_rows(
+    start: int, stop: int, alpha: float, cos_view: float, by_cosine: float, by_root: float, nodes: Nodes,
+) -> None:
+    """D G/(4 cos_o) and cos^2 of the angle between w and h, at w of which |w - m|^2 and (w - m).N are told, of nodes
+    ``start`` to ``stop``.
     """
     t1 = alpha * alpha
-    m = min(m, NODES)
-    for i in range(m):
+    stop = min(stop, NODES)
+    for i in range(start, stop):
         square = nodes.chord[i]
         along = nodes.near[i]
         up = 2.0 * cos_view + along
@@ -170,14 +174,15 @@ def ggx_lobe_rows(m: int, alpha: float, cos_view: float, by_cosine: float, by_ro
 
 @jitable
 def conductor_fresnels_rows(
-    m: int, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float, nodes: Nodes,
+    start: int, stop: int, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float,
+    nodes: Nodes,
 ) -> None:
-    """``conductor_fresnel`` of three channels, of cos^2 of the angle of incidence, of the first ``m`` nodes."""
+    """``conductor_fresnel`` of three channels, of cos^2 of the angle of incidence, of nodes ``start`` to ``stop``."""
     mixed = eta_x * k_x
     t1 = eta_y * k_y
     t2 = eta_z * k_z
-    m = min(m, NODES)
-    for i in range(m):
+    stop = min(stop, NODES)
+    for i in range(start, stop):
         cosine2 = nodes.chord[i]
         cosine = math.sqrt(cosine2)
         sin2 = (1.0 - cosine) * (1.0 + cosine)

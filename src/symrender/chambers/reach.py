@@ -60,7 +60,7 @@ def note_reach(view: View, work: Work) -> None:
 def passes(row: Wall, phi: float) -> bool:
     """Whether the line of azimuth ``phi`` may meet the wall."""
     away = phi - row.middle
-    away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+    away -= 2.0 * math.pi * math.floor(away * (0.5 / math.pi) + 0.5)
     return abs(away) <= row.opening
 
 
@@ -70,5 +70,5 @@ def are_apart(one: Wall, other: Wall) -> bool:
     if one.nearest > other.farthest or other.nearest > one.farthest:
         return True
     away = one.middle - other.middle
-    away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+    away -= 2.0 * math.pi * math.floor(away * (0.5 / math.pi) + 0.5)
     return abs(away) > one.opening + other.opening

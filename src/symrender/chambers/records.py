@@ -164,6 +164,8 @@ class Counts(Record):
     crossings: int
     spots: int
     highlights: int
+    felt: int
+    poles: int
     limit: int
     """The most evaluations, and the most labour; whatever refines asks ``is_spent``."""
 

@@ -112,6 +112,8 @@ class Work(NamedTuple):
     aim: Aim
     pieces: Table[Piece]
     room: Array
+    felt: Ints
+    poles: Array
 
 
 @inlined
@@ -238,4 +240,6 @@ def work_arrays(spheres: int, points: int) -> Work:
         highlights=table(Highlight, 64 + 192 * points),
         boxes=table(Box, 96),
         room=np.zeros(MAX_PLANES + 1),
+        felt=np.zeros(64 + 192 * points, np.int64),
+        poles=np.zeros((2 * points + 3, 2)),
     )

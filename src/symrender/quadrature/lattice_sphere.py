@@ -161,7 +161,7 @@ def place_lattice(m: int, start: int, size: int, generator: int, radius: float, 
     for i in range(m):
         b.weight[i] *= b.power[i]
     if view.shading.highlight_view == EYE:
-        eye_view_rows(m, view.eye[0], view.eye[1], view.eye[2], b)
+        eye_view_rows(0, m, view.eye[0], view.eye[1], view.eye[2], b)
 
 
 @jitable
@@ -185,7 +185,7 @@ def scatter(size: int, j: int, own: int, view: View, work: Work) -> float:
         begin_sums(m, shading.ka, shading, b)
         for l in range(view.points.shape[0]):
             if mark_nodes(m, l, j, view, work):
-                point_light(m, b, view.points[l], shading.model == PHONG, shading.shininess, shading.ks)
+                point_light(0, m, b, view.points[l], shading.model == PHONG, shading.shininess, shading.ks)
         for i in range(m):
             w = b.weight[i]
             b.radiance[0, i] *= w

@@ -46,51 +46,64 @@ NARROW_KIND = 2
 
 
 @inlined
-def mark_states(m: int, pieces: int, i: int, work: Work) -> bool:
-    """Fill ``clear`` and ``shining`` of light ``i`` from the labels of the nodes' cells; whether any node sees it."""
-    m = min(m, NODES)
+def mark_states(pieces: int, i: int, work: Work) -> tuple[int, int]:
+    """Fill ``clear`` and ``shining`` of light ``i`` from the labels of the nodes' cells, where any of them sees it.
+
+    Returned are the first node of the first piece that does, and where a row of whole vectors from there to the last
+    one that does ends; nodes in it beyond that piece are dark. Both are 0 where none does.
+    """
     b, table = work.nodes, work.pieces
-    state = work.lit[table[0].cell, i]
-    alike = True
-    for piece in range(1, pieces):
-        alike = alike and work.lit[table[piece].cell, i] == state
-    if alike:
-        clear, shining = 1.0 if state > GLINT else 0.0, 1.0
-        for q in range(m):
-            b.clear[q] = clear
-            b.shining[q] = shining
-        return bool(state != DARK)
+    first, last, state, alike = 0, -1, DARK, True
     for piece in range(pieces):
-        state = work.lit[table[piece].cell, i]
-        clear, shining = 1.0 if state > GLINT else 0.0, 0.0 if state == DARK else 1.0
-        first = table[piece].first
-        for q in range(first, first + table[piece].count):
+        now = int(work.lit[table[piece].cell, i])
+        if now != DARK:
+            if last < 0:
+                first, last, state = piece, piece - 1, now
+            alike = alike and now == state and last == piece - 1
+            last = piece
+    if last < 0:
+        return 0, 0
+    start, end = table[first].first, table[last].first + table[last].count
+    stop = min(NODES, start + whole_vectors(end - start))
+    if alike:
+        clear = 1.0 if state > GLINT else 0.0
+        for q in range(start, stop):
             b.clear[q] = clear
-            b.shining[q] = shining
-    return True
+            b.shining[q] = 1.0
+    else:
+        for piece in range(first, last + 1):
+            state = int(work.lit[table[piece].cell, i])
+            clear, shining = 1.0 if state > GLINT else 0.0, 0.0 if state == DARK else 1.0
+            at = table[piece].first
+            for q in range(at, at + table[piece].count):
+                b.clear[q] = clear
+                b.shining[q] = shining
+    for q in range(end, stop):
+        b.clear[q] = b.shining[q] = 0.0
+    return start, stop
 
 
 @jitable
-def point_light(m: int, b: Nodes, p: LightPoint, phong: bool, shininess: float, ks: float) -> None:
+def point_light(start: int, stop: int, b: Nodes, p: LightPoint, phong: bool, shininess: float, ks: float) -> None:
     """Add to ``radiance`` what a light point ``p`` adds to the marked nodes: see ``light_term``."""
-    m = min(m, NODES)
+    stop = min(stop, NODES)
     x, y, z, red, green, blue = p.position[0], p.position[1], p.position[2], p.color[0], p.color[1], p.color[2]
     if ks == 0.0:
         if p.fall == INVERSE_SQUARE:
-            falling_nodes_rows(m, x, y, z, b)
+            falling_nodes_rows(start, stop, x, y, z, b)
         else:
-            lambert_nodes_rows(m, x, y, z, b)
-        for i in range(m):
+            lambert_nodes_rows(start, stop, x, y, z, b)
+        for i in range(start, stop):
             b.shining[i] = 0.0
     elif phong:
-        phong_nodes_rows(m, x, y, z, b)
+        phong_nodes_rows(start, stop, x, y, z, b)
     else:
-        blinn_nodes_rows(m, x, y, z, b)
+        blinn_nodes_rows(start, stop, x, y, z, b)
     if ks != 0.0:
-        powers(0, m, b, shininess)
-        for i in range(m):
+        powers(start, stop, b, shininess)
+        for i in range(start, stop):
             b.shining[i] *= ks * b.power[i]
-    for i in range(m):
+    for i in range(start, stop):
         clear, shining = b.clear[i], b.shining[i]
         b.radiance[0, i] += red * (b.factor[0, i] * clear + shining)
         b.radiance[1, i] += green * (b.factor[1, i] * clear + shining)
@@ -331,8 +344,8 @@ def disk_light(i: int, pieces: int, step: int, ks: float, view: View, work: Work
 
 
 @inlined
-def light_nodes(m: int, pieces: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
-    """Add to ``radiance`` what every light adds to the first ``m`` nodes, which the first ``pieces`` pieces own.
+def light_nodes(pieces: int, step: int, ks: float, view: View, work: Work, gauss: Array) -> None:
+    """Add to ``radiance`` what every light adds to the nodes that the first ``pieces`` pieces own.
 
     ``factor`` times the diffuse term and ``ks`` times the highlight.
     """
@@ -340,5 +353,7 @@ def light_nodes(m: int, pieces: int, step: int, ks: float, view: View, work: Wor
     for i in range(view.points.shape[0]):
         if view.points[i].radius > 0.0:
             disk_light(i, pieces, step, ks, view, work, gauss)
-        elif mark_states(m, pieces, i, work):
-            point_light(m, work.nodes, view.points[i], phong, shininess, ks)
+        else:
+            start, stop = mark_states(pieces, i, work)
+            if start < stop:
+                point_light(start, stop, work.nodes, view.points[i], phong, shininess, ks)

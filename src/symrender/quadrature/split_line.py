@@ -7,14 +7,12 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.highlights import piece_highlights, seeing
 from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.leaf_rows import eye_view_rows
 from symrender.chambers.lobes.density import facing_of, facing_share
-from symrender.chambers.lobes.poles import lobe_sum
 from symrender.chambers.lobes.rows import densities, lean_line, least_error, tint
 from symrender.chambers.lobes.width import BLUNT, broken_rim
-from symrender.chambers.records import DISTANT, NODES, Chart, Nodes, Piece
+from symrender.chambers.records import NODES, Chart, Nodes, Piece
 from symrender.chambers.walls import (
     GLEAM_EDGE,
     PENUMBRA,
@@ -24,9 +22,9 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
-from symrender.quadrature.fall_off import near_light
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
 from symrender.quadrature.light_nodes import light_nodes
+from symrender.quadrature.line_poles import cell_log, find_poles
 from symrender.quadrature.node_rows import begin_sums, sines, whole_vectors
 from symrender.scene.arrays import CUT, EYE, MARBLE, PHONG
 
@@ -41,14 +39,10 @@ SMALL = 0.05
 
 Under a disk light it is all of it: the rules over the disk err alike on every node, and halves would not help.
 """
-FLANK = 0.25
-"""Share of a highlight's strip from which on a piece has two nodes: half a width, within which it may grow fourfold."""
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
 ONE_POINT = 0.15
 """Error of a rule of one point over what it holds, at least; stated is some times as much."""
-NEAREST_LEVEL = 1e-5
-"""How far off the line a place where veins meet is taken to be at least: what lies nearer holds as little."""
 AT_HORIZON = 0.5 * math.pi * (1.0 - 1e-12)
 """Inner coordinate from which on a piece of the floor ends at its horizon."""
 SOFT_LOG = 1.5
@@ -142,106 +136,6 @@ def faint_horizon(view: View, chart: Chart) -> bool:
     return bool(chart.shape_index < 0.0 and view.shading.ks > 0.0 and s < BLUNT and s != math.floor(s))
 
 
-@jitable
-def level_sum(
-    fx: float, fy: float, fz: float, level: float, start: float, stop: float, c: float, s: float, chart: Chart
-) -> float:  # fmt: skip
-    """rho + 1/rho over 2 of the ellipse about a piece of a sphere's line through the complex places with f.N = level.
-
-    ``level`` is no less than f.N on the line, which is |f| cos(gamma - gamma_0) in its plane: gamma_0 +- i acosh.
-    """
-    k = chart.ratio
-    along = -(fx * chart.pole[0] + fy * chart.pole[1] + fz * chart.pole[2])
-    across = fx * (c * chart.e1[0] + s * chart.e2[0]) + fy * (c * chart.e1[1] + s * chart.e2[1])
-    across += fz * (c * chart.e1[2] + s * chart.e2[2])
-    size = math.sqrt(along * along + across * across)
-    if size == 0.0:
-        return math.inf
-    ratio = max(1.0, level / size)
-    cg, sg = along / size, across / size
-    scale = max(1e-9, 1.0 - 2.0 * k * cg + k * k)
-    x = math.atan2(sg, cg - k)
-    y = max(NEAREST_LEVEL, math.log(ratio + math.sqrt(ratio * ratio - 1.0)) * abs(1.0 - k * cg) / scale)
-    low, high = start - x, stop - x
-    return (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / (stop - start)
-
-
-@inlined
-def cell_log(
-    start: float, stop: float, phi: float, c: float, s: float, view: View, work: Work
-) -> tuple[float, int]:  # fmt: skip
-    """log rho of the Bernstein ellipse of a cell through the edge of the strip where its integrand is tame.
-
-    Then the nodes that no highlight felt there can pass between.
-    """
-    chart, points = work.chart, view.points
-    length, distance = stop - start, 0.5 * math.pi - stop
-    highlight, narrowest = piece_highlights(phi, start, stop, work)
-    least = seeing(length, narrowest)
-    if least == 1 and length > FLANK * narrowest:
-        # on its flank a highlight grows by powers of e: one point does not tell what a piece holds
-        least = 2
-    highlight = min(highlight, lobe_sum(start, stop, c, s, chart, view.conductors))
-    if chart.shape_index < 0.0:
-        ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
-        # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
-        best = math.inf
-        height = chart.height
-        for i in range(points.shape[0]):
-            if points[i].fall == DISTANT:
-                continue
-            ox, oy, oz = (
-                points[i].position[0] - chart.point[0],
-                points[i].position[1] - chart.point[1],
-                points[i].position[2],
-            )
-            along = ox * ex + oy * ey
-            across2 = max(0.0, ox * ox + oy * oy - along * along) + oz * oz
-            r2 = along * along + across2
-            x = math.atan2(along, height)
-            y = math.sqrt(across2) * height / (height * height + r2)
-            low, high = 0.5 * math.pi - distance - length - x, 0.5 * math.pi - distance - x
-            best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
-            # beyond the horizon the line comes back from behind, where the light may be near
-            low, high = low - math.pi, high - math.pi
-            best = min(best, (math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y)) / length)
-        best = min(best, highlight)
-        x = 2.0 * chart.strip_along / length
-        log_rho = math.log(x + math.sqrt(1.0 + x * x))
-        if best < math.inf:
-            log_rho = min(log_rho, math.log(best + math.sqrt(max(1e-12, best * best - 1.0))))
-        return log_rho, least
-    near = chart.strip_limb
-    x = 2.0 * min(chart.strip_along, math.sqrt(near * near + distance * distance)) / length
-    best = min(highlight, math.sqrt(1.0 + x * x))
-    j = chart.shape_index
-    for i in range(points.shape[0]):
-        lx, ly, lz = (
-            points[i].position[0] - chart.center[0],
-            points[i].position[1] - chart.center[1],
-            points[i].position[2] - chart.center[2],
-        )
-        far2, radius = lx * lx + ly * ly + lz * lz, view.spheres[j].radius
-        if not radius * radius < far2 < near_light(points[i]) * radius * radius:
-            continue
-        # |Q - L|^2 = 0 where N.(L - C) is that high
-        best = min(best, level_sum(lx, ly, lz, (radius * radius + far2) / (2.0 * radius), start, stop, c, s, chart))
-    if view.spheres[j].texture == MARBLE:
-        # veins meet where N = +- z, that is N.z = +- 1 off the real line
-        best = min(best, level_sum(0.0, 0.0, 1.0, 1.0, start, stop, c, s, chart))
-        best = min(best, level_sum(0.0, 0.0, -1.0, 1.0, start, stop, c, s, chart))
-    return math.log(best + math.sqrt(max(1e-12, best * best - 1.0))), least
-
-
-@jitable
-def cell_order(
-    start: float, stop: float, step: int, phi: float, c: float, s: float, view: View, work: Work
-) -> int:  # fmt: skip
-    """Gauss nodes of a cell where two successive steps are compared; above ``MAX_ORDER`` it must be cut."""
-    log_rho, least = cell_log(start, stop, phi, c, s, view, work)
-    return max(least, order(step, log_rho))
-
-
 @inlined
 def disk_edge(wall: int, work: Work) -> bool:
     """Whether a wall is one of a disk light: an edge of a penumbra or of a band of terminators."""
@@ -283,16 +177,19 @@ def place_nodes(
     base = n * (n - 1) // 2
     length = row.stop - row.start
     for q in range(n):
-        u, along = gauss[0, base + q], length
-        if row.soft != 0.0:
-            # a disk's light ends with the power 3/2 of the distance from a wall
-            su, cu = math.sin(0.5 * math.pi * u), math.cos(0.5 * math.pi * u)
-            u, along = su * su, length * math.pi * su * cu
-        b.inner[m + q] = row.start + length * u
-        b.weight[m + q] = gauss[1, base + q] * along
+        b.inner[m + q] = row.start + length * gauss[0, base + q]
+        b.weight[m + q] = gauss[1, base + q] * length
         b.factor[0, m + q] = factor * color[0]
         b.factor[1, m + q] = factor * color[1]
         b.factor[2, m + q] = factor * color[2]
+    if row.soft != 0.0:
+        # a loop of its own: in the other sine and cosine would be taken of every node
+        for q in range(n):
+            # a disk's light ends with the power 3/2 of the distance from a wall
+            turn = 0.5 * math.pi * gauss[0, base + q]
+            su, cu = math.sin(turn), math.cos(turn)
+            b.inner[m + q] = row.start + length * (su * su)
+            b.weight[m + q] = gauss[1, base + q] * (length * math.pi * su * cu)
 
 
 @inlined
@@ -337,7 +234,7 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
         b.chord[i] = d0 * d0 + d1 * d1 + d2 * d2
         b.weight[i] *= flat + cb * lift + sb * lean
     if view.shading.highlight_view == EYE:
-        eye_view_rows(m, view.eye[0], view.eye[1], view.eye[2], b)
+        eye_view_rows(0, m, view.eye[0], view.eye[1], view.eye[2], b)
     else:
         for i in range(m):
             sb, cb = b.sine[i], b.cosine[i]
@@ -361,7 +258,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
             vein = values.marble(b.normal[0, i], b.normal[1, i], b.normal[2, i], view.spheres[j].ku, view.spheres[j].kv)
             for a in range(3):
                 b.factor[a, i] *= vein
-    light_nodes(m, pieces, step, shading.ks, view, work, gauss)
+    light_nodes(pieces, step, shading.ks, view, work, gauss)
     tint(m, work.chart.lobe, b, view.conductors)
 
 
@@ -389,22 +286,25 @@ def piece_error(row: Piece, b: Nodes, blunt: bool, gauss: Array) -> tuple[float,
     """
     n, first = row.count, row.first
     base = n * (n - 1) // 2
-    whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0
+    whole, middle = 0.0, 0.0
     for q in range(n):
         whole += b.radix[first + q]
-    for a in range(3):
-        top, second, half, under = 0.0, 0.0, 0.0, 0.0
+    # twelve sums side by side: each waits for its own last addition alone
+    x1 = y1 = z1 = x2 = y2 = z2 = 0.0
+    for q in range(n):
+        red, green, blue = b.radiance[0, first + q], b.radiance[1, first + q], b.radiance[2, first + q]
+        top, second = gauss[2, base + q], gauss[3, base + q]
+        x1, y1, z1 = x1 + red * top, y1 + green * top, z1 + blue * top
+        x2, y2, z2 = x2 + red * second, y2 + green * second, z2 + blue * second
+    last, before = abs(x1) + abs(y1) + abs(z1), abs(x2) + abs(y2) + abs(z2)
+    if n >= 6:
+        x1 = y1 = z1 = x2 = y2 = z2 = 0.0
         for q in range(n):
-            held = b.radiance[a, first + q]
-            top += held * gauss[2, base + q]
-            second += held * gauss[3, base + q]
-        if n >= 6:
-            for q in range(n):
-                held = b.radiance[a, first + q]
-                half += held * gauss[MIDDLE, base + q]
-                under += held * gauss[MIDDLE + 1, base + q]
-        last, before, middle, lower = last + abs(top), before + abs(second), middle + abs(half), lower + abs(under)
-    middle = max(middle, lower)
+            red, green, blue = b.radiance[0, first + q], b.radiance[1, first + q], b.radiance[2, first + q]
+            half, under = gauss[MIDDLE, base + q], gauss[MIDDLE + 1, base + q]
+            x1, y1, z1 = x1 + red * half, y1 + green * half, z1 + blue * half
+            x2, y2, z2 = x2 + red * under, y2 + green * under, z2 + blue * under
+        middle = max(abs(x1) + abs(y1) + abs(z1), abs(x2) + abs(y2) + abs(z2))
     miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, row.log_rho)
     if n > 2:
         # the last coefficients may be small by chance, but from there on they fall as the nearest singularity lets them
@@ -439,6 +339,7 @@ def integrate_cells(
         small = 1.0
     cell, top = 0, 0
     color = chart.albedo
+    find_poles(phi, c, s, view, work)
     while top > 0 or cell < work.counts.cells:
         m, pieces = 0, 0
         while top > 0 or cell < work.counts.cells:
@@ -454,7 +355,7 @@ def integrate_cells(
                 continue
             row = table[NODES + top - 1]
             start, stop = row.start, row.stop
-            log_rho, fewest = cell_log(start, stop, phi, c, s, view, work)
+            log_rho, fewest = cell_log(start, stop, work)
             fewest = max(fewest, nodes_to_end(row.cell, view, work))
             n = max(fewest, order(step, log_rho) if row.wary != 0.0 else nodes(step, CAUTION * log_rho))
             if row.soft != 0.0:

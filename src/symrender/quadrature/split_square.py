@@ -88,7 +88,7 @@ def floor_nodes(
         b.radiance[0, i] = b.radiance[1, i] = b.radiance[2, i] = 0.0
     lean_square(m, lobe, chart, b, view.conductors)
     densities(m, FALLS[step], b, chart.lobe, view.conductors)
-    light_nodes(m, pieces, step, 0.0, view, work, gauss)
+    light_nodes(pieces, step, 0.0, view, work, gauss)
     for i in range(m):
         b.near[i] = b.between[i] = 1.0
     if reach < math.inf:

@@ -133,7 +133,7 @@ def tangents(leaf: Leaf) -> str:
 
 
 def rows(leaf: Leaf) -> str:
-    """A loop over the first ``m`` nodes; what is the same for all nodes is computed before it."""
+    """A loop over nodes ``start`` to ``stop``; what is the same for all of them is computed before it."""
     assert leaf.rows is not None
     tape, inputs, results = trace(leaf)
     loads = dict(leaf.rows.loads)
@@ -160,10 +160,10 @@ def rows(leaf: Leaf) -> str:
         for k, part in enumerate(parts):
             sign = {"set": "=", "scale": "*="}[mode]
             body.append(f"{_element(row, k)} {sign} {scribe.text(found[part])}")
-    arguments = ["m: int", *(f"{name}: float" for name in uniform), "nodes: Nodes"]
+    arguments = ["start: int", "stop: int", *(f"{name}: float" for name in uniform), "nodes: Nodes"]
     head = folded(f"def {leaf.name}_rows(", arguments, ") -> None:", "")
-    doc = f"{_plain(leaf.doc)}, of the first ``m`` nodes."
-    lines = [*(f"    {line}" for line in before), "    m = min(m, NODES)", "    for i in range(m):"]
+    doc = f"{_plain(leaf.doc)}, of nodes ``start`` to ``stop``."
+    lines = [*(f"    {line}" for line in before), "    stop = min(stop, NODES)", "    for i in range(start, stop):"]
     return "\n".join(["@jitable", *head, *_doc(doc), *lines, *(f"        {line}" for line in body)])
 
 

@@ -102,16 +102,9 @@ def pole_on_line(c: float, s: float, chart: Chart) -> tuple[float, float]:
     return guess, depth
 
 
-@jitable
-def lobe_sum(start: float, stop: float, c: float, s: float, chart: Chart, conductors: Table[Conductor] | None) -> float:
-    """(rho + 1/rho)/2 of the Bernstein ellipse of a piece of the line (c, s) through the density's nearest pole.
-
-    Infinite for a density that has none.
-    """
-    if conductors is None:
-        return math.inf
-    if chart.lobe.kind != CONDUCTOR:
-        return math.inf
+@inlined
+def lobe_pole(c: float, s: float, chart: Chart) -> tuple[float, float]:
+    """(x, y): inner coordinate of the density's nearest pole x +- iy of the line (c, s), of a lobe of a conductor."""
     x, y = pole_on_line(c, s, chart)
     if chart.shape_index >= 0.0:
         # the inner coordinate is the arc sine of sin(beta)/k
@@ -120,4 +113,4 @@ def lobe_sum(start: float, stop: float, c: float, s: float, chart: Chart, conduc
         x = math.asin(max(-1.0, min(1.0, 0.5 * (low - high))))
         ample = max(1.0, 0.5 * (low + high))
         y = math.log(ample + math.sqrt((ample - 1.0) * (ample + 1.0)))
-    return (math.hypot(start - x, y) + math.hypot(stop - x, y)) / (stop - start)
+    return x, y

@@ -32,7 +32,7 @@ def conductor_densities(m: int, nodes: Nodes, lobe: Lobe, conductors: Table[Cond
         return False
     if lobe.kind != CONDUCTOR:
         return False
-    ggx_lobe_rows(m, lobe.alpha, lobe.cos_view, lobe.by_cosine, lobe.by_root, nodes)
+    ggx_lobe_rows(0, m, lobe.alpha, lobe.cos_view, lobe.by_cosine, lobe.by_root, nodes)
     return True
 
 
@@ -60,7 +60,7 @@ def densities(m: int, fall: float, nodes: Nodes, lobe: Lobe, conductors: Table[C
             nodes.power[i] *= scale
             nodes.weight[i] *= nodes.power[i]
         return
-    lobe_density_rows(m, n, log_w, nodes)
+    lobe_density_rows(0, m, n, log_w, nodes)
 
 
 @jitable
@@ -102,7 +102,7 @@ def tint(m: int, lobe: Lobe, nodes: Nodes, conductors: Table[Conductor] | None) 
     if lobe.kind == CONDUCTOR:
         conductor = conductors[lobe.conductor]
         eta, k = conductor.eta, conductor.k
-        conductor_fresnels_rows(m, eta[0], eta[1], eta[2], k[0], k[1], k[2], nodes)
+        conductor_fresnels_rows(0, m, eta[0], eta[1], eta[2], k[0], k[1], k[2], nodes)
 
 
 @jitable

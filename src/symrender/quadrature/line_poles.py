@@ -1,0 +1,133 @@
+"""Where the integrand of a scan line has its complex singularities, and how many Gauss nodes a piece needs for them."""
+
+from __future__ import annotations
+
+import math
+
+from symrender.chambers.highlights import line_highlights, piece_highlights, seeing
+from symrender.chambers.lobes.poles import lobe_pole
+from symrender.chambers.lobes.record import CONDUCTOR
+from symrender.chambers.records import DISTANT, Chart
+from symrender.chambers.work import View, Work
+from symrender.jit.marks import inlined, jitable
+from symrender.quadrature.fall_off import near_light
+from symrender.quadrature.gauss import order
+from symrender.scene.arrays import MARBLE
+
+FLANK = 0.25
+"""Share of a highlight's strip from which on a piece has two nodes: half a width, within which it may grow fourfold."""
+NEAREST_LEVEL = 1e-5
+"""How far off the line a place where veins meet is taken to be at least: what lies nearer holds as little."""
+
+
+@inlined
+def note_pole(x: float, y: float, work: Work) -> None:
+    """Add x +- iy to the singularities of the line."""
+    n = work.counts.poles
+    work.poles[n, 0], work.poles[n, 1] = x, y
+    work.counts.poles = n + 1
+
+
+@jitable
+def level_pole(fx: float, fy: float, fz: float, level: float, c: float, s: float, chart: Chart, work: Work) -> None:
+    """Note the complex places with f.N = level of a sphere's line.
+
+    ``level`` is no less than f.N on the line, which is |f| cos(gamma - gamma_0) in its plane: gamma_0 +- i acosh.
+    """
+    k = chart.ratio
+    along = -(fx * chart.pole[0] + fy * chart.pole[1] + fz * chart.pole[2])
+    across = fx * (c * chart.e1[0] + s * chart.e2[0]) + fy * (c * chart.e1[1] + s * chart.e2[1])
+    across += fz * (c * chart.e1[2] + s * chart.e2[2])
+    size = math.sqrt(along * along + across * across)
+    if size == 0.0:
+        return
+    ratio = max(1.0, level / size)
+    cg, sg = along / size, across / size
+    scale = max(1e-9, 1.0 - 2.0 * k * cg + k * k)
+    x = math.atan2(sg, cg - k)
+    y = max(NEAREST_LEVEL, math.log(ratio + math.sqrt(ratio * ratio - 1.0)) * abs(1.0 - k * cg) / scale)
+    note_pole(x, y, work)
+
+
+@inlined
+def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
+    """Note what is singular beside the line (c, s) at azimuth ``phi``, and the highlights felt on it.
+
+    The singularities, in the line's inner coordinate, are those of lights, veins and the lobe's density. All of it is
+    the same for every piece of the line.
+    """
+    chart, points = work.chart, view.points
+    work.counts.poles = 0
+    line_highlights(phi, work)
+    if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
+        x, y = lobe_pole(c, s, chart)
+        note_pole(x, y, work)
+    if chart.shape_index < 0.0:
+        ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
+        # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
+        height = chart.height
+        for i in range(points.shape[0]):
+            if points[i].fall == DISTANT:
+                continue
+            ox, oy, oz = (
+                points[i].position[0] - chart.point[0],
+                points[i].position[1] - chart.point[1],
+                points[i].position[2],
+            )
+            along = ox * ex + oy * ey
+            across2 = max(0.0, ox * ox + oy * oy - along * along) + oz * oz
+            r2 = along * along + across2
+            x, y = math.atan2(along, height), math.sqrt(across2) * height / (height * height + r2)
+            note_pole(x, y, work)
+            # beyond the horizon the line comes back from behind, where the light may be near
+            note_pole(x + math.pi, y, work)
+        return
+    j = chart.shape_index
+    radius = view.spheres[j].radius
+    for i in range(points.shape[0]):
+        lx, ly, lz = (
+            points[i].position[0] - chart.center[0],
+            points[i].position[1] - chart.center[1],
+            points[i].position[2] - chart.center[2],
+        )
+        far2 = lx * lx + ly * ly + lz * lz
+        if radius * radius < far2 < near_light(points[i]) * radius * radius:
+            # |Q - L|^2 = 0 where N.(L - C) is that high
+            level_pole(lx, ly, lz, (radius * radius + far2) / (2.0 * radius), c, s, chart, work)
+    if view.spheres[j].texture == MARBLE:
+        # veins meet where N = +- z, that is N.z = +- 1 off the real line
+        level_pole(0.0, 0.0, 1.0, 1.0, c, s, chart, work)
+        level_pole(0.0, 0.0, -1.0, 1.0, c, s, chart, work)
+
+
+@inlined
+def cell_log(start: float, stop: float, work: Work) -> tuple[float, int]:
+    """log rho of the Bernstein ellipse of a piece through the edge of the strip where its integrand is tame.
+
+    Then the nodes that no highlight felt there can pass between. ``find_poles`` has noted the line's singularities.
+    """
+    chart = work.chart
+    length = stop - start
+    best, narrowest = piece_highlights(start, stop, work)
+    least = seeing(length, narrowest)
+    if least == 1 and length > FLANK * narrowest:
+        # on its flank a highlight grows by powers of e: one point does not tell what a piece holds
+        least = 2
+    nearest = math.inf
+    for i in range(work.counts.poles):
+        low, high, y = start - work.poles[i, 0], stop - work.poles[i, 0], work.poles[i, 1]
+        nearest = min(nearest, math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y))
+    along = chart.strip_along
+    if chart.shape_index >= 0.0:
+        near, distance = chart.strip_limb, 0.5 * math.pi - stop
+        along = min(along, math.sqrt(near * near + distance * distance))
+    x = 2.0 * along / length
+    best = min(best, nearest / length)
+    return math.log(min(x + math.sqrt(1.0 + x * x), best + math.sqrt(max(1e-12, best * best - 1.0)))), least
+
+
+@jitable
+def cell_order(start: float, stop: float, step: int, work: Work) -> int:
+    """Gauss nodes of a piece where two successive steps are compared; above ``MAX_ORDER`` it must be cut."""
+    log_rho, least = cell_log(start, stop, work)
+    return max(least, order(step, log_rho))
