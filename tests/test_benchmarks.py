@@ -20,7 +20,9 @@ def test_every_benchmark_says_what_it_tests() -> None:
         assert claim and claim.splitlines()[0].endswith("."), program
 
 
-@pytest.mark.parametrize("name", ["pipelines_agree", "weights_sum_to_the_normaliser", "mirror_anchor"])
+@pytest.mark.parametrize(
+    "name", ["pipelines_agree", "weights_sum_to_the_normaliser", "mirror_anchor", "roundings_are_stated"]
+)
 def test_claims_about_numbers_hold(name: str) -> None:
     words = [sys.executable, str(HERE / f"{name}.py"), "--quick"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=280)
