@@ -59,9 +59,7 @@ def alarms(kind: str, scene: AnyScene, true: Image, count: int, samples: int) ->
         if kind == "moments":
             seen = measured([rendered(scene, SIZE, samples, 1000 + k, plain=False)], samples)
         else:
-            seen = measured(
-                [rendered(scene, SIZE, samples // 8, 100_000 + 8 * k + s, plain=False) for s in range(8)]
-            )
+            seen = measured([rendered(scene, SIZE, samples // 8, 100_000 + 8 * k + s, plain=False) for s in range(8)])
         found += not auditor.verdict(seen, LEVEL, 1).passed
     return found
 

@@ -114,8 +114,11 @@ class Plane:
         mean = images.mean(axis=0)
         powers = np.zeros((3, images.shape[1]))
         for image in images:
-            square = (image - mean) ** 2
-            powers += np.stack([square, square * (image - mean), square**3])
+            residual = image - mean
+            square = residual * residual
+            powers[0] += square
+            powers[1] += square * residual
+            powers[2] += square * square * square
         return cls(seen.channel(c), truth, difference, variance, allowance, images, powers)
 
 
@@ -225,7 +228,7 @@ def judged(tests: Sequence[Finding], level: float) -> list[Finding]:
 
 
 def _judged_by(test: Finding) -> float:
-    """The probability that a test is judged by: its own, or Chebyshev's bound where it is unsafe and light is missing."""
+    """What a test is judged by: its own probability, Chebyshev's bound where it is unsafe and light is missing."""
     # rare bright samples raise the error with the mean: too much light is no chance of theirs, too little may be
     if not test.why or test.z > 0.0:
         return test.p
