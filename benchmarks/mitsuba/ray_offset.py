@@ -33,14 +33,14 @@ SEEDS: Final = 16
 PLACES: Final = (("as it is", 1.0, (0.0, 0.0, 0.0)), ("times 1000 about the patch", 1000.0, PATCH))
 
 
-def scene(raised: float = 0.0, bounces: int = 1) -> Any:
+def scene(raised: float = 0.0) -> Any:
     """The scene, its floor and camera ``raised``, so that every ray meets the floor below the same place."""
     x, y, z = PATCH
     return sr.load(
         {
             "name": "patch",
             "units": "radiometric",
-            "bounces": bounces,
+            "bounces": 1,
             "camera": {"type": "look_at", "eye": [x, -0.3, 0.2 + raised], "target": [x, y, z + raised], "fov": 1.5},
             "materials": {
                 "sand": {"type": "diffuse", "reflectance": 0.8},
@@ -55,16 +55,16 @@ def scene(raised: float = 0.0, bounces: int = 1) -> Any:
     )
 
 
-def export(folder: Path, scale: float, center: tuple[float, float, float], bounces: int) -> None:
-    """Write the scene for Mitsuba, ``scale`` times as large about ``center``."""
-    sr.export(scene(bounces=bounces), "mitsuba", folder, size=SIZE, rays="centre", scale=scale, center=center)
-
-
-def rendered(folder: Path, samples: int, seed: int) -> Path:
-    """What Mitsuba makes of the exported scene, with one seed."""
-    words = ["--samples", str(samples), "--seed", str(seed), "--out", f"seed_{seed}"]
+def rendered(folder: Path, samples: int, seed: int, *, bounces: int = 1) -> Path:
+    """What Mitsuba makes of the exported scene with one seed; without its bounce by the very same rays."""
+    text = (folder / "scene.xml").read_text("utf-8")
+    name, depth = f"depth_{bounces + 2}.xml", '<integer name="max_depth" value="{}"/>'
+    assert depth.format(3) in text
+    (folder / name).write_text(text.replace(depth.format(3), depth.format(bounces + 2)), "utf-8")
+    out = f"seed_{seed}_bounces_{bounces}"
+    words = ["--samples", str(samples), "--seed", str(seed), "--scene", name, "--out", out]
     subprocess.run([sys.executable, str(folder / "run.py"), *words], check=True, stdout=sys.stderr)
-    return folder / f"seed_{seed}.npz"
+    return folder / f"{out}.npz"
 
 
 def mean(render: Path) -> float:
@@ -96,11 +96,10 @@ def main() -> None:
             far = max(abs(scale * (p - c)) for p, c in zip(PATCH, center, strict=True))
             moved = sr.truth(scene((1.0 + far) * OFFSET / scale), size=SIZE, tol=1e-10)
             predicted.append(moved.layer("indirect").mean() / bounced - 1.0)
-            lit, all_of_it = Path(folder) / f"direct_{scale:g}", Path(folder) / f"all_{scale:g}"
-            export(lit, scale, center, 0)
-            export(all_of_it, scale, center, 1)
-            direct = mean(rendered(lit, 16, 0))
-            renders = [rendered(all_of_it, samples, seed) for seed in range(SEEDS)]
+            there = Path(folder) / f"{scale:g}"
+            sr.export(scene(), "mitsuba", there, size=SIZE, rays="centre", scale=scale, center=center)
+            direct = mean(rendered(there, 16, 0, bounces=0))
+            renders = [rendered(there, samples, seed) for seed in range(SEEDS)]
             each.append(np.array([mean(render) for render in renders]) - direct)
             verdict = sr.audit(renders, scene(), truth=true, explain=False)
             whole = next(test for test in verdict.regions if test.region == "all")
