@@ -7,9 +7,10 @@ Secondary rays of Mitsuba 3.9.1 start (1 + max |p|) 8.94e-5 off the surface, p i
 beside a ball, under one lamp that nothing hides: the light that the floor sends on after one bounce is known to ten
 digits. The scene is exported twice: as it is, and scaled by 1000 about the patch, where the offset is a thousandth of
 that in the middle and less than a hundredth anywhere; no pixel of the truth changes. What the offset in the middle
-predicts is the truth of the scene with floor and camera raised by it, for from there the bounced rays start. Both renders are audited, seed by seed, and the difference of what bounced
-is taken with the same random numbers, each less Mitsuba's own direct light, which has no noise: its camera's rays are
-in single precision, too. DRJIT_LIBLLVM_PATH may have to name LLVM's library.
+predicts is the truth of the scene with floor and camera raised by it, for from there the bounced rays start. Both
+renders are audited, seed by seed, and the difference of what bounced is taken with the same random numbers, each less
+Mitsuba's own direct light, which has no noise: its camera's rays are in single precision, too. DRJIT_LIBLLVM_PATH may
+have to name LLVM's library.
 """
 
 from __future__ import annotations
