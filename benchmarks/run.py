@@ -1,6 +1,6 @@
 """Runs every benchmark, one after another, and prints one Markdown page.
 
-Benchmarks that need the source chapter's text or the folder of rival programs run only where these are given.
+Benchmarks that need the source chapter's text, the folder of rival programs or Mitsuba run only where these are given.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ NEEDS = {
     "one_bounce_beats_mitsuba": "mitsuba",
 }
 """Benchmarks that take a path, and which."""
+AUDITED = ("mitsuba/ray_offset", "mitsuba/small_penumbra")
+"""Benchmarks that render with Mitsuba."""
 
 
 def programs() -> list[str]:
@@ -36,7 +38,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="small enough for continuous integration")
     parser.add_argument("--chapter", type=Path, help="text of the source chapter")
     parser.add_argument("--peers", type=Path, help="folder with lobe.c")
-    parser.add_argument("--mitsuba", type=Path, help="Python that has Mitsuba 3")
+    parser.add_argument("--mitsuba", type=Path, help="a Python that has Mitsuba and symrender")
     parser.add_argument("--out", type=Path, help="file for the page, instead of standard output")
     options = parser.parse_args()
     packages = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in ("numpy", "numba", "sympy"))
@@ -46,15 +48,14 @@ def main() -> None:
         f"Python {platform.python_version()}, {packages}. Figures of time belong to that machine; it ran other work.\n",
     ]
     given = {need: getattr(options, need) for need in NEEDS.values()}
-    jobs = [(name, ()) for name in programs() if name not in NEEDS]
-    jobs += [(name, (str(given[need]),)) for name, need in NEEDS.items() if given[need]]
+    jobs = [(sys.executable, name, ()) for name in programs() if name not in NEEDS]
+    jobs += [(sys.executable, name, (str(given[need]),)) for name, need in NEEDS.items() if given[need]]
+    jobs += [(str(options.mitsuba), name, ()) for name in AUDITED if options.mitsuba]
     failed = []
-    for name, words in jobs:
+    for python, name, words in jobs:
         print(f"{name} ...", file=sys.stderr, flush=True)
         quick = ("--quick",) if options.quick else ()
-        done = subprocess.run(
-            [sys.executable, str(HERE / f"{name}.py"), *words, *quick], stdout=subprocess.PIPE, text=True
-        )
+        done = subprocess.run([python, str(HERE / f"{name}.py"), *words, *quick], stdout=subprocess.PIPE, text=True)
         page.append(done.stdout.rstrip() + "\n")
         if done.returncode:
             failed.append(name)

@@ -10,6 +10,8 @@ import pytest
 
 import symrender as sr
 from symrender.errors import ImageError, OptionError
+from symrender.execution.fill import Crew
+from symrender.execution.jobs import Job
 from symrender.images.image import Image
 from symrender.scene.load import AnyScene
 from symrender.scene.parameters import get
@@ -64,6 +66,18 @@ def test_a_moved_parameter_is_named_with_its_value(mutants: ModuleType, truths: 
     named = {found.name: found for found in verdict.attribution}
     assert named["materials.a.alpha"].value == pytest.approx(0.404, abs=2e-4)
     assert verdict.attribution[0].name == "materials.a.alpha" and verdict.attribution[0].explains > 0.99
+    assert verdict.attribution[0].how == "by its exact derivative"
+
+
+def test_where_light_bounces_a_difference_stands_for_the_derivative(mutants: ModuleType, truths: Truths) -> None:
+    scene, true = truths("bounce")
+    name = "lights.lamp.position.z"
+    wrong = Image({"radiance": sr.truth(scene.replace({name: 2.45}), size=SIZE, tol=1e-6).radiance})
+    (found,) = (
+        e for e in sr.audit(wrong, scene, truth=true, noise_free=True, wrt=[name]).attribution if e.name == name
+    )
+    assert found.how == "by a central difference of two truths"
+    assert found.current == 2.4 and found.value == pytest.approx(2.45, abs=0.01)
 
 
 def test_a_known_mistake_is_named(mutants: ModuleType, truths: Truths) -> None:
@@ -136,6 +150,26 @@ def test_the_truth_is_rendered_far_under_the_noise(mutants: ModuleType, truths: 
     assert verdict.passed
     whole = [t for t in verdict.regions if t.region == "all"]
     assert len(whole) == 3 and all(0 < t.allowance < 0.2 * t.error for t in whole)
+
+
+def test_beyond_a_given_truth_no_image_is_rendered(
+    mutants: ModuleType, truths: Truths, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Regions once took five images more, each computed seven times: a minute where a million pixels are."""
+    scene, true = truths("bounce")
+    images = seeds(mutants, truths, "bounce", 8)
+    rendered: list[str] = []
+
+    def counted(self: Crew, job: Job) -> None:
+        rendered.append(job.kind)
+        raise AssertionError("an image was rendered")
+
+    monkeypatch.setattr(Crew, "fill", counted)
+    verdict = sr.audit(images, scene, truth=true, explain=False)
+    names = {test.region for test in verdict.regions}
+    assert verdict.passed and names >= {"shadow edges of lights.sun", "texture lines"} and not rendered
+    with pytest.raises(AssertionError):
+        sr.audit(images, scene, explain=False)
 
 
 def test_what_cannot_be_judged(mutants: ModuleType, truths: Truths) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -125,6 +127,21 @@ def test_a_firefly_is_named_and_not_judged() -> None:
     tests = [test for test in all_tests(seen, 0.01) if test.name == "mean"]
     assert [test.outcome for test in tests] == ["not judged"] * 3
     assert all("one pixel carries" in test.why for test in tests)
+
+
+def test_what_is_not_judged_shields_nothing() -> None:
+    """Of too little light in rare samples nothing follows, and the sure test beside it fails all the same."""
+    bare = Finding("mean", "all", "R", 384, 1.0, -0.1, 0.008, 0.0, np.inf, -12.5, 1e-35, 1.0, 0.0, "passed", "")
+    rare = replace(bare, why="heavy tails")
+    sure = replace(bare, region="shapes.A", z=-10.0, p=1e-23)
+    right = [replace(bare, region=f"shapes.{k}", z=0.1, p=0.9) for k in range(40)]
+    found = judged([rare, sure, *right], 0.005)
+    assert [test.outcome for test in found[:2]] == ["not judged", "failed"]
+    assert found[0].adjusted > 0.005 > found[1].adjusted and all(test.outcome == "passed" for test in found[2:])
+    # Chebyshev's inequality decides by itself where it can, and too much light is no chance of rare samples
+    far, bright = replace(rare, z=-200.0, p=0.0), replace(rare, bias=0.1, z=12.5)
+    assert [test.outcome for test in judged([far, *right], 0.005)[:1]] == ["failed"]
+    assert [test.outcome for test in judged([bright, *right], 0.005)[:1]] == ["failed"]
 
 
 def test_a_filter_is_noticed() -> None:

@@ -16,7 +16,7 @@ from symrender.audit.distributions import critical
 from symrender.audit.judge import Evidence
 from symrender.audit.regions import Region
 from symrender.audit.verdict import Explanation
-from symrender.errors import SymrenderError
+from symrender.errors import SymrenderError, Unsupported
 from symrender.gradient import gradient
 from symrender.images.srgb import encode_srgb
 from symrender.scene.load import AnyScene, load_any
@@ -225,15 +225,23 @@ def _scaled_slope(scene: AnyScene, name: str, size: tuple[int, int], tol: float,
 
 
 def _slope(scene: AnyScene, name: str, size: tuple[int, int], tol: float) -> tuple[Array, str]:
-    """Derivative of the radiance (NaN where a shape changes) and how it was had."""
-    if not isinstance(scene, RadiometricScene):
+    """Derivative of the radiance (NaN where there is none, or a shape changes) and how it was had."""
+    try:
         made = gradient(scene, [name], size=size, tol=max(tol, 1e-6))[name]
-        slope = made.radiance.copy()
-        slope[~np.isfinite(made.layer("error"))] = np.nan
-        return slope, "by its exact derivative"
+    except Unsupported:
+        if not isinstance(scene, RadiometricScene):
+            raise
+        return _difference(scene, name, size, tol), "by a central difference of two truths"
+    slope = made.radiance.copy()
+    slope[~np.isfinite(made.layer("error"))] = np.nan
+    return slope, "by its exact derivative"
+
+
+def _difference(scene: RadiometricScene, name: str, size: tuple[int, int], tol: float) -> Array:
+    """Central difference of two truths, for what has a truth and no derivative."""
     value = float(get(scene, name))
     step = _STEP * max(abs(value), 0.1)
     low, high = (truth(scene.replace({name: value + s}), size=size, tol=tol) for s in (-step, step))
     slope = (high.radiance - low.radiance) / (2.0 * step)
     slope[high.layer("hit_class") != low.layer("hit_class")] = np.nan
-    return slope, "by a central difference of two truths"
+    return np.asarray(slope)

@@ -136,7 +136,7 @@ class Auditor:
         height, width = found.mean.shape[:2]
         if self._true is None:
             self._true = self._brought((width, height), found)
-            self._regions = regions(self.scene, self._true)
+            self._regions = regions(self.scene, self._true, self.threads)
         if (self._true.width, self._true.height) != (width, height):
             raise ImageError(
                 f"renders: are {width} x {height} pixels, the truth {self._true.width} x {self._true.height}"

@@ -114,8 +114,11 @@ class Plane:
         mean = images.mean(axis=0)
         powers = np.zeros((3, images.shape[1]))
         for image in images:
-            square = (image - mean) ** 2
-            powers += np.stack([square, square * (image - mean), square**3])
+            residual = image - mean
+            square = residual * residual
+            powers[0] += square
+            powers[1] += square * residual
+            powers[2] += square * square * square
         return cls(seen.channel(c), truth, difference, variance, allowance, images, powers)
 
 
@@ -208,14 +211,11 @@ def judged(tests: Sequence[Finding], level: float) -> list[Finding]:
     which holds for every distribution of known variance, rejects it.
     """
     count = max(len(tests), 1)
-    order = sorted(range(len(tests)), key=lambda k: tests[k].p)
+    # ordered by what each may be judged by: by its own p an unsafe test would come first and shield all after it
+    ps = [_judged_by(test) for test in tests]
     adjusted, largest = {}, 0.0
-    for rank, k in enumerate(order):
-        test = tests[k]
-        # rare bright samples raise the error with the mean: too much light is no chance of theirs, too little may be
-        safe = not test.why or test.z > 0.0
-        p = test.p if safe else min(1.0, 1.0 / (test.z * test.z)) if test.z else 1.0
-        largest = max(largest, min(1.0, (count - rank) * p))
+    for rank, k in enumerate(sorted(range(len(tests)), key=ps.__getitem__)):
+        largest = max(largest, min(1.0, (count - rank) * ps[k]))
         adjusted[k] = largest
     found = []
     for k, test in enumerate(tests):
@@ -225,6 +225,14 @@ def judged(tests: Sequence[Finding], level: float) -> list[Finding]:
         outcome: Outcome = "failed" if adjusted[k] <= level else "not judged" if test.why else "passed"
         found.append(replace(test, adjusted=adjusted[k], visible=visible, outcome=outcome))
     return found
+
+
+def _judged_by(test: Finding) -> float:
+    """What a test is judged by: its own probability, Chebyshev's bound where it is unsafe and light is missing."""
+    # rare bright samples raise the error with the mean: too much light is no chance of theirs, too little may be
+    if not test.why or test.z > 0.0:
+        return test.p
+    return min(1.0, 1.0 / (test.z * test.z)) if test.z else 1.0
 
 
 def pixel_test(seen: Evidence, level: float) -> tuple[PixelTest, dict[str, Array]]:

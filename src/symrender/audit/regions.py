@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
+from symrender.execution.tiles import thread_count
 from symrender.images.image import Image
-from symrender.scene.load import AnyScene, load_any
-from symrender.scene.radiometric.lights import Sky
+from symrender.runtimes.glimpse import Rows, direct_rows, reflectance_rows
+from symrender.scene.load import AnyScene
+from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.scene.radiometric.lights import Light, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.truth import truth
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -21,7 +25,8 @@ FEWEST: Final = 16
 """Pixels below which a region is not tested by itself."""
 _LIGHTS: Final = 8
 """Most lights whose shadow edges are found one by one."""
-_LOOSE: Final = 1e-3
+_AT_ONCE: Final = 1 << 15
+"""Pixels that a thread fills at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +38,7 @@ class Region:
     tells: str
 
 
-def regions(scene: AnyScene, true: Image) -> tuple[Region, ...]:
+def regions(scene: AnyScene, true: Image, threads: int = 0) -> tuple[Region, ...]:
     """Regions of the truth of ``scene``: all, every shape, silhouettes, shadow edges, texture lines, lobe walls.
 
     Those of fewer than ``FEWEST`` pixels are left out, and those that are another one again.
@@ -49,7 +54,7 @@ def regions(scene: AnyScene, true: Image) -> tuple[Region, ...]:
         edges = _beside(classes)
         found.append(Region("silhouettes", edges, "the place of shapes, the camera, the pixel filter"))
         inner = ~edges
-        found += [Region(r.name, r.mask & inner, r.tells) for r in _finer(scene, true)]
+        found += [Region(r.name, r.mask & inner, r.tells) for r in _finer(scene, true, threads)]
     if "crossings" in true.layers:
         walls = true.layer("crossings")
         busy = walls > np.quantile(walls, 0.75)
@@ -64,49 +69,56 @@ def _names(scene: AnyScene) -> list[str]:
     return ["background", "floor", *spheres, *(f"planes.{plane.name}" for plane in scene.planes)]
 
 
-def _finer(scene: AnyScene, true: Image) -> list[Region]:
+def _finer(scene: AnyScene, true: Image, threads: int) -> list[Region]:
     """Edges inside shapes: where a light begins to be hidden, where a texture changes."""
     if not isinstance(scene, RadiometricScene):
         return [Region("shading edges", _jumps(true.layer("direct")), "shadows, terminators and texture lines")]
+    lamps = [light for light in scene.lights if not isinstance(light, Sky)]
+    skies = [light for light in scene.lights if isinstance(light, Sky)]
     size, found = (true.width, true.height), []
-    plain = load_any(_plain(scene))
-    lit = [light for light in scene.lights if not isinstance(light, Sky)][:_LIGHTS]
-    for light in lit:
-        alone = _direct(load_any(_plain(scene) | {"lights": [light.model_dump()]}), size)
+    bare = np.zeros((true.height, true.width, 3))
+    for number, light in enumerate(lamps):
+        alone = _direct(scene, [light], size, threads)
+        bare += alone
+        if number < _LIGHTS:
+            edges = _beside(alone.max(axis=-1) > 0.0)
+            found.append(Region(f"shadow edges of lights.{light.name}", edges, "visibility, ray offsets"))
+    if skies:
+        bare += _direct(scene, skies, size, threads)
         found.append(
-            Region(f"shadow edges of lights.{light.name}", _beside(alone.max(axis=-1) > 0.0), "visibility, ray offsets")
+            Region("sky gradients", _beside(np.round(8.0 * _relative(bare))), "how the sky is hidden near contacts")
         )
-    if any(isinstance(light, Sky) for light in scene.lights):
-        near = _beside(np.round(8.0 * _relative(_direct(plain, size))))
-        found.append(Region("sky gradients", near, "how the sky is hidden near contacts"))
-    textures = [getattr(material, "reflectance", None) for material in scene.materials.values()]
-    if any(hasattr(texture, "cell") for texture in textures):
-        # light over that of one white material, on bare daylight: the texture alone, times what lobes do to it
-        shown, bare = (_direct(load_any(data), size).sum(axis=-1) for data in (_textures(scene), _plain(scene)))
-        ratio = np.where((bare > 0.0) & (shown > 0.0), shown / np.where(bare > 0.0, bare, 1.0), np.nan)
-        found.append(Region("texture lines", _jumps(ratio[..., None]), "texture coordinates, cells, half-cell offsets"))
+    if any(hasattr(getattr(material, "reflectance", None), "cell") for material in scene.materials.values()):
+        shown = _filled(reflectance_rows(radiometric_arrays(scene), *size), size, threads)
+        seen = (bare.sum(axis=-1) > 0.0) & (shown.sum(axis=-1) > 0.0)
+        lines = _jumps(np.where(seen[..., None], shown, np.nan))
+        found.append(Region("texture lines", lines, "texture coordinates, cells, half-cell offsets"))
     return found
 
 
-def _textures(scene: RadiometricScene) -> dict[str, Any]:
-    """The scene without bounces, every surface diffuse with its own reflectance."""
-    data = _plain(scene)
-    for name, part in scene.model_dump()["materials"].items():
-        data["materials"][name] = data["materials"][name] | {"reflectance": part["reflectance"]}
-    return data
-
-
-def _plain(scene: RadiometricScene) -> dict[str, Any]:
-    """The scene without bounces, every surface of one white diffuse material."""
+def _direct(scene: RadiometricScene, lights: Sequence[Light], size: tuple[int, int], threads: int) -> Array:
+    """Direct light of ``lights`` alone where every surface is of one white diffuse material, (h, w, 3)."""
     data = scene.model_dump()
     white = {"type": "diffuse", "reflectance": 0.5}
     sided = {name: part.get("two_sided", False) for name, part in data["materials"].items()}
     data["materials"] = {name: white | {"two_sided": sided[name]} for name in data["materials"]}
-    return data | {"bounces": 0}
+    data |= {"bounces": 0, "lights": [light.model_dump() for light in lights]}
+    return _filled(direct_rows(radiometric_arrays(RadiometricScene.model_validate(data)), *size), size, threads)
 
 
-def _direct(scene: AnyScene, size: tuple[int, int]) -> Array:
-    return np.asarray(truth(scene, size=size, tol=_LOOSE).layer("direct"))
+def _filled(rows: Rows, size: tuple[int, int], threads: int) -> Array:
+    """A layer (h, w, 3) that ``rows`` fill, a few at a time so that Ctrl-C is heard."""
+    width, height = size
+    layer, step = np.zeros((height, width, 3)), max(1, _AT_ONCE // width)
+    with ThreadPoolExecutor(thread_count(threads)) as pool:
+        started = [pool.submit(rows, y, min(y + step, height), layer) for y in range(0, height, step)]
+        try:
+            for one in started:
+                one.result()
+        finally:
+            for one in started:
+                one.cancel()
+    return layer
 
 
 def _relative(light: Array) -> Array:
