@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 VALUES, SLOPES, QUICK = 20_000, 3_000, 50
 KINDS = ("crowd", "sky", "area", "points")
 BATCH = 50
+SMALLEST = float(np.finfo(float).tiny)
 
 
 class Judged(NamedTuple):
@@ -80,7 +81,8 @@ def batches(total: int, first: int) -> Iterator[tuple[str, range]]:
 
 def tell(report: Report, what: str, found: list[Judged], loosest: float) -> None:
     """Counts of a population, its worst, and the claim that none is ``loosest`` times beyond what it states."""
-    ratio = [x.off / x.stated if x.stated > 0.0 else (np.inf if x.off > 0.0 else 0.0) for x in found]
+    # what is smaller than the smallest normal number has no digits to lose
+    ratio = [0.0 if x.off < SMALLEST else x.off / x.stated if x.stated > 0.0 else np.inf for x in found]
     lost = sum(x.off > 1e-12 * x.size > 0.0 for x in found)
     torn = sum(x.off > 0.1 * x.size > 0.0 for x in found)
     report.say(

@@ -185,11 +185,30 @@ def _sums(q: Array, n: Array, own: int, w: World, shift: Array, total: Array) ->
 
 
 class Seen(NamedTuple):
-    """What a ray meets, -1 for nothing, and the bounced light it brings, with its standard error (3,)."""
+    """What a ray meets, -1 for nothing, and the bounced light it brings, with its standard error (3,).
+
+    ``glare`` is the least number of directions of a lattice that fall where a lamp lights a surface most: with few of
+    them neither the light nor its error is known.
+    """
 
     shape: int
     indirect: Array
     sigma: Array
+    glare: float
+
+
+def glare(w: World, q: Array, own: int) -> float:
+    """Least number of directions from ``q`` into a disk about a lamp's foot on a surface, as wide as it is near."""
+    least = math.inf
+    for light in w.lights[w.lights[:, 0] == 0.0]:
+        for j, s in enumerate(w.shapes):
+            if j == own and s[0] == 1.0:
+                continue
+            off = light[1:4] - s[1:4]
+            near = abs(off @ s[5:8]) if s[0] == 1.0 else abs(math.sqrt(off @ off) - s[4])
+            far = math.sqrt(((light[1:4] - q) ** 2).sum()) + near
+            least = min(least, POINTS * (near / far) ** 2)
+    return least
 
 
 def bounced(w: World, origin: Array, direction: Array, rng: np.random.Generator) -> Seen:
@@ -197,15 +216,15 @@ def bounced(w: World, origin: Array, direction: Array, rng: np.random.Generator)
     d = direction / np.linalg.norm(direction)
     t, j = _hit(origin, d, -1, w.shapes)
     if j < 0:
-        return Seen(j, np.zeros(3), np.zeros(3))
+        return Seen(j, np.zeros(3), np.zeros(3), math.inf)
     q = origin + t * d
     n, shade = _normal(q, j, w.shapes), np.empty(3)
     _albedo(q, n, j, w.shapes, shade)
     if n @ d > 0.0:
         if w.shapes[j, 21] == 0.0:
-            return Seen(j, np.zeros(3), np.zeros(3))
+            return Seen(j, np.zeros(3), np.zeros(3), math.inf)
         n = -n
     sums = np.empty((SHIFTS, 3))
     for row in sums:
         _sums(q, n, j, w, rng.uniform(size=2), row)
-    return Seen(j, shade * sums.mean(axis=0), shade * sums.std(axis=0, ddof=1) / math.sqrt(SHIFTS))
+    return Seen(j, shade * sums.mean(axis=0), shade * sums.std(axis=0, ddof=1) / math.sqrt(SHIFTS), glare(w, q, j))
