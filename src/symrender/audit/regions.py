@@ -14,8 +14,8 @@ from symrender.execution.tiles import thread_count
 from symrender.images.image import Image
 from symrender.runtimes.glimpse import Rows, direct_rows, reflectance_rows
 from symrender.scene.load import AnyScene
-from symrender.scene.radiometric.arrays import radiometric_arrays
-from symrender.scene.radiometric.lights import Light, Sky
+from symrender.scene.radiometric.arrays import FIRST_SHAPE, radiometric_arrays
+from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
 
 Array = npt.NDArray[np.float64]
@@ -25,6 +25,8 @@ FEWEST: Final = 16
 """Pixels below which a region is not tested by itself."""
 _LIGHTS: Final = 8
 """Most lights whose shadow edges are found one by one."""
+_WHOLE: Final = 1e-9
+"""Share of a lamp's light that rounding may hide."""
 _AT_ONCE: Final = 1 << 15
 """Pixels that a thread fills at a time."""
 
@@ -83,6 +85,11 @@ def _finer(scene: AnyScene, true: Image, threads: int) -> list[Region]:
         if number < _LIGHTS:
             edges = _beside(alone.max(axis=-1) > 0.0)
             found.append(Region(f"shadow edges of lights.{light.name}", edges, "visibility, ray offsets"))
+        if number < _LIGHTS and isinstance(light, Area):
+            partly = _partly_lit(scene, light, alone.max(axis=-1), true.layer("hit_class"), threads)
+            found.append(
+                Region(f"penumbra of lights.{light.name}", partly, "how much of a lamp is seen, how it is sampled")
+            )
     if skies:
         bare += _direct(scene, skies, size, threads)
         found.append(
@@ -96,9 +103,28 @@ def _finer(scene: AnyScene, true: Image, threads: int) -> list[Region]:
     return found
 
 
-def _direct(scene: RadiometricScene, lights: Sequence[Light], size: tuple[int, int], threads: int) -> Array:
-    """Direct light of ``lights`` alone where every surface is of one white diffuse material, (h, w, 3)."""
+def _partly_lit(scene: RadiometricScene, lamp: Area, light: Array, classes: Array, threads: int) -> Mask:
+    """Pixels that get less of a lamp, ``light``, than they would with no other shape beside their own, but some."""
+    height, width = light.shape
+    partly = np.zeros(light.shape, dtype=bool)
+    for code, shape in enumerate(scene.shapes, start=FIRST_SHAPE):
+        here = (classes == code) & (light > 0.0)
+        if shape.name == lamp.shape or not here.any():
+            continue
+        whole = _direct(scene, [lamp], (width, height), threads, (shape.name, lamp.shape)).max(axis=-1)
+        partly |= here & (light < (1.0 - _WHOLE) * whole)
+    return partly
+
+
+def _direct(
+    scene: RadiometricScene, lights: Sequence[Light], size: tuple[int, int], threads: int, names: Sequence[str] = ()
+) -> Array:
+    """Direct light of ``lights`` alone where every surface is of one white diffuse material, (h, w, 3).
+
+    Where ``names`` are given the scene has these shapes only.
+    """
     data = scene.model_dump()
+    data["shapes"] = [shape for shape in data["shapes"] if not names or shape["name"] in names]
     white = {"type": "diffuse", "reflectance": 0.5}
     sided = {name: part.get("two_sided", False) for name, part in data["materials"].items()}
     data["materials"] = {name: white | {"two_sided": sided[name]} for name in data["materials"]}
