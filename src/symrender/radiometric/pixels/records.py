@@ -1,0 +1,129 @@
+"""Records of what a pixel is cut at, and the scratch its rules work in."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.jit.records import Array, Record, Three
+
+Ints = npt.NDArray[np.int64]
+Six = Annotated[Array, 6]
+
+# kinds of a wall
+LINE: Final = 0
+CONIC: Final = 1
+QUARTIC: Final = 2
+
+TERMS: Final = 25
+"""Numbers of a curve: the factor of x^i y^j stands at 5 i + j, i + j <= 4."""
+LEVELS: Final = 28
+"""Halvings of a pixel, at most."""
+ROOM: Final = 192
+"""Curves a cell may hold; one with more is halved, or not resolved."""
+MOST_CUTS: Final = 10
+"""Curves by which a cell is cut line by line; one with more is halved."""
+MOST_LINES: Final = 6
+"""Lines of one family in a cell that is cut at them."""
+SLABS: Final = 64
+"""Stretches of a cell between events of its curves."""
+
+
+class Wall(Record):
+    """Where radiance breaks, as the eye at the origin sees it.
+
+    A LINE is n.v = 0; a CONIC v.M v = 0 with M ``form``; a QUARTIC is where the sphere about ``center`` is cut by the
+    quadric of ``form``, ``linear`` and ``rest``. ``own`` and ``other`` are the shapes it is seen on, ``other`` -1 where
+    it is one. ``soft`` is 1 where radiance goes as a root or a 3/2 power of the distance from it, on a side.
+    """
+
+    kind: float
+    own: float
+    other: float
+    soft: float
+    normal: Three
+    form: Six
+    linear: Three
+    rest: float
+    center: Three
+    radius: float
+
+
+class Family(Record):
+    """Texture coordinate n.v/u.v of plane ``own``, in cells: it has a wall at every whole number if ``cuts``.
+
+    ``across`` is the direction of the image in which the other coordinate stays, u.v times n x u.
+    """
+
+    own: float
+    cuts: float
+    numerator: Three
+    denominator: Three
+
+
+class Room(NamedTuple):
+    """Scratch of a thread: what kernels of a pixel write and forget."""
+
+    caps: Array
+    arcs: Array
+    curves: Array
+    """(LEVELS + 1, ROOM, TERMS): the curves of the cell at every level, in its own coordinates."""
+    which: Ints
+    """(LEVELS + 1, ROOM): the wall each is."""
+    counts: Ints
+    """(LEVELS + 1,)"""
+    lines: Array
+    """(ROOM, TERMS): curves of texture lines of the cell at hand."""
+    turned: Array
+    """(MOST_CUTS, TERMS): the curves of a cell along its lines."""
+    soft: Array
+    """(MOST_CUTS,): whether they are soft."""
+    bounds: Array
+    """(MOST_CUTS, 4): least and largest slope of t against s, then least and largest slope of the level in t."""
+    places: Array
+    """(4, MOST_CUTS): where curves cross three lines, and in row 3 in order."""
+    states: Ints
+    """(4, MOST_CUTS): -1 or 1 where a curve passes before or behind the line's ends; in row 3 the order."""
+    slabs: Array
+    """(SLABS + 1,)"""
+    reach: Array
+    """(shapes, 2): nearest and farthest a shape may be met in the cell, inf where it cannot."""
+    work: Array
+    """(8, TERMS)"""
+    sums: Array
+    """(3, 6): emitted and direct light by three rules."""
+    span: Array
+    """(2, 3): least and largest radiance met."""
+    path: Ints
+    """(LEVELS + 1,): which quarter of the cell above each cell is."""
+    total: Array
+    """(8,): emitted and direct light of the pixel, its error, evaluations."""
+    best: Array
+    """(7,): the same of its best run."""
+
+
+def make_room(shapes: int) -> Room:
+    """Scratch for a world of so many shapes."""
+    return Room(
+        caps=np.empty((shapes + 1, 11)),
+        arcs=np.empty((2 * shapes + 2, 2)),
+        curves=np.zeros((LEVELS + 1, ROOM, TERMS)),
+        which=np.zeros((LEVELS + 1, ROOM), np.int64),
+        counts=np.zeros(LEVELS + 1, np.int64),
+        lines=np.zeros((ROOM, TERMS)),
+        turned=np.zeros((MOST_CUTS, TERMS)),
+        soft=np.zeros(MOST_CUTS),
+        bounds=np.zeros((MOST_CUTS, 4)),
+        places=np.zeros((4, MOST_CUTS)),
+        states=np.zeros((4, MOST_CUTS), np.int64),
+        slabs=np.zeros(SLABS + 1),
+        reach=np.zeros((max(1, shapes), 2)),
+        work=np.zeros((8, TERMS)),
+        sums=np.zeros((3, 6)),
+        span=np.zeros((2, 3)),
+        path=np.zeros(LEVELS + 1, np.int64),
+        total=np.zeros(8),
+        best=np.zeros(7),
+    )
