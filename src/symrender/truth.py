@@ -69,8 +69,8 @@ def truth(
     A radiometric scene has layers ``radiance`` = ``emitted`` + ``direct`` + ``indirect`` in W/(m2 sr), ``hit_class``
     (1 + j shape j), ``error`` and ``status``. With ``bounces: 0`` all is closed forms, ``indirect`` zero and ``error``
     what rounding may have done; ``bounces: 1`` is split at the walls like gloss. ``disk``, ``aa`` and ``counts`` have
-    no say. ``filter``: ``centre``, the radiance along the ray through a pixel's centre, where textures are read too, or
-    ``box``, the mean over the pixel's area, cut at every edge in it (``docs/pixels.md``); ``hit_class`` is the centre's.
+    no say. ``filter``: ``centre``, the radiance along the ray through a pixel's centre, where textures are read too,
+    or ``box``, the mean over its area, cut at every edge in it (``docs/pixels.md``); ``hit_class`` is the centre's.
     Choose truth whenever an image is to be
     trusted, ``render`` when it is to be quick. Keywords are many because each is an option of ``symrender truth``, by
     its name.

@@ -27,7 +27,6 @@ from symrender.scene.radiometric.arrays import (
     CONDUCTOR,
     PHONG,
     POINT,
-    SKY,
     SPHERE,
     RadiometricArrays,
 )
@@ -75,9 +74,11 @@ def wall_tables(view: Seen) -> tuple[Table[Wall], Table[Family]]:
     count = _kernel("list_walls")(view.world, view.eye, table(Wall, 0))
     if count > MOST_WALLS:
         raise Unsupported(f"filter: box cuts at {MOST_WALLS} walls at most, this scene has {count}; centre needs none")
-    found, coordinates = table(Wall, count), table(Family, 2 * len(view.world.shapes))
+    found = table(Wall, count)
     _kernel("list_walls")(view.world, view.eye, found)
-    return found, coordinates[: _kernel("list_families")(view.world, view.eye, coordinates)]  # type: ignore[index]
+    coordinates = table(Family, _kernel("list_families")(view.world, view.eye, table(Family, 0)))
+    _kernel("list_families")(view.world, view.eye, coordinates)
+    return found, coordinates
 
 
 def mean_world(arrays: RadiometricArrays) -> World:
@@ -101,6 +102,18 @@ def delicate(arrays: RadiometricArrays) -> bool:
     return glossy or any(light.kind in (POINT, AREA) for light in arrays.lights)
 
 
+def steepest(arrays: RadiometricArrays) -> float:
+    """How many times brighter than what a grid of rays meets a highlight may be, about: as its lobe is narrow."""
+    widths = [1.0]
+    for shape in arrays.shapes:
+        material = arrays.materials[int(shape.material)]
+        if material.kind == CONDUCTOR:
+            widths.append(float(material.alpha))
+        if material.kind == PHONG:
+            widths.append(math.sqrt(2.0 / (float(material.exponent) + 2.0)))
+    return 1.0 + 1.0 / min(widths) ** 2
+
+
 def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
     """What fills tiles with means over pixels, all of them equally weighted (``filter: box``).
 
@@ -111,8 +124,9 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
     views = [seen(each, width, height) for each in shaken(arrays)]
     found, coordinates = wall_tables(views[0])
     bright = brightest(views[0])
-    place = tuple(float(x) for x in views[0].eye)
-    eye = Eye(views[0].world, mean_world(arrays), place, found, coordinates, bright, delicate(arrays))  # type: ignore[arg-type]
+    place = (float(views[0].eye[0]), float(views[0].eye[1]), float(views[0].eye[2]))
+    peak = bright * steepest(arrays)
+    eye = Eye(views[0].world, mean_world(arrays), place, found, coordinates, bright, peak, delicate(arrays))
     kernel = _kernel("fill_pixels")
     own = threading.local()
 
@@ -126,35 +140,54 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
             direct, error,
         )  # fmt: skip
         for x, y in _NODES:
-            closed = [_rays(view, x0 + x + np.arange(x1 - x0), y0 + y + np.arange(y1 - y0), settings) for view in views]
+            columns: Array = x + np.arange(x0, x1, dtype=np.float64)
+            rows: Array = y + np.arange(y0, y1, dtype=np.float64)
+            sent = (_rays(view, _directions(view, columns, rows, width, height)) for view in views)
+            closed = [each.reshape(*shape, 3) for each in sent]
             error += doubt(closed[0], closed[1:]) / len(_NODES)
         return emitted, direct, error, int(spent)
 
     return means
 
 
-def _rays(view: Seen, columns: Array, rows: Array, settings: Settings) -> Array:
-    """(rows, columns, 3) radiance along rays through places of an image, in pixels."""
+def _directions(view: Seen, columns: Array, rows: Array, width: int, height: int) -> Array:
+    """(rows x columns, 3) unit directions through places of an image, in pixels."""
     forward, right, up = view.window
-    a, b = 2.0 * columns / settings.width - 1.0, 1.0 - 2.0 * rows / settings.height
-    directions = (forward + a[None, :, None] * right + b[:, None, None] * up).reshape(-1, 3)
-    directions /= np.sqrt((directions**2).sum(axis=1, keepdims=True))
+    a, b = 2.0 * columns / width - 1.0, 1.0 - 2.0 * rows / height
+    found = (forward + a[None, :, None] * right + b[:, None, None] * up).reshape(-1, 3)
+    found /= np.sqrt((found**2).sum(axis=1, keepdims=True))
+    return np.ascontiguousarray(found)
+
+
+def _rays(view: Seen, directions: Array) -> Array:
+    """(N, 3) radiance along rays from the eye."""
     count = len(directions)
     room = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
-    eyes = np.tile(view.eye, (count, 1))
-    _kernel("fill_rays")(view.world, eyes, np.ascontiguousarray(directions), *sky_room(view.world), *room)
-    return (room[0] + room[1]).reshape(len(rows), len(columns), 3)
+    _kernel("fill_rays")(view.world, np.tile(view.eye, (count, 1)), directions, *sky_room(view.world), *room)
+    return np.asarray(room[0] + room[1])
 
 
 def brightest(view: Seen) -> float:
-    """Largest finite radiance of a grid of rays through the image, and of all that emits."""
-    side = (np.arange(_LOOKS) + 0.5) * (1.0 / _LOOKS)
-    found = _rays(view, side, side, Settings(width=1, height=1))
-    emitted = [float(light.emitted.max()) for light in view.world.lights if light.kind in (SKY, AREA)]
-    return max([0.0, float(found[np.isfinite(found)].max(initial=0.0)), *emitted, math.ulp(1.0)])
+    """A radiance of the scene: the largest of a grid of rays, of what emits, of what would arrive where rays end.
+
+    Light arrives there as if nothing hid it, so that an image black at all these rays is not taken to be black.
+    """
+    side: Array = (np.arange(_LOOKS, dtype=np.float64) + 0.5) / _LOOKS
+    directions = _directions(view, side, side, 1, 1)
+    count = len(directions)
+    shape, place = np.zeros(count), np.zeros((count, 3))
+    unused = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
+    _kernel("fill_hits")(view.world, np.tile(view.eye, (count, 1)), directions, shape, place, *unused)
+    met, found = place[shape >= 0], [_rays(view, directions)]
+    for light in view.world.lights:
+        share = np.ones((1, 1))
+        if light.kind == POINT and len(met):
+            share = 1.0 / ((met - light.place) ** 2).sum(axis=1, keepdims=True)
+        found.append(share * light.emitted)
+    return max(float(each[np.isfinite(each)].max(initial=math.ulp(1.0))) for each in found)
 
 
-@lru_cache(maxsize=5)
+@lru_cache(maxsize=6)
 def _kernel(name: str) -> Any:
     """Compiled function that lists walls, sends rays or fills pixels."""
     module = next(each for each in (pixel, walls, tile) if hasattr(each, name) and name.startswith(("list", "fill")))

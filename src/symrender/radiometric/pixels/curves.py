@@ -125,7 +125,7 @@ def misses(curve: Array) -> bool:
     rest = SLACK
     for k in range(1, TERMS):
         rest += abs(curve[k])
-    return abs(curve[0]) > rest
+    return bool(abs(curve[0]) > rest)
 
 
 @jitable

@@ -1,9 +1,9 @@
 """The mean of radiance over a pixel: quarters of it, and of these, until what each states is small enough.
 
 A cell that no curve enters is smooth and takes a tensor rule; one whose curves are monotone along lines of some
-direction is cut line by line; any other is halved, until its area times the span of radiance is small enough to be
-stated as its error. So nothing rests on a list of events: a curve that is not proved to miss a cell, to be monotone in
-it or to be too small to matter is looked at more closely.
+direction is integrated line by line; any other is halved, until its area times the span of radiance is small enough to
+be stated as its error. So nothing rests on a list of events: a curve that is not proved to miss a cell, to be monotone
+in it or to be too small to matter is looked at more closely.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Final, NamedTuple
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.radiometric.pixels.curves import misses, put_curve, put_quarter
-from symrender.radiometric.pixels.records import LEVELS, MOST_CUTS, ROOM, TERMS, Family, Ints, Room, Wall
-from symrender.radiometric.pixels.rules import clear, cut_rule, cutting_mode, gap, put_slabs, tensor_rule
+from symrender.radiometric.pixels.records import LEVELS, MOST_CUTS, ROOM, Family, Ints, Room, Wall
+from symrender.radiometric.pixels.rules import clear, cut_rule, cutting_mode, gap, put_panels, tensor_rule
 from symrender.radiometric.pixels.sharp import too_sharp
 from symrender.radiometric.pixels.sight import may_show, put_reach
 from symrender.radiometric.pixels.textures import brightest, fields, mean_error, put_lines
@@ -29,8 +29,10 @@ _FIELD_COST: Final = 100.0
 """Evaluations a field takes, about."""
 _PART: Final = 0.004
 """Part of a pixel's tolerance that any cell may take."""
-_RUNS: Final = 6
+_RUNS: Final = 8
 """Most runs of a pixel."""
+_FIRST: Final = 60_000
+"""Evaluations of its first run, at least."""
 _STRICTER: Final = 0.2
 _LOOSER: Final = 32.0
 _DOUBT: Final = 0.02
@@ -40,7 +42,8 @@ _DOUBT: Final = 0.02
 class Eye(NamedTuple):
     """What is the same for all pixels: the world, the same with textures of planes replaced by their means.
 
-    ``bright`` is a radiance of the scene that what nodes have not seen is taken to have.
+    ``bright`` is a radiance of the scene that what nodes have not seen is taken to have, ``peak`` that of the highest
+    highlight.
     """
 
     world: World
@@ -49,6 +52,7 @@ class Eye(NamedTuple):
     walls: Table[Wall]
     families: Table[Family]
     bright: float
+    peak: float
     delicate: bool
 
 
@@ -124,7 +128,7 @@ def spread(eye: Eye, room: Room) -> float:
     """What radiance may differ by where nodes have not looked: as it was met to differ, or ``bright``."""
     span = room.span
     met = max(span[1, 0] - span[0, 0], max(span[1, 1] - span[0, 1], span[1, 2] - span[0, 2]))
-    return max(met, eye.bright)
+    return float(max(met, eye.bright))
 
 
 @jitable
@@ -160,39 +164,56 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
     count = own + lines
     for k in range(count):
         room.soft[k] = eye.walls[int(room.which[cell.level, k])].soft if k < own else 0.0
-    slabs, risk = put_slabs(room, count, mode)
+    panels, risk = put_panels(room, count, mode)
     # the cell's own area is 4, t and s cover half of it where x, y = t + s, t - s
     missed = cell.area * risk * (0.25 if mode < 2 else 0.5) * spread(eye, room)
-    if slabs == 0 or missed > cell.allowed:
+    if panels == 0 or missed > cell.allowed:
         return False
     world = eye.mean if blurred else eye.world
     before = math.inf
     for trial in range(3):
         low, high = (2, 3) if trial == 0 else ((3, 5) if trial == 1 else (5, 8))
         if trial == 0:
-            cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, low, 0, count, mode, slabs, room)
-        cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, high, 1, count, mode, slabs, room)
+            cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, low, 0, count, mode, panels, room)
+        cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, high, 1, count, mode, panels, room)
         error = gap(room, 0, 1)
-        if trial > 0:
-            error = max(error, _DOUBT * before)
-            whole = error + missed + cell.area * beside * 1.5 * brightest(room.span)
-            if whole <= cell.allowed or (blurred and error + missed <= cell.allowed):
-                take(room, 1, whole)
-                return True
-            if error > 50.0 * cell.allowed and cell.level < 6:
-                return False
-        before = error
+        # the first pair of rules is trusted less
+        error = max(error, _DOUBT * before) if trial > 0 else 8.0 * error
+        whole = error + missed + cell.area * beside * 1.5 * brightest(room.span)
+        if whole <= cell.allowed or (blurred and error + missed <= cell.allowed):
+            take(room, 1, whole)
+            return True
+        if trial > 0 and error > 50.0 * cell.allowed and cell.level < 6:
+            return False
+        before = gap(room, 0, 1)
         for c in range(6):
             room.sums[0, c] = room.sums[1, c]
     return False
 
 
 @jitable
-def coarse_cell(eye: Eye, cell: Cell, room: Room, blurred: bool) -> None:
-    """Integrate a cell as if it were smooth and state its area times the span of radiance."""
+def coarse_cell(eye: Eye, cell: Cell, room: Room, blurred: bool, sharp: bool) -> None:
+    """Integrate a cell as if it were smooth and state its area times what radiance may differ by in it."""
     world = eye.mean if blurred else eye.world
     tensor_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, 2, 0, room)
-    take(room, 0, cell.area * (spread(eye, room) if not blurred else spread(eye, room) + brightest(room.span)))
+    swing = spread(eye, room) + (brightest(room.span) if blurred else 0.0)
+    take(room, 0, cell.area * (max(swing, eye.peak) if sharp else swing))
+
+
+@jitable
+def blurred_cell(eye: Eye, cell: Cell, room: Room, limit: float, ends: bool, budget: int) -> int:
+    """Integrate a cell of many fields with its texture's mean: 1 where that is done, 0 to halve it, -1 to end there."""
+    own = int(room.counts[cell.level])
+    beside = mean_error(eye.families, cell.v, cell.vx, cell.vy, room, limit, own)
+    held = fields(eye.families, cell.v, cell.vx, cell.vy, room, limit)
+    hopeless = held * _FIELD_COST > budget - room.total[7]
+    off = cell.area * beside * 1.5 * brightest(room.span)
+    if off <= cell.allowed or (hopeless and cell.level >= _TEXTURE_LEVELS) or ends:
+        if cut_cell(eye, cell, room, own, 0, True, beside):
+            return 1
+        if hopeless and cell.level >= _TEXTURE_LEVELS + 4:
+            return -1
+    return 0
 
 
 @jitable
@@ -202,27 +223,20 @@ def one_cell(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, budget:
     own = int(room.counts[cell.level])
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
     many = lines < 0
-    if not ends and fits and not many:
+    sharp = too_sharp(eye.world, eye.place, cell.v, cell.vx, cell.vy, room, limit, eye.delicate)
+    if not ends and fits and not many and not sharp:
         if own + lines == 0:
-            if too_sharp(eye.world, eye.place, cell.v, cell.vx, cell.vy, room, limit, eye.delicate):
-                return False
             return smooth_cell(eye, cell, room)
-        if own + lines <= MOST_CUTS:
-            if not too_sharp(eye.world, eye.place, cell.v, cell.vx, cell.vy, room, limit, eye.delicate):
-                if cut_cell(eye, cell, room, own, lines, False, 0.0):
-                    return True
-    if many and fits:
-        beside = mean_error(eye.families, cell.v, cell.vx, cell.vy, room, limit, own)
-        held = fields(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-        hopeless = held * _FIELD_COST > budget - room.total[7]
-        off = cell.area * beside * 1.5 * brightest(room.span)
-        if off <= cell.allowed or (hopeless and cell.level >= _TEXTURE_LEVELS) or ends:
-            if cut_cell(eye, cell, room, own, 0, True, beside):
-                return True
-            if hopeless and cell.level >= _TEXTURE_LEVELS + 4:
-                ends = True
-    if ends or cell.area * (spread(eye, room) + (brightest(room.span) if many else 0.0)) <= cell.allowed:
-        coarse_cell(eye, cell, room, many)
+        if own + lines <= MOST_CUTS and cut_cell(eye, cell, room, own, lines, False, 0.0):
+            return True
+    if many and fits and not sharp:
+        done = blurred_cell(eye, cell, room, limit, ends, budget)
+        if done > 0:
+            return True
+        ends = ends or done < 0
+    swing = spread(eye, room) + (brightest(room.span) if many else 0.0)
+    if ends or (not sharp and cell.area * swing <= cell.allowed):
+        coarse_cell(eye, cell, room, many, sharp)
         return True
     return False
 
@@ -300,21 +314,35 @@ def block_walls(eye: Eye, block: Cell, room: Room, candidates: Ints) -> int:
 def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, tol: float, budget: int) -> float:
     """Leave the mean of a pixel in ``room.best``, to ``tol`` if the budget lasts; returns the evaluations.
 
-    A run whose cells' errors add up to more is made again with less for each, one that the budget ends with more.
+    A run whose cells' errors add up to more is made again with less for each. Where its budget ends a run, looser
+    ones are made until one ends by itself, then stricter ones while what they are to take is left.
     """
-    best, share, spent, loose = room.best, 1.0, 0.0, False
+    best, share, spent, tightens, loose = room.best, 1.0, 0.0, False, False
+    put_reach(eye.world, eye.place, whole.v, whole.vx, whole.vy, room)
+    held = fields(eye.families, whole.v, whole.vx, whole.vy, room, math.inf)
+    # where fields are too many to be cut at, a first run need not find it out at length
+    limit = budget // 4 if held * _FIELD_COST <= budget // 4 else min(budget, max(_FIRST, budget // 64))
     best[6] = math.inf
     for _ in range(_RUNS):
-        pixel_mean(eye, whole, room, candidates, count, share * tol, budget // 4)
-        spent += room.total[7]
+        pixel_mean(eye, whole, room, candidates, count, share * tol, limit)
+        used = room.total[7]
+        spent += used
         if room.total[6] < best[6]:
             for c in range(7):
                 best[c] = room.total[c]
-        ended = room.total[7] > budget // 4
-        if best[6] <= tol or (loose and not ended):
+        if best[6] <= tol or (used > limit and tightens):
             break
-        loose = loose or ended
-        share *= _LOOSER if ended else _STRICTER
+        if used > limit:
+            loose = True
+            share *= _LOOSER
+        elif not loose:
+            share *= _STRICTER
+        else:
+            # a stricter run takes about as many times more, where fields are what it is spent on
+            limit, tightens = budget // 4, True
+            if used * _LOOSER > limit:
+                break
+            share /= _LOOSER
     return spent
 
 

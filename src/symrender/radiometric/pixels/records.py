@@ -17,6 +17,12 @@ LINE: Final = 0
 CONIC: Final = 1
 QUARTIC: Final = 2
 
+# what radiance does beside a wall that is not smooth up to it: ``soft`` of a wall, else 0
+LIMB: Final = 1.0
+"""It jumps, and goes as a root of the distance on the side of the sphere."""
+TOUCH: Final = 2.0
+"""It goes as the 3/2 power of the distance on a side, and does not jump."""
+
 TERMS: Final = 25
 """Numbers of a curve: the factor of x^i y^j stands at 5 i + j, i + j <= 4."""
 LEVELS: Final = 28
@@ -24,10 +30,10 @@ LEVELS: Final = 28
 ROOM: Final = 192
 """Curves a cell may hold; one with more is halved, or not resolved."""
 MOST_CUTS: Final = 10
-"""Curves by which a cell is cut line by line; one with more is halved."""
+"""Curves of a cell that is integrated line by line; one with more is halved."""
 MOST_LINES: Final = 6
 """Lines of one family in a cell that is cut at them."""
-SLABS: Final = 64
+PANELS: Final = 64
 """Stretches of a cell between events of its curves."""
 
 
@@ -36,7 +42,7 @@ class Wall(Record):
 
     A LINE is n.v = 0; a CONIC v.M v = 0 with M ``form``; a QUARTIC is where the sphere about ``center`` is cut by the
     quadric of ``form``, ``linear`` and ``rest``. ``own`` and ``other`` are the shapes it is seen on, ``other`` -1 where
-    it is one. ``soft`` is 1 where radiance goes as a root or a 3/2 power of the distance from it, on a side.
+    it is one. ``soft`` is 0, ``LIMB`` or ``TOUCH``.
     """
 
     kind: float
@@ -79,15 +85,15 @@ class Room(NamedTuple):
     turned: Array
     """(MOST_CUTS, TERMS): the curves of a cell along its lines."""
     soft: Array
-    """(MOST_CUTS,): whether they are soft."""
+    """(MOST_CUTS,): their ``soft``."""
     bounds: Array
     """(MOST_CUTS, 4): least and largest slope of t against s, then least and largest slope of the level in t."""
     places: Array
     """(4, MOST_CUTS): where curves cross three lines, and in row 3 in order."""
     states: Ints
     """(4, MOST_CUTS): -1 or 1 where a curve passes before or behind the line's ends; in row 3 the order."""
-    slabs: Array
-    """(SLABS + 1,)"""
+    panels: Array
+    """(PANELS + 1,)"""
     reach: Array
     """(shapes, 2): nearest and farthest a shape may be met in the cell, inf where it cannot."""
     work: Array
@@ -118,7 +124,7 @@ def make_room(shapes: int) -> Room:
         bounds=np.zeros((MOST_CUTS, 4)),
         places=np.zeros((4, MOST_CUTS)),
         states=np.zeros((4, MOST_CUTS), np.int64),
-        slabs=np.zeros(SLABS + 1),
+        panels=np.zeros(PANELS + 1),
         reach=np.zeros((max(1, shapes), 2)),
         work=np.zeros((8, TERMS)),
         sums=np.zeros((3, 6)),

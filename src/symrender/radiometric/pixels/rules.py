@@ -10,7 +10,7 @@ import numpy as np
 from symrender.jit.marks import inlined, jitable
 from symrender.radiometric.direct import along_ray
 from symrender.radiometric.pixels.curves import crossing, put_turned, slope_bounds
-from symrender.radiometric.pixels.records import MOST_CUTS, SLABS, TERMS, Room
+from symrender.radiometric.pixels.records import MOST_CUTS, PANELS, TERMS, TOUCH, Room
 from symrender.radiometric.world import Array, Vector, World
 
 MOST_NODES: Final = 12
@@ -158,6 +158,12 @@ def lens(first: float, last: float, low: float, high: float, length: float) -> f
     return 0.0 if depth >= 0.0 else -0.5 * depth * length
 
 
+@inlined
+def weighed(area: float, length: float, touch: bool) -> float:
+    """An area that may be cut off; beside a curve across which nothing jumps the less the narrower it is."""
+    return area * min(1.0, 2.0 * area / length) if touch else area
+
+
 @jitable
 def apart(room: Room, k: int, m: int) -> float:
     """How far apart two curves of a cell are at most: little where they are one curve, rounded twice."""
@@ -169,7 +175,7 @@ def apart(room: Room, k: int, m: int) -> float:
     for c in range(TERMS):
         rest += abs(second[c] - factor * first[c])
     steep = min(abs(room.bounds[m, 2]), abs(room.bounds[m, 3]))
-    return rest / steep
+    return float(rest / steep)
 
 
 @jitable
@@ -180,33 +186,37 @@ def risk_between(room: Room, count: int, mode: int, start: float, stop: float, a
     widening = 0.0 if mode < 2 else (last - first) / length
     risk = 0.0
     for k in range(count):
+        touch = room.soft[k] == TOUCH
         low, high = bounds[k, 0], bounds[k, 1]
         if states[a, k] <= 0:
-            risk += lens(places[a, k] + first, places[b, k] + last, low + widening, high + widening, length)
+            area = lens(places[a, k] + first, places[b, k] + last, low + widening, high + widening, length)
+            risk += weighed(area, length, touch)
         if states[a, k] >= 0:
-            risk += lens(places[a, k] - first, places[b, k] - last, low - widening, high - widening, length)
+            area = lens(places[a, k] - first, places[b, k] - last, low - widening, high - widening, length)
+            risk += weighed(area, length, touch)
         for m in range(k):
             if states[a, k] == 0 and states[a, m] == 0:
                 before, after = places[a, k] - places[a, m], places[b, k] - places[b, m]
                 area = lens(before, after, low - bounds[m, 1], high - bounds[m, 0], length)
                 if area > 0.0:
-                    risk += min(area, length * apart(room, k, m))
+                    area = min(area, length * apart(room, k, m))
+                    risk += weighed(area, length, touch or room.soft[m] == TOUCH)
     return risk
 
 
 @jitable
-def put_slabs(room: Room, count: int, mode: int) -> tuple[int, float]:
+def put_panels(room: Room, count: int, mode: int) -> tuple[int, float]:
     """(stretches of s between events, area that may be cut off unseen); 0 stretches where there is no room for all.
 
-    Ends of stretches go to ``room.slabs``. An event is where two curves cross or one enters or leaves the cell: the
+    Ends of stretches go to ``room.panels``. An event is where two curves cross or one enters or leaves the cell: the
     order along the lines changes there, and is bisected.
     """
-    slabs = room.slabs
-    slabs[0], found, risk = -1.0, 0, 0.0
+    panels = room.panels
+    panels[0], found, risk = -1.0, 0, 0.0
     parts = 1 if mode < 2 else 2
     for part in range(parts):
         stop = 1.0 if part == parts - 1 else 0.0
-        start = slabs[found]
+        start = panels[found]
         locate(room, count, mode, start, 0)
         locate(room, count, mode, stop, 2)
         while not alike(room, count, 0, 2):
@@ -220,20 +230,20 @@ def put_slabs(room: Room, count: int, mode: int) -> tuple[int, float]:
                     low = middle
                 else:
                     high = middle
-            if found + 2 > SLABS:
+            if found + 2 > PANELS:
                 return 0, 0.0
             locate(room, count, mode, low, 1)
             if low > start:
                 risk += risk_between(room, count, mode, start, low, 0, 1)
             found += 1
-            slabs[found] = start = high
+            panels[found] = start = high
             locate(room, count, mode, high, 0)
         if stop > start:
             risk += risk_between(room, count, mode, start, stop, 0, 2)
-            if found + 2 > SLABS:
+            if found + 2 > PANELS:
                 return 0, 0.0
             found += 1
-            slabs[found] = stop
+            panels[found] = stop
     return found, risk
 
 
@@ -293,7 +303,7 @@ def line_rule(
 @jitable
 def cut_rule(
     world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, area: float, order: int, row: int, count: int,
-    mode: int, slabs: int, room: Room,
+    mode: int, panels: int, room: Room,
 ) -> None:  # fmt: skip
     """Integrate over a cell of this share of the pixel, line by line, in every stretch between events."""
     clear(room, row)
@@ -302,8 +312,8 @@ def cut_rule(
         soft = soft or room.soft[k] != 0.0
     # the cell's own area is 4; x, y = t + s, t - s covers twice that of t and s
     scale = area * (0.25 if mode < 2 else 0.5)
-    for slab in range(slabs):
-        start, stop = room.slabs[slab], room.slabs[slab + 1]
+    for panel in range(panels):
+        start, stop = room.panels[panel], room.panels[panel + 1]
         for i in range(order):
             place, slope = mapped(GAUSS[0, order, i], soft, soft)
             s = start + (stop - start) * place

@@ -99,9 +99,9 @@ def too_sharp(
         if world.shapes[j].kind == SPHERE or not may_show(room, float(j), limit):
             continue
         for i in range(world.lights.shape[0]):
-            if world.lights[i].kind == POINT:
-                if plane_spreads(world, j, eye, vector(world.lights[i].place), v, vx, vy):
-                    return True
+            lamp = world.lights[i]
+            if lamp.kind == POINT and plane_spreads(world, j, eye, vector(lamp.place), v, vx, vy):
+                return True
     size = math.sqrt(dot(v, v))
     ray = (v[0] / size, v[1] / size, v[2] / size)
     own, _, place, normal, _ = nearest(world, eye, ray)

@@ -148,4 +148,4 @@ def mean_error(
 @jitable
 def brightest(span: Array) -> float:
     """Largest radiance met."""
-    return max(0.0, max(span[1, 0], max(span[1, 1], span[1, 2])))
+    return float(max(0.0, max(span[1, 0], max(span[1, 1], span[1, 2]))))

@@ -14,7 +14,7 @@ import math
 from symrender.jit.marks import jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.pixels.records import CONIC, LINE, QUARTIC, Family, Wall
+from symrender.radiometric.pixels.records import CONIC, LIMB, LINE, QUARTIC, TOUCH, Family, Wall
 from symrender.radiometric.sight import dot, minus, vector
 from symrender.radiometric.world import Array, Vector, World
 from symrender.scene.arrays import CHECKER, MARBLE, SOLID, STRIPES
@@ -105,7 +105,7 @@ def sight_walls(world: World, eye: Vector, walls: Table[Wall], count: int) -> in
         c = minus(vector(shape.place), eye)
         if shape.kind == SPHERE:
             if leaves.sphere_power(*c, shape.radius) > 0.0:
-                count = put_conic(walls, count, j, -1, 1.0, *leaves.silhouette_conic(*c, shape.radius))
+                count = put_conic(walls, count, j, -1, LIMB, *leaves.silhouette_conic(*c, shape.radius))
         else:
             count = put_line(walls, count, vector(world.frames[j].up), j, -1)
         for i in range(j):
@@ -114,8 +114,10 @@ def sight_walls(world: World, eye: Vector, walls: Table[Wall], count: int) -> in
             if shape.kind == SPHERE and other.kind == SPHERE:
                 way = minus(o, c)
                 apart = math.sqrt(dot(way, way))
-                if abs(shape.radius - other.radius) * (1.0 - 1e-9) <= apart <= (shape.radius + other.radius) * (
-                    1.0 + 1e-9
+                if (
+                    abs(shape.radius - other.radius) * (1.0 - 1e-9)
+                    <= apart
+                    <= (shape.radius + other.radius) * (1.0 + 1e-9)
                 ):
                     level = leaves.sphere_power(*o, other.radius) - leaves.sphere_power(*c, shape.radius)
                     axis = (2.0 * way[0], 2.0 * way[1], 2.0 * way[2])
@@ -169,13 +171,9 @@ def point_walls(world: World, eye: Vector, own: int, light: int, walls: Table[Wa
             continue
         o = minus(vector(other.place), eye)
         if not far:
-            count = put_quadric(
-                world, eye, walls, count, own, 0.0, leaves.cylinder_quadric(*o, other.radius, *at)
-            )
+            count = put_quadric(world, eye, walls, count, own, 0.0, leaves.cylinder_quadric(*o, other.radius, *at))
         elif leaves.sphere_power(*minus(o, at), other.radius) > 0.0:
-            count = put_quadric(
-                world, eye, walls, count, own, 0.0, leaves.envelope_quadric(*o, other.radius, *at, 0.0)
-            )
+            count = put_quadric(world, eye, walls, count, own, 0.0, leaves.envelope_quadric(*o, other.radius, *at, 0.0))
     return count
 
 
@@ -193,7 +191,7 @@ def cap_walls(world: World, eye: Vector, own: int, light: int, walls: Table[Wall
             axis = minus(o, c)
             for side in range(2):
                 reach = shape.radius * (shape.radius + (first.radius if side == 0 else -first.radius))
-                count = put_section(world, eye, walls, count, own, -1, 1.0, axis, dot(axis, c) + reach)
+                count = put_section(world, eye, walls, count, own, -1, TOUCH, axis, dot(axis, c) + reach)
         for k in range(world.shapes.shape[0]):
             second = world.shapes[k]
             if k == own:
@@ -202,8 +200,8 @@ def cap_walls(world: World, eye: Vector, own: int, light: int, walls: Table[Wall
                 if sky:
                     up = vector(world.frames[k].up)
                     middle = dot(up, o)
-                    count = put_section(world, eye, walls, count, own, -1, 1.0, up, middle + first.radius)
-                    count = put_section(world, eye, walls, count, own, -1, 1.0, up, middle - first.radius)
+                    count = put_section(world, eye, walls, count, own, -1, TOUCH, up, middle + first.radius)
+                    count = put_section(world, eye, walls, count, own, -1, TOUCH, up, middle - first.radius)
                 continue
             if k >= i:
                 continue
@@ -214,7 +212,7 @@ def cap_walls(world: World, eye: Vector, own: int, light: int, walls: Table[Wall
                 other = second.radius if side == 0 else -second.radius
                 if apart > (first.radius - other) * (first.radius - other):
                     count = put_quadric(
-                        world, eye, walls, count, own, 1.0, leaves.envelope_quadric(*o, first.radius, *p, other)
+                        world, eye, walls, count, own, TOUCH, leaves.envelope_quadric(*o, first.radius, *p, other)
                     )
     return count
 
@@ -226,9 +224,9 @@ def list_walls(world: World, eye: Array, walls: Table[Wall]) -> int:
     for own in range(world.shapes.shape[0]):
         for light in range(world.lights.shape[0]):
             kind = world.lights[light].kind
-            if kind == POINT or kind == DIRECTIONAL:
+            if kind in (POINT, DIRECTIONAL):
                 count = point_walls(world, at, own, light, walls, count)
-            elif kind == SKY or kind == AREA:
+            elif kind in (SKY, AREA):
                 count = cap_walls(world, at, own, light, walls, count)
     return count
 
