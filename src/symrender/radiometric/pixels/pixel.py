@@ -37,6 +37,8 @@ _STRICTER: Final = 0.2
 _LOOSER: Final = 32.0
 _DOUBT: Final = 0.02
 """Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
+_LITTLE: Final = 0.005
+"""The same of rules between walls, which are far apart in order."""
 
 
 class Eye(NamedTuple):
@@ -171,19 +173,20 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
         return False
     world = eye.mean if blurred else eye.world
     before = math.inf
-    for trial in range(3):
-        low, high = (2, 3) if trial == 0 else ((3, 5) if trial == 1 else (5, 8))
-        if trial == 0:
-            cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, low, 0, count, mode, panels, room)
-        cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, high, 1, count, mode, panels, room)
+    cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, 2, 0, count, mode, panels, room)
+    for trial in range(4):
+        order = 3 if trial == 0 else (5 if trial == 1 else (8 if trial == 2 else 12))
+        # drawn to the ends of panels where a piece beside a limb shrinks to nothing, from a third rule on
+        way = mode if trial < 2 else mode + 4
+        cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, order, 1, count, way, panels, room)
         error = gap(room, 0, 1)
         # the first pair of rules is trusted less
-        error = max(error, _DOUBT * before) if trial > 0 else 8.0 * error
+        error = max(error, _LITTLE * before) if trial > 0 else 8.0 * error
         whole = error + missed + cell.area * beside * 1.5 * brightest(room.span)
         if whole <= cell.allowed or (blurred and error + missed <= cell.allowed):
             take(room, 1, whole)
             return True
-        if trial > 0 and error > 50.0 * cell.allowed and cell.level < 6:
+        if error > (50.0 if trial == 1 else 300.0) * cell.allowed and trial > 0 and cell.level < 6:
             return False
         before = gap(room, 0, 1)
         for c in range(6):

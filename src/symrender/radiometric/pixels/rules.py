@@ -305,11 +305,15 @@ def cut_rule(
     world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, area: float, order: int, row: int, count: int,
     mode: int, panels: int, room: Room,
 ) -> None:  # fmt: skip
-    """Integrate over a cell of this share of the pixel, line by line, in every stretch between events."""
+    """Integrate over a cell of this share of the pixel, line by line, in every panel between events.
+
+    Four is added to the mode where lines are to be drawn to the ends of panels if a curve is soft.
+    """
     clear(room, row)
     soft = False
     for k in range(count):
-        soft = soft or room.soft[k] != 0.0
+        soft = soft or (mode >= 4 and room.soft[k] != 0.0)
+    mode = mode % 4
     # the cell's own area is 4; x, y = t + s, t - s covers twice that of t and s
     scale = area * (0.25 if mode < 2 else 0.5)
     for panel in range(panels):
