@@ -128,8 +128,9 @@ def render(
     0 takes the processors at hand; the bytes do not depend on it, nor on ``tile``, the side of a tile, 0 to measure
     one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes
     (``execution/cluster.py``). ``preview``: a PNG file that shows each image while it is made, or ``tev`` to see it
-    there. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its centre alone. ``filter``: what a pixel of a radiometric scene is, the ray
-    through its ``centre`` or the mean over its ``box``, on both sides.
+    there. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
+    ``filter``: what a pixel of a radiometric scene is, the ray through its ``centre`` or the mean over its ``box``, on
+    both sides.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j, then planes). Those of radiometric scenes have the layers of ``truth``: the

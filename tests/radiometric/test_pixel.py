@@ -166,6 +166,18 @@ def crowd(rng: np.random.Generator, kinds: str = "bcd") -> RadiometricScene:
         way[2] = abs(way[2])
         gap = float(rng.choice([1.0, 1 + 1e-6, 1.1, 0.8]))
         place, size = place + way / np.linalg.norm(way) * (size + other) * gap, other
+    if rng.random() < 0.5:
+        kind = str(rng.choice(["rectangle", "triangle", "disk", "box"]))
+        at, one, two = rng.normal(size=(3, 3)) * [[1, 1, 1], [0.8, 0.8, 0.8], [0.8, 0.8, 0.8]]
+        at[2] = abs(at[2]) + 0.3
+        flat = {"type": kind, "name": "flat", "material": "b"}
+        flat |= {
+            "rectangle": {"corner": at, "edge_u": one, "edge_v": np.cross(one, two)},
+            "triangle": {"vertices": np.array([at, at + one, at + two])},
+            "disk": {"center": at, "normal": one / scale, "radius": 0.6},
+            "box": {"center": at, "size": np.abs(two) + 0.1, "rotation": 30.0 / scale},
+        }[kind]  # fmt: skip
+        shapes.append({k: v if isinstance(v, str) else (np.asarray(v) * scale).tolist() for k, v in flat.items()})
     if rng.random() < 0.3:
         shapes.append(plane("b", name="wall", point=[0, 3 * scale, 0], normal=[0, -1, 0.1]))
     lamp = rng.normal(size=3) * 2 + [0, 0, 5]

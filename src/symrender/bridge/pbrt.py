@@ -99,6 +99,7 @@ def _refuse_backs(scene: RadiometricScene) -> None:
         if isinstance(shape, Sphere):
             inside = math.dist(scene.camera.eye, shape.center) < shape.radius
         else:
+            assert isinstance(shape, Plane), "refused before"
             up = frame_of(shape)[2]
             inside = sum(n * (e - p) for n, e, p in zip(up, scene.camera.eye, shape.point, strict=True)) < 0.0
         if inside:
@@ -142,6 +143,7 @@ def _document(prepared: Prepared, samples: int, channel: Channel) -> list[str]:
         lines += [] if isinstance(light, lights.Area) else _light(light, channel)
     for shape in scene.shapes:
         lamp = _light(shining[shape.name], channel) if shape.name in shining else []
+        assert isinstance(shape, Plane | Sphere), "refused before"
         lines += _shape(shape, scene.materials[shape.material], prepared.halves.get(shape.name, 0.0), channel, lamp)
     return lines
 
@@ -154,6 +156,14 @@ def _light(light: lights.Light, channel: Channel) -> list[str]:
     match light:
         case lights.Point():
             what = f'"point" {_grey("rgb", "I", channel(light.intensity))} "point3 from" [ {_numbers(light.position)} ]'
+        case lights.Spot():
+            if light.falloff != "smooth":
+                raise Unsupported(f"lights.{light.name}: pbrt's spot falls off smoothly; falloff must be smooth")
+            what = f'"spot" {_grey("rgb", "I", channel(light.intensity))} "point3 to" [ {_numbers(light.direction)} ]'
+            what += f' "float coneangle" [ {light.cutoff!r} ] "float conedeltaangle" [ {light.cutoff - light.beam!r} ]'
+            # moved after it is turned, so that its direction keeps its digits
+            there = [f"Translate {_numbers(light.position)}", f"LightSource {what}"]
+            return [f"# lights.{light.name}", "AttributeBegin", *(f"  {line}" for line in there), "AttributeEnd"]
         case lights.Directional():
             # what falls on a surface across it is L
             what = f'"distant" {_grey("rgb", "L", channel(light.irradiance))}'

@@ -115,8 +115,8 @@ def render(
     asked = {
         "width": width, "height": height, "lobe": lobe, "numeric": numeric, "normalised": normalised,
         "symbolic": symbolic, "weights": weights, "nodes": nodes, "partition": partition, "disk": disk, "aa": aa,
-        "tol": tol, "budget": budget, "silhouettes": silhouettes, "filter": filter, "seed": seed, "threads": threads, "tile": tile,
-        "max_pixels": max_pixels,
+        "tol": tol, "budget": budget, "silhouettes": silhouettes, "filter": filter, "seed": seed,
+        "threads": threads, "tile": tile, "max_pixels": max_pixels,
     }  # fmt: skip
     settings = Settings(**as_made(asked, settings_of(scene), ctx))
     chosen = any_scene_with(scene, define)

@@ -19,7 +19,8 @@ from symrender.radiometric.pixels.pixel import Eye
 from symrender.radiometric.pixels.records import Family, Wall, make_room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
-from symrender.radiometric.world import Array, Seen, World, seen
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import Seen, World, seen
 from symrender.scene.arrays import CHECKER, PLANE, SOLID, STRIPES
 from symrender.scene.radiometric.arrays import (
     AREA,
@@ -27,7 +28,9 @@ from symrender.scene.radiometric.arrays import (
     CONDUCTOR,
     PHONG,
     POINT,
+    SKY,
     SPHERE,
+    SPOT,
     RadiometricArrays,
 )
 from symrender.scene.radiometric.records import Material
@@ -49,10 +52,12 @@ Means = Callable[[int, int, int, int], tuple[Array, Array, Array, int]]
 
 def check_pixels(arrays: RadiometricArrays) -> None:
     """Raise ``Unsupported`` where a pixel would be cut at something whose walls are not known."""
+    extended = any(light.kind in (SKY, AREA) for light in arrays.lights)
     for index, shape in enumerate(arrays.shapes):
-        if shape.kind not in (PLANE, SPHERE):
+        if extended and shape.kind not in (PLANE, SPHERE):
             raise Unsupported(
-                f"filter: box knows the walls of planes and spheres, shapes[{index}] is neither; centre knows all"
+                f"filter: box has no walls yet for a sky or an area light beside polygons and disks (shapes[{index}]); "
+                "for points, spots and directions it has, and centre needs none"
             )
         material = arrays.materials[int(shape.material)]
         edge = ""
@@ -81,25 +86,25 @@ def wall_tables(view: Seen) -> tuple[Table[Wall], Table[Family]]:
     return found, coordinates
 
 
-def mean_world(arrays: RadiometricArrays) -> World:
-    """The world with textures of planes replaced by their means; those of spheres stay."""
-    count = len(arrays.materials)
-    materials, shapes = joined(Material, [arrays.materials, copied(arrays.materials)]), copied(arrays.shapes)
+def mean_world(world: World) -> World:
+    """The world with textures of what is flat replaced by their means; those of spheres stay."""
+    count = len(world.materials)
+    materials, pieces = joined(Material, [world.materials, copied(world.materials)]), copied(world.pieces)
     for index in range(count, 2 * count):
         material = materials[index]
         if material.texture != SOLID:
             middle = 0.5 * (material.bright + material.dark)
             material.texture, material.bright[:], material.dark[:] = SOLID, middle, middle
-    for shape in shapes:
-        if shape.kind == PLANE:
-            shape.material += count
-    return World(materials, shapes, arrays.frames, arrays.lights)
+    for piece in pieces:
+        if piece.kind != SPHERE:
+            piece.material += count
+    return World(materials, pieces, world.lights)
 
 
 def delicate(arrays: RadiometricArrays) -> bool:
     """Whether nodes may miss what is smooth: something near a light, or a highlight."""
     glossy = any(arrays.materials[int(shape.material)].kind in (CONDUCTOR, PHONG) for shape in arrays.shapes)
-    return glossy or any(light.kind in (POINT, AREA) for light in arrays.lights)
+    return glossy or any(light.kind in (POINT, SPOT, AREA) for light in arrays.lights)
 
 
 def steepest(arrays: RadiometricArrays) -> float:
@@ -126,13 +131,13 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
     bright = brightest(views[0])
     place = (float(views[0].eye[0]), float(views[0].eye[1]), float(views[0].eye[2]))
     peak = bright * steepest(arrays)
-    eye = Eye(views[0].world, mean_world(arrays), place, found, coordinates, bright, peak, delicate(arrays))
+    eye = Eye(views[0].world, mean_world(views[0].world), place, found, coordinates, bright, peak, delicate(arrays))
     kernel = _kernel("fill_pixels")
     own = threading.local()
 
     def means(x0: int, y0: int, x1: int, y1: int) -> tuple[Array, Array, Array, int]:
         if not hasattr(own, "room"):
-            own.room = make_room(len(arrays.shapes)), np.zeros(max(1, len(found)), np.int64)
+            own.room = make_room(views[0].world), np.zeros(max(1, len(found)), np.int64)
         shape = (y1 - y0, x1 - x0)
         emitted, direct, error = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape)
         spent = kernel(
@@ -163,7 +168,7 @@ def _rays(view: Seen, directions: Array) -> Array:
     """(N, 3) radiance along rays from the eye."""
     count = len(directions)
     room = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
-    _kernel("fill_rays")(view.world, np.tile(view.eye, (count, 1)), directions, *sky_room(view.world), *room)
+    _kernel("fill_rays")(view.world, np.tile(view.eye, (count, 1)), directions, sky_room(view.world), *room)
     return np.asarray(room[0] + room[1])
 
 
@@ -181,7 +186,7 @@ def brightest(view: Seen) -> float:
     met, found = place[shape >= 0], [_rays(view, directions)]
     for light in view.world.lights:
         share = np.ones((1, 1))
-        if light.kind == POINT and len(met):
+        if light.kind in (POINT, SPOT) and len(met):
             share = 1.0 / ((met - light.place) ** 2).sum(axis=1, keepdims=True)
         found.append(share * light.emitted)
     return max(float(each[np.isfinite(each)].max(initial=math.ulp(1.0))) for each in found)

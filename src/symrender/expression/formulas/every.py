@@ -12,6 +12,7 @@ from symrender.expression.formulas import (
     lobes,
     microfacets,
     pixel_walls,
+    polygons,
     radiometry,
     shapes,
     textures,
@@ -25,5 +26,7 @@ LEAVES: Final = {
 }
 """Leaf by name."""
 
-RADIOMETRIC: Final = {leaf.name: leaf for module in (microfacets, radiometry, pixel_walls) for leaf in module.LEAVES}
+RADIOMETRIC: Final = {
+    leaf.name: leaf for module in (microfacets, polygons, radiometry, pixel_walls) for leaf in module.LEAVES
+}
 """Leaf by name, of what radiometric scenes alone need."""

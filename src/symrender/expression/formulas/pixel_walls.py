@@ -59,6 +59,50 @@ def ball_quadric(center: Vec3, radius: Real) -> tuple[Six, Vec3, Real]:
     return (one, one, one, zero, zero, zero), -center, norm2(center) - radius * radius
 
 
+def cone_quadric(apex: Vec3, axis: Vec3, cosine: Real) -> tuple[Six, Vec3, Real]:
+    """(A, b, c) of (w.e)^2 - cos^2 a |w|^2 with w = p - X: the cone of half angle a about a unit axis."""
+    square = cosine * cosine
+    xx, yy, zz, xy, xz, yz = _symmetric(axis, axis)
+    along = dot(apex, axis)
+    return (
+        (xx - square, yy - square, zz - square, xy, xz, yz),
+        apex * square - axis * along,
+        along * along - square * norm2(apex),
+    )
+
+
+def _disk_form(turned: Vec3, up: Vec3, rise: Real, radius: Real) -> Six:
+    """A of |o (u.w) - h w|^2 - R^2 (u.w)^2"""
+    bent, flat = _symmetric(turned, up), _symmetric(up, up)
+    square, rest = rise * rise, norm2(turned) - radius * radius
+    mixed = [rest * f - 2 * rise * s for s, f in zip(bent, flat, strict=True)]
+    return mixed[0] + square, mixed[1] + square, mixed[2] + square, mixed[3], mixed[4], mixed[5]
+
+
+def disk_cone_quadric(center: Vec3, up: Vec3, radius: Real, apex: Vec3) -> tuple[Six, Vec3, Real]:
+    """(A, b, c) of the cone from X through the rim of a disk: |o (u.w) - h w|^2 = R^2 (u.w)^2, o = X - C, h = u.o."""
+    offset = apex - center
+    form = _disk_form(offset, up, dot(up, offset), radius)
+    bent = Vec3(
+        form[0] * apex.x + form[3] * apex.y + form[4] * apex.z,
+        form[3] * apex.x + form[1] * apex.y + form[5] * apex.z,
+        form[4] * apex.x + form[5] * apex.y + form[2] * apex.z,
+    )
+    return form, -bent, dot(apex, bent)
+
+
+def disk_cylinder_quadric(center: Vec3, up: Vec3, radius: Real, axis: Vec3) -> tuple[Six, Vec3, Real]:
+    """(A, b, c) of the cylinder along d through the rim of a disk: |d (u.w) - (u.d) w|^2 = R^2 (u.d)^2, w = p - C."""
+    slope = dot(up, axis)
+    form = _disk_form(axis, up, slope, 0 * radius)
+    bent = Vec3(
+        form[0] * center.x + form[3] * center.y + form[4] * center.z,
+        form[3] * center.x + form[1] * center.y + form[5] * center.z,
+        form[4] * center.x + form[5] * center.y + form[2] * center.z,
+    )
+    return form, -bent, dot(center, bent) - radius * radius * slope * slope
+
+
 def quadric_on_plane(
     xx: Real, yy: Real, zz: Real, xy: Real, xz: Real, yz: Real, b: Vec3, c: Real, up: Vec3, height: Real
 ) -> Six:  # fmt: skip
@@ -103,6 +147,9 @@ LEAVES: Final = (
     Leaf(envelope_quadric, (*_SIX, "b:3", "c")),
     Leaf(cylinder_quadric, (*_SIX, "b:3", "c")),
     Leaf(ball_quadric, (*_SIX, "b:3", "c")),
+    Leaf(cone_quadric, (*_SIX, "b:3", "c")),
+    Leaf(disk_cone_quadric, (*_SIX, "b:3", "c")),
+    Leaf(disk_cylinder_quadric, (*_SIX, "b:3", "c")),
     Leaf(quadric_on_plane, _SIX),
     Leaf(section_on_plane, ("n:3",)),
     Leaf(section_on_ball, _SIX),

@@ -6,18 +6,22 @@ import math
 from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
-from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches, triple
+from symrender.numeric.radiometric.emitters import chance_of, emitter_sample, shining
+from symrender.numeric.radiometric.flats import triple
+from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches
 from symrender.numeric.radiometric.scatter import choose, density, reflected
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.samplers import IMPORTANCE, square_point
 from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
-from symrender.scene.radiometric.arrays import AREA, POINT, SKY
+from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, SKY, SPOT
+from symrender.scene.radiometric.records import Light
 
 ROULETTE: Final = 3
 """Reflections after which a path may end by chance."""
 _MOST_KEPT: Final = 0.95
 _UNIFORM: Final = 1.0 / (2.0 * math.pi)
+_DEGREE: Final = math.pi / 180.0
 
 
 class Surface(NamedTuple):
@@ -74,6 +78,24 @@ def plus(a: Vector, b: Vector) -> Vector:
 
 
 @jitable
+def in_beam(light: Light, toward: Vector) -> float:
+    """Share of its intensity that a spot sends against the unit vector ``toward`` it."""
+    axis = triple(light.axis)
+    apart, mean = plus(toward, axis), minus(toward, axis)
+    # twice the angle whose tangent is |w - a|/|w + a|, w the way light goes
+    angle = 2.0 * math.atan2(math.sqrt(dot(apart, apart)), math.sqrt(dot(mean, mean)))
+    beam, cutoff = light.beam * _DEGREE, light.cutoff * _DEGREE
+    if angle <= beam or angle >= cutoff:
+        return 1.0 if angle <= beam else 0.0
+    if light.smooth == 0.0:
+        return (cutoff - angle) / (cutoff - beam)
+    # a difference of cosines is a product of sines
+    down = math.sin(0.5 * (cutoff + angle)) * math.sin(0.5 * (cutoff - angle))
+    t = down / (math.sin(0.5 * (cutoff + beam)) * math.sin(0.5 * (cutoff - beam)))
+    return t * t * (3.0 - 2.0 * t)
+
+
+@jitable
 def from_points(world: World, at: Surface) -> Vector:
     """Reflected light of all lights that are single points or directions."""
     total = (0.0, 0.0, 0.0)
@@ -82,13 +104,15 @@ def from_points(world: World, at: Surface) -> Vector:
         light = world.lights[i]
         if light.kind == SKY or light.kind == AREA:
             continue
-        if light.kind == POINT:
+        if light.kind == DIRECTIONAL:
+            toward = (-light.place[0], -light.place[1], -light.place[2])
+            limit, strength = math.inf, 1.0
+        else:
             way = minus(triple(light.place), at.hit.place)
             limit = math.sqrt(dot(way, way))
             toward, strength = unit(way), 1.0 / (limit * limit)
-        else:
-            toward = (-light.place[0], -light.place[1], -light.place[2])
-            limit, strength = math.inf, 1.0
+            if light.kind == SPOT:
+                strength *= in_beam(light, toward)
         share = reflected(material, at.reflectance, at.wo, local(at, toward))
         if max(share[0], share[1], share[2]) > 0.0 and reaches(world, at.hit, toward, limit):
             total = plus(total, scaled(share, triple(light.emitted), strength))
@@ -109,61 +133,36 @@ def from_sky(world: World, at: Surface, a: float, b: float) -> Vector:
 
 
 @jitable
-def cone_of(world: World, sphere: int, place: Vector) -> tuple[Vector, float]:
-    """(unit axis, 1 - cosine of the half-angle) of the cone that a sphere fills; 0 where it is seen from inside."""
-    lamp = world.shapes[sphere]
-    way = minus(triple(lamp.place), place)
-    far2 = dot(way, way)
-    sine2 = lamp.radius * lamp.radius / far2
-    height = sine2 / (1.0 + math.sqrt(1.0 - sine2)) if sine2 < 1.0 else 0.0
-    return unit(way), height
-
-
-@jitable
-def from_spheres(world: World, at: Surface, a: float, b: float) -> Vector:
-    """Reflected light of all spheres that emit, each by a uniform direction of its cone, weighted as a sky's."""
+def from_emitters(world: World, at: Surface, a: float, b: float) -> Vector:
+    """Reflected light of all shapes that emit, each by a direction of its own choice, weighted as a sky's."""
     total = (0.0, 0.0, 0.0)
     material = world.materials[int(world.shapes[at.hit.own].material)]
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
         if light.kind != AREA or int(light.emitter) == at.hit.own:
             continue
-        axis, height = cone_of(world, int(light.emitter), at.hit.place)
-        if height == 0.0:
+        emitter = int(light.emitter)
+        d, possible = emitter_sample(world, emitter, at.hit.place, a, b)
+        if not possible:
             continue
-        up = 1.0 - a * height
-        r = math.sqrt(max(0.0, a * height * (2.0 - a * height)))
-        first = unit(cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.7 else (1.0, 0.0, 0.0)))
-        x, y = r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b)
-        d = along(along((up * axis[0], up * axis[1], up * axis[2]), x, first), y, cross(axis, first))
         wi = local(at, d)
         share = reflected(material, at.reflectance, at.wo, wi)
         if max(share[0], share[1], share[2]) <= 0.0:
             continue
         hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.behind)
-        if hit.own == int(light.emitter) and not hit.behind:
-            chance = _UNIFORM / height + density(material, at.wo, wi)
+        if hit.own == emitter and not hit.behind:
+            chance = chance_of(world, hit, at.hit.place, d) + density(material, at.wo, wi)
             total = plus(total, scaled(share, triple(light.emitted), 1.0 / chance))
     return total
 
 
 @jitable
-def shining(world: World, hit: Hit) -> Vector:
-    """Radiance that a hit emits: of spheres that are lights, from outside."""
-    for i in range(world.lights.shape[0]):
-        light = world.lights[i]
-        if light.kind == AREA and int(light.emitter) == hit.own and not hit.behind:
-            return triple(light.emitted)
-    return (0.0, 0.0, 0.0)
-
-
-@jitable
-def met(world: World, hit: Hit, place: Vector, chance: float, both: bool) -> Vector:
-    """What a hit emits towards ``place``, from which a direction of this density went, weighted."""
+def met(world: World, hit: Hit, place: Vector, d: Vector, chance: float, both: bool) -> Vector:
+    """What a hit emits towards ``place``, from which direction ``d`` of this density went, weighted."""
     light = shining(world, hit)
     if max(light[0], light[1], light[2]) <= 0.0:
         return light
-    weight = 1.0 / (chance + (_UNIFORM / cone_of(world, hit.own, place)[1] if both else 0.0))
+    weight = 1.0 / (chance + (chance_of(world, hit, place, d) if both else 0.0))
     return scaled(light, (1.0, 1.0, 1.0), weight)
 
 
@@ -180,7 +179,7 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
             # strata for the first choice of both
             a, b = (index // order + a) / order, (index % order + b) / order
         if both and world.extended:
-            light = from_spheres(world, at, a, b)
+            light = from_emitters(world, at, a, b)
             if world.sky >= 0:
                 light = plus(light, from_sky(world, at, a, b))
             light = scaled(through, light, 1.0)
@@ -200,7 +199,7 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
                 light = scaled(scaled(through, share, weight), triple(world.lights[world.sky].emitted), 1.0)
                 direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
             break
-        light = scaled(scaled(through, share, 1.0), met(world, hit, at.hit.place, chance, both), 1.0)
+        light = scaled(scaled(through, share, 1.0), met(world, hit, at.hit.place, d, chance, both), 1.0)
         direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
         depth += 1
         if depth > world.bounces or not shows(world, hit):

@@ -9,8 +9,7 @@ import numpy as np
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.pixels.records import CONIC, LINE, TERMS, Wall
-from symrender.radiometric.sight import dot, vector
-from symrender.radiometric.world import Array, Vector
+from symrender.radiometric.vectors import Array, Vector, dot, vector
 
 SLACK: Final = 1e-13
 """What a curve may lie beside where its coefficients, of which the largest is 1 in a pixel, say."""

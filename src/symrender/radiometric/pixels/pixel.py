@@ -19,7 +19,8 @@ from symrender.radiometric.pixels.rules import clear, cut_rule, cutting_mode, ga
 from symrender.radiometric.pixels.sharp import too_sharp
 from symrender.radiometric.pixels.sight import may_show, put_reach
 from symrender.radiometric.pixels.textures import brightest, fields, mean_error, put_lines
-from symrender.radiometric.world import Array, Vector, World
+from symrender.radiometric.vectors import Array, Vector
+from symrender.radiometric.world import World
 
 BLOCK: Final = 8
 """Pixels of a side of the squares for which walls that pass outside are struck once."""

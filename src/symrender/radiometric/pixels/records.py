@@ -8,6 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.records import Array, Record, Three
+from symrender.radiometric import arcs
+from symrender.radiometric.sky import sky_room
+from symrender.radiometric.world import World
 
 Ints = npt.NDArray[np.int64]
 Six = Annotated[Array, 6]
@@ -41,7 +44,7 @@ class Wall(Record):
     """Where radiance breaks, as the eye at the origin sees it.
 
     A LINE is n.v = 0; a CONIC v.M v = 0 with M ``form``; a QUARTIC is where the sphere about ``center`` is cut by the
-    quadric of ``form``, ``linear`` and ``rest``. ``own`` and ``other`` are the shapes it is seen on, ``other`` -1 where
+    quadric of ``form``, ``linear`` and ``rest``. ``own`` and ``other`` are the pieces it is seen on, ``other`` -1 where
     it is one. ``soft`` is 0, ``LIMB`` or ``TOUCH``.
     """
 
@@ -58,7 +61,7 @@ class Wall(Record):
 
 
 class Family(Record):
-    """Texture coordinate n.v/u.v of plane ``own``, in cells: it has a wall at every whole number if ``cuts``.
+    """Texture coordinate n.v/u.v of the flat piece ``own``, in cells: it has a wall at every whole number if ``cuts``.
 
     ``across`` is the direction of the image in which the other coordinate stays, u.v times n x u.
     """
@@ -72,8 +75,7 @@ class Family(Record):
 class Room(NamedTuple):
     """Scratch of a thread: what kernels of a pixel write and forget."""
 
-    caps: Array
-    arcs: Array
+    sky: arcs.Room
     curves: Array
     """(LEVELS + 1, ROOM, TERMS): the curves of the cell at every level, in its own coordinates."""
     which: Ints
@@ -95,7 +97,7 @@ class Room(NamedTuple):
     panels: Array
     """(PANELS + 1,)"""
     reach: Array
-    """(shapes, 2): nearest and farthest a shape may be met in the cell, inf where it cannot."""
+    """(pieces, 2): nearest and farthest a piece may be met in the cell, inf where it cannot."""
     work: Array
     """(8, TERMS)"""
     sums: Array
@@ -110,11 +112,10 @@ class Room(NamedTuple):
     """(7,): the same of its best run."""
 
 
-def make_room(shapes: int) -> Room:
-    """Scratch for a world of so many shapes."""
+def make_room(world: World) -> Room:
+    """Scratch for a world."""
     return Room(
-        caps=np.empty((shapes + 1, 11)),
-        arcs=np.empty((2 * shapes + 2, 2)),
+        sky=sky_room(world),
         curves=np.zeros((LEVELS + 1, ROOM, TERMS)),
         which=np.zeros((LEVELS + 1, ROOM), np.int64),
         counts=np.zeros(LEVELS + 1, np.int64),
@@ -125,7 +126,7 @@ def make_room(shapes: int) -> Room:
         places=np.zeros((4, MOST_CUTS)),
         states=np.zeros((4, MOST_CUTS), np.int64),
         panels=np.zeros(PANELS + 1),
-        reach=np.zeros((max(1, shapes), 2)),
+        reach=np.zeros((max(1, len(world.pieces)), 2)),
         work=np.zeros((8, TERMS)),
         sums=np.zeros((3, 6)),
         span=np.zeros((2, 3)),

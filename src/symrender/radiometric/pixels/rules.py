@@ -11,7 +11,8 @@ from symrender.jit.marks import inlined, jitable
 from symrender.radiometric.direct import along_ray
 from symrender.radiometric.pixels.curves import crossing, put_turned, slope_bounds
 from symrender.radiometric.pixels.records import MOST_CUTS, PANELS, TERMS, TOUCH, Room
-from symrender.radiometric.world import Array, Vector, World
+from symrender.radiometric.vectors import Array, Vector
+from symrender.radiometric.world import World
 
 MOST_NODES: Final = 12
 
@@ -39,7 +40,7 @@ def add_light(
     """Add what comes back along the ray v + x vx + y vy, weighted, to a row of sums; it widens the span of radiance."""
     d = (v[0] + x * vx[0] + y * vy[0], v[1] + x * vx[1] + y * vy[1], v[2] + x * vx[2] + y * vy[2])
     size = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-    _, emitted, direct = along_ray(world, eye, (d[0] / size, d[1] / size, d[2] / size), room.caps, room.arcs)
+    _, emitted, direct = along_ray(world, eye, (d[0] / size, d[1] / size, d[2] / size), room.sky)
     sums, span = room.sums, room.span
     for c in range(3):
         sums[row, c] += weight * emitted[c]

@@ -6,13 +6,13 @@ import math
 from typing import Final
 
 from symrender.jit.marks import jitable
-from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
 from symrender.radiometric.pixels.records import Room
 from symrender.radiometric.pixels.sight import may_show
-from symrender.radiometric.sight import dot, minus, nearest, vector
-from symrender.radiometric.world import Vector, World
-from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, DIRECTIONAL, POINT, SKY, SPHERE
+from symrender.radiometric.sight import height_over, nearest
+from symrender.radiometric.vectors import Vector, dot, minus, vector
+from symrender.radiometric.world import World
+from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, DIRECTIONAL, POINT, SKY, SPHERE, SPOT
 from symrender.scene.radiometric.records import Material
 
 _NEAR: Final = 0.8
@@ -39,9 +39,9 @@ def plane_spreads(world: World, own: int, eye: Vector, light: Vector, v: Vector,
 
     h v + (u.v)(L - E) is that way times u.v: linear, so that it is bounded to the horizon and beyond.
     """
-    frame = world.frames[own]
-    up, at = vector(frame.up), minus(light, eye)
-    height = leaves.height(*eye, *vector(frame.origin), *up)
+    piece = world.pieces[own]
+    up, at = vector(piece.up), minus(light, eye)
+    height = height_over(piece, eye)
     far, wide = 0.0, 0.0
     for c in range(3):
         middle = height * v[c] + dot(up, v) * at[c]
@@ -57,16 +57,21 @@ def place_spreads(
     other_ray: Vector, other: Vector, other_normal: Vector,
 ) -> bool:  # fmt: skip
     """Whether a light looks too different from two places of shape ``own`` for nodes between them to tell."""
-    lamp, shape = world.lights[light], world.shapes[own]
-    material = world.materials[int(shape.material)]
+    lamp, piece = world.lights[light], world.pieces[own]
+    material = world.materials[int(piece.material)]
     step = minus(other, place)
     moved = math.sqrt(dot(step, step))
     if lamp.kind == SKY:
         return False
     if lamp.kind == AREA:
-        ball = world.shapes[int(lamp.emitter)]
-        way = minus(vector(ball.place), place)
-        return int(lamp.emitter) != own and moved > _NEAR * abs(math.sqrt(dot(way, way)) - ball.radius)
+        # emitters are shapes: all of their pieces are spheres here
+        for k in range(world.pieces.shape[0]):
+            ball = world.pieces[k]
+            way = minus(vector(ball.place), place)
+            near = abs(math.sqrt(dot(way, way)) - ball.radius)
+            if ball.owner == lamp.emitter and k != own and moved > _NEAR * near:
+                return True
+        return False
     at = vector(lamp.place)
     if lamp.kind == DIRECTIONAL:
         toward = (-at[0], -at[1], -at[2])
@@ -74,7 +79,7 @@ def place_spreads(
     else:
         way, other_way = minus(at, place), minus(at, other)
         far, other_far = math.sqrt(dot(way, way)), math.sqrt(dot(other_way, other_way))
-        if shape.kind == SPHERE and moved > _NEAR * max(far, other_far):
+        if piece.kind == SPHERE and moved > _NEAR * max(far, other_far):
             return True
         if far == 0.0 or other_far == 0.0:
             return True
@@ -95,12 +100,12 @@ def too_sharp(
     """Whether nodes of a cell may miss what is sharp in it; ``delicate`` says whether the world has such things."""
     if not delicate:
         return False
-    for j in range(world.shapes.shape[0]):
-        if world.shapes[j].kind == SPHERE or not may_show(room, float(j), limit):
+    for j in range(world.pieces.shape[0]):
+        if world.pieces[j].kind == SPHERE or not may_show(room, float(j), limit):
             continue
         for i in range(world.lights.shape[0]):
             lamp = world.lights[i]
-            if lamp.kind == POINT and plane_spreads(world, j, eye, vector(lamp.place), v, vx, vy):
+            if lamp.kind in (POINT, SPOT) and plane_spreads(world, j, eye, vector(lamp.place), v, vx, vy):
                 return True
     size = math.sqrt(dot(v, v))
     ray = (v[0] / size, v[1] / size, v[2] / size)

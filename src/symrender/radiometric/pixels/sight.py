@@ -8,8 +8,10 @@ from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.pixels.curves import put_form
 from symrender.radiometric.pixels.records import TERMS, Room
-from symrender.radiometric.sight import dot, minus, vector
-from symrender.radiometric.world import Array, Vector, World
+from symrender.radiometric.sight import height_over
+from symrender.radiometric.vectors import Array, Vector, dot, minus, vector
+from symrender.radiometric.world import World
+from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import SPHERE
 
 _MARGIN = 1e-12
@@ -76,15 +78,15 @@ def plane_depths(up: Vector, height: float, v: Vector, vx: Vector, vy: Vector) -
 def put_reach(world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, room: Room) -> float:
     """Where every shape may be met in a cell, in ``room.reach``; returns the depth behind which nothing is seen."""
     limit = math.inf
-    for j in range(world.shapes.shape[0]):
-        shape = world.shapes[j]
-        if shape.kind == SPHERE:
-            c = minus(vector(shape.place), eye)
-            near, far = sphere_reach(c, shape.radius, v, vx, vy, room.work)
+    for j in range(world.pieces.shape[0]):
+        piece = world.pieces[j]
+        if piece.kind == SPHERE:
+            c = minus(vector(piece.place), eye)
+            near, far = sphere_reach(c, piece.radius, v, vx, vy, room.work)
         else:
-            up = vector(world.frames[j].up)
-            height = leaves.height(*eye, *vector(world.frames[j].origin), *up)
-            near, far = plane_depths(up, height, v, vx, vy)
+            near, far = plane_depths(vector(piece.up), height_over(piece, eye), v, vx, vy)
+            if piece.kind != PLANE:
+                far = math.inf
         room.reach[j, 0], room.reach[j, 1] = near, far
         limit = min(limit, far)
     return limit * (1.0 + _MARGIN)

@@ -15,8 +15,7 @@ from symrender.jit.records import Table
 from symrender.radiometric.pixels.curves import misses, put_linear
 from symrender.radiometric.pixels.records import MOST_LINES, Family, Room
 from symrender.radiometric.pixels.sight import linear_range, may_show
-from symrender.radiometric.sight import dot, vector
-from symrender.radiometric.world import Array, Vector
+from symrender.radiometric.vectors import Array, Vector, dot, vector
 
 _MANY: Final = -1
 _SMOOTH: Final = 0.4

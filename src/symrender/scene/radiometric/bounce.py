@@ -21,8 +21,8 @@ import numpy.typing as npt
 from symrender.jit.records import Table, record, table
 from symrender.limits import MAX_PLANES
 from symrender.scene import arrays as series
-from symrender.scene.arrays import CHECKER, MARBLE, SOLID, STRIPES, SceneArrays
-from symrender.scene.radiometric.arrays import AREA, DIFFUSE, POINT, SKY, SPHERE, RadiometricArrays
+from symrender.scene.arrays import CHECKER, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, POINT, SKY, SPHERE, SPOT, RadiometricArrays
 from symrender.scene.radiometric.records import Material, Shape
 from symrender.scene.records import Floor, Light, Plane, Shading, Sphere
 
@@ -55,8 +55,12 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
         return "a conductor or a phong material"
     if any(light.kind == SKY for light in arrays.lights):
         return "a sky"
+    if any(light.kind == SPOT for light in arrays.lights):
+        return "a spot"
     if any(light.kind == AREA for light in arrays.lights):
         return "an area light"
+    if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
+        return "a rectangle, a triangle, a disk or a box"
     planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
     if any(material.texture in (STRIPES, MARBLE) for material in planes):
         return "stripes or marble on a plane"
