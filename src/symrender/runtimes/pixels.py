@@ -119,6 +119,15 @@ def steepest(arrays: RadiometricArrays) -> float:
     return 1.0 + 1.0 / min(widths) ** 2
 
 
+def eye_of(arrays: RadiometricArrays, view: Seen) -> Eye:
+    """What is the same for all pixels of a view."""
+    found, coordinates = wall_tables(view)
+    bright = brightest(view)
+    place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
+    peak = bright * steepest(arrays)
+    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, peak, delicate(arrays))
+
+
 def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
     """What fills tiles with means over pixels, all of them equally weighted (``filter: box``).
 
@@ -127,17 +136,13 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
     check_pixels(arrays)
     width, height = settings.width, settings.height
     views = [seen(each, width, height) for each in shaken(arrays)]
-    found, coordinates = wall_tables(views[0])
-    bright = brightest(views[0])
-    place = (float(views[0].eye[0]), float(views[0].eye[1]), float(views[0].eye[2]))
-    peak = bright * steepest(arrays)
-    eye = Eye(views[0].world, mean_world(views[0].world), place, found, coordinates, bright, peak, delicate(arrays))
+    eye = eye_of(arrays, views[0])
     kernel = _kernel("fill_pixels")
     own = threading.local()
 
     def means(x0: int, y0: int, x1: int, y1: int) -> tuple[Array, Array, Array, int]:
         if not hasattr(own, "room"):
-            own.room = make_room(views[0].world), np.zeros(max(1, len(found)), np.int64)
+            own.room = make_room(views[0].world), np.zeros(max(1, len(eye.walls)), np.int64)
         shape = (y1 - y0, x1 - x0)
         emitted, direct, error = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape)
         spent = kernel(

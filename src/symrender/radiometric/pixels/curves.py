@@ -100,14 +100,20 @@ def put_quartic(wall: Wall, v: Vector, vx: Vector, vy: Vector, work: Array, out:
 
 
 @jitable
-def put_curve(wall: Wall, v: Vector, vx: Vector, vy: Vector, work: Array, out: Array) -> bool:
-    """The curve of a wall on rays v + x vx + y vy, its largest coefficient 1; False where it is no curve."""
+def put_level(wall: Wall, v: Vector, vx: Vector, vy: Vector, work: Array, out: Array) -> None:
+    """The level of a wall on rays v + x vx + y vy."""
     if wall.kind == LINE:
         put_linear(vector(wall.normal), 0.0, v, vx, vy, out)
     elif wall.kind == CONIC:
         put_form(wall.form, v, vx, vy, out)
     else:
         put_quartic(wall, v, vx, vy, work, out)
+
+
+@jitable
+def put_curve(wall: Wall, v: Vector, vx: Vector, vy: Vector, work: Array, out: Array) -> bool:
+    """The curve of a wall on rays v + x vx + y vy, its largest coefficient 1; False where it is no curve."""
+    put_level(wall, v, vx, vy, work, out)
     most = 0.0
     for k in range(TERMS):
         most = max(most, abs(out[k]))

@@ -14,7 +14,19 @@ from typing import Final, NamedTuple
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.radiometric.pixels.curves import misses, put_curve, put_quarter
-from symrender.radiometric.pixels.records import LEVELS, MOST_CUTS, ROOM, Family, Ints, Room, Wall
+from symrender.radiometric.pixels.records import (
+    COARSE,
+    CUT,
+    LEVELS,
+    LOGGED,
+    MOST_CUTS,
+    ROOM,
+    SMOOTH,
+    Family,
+    Ints,
+    Room,
+    Wall,
+)
 from symrender.radiometric.pixels.rules import clear, cut_rule, cutting_mode, gap, put_panels, tensor_rule
 from symrender.radiometric.pixels.sharp import too_sharp
 from symrender.radiometric.pixels.sight import may_show, put_reach
@@ -100,30 +112,40 @@ def keep(eye: Eye, room: Room, level: int, limit: float) -> bool:
 
 @jitable
 def begin(eye: Eye, cell: Cell, room: Room, candidates: Ints, count: int, limit: float) -> bool:
-    """List the curves of a pixel among candidate walls; False where there is no room for all."""
-    found = 0
+    """List the curves of a cell among candidate walls; False where there is no room for all."""
+    found, level = 0, cell.level
     for k in range(count):
         wall = eye.walls[int(candidates[k])]
         if not (may_show(room, wall.own, limit) and may_show(room, wall.other, limit)):
             continue
         if found == ROOM:
             return False
-        if not put_curve(wall, cell.v, cell.vx, cell.vy, room.work, room.curves[0, found]):
+        if not put_curve(wall, cell.v, cell.vx, cell.vy, room.work, room.curves[level, found]):
             continue
-        if misses(room.curves[0, found]):
+        if misses(room.curves[level, found]):
             continue
-        room.which[0, found] = candidates[k]
+        room.which[level, found] = candidates[k]
         found += 1
-    room.counts[0] = found
+    room.counts[level] = found
     return True
 
 
-@inlined
-def take(room: Room, row: int, error: float) -> None:
-    """Add a cell to the pixel: a row of sums and what it may be off by."""
+@jitable
+def take(room: Room, row: int, error: float, level: int, kind: int, order: int, mode: int) -> None:
+    """Add a cell to the pixel: a row of sums and what it may be off by; the log says how it was integrated.
+
+    ``kind`` is SMOOTH, CUT or COARSE; ``mode`` of what is cut is that of ``cut_rule``, -1 with textures as means.
+    """
     for c in range(6):
         room.total[c] += room.sums[row, c]
     room.total[6] += error
+    log = room.log[int(room.log[LOGGED, 0])]
+    path = 0
+    for k in range(1, level + 1):
+        path = 4 * path + int(room.path[k])
+    log[0], log[1], log[2], log[3], log[4] = level, path, kind, order, mode
+    # one more than fits is where the count itself stands
+    room.log[LOGGED, 0] = min(room.log[LOGGED, 0] + 1, LOGGED - 1)
 
 
 @inlined
@@ -144,13 +166,13 @@ def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
     before, error = gap(room, 0, 1), gap(room, 1, 2)
     error = max(error, _DOUBT * before)
     if error <= cell.allowed:
-        take(room, 2, error)
+        take(room, 2, error, cell.level, SMOOTH, 3, 0)
         return True
     before = gap(room, 1, 2)
     tensor_rule(world, at, v, vx, vy, area, 5, 1, room)
     error = max(gap(room, 1, 2), _DOUBT * before)
     if error <= cell.allowed:
-        take(room, 1, error)
+        take(room, 1, error, cell.level, SMOOTH, 5, 0)
         return True
     return False
 
@@ -185,7 +207,7 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
         error = max(error, _LITTLE * before) if trial > 0 else 8.0 * error
         whole = error + missed + cell.area * beside * 1.5 * brightest(room.span)
         if whole <= cell.allowed or (blurred and error + missed <= cell.allowed):
-            take(room, 1, whole)
+            take(room, 1, whole, cell.level, CUT, order, -1 if blurred else way)
             return True
         if error > (50.0 if trial == 1 else 300.0) * cell.allowed and trial > 0 and cell.level < 6:
             return False
@@ -201,7 +223,8 @@ def coarse_cell(eye: Eye, cell: Cell, room: Room, blurred: bool, sharp: bool) ->
     world = eye.mean if blurred else eye.world
     tensor_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, 2, 0, room)
     swing = spread(eye, room) + (brightest(room.span) if blurred else 0.0)
-    take(room, 0, cell.area * (max(swing, eye.peak) if sharp else swing))
+    error = cell.area * (max(swing, eye.peak) if sharp else swing)
+    take(room, 0, error, cell.level, COARSE, 2, -1 if blurred else 0)
 
 
 @jitable
@@ -267,6 +290,7 @@ def pixel_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, 
     """Leave the mean of a pixel in ``room.total``, each cell to its part of ``tol``."""
     for c in range(8):
         room.total[c] = 0.0
+    room.log[LOGGED, 0] = 0
     for c in range(3):
         room.span[0, c], room.span[1, c] = math.inf, -math.inf
     # every cell's first look at what radiance spans

@@ -36,6 +36,14 @@ MOST_CUTS: Final = 10
 """Curves of a cell that is integrated line by line; one with more is halved."""
 MOST_LINES: Final = 6
 """Lines of one family in a cell that is cut at them."""
+LOGGED: Final = 20_000
+"""Cells of a pixel whose derivative is asked for, at most."""
+
+# kinds of a cell in the log
+SMOOTH: Final = 0
+CUT: Final = 1
+COARSE: Final = 2
+
 PANELS: Final = 64
 """Stretches of a cell between events of its curves."""
 
@@ -84,6 +92,8 @@ class Room(NamedTuple):
     """(LEVELS + 1,)"""
     lines: Array
     """(ROOM, TERMS): curves of texture lines of the cell at hand."""
+    numbers: Ints
+    """(ROOM, 2): family and whole number of each of these lines."""
     turned: Array
     """(MOST_CUTS, TERMS): the curves of a cell along its lines."""
     soft: Array
@@ -108,6 +118,8 @@ class Room(NamedTuple):
     """(LEVELS + 1,): which quarter of the cell above each cell is."""
     total: Array
     """(8,): emitted and direct light of the pixel, its error, evaluations."""
+    log: Ints
+    """(LOGGED, 5): level, path, kind, order and mode of every cell of the last run (``pixel.take``)."""
     best: Array
     """(7,): the same of its best run."""
 
@@ -120,6 +132,7 @@ def make_room(world: World) -> Room:
         which=np.zeros((LEVELS + 1, ROOM), np.int64),
         counts=np.zeros(LEVELS + 1, np.int64),
         lines=np.zeros((ROOM, TERMS)),
+        numbers=np.zeros((ROOM, 2), np.int64),
         turned=np.zeros((MOST_CUTS, TERMS)),
         soft=np.zeros(MOST_CUTS),
         bounds=np.zeros((MOST_CUTS, 4)),
@@ -133,4 +146,5 @@ def make_room(world: World) -> Room:
         path=np.zeros(LEVELS + 1, np.int64),
         total=np.zeros(8),
         best=np.zeros(7),
+        log=np.zeros((LOGGED + 1, 5), np.int64),
     )

@@ -69,6 +69,7 @@ def put_lines(families: Table[Family], v: Vector, vx: Vector, vy: Vector, room: 
                 row[c] /= most
             if misses(row):
                 continue
+            room.numbers[found, 0], room.numbers[found, 1] = f, k
             found += 1
             if found > MOST_LINES:
                 return _MANY

@@ -217,7 +217,8 @@ def point_walls(world: World, eye: Vector, own: int, light: int, walls: Table[Wa
         count = put_section(world, eye, walls, count, own, -1, 0.0, axis, level)
     if lamp.kind == SPOT:
         for side in range(2):
-            cosine = math.cos(math.radians(lamp.cutoff if side == 0 else lamp.beam))
+            angle = lamp.cutoff if side == 0 else lamp.beam
+            cosine = math.cos(angle * (math.pi / 180.0))
             quadric = leaves.cone_quadric(*at, *vector(lamp.axis), cosine)
             count = put_quadric(world, eye, walls, count, own, 0.0, quadric)
     for i in range(world.pieces.shape[0]):
