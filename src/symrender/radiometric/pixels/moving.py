@@ -28,7 +28,7 @@ from symrender.radiometric.pixels.rules import (
 )
 from symrender.radiometric.pixels.sight import put_reach
 from symrender.radiometric.pixels.textures import put_lines
-from symrender.radiometric.vectors import Array, Vector, vector
+from symrender.radiometric.vectors import Array, Vector, dot, vector
 
 _THIN: Final = 1e-11
 """A piece between walls that coincide."""
@@ -243,12 +243,12 @@ def edge_level(
     still = (0.0, 0.0, 0.0)
     if which >= 0:
         put_level(walls[which], v, step, still, work, out)
-        return 0.0 + out[0]
+        return dot((out[0], 0.0, 0.0), (1.0, 0.0, 0.0))
     family = families[-1 - which]
     n, u = vector(family.numerator), vector(family.denominator)
     line = (n[0] - number * u[0], n[1] - number * u[1], n[2] - number * u[2])
     out[5] = line[0] * step[0] + line[1] * step[1] + line[2] * step[2]
-    return line[0] * v[0] + line[1] * v[1] + line[2] * v[2]
+    return dot(line, v)
 
 
 def fill_levels(
