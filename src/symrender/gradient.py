@@ -72,6 +72,7 @@ def gradient(
     Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
     parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
     or where the scene changes its structure, Unsupported for a wall the method does not cover.
+    Keywords are many because each is an option of ``symrender gradient``, by its name.
     """
     loaded = load_any(scene)
     settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, filter=filter)
