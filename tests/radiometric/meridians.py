@@ -170,7 +170,8 @@ def _boundaries(pieces: list[Piece], lamp: str | None) -> tuple[list[Circle], li
                 circles.append(Circle(piece.point / math.sqrt(far2), math.sqrt(1.0 - piece.radius**2 / far2)))
             continue
         for a, b in zip(piece.corners, np.roll(piece.corners, -1, axis=0), strict=True):
-            great(np.cross(a, b - a), np.array([a, b]) / np.linalg.norm([a, b], axis=1)[:, None])
+            sizes = np.linalg.norm([a, b], axis=1)
+            great(np.cross(a, b - a), np.array([a, b]) / sizes[:, None] if sizes.all() else None)
         if piece.kind == "plane":
             great(piece.normal)
         if piece.kind == "disk":
