@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -48,7 +49,7 @@ def said_flat(shape: Flat | Triangle) -> str:
     return f"symrender {shape.type}: {'; '.join(parts)}"
 
 
-def told_shape(comments: tuple[str, ...] | list[str], kind: str, name: str = "shape") -> Any | None:
+def told_shape(comments: Sequence[str], kind: str, name: str = "shape") -> Any | None:
     """The shape of a kind that one of some comments names, None if there is none."""
     shapes = (told_flat(comment, kind, name, "m") for comment in comments)
     return next((shape for shape in shapes if shape is not None), None)

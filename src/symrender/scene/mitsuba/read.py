@@ -7,11 +7,10 @@ import re
 from pathlib import PurePath
 from typing import Any, Final
 
-import numpy as np
-
 from symrender.limits import MAX_NAME, MAX_PART_NAME
 from symrender.scene.document import Document, Malformed, Mark, Path
-from symrender.scene.mitsuba.flats import AGREE, agrees, derived, fields_of, told_shape
+from symrender.scene.mitsuba.finite import check_chart, flat_fields
+from symrender.scene.mitsuba.flats import fields_of, told_shape
 from symrender.scene.mitsuba.plane import square, told, told_cell
 from symrender.scene.mitsuba.properties import Properties, name_of, numbers
 from symrender.scene.mitsuba.xml_tree import Element, parse_xml
@@ -275,32 +274,13 @@ def _shape(read: _Scene, element: Element) -> None:
 
 
 def _flat(read: _Scene, element: Element, properties: Properties, kind: str, name: str) -> None:
-    """A rectangle, disk or box by its matrix, or by its comment where both agree."""
     material, scales = _surface_of(read, properties)
     transform = properties.take("to_world", "transform")
     rows = _matrix(properties, transform) if transform is not None else [float(i % 5 == 0) for i in range(16)]
-    matrix = np.array(rows).reshape(4, 4)
     properties.done("to_world and bsdf")
-    shape = told_shape(element.comments, kind, name)
-    if shape is not None:
-        if not agrees(shape, matrix):
-            raise properties.wrong(f"its to_world is not that of the {kind} that its comment names")
-        fields = fields_of(shape)
-    else:
-        made = derived(kind, matrix)
-        if isinstance(made, str):
-            raise properties.wrong(made)
-        fields = made
+    fields = flat_fields(properties, element.comments, kind, rows)
     if scales is not None:
-        if kind != "rectangle":
-            raise properties.wrong(f"a checker on a {kind} has another chart here")
-        u, v = (np.array(fields[edge]) for edge in ("edge_u", "edge_v"))
-        sides = float(np.linalg.norm(u)), float(np.linalg.norm(v))
-        if abs(u @ v) > AGREE * sides[0] * sides[1]:
-            raise properties.wrong("a checker needs edges at right angles: it has another chart here")
-        cell = read.data["materials"][material]["reflectance"]["cell"]
-        if any(abs(x * 2.0 * cell - side) > 1e-12 * side for x, side in zip(scales, sides, strict=True)):
-            raise properties.wrong("its to_uv is not that of a checker of the cell that its comment names")
+        check_chart(properties, kind, fields, scales, read.data["materials"][material]["reflectance"]["cell"])
     read.put("shapes", {"type": kind, "name": name, "material": material, **fields}, element.mark, {})
 
 
