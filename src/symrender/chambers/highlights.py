@@ -21,8 +21,10 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.density import log_fall, log_peak
+from symrender.chambers.records import Box
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.scene.arrays import CUT, EYE, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -291,6 +293,23 @@ def far_floor(
     return log_felt(level, math.sqrt(2.0 * (1.0 - min(1.0, rise))), shading.shininess) > 0.0, True, wide, wide
 
 
+@inlined
+def halve_box(boxes: Table[Box], top: int, floor: bool) -> None:
+    """Halve box ``top``, across its longer side; the halves are ``top`` and the next."""
+    box, other = boxes[top], boxes[top + 1]
+    a, b, u, v = box.first, box.last, box.innermost, box.outermost
+    across, depth = math.sin(min(v, HALF_PI)) * (b - a), v - u
+    if floor:
+        # lengths on the floor; the outermost box is cut down to where it is far
+        depth = math.tan(v) - math.tan(u) if v < HALF_PI else math.inf
+        across = math.tan(v) * (b - a) if v < HALF_PI else 0.0
+    boxes[top + 1] = box
+    if across > depth:
+        box.first = other.last = 0.5 * (a + b)
+    else:
+        box.innermost = other.outermost = 0.5 * (u + v)
+
+
 @jitable
 def find_highlights(tol: float, low: float, high: float, view: View, work: Work) -> float:
     """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance; what those left out may hold."""
@@ -336,31 +355,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                     strip, along = 0.1 * (b - a), 0.1 * (v - u)
                 note_highlight(l, a, b, u, v, strip, along, work)
                 continue
-            across = math.sin(min(v, HALF_PI)) * (b - a)
-            if floor:
-                # lengths on the floor; the outermost box is cut down to where it is far
-                depth = math.tan(v) - math.tan(u) if v < HALF_PI else math.inf
-                across = math.tan(v) * (b - a) if v < HALF_PI else 0.0
-            else:
-                depth = v - u
-            if across > depth:
-                middle = 0.5 * (a + b)
-                boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost = middle, b, u, v
-                boxes[top + 1].first, boxes[top + 1].last, boxes[top + 1].innermost, boxes[top + 1].outermost = (
-                    a,
-                    middle,
-                    u,
-                    v,
-                )
-            else:
-                middle = 0.5 * (u + v)
-                boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost = a, b, middle, v
-                boxes[top + 1].first, boxes[top + 1].last, boxes[top + 1].innermost, boxes[top + 1].outermost = (
-                    a,
-                    b,
-                    u,
-                    middle,
-                )
+            halve_box(boxes, top, floor)
             top += 2
     return float(chart.least * (lights + math.exp(SPECK) * boxes_seen + unseen))
 

@@ -220,3 +220,92 @@ def conductor_fresnels_rows(
         nodes.radiance[0, i] *= 0.5 * upright * (1.0 + (level - tilted) / (level + tilted))
         nodes.radiance[1, i] *= 0.5 * t12 * (1.0 + (t13 - t14) / (t13 + t14))
         nodes.radiance[2, i] *= 0.5 * t21 * (1.0 + (t22 - t23) / (t22 + t23))
+
+
+@jitable
+def lit_conductor_rows(
+    start: int, stop: int, light_x: float, light_y: float, light_z: float, falling: float, alpha: float,
+    correlated: float, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float, nodes: Nodes,
+) -> None:
+    """pi D F G/(4 cos_o) of a light point, over r^2 where ``falling`` is 1 and not 0: over Lambert's (N.l)/pi, of
+    nodes ``start`` to ``stop``.
+    """
+    mixed = eta_x * k_x
+    t1 = alpha * alpha
+    t2 = (1.0 - alpha) * (1.0 + alpha)
+    t3 = eta_y * k_y
+    t4 = eta_z * k_z
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        place_x = nodes.place[0, i]
+        place_y = nodes.place[1, i]
+        place_z = nodes.place[2, i]
+        normal_x = nodes.normal[0, i]
+        normal_y = nodes.normal[1, i]
+        normal_z = nodes.normal[2, i]
+        view_x = nodes.toward[0, i]
+        view_y = nodes.toward[1, i]
+        view_z = nodes.toward[2, i]
+        offset_x = light_x - place_x
+        offset_y = light_y - place_y
+        offset_z = light_z - place_z
+        square = max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+        t5 = 1.0 / math.sqrt(square)
+        toward_x = offset_x * t5
+        both_x = toward_x + view_x
+        toward_y = offset_y * t5
+        both_y = toward_y + view_y
+        toward_z = offset_z * t5
+        both_z = toward_z + view_z
+        whole = max(both_x * both_x + both_y * both_y + both_z * both_z, 1e-300)
+        cosine2 = 0.25 * whole
+        cosine = math.sqrt(cosine2)
+        sin2 = (1.0 - cosine) * (1.0 + cosine)
+        t6 = (eta_x - k_x) * (eta_x + k_x) - sin2
+        size = math.sqrt(max(t6 * t6 + 4.0 * mixed * mixed, 1e-300))
+        cos2 = cosine * cosine
+        across = size + cos2
+        t7 = 2.0 * cosine
+        rising = max(t6, 0.0)
+        t8 = max(-t6, 0.0)
+        t9 = math.sqrt(max(rising + 2.0 * mixed * mixed / max(size + (rising + t8), 1e-300), 1e-300))
+        twice = t7 * t9
+        upright = (across - twice) / (across + twice)
+        t10 = sin2 * sin2
+        level = cos2 * size + t10
+        tilted = twice * sin2
+        up = normal_x * both_x + normal_y * both_y + normal_z * both_z
+        t11 = normal_y * both_z - normal_z * both_y
+        t12 = normal_z * both_x - normal_x * both_z
+        t13 = normal_x * both_y - normal_y * both_x
+        flat = t11 * t11 + t12 * t12 + t13 * t13
+        share = alpha * whole / max(t1 * (up * up) + flat, 1e-300)
+        t14 = max(normal_x * toward_x + normal_y * toward_y + normal_z * toward_z, 0.0)
+        t15 = max(normal_x * view_x + normal_y * view_y + normal_z * view_z, 0.0)
+        root_in = math.sqrt(max(t1 + t2 * t14 * t14, 1e-300))
+        root_out = math.sqrt(max(t1 + t2 * t15 * t15, 1e-300))
+        t16 = t15 * root_in + t14 * root_out
+        masking = t16 + correlated * t16 + (1.0 - correlated) * (t14 * t15 + root_in * root_out)
+        fall = falling / square + (1.0 - falling)
+        t17 = share * share * (t14 / masking) * fall
+        t18 = (eta_y - k_y) * (eta_y + k_y) - sin2
+        t19 = math.sqrt(max(t18 * t18 + 4.0 * t3 * t3, 1e-300))
+        t20 = t19 + cos2
+        t21 = max(t18, 0.0)
+        t22 = max(-t18, 0.0)
+        t23 = t7 * math.sqrt(max(t21 + 2.0 * t3 * t3 / max(t19 + (t21 + t22), 1e-300), 1e-300))
+        t24 = (t20 - t23) / (t20 + t23)
+        t25 = cos2 * t19 + t10
+        t26 = t23 * sin2
+        t27 = (eta_z - k_z) * (eta_z + k_z) - sin2
+        t28 = math.sqrt(max(t27 * t27 + 4.0 * t4 * t4, 1e-300))
+        t29 = t28 + cos2
+        t30 = max(t27, 0.0)
+        t31 = max(-t27, 0.0)
+        t32 = t7 * math.sqrt(max(t30 + 2.0 * t4 * t4 / max(t28 + (t30 + t31), 1e-300), 1e-300))
+        t33 = (t29 - t32) / (t29 + t32)
+        t34 = cos2 * t28 + t10
+        t35 = t32 * sin2
+        nodes.shares[0, i] = 0.5 * upright * (1.0 + (level - tilted) / (level + tilted)) * t17
+        nodes.shares[1, i] = 0.5 * t24 * (1.0 + (t25 - t26) / (t25 + t26)) * t17
+        nodes.shares[2, i] = 0.5 * t33 * (1.0 + (t34 - t35) / (t34 + t35)) * t17

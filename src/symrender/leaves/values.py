@@ -381,6 +381,94 @@ def conductor_fresnels(
 
 
 @inlined
+def lit_conductor(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float, falling: float, alpha: float,
+    correlated: float, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float,
+) -> tuple[float, float, float]:
+    """pi D F G/(4 cos_o) of a light point, over r^2 where ``falling`` is 1 and not 0: over Lambert's (N.l)/pi."""
+    offset_x = light_x - place_x
+    offset_y = light_y - place_y
+    offset_z = light_z - place_z
+    square = max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+    t1 = 1.0 / math.sqrt(square)
+    toward_x = offset_x * t1
+    both_x = toward_x + view_x
+    toward_y = offset_y * t1
+    both_y = toward_y + view_y
+    toward_z = offset_z * t1
+    both_z = toward_z + view_z
+    whole = max(both_x * both_x + both_y * both_y + both_z * both_z, 1e-300)
+    cosine2 = 0.25 * whole
+    cosine = math.sqrt(cosine2)
+    sin2 = (1.0 - cosine) * (1.0 + cosine)
+    t2 = (eta_x - k_x) * (eta_x + k_x) - sin2
+    mixed = eta_x * k_x
+    size = math.sqrt(max(t2 * t2 + 4.0 * mixed * mixed, 1e-300))
+    cos2 = cosine * cosine
+    across = size + cos2
+    t3 = 2.0 * cosine
+    rising = max(t2, 0.0)
+    t4 = max(-t2, 0.0)
+    t5 = math.sqrt(max(rising + 2.0 * mixed * mixed / max(size + (rising + t4), 1e-300), 1e-300))
+    twice = t3 * t5
+    upright = (across - twice) / (across + twice)
+    t6 = sin2 * sin2
+    level = cos2 * size + t6
+    tilted = twice * sin2
+    t7 = alpha * alpha
+    up = normal_x * both_x + normal_y * both_y + normal_z * both_z
+    t8 = normal_y * both_z - normal_z * both_y
+    t9 = normal_z * both_x - normal_x * both_z
+    t10 = normal_x * both_y - normal_y * both_x
+    flat = t8 * t8 + t9 * t9 + t10 * t10
+    share = alpha * whole / max(t7 * (up * up) + flat, 1e-300)
+    t11 = max(normal_x * toward_x + normal_y * toward_y + normal_z * toward_z, 0.0)
+    t12 = max(normal_x * view_x + normal_y * view_y + normal_z * view_z, 0.0)
+    t13 = (1.0 - alpha) * (1.0 + alpha)
+    root_in = math.sqrt(max(t7 + t13 * t11 * t11, 1e-300))
+    root_out = math.sqrt(max(t7 + t13 * t12 * t12, 1e-300))
+    t14 = t12 * root_in + t11 * root_out
+    masking = t14 + correlated * t14 + (1.0 - correlated) * (t11 * t12 + root_in * root_out)
+    fall = falling / square + (1.0 - falling)
+    t15 = share * share * (t11 / masking) * fall
+    t16 = (eta_y - k_y) * (eta_y + k_y) - sin2
+    t17 = eta_y * k_y
+    t18 = math.sqrt(max(t16 * t16 + 4.0 * t17 * t17, 1e-300))
+    t19 = t18 + cos2
+    t20 = max(t16, 0.0)
+    t21 = max(-t16, 0.0)
+    t22 = t3 * math.sqrt(max(t20 + 2.0 * t17 * t17 / max(t18 + (t20 + t21), 1e-300), 1e-300))
+    t23 = (t19 - t22) / (t19 + t22)
+    t24 = cos2 * t18 + t6
+    t25 = t22 * sin2
+    t26 = (eta_z - k_z) * (eta_z + k_z) - sin2
+    t27 = eta_z * k_z
+    t28 = math.sqrt(max(t26 * t26 + 4.0 * t27 * t27, 1e-300))
+    t29 = t28 + cos2
+    t30 = max(t26, 0.0)
+    t31 = max(-t26, 0.0)
+    t32 = t3 * math.sqrt(max(t30 + 2.0 * t27 * t27 / max(t28 + (t30 + t31), 1e-300), 1e-300))
+    t33 = (t29 - t32) / (t29 + t32)
+    t34 = cos2 * t28 + t6
+    t35 = t32 * sin2
+    return (
+        0.5 * upright * (1.0 + (level - tilted) / (level + tilted)) * t15,
+        0.5 * t23 * (1.0 + (t24 - t25) / (t24 + t25)) * t15, 0.5 * t33 * (1.0 + (t34 - t35) / (t34 + t35)) * t15,
+    )
+
+
+@inlined
+def lit_conductor_most(square: float, cosine: float, alpha: float) -> float:
+    """No |h - N|^2 of ``square`` or more, at most 2, and cos_o of ``cosine`` or more have a larger pi D G/(4 cos_o)."""
+    t1 = alpha * alpha
+    sine2 = square * (1.0 - 0.25 * square)
+    share = alpha / (t1 * (1.0 - sine2) + sine2)
+    t2 = cosine + math.sqrt(max(t1 + (1.0 - alpha) * (1.0 + alpha) * cosine * cosine, 1e-300))
+    return 0.5 * share * share / t2
+
+
+@inlined
 def texture_coordinates(normal_x: float, normal_y: float, normal_z: float) -> tuple[float, float]:
     """(u, v) of a unit normal, both in [0, 1]."""
     return (

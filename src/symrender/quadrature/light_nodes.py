@@ -13,11 +13,20 @@ import numpy.typing as npt
 
 from symrender.chambers.highlights import chord_about
 from symrender.chambers.labels import DARK, GLINT, PARTLY
-from symrender.chambers.leaf_rows import blinn_nodes_rows, falling_nodes_rows, lambert_nodes_rows, phong_nodes_rows
+from symrender.chambers.leaf_rows import (
+    blinn_nodes_rows,
+    falling_nodes_rows,
+    lambert_nodes_rows,
+    lit_conductor_rows,
+    phong_nodes_rows,
+)
+from symrender.chambers.lobes.record import Conductor
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes, Piece
 from symrender.chambers.row_powers import powers
+from symrender.chambers.senders import sender_of
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.disk_node import (
     FAR,
     GROWTH,
@@ -108,6 +117,26 @@ def point_light(start: int, stop: int, b: Nodes, p: LightPoint, phong: bool, shi
         b.radiance[0, i] += red * (b.factor[0, i] * clear + shining)
         b.radiance[1, i] += green * (b.factor[1, i] * clear + shining)
         b.radiance[2, i] += blue * (b.factor[2, i] * clear + shining)
+
+
+@jitable
+def sent_light(start: int, stop: int, b: Nodes, p: LightPoint, row: int, senders: Table[Conductor] | None) -> None:
+    """As ``point_light``, of a surface that is the conductor ``row``."""
+    if senders is None:
+        return
+    stop = min(stop, NODES)
+    sender = senders[row]
+    eta, k = sender.eta, sender.k
+    x, y, z, red, green, blue = p.position[0], p.position[1], p.position[2], p.color[0], p.color[1], p.color[2]
+    falling = 1.0 if p.fall == INVERSE_SQUARE else 0.0
+    lit_conductor_rows(
+        start, stop, x, y, z, falling, sender.alpha, sender.masking, eta[0], eta[1], eta[2], k[0], k[1], k[2], b
+    )
+    for i in range(start, stop):
+        clear = b.clear[i]
+        b.radiance[0, i] += red * b.factor[0, i] * clear * b.shares[0, i]
+        b.radiance[1, i] += green * b.factor[1, i] * clear * b.shares[1, i]
+        b.radiance[2, i] += blue * b.factor[2, i] * clear * b.shares[2, i]
 
 
 @jitable
@@ -350,10 +379,13 @@ def light_nodes(pieces: int, step: int, ks: float, view: View, work: Work, gauss
     ``factor`` times the diffuse term and ``ks`` times the highlight.
     """
     phong, shininess = view.shading.model == PHONG, view.shading.shininess
+    sender = sender_of(view, work.chart)
     for i in range(view.points.shape[0]):
         if view.points[i].radius > 0.0:
             disk_light(i, pieces, step, ks, view, work, gauss)
         else:
             start, stop = mark_states(pieces, i, work)
-            if start < stop:
+            if sender >= 0:
+                sent_light(start, stop, work.nodes, view.points[i], sender, view.senders)
+            elif start < stop:
                 point_light(start, stop, work.nodes, view.points[i], phong, shininess, ks)

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
+from symrender.chambers.events import line_range
 from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
@@ -19,6 +20,7 @@ from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_c
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
 from symrender.chambers.records import INVERSE_SQUARE, Chart, Event, LightPoint
 from symrender.chambers.rooms import frame_view, in_a_plane
+from symrender.chambers.senders import sender_of, sent_bound
 from symrender.chambers.work import (
     MAX_ROOTS,
     Frames,
@@ -32,8 +34,9 @@ from symrender.chambers.work import (
 )
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table, table
+from symrender.leaves.values import lit_conductor_most
 from symrender.quadrature.fall_off import TOUCHING, is_radiometric, most_light, plane_bound
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.grid_tail import MOST_REMAINDERS
@@ -123,6 +126,16 @@ def sphere_bound(j: int, view: View, chart: Chart) -> float:
     return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
 
 
+@inlined
+def chart_bound(diffuse: float, view: View, work: Work) -> float:
+    """``diffuse``, what bounds the radiance of the charted shape, or what does where it is a conductor."""
+    sender = sender_of(view, work.chart)
+    if sender < 0:
+        return diffuse
+    low, high = line_range(work.chart)
+    return sent_bound(low, high, sender, view, work)
+
+
 def gloss_kernel(
     points: Array, normals: Array, incoming: Array, surface: Ints, lobes: Array, view: View, work: Work, gauss: Array,
     panels: Table[Panel], spans: Table[Span], ids: Ints, events: Table[Event], scratch: Array, tol: float, bound: float,
@@ -201,7 +214,7 @@ def gloss_kernel(
                 total += most
                 continue
             sphere_strips(j, view, work)
-            chart.bright = sphere_bound(j, view, chart)
+            chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol),
                 view,
@@ -229,7 +242,7 @@ def gloss_kernel(
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
             floor_strips(framed, work)
-            chart.bright = plane_bound(framed) if falling else bound
+            chart.bright = chart_bound(plane_bound(framed) if falling else bound, framed, work)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
                 max_evaluations, value,
@@ -325,21 +338,25 @@ def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
     return squares
 
 
-def radiance_bound(arrays: SceneArrays, points: Table[LightPoint]) -> float:
+def radiance_bound(arrays: SceneArrays, points: Table[LightPoint], senders: Table[Conductor] | None = None) -> float:
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
     lit = arrays.shading.ka * arrays.shading.ambient
     color = points["color"] / nearest_squares(arrays, points)[:, None]
-    lit = lit + color.sum(axis=0) * (arrays.shading.kd + arrays.shading.ks)
+    alphas = [] if senders is None else [float(alpha) for alpha in senders["alpha"] if alpha > 0.0]
+    most = max([1.0, *(lit_conductor_most(0.0, 0.0, alpha) for alpha in alphas)])
+    lit = lit + color.sum(axis=0) * (arrays.shading.kd * most + arrays.shading.ks)
     return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
 
 
-def refuse_conductors(arrays: SceneArrays, conductors: Table[Conductor]) -> None:
+def refuse_conductors(arrays: SceneArrays, conductors: Table[Conductor], surface: Ints) -> None:
     """Raise ``Unsupported``, by name, for what is not integrated under the lobe of a conductor."""
     classes = FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes)
     if len(conductors) != classes:
         raise ValueError(f"conductors: {classes} rows are asked for, one a hit class; {len(conductors)} were given")
     if not ((conductors["alpha"] >= 0.0) & (conductors["alpha"] <= 1.0)).all():
         raise ValueError("conductors: alpha must be in [0, 1], 0 where a surface is no conductor")
+    if not len(surface) or not (conductors["alpha"][surface] > 0.0).any():
+        return
     if is_brdf(arrays):
         raise Unsupported("shading.lobe_units: brdf_normalised says nothing of a conductor; choose lobe_average")
     if arrays.shading.background.max() > 0.0:
@@ -358,6 +375,7 @@ def gloss_points(
     scratch: SplitWork | None = None,
     walled: bool = True,
     conductors: Table[Conductor] | None = None,
+    senders: Table[Conductor] | None = None,
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
@@ -372,12 +390,13 @@ def gloss_points(
 
     ``conductors``, a row a hit class, are what surfaces of ``alpha`` > 0 reflect by in place of their lobe: of them the
     result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere. Raises ``Unsupported`` with a background, or
-    in BRDF units.
+    in BRDF units. ``senders``, a row a sphere and then a row a plane, are what shapes of ``alpha`` > 0 send light on by
+    in place of Lambert's term: their colour times kd pi D F G/(4 cos_o) of what arrives. Such a plane is of one colour.
     """
     lights = light_rows(arrays, disk_order)
     if conductors is not None:
-        refuse_conductors(arrays, conductors)
-    view = scene_view(arrays, lights, conductors)
+        refuse_conductors(arrays, conductors, np.asarray(surface))
+    view = scene_view(arrays, lights, conductors, senders)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
@@ -390,7 +409,7 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics,
+        radiance_bound(arrays, lights, senders), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics,
         s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights),
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.elementary import Real, pi, positive, ratio, sqrt
+from symrender.expression.elementary import Real, pi, positive, ramp, ratio, sqrt
 from symrender.expression.formulas.microfacets import conductor_fresnel, smith_root
 from symrender.expression.leaf import Leaf, Rows
-from symrender.expression.vectors import Vec3
+from symrender.expression.vectors import Vec3, cross, dot, norm2
 
 
 def ggx_mean(square: Real, along: Real, cos_view: Real) -> tuple[Real, Real]:
@@ -53,6 +53,39 @@ def conductor_fresnels(cosine2: Real, eta: Vec3, k: Vec3) -> Vec3:
     return Vec3(*(conductor_fresnel(cosine, a, b) for a, b in zip(eta.parts, k.parts, strict=True)))
 
 
+def lit_conductor(
+    light: Vec3, place: Vec3, normal: Vec3, view: Vec3, falling: Real, alpha: Real, correlated: Real, eta: Vec3, k: Vec3
+) -> Vec3:  # fmt: skip
+    """pi D F G/(4 cos_o) of a light point, over r^2 where ``falling`` is 1 and not 0: over Lambert's (N.l)/pi.
+
+    ``correlated`` is 1 for height-correlated masking, G/(4 cos_o) = cos_i/(2 (cos_o root_i + cos_i root_o)), else 0:
+    cos_i/((cos_i + root_i) (cos_o + root_o)), whose divisor has both products more and the sum once.
+    """
+    offset = light - place
+    square = positive(norm2(offset))
+    toward = offset * (1 / sqrt(square))
+    inward, outward = ramp(dot(normal, toward)), ramp(dot(normal, view))
+    root_in, root_out = smith_root(inward, alpha), smith_root(outward, alpha)
+    mixed = outward * root_in + inward * root_out
+    masking = mixed + correlated * mixed + (1 - correlated) * (inward * outward + root_in * root_out)
+    both = toward + view
+    whole = positive(norm2(both))
+    up, flat = dot(normal, both), norm2(cross(normal, both))
+    share = alpha * whole / positive(alpha * alpha * (up * up) + flat)
+    fall = falling / square + (1 - falling)
+    return conductor_fresnels(ratio(1, 4, whole) * whole, eta, k) * (share * share * (inward / masking) * fall)
+
+
+def lit_conductor_most(square: Real, cosine: Real, alpha: Real) -> Real:
+    """No |h - N|^2 of ``square`` or more, at most 2, and cos_o of ``cosine`` or more have a larger pi D G/(4 cos_o).
+
+    G/(4 cos_o) is at most 1/(2 (cos_o + root_o)) for either masking.
+    """
+    sine2 = square * (1 - ratio(1, 4, square) * square)
+    share = alpha / (alpha * alpha * (1 - sine2) + sine2)
+    return ratio(1, 2, share) * share * share / (cosine + smith_root(cosine, alpha))
+
+
 LEAVES: Final = (
     Leaf(smith_root, ("root",)),
     Leaf(ggx_lobe, ("density", "cosine2"),
@@ -61,5 +94,8 @@ LEAVES: Final = (
     Leaf(ggx_most, ("density",)),
     Leaf(conductor_fresnels, ("reflectance:3",),
          rows=Rows((("cosine2", "chord"),), (("reflectance", "radiance", "scale"),))),
+    Leaf(lit_conductor, ("shares:3",),
+         rows=Rows((("place", "place"), ("normal", "normal"), ("view", "toward")), (("shares", "shares", "set"),))),
+    Leaf(lit_conductor_most, ("most",)),
 )  # fmt: skip
 """Slopes are due with the derivative of the lobe (``adjoint/lobe.py`` refuses it)."""
