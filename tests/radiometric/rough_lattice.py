@@ -265,7 +265,9 @@ def _density(d: Array, n: Array, seen: Array, m: Array, rows: Array, count: int)
 
 
 @numba.njit(cache=False)
-def _drawn(kind: int, u: float, v: float, n: Array, x: Array, y: Array, seen: Array, m: Array, row: Array, d: Array) -> bool:  # fmt: skip
+def _drawn(
+    kind: int, u: float, v: float, n: Array, x: Array, y: Array, seen: Array, m: Array, row: Array, d: Array
+) -> bool:  # fmt: skip
     """A direction of a kind, 0 a cosine's, 1 the material's, beyond about the highlight of ``row``; if it is above."""
     phi = 2.0 * math.pi * v
     c, s = math.cos(phi), math.sin(phi)
@@ -296,7 +298,9 @@ def _drawn(kind: int, u: float, v: float, n: Array, x: Array, y: Array, seen: Ar
 
 
 @numba.njit(cache=False)
-def _sums(q: Array, n: Array, own: int, seen: Array, w: World, shifts: Array, points: int, step: int, total: Array) -> None:  # fmt: skip
+def _sums(
+    q: Array, n: Array, own: int, seen: Array, w: World, shifts: Array, points: int, step: int, total: Array
+) -> None:  # fmt: skip
     """What a place reflects of the radiance it sees, its reflectance aside, by lattices with these shifts."""
     shapes, mine = w.known.shapes, w.materials[own]
     x, y = _frame(n)
@@ -352,4 +356,6 @@ def bounced(
     for row in sums:
         _sums(q, n, j, -d, w, rng.uniform(size=(kinds, 2)), points, step, row)
     sigma = sums.std(axis=0, ddof=1) / math.sqrt(SHIFTS)
-    return lattice.Seen(j, shade * sums.mean(axis=0), shade * sigma, lattice.glare(known, q, j) * points / lattice.POINTS)
+    return lattice.Seen(
+        j, shade * sums.mean(axis=0), shade * sigma, lattice.glare(known, q, j) * points / lattice.POINTS
+    )

@@ -132,6 +132,39 @@ def phong_nodes_rows(start: int, stop: int, light_x: float, light_y: float, ligh
 
 
 @jitable
+def lit_phong_rows(
+    start: int, stop: int, light_x: float, light_y: float, light_z: float, falling: float, exponent: float,
+    nodes: Nodes,
+) -> None:
+    """((n + 2)/2 N.l, r.v) of a light point, the first over r^2 if ``falling`` is 1 and not 0, the second cut, of
+    nodes ``start`` to ``stop``.
+    """
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        place_x = nodes.place[0, i]
+        place_y = nodes.place[1, i]
+        place_z = nodes.place[2, i]
+        normal_x = nodes.normal[0, i]
+        normal_y = nodes.normal[1, i]
+        normal_z = nodes.normal[2, i]
+        view_x = nodes.toward[0, i]
+        view_y = nodes.toward[1, i]
+        view_z = nodes.toward[2, i]
+        to_light_x = light_x - place_x
+        to_light_y = light_y - place_y
+        to_light_z = light_z - place_z
+        t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+        inverse = 1.0 / math.sqrt(max(t1, 1e-300))
+        cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+        fall = falling / max(t1, 1e-300) + (1.0 - falling)
+        facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+        toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+        base = 2.0 * cosine * facing - toward
+        nodes.clear[i] *= 0.5 * (exponent + 2.0) * cosine * fall
+        nodes.radix[i] = min(1.0, max(0.0, base))
+
+
+@jitable
 def lobe_density_rows(start: int, stop: int, exponent: float, log_normaliser: float, nodes: Nodes) -> None:
     """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m, of
     nodes ``start`` to ``stop``.

@@ -1,10 +1,11 @@
-"""Highlights of conductors: where on a chart they may be felt, and what is brightest.
+"""Highlights of conductors and phong materials: where on a chart they may be felt, and what is brightest.
 
 At Q a conductor sends pi D F G/(4 cos_o) of what a diffuse surface that faces the light would: the leaf
 ``lit_conductor``. D falls with the angle between N and h = unit(l + v) by a power, with poles where its tangent is
 +- i alpha, so that boxes of the chart are halved towards the peak by octaves of hypot(alpha, angle), and what is tame
 beside a box is as wide as that. The bound of a box is ``lit_conductor_most`` at the smallest angle, the smallest cos_o
-and the least distance of the light in it.
+and the least distance of the light in it. A phong material sends (n + 2)/2 N.l cos^n of the angle between v and the
+mirror image of l: ``lit_phong``, and widths are those of ``highlights.py``.
 """
 
 from __future__ import annotations
@@ -14,11 +15,13 @@ from typing import Final, NamedTuple
 
 from symrender.chambers.highlights import (
     COARSEST,
+    DOUBTED,
     FAR,
     HALF_PI,
     MOST_BOXES,
     NEGLIGIBLE,
     SPECK,
+    TAME,
     chord_of,
     halve_box,
     log_share,
@@ -26,6 +29,7 @@ from symrender.chambers.highlights import (
     slope_towards,
 )
 from symrender.chambers.lobes.density import log_peak
+from symrender.chambers.lobes.record import LAMBERT, POWER
 from symrender.chambers.place import surface_point
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work
@@ -43,8 +47,8 @@ CLOSE: Final = 1.5
 class Lit(NamedTuple):
     """What is known of a box under a light.
 
-    ``most`` bounds ``lit_conductor`` over it, 0 where it is dark; ``here`` does at its middle. The angle of h to N has
-    the chord ``nearest`` at least, and differs from that of the middle by ``varies``. ``share`` is ``log_share`` and
+    ``most`` bounds what is sent over it, 0 where it is dark; ``here`` does at its middle. The angle of h to N has the
+    chord ``nearest`` at least, and differs from that of the middle by ``varies``. ``share`` is ``log_share`` and
     ``angle`` the logarithm of the solid angle, both at most.
     """
 
@@ -58,11 +62,42 @@ class Lit(NamedTuple):
 
 @inlined
 def sender_of(view: View, chart: Chart) -> int:
-    """Row of the conductor that the charted shape is, -1 where it is none."""
+    """Row of the charted shape where it is no diffuse one, else -1."""
     if view.senders is None:
         return -1
     row = chart.shape_index if chart.shape_index >= 0 else view.spheres.shape[0] + chart.plane
-    return row if view.senders[row].alpha > 0.0 else -1
+    return row if view.senders[row].kind != LAMBERT else -1
+
+
+@jitable
+def most_sent(square: float, tilt: float, facing: float, row: int, view: View) -> float:
+    """No place where the angle has this squared chord or more, cos_o this or more, and N.l this or less sends more."""
+    if view.senders is None:
+        return 0.0
+    sender = view.senders[row]
+    if sender.kind == POWER:
+        base = max(0.0, 1.0 - 0.5 * square)
+        return float(0.5 * (sender.exponent + 2.0) * min(1.0, max(0.0, facing)) * base**sender.exponent)
+    return lit_conductor_most(min(2.0, square), max(0.0, tilt), sender.conductor.alpha)
+
+
+@jitable
+def sent_width(nearest: float, row: int, view: View) -> float:
+    """How far the angle may turn and what is sent stay tame, where its chord is ``nearest`` or more."""
+    if view.senders is None:
+        return 1.0
+    sender = view.senders[row]
+    if sender.kind == POWER:
+        return TAME / math.sqrt(sender.exponent)
+    return math.hypot(sender.conductor.alpha, nearest)
+
+
+@inlined
+def is_phong(row: int, view: View) -> bool:
+    """Whether a sender is a phong material."""
+    if view.senders is None:
+        return False
+    return bool(view.senders[row].kind == POWER)
 
 
 @inlined
@@ -74,7 +109,7 @@ def sender_albedo(view: View, chart: Chart) -> float:
             albedo = max(albedo, abs(view.spheres[chart.shape_index].color[a]))
         else:
             albedo = max(albedo, view.floor.bright[a], view.floor.dark[a])
-    return view.shading.kd * albedo
+    return float(view.shading.kd * albedo)
 
 
 @inlined
@@ -101,7 +136,7 @@ def fall_off(p: LightPoint, distance: float) -> float:
 
 
 @jitable
-def far_box(l: int, u: float, alpha: float, ample: float, view: View, work: Work) -> Lit:
+def far_box(l: int, u: float, row: int, ample: float, view: View, work: Work) -> Lit:
     """All of a plane beyond the inner coordinate ``u``, under a light that falls off.
 
     Where that is far, l and v are nearly one and level: |l + v| is more than 1.8.
@@ -111,23 +146,26 @@ def far_box(l: int, u: float, alpha: float, ample: float, view: View, work: Work
     x, y, z = p.position[0] - chart.point[0], p.position[1] - chart.point[1], p.position[2]
     light = math.sqrt(x * x + y * y)
     if near < FAR * max(light, z, chart.height):
-        return Lit(lit_conductor_most(0.0, 0.0, alpha) * fall_off(p, least), 0.0, 0.0, math.inf, ample, math.inf)
+        return Lit(most_sent(0.0, 0.0, 1.0, row, view) * fall_off(p, least), 0.0, 0.0, math.inf, ample, math.inf)
+    if is_phong(row, view):
+        # v is opposite to the mirror image of l
+        return Lit(0.0, 0.0, 2.0, 0.0, ample, math.inf)
     rise = min(1.0, (z / (near - light) + math.cos(u)) / 1.8)
     nearest = math.sqrt(2.0 * (1.0 - rise))
-    return Lit(lit_conductor_most(2.0 * (1.0 - rise), 0.0, alpha) * fall_off(p, near - light), 0.0, nearest, 0.0,
-               ample, math.inf)  # fmt: skip
+    most = most_sent(2.0 * (1.0 - rise), 0.0, 1.0, row, view) * fall_off(p, near - light)
+    return Lit(most, 0.0, nearest, 0.0, ample, math.inf)
 
 
 @jitable
 def lit_box(
-    l: int, a: float, b: float, u: float, v: float, alpha: float, ample: float, view: View, work: Work
+    l: int, a: float, b: float, u: float, v: float, row: int, ample: float, view: View, work: Work
 ) -> Lit:  # fmt: skip
     """Azimuths a..b and, on a sphere, angles u..v at its centre, on a plane inner coordinates, under light ``l``."""
     chart, p = work.chart, view.points[l]
     sphere = chart.shape_index >= 0
     falling = p.fall == INVERSE_SQUARE
     if not sphere and v >= HALF_PI and falling:
-        return far_box(l, u, alpha, ample, view, work)
+        return far_box(l, u, row, ample, view, work)
     middle, half, g, deep = 0.5 * (a + b), 0.5 * (b - a), 0.5 * (u + v), 0.5 * (v - u)
     qx, qy, qz, nx, ny, nz = surface_point(inner_of(g, chart), math.cos(middle), math.sin(middle), chart)
     if sphere:
@@ -148,25 +186,29 @@ def lit_box(
         return Lit(0.0, 0.0, 2.0, 0.0, ample, angle)
     hx, hy, hz = lx * by_l + vx * by_v, ly * by_l + vy * by_v, lz * by_l + vz * by_v
     inv = 1.0 / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
-    dx, dy, dz = hx * inv - nx, hy * inv - ny, hz * inv - nz
-    chord = math.sqrt(dx * dx + dy * dy + dz * dz)
-    t = (shift + swing) * inv
-    # the unit vector turns by the chord of an angle whose sine is t
-    varies = turn + t * (1.0 + 0.4142135623730951 * t * t) if t < 1.0 else math.inf
+    if is_phong(row, view):
+        mx, my, mz = 2.0 * inward * nx - hx, 2.0 * inward * ny - hy, 2.0 * inward * nz - hz
+        varies = 2.0 * turn + shift + swing
+    else:
+        mx, my, mz = hx * inv - nx, hy * inv - ny, hz * inv - nz
+        t = (shift + swing) * inv
+        # the unit vector turns by the chord of an angle whose sine is t
+        varies = turn + t * (1.0 + 0.4142135623730951 * t * t) if t < 1.0 else math.inf
+    chord = math.sqrt(mx * mx + my * my + mz * mz)
     nearest = max(0.0, chord - varies)
-    tilt = max(0.0, math.cos(v) if not sphere else outward - turn - swing)
-    most = lit_conductor_most(min(2.0, nearest * nearest), tilt, alpha)
+    tilt = math.cos(v) if not sphere else outward - turn - swing
+    most = most_sent(nearest * nearest, tilt, inward + turn + shift, row, view)
     most *= fall_off(p, max(far_l - reach, clearance(p, chart)))
-    here = lit_conductor_most(min(2.0, chord * chord), max(0.0, outward), alpha) * fall_off(p, far_l)
+    here = most_sent(chord * chord, outward, inward, row, view) * fall_off(p, far_l)
     share = log_share(qx, qy, qz, reach, ample, work)
     return Lit(most, here if inward > 0.0 else 0.0, nearest, varies, share, angle)
 
 
 @jitable
 def strips(
-    l: int, a: float, b: float, u: float, v: float, wide: float, view: View, work: Work
+    l: int, a: float, b: float, u: float, v: float, wide: float, phong: bool, view: View, work: Work
 ) -> tuple[float, float]:  # fmt: skip
-    """(strip, along): how far off real azimuths, and off a line, h turns by no more than ``wide``."""
+    """(strip, along): how far off real azimuths, and off a line, the angle turns by no more than ``wide``."""
     chart = work.chart
     middle, g = 0.5 * (a + b), 0.5 * (u + v)
     c, s, x = math.cos(middle), math.sin(middle), inner_of(g, chart)
@@ -175,12 +217,12 @@ def strips(
     fx, fy, fz = c * f[0] - s * e[0], c * f[1] - s * e[1], c * f[2] - s * e[2]
     # along the meridian: across N and across the azimuth's direction
     mx, my, mz = fy * nz - fz * ny, fz * nx - fx * nz, fx * ny - fy * nx
-    aside = slope_towards(l, qx, qy, qz, fx, fy, fz, view, work)
-    inward = slope_towards(l, qx, qy, qz, mx, my, mz, view, work)
+    aside = slope_towards(l, qx, qy, qz, fx, fy, fz, phong, view, work)
+    inward = slope_towards(l, qx, qy, qz, mx, my, mz, phong, view, work)
     if chart.shape_index >= 0:
         k, cg, radius = chart.ratio, math.cos(g), chart.radius
         across = radius * min(1.0, math.sin(g) + 0.5 * (v - u))
-        turns = 1.0 / radius
+        turns = (2.0 if phong else 1.0) / radius
         rate = radius * (1.0 - 2.0 * k * cg + k * k) / max(1e-300, 1.0 - k * cg)
     else:
         r = chart.height * math.tan(g)
@@ -191,7 +233,7 @@ def strips(
 
 @jitable
 def find_sent(tol: float, low: float, high: float, row: int, view: View, work: Work) -> float:
-    """As ``find_highlights``, of a charted shape that is the conductor ``row``."""
+    """As ``find_highlights``, of a charted shape that sends light on by ``row``."""
     chart, boxes = work.chart, work.boxes
     work.counts.highlights = 0
     if view.senders is None:
@@ -200,7 +242,7 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
     chart.least = NEGLIGIBLE * tol / (max(1, lights) * chart.pace)
     if floor and chart.side < 0.0:
         return 0.0
-    alpha, albedo = view.senders[row].alpha, sender_albedo(view, chart)
+    phong, albedo = is_phong(row, view), sender_albedo(view, chart)
     last = HALF_PI if floor else chart.gamma_max
     whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * chart.beta_max))
     ample = whole + log_peak(chart.lobe)
@@ -218,17 +260,17 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
             looked += 1
             seen += 1
             a, b, u, v = boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost
-            lit = lit_box(l, a, b, u, v, alpha, ample, view, work)
+            lit = lit_box(l, a, b, u, v, row, ample, view, work)
             if not lit.most > 0.0:
                 continue
             felt = level + math.log(lit.most)
             part = lit.share - whole + lit.angle
             if felt + min(0.0, lit.share) < 0.0 or felt + part < SPECK:
                 continue
-            wide = math.hypot(alpha, lit.nearest)
-            resolved = lit.varies <= min(COARSEST, TAMED * wide)
+            wide = sent_width(lit.nearest, row, view)
+            resolved = lit.varies <= min(COARSEST, (DOUBTED / TAME if phong else TAMED) * wide)
             if resolved or looked > MOST_BOXES or top + 2 > boxes.shape[0]:
-                strip, along = strips(l, a, b, u, v, wide, view, work)
+                strip, along = strips(l, a, b, u, v, wide, phong, view, work)
                 if not resolved:
                     unseen += math.exp(felt + min(0.0, lit.share, part))
                     strip, along = 0.1 * (b - a), 0.1 * (v - u)
@@ -241,11 +283,11 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
 
 @jitable
 def sent_bound(low: float, high: float, row: int, view: View, work: Work) -> float:
-    """No place of the charted shape, which is the conductor ``row``, sends more between two azimuths."""
+    """No place of the charted shape, which sends light on by ``row``, sends more between two azimuths."""
     chart, boxes, most = work.chart, work.boxes, 0.0
     if view.senders is None:
         return most
-    floor, alpha, albedo = chart.shape_index < 0, view.senders[row].alpha, sender_albedo(view, chart)
+    floor, albedo = chart.shape_index < 0, sender_albedo(view, chart)
     for l in range(view.points.shape[0]):
         p = view.points[l]
         if floor and p.position[2] <= 0.0:
@@ -257,7 +299,7 @@ def sent_bound(low: float, high: float, row: int, view: View, work: Work) -> flo
             top -= 1
             looked += 1
             a, b, u, v = boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost
-            lit = lit_box(l, a, b, u, v, alpha, 0.0, view, work)
+            lit = lit_box(l, a, b, u, v, row, 0.0, view, work)
             sure = max(sure, lit.here)
             if lit.most <= max(found, CLOSE * sure) or looked > MOST_BOUNDS or top + 2 > boxes.shape[0]:
                 found = max(found, lit.most)

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.lobes.record import Conductor
+from symrender.chambers.lobes.record import Conductor, Sender
 from symrender.chambers.records import (
     NODES,
     Aim,
@@ -61,7 +61,7 @@ class View(NamedTuple):
     eye: Array
     sides: Table[Side]
     conductors: Table[Conductor] | None = None
-    senders: Table[Conductor] | None = None
+    senders: Table[Sender] | None = None
 
 
 class Frames(NamedTuple):
@@ -135,7 +135,7 @@ def begin_counts(limit: int, work: Work) -> None:
 
 def scene_view(
     arrays: SceneArrays, points: Table[LightPoint], conductors: Table[Conductor] | None = None,
-    senders: Table[Conductor] | None = None,
+    senders: Table[Sender] | None = None,
 ) -> View:  # fmt: skip
     """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); its memory, but for the eye."""
     return View(

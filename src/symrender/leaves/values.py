@@ -206,6 +206,25 @@ def phong_nodes(
 
 
 @inlined
+def lit_phong(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float, falling: float, exponent: float,
+) -> tuple[float, float]:
+    """((n + 2)/2 N.l, r.v) of a light point, the first over r^2 if ``falling`` is 1 and not 0, the second cut."""
+    to_light_x = light_x - place_x
+    to_light_y = light_y - place_y
+    to_light_z = light_z - place_z
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    inverse = 1.0 / math.sqrt(max(t1, 1e-300))
+    cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+    fall = falling / max(t1, 1e-300) + (1.0 - falling)
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    base = 2.0 * cosine * facing - toward
+    return 0.5 * (exponent + 2.0) * cosine * fall, min(1.0, max(0.0, base))
+
+
+@inlined
 def light_channel(color: float, kd: float, ks: float, albedo: float, cosine: float, highlight: float) -> float:
     """One channel of one unblocked light: color (kd albedo N.l + ks s)."""
     return color * (kd * albedo * cosine + ks * highlight)

@@ -18,9 +18,10 @@ from symrender.chambers.leaf_rows import (
     falling_nodes_rows,
     lambert_nodes_rows,
     lit_conductor_rows,
+    lit_phong_rows,
     phong_nodes_rows,
 )
-from symrender.chambers.lobes.record import Conductor
+from symrender.chambers.lobes.record import POWER, Sender
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes, Piece
 from symrender.chambers.row_powers import powers
 from symrender.chambers.senders import sender_of
@@ -120,18 +121,26 @@ def point_light(start: int, stop: int, b: Nodes, p: LightPoint, phong: bool, shi
 
 
 @jitable
-def sent_light(start: int, stop: int, b: Nodes, p: LightPoint, row: int, senders: Table[Conductor] | None) -> None:
-    """As ``point_light``, of a surface that is the conductor ``row``."""
+def sent_light(start: int, stop: int, b: Nodes, p: LightPoint, row: int, senders: Table[Sender] | None) -> None:
+    """As ``point_light``, of a surface that sends light on by ``row``."""
     if senders is None:
         return
     stop = min(stop, NODES)
-    sender = senders[row]
-    eta, k = sender.eta, sender.k
+    conductor, exponent = senders[row].conductor, senders[row].exponent
+    eta, k = conductor.eta, conductor.k
     x, y, z, red, green, blue = p.position[0], p.position[1], p.position[2], p.color[0], p.color[1], p.color[2]
     falling = 1.0 if p.fall == INVERSE_SQUARE else 0.0
-    lit_conductor_rows(
-        start, stop, x, y, z, falling, sender.alpha, sender.masking, eta[0], eta[1], eta[2], k[0], k[1], k[2], b
-    )
+    if senders[row].kind == POWER:
+        lit_phong_rows(start, stop, x, y, z, falling, exponent, b)
+        powers(start, stop, b, exponent)
+        for i in range(start, stop):
+            b.clear[i] *= b.power[i]
+            b.shares[0, i] = b.shares[1, i] = b.shares[2, i] = 1.0
+    else:
+        lit_conductor_rows(
+            start, stop, x, y, z, falling, conductor.alpha, conductor.masking, eta[0], eta[1], eta[2], k[0], k[1],
+            k[2], b,
+        )  # fmt: skip
     for i in range(start, stop):
         clear = b.clear[i]
         b.radiance[0, i] += red * b.factor[0, i] * clear * b.shares[0, i]

@@ -63,7 +63,9 @@ def note_sender(c: float, s: float, view: View, work: Work) -> None:
     sender, chart = sender_of(view, work.chart), work.chart
     if sender < 0:
         return
-    alpha = view.senders[sender].alpha
+    if view.senders[sender].kind != CONDUCTOR:
+        return
+    alpha = view.senders[sender].conductor.alpha
     depth = math.atanh(min(alpha, 0.999))
     note_pole(0.5 * math.pi, depth, work)
     for cell in range(1, work.counts.cells):

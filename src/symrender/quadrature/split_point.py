@@ -15,7 +15,7 @@ from symrender.chambers.events import line_range
 from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
-from symrender.chambers.lobes.record import Conductor
+from symrender.chambers.lobes.record import CONDUCTOR, POWER, Conductor, Sender
 from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
 from symrender.chambers.records import INVERSE_SQUARE, Chart, Event, LightPoint
@@ -338,12 +338,22 @@ def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
     return squares
 
 
-def radiance_bound(arrays: SceneArrays, points: Table[LightPoint], senders: Table[Conductor] | None = None) -> float:
+def _most_sent(senders: Table[Sender]) -> float:
+    """No shape sends more of light that faces it, over what a diffuse one would."""
+    most = 1.0
+    for sender in senders:
+        if sender.kind == CONDUCTOR:
+            most = max(most, lit_conductor_most(0.0, 0.0, sender.conductor.alpha))
+        elif sender.kind == POWER:
+            most = max(most, 0.5 * (sender.exponent + 2.0))
+    return most
+
+
+def radiance_bound(arrays: SceneArrays, points: Table[LightPoint], senders: Table[Sender] | None = None) -> float:
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
     lit = arrays.shading.ka * arrays.shading.ambient
     color = points["color"] / nearest_squares(arrays, points)[:, None]
-    alphas = [] if senders is None else [float(alpha) for alpha in senders["alpha"] if alpha > 0.0]
-    most = max([1.0, *(lit_conductor_most(0.0, 0.0, alpha) for alpha in alphas)])
+    most = 1.0 if senders is None else _most_sent(senders)
     lit = lit + color.sum(axis=0) * (arrays.shading.kd * most + arrays.shading.ks)
     return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
 
@@ -375,7 +385,7 @@ def gloss_points(
     scratch: SplitWork | None = None,
     walled: bool = True,
     conductors: Table[Conductor] | None = None,
-    senders: Table[Conductor] | None = None,
+    senders: Table[Sender] | None = None,
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
@@ -390,8 +400,9 @@ def gloss_points(
 
     ``conductors``, a row a hit class, are what surfaces of ``alpha`` > 0 reflect by in place of their lobe: of them the
     result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere. Raises ``Unsupported`` with a background, or
-    in BRDF units. ``senders``, a row a sphere and then a row a plane, are what shapes of ``alpha`` > 0 send light on by
-    in place of Lambert's term: their colour times kd pi D F G/(4 cos_o) of what arrives. Such a plane is of one colour.
+    in BRDF units. ``senders``, a row a sphere and then a row a plane, are what shapes send light on by in place
+    of Lambert's term: their colour times kd times pi D F G/(4 cos_o), or (n + 2)/2 N.l cos^n, of what arrives. Such a
+    plane is of one colour, and n is no smaller than ``FELT_END``: its highlight's end is no wall.
     """
     lights = light_rows(arrays, disk_order)
     if conductors is not None:

@@ -9,10 +9,12 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.lobes.record import CORRELATED, SEPARABLE, Conductor
+from symrender.chambers.chart import FELT_END
+from symrender.chambers.lobes.record import CONDUCTOR as ROUGH
+from symrender.chambers.lobes.record import CORRELATED, LAMBERT, POWER, SEPARABLE, Conductor, Sender
 from symrender.chambers.records import INVERSE_SQUARE
 from symrender.jit.compiled import compiled
-from symrender.jit.records import Table, joined, table
+from symrender.jit.records import Table, table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import SplitWork, gloss_points, nearest_squares, split_work
 from symrender.quadrature.split_setup import MET, UNSUPPORTED
@@ -89,7 +91,7 @@ class Bouncer:
         self._shaken = shaken(arrays)
         self._classes, _ = shape_classes(arrays)
         used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
-        self._highlights = max([1.0, *(2.0 / float(m.alpha) for m in used if m.kind == CONDUCTOR)])
+        self._highlights = max([1.0, *(float(_sharpness(m, np.ones(1))[0]) for m in used)])
         self._scenes: dict[bytes, Bounce] = {}
         self._scratch: SplitWork | None = None
 
@@ -117,8 +119,9 @@ class Bouncer:
     def light(self, hits: Hits, tol: float, budget: int) -> Bounced:
         """One bounce of light at ``hits``, each to ``tol``, absolute, or ``budget`` evaluations.
 
-        A surface seen from behind is black unless it reflects on both sides; of the inside of a sphere that does, and
-        of a place in another plane, no value is given: the status is ``UNSUPPORTED`` and the error infinite.
+        A surface seen from behind is black unless it reflects on both sides; of the inside of a sphere that does, of a
+        place in another plane, and of one that may see a highlight whose end is a wall, no value is given: the status
+        is ``UNSUPPORTED`` and the error infinite.
         """
         count = len(hits.shape)
         found = Bounced(
@@ -132,6 +135,7 @@ class Bouncer:
         met = hits.shape >= 0
         black = met & (hits.behind != 0.0) & ~two_sided[hits.shape]
         undone = met & ~black & (((hits.behind != 0.0) & ~is_plane[hits.shape]) | self._in_a_plane(hits))
+        undone |= met & ~black & self._may_see_an_end(hits)
         found.status[undone], found.error[undone] = UNSUPPORTED, np.inf
         work = np.flatnonzero(met & ~black & ~undone & (hits.albedo.max(axis=1) > 0.0))
         turned = np.zeros((len(work), len(shapes)), dtype=bool)
@@ -157,6 +161,20 @@ class Bouncer:
             size = np.abs(hits.place).max(axis=1) + np.abs(frame.origin).max()
             inside |= (np.abs(offset @ frame.up) <= 4.0 * ULP * size) & (self._classes[hits.shape] != self._classes[j])
         return inside
+
+    def _may_see_an_end(self, hits: Hits) -> npt.NDArray[np.bool_]:
+        """Whether some of a shape of phong with an exponent below ``FELT_END`` is above the horizon of the places."""
+        above = np.zeros(len(hits.shape), dtype=bool)
+        for j, shape in enumerate(self._arrays.shapes):
+            material = self._arrays.materials[int(shape.material)]
+            if material.kind != PHONG or material.exponent >= FELT_END:
+                continue
+            other = self._classes[hits.shape] != self._classes[j]
+            if shape.kind == SPHERE:
+                above |= other & (((shape.place - hits.place) * hits.normal).sum(axis=1) > -shape.radius)
+            else:
+                above |= other
+        return above
 
     def _nearness(self, own: int, place: Array) -> Array:
         """(N,) size of coordinates over the distance to the nearest other shape, or over the radius of their own."""
@@ -184,8 +202,12 @@ class Bouncer:
         if key not in self._scenes:
             self._scenes[key] = bounce_scenes(self._arrays, turned, own)
         bounce = self._scenes[key]
-        senders = _conductors(self._arrays, bounce)
-        conductors = None if senders is None else joined(Conductor, [table(Conductor, FIRST_SPHERE), senders])
+        senders = _senders(self._arrays, bounce)
+        conductors = None
+        if senders is not None:
+            conductors = table(Conductor, FIRST_SPHERE + len(senders))
+            for k, sender in enumerate(senders):
+                conductors[FIRST_SPHERE + k] = sender.conductor
         most = float(max(material.bright.max(), material.dark.max()))
         place, normal, travel = hits.place[some], hits.normal[some], hits.travel[some]
         total, missed = np.zeros((len(some), 3)), np.zeros(len(some))
@@ -210,15 +232,20 @@ class Bouncer:
         found.error[some] = albedo.max(axis=1) * missed + astray * light
 
 
-def _conductors(arrays: RadiometricArrays, bounce: Bounce) -> Table[Conductor] | None:
-    """The conductors among the shapes of ``bounce``, a row a shape; None if there are none."""
-    rows = table(Conductor, len(bounce.shapes))
+def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
+    """How the shapes of ``bounce`` send light on; None if all are diffuse."""
+    rows = table(Sender, len(bounce.shapes))
     for row, j in zip(rows, bounce.shapes, strict=True):
         material = arrays.materials[int(arrays.shapes[j].material)]
-        if material.kind == CONDUCTOR:
-            row.alpha, row.masking = material.alpha, CORRELATED if material.correlated else SEPARABLE
-            row.eta[:], row.k[:] = material.eta, material.k
-    return rows if rows["alpha"].any() else None
+        row.kind = LAMBERT
+        if material.kind == PHONG:
+            row.kind, row.exponent = POWER, material.exponent
+        elif material.kind == CONDUCTOR:
+            rough = row.conductor
+            row.kind, rough.alpha = ROUGH, material.alpha
+            rough.masking = CORRELATED if material.correlated else SEPARABLE
+            rough.eta[:], rough.k[:] = material.eta, material.k
+    return rows if (rows["kind"] != LAMBERT).any() else None
 
 
 def _sharpness(material: Material, cosine: Array) -> Array:

@@ -10,6 +10,8 @@ POWER: Final = 0
 """cos^n theta about the mirror direction m, theta <= theta_max."""
 CONDUCTOR: Final = 1
 """A microfacet lobe about m over the hemisphere of the surface normal: no rim, and a reflectance a channel."""
+LAMBERT: Final = 2
+"""Of what is seen: in all directions alike."""
 SEPARABLE: Final = 0.0
 """Masking G1(o) G1(i)."""
 CORRELATED: Final = 1.0
@@ -55,3 +57,14 @@ class Conductor(Record):
     """``SEPARABLE`` or ``CORRELATED``."""
     eta: Three
     k: Three
+
+
+class Sender(Record):
+    """How a shape sends light on: a conductor, or a phong material of ``exponent``, cos^n about the mirror direction.
+
+    ``kind`` is ``CONDUCTOR``, ``POWER``, or ``LAMBERT`` where it is neither.
+    """
+
+    kind: int
+    exponent: float
+    conductor: Conductor
