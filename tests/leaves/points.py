@@ -62,6 +62,7 @@ def sample(leaf: Leaf, rng: np.random.Generator) -> list[float]:
         leaf.name in ("blinn_term", "phong_term", "blinn_square", "blinn", "phong")
         or "edge" in leaf.name
         or "_nodes" in leaf.name
+        or leaf.name in ("lit_phong", "lit_conductor")
     ):
         # the view is near the mirror image of the light, so that there is a highlight
         normal = unit(rng.normal(size=3))

@@ -21,7 +21,6 @@ from symrender.chambers.highlights import (
     MOST_BOXES,
     NEGLIGIBLE,
     SPECK,
-    TAME,
     chord_of,
     halve_box,
     log_share,
@@ -29,12 +28,12 @@ from symrender.chambers.highlights import (
     slope_towards,
 )
 from symrender.chambers.lobes.density import log_peak
-from symrender.chambers.lobes.record import LAMBERT, POWER
+from symrender.chambers.lobes.record import LAMBERT
+from symrender.chambers.lobes.sending import is_phong, most_sent, sent_width
 from symrender.chambers.place import surface_point
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.leaves.values import lit_conductor_most
 
 TAMED: Final = 1.5
 """Boxes over which h turns by no more than this times hypot(alpha, its angle) are halved no further."""
@@ -69,37 +68,6 @@ def sender_of(view: View, chart: Chart) -> int:
     return row if view.senders[row].kind != LAMBERT else -1
 
 
-@jitable
-def most_sent(square: float, tilt: float, facing: float, row: int, view: View) -> float:
-    """No place where the angle has this squared chord or more, cos_o this or more, and N.l this or less sends more."""
-    if view.senders is None:
-        return 0.0
-    sender = view.senders[row]
-    if sender.kind == POWER:
-        base = max(0.0, 1.0 - 0.5 * square)
-        return float(0.5 * (sender.exponent + 2.0) * min(1.0, max(0.0, facing)) * base**sender.exponent)
-    return lit_conductor_most(min(2.0, square), max(0.0, tilt), sender.conductor.alpha)
-
-
-@jitable
-def sent_width(nearest: float, row: int, view: View) -> float:
-    """How far the angle may turn and what is sent stay tame, where its chord is ``nearest`` or more."""
-    if view.senders is None:
-        return 1.0
-    sender = view.senders[row]
-    if sender.kind == POWER:
-        return TAME / math.sqrt(sender.exponent)
-    return math.hypot(sender.conductor.alpha, nearest)
-
-
-@inlined
-def is_phong(row: int, view: View) -> bool:
-    """Whether a sender is a phong material."""
-    if view.senders is None:
-        return False
-    return bool(view.senders[row].kind == POWER)
-
-
 @inlined
 def sender_albedo(view: View, chart: Chart) -> float:
     """Largest kd times albedo of the charted shape."""
@@ -126,7 +94,7 @@ def clearance(p: LightPoint, chart: Chart) -> float:
     if chart.shape_index < 0:
         return max(0.0, p.position[2])
     x, y, z = p.position[0] - chart.center[0], p.position[1] - chart.center[1], p.position[2] - chart.center[2]
-    return max(0.0, math.sqrt(x * x + y * y + z * z) - chart.radius)
+    return float(max(0.0, math.sqrt(x * x + y * y + z * z) - chart.radius))
 
 
 @inlined
@@ -146,13 +114,15 @@ def far_box(l: int, u: float, row: int, ample: float, view: View, work: Work) ->
     x, y, z = p.position[0] - chart.point[0], p.position[1] - chart.point[1], p.position[2]
     light = math.sqrt(x * x + y * y)
     if near < FAR * max(light, z, chart.height):
-        return Lit(most_sent(0.0, 0.0, 1.0, row, view) * fall_off(p, least), 0.0, 0.0, math.inf, ample, math.inf)
-    if is_phong(row, view):
+        return Lit(
+            most_sent(0.0, 0.0, 1.0, row, view.senders) * fall_off(p, least), 0.0, 0.0, math.inf, ample, math.inf
+        )
+    if is_phong(row, view.senders):
         # v is opposite to the mirror image of l
         return Lit(0.0, 0.0, 2.0, 0.0, ample, math.inf)
     rise = min(1.0, (z / (near - light) + math.cos(u)) / 1.8)
     nearest = math.sqrt(2.0 * (1.0 - rise))
-    most = most_sent(2.0 * (1.0 - rise), 0.0, 1.0, row, view) * fall_off(p, near - light)
+    most = most_sent(2.0 * (1.0 - rise), 0.0, 1.0, row, view.senders) * fall_off(p, near - light)
     return Lit(most, 0.0, nearest, 0.0, ample, math.inf)
 
 
@@ -185,8 +155,8 @@ def lit_box(
     if inward + turn + shift < 0.0 or outward + turn + swing < 0.0:
         return Lit(0.0, 0.0, 2.0, 0.0, ample, angle)
     hx, hy, hz = lx * by_l + vx * by_v, ly * by_l + vy * by_v, lz * by_l + vz * by_v
-    inv = 1.0 / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
-    if is_phong(row, view):
+    inv = 1.0 / max(1e-150, math.sqrt(hx * hx + hy * hy + hz * hz))
+    if is_phong(row, view.senders):
         mx, my, mz = 2.0 * inward * nx - hx, 2.0 * inward * ny - hy, 2.0 * inward * nz - hz
         varies = 2.0 * turn + shift + swing
     else:
@@ -197,9 +167,9 @@ def lit_box(
     chord = math.sqrt(mx * mx + my * my + mz * mz)
     nearest = max(0.0, chord - varies)
     tilt = math.cos(v) if not sphere else outward - turn - swing
-    most = most_sent(nearest * nearest, tilt, inward + turn + shift, row, view)
+    most = most_sent(nearest * nearest, tilt, inward + turn + shift, row, view.senders)
     most *= fall_off(p, max(far_l - reach, clearance(p, chart)))
-    here = most_sent(chord * chord, outward, inward, row, view) * fall_off(p, far_l)
+    here = most_sent(chord * chord, outward, inward, row, view.senders) * fall_off(p, far_l)
     share = log_share(qx, qy, qz, reach, ample, work)
     return Lit(most, here if inward > 0.0 else 0.0, nearest, varies, share, angle)
 
@@ -242,7 +212,7 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
     chart.least = NEGLIGIBLE * tol / (max(1, lights) * chart.pace)
     if floor and chart.side < 0.0:
         return 0.0
-    phong, albedo = is_phong(row, view), sender_albedo(view, chart)
+    phong, albedo = is_phong(row, view.senders), sender_albedo(view, chart)
     last = HALF_PI if floor else chart.gamma_max
     whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * chart.beta_max))
     ample = whole + log_peak(chart.lobe)
@@ -267,8 +237,8 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
             part = lit.share - whole + lit.angle
             if felt + min(0.0, lit.share) < 0.0 or felt + part < SPECK:
                 continue
-            wide = sent_width(lit.nearest, row, view)
-            resolved = lit.varies <= min(COARSEST, (DOUBTED / TAME if phong else TAMED) * wide)
+            wide = sent_width(lit.nearest, row, view.senders)
+            resolved = lit.varies <= min(COARSEST, (0.5 * DOUBTED if phong else TAMED) * wide)
             if resolved or looked > MOST_BOXES or top + 2 > boxes.shape[0]:
                 strip, along = strips(l, a, b, u, v, wide, phong, view, work)
                 if not resolved:
@@ -276,7 +246,7 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
                     strip, along = 0.1 * (b - a), 0.1 * (v - u)
                 note_highlight(l, a, b, inner_of(u, chart), inner_of(v, chart), strip, along, work)
                 continue
-            halve_box(boxes, top, floor)
+            halve_box(boxes, top, floor and p.fall == INVERSE_SQUARE)
             top += 2
     return float(chart.least * (lights + math.exp(SPECK) * seen + unseen))
 
@@ -304,7 +274,7 @@ def sent_bound(low: float, high: float, row: int, view: View, work: Work) -> flo
             if lit.most <= max(found, CLOSE * sure) or looked > MOST_BOUNDS or top + 2 > boxes.shape[0]:
                 found = max(found, lit.most)
                 continue
-            halve_box(boxes, top, floor)
+            halve_box(boxes, top, floor and p.fall == INVERSE_SQUARE)
             top += 2
         most += albedo * max(p.color[0], p.color[1], p.color[2]) * found
     return most

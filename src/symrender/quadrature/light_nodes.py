@@ -17,11 +17,10 @@ from symrender.chambers.leaf_rows import (
     blinn_nodes_rows,
     falling_nodes_rows,
     lambert_nodes_rows,
-    lit_conductor_rows,
-    lit_phong_rows,
     phong_nodes_rows,
 )
-from symrender.chambers.lobes.record import POWER, Sender
+from symrender.chambers.lobes.record import Sender
+from symrender.chambers.lobes.sending import sent_shares
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes, Piece
 from symrender.chambers.row_powers import powers
 from symrender.chambers.senders import sender_of
@@ -123,24 +122,9 @@ def point_light(start: int, stop: int, b: Nodes, p: LightPoint, phong: bool, shi
 @jitable
 def sent_light(start: int, stop: int, b: Nodes, p: LightPoint, row: int, senders: Table[Sender] | None) -> None:
     """As ``point_light``, of a surface that sends light on by ``row``."""
-    if senders is None:
-        return
     stop = min(stop, NODES)
-    conductor, exponent = senders[row].conductor, senders[row].exponent
-    eta, k = conductor.eta, conductor.k
-    x, y, z, red, green, blue = p.position[0], p.position[1], p.position[2], p.color[0], p.color[1], p.color[2]
-    falling = 1.0 if p.fall == INVERSE_SQUARE else 0.0
-    if senders[row].kind == POWER:
-        lit_phong_rows(start, stop, x, y, z, falling, exponent, b)
-        powers(start, stop, b, exponent)
-        for i in range(start, stop):
-            b.clear[i] *= b.power[i]
-            b.shares[0, i] = b.shares[1, i] = b.shares[2, i] = 1.0
-    else:
-        lit_conductor_rows(
-            start, stop, x, y, z, falling, conductor.alpha, conductor.masking, eta[0], eta[1], eta[2], k[0], k[1],
-            k[2], b,
-        )  # fmt: skip
+    red, green, blue = p.color[0], p.color[1], p.color[2]
+    sent_shares(start, stop, b, p, row, senders)
     for i in range(start, stop):
         clear = b.clear[i]
         b.radiance[0, i] += red * b.factor[0, i] * clear * b.shares[0, i]

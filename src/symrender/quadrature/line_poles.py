@@ -7,6 +7,7 @@ import math
 from symrender.chambers.highlights import line_highlights, piece_highlights, seeing
 from symrender.chambers.lobes.poles import lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR
+from symrender.chambers.lobes.sending import grazing_pole
 from symrender.chambers.records import DISTANT, Chart
 from symrender.chambers.senders import sender_of
 from symrender.chambers.walls import TERMINATOR
@@ -63,10 +64,9 @@ def note_sender(c: float, s: float, view: View, work: Work) -> None:
     sender, chart = sender_of(view, work.chart), work.chart
     if sender < 0:
         return
-    if view.senders[sender].kind != CONDUCTOR:
+    depth = grazing_pole(sender, view.senders)
+    if depth == math.inf:
         return
-    alpha = view.senders[sender].conductor.alpha
-    depth = math.atanh(min(alpha, 0.999))
     note_pole(0.5 * math.pi, depth, work)
     for cell in range(1, work.counts.cells):
         wall = work.cell_wall[cell]

@@ -11,16 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
-from symrender.chambers.events import line_range
 from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
-from symrender.chambers.lobes.record import CONDUCTOR, POWER, Conductor, Sender
+from symrender.chambers.lobes.record import Conductor, Sender
+from symrender.chambers.lobes.sending import largest_sent
 from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
-from symrender.chambers.records import INVERSE_SQUARE, Chart, Event, LightPoint
+from symrender.chambers.records import INVERSE_SQUARE, Event, LightPoint
 from symrender.chambers.rooms import frame_view, in_a_plane
-from symrender.chambers.senders import sender_of, sent_bound
 from symrender.chambers.work import (
     MAX_ROOTS,
     Frames,
@@ -34,10 +33,8 @@ from symrender.chambers.work import (
 )
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
-from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table, table
-from symrender.leaves.values import lit_conductor_most
-from symrender.quadrature.fall_off import TOUCHING, is_radiometric, most_light, plane_bound
+from symrender.quadrature.fall_off import TOUCHING, chart_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.grid_tail import MOST_REMAINDERS
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
@@ -60,7 +57,6 @@ from symrender.quadrature.split_setup import (
 from symrender.scene.arrays import (
     BRDF_NORMALISED,
     CHECKER,
-    CUT,
     FIRST_SPHERE,
     FLOOR,
     SceneArrays,
@@ -92,48 +88,6 @@ class SplitResult:
     status: Ints
     chambers: Ints
     crossings: Ints
-
-
-@jitable
-def sphere_bound(j: int, view: View, chart: Chart) -> float:
-    """No point of the charted sphere that P sees differs from the background by more radiance."""
-    shading = view.shading
-    albedo = max(abs(view.spheres[j].color[0]), abs(view.spheres[j].color[1]), abs(view.spheres[j].color[2]))
-    most = shading.ka * max(shading.ambient[0], shading.ambient[1], shading.ambient[2])
-    k = chart.ratio
-    for i in range(view.points.shape[0]):
-        p = view.points[i]
-        lx, ly, lz = (
-            p.position[0] - view.spheres[j].center[0],
-            p.position[1] - view.spheres[j].center[1],
-            p.position[2] - view.spheres[j].center[2],
-        )
-        far = math.sqrt(lx * lx + ly * ly + lz * lz)
-        cosine = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2]) / max(far, 1e-300)
-        # N.(L - C) of the normal nearest to the light's direction; less the radius it is N.(L - Q)
-        most_cosine = 1.0
-        if cosine < k:
-            most_cosine = k * cosine + math.sqrt(max(0.0, (1.0 - cosine * cosine) * (1.0 - k * k)))
-        radius = view.spheres[j].radius
-        rise = most_cosine * far + p.radius - radius
-        # |Q - L|^2 where N.(L - C) is as large
-        apart = far - radius
-        light = most_light(p, apart * apart + 2.0 * radius * far * max(0.0, 1.0 - most_cosine))
-        if rise > 0.0:
-            most += light * shading.kd * albedo * min(1.0, rise / max(far - radius - p.radius, 1e-300))
-        if rise > 0.0 or shading.terminator != CUT:
-            most += light * shading.ks
-    return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
-
-
-@inlined
-def chart_bound(diffuse: float, view: View, work: Work) -> float:
-    """``diffuse``, what bounds the radiance of the charted shape, or what does where it is a conductor."""
-    sender = sender_of(view, work.chart)
-    if sender < 0:
-        return diffuse
-    low, high = line_range(work.chart)
-    return sent_bound(low, high, sender, view, work)
 
 
 def gloss_kernel(
@@ -280,7 +234,9 @@ def gloss_kernel(
         chambers[i] = work.counts.chambers
         crossings[i] = work.counts.crossings
         status[i] = MET
-        if total > tol:
+        if not total <= tol:
+            # what is no number is no value either
+            error[i] = total if total == total else math.inf
             status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT
 
 
@@ -338,23 +294,11 @@ def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
     return squares
 
 
-def _most_sent(senders: Table[Sender]) -> float:
-    """No shape sends more of light that faces it, over what a diffuse one would."""
-    most = 1.0
-    for sender in senders:
-        if sender.kind == CONDUCTOR:
-            most = max(most, lit_conductor_most(0.0, 0.0, sender.conductor.alpha))
-        elif sender.kind == POWER:
-            most = max(most, 0.5 * (sender.exponent + 2.0))
-    return most
-
-
 def radiance_bound(arrays: SceneArrays, points: Table[LightPoint], senders: Table[Sender] | None = None) -> float:
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
     lit = arrays.shading.ka * arrays.shading.ambient
     color = points["color"] / nearest_squares(arrays, points)[:, None]
-    most = 1.0 if senders is None else _most_sent(senders)
-    lit = lit + color.sum(axis=0) * (arrays.shading.kd * most + arrays.shading.ks)
+    lit = lit + color.sum(axis=0) * (arrays.shading.kd * largest_sent(senders) + arrays.shading.ks)
     return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
 
 

@@ -228,7 +228,7 @@ class Bouncer:
         found.indirect[some], found.incoming[some] = albedo * total, total
         light = found.indirect[some].max(axis=1)
         astray = SLACK * ULP * np.maximum(_closeness(bounce.parts[0], place), self._nearness(own, place))
-        astray *= _sharpness(material, -(travel * normal).sum(axis=1)) * self._highlights
+        astray *= _sharpness(material, -(travel * normal).sum(axis=1)) + self._highlights
         found.error[some] = albedo.max(axis=1) * missed + astray * light
 
 
