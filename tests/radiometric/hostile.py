@@ -164,7 +164,7 @@ def radiance(made: RadiometricScene) -> Array:
     """Radiance of the one pixel, from the kernel of truth."""
     view = seen(radiometric_arrays(made), 1, 1)
     emitted, direct, hit_class = np.zeros((1, 1, 3)), np.zeros((1, 1, 3)), np.zeros((1, 1))
-    _kernel("fill_tile")(*view, 1, 1, 0, 0, 1, 1, *sky_room(view.world), emitted, direct, hit_class)
+    _kernel("fill_tile")(*view, 1, 1, 0, 0, 1, 1, sky_room(view.world), emitted, direct, hit_class)
     return np.asarray(emitted[0, 0] + direct[0, 0])
 
 

@@ -10,7 +10,8 @@ import mpmath
 import numpy as np
 
 from symrender.radiometric import rules
-from symrender.radiometric.sky import CAP
+from symrender.radiometric.arcs import Room
+from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import pushed_text
 from symrender.radiometric.world import Seen, World
 
@@ -66,15 +67,18 @@ def value_and_slope(view: Seen, moves: Seen) -> tuple[list[Any], int, list[Any]]
     def zeros(*shape: int) -> Any:
         return np.array([MP.mpf(0)] * int(np.prod(shape)), dtype=object).reshape(shape)
 
-    def room() -> tuple[Any, ...]:
+    def layers() -> tuple[Any, ...]:
         return zeros(1, 1, 3), zeros(1, 1, 3), zeros(1, 1)
 
-    count = len(view.world.shapes) + 1
-    values, slopes = room(), room()
+    def room() -> Room:
+        arcs, crossings, caps, within = sky_room(view.world)
+        rows = [_Rows(_record(row) for row in part) for part in (arcs, crossings)]
+        return Room(*rows, _exact(caps), _exact(within))  # type: ignore[arg-type]
+
+    values, slopes = layers(), layers()
     _KERNEL.fill_tile_dot(
-        _world(view.world), _exact(view.eye), _exact(view.window), 1, 1, 0, 0, 1, 1, zeros(count, CAP),
-        zeros(2 * count, 2), *values, _world(moves.world), _exact(moves.eye), _exact(moves.window), zeros(count, CAP),
-        zeros(2 * count, 2), *slopes,
+        _world(view.world), _exact(view.eye), _exact(view.window), 1, 1, 0, 0, 1, 1, room(), *values,
+        _world(moves.world), _exact(moves.eye), _exact(moves.window), room(), *slopes,
     )  # fmt: skip
     radiance, slope = (
         [emitted[0, 0, c] + direct[0, 0, c] for c in range(3)] for emitted, direct, _ in (values, slopes)

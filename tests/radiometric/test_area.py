@@ -204,7 +204,10 @@ def test_derivatives_are_those_of_differences() -> None:
     ("changed", "said"),
     [
         ({"shape": "lamb"}, r"lights\[0\].shape: unknown shape 'lamb', did you mean 'lamp'"),
-        ({"shape": "floor"}, r"lights\[0\].shape: must name a sphere, got the plane 'floor'"),
+        (
+            {"shape": "floor"},
+            r"lights\[0\].shape: must name a sphere, rectangle, triangle, disk or box, got the plane 'floor'",
+        ),
         ({"radiance": -1}, "radiance"),
     ],
 )

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, reach_of
-from symrender.errors import OptionError
+from symrender.errors import OptionError, Unsupported
 from symrender.images.output import check_target, make_folder, write_bytes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Plane
+from symrender.scene.radiometric.shapes import Plane, Sphere
 from symrender.settings import image_size
 from symrender.version import VERSION
 
@@ -68,12 +68,16 @@ def prepare(
 ) -> Prepared:
     """``scene`` moved for the renderer ``to``, whose version ``checked`` its conventions are known of.
 
-    Raises OptionError for an option out of its range, Unsupported for a plane no square can stand for.
+    Raises OptionError for an option out of its range, Unsupported for a plane no square can stand for,
+    and for other shapes.
     """
     if not 1 <= samples <= 1 << 30:
         raise OptionError(f"samples: must be from 1 to {1 << 30}, got {samples}")
     if rays not in ("box", "centre"):
         raise OptionError(f"rays: must be box or centre, got {rays!r}")
+    for shape in scene.shapes:
+        if not isinstance(shape, Plane | Sphere):
+            raise Unsupported(f"shapes.{shape.name}: {to}: a {shape.type} is not yet exported; planes and spheres are")
     reach = reach_of(scene) if reach is None else float(reach)
     if not 2.0 <= reach <= 1e6:
         raise OptionError(f"reach: must be from 2 to 1e6, got {reach!r}")

@@ -58,6 +58,7 @@ def mitsuba(
     shining = {light.shape: light for light in there.lights if isinstance(light, lights.Area)}
     for shape in there.shapes:
         lamp = _emitter(shining[shape.name]) if shape.name in shining else []
+        assert isinstance(shape, Plane | Sphere), "refused before"
         body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0), lamp)
     for light in there.lights:
         body += [] if isinstance(light, lights.Area) else _emitter(light)
@@ -115,6 +116,7 @@ def _sensor(scene: RadiometricScene, width: int, height: int, samples: int, halv
         if isinstance(shape, Sphere):
             near = min(near, abs(math.dist(camera.eye, shape.center) - shape.radius))
             continue
+        assert isinstance(shape, Plane), "refused before"
         up = frame_of(shape)[2]
         near = min(near, abs(sum(n * (e - p) for n, e, p in zip(up, camera.eye, shape.point, strict=True))))
         far = max(far, math.dist(camera.eye, shape.point) + 2.0 * halves[shape.name])

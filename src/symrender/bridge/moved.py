@@ -48,6 +48,7 @@ def moved(scene: RadiometricScene, scale: float, center: Triple) -> RadiometricS
         if isinstance(shape, Sphere):
             row["center"], row["radius"] = place(shape.center), scale * shape.radius
             continue
+        assert isinstance(shape, Plane), "refused before"
         row["point"] = place(shape.point)
         reflectance = data["materials"][shape.material]["reflectance"]
         if "cell" in reflectance and scale != 1.0:

@@ -99,6 +99,7 @@ def _refuse_backs(scene: RadiometricScene) -> None:
         if isinstance(shape, Sphere):
             inside = math.dist(scene.camera.eye, shape.center) < shape.radius
         else:
+            assert isinstance(shape, Plane), "refused before"
             up = frame_of(shape)[2]
             inside = sum(n * (e - p) for n, e, p in zip(up, scene.camera.eye, shape.point, strict=True)) < 0.0
         if inside:
@@ -142,6 +143,7 @@ def _document(prepared: Prepared, samples: int, channel: Channel) -> list[str]:
         lines += [] if isinstance(light, lights.Area) else _light(light, channel)
     for shape in scene.shapes:
         lamp = _light(shining[shape.name], channel) if shape.name in shining else []
+        assert isinstance(shape, Plane | Sphere), "refused before"
         lines += _shape(shape, scene.materials[shape.material], prepared.halves.get(shape.name, 0.0), channel, lamp)
     return lines
 

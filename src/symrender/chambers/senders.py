@@ -92,7 +92,7 @@ def inner_of(v: float, chart: Chart) -> float:
 def clearance(p: LightPoint, chart: Chart) -> float:
     """No place of the charted shape is nearer to the light."""
     if chart.shape_index < 0:
-        return max(0.0, p.position[2])
+        return float(max(0.0, p.position[2]))
     x, y, z = p.position[0] - chart.center[0], p.position[1] - chart.center[1], p.position[2] - chart.center[2]
     return float(max(0.0, math.sqrt(x * x + y * y + z * z) - chart.radius))
 

@@ -111,6 +111,131 @@ def facet_reflection(density: float, masking: float, fresnel: float, outward: fl
 
 
 @inlined
+def flat_frame(
+    first_x: float, first_y: float, first_z: float, second_x: float, second_y: float, second_z: float,
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """(up, east, north) of a flat shape: east along its first edge, up = unit(first x second)."""
+    t1 = math.sqrt(first_x * first_x + first_y * first_y + first_z * first_z)
+    east_x = first_x / t1
+    east_y = first_y / t1
+    east_z = first_z / t1
+    t2 = math.sqrt(second_x * second_x + second_y * second_y + second_z * second_z)
+    t3 = second_z / t2
+    t4 = second_y / t2
+    t5 = east_y * t3 - east_z * t4
+    t6 = second_x / t2
+    t7 = east_z * t6 - east_x * t3
+    t8 = east_x * t4 - east_y * t6
+    t9 = math.sqrt(t5 * t5 + t7 * t7 + t8 * t8)
+    up_x = t5 / t9
+    up_y = t7 / t9
+    up_z = t8 / t9
+    return (
+        up_x, up_y, up_z, east_x, east_y, east_z, up_y * east_z - up_z * east_y, up_z * east_x - up_x * east_z,
+        up_x * east_y - up_y * east_x,
+    )
+
+
+@inlined
+def box_axes(rotation: float) -> tuple[float, float, float, float, float, float]:
+    """(x, y) axes of a box that is turned by ``rotation`` degrees about z."""
+    turn = 0.017453292519943295 * rotation
+    c = math.cos(turn)
+    s = math.sin(turn)
+    return c, s, 0.0, -s, c, 0.0
+
+
+@inlined
+def box_corner(
+    center_x: float, center_y: float, center_z: float, extent_x: float, extent_y: float, extent_z: float,
+    first_x: float, first_y: float, first_z: float, second_x: float, second_y: float, second_z: float, across: float,
+    along: float, rise: float,
+) -> tuple[float, float, float]:
+    """Corner of a box with axes ``first``, ``second`` and z, at the halves ``across``, ``along``, ``rise`` (+-1/2)."""
+    t1 = across * extent_x
+    t2 = along * extent_y
+    flat_z = center_z + first_z * t1 + second_z * t2
+    return center_x + first_x * t1 + second_x * t2, center_y + first_y * t1 + second_y * t2, flat_z + rise * extent_z
+
+
+@inlined
+def opposite_corner(
+    corner_x: float, corner_y: float, corner_z: float, first_x: float, first_y: float, first_z: float,
+    second_x: float, second_y: float, second_z: float,
+) -> tuple[float, float, float]:
+    """Corner of a parallelogram beyond two edges."""
+    return corner_x + first_x + second_x, corner_y + first_y + second_y, corner_z + first_z + second_z
+
+
+@inlined
+def edge_side(
+    first_x: float, first_y: float, first_z: float, second_x: float, second_y: float, second_z: float,
+    direction_x: float, direction_y: float, direction_z: float,
+) -> float:
+    """(a x b).w of an edge from a to b, seen from the origin: positive where w passes on its left."""
+    t1 = (first_y * second_z - first_z * second_y) * direction_x
+    t2 = t1 + (first_z * second_x - first_x * second_z) * direction_y
+    return t2 + (first_x * second_y - first_y * second_x) * direction_z
+
+
+@inlined
+def edge_circle(
+    start_x: float, start_y: float, start_z: float, edge_x: float, edge_y: float, edge_z: float,
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """(axis, first, second) of the great circle through an edge leaving ``start``, which lies in direction first."""
+    t1 = start_y * edge_z - start_z * edge_y
+    t2 = start_z * edge_x - start_x * edge_z
+    t3 = start_x * edge_y - start_y * edge_x
+    t4 = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
+    axis_x = t1 / t4
+    axis_y = t2 / t4
+    axis_z = t3 / t4
+    t5 = axis_y * start_z - axis_z * start_y
+    t6 = axis_z * start_x - axis_x * start_z
+    t7 = axis_x * start_y - axis_y * start_x
+    t8 = math.sqrt(t5 * t5 + t6 * t6 + t7 * t7)
+    second_x = t5 / t8
+    second_y = t6 / t8
+    second_z = t7 / t8
+    return (
+        axis_x, axis_y, axis_z, second_y * axis_z - second_z * axis_y, second_z * axis_x - second_x * axis_z,
+        second_x * axis_y - second_y * axis_x, second_x, second_y, second_z,
+    )
+
+
+@inlined
+def angle_on(
+    place_x: float, place_y: float, place_z: float, first_x: float, first_y: float, first_z: float, second_x: float,
+    second_y: float, second_z: float,
+) -> float:
+    """Angle of a direction along a circle from its first direction to its second."""
+    t1 = place_x * second_x + place_y * second_y + place_z * second_z
+    return math.atan2(t1, place_x * first_x + place_y * first_y + place_z * first_z)
+
+
+@inlined
+def nearer(
+    near: float, way_x: float, way_y: float, way_z: float, far: float, direction_x: float, direction_y: float,
+    direction_z: float,
+) -> tuple[float, float, float]:
+    """Normal of the directions that meet the plane ``near`` along ``way`` before the one ``far`` along another."""
+    return way_x * far - direction_x * near, way_y * far - direction_y * near, way_z * far - direction_z * near
+
+
+@inlined
+def polar_distance(square: float, radius: float) -> float:
+    """(d^2 - R^2)/d: distance of the plane of the circle in which a sphere is seen."""
+    far = math.sqrt(square)
+    return (far - radius) * (far + radius) / far
+
+
+@inlined
+def disk_level(offset_x: float, offset_y: float, offset_z: float, radius: float) -> float:
+    """R^2 - |q - C|^2: not negative where a place of a disk's plane lies in the disk."""
+    return radius * radius - (offset_x * offset_x + offset_y * offset_y + offset_z * offset_z)
+
+
+@inlined
 def perspective_axes(
     eye_x: float, eye_y: float, eye_z: float, target_x: float, target_y: float, target_z: float, up_x: float,
     up_y: float, up_z: float,

@@ -4,57 +4,91 @@ from __future__ import annotations
 
 from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
+from symrender.radiometric.arcs import Room
 from symrender.radiometric.reflection import reflectance, reflected
-from symrender.radiometric.sight import hidden_direction, hidden_point, nearest, vector
+from symrender.radiometric.sight import hidden_direction, hidden_point, nearest
 from symrender.radiometric.sky import area_irradiance, sky_irradiance
-from symrender.radiometric.world import Array, Vector, World
-from symrender.scene.radiometric.arrays import AREA, FIRST_SHAPE, POINT, SKY, SPHERE
+from symrender.radiometric.vectors import Vector, dot, vector
+from symrender.radiometric.world import World
+from symrender.scene.radiometric.arrays import AREA, FIRST_SHAPE, POINT, SKY
+from symrender.scene.radiometric.records import Light
+
+
+@jitable
+def arriving(light: Light, place: Vector) -> tuple[Vector, Vector]:
+    """(unit vector to a point or directional light, irradiance across its rays at a place that nothing hides)."""
+    at, e = vector(light.place), vector(light.emitted)
+    if light.kind == POINT:
+        x, y, z, fall = leaves.point_light(*place, *at)
+        return (x, y, z), (e[0] * fall, e[1] * fall, e[2] * fall)
+    return (-at[0], -at[1], -at[2]), e
+
+
+@jitable
+def is_hidden(world: World, own: int, front: bool, place: Vector, light: Light, toward: Vector) -> bool:
+    """Whether a piece hides a point or directional light from a place of piece ``own`` that faces it."""
+    if light.kind == POINT:
+        return hidden_point(world, own, front, place, vector(light.place))
+    return hidden_direction(world, own, front, place, toward)
+
+
+@jitable
+def extended_irradiance(
+    world: World, light: Light, own: int, front: bool, place: Vector, normal: Vector, room: Room
+) -> float:  # fmt: skip
+    """Irradiance of a place of piece ``own`` by a sky or a shape that emits, of radiance 1."""
+    if light.kind == AREA:
+        return area_irradiance(world, own, front, int(light.emitter), place, normal, room)
+    return sky_irradiance(world, own, front, place, normal, room)
+
+
+@jitable
+def direct_irradiance(world: World, own: int, front: bool, place: Vector, normal: Vector, room: Room) -> Vector:
+    """Irradiance of a place of piece ``own`` by all lights; ``normal`` is unit, on the side that is lit.
+
+    ``front`` says whether that is the side of the piece's own normal.
+    """
+    total = (0.0, 0.0, 0.0)
+    for i in range(world.lights.shape[0]):
+        light = world.lights[i]
+        if light.kind == SKY or light.kind == AREA:
+            share, e = extended_irradiance(world, light, own, front, place, normal, room), vector(light.emitted)
+        else:
+            toward, e = arriving(light, place)
+            share = dot(normal, toward)
+            if share <= 0.0 or is_hidden(world, own, front, place, light, toward):
+                continue
+        total = (total[0] + share * e[0], total[1] + share * e[1], total[2] + share * e[2])
+    return total
 
 
 @jitable
 def direct_light(
-    world: World, own: int, front: bool, place: Vector, normal: Vector, view: Vector, caps: Array, arcs: Array
-) -> Vector:
-    """Direct light leaving a place of shape ``own`` towards ``view``."""
-    shape = world.shapes[own]
-    material = world.materials[int(shape.material)]
+    world: World, own: int, front: bool, place: Vector, normal: Vector, view: Vector, room: Room
+) -> Vector:  # fmt: skip
+    """Direct light leaving a place of piece ``own`` towards ``view``."""
+    material = world.materials[int(world.pieces[own].material)]
     total = (0.0, 0.0, 0.0)
     if not front and material.two_sided == 0.0:
         return total
     albedo = reflectance(world, own, place)
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
-        e = vector(light.emitted)
         if light.kind == SKY or light.kind == AREA:
-            seen = 0.0
-            if light.kind == AREA:
-                seen = area_irradiance(world, own, front, int(light.emitter), place, normal, caps, arcs)
-            elif front or shape.kind != SPHERE:
-                seen = sky_irradiance(world, own, place, normal, caps, arcs)
-            share = leaves.diffuse_reflection(seen)
+            e = vector(light.emitted)
+            share = leaves.diffuse_reflection(extended_irradiance(world, light, own, front, place, normal, room))
             term = (albedo[0] * share, albedo[1] * share, albedo[2] * share)
         else:
-            at = vector(light.place)
-            if light.kind == POINT:
-                x, y, z, fall = leaves.point_light(*place, *at)
-                toward = (x, y, z)
-                e = (e[0] * fall, e[1] * fall, e[2] * fall)
-            else:
-                toward = (-at[0], -at[1], -at[2])
+            toward, e = arriving(light, place)
             term = reflected(material, albedo, normal, view, toward)
-            if max(term[0], term[1], term[2]) == 0.0:
-                continue
-            if light.kind == POINT:
-                if hidden_point(world, own, front, place, at):
-                    continue
-            elif hidden_direction(world, own, front, place, toward):
+            if max(term[0], term[1], term[2]) == 0.0 or is_hidden(world, own, front, place, light, toward):
                 continue
         total = (total[0] + term[0] * e[0], total[1] + term[1] * e[1], total[2] + term[2] * e[2])
     return total
 
 
 @jitable
-def along_ray(world: World, origin: Vector, d: Vector, caps: Array, arcs: Array) -> tuple[int, Vector, Vector]:
+def along_ray(world: World, origin: Vector, d: Vector, room: Room) -> tuple[int, Vector, Vector]:
     """(hit class, emitted, direct) along a unit ray; 0 is nothing, where the sky is seen."""
     own, _, place, normal, front = nearest(world, origin, d)
     emitted = (0.0, 0.0, 0.0)
@@ -63,9 +97,10 @@ def along_ray(world: World, origin: Vector, d: Vector, caps: Array, arcs: Array)
             if world.lights[i].kind == SKY:
                 emitted = vector(world.lights[i].emitted)
         return 0, emitted, (0.0, 0.0, 0.0)
+    shape = int(world.pieces[own].owner)
     if front:
         for i in range(world.lights.shape[0]):
-            if world.lights[i].kind == AREA and int(world.lights[i].emitter) == own:
+            if world.lights[i].kind == AREA and int(world.lights[i].emitter) == shape:
                 emitted = vector(world.lights[i].emitted)
     view = (-d[0], -d[1], -d[2])
-    return FIRST_SHAPE + own, emitted, direct_light(world, own, front, place, normal, view, caps, arcs)
+    return FIRST_SHAPE + shape, emitted, direct_light(world, own, front, place, normal, view, room)

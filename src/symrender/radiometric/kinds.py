@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from types import FunctionType
 from typing import Final, TypeAlias
 
@@ -41,3 +42,31 @@ def either(a: Kind, b: Kind) -> Kind:
     if isinstance(a, tuple) and isinstance(b, tuple):
         return tuple(either(x, y) for x, y in zip(a, b, strict=True))
     return a if isinstance(a, tuple) else (b if isinstance(b, tuple) else a or b)
+
+
+@cache
+def writes(function: FunctionType) -> bool:
+    """Whether a function, or one it calls, writes into an array or a record."""
+    for node in ast.walk(source_of(function).tree):
+        match node:
+            case ast.Assign(targets=[target]) | ast.AugAssign(target=target):
+                parts = target.elts if isinstance(target, ast.Tuple) else [target]
+                if any(isinstance(part, ast.Subscript | ast.Attribute) for part in parts):
+                    return True
+            case ast.Call(func=called):
+                other = called_by(function, called)
+                if other is not None and writes(other):
+                    return True
+    return False
+
+
+def called_by(function: FunctionType, called: ast.expr) -> FunctionType | None:
+    """The function that ``called`` in the text of another stands for; None for a built-in one or one of ``math``."""
+    match called:
+        case ast.Name(id=name):
+            value = function.__globals__.get(name)
+        case ast.Attribute(value=ast.Name(id=name), attr=attr):
+            value = getattr(function.__globals__.get(name), attr, None)
+        case _:
+            return None
+    return value if isinstance(value, FunctionType) else None

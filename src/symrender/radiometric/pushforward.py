@@ -19,7 +19,7 @@ from typing import Any, Final
 from symrender.jit.marks import is_inlined
 from symrender.jit.source import source_of
 from symrender.radiometric import rules
-from symrender.radiometric.kinds import WHOLE, Kind, either, has_slope, returned
+from symrender.radiometric.kinds import WHOLE, Kind, called_by, either, has_slope, returned, writes
 
 _SUFFIX: Final = "_dot"
 
@@ -194,6 +194,8 @@ class _Function:
         match node:
             case ast.Expr(value=ast.Constant()):
                 return
+            case ast.Expr(value=ast.Call() as call):
+                self._put(self._call(call)[0])
             case ast.Assign(targets=[target], value=value):
                 self._assign(target, value)
             case ast.AugAssign(target=target, op=operator, value=value):
@@ -243,8 +245,10 @@ class _Function:
         match target:
             case ast.Name(id=name):
                 return name + _SUFFIX if has_slope(self.kinds[name]) else ""
-            case ast.Subscript(value=ast.Name(id=name), slice=index):
-                return f"{name}{_SUFFIX}[{ast.unparse(index)}]"
+            case ast.Subscript(value=value, slice=index):
+                return f"{self._both(value)[1]}[{ast.unparse(index)}]"
+            case ast.Attribute(value=value, attr=attr):
+                return f"{self._both(value)[1]}.{attr}"
             case ast.Tuple(elts=parts):
                 self.temporaries += 1
                 named = [self._moving(part) or f"still{self.temporaries}_{i}" for i, part in enumerate(parts)]
@@ -258,6 +262,10 @@ class _Function:
         for part in ast.walk(node):
             if isinstance(part, ast.Name) and part.id not in self.kinds:
                 self.globals(part.id)
+            if isinstance(part, ast.Call):
+                called = called_by(self.function, part.func)
+                # what is not pushed would leave slopes unwritten
+                assert called is None or not writes(called), f"{self.function.__name__}: {ast.unparse(node)}"
         return ast.unparse(node)
 
     def _zero(self, node: ast.expr) -> str:
@@ -288,6 +296,8 @@ class _Function:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 here, slope = self._both(operand)
                 return f"(-{here})", f"(-{slope})" if slope else ""
+            case ast.BinOp() if not has_slope(self.kind(node)):
+                return f"({self._plain(node)})", ""
             case ast.BinOp(left=left, op=operator, right=right):
                 return _combined(operator, self._both(left), self._both(right))
             case ast.IfExp() if not has_slope(self.kind(node)):
@@ -310,8 +320,7 @@ class _Function:
         if called is None:
             return self._elementary(node)
         kind = returned(called)
-        writes = any(ast.unparse(each.annotation or node) == "Array" for each in source_of(called).tree.args.args)
-        if not (has_slope(kind) or writes):
+        if not (has_slope(kind) or writes(called)):
             return self._plain(node), ""
         wanted = [ast.unparse(each.annotation or node) not in WHOLE for each in source_of(called).tree.args.args]
         values, slopes = [], []

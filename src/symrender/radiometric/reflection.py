@@ -7,8 +7,8 @@ import math
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
-from symrender.radiometric.sight import dot, minus, vector
-from symrender.radiometric.world import Vector, World
+from symrender.radiometric.vectors import Vector, dot, minus, vector
+from symrender.radiometric.world import World
 from symrender.scene.arrays import CHECKER, MARBLE, SOLID, STRIPES
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, SPHERE
 from symrender.scene.radiometric.records import Material
@@ -22,18 +22,17 @@ def even(x: float) -> bool:
 
 @jitable
 def reflectance(world: World, own: int, place: Vector) -> Vector:
-    """Reflectance of shape ``own`` at a place of it."""
-    shape = world.shapes[own]
-    material = world.materials[int(shape.material)]
+    """Reflectance of piece ``own`` at a place of it."""
+    piece = world.pieces[own]
+    material = world.materials[int(piece.material)]
     share = 1.0
     if material.texture != SOLID:
-        if shape.kind == SPHERE:
-            outward = minus(place, vector(shape.place))
-            r = shape.radius
+        if piece.kind == SPHERE:
+            outward = minus(place, vector(piece.place))
+            r = piece.radius
             x, y = leaves.sphere_turns(outward[0] / r, outward[1] / r, outward[2] / r)
         else:
-            frame = world.frames[own]
-            x, y = leaves.plane_place(*place, *vector(frame.origin), *vector(frame.east), *vector(frame.north))
+            x, y = leaves.plane_place(*place, *vector(piece.place), *vector(piece.east), *vector(piece.north))
         x, y = x / material.cell, y / material.cell
         if material.texture == MARBLE:
             share = leaves.vein_share(x, y)

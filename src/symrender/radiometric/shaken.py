@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from symrender.jit.records import copied, flat, record
-from symrender.radiometric.world import Array
+from symrender.radiometric.vectors import Array
 from symrender.scene.radiometric.arrays import RadiometricArrays, laid_out
 from symrender.scene.records import Camera
 
@@ -54,9 +54,11 @@ def doubt(values: Array, others: list[Array]) -> Array:
 
 
 def _extent(arrays: RadiometricArrays) -> float:
-    """Largest coordinate of camera and shapes."""
+    """Largest coordinate of camera and shapes, or more."""
     camera = arrays.camera
-    places = [np.abs(shape.place).max() for shape in arrays.shapes]
+    places = [
+        np.abs(shape.place).max() + np.abs(shape.second).max() + np.abs(shape.third).max() for shape in arrays.shapes
+    ]
     return float(max([1e-300, np.abs(camera.eye).max(), np.abs(camera.target).max(), *places]))
 
 
@@ -80,6 +82,10 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
     for shape in shapes:
         shape.place[:] = moved(shape.place, size)
         shape.radius = scaled(shape.radius)
+        shape.rotation = scaled(shape.rotation)
+        # beyond it nothing of a flat shape lies; what is zero of these belongs to no kind
+        for v in (shape.second, shape.third):
+            v[:] = moved(v, size) if v.any() else v
         for v in (shape.normal, shape.along):
             v[:] = moved(v, float(np.abs(v).max()))
     for light in lights:

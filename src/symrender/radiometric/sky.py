@@ -1,9 +1,9 @@
-"""Irradiance of a constant sky, or of a sphere that emits, in closed form: arcs of circles bound what a place sees.
+"""What a place sees of a constant sky and of shapes that emit: the cones of directions of the light and what hides it.
 
-What hides the sky are caps of the sphere of directions: the horizon, a hemisphere for every other plane, a cone for
-every other sphere. Of a sphere that emits only its own cone is seen, so that all but that cone is one cap more, and
-only shapes before it hide it. Along the circle of each cap the arcs outside all others bound what is seen, and an arc
-contributes ``arc_flux``.
+All directions above the horizon are the sky's, and every other shape hides it. Of a shape that emits only what lies
+before it hides it: of a polygon what lies on the place's side of its plane, of a sphere what lies before the plane of
+the circle in which it is seen, for nothing crosses the sphere. Which of two planes is met first changes across a plane
+through the place, so what a flat shape hides of another is its own cone cut by one more hemisphere.
 """
 
 from __future__ import annotations
@@ -11,208 +11,256 @@ from __future__ import annotations
 import math
 from typing import Final
 
-import numpy as np
-
-from symrender.jit.marks import inlined, jitable
+from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.sight import dot, minus, vector
-from symrender.radiometric.world import Array, Vector, World
+from symrender.radiometric.arcs import Room, make_room, open_irradiance, put_circle, put_edge
+from symrender.radiometric.pieces import CORNERS, POLYGON, Piece, corner
+from symrender.radiometric.sight import height_over, turned_away
+from symrender.radiometric.vectors import Vector, dot, minus, minus_of, vector
+from symrender.radiometric.world import World
+from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import SPHERE
 
-CAP: Final = 11
-"""Numbers of a cap: axis 0:3, first and second direction across it 3:6 and 6:9, cosine 9 and sine 10 of its angle."""
-_SAME: Final = 1e-12
-_TURN: Final = 2.0 * math.pi
+_HIDDEN: Final = -1
+"""What stands for the count of arcs where nothing is seen."""
+_EDGE_ON: Final = 1e-15
+"""Height over a polygon's plane, in parts of the distance, below which it is seen edge on and hides nothing."""
 
 
-def sky_room(world: World) -> tuple[Array, Array]:
-    """Room for the caps of a place and for the arcs of one of them that others hide."""
-    count = len(world.shapes) + 1
-    return np.empty((count, CAP)), np.empty((2 * count, 2))
-
-
-@jitable
-def put_cap(caps: Array, count: int, axis: Vector, cosine: float, sine: float) -> int:
-    """Add a cap unless it is there; returns how many there are, -1 where it and another hide everything."""
-    for i in range(count):
-        near, far = 0.0, 0.0
-        for q in range(3):
-            near = max(near, abs(caps[i, q] - axis[q]))
-            far = max(far, abs(caps[i, q] + axis[q]))
-        if near < _SAME and abs(caps[i, 9] - cosine) < _SAME:
-            return count
-        if far < _SAME and abs(caps[i, 9] + cosine) < _SAME:
-            return -1
-    row = caps[count]
-    a = (1.0, 0.0, 0.0) if abs(axis[1]) >= 0.9 else (0.0, 1.0, 0.0)
-    f = (axis[1] * a[2] - axis[2] * a[1], axis[2] * a[0] - axis[0] * a[2], axis[0] * a[1] - axis[1] * a[0])
-    size = math.sqrt(dot(f, f))
-    f = (f[0] / size, f[1] / size, f[2] / size)
-    row[0], row[1], row[2] = axis
-    row[3], row[4], row[5] = f
-    row[6] = axis[1] * f[2] - axis[2] * f[1]
-    row[7] = axis[2] * f[0] - axis[0] * f[2]
-    row[8] = axis[0] * f[1] - axis[1] * f[0]
-    row[9], row[10] = cosine, sine
-    return count + 1
+def sky_room(world: World) -> Room:
+    """Room for what a place sees of a light."""
+    polygons = sum(1 for piece in world.pieces if piece.kind == POLYGON)
+    count = len(world.pieces) + 1
+    return make_room(count, 2 * count + CORNERS * (polygons + 1))
 
 
 @jitable
-def gather_caps(world: World, own: int, place: Vector, normal: Vector, caps: Array) -> int:
-    """List what hides the sky from a place of shape ``own``; returns how many caps, -1 where all of it is hidden."""
-    count = put_cap(caps, 0, (-normal[0], -normal[1], -normal[2]), 0.0, 1.0)
-    for j in range(world.shapes.shape[0]):
-        if j == own:
-            continue
-        shape = world.shapes[j]
-        if shape.kind == SPHERE:
-            offset = minus(vector(shape.place), place)
-            if leaves.sphere_power(*offset, shape.radius) <= 0.0:
-                return -1
-            x, y, z, cosine, sine = leaves.sphere_cap(*offset, shape.radius)
-            count = put_cap(caps, count, (x, y, z), cosine, sine)
-        else:
-            frame = world.frames[j]
-            up = vector(frame.up)
-            side = -1.0 if leaves.height(*place, *vector(frame.origin), *up) >= 0.0 else 1.0
-            count = put_cap(caps, count, (side * up[0], side * up[1], side * up[2]), 0.0, 1.0)
-        if count < 0:
-            return -1
+def edge_on(piece: Piece, place: Vector) -> bool:
+    """Whether a polygon is seen from its own plane."""
+    far = 0.0
+    for k in range(int(piece.count)):
+        v = minus(corner(piece, k), place)
+        far = max(far, abs(v[0]), max(abs(v[1]), abs(v[2])))
+    return abs(height_over(piece, place)) <= _EDGE_ON * far
+
+
+@jitable
+def put_polygon(room: Room, count: int, cone: int, piece: Piece, place: Vector) -> int:
+    """Add the edges of a polygon to a cone; returns how many arcs there are."""
+    above = height_over(piece, place) > 0.0
+    corners = int(piece.count)
+    for k in range(corners):
+        here, other = corner(piece, k), corner(piece, (k + 1) % corners)
+        # from above, corners that go counter-clockwise about the normal go clockwise
+        if above:
+            here, other = other, here
+        count = put_edge(room, count, cone, minus(here, place), minus(other, here))
     return count
 
 
 @jitable
-def hide(arcs: Array, count: int, begin: float, end: float) -> int:
-    """Add an arc of [0, 2 pi] to those that are hidden, sorted by where they begin; returns how many there are."""
-    i = count
-    while i > 0 and arcs[i - 1, 0] > begin:
-        arcs[i, 0], arcs[i, 1] = arcs[i - 1, 0], arcs[i - 1, 1]
-        i -= 1
-    arcs[i, 0], arcs[i, 1] = begin, end
-    return count + 1
-
-
-@inlined
-def level_about(c: Array, o: Array) -> tuple[float, float, float]:
-    """(A, B, C): along circle c, at angle t, A + B cos t + C sin t is positive inside cap o."""
-    return leaves.cap_level(
-        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], o[0], o[1], o[2], o[9]
-    )  # fmt: skip
-
-
-@jitable
-def hidden_arcs(caps: Array, count: int, own: int, arcs: Array) -> int:
-    """List the arcs of circle ``own`` that lie in other caps; returns how many, -1 where all of it does.
-
-    Where two circles cross is a root of one discriminant, B^2 + C^2 - A^2 of the smaller: both circles take the same,
-    so that an arc ends where the other's begins even where they all but touch, as a ball on a floor does the horizon.
-    """
-    found = 0
-    c = caps[own]
-    for j in range(count):
-        if j == own:
-            continue
-        o = caps[j]
-        middle, first, second = level_about(c, o)
-        cut = first * first + second * second - middle * middle
-        if o[10] < c[10] or (o[10] == c[10] and j < own):
-            m, f, s = level_about(o, c)
-            cut = f * f + s * s - m * m
-        if cut <= 0.0:
-            if middle > 0.0:
-                return -1
-            continue
-        half = math.atan2(math.sqrt(cut), -middle)
-        at = math.atan2(second, first)
-        begin, end = at - half, at + half
-        if begin < 0.0:
-            begin, end = begin + _TURN, end + _TURN
-        if end > _TURN:
-            found = hide(arcs, found, 0.0, min(end - _TURN, _TURN))
-            end = _TURN
-        found = hide(arcs, found, min(begin, _TURN), end)
-    return found
-
-
-@inlined
-def add_arc(cap: Array, begin: float, end: float, flux: Vector) -> Vector:
-    """``flux`` and that of an arc."""
-    x, y, z = leaves.arc_flux(
-        cap[0], cap[1], cap[2], cap[3], cap[4], cap[5], cap[6], cap[7], cap[8], cap[9], cap[10], begin, end
-    )
-    return (flux[0] + x, flux[1] + y, flux[2] + z)
-
-
-@jitable
-def gather_light(
-    world: World, own: int, front: bool, emitter: int, place: Vector, normal: Vector, caps: Array
+def put_nearer(
+    room: Room, count: int, cone: int, near: float, way: Vector, far: float, direction: Vector
 ) -> int:  # fmt: skip
-    """List all that is not sphere ``emitter`` as a place sees it, as ``gather_caps`` lists what is not sky.
+    """Add to a cone the hemisphere that meets the plane ``near`` along ``way`` before that ``far`` along another."""
+    x, y, z = leaves.nearer(near, *way, far, *direction)
+    size = math.sqrt(x * x + y * y + z * z)
+    if size == 0.0:
+        return count
+    return put_circle(room, count, cone, (x / size, y / size, z / size), 0.0, 1.0)
+
+
+@jitable
+def toward_plane(piece: Piece, place: Vector) -> tuple[float, Vector]:
+    """(distance, unit direction) from a place to the plane of a flat piece."""
+    height = height_over(piece, place)
+    up = vector(piece.up)
+    return abs(height), (minus_of(up) if height >= 0.0 else up)
+
+
+@jitable
+def faces_away(world: World, own: int, front: bool, place: Vector, j: int) -> bool:
+    """Whether other faces of the box that face j belongs to hide all that it hides."""
+    if turned_away(world, own, front, j):
+        return True
+    piece = world.pieces[j]
+    if height_over(piece, place) >= 0.0:
+        return False
+    for k in range(world.pieces.shape[0]):
+        other = world.pieces[k]
+        if other.owner == piece.owner and k != own and height_over(other, place) > 0.0:
+            return True
+    return False
+
+
+@jitable
+def gather_sky(world: World, own: int, front: bool, place: Vector, normal: Vector, room: Room) -> tuple[int, int]:
+    """List the sky and what hides it from a place of piece ``own``; returns how many arcs and cones.
+
+    The count of arcs is negative where all of the sky is hidden.
+    """
+    count, cones = put_circle(room, 0, 0, normal, 0.0, 1.0), 1
+    for j in range(world.pieces.shape[0]):
+        piece = world.pieces[j]
+        if j == own:
+            if piece.kind == SPHERE and not front:
+                return _HIDDEN, 0
+            continue
+        if piece.kind == SPHERE:
+            offset = minus(vector(piece.place), place)
+            if leaves.sphere_power(*offset, piece.radius) <= 0.0:
+                return _HIDDEN, 0
+            x, y, z, cosine, sine = leaves.sphere_cap(*offset, piece.radius)
+            count = put_circle(room, count, cones, (x, y, z), cosine, sine)
+        elif piece.kind == PLANE:
+            _, way = toward_plane(piece, place)
+            count = put_circle(room, count, cones, way, 0.0, 1.0)
+        elif piece.kind == POLYGON:
+            if edge_on(piece, place) or faces_away(world, own, front, place, j):
+                continue
+            count = put_polygon(room, count, cones, piece, place)
+        cones += 1
+    return count, cones
+
+
+@jitable
+def sides(piece: Piece, place: Vector, direction: Vector, far: float) -> tuple[bool, bool]:
+    """Whether corners of a polygon lie before, and whether some lie beyond the plane ``far`` along a direction."""
+    before, beyond = False, False
+    for k in range(int(piece.count)):
+        if dot(minus(corner(piece, k), place), direction) < far:
+            before = True
+        else:
+            beyond = True
+    return before, beyond
+
+
+@jitable
+def put_flat(
+    world: World, own: int, front: bool, j: int, place: Vector, far: float, direction: Vector, room: Room, count: int,
+    cone: int,
+) -> int:  # fmt: skip
+    """Add what polygon or plane j hides of what lies in, or on, the plane ``far`` along a unit ``direction``."""
+    piece = world.pieces[j]
+    near, way = toward_plane(piece, place)
+    if piece.kind == PLANE:
+        return put_nearer(room, count, cone, near, way, far, direction)
+    before, beyond = sides(piece, place, direction, far)
+    if not before or edge_on(piece, place) or faces_away(world, own, front, place, j):
+        return count
+    count = put_polygon(room, count, cone, piece, place)
+    if beyond:
+        count = put_nearer(room, count, cone, near, way, far, direction)
+    return count
+
+
+@jitable
+def gather_polygon(
+    world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, room: Room
+) -> tuple[int, int]:  # fmt: skip
+    """List polygon ``lamp`` and what hides it, as ``gather_sky`` lists the sky.
+
+    No sphere meets the polygon. One that crosses its plane hides the part of its circle that lies before the plane.
+    """
+    light = world.pieces[lamp]
+    if height_over(light, place) <= 0.0 or edge_on(light, place) or light.owner == world.pieces[own].owner:
+        return _HIDDEN, 0
+    far, direction = toward_plane(light, place)
+    above, below = sides(light, place, minus_of(normal), 0.0)
+    if not above:
+        return _HIDDEN, 0
+    count, cones = put_polygon(room, 0, 0, light, place), 1
+    if below:
+        count = put_circle(room, count, 0, normal, 0.0, 1.0)
+    for j in range(world.pieces.shape[0]):
+        piece = world.pieces[j]
+        before = count
+        if piece.kind == SPHERE:
+            offset = minus(vector(piece.place), place)
+            power = leaves.sphere_power(*offset, piece.radius)
+            encloses = leaves.sphere_power(*minus(vector(piece.place), corner(light, 0)), piece.radius) < 0.0
+            inside = not front if j == own else power < 0.0
+            if encloses != inside:
+                return _HIDDEN, 0
+            beyond = dot(offset, direction) - far
+            if j == own or encloses or beyond >= piece.radius:
+                continue
+            x, y, z, cosine, sine = leaves.sphere_cap(*offset, piece.radius)
+            count = put_circle(room, count, cones, (x, y, z), cosine, sine)
+            if beyond > -piece.radius:
+                near = leaves.polar_distance(dot(offset, offset), piece.radius)
+                count = put_nearer(room, count, cones, near, (x, y, z), far, direction)
+        elif j != own and piece.owner != light.owner:
+            count = put_flat(world, own, front, j, place, far, direction, room, count, cones)
+        if count > before:
+            cones += 1
+    return count, cones
+
+
+@jitable
+def gather_sphere(
+    world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, room: Room
+) -> tuple[int, int]:  # fmt: skip
+    """List sphere ``lamp`` and what hides it, as ``gather_sky`` lists the sky.
 
     The sphere crosses no other shape. Of two spheres apart from each other the one of less power is before the other,
     for what lies between them is the plane of equal powers.
     """
-    lamp = world.shapes[emitter]
-    offset = minus(vector(lamp.place), place)
-    whole = leaves.sphere_power(*offset, lamp.radius)
-    if whole <= 0.0 or own == emitter:
-        return -1
-    x, y, z, cosine, sine = leaves.sphere_cap(*offset, lamp.radius)
-    count = put_cap(caps, 0, (-normal[0], -normal[1], -normal[2]), 0.0, 1.0)
-    count = put_cap(caps, count, (-x, -y, -z), -cosine, sine)
-    for j in range(world.shapes.shape[0]):
-        if count < 0 or j == emitter:
+    light = world.pieces[lamp]
+    offset = minus(vector(light.place), place)
+    whole = leaves.sphere_power(*offset, light.radius)
+    if whole <= 0.0 or own == lamp:
+        return _HIDDEN, 0
+    x, y, z, cosine, sine = leaves.sphere_cap(*offset, light.radius)
+    direction = (x, y, z)
+    far = leaves.polar_distance(dot(offset, offset), light.radius)
+    count = put_circle(room, 0, 0, normal, 0.0, 1.0)
+    count, cones = put_circle(room, count, 0, direction, cosine, sine), 1
+    for j in range(world.pieces.shape[0]):
+        if j == lamp:
             continue
-        shape = world.shapes[j]
-        if shape.kind == SPHERE:
-            way = minus(vector(shape.place), place)
-            power = leaves.sphere_power(*way, shape.radius)
-            encloses = leaves.sphere_power(*minus(vector(shape.place), vector(lamp.place)), shape.radius) < 0.0
+        piece = world.pieces[j]
+        before = count
+        if piece.kind == SPHERE:
+            way = minus(vector(piece.place), place)
+            power = leaves.sphere_power(*way, piece.radius)
+            encloses = leaves.sphere_power(*minus(vector(piece.place), vector(light.place)), piece.radius) < 0.0
             inside = not front if j == own else power < 0.0
             if encloses != inside:
-                return -1
+                return _HIDDEN, 0
             if j != own and not encloses and power < whole:
-                x, y, z, cosine, sine = leaves.sphere_cap(*way, shape.radius)
-                count = put_cap(caps, count, (x, y, z), cosine, sine)
+                x, y, z, cosine, sine = leaves.sphere_cap(*way, piece.radius)
+                count = put_circle(room, count, cones, (x, y, z), cosine, sine)
+        elif j != own and piece.kind == PLANE:
+            if height_over(piece, place) * height_over(piece, vector(light.place)) < 0.0:
+                return _HIDDEN, 0
         elif j != own:
-            frame = world.frames[j]
-            up = vector(frame.up)
-            here = leaves.height(*place, *vector(frame.origin), *up)
-            if here * leaves.height(*vector(lamp.place), *vector(frame.origin), *up) < 0.0:
-                return -1
-    return count
+            count = put_flat(world, own, front, j, place, far, direction, room, count, cones)
+        if count > before:
+            cones += 1
+    return count, cones
 
 
 @jitable
-def sky_irradiance(world: World, own: int, place: Vector, normal: Vector, caps: Array, arcs: Array) -> float:
+def sky_irradiance(world: World, own: int, front: bool, place: Vector, normal: Vector, room: Room) -> float:
     """Irradiance of a place by a sky of radiance 1, pi where nothing hides it."""
-    return open_irradiance(caps, gather_caps(world, own, place, normal, caps), normal, arcs)
+    count, cones = gather_sky(world, own, front, place, normal, room)
+    return open_irradiance(room, count, cones, normal)
 
 
 @jitable
 def area_irradiance(
-    world: World, own: int, front: bool, emitter: int, place: Vector, normal: Vector, caps: Array, arcs: Array
+    world: World, own: int, front: bool, emitter: int, place: Vector, normal: Vector, room: Room
 ) -> float:  # fmt: skip
-    """Irradiance of a place by sphere ``emitter``, of radiance 1."""
-    return open_irradiance(caps, gather_light(world, own, front, emitter, place, normal, caps), normal, arcs)
-
-
-@jitable
-def open_irradiance(caps: Array, count: int, normal: Vector, arcs: Array) -> float:
-    """Irradiance by radiance 1 from outside the first ``count`` caps, one the horizon; 0 of a negative count."""
-    if count < 0:
-        return 0.0
-    flux = (0.0, 0.0, 0.0)
-    for i in range(count):
-        found = hidden_arcs(caps, count, i, arcs)
-        if found < 0:
+    """Irradiance of a place by shape ``emitter``, of radiance 1."""
+    total = 0.0
+    for lamp in range(world.pieces.shape[0]):
+        light = world.pieces[lamp]
+        if int(light.owner) != emitter:
             continue
-        open_from = 0.0
-        for a in range(found):
-            if arcs[a, 0] > open_from:
-                flux = add_arc(caps[i], open_from, arcs[a, 0], flux)
-            open_from = max(open_from, arcs[a, 1])
-        if open_from < _TURN:
-            flux = add_arc(caps[i], open_from, _TURN, flux)
-    # caps are what is not seen, so their contours are run through backwards
-    return max(0.0, -0.5 * dot(normal, flux))
+        if light.kind == SPHERE:
+            count, cones = gather_sphere(world, own, front, lamp, place, normal, room)
+        else:
+            count, cones = gather_polygon(world, own, front, lamp, place, normal, room)
+        total += open_irradiance(room, count, cones, normal)
+    return total

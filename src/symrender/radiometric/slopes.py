@@ -5,27 +5,31 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
+from symrender.jit.compiled import compiled
 from symrender.jit.generated import load_module
 from symrender.jit.records import flat, grid, record, table
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric import tile
+from symrender.radiometric import pieces, tile
+from symrender.radiometric.pieces import Piece, piece_count
 from symrender.radiometric.pushforward import pushed
-from symrender.radiometric.world import Array, Seen, World
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import Seen, World
 from symrender.scene.arrays import PLANE
 from symrender.scene.frames import frame_moves, turned
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import DIRECTIONAL, RadiometricArrays, plane_record
+from symrender.scene.radiometric.arrays import DIRECTIONAL, DISK, RadiometricArrays, plane_record
 from symrender.scene.radiometric.records import Light, Material, Shape
 from symrender.scene.records import Camera, Frame, Plane
 
 
 @lru_cache(maxsize=1)
 def pushed_text() -> str:
-    """Text of the kernel ``fill_tile_dot``, and of what turns with the camera."""
-    return pushed((tile.fill_tile, leaves.perspective_axes))
+    """Text of the kernel ``fill_tile_dot``, of what lays out pieces and of what turns with the camera."""
+    return pushed((tile.fill_tile, pieces.lay_pieces, leaves.perspective_axes))
 
 
 def pushed_module() -> ModuleType:
@@ -43,7 +47,7 @@ def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -
         (parts | {"directions": directions})[name][index] = 1.0
     places = table(Frame, len(shapes))
     for j, shape in enumerate(arrays.shapes):
-        if shape.kind == PLANE and flat(shapes)[j].any():
+        if shape.kind in (PLANE, DISK) and flat(shapes)[j].any():
             moving = grid(Plane, 1, 1)
             moving[0][0] = plane_record(shapes[j])[0]
             places[j] = frame_moves(plane_record(shape), moving)[0, 0]
@@ -51,7 +55,15 @@ def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -
         if light.kind == DIRECTIONAL:
             lights[i].place[:] = turned(arrays.directions[i], directions[i])
     window = _window_moves(arrays.camera, camera, width, height)
-    return Seen(World(materials, shapes, places, lights), np.ascontiguousarray(camera.eye), window)
+    laid, moved = (table(Piece, piece_count(arrays.shapes)) for _ in range(2))
+    _pieces_kernel()(arrays.shapes, arrays.frames, laid, shapes, places, moved)
+    return Seen(World(materials, moved, lights), np.ascontiguousarray(camera.eye), window)
+
+
+@lru_cache(maxsize=1)
+def _pieces_kernel() -> Any:
+    """The pushed kernel that lays out pieces."""
+    return compiled(pushed_module().lay_pieces_dot, sources=[pushed_text()], _nrt=False)
 
 
 def _window_moves(camera: Camera, moves: Camera, width: int, height: int) -> Array:

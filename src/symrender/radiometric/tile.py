@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from symrender.jit.marks import inlined
 from symrender.leaves import radiometric as leaves
+from symrender.radiometric.arcs import Room
 from symrender.radiometric.direct import along_ray
 from symrender.radiometric.reflection import reflectance
 from symrender.radiometric.sight import nearest
-from symrender.radiometric.world import Array, World
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import World
 
 
 @inlined
@@ -21,15 +23,15 @@ def pixel_ray(window: Array, width: int, height: int, i: int, j: int) -> tuple[f
 
 
 def fill_tile(
-    world: World, eye: Array, window: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, caps: Array,
-    arcs: Array, emitted: Array, direct: Array, hit_class: Array,
+    world: World, eye: Array, window: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, room: Room,
+    emitted: Array, direct: Array, hit_class: Array,
 ) -> None:  # fmt: skip
     """Fill the layers of a tile, columns x0:x1 of rows y0:y1; arguments are many because a kernel takes arrays."""
     origin = (eye[0], eye[1], eye[2])
     for j in range(y0, y1):
         for i in range(x0, x1):
             d = pixel_ray(window, width, height, i, j)
-            own, shining, light = along_ray(world, origin, d, caps, arcs)
+            own, shining, light = along_ray(world, origin, d, room)
             hit_class[j - y0, i - x0] = own
             for c in range(3):
                 emitted[j - y0, i - x0, c] = shining[c]
@@ -58,9 +60,10 @@ def fill_hits(
     for k in range(origins.shape[0]):
         origin = (origins[k, 0], origins[k, 1], origins[k, 2])
         own, _, at, facing, front = nearest(world, origin, (directions[k, 0], directions[k, 1], directions[k, 2]))
-        shape[k] = own
+        shape[k] = -1.0
         if own < 0:
             continue
+        shape[k] = world.pieces[own].owner
         reflects = reflectance(world, own, at)
         behind[k] = 0.0 if front else 1.0
         for c in range(3):
@@ -68,14 +71,14 @@ def fill_hits(
 
 
 def fill_rays(
-    world: World, origins: Array, directions: Array, caps: Array, arcs: Array, emitted: Array, direct: Array,
+    world: World, origins: Array, directions: Array, room: Room, emitted: Array, direct: Array,
     hit_class: Array,
 ) -> None:  # fmt: skip
     """Answer for every ray, a row of the arrays each; directions are unit."""
     for k in range(origins.shape[0]):
         origin = (origins[k, 0], origins[k, 1], origins[k, 2])
         d = (directions[k, 0], directions[k, 1], directions[k, 2])
-        own, shining, light = along_ray(world, origin, d, caps, arcs)
+        own, shining, light = along_ray(world, origin, d, room)
         hit_class[k] = own
         for c in range(3):
             emitted[k, c] = shining[c]

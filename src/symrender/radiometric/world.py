@@ -6,30 +6,27 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
+from symrender.radiometric.pieces import Piece, laid_pieces
+from symrender.radiometric.vectors import Array
 from symrender.scene.radiometric.arrays import RadiometricArrays
-from symrender.scene.radiometric.records import Light, Material, Shape
-from symrender.scene.records import Camera, Frame
-
-Array = npt.NDArray[np.float64]
-Vector = tuple[float, float, float]
+from symrender.scene.radiometric.records import Light, Material
+from symrender.scene.records import Camera
 
 
 class World(NamedTuple):
-    """The records of a scene; row j of ``frames`` says where shape j lies, if it is a plane."""
+    """The records of a scene, its shapes as what they are made of."""
 
     materials: Table[Material]
-    shapes: Table[Shape]
-    frames: Table[Frame]
+    pieces: Table[Piece]
     lights: Table[Light]
 
 
 def make_world(arrays: RadiometricArrays) -> World:
     """World of a scene."""
-    return World(arrays.materials, arrays.shapes, arrays.frames, arrays.lights)
+    return World(arrays.materials, laid_pieces(arrays.shapes, arrays.frames), arrays.lights)
 
 
 class Seen(NamedTuple):

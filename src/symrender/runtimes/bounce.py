@@ -20,7 +20,8 @@ from symrender.quadrature.split_point import SplitWork, gloss_points, nearest_sq
 from symrender.quadrature.split_setup import MET, UNSUPPORTED
 from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
-from symrender.radiometric.world import Array, make_world
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import make_world
 from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
 from symrender.scene.radiometric.arrays import CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, shape_classes

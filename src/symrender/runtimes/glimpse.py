@@ -14,7 +14,8 @@ import numpy as np
 from symrender.jit.compiled import compiled
 from symrender.radiometric import tile
 from symrender.radiometric.sky import sky_room
-from symrender.radiometric.world import Array, seen
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import seen
 from symrender.runtimes.bounce import hits
 from symrender.runtimes.radiometric import check
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -31,7 +32,7 @@ def direct_rows(arrays: RadiometricArrays, width: int, height: int) -> Rows:
     def rows(y0: int, y1: int, layer: Array) -> None:
         emitted, hit_class = np.zeros((y1 - y0, width, 3)), np.zeros((y1 - y0, width))
         part = (width, height, 0, y0, width, y1)
-        _kernel("fill_tile")(*view, *part, *sky_room(view.world), emitted, layer[y0:y1], hit_class)
+        _kernel("fill_tile")(*view, *part, sky_room(view.world), emitted, layer[y0:y1], hit_class)
 
     return rows
 

@@ -15,12 +15,14 @@ from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.radiometric import tile
+from symrender.radiometric.crossed import crossed
 from symrender.radiometric.shaken import doubt, shaken, shaken_rays
 from symrender.radiometric.sky import sky_room
-from symrender.radiometric.world import Array, make_world, seen
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import make_world, seen
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.image import TileKernel
-from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SKY, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DISK, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal
 from symrender.scene.radiometric.due import refuse_bounces
 from symrender.settings import Settings
@@ -50,7 +52,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         found = []
         for view in views:
             one = (np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape))
-            _kernel("fill_tile")(*view, *tile_, *sky_room(view.world), *one)
+            _kernel("fill_tile")(*view, *tile_, sky_room(view.world), *one)
             found.append(one)
         for name, values in zip(("emitted", "direct", "hit_class"), found[0], strict=True):
             layers[name][here] = values
@@ -103,7 +105,7 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
     for each, pair in zip(shaken(arrays), sent, strict=True):
         world = make_world(each)
         one = (np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count))
-        _kernel("fill_rays")(world, *pair, *sky_room(world), *one)
+        _kernel("fill_rays")(world, *pair, sky_room(world), *one)
         found.append(one)
     emitted, direct, hit_class = found[0]
     error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
@@ -129,31 +131,21 @@ def check(arrays: RadiometricArrays) -> None:
                 "which takes its lobe; over diffuse ones it is, and the numeric pipeline samples any"
             )
     for index, light in enumerate(arrays.lights):
-        other = _crossed(arrays, int(light.emitter)) if light.kind == AREA else -1
+        other = crossed(arrays, int(light.emitter)) if light.kind == AREA else -1
         if other >= 0:
+            emitter = arrays.shapes[int(light.emitter)]
+            its = "sphere" if emitter.kind == SPHERE else "shape"
             raise Unsupported(
-                f"lights[{index}]: its sphere, shapes[{int(light.emitter)}], crosses shapes[{other}], and what is seen "
-                "of it then is not yet integrated; apart from other shapes it is, and the numeric pipeline samples any"
+                f"lights[{index}]: its {its}, shapes[{int(light.emitter)}], crosses shapes[{other}], and what is seen "
+                "of it then is not yet integrated; apart it is, and the numeric pipeline samples any"
             )
-
-
-def _crossed(arrays: RadiometricArrays, emitter: int) -> int:
-    """A shape whose surface the sphere ``emitter`` crosses, -1 if there is none; one that it touches is crossed."""
-    lamp = arrays.shapes[emitter]
-    for j, shape in enumerate(arrays.shapes):
-        if j == emitter:
-            continue
-        if shape.kind == SPHERE:
-            apart = float(np.sqrt(((lamp.place - shape.place) ** 2).sum()))
-            crosses = abs(lamp.radius - shape.radius) <= apart <= lamp.radius + shape.radius
-            # a lamp may hold no shape either: nothing in it is lit
-            crosses = crosses or apart < lamp.radius - shape.radius
-        else:
-            frame = arrays.frames[j]
-            crosses = abs(float((lamp.place - frame.origin) @ frame.up)) <= lamp.radius
-        if crosses:
-            return j
-    return -1
+    disks = [index for index, shape in enumerate(arrays.shapes) if shape.kind == DISK]
+    for index, light in enumerate(arrays.lights if disks else ()):
+        if light.kind in extended:
+            raise Unsupported(
+                f"lights[{index}]: {extended[int(light.kind)]} in a scene with a disk, shapes[{disks[0]}], is not yet "
+                "integrated; with other shapes it is, and the numeric pipeline samples any"
+            )
 
 
 @lru_cache(maxsize=3)

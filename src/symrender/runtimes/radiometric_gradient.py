@@ -14,7 +14,8 @@ from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
-from symrender.radiometric.world import Array, Seen, seen
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import Seen, seen
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.radiometric import check
 from symrender.scene.moves import Move
@@ -69,11 +70,8 @@ def _slopes(
 ) -> tuple[Array, Array, Array]:  # fmt: skip
     """Slopes of emitted and direct light of a tile, and the hit classes."""
     values, slopes = _room(x1 - x0, y1 - y0), _room(x1 - x0, y1 - y0)
-    caps, arcs = sky_room(view.world)
-    _kernel()(
-        *view, width, height, x0, y0, x1, y1, caps, arcs, *values,
-        *moves, np.zeros_like(caps), np.zeros_like(arcs), *slopes,
-    )  # fmt: skip
+    room, moving = sky_room(view.world), sky_room(view.world)
+    _kernel()(*view, width, height, x0, y0, x1, y1, room, *values, *moves, moving, *slopes)
     return slopes[0], slopes[1], values[2]
 
 

@@ -30,7 +30,9 @@ def letters(info: FieldInfo) -> str:
     if size is None or first is None:
         return ""
     bounds = number_range(first)
-    return "xyz"[:size] if bounds is not None and bounds.unit == "length" else "rgb"
+    if bounds is None:
+        return ""
+    return "xyz"[:size] if bounds.unit == "length" else "rgb"
 
 
 def split(name: str) -> Path:

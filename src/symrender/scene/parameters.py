@@ -57,8 +57,11 @@ def _walk(prefix: str, info: FieldInfo | None, value: Any, description: str) -> 
     elif info is not None and isinstance(value, tuple):
         axes = letters(info)
         for index, part in enumerate(value):
-            step = axes[index] if axes else part.name
-            yield from _walk(f"{prefix}.{step}", item(info, index), part, description)
+            if isinstance(part, tuple):
+                name = f"{prefix}[{index}]"
+            else:
+                name = f"{prefix}.{axes[index] if axes else part.name}"
+            yield from _walk(name, item(info, index), part, description)
     elif info is not None and (bounds := number_range(info)) is not None:
         yield Parameter(prefix, value, bounds.unit, bounds.low, bounds.high, description)
 

@@ -29,7 +29,8 @@ class Part(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
 
-def _tuple(value: Any) -> Any:
+def listed(value: Any) -> Any:
+    """A tuple for a list, anything else as it is."""
     return tuple(value) if isinstance(value, list) else value
 
 
@@ -39,7 +40,7 @@ def at_most(limit: int) -> Callable[[Any], Any]:
     def check(value: Any) -> Any:
         if isinstance(value, list | tuple) and len(value) > limit:
             raise PydanticCustomError("scene", f"must hold at most {limit} entries, got {len(value)}")
-        return _tuple(value)
+        return listed(value)
 
     return check
 
@@ -71,7 +72,7 @@ Frequency = Annotated[float, Field(ge=0, le=MAX_TEXTURE_FREQUENCY, json_schema_e
 FieldOfView = Annotated[float, Field(gt=0, lt=180, json_schema_extra={"unit": "degree"})]
 PartName = Annotated[str, Field(pattern=rf"^[A-Za-z][A-Za-z0-9_-]{{0,{MAX_PART_NAME - 1}}}$")]
 
-Point3 = Annotated[tuple[Coordinate, Coordinate, Coordinate], BeforeValidator(_tuple)]
-Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(_tuple)]
-Albedo = Annotated[tuple[Share, Share, Share], BeforeValidator(_tuple)]
-Colour = Annotated[tuple[Radiance, Radiance, Radiance], BeforeValidator(_tuple)]
+Point3 = Annotated[tuple[Coordinate, Coordinate, Coordinate], BeforeValidator(listed)]
+Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(listed)]
+Albedo = Annotated[tuple[Share, Share, Share], BeforeValidator(listed)]
+Colour = Annotated[tuple[Radiance, Radiance, Radiance], BeforeValidator(listed)]

@@ -11,6 +11,7 @@ from symrender.expression.formulas import (
     light_terms,
     lobes,
     microfacets,
+    polygons,
     radiometry,
     shapes,
     textures,
@@ -24,5 +25,5 @@ LEAVES: Final = {
 }
 """Leaf by name."""
 
-RADIOMETRIC: Final = {leaf.name: leaf for module in (microfacets, radiometry) for leaf in module.LEAVES}
+RADIOMETRIC: Final = {leaf.name: leaf for module in (microfacets, polygons, radiometry) for leaf in module.LEAVES}
 """Leaf by name, of what radiometric scenes alone need."""

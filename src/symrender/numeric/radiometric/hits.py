@@ -9,11 +9,21 @@ import numpy as np
 
 from symrender.jit.marks import inlined, jitable
 from symrender.numeric.planes import carried, turned
+from symrender.numeric.radiometric.flats import (
+    box_distance,
+    box_normal,
+    box_place,
+    corner_distance,
+    corner_normal,
+    corner_place,
+    disk_distance,
+    triple,
+)
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.rays import floor_distance, sphere_offset, sphere_roots
 from symrender.numeric.vectors import Vector, along, dot, minus
-from symrender.scene.arrays import CHECKER, MARBLE, SOLID, Array
-from symrender.scene.radiometric.arrays import SPHERE
+from symrender.scene.arrays import CHECKER, MARBLE, PLANE, SOLID
+from symrender.scene.radiometric.arrays import BOX, DISK, RECTANGLE, SPHERE, TRIANGLE
 from symrender.scene.records import Frame
 
 
@@ -28,12 +38,6 @@ class Hit(NamedTuple):
     place: Vector
     outward: Vector
     behind: bool
-
-
-@inlined
-def triple(a: Array) -> Vector:
-    """A vector of a record as a tuple."""
-    return (a[0], a[1], a[2])
 
 
 @inlined
@@ -62,13 +66,30 @@ def first_hit(world: World, origin: Vector, d: Vector, left: int, inside: bool) 
                 reach = other if from_within else near
             if 0.0 < reach < distance:
                 best, distance, far = j, reach, from_within
+        elif shape.kind == BOX:
+            if j != left or inside:
+                reach, from_within = box_distance(shape, origin, d, j == left)
+                if reach < distance:
+                    best, distance, far = j, reach, from_within
         elif j != left:
-            reach = level(world.frames[j], origin, d)
+            if shape.kind == PLANE:
+                reach = level(world.frames[j], origin, d)
+            elif shape.kind == DISK:
+                reach = disk_distance(world.frames[j], shape.radius, origin, d)
+            else:
+                reach = corner_distance(shape, origin, d)
             if reach < distance:
                 best, distance, far = j, reach, False
     if best < 0:
         return Hit(-1, math.inf, origin, d, False)
     shape, frame = world.shapes[best], world.frames[best]
+    if shape.kind == BOX:
+        p = along(origin, distance, d)
+        n = box_normal(shape, p)
+        return Hit(best, distance, p, n, far)
+    if shape.kind == RECTANGLE or shape.kind == TRIANGLE:
+        n = corner_normal(shape)
+        return Hit(best, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
     if shape.kind == SPHERE:
         n = sphere_offset(minus(origin, triple(shape.place)), d, shape.radius, far)
         return Hit(best, distance, along(triple(shape.place), shape.radius, n), n, far)
@@ -89,6 +110,18 @@ def odd_field(x: float) -> bool:
 
 
 @jitable
+def flat_place(world: World, hit: Hit) -> tuple[float, float]:
+    """(x, y) of the texture of a flat shape at a hit."""
+    shape = world.shapes[hit.own]
+    if shape.kind == BOX:
+        return box_place(shape, hit.place, hit.outward)
+    if shape.kind == RECTANGLE or shape.kind == TRIANGLE:
+        return corner_place(shape, hit.place)
+    p = carried(world.frames[hit.own], hit.place)
+    return p[0], p[1]
+
+
+@jitable
 def albedo(world: World, hit: Hit) -> Vector:
     """Reflectance at a hit."""
     shape = world.shapes[hit.own]
@@ -101,8 +134,8 @@ def albedo(world: World, hit: Hit) -> Vector:
         x = (math.pi + math.atan2(n[1], n[0])) / (math.pi * material.cell)
         y = math.atan2(math.sqrt(n[0] * n[0] + n[1] * n[1]), n[2]) / (math.pi * material.cell)
     else:
-        p = carried(world.frames[hit.own], hit.place)
-        x, y = p[0] / material.cell, p[1] / material.cell
+        x, y = flat_place(world, hit)
+        x, y = x / material.cell, y / material.cell
     if material.texture == MARBLE:
         wave = math.sin(3.0 * math.pi * y)
         m = 0.5 + 0.5 * math.sin(2.0 * math.pi * x + 0.7 * math.pi * wave)

@@ -6,7 +6,9 @@ import math
 from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
-from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches, triple
+from symrender.numeric.radiometric.emitters import chance_of, emitter_sample, shining
+from symrender.numeric.radiometric.flats import triple
+from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches
 from symrender.numeric.radiometric.scatter import choose, density, reflected
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, uniforms
@@ -109,61 +111,36 @@ def from_sky(world: World, at: Surface, a: float, b: float) -> Vector:
 
 
 @jitable
-def cone_of(world: World, sphere: int, place: Vector) -> tuple[Vector, float]:
-    """(unit axis, 1 - cosine of the half-angle) of the cone that a sphere fills; 0 where it is seen from inside."""
-    lamp = world.shapes[sphere]
-    way = minus(triple(lamp.place), place)
-    far2 = dot(way, way)
-    sine2 = lamp.radius * lamp.radius / far2
-    height = sine2 / (1.0 + math.sqrt(1.0 - sine2)) if sine2 < 1.0 else 0.0
-    return unit(way), height
-
-
-@jitable
-def from_spheres(world: World, at: Surface, a: float, b: float) -> Vector:
-    """Reflected light of all spheres that emit, each by a uniform direction of its cone, weighted as a sky's."""
+def from_emitters(world: World, at: Surface, a: float, b: float) -> Vector:
+    """Reflected light of all shapes that emit, each by a direction of its own choice, weighted as a sky's."""
     total = (0.0, 0.0, 0.0)
     material = world.materials[int(world.shapes[at.hit.own].material)]
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
         if light.kind != AREA or int(light.emitter) == at.hit.own:
             continue
-        axis, height = cone_of(world, int(light.emitter), at.hit.place)
-        if height == 0.0:
+        emitter = int(light.emitter)
+        d, possible = emitter_sample(world, emitter, at.hit.place, a, b)
+        if not possible:
             continue
-        up = 1.0 - a * height
-        r = math.sqrt(max(0.0, a * height * (2.0 - a * height)))
-        first = unit(cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.7 else (1.0, 0.0, 0.0)))
-        x, y = r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b)
-        d = along(along((up * axis[0], up * axis[1], up * axis[2]), x, first), y, cross(axis, first))
         wi = local(at, d)
         share = reflected(material, at.reflectance, at.wo, wi)
         if max(share[0], share[1], share[2]) <= 0.0:
             continue
         hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.behind)
-        if hit.own == int(light.emitter) and not hit.behind:
-            chance = _UNIFORM / height + density(material, at.wo, wi)
+        if hit.own == emitter and not hit.behind:
+            chance = chance_of(world, hit, at.hit.place, d) + density(material, at.wo, wi)
             total = plus(total, scaled(share, triple(light.emitted), 1.0 / chance))
     return total
 
 
 @jitable
-def shining(world: World, hit: Hit) -> Vector:
-    """Radiance that a hit emits: of spheres that are lights, from outside."""
-    for i in range(world.lights.shape[0]):
-        light = world.lights[i]
-        if light.kind == AREA and int(light.emitter) == hit.own and not hit.behind:
-            return triple(light.emitted)
-    return (0.0, 0.0, 0.0)
-
-
-@jitable
-def met(world: World, hit: Hit, place: Vector, chance: float, both: bool) -> Vector:
-    """What a hit emits towards ``place``, from which a direction of this density went, weighted."""
+def met(world: World, hit: Hit, place: Vector, d: Vector, chance: float, both: bool) -> Vector:
+    """What a hit emits towards ``place``, from which direction ``d`` of this density went, weighted."""
     light = shining(world, hit)
     if max(light[0], light[1], light[2]) <= 0.0:
         return light
-    weight = 1.0 / (chance + (_UNIFORM / cone_of(world, hit.own, place)[1] if both else 0.0))
+    weight = 1.0 / (chance + (chance_of(world, hit, place, d) if both else 0.0))
     return scaled(light, (1.0, 1.0, 1.0), weight)
 
 
@@ -180,7 +157,7 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
             # strata for the first choice of both
             a, b = (index // order + a) / order, (index % order + b) / order
         if both and world.extended:
-            light = from_spheres(world, at, a, b)
+            light = from_emitters(world, at, a, b)
             if world.sky >= 0:
                 light = plus(light, from_sky(world, at, a, b))
             light = scaled(through, light, 1.0)
@@ -200,7 +177,7 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
                 light = scaled(scaled(through, share, weight), triple(world.lights[world.sky].emitted), 1.0)
                 direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
             break
-        light = scaled(scaled(through, share, 1.0), met(world, hit, at.hit.place, chance, both), 1.0)
+        light = scaled(scaled(through, share, 1.0), met(world, hit, at.hit.place, d, chance, both), 1.0)
         direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
         depth += 1
         if depth > world.bounces or not shows(world, hit):

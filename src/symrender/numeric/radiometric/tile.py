@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from symrender.jit.marks import inlined
-from symrender.numeric.radiometric.hits import first_hit, triple
-from symrender.numeric.radiometric.path import from_points, path, plus, shining, shows, surface
+from symrender.numeric.radiometric.emitters import shining
+from symrender.numeric.radiometric.flats import triple
+from symrender.numeric.radiometric.hits import first_hit
+from symrender.numeric.radiometric.path import from_points, path, plus, shows, surface
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, pixel_key
 from symrender.numeric.rays import window_direction

@@ -16,6 +16,7 @@ from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, M
 from symrender.scene.radiometric.materials import Material as MaterialPart
 from symrender.scene.radiometric.records import Light, Material, Shape
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.radiometric.shapes import Shape as ShapePart
 from symrender.scene.records import Camera, Frame
 from symrender.scene.records import Plane as PlaneRecord
 
@@ -32,6 +33,10 @@ BECKMANN: Final = 1
 
 # kinds of a shape; a plane is PLANE
 SPHERE: Final = 1
+RECTANGLE: Final = 3
+TRIANGLE: Final = 4
+DISK: Final = 5
+BOX: Final = 6
 
 # kinds of a light; a point is POINT
 POINT: Final = 0
@@ -48,7 +53,7 @@ ALL: Final = 1 << 30
 
 @dataclass(frozen=True)
 class RadiometricArrays:
-    """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes lie, row by shape.
+    """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes and disks lie.
 
     ``directions`` (lights, 3) are those of directional lights, of any length: ``place`` of these is its unit vector.
     """
@@ -72,12 +77,7 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     for j, shape in enumerate(scene.shapes):
         row = rows[j]
         row.material = names[shape.material]
-        if isinstance(shape, shapes.Sphere):
-            row.kind, row.radius = SPHERE, shape.radius
-            row.place[:] = shape.center
-            continue
-        row.kind = PLANE
-        row.place[:], row.normal[:], row.along[:] = shape.point, shape.normal, shape.along
+        _lay_shape(shape, row)
     lit = table(Light, len(scene.lights))
     directions = np.zeros((len(scene.lights), 3))
     places = {shape.name: j for j, shape in enumerate(scene.shapes)}
@@ -106,10 +106,10 @@ def laid_out(
     materials: Table[Material], shapes: Table[Shape], lights: Table[Light], directions: Array, camera: Camera,
     bounces: int,
 ) -> RadiometricArrays:  # fmt: skip
-    """The records of a scene with what follows from them: frames of planes, unit vectors of directional lights."""
+    """The records of a scene, and what follows: frames of planes and disks, unit vectors of directional lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
     for j, row in enumerate(shapes):
-        if row.kind == PLANE:
+        if row.kind in (PLANE, DISK):
             places[j] = frames(plane_record(row))[0]
     for i, light in enumerate(lit):
         if light.kind == DIRECTIONAL:
@@ -119,10 +119,32 @@ def laid_out(
 
 
 def plane_record(shape: Shape) -> Table[PlaneRecord]:
-    """Where a plane lies, as the one record of a table."""
+    """Where a plane or a disk lies, as the one record of a table."""
     one = table(PlaneRecord, 1)
     one[0].point[:], one[0].normal[:], one[0].along[:] = shape.place, shape.normal, shape.along
     return one
+
+
+def _lay_shape(shape: ShapePart, row: Shape) -> None:
+    match shape:
+        case shapes.Sphere():
+            row.kind, row.radius = SPHERE, shape.radius
+            row.place[:] = shape.center
+        case shapes.Plane():
+            row.kind = PLANE
+            row.place[:], row.normal[:], row.along[:] = shape.point, shape.normal, shape.along
+        case shapes.Disk():
+            row.kind, row.radius = DISK, shape.radius
+            row.place[:], row.normal[:], row.along[:] = shape.center, shape.normal, shape.along
+        case shapes.Rectangle():
+            row.kind = RECTANGLE
+            row.place[:], row.second[:], row.third[:] = shape.corner, shape.edge_u, shape.edge_v
+        case shapes.Triangle():
+            row.kind = TRIANGLE
+            row.place[:], row.second[:], row.third[:] = shape.vertices
+        case shapes.Box():
+            row.kind, row.rotation = BOX, shape.rotation
+            row.place[:], row.second[:] = shape.center, shape.size
 
 
 def _lay_material(material: MaterialPart, row: Material) -> None:

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from symrender.jit.records import Table, record, table
 from symrender.limits import MAX_PLANES
 from symrender.scene import arrays as series
-from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, SOLID, STRIPES, SceneArrays
+from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
 from symrender.scene.radiometric.arrays import (
     AREA,
     BECKMANN,
@@ -70,6 +70,8 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
         return "a sky"
     if any(light.kind == AREA for light in arrays.lights):
         return "an area light"
+    if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
+        return "a rectangle, a triangle, a disk or a box"
     planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
     if any(material.texture in (STRIPES, MARBLE) for material in planes):
         return "stripes or marble on a plane"

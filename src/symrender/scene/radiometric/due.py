@@ -2,29 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, Final
-
-from pydantic_core import PydanticCustomError
-
 from symrender.errors import Unsupported
-
-SHAPES_DUE: Final = ("rectangle", "triangle", "disk", "box")
-
-
-def not_yet(kinds: tuple[str, ...], known: str, limit: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Validator of a list, after ``limit``: refuses entries of ``kinds``, which are due, and names the ``known``."""
-
-    def check(value: Any) -> Any:
-        value = limit(value)
-        for index, entry in enumerate(value if isinstance(value, tuple) else ()):
-            kind = entry.get("type") if isinstance(entry, Mapping) else None
-            if kind in kinds:
-                context = {"path": (index, "type")}
-                raise PydanticCustomError("scene", f"{kind} is not yet rendered, known are {known}", context)
-        return value
-
-    return check
 
 
 def refuse_bounces(bounces: int | str, reason: str) -> None:

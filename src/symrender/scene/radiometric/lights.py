@@ -45,11 +45,13 @@ class Sky(Part):
 
 
 class Area(Part):
-    """A sphere that emits the same radiance from every place of its outside, in every direction."""
+    """A shape that emits the same radiance from every place of it, in every direction on the side of its normal."""
 
     type: Literal["area"] = "area"
     name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
-    shape: Annotated[PartName, Field(description="name of the sphere that emits")]
+    shape: Annotated[
+        PartName, Field(description="name of the shape that emits, a sphere, rectangle, triangle, disk or box")
+    ]
     radiance: Annotated[Radiances, Field(description="radiance, a number or three")]
 
 

@@ -30,9 +30,12 @@ class Material(Record):
 
 
 class Shape(Record):
-    """A shape: a PLANE by ``place``, ``normal`` and ``along``, a SPHERE by ``place`` (its centre) and ``radius``.
+    """A shape of the scene, by the numbers it is written with; ``material`` is the index of its material.
 
-    ``material`` is the index of its material. ``normal`` and ``along`` of a plane have any length.
+    A PLANE is ``place``, ``normal`` and ``along``, of any length; a SPHERE ``place`` (its centre) and ``radius``; a
+    DISK all of these. A RECTANGLE is ``place`` (its corner) and the edges ``second`` and ``third``; a TRIANGLE the
+    vertices ``place``, ``second`` and ``third``; a BOX ``place`` (its centre), its size ``second`` and ``rotation``
+    in degrees.
     """
 
     kind: float
@@ -41,13 +44,16 @@ class Shape(Record):
     normal: Three
     along: Three
     radius: float
+    second: Three
+    third: Three
+    rotation: float
 
 
 class Light(Record):
     """A light: ``place`` is a point's position or the direction a directional light travels in, of any length.
 
     ``emitted`` is intensity, irradiance or radiance, as the ``kind`` is POINT, DIRECTIONAL or SKY; of AREA it is
-    radiance, and ``emitter`` the index of the sphere that emits.
+    radiance, and ``emitter`` the index of the shape that emits.
     """
 
     kind: float

@@ -11,10 +11,9 @@ from pydantic_core import PydanticCustomError
 from symrender.limits import MAX_LIGHTS, MAX_SHAPES
 from symrender.scene.camera import LookAtCamera
 from symrender.scene.nearest import did_you_mean
-from symrender.scene.radiometric.due import SHAPES_DUE, not_yet
 from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.materials import Material
-from symrender.scene.radiometric.shapes import Shape, Sphere
+from symrender.scene.radiometric.shapes import Plane, Shape
 from symrender.scene.root import Root, check_names, wrong
 from symrender.scene.values import Held, PartName, at_most
 
@@ -49,7 +48,7 @@ class RadiometricScene(Root):
     shapes: Annotated[
         tuple[Shape, ...],
         Field(max_length=MAX_SHAPES, description="the shapes"),
-        BeforeValidator(not_yet(SHAPES_DUE, "plane and sphere", at_most(MAX_SHAPES))),
+        BeforeValidator(at_most(MAX_SHAPES)),
     ] = ()
     lights: Annotated[
         tuple[Light, ...],
@@ -67,11 +66,11 @@ class RadiometricScene(Root):
         skies = [index for index, light in enumerate(self.lights) if isinstance(light, Sky)]
         if len(skies) > 1:
             raise wrong(f"at most one light is a sky, lights[{skies[0]}] is one too", "lights", skies[1], "type")
-        self._spheres_emit()
+        self._areas_emit()
         return self
 
-    def _spheres_emit(self) -> None:
-        """Refuse area lights of shapes that are none, no spheres, or emit already."""
+    def _areas_emit(self) -> None:
+        """Refuse area lights of shapes that are none, have no end, or emit already."""
         shapes, emitters = {shape.name: shape for shape in self.shapes}, dict[str, int]()
         for index, light in enumerate(self.lights):
             if not isinstance(light, Area):
@@ -79,8 +78,10 @@ class RadiometricScene(Root):
             shape, where = shapes.get(light.shape), ("lights", index, "shape")
             if shape is None:
                 raise wrong(_unknown("shape", light.shape, shapes), *where)
-            if not isinstance(shape, Sphere):
-                raise wrong(f"must name a sphere, got the {shape.type} '{light.shape}'", *where)
+            if isinstance(shape, Plane):
+                raise wrong(
+                    f"must name a sphere, rectangle, triangle, disk or box, got the plane '{light.shape}'", *where
+                )
             if light.shape in emitters:
                 raise wrong(f"'{light.shape}' is the shape of lights[{emitters[light.shape]}] already", *where)
             emitters[light.shape] = index

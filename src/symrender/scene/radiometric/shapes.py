@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
 
-from symrender.scene.directions import check_frame
-from symrender.scene.values import Length, Part, PartName, Point3
+from symrender.scene.directions import Triple, along, check_frame, coincide
+from symrender.scene.radiometric.values import Rotation, Size3
+from symrender.scene.values import Length, Part, PartName, Point3, listed
+
+_AXES: Final = 3
 
 
 class Plane(Part):
@@ -40,4 +44,103 @@ class Sphere(Part):
     material: Annotated[PartName, Field(description="name of one of the materials")]
 
 
-Shape = Annotated[Plane | Sphere, Field(discriminator="type")]
+class Rectangle(Part):
+    """A corner and the two edges that leave it; its normal is edge_u x edge_v.
+
+    The edges need not be at right angles. The texture's x runs along ``edge_u`` from the corner, y across it.
+    """
+
+    type: Literal["rectangle"] = "rectangle"
+    name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
+    corner: Annotated[Point3, Field(description="a corner, origin of its texture")]
+    edge_u: Annotated[Point3, Field(description="edge from the corner, along the texture's x")]
+    edge_v: Annotated[Point3, Field(description="the other edge from the corner; the normal is edge_u x edge_v")]
+    material: Annotated[PartName, Field(description="name of one of the materials")]
+
+    @model_validator(mode="after")
+    def _has_an_area(self) -> Self:
+        _check_edges(self.edge_u, self.edge_v, "edge_u", "edge_v")
+        return self
+
+
+class Triangle(Part):
+    """Three vertices, counter-clockwise about the normal; the texture's x runs from the first to the second."""
+
+    type: Literal["triangle"] = "triangle"
+    name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
+    vertices: Annotated[
+        tuple[Point3, Point3, Point3],
+        Field(description="the three vertices, counter-clockwise as seen from the side of the normal"),
+        BeforeValidator(listed),
+    ]
+    material: Annotated[PartName, Field(description="name of one of the materials")]
+
+    @model_validator(mode="after")
+    def _has_an_area(self) -> Self:
+        a, b, c = self.vertices
+        names = "vertices[1] - vertices[0]", "vertices[2] - vertices[0]"
+        _check_edges(_difference(b, a), _difference(c, a), *names)
+        _check_edges(_difference(c, b), _difference(b, a), "vertices[2] - vertices[1]", names[0])
+        return self
+
+
+class Disk(Part):
+    """A flat disk."""
+
+    type: Literal["disk"] = "disk"
+    name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
+    center: Annotated[Point3, Field(description="centre, origin of its texture")]
+    normal: Annotated[Point3, Field(description="the side it reflects on, of any length")]
+    radius: Annotated[Length, Field(description="radius")]
+    along: Annotated[Point3, Field(description="direction of the texture's x, less its part along the normal")] = (
+        1.0,
+        0.0,
+        0.0,
+    )
+    material: Annotated[PartName, Field(description="name of one of the materials")]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _along_is_beside(cls, data: Any) -> Any:
+        """Without ``along``, the axis that is farther from the normal: x, or y beside it."""
+        normal = data.get("normal") if isinstance(data, dict) else None
+        if not isinstance(normal, list | tuple) or len(normal) != _AXES or "along" in data:
+            return data
+        if all(isinstance(c, int | float) for c in normal) and abs(normal[0]) > max(abs(normal[1]), abs(normal[2])):
+            return {**data, "along": (0.0, 1.0, 0.0)}
+        return data
+
+    @model_validator(mode="after")
+    def _has_a_frame(self) -> Self:
+        check_frame(self.normal, self.along)
+        return self
+
+
+class Box(Part):
+    """A box, turned about the vertical; its normals point outward.
+
+    Each face has a texture of its own: x and y run along its edges from one of its corners.
+    """
+
+    type: Literal["box"] = "box"
+    name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
+    center: Annotated[Point3, Field(description="centre")]
+    size: Annotated[Size3, Field(description="lengths of its edges")]
+    rotation: Annotated[Rotation, Field(description="by how much it is turned about z, counter-clockwise")] = 0.0
+    material: Annotated[PartName, Field(description="name of one of the materials")]
+
+
+def _difference(a: Triple, b: Triple) -> Triple:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _check_edges(u: Triple, v: Triple, first: str, second: str) -> None:
+    """Raise PydanticCustomError where two edges span no area."""
+    for name, edge in ((first, u), (second, v)):
+        if coincide(edge, (0.0, 0.0, 0.0)):
+            raise PydanticCustomError("scene", f"{name} must be longer than zero")
+    if along(u, v):
+        raise PydanticCustomError("scene", f"{first} must not be parallel to {second}: the shape would have no area")
+
+
+Shape = Annotated[Plane | Sphere | Rectangle | Triangle | Disk | Box, Field(discriminator="type")]

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Final
 from pydantic import BeforeValidator, Field
 
 from symrender.limits import MAX_EXPONENT, MAX_INDEX, MAX_RADIANCE, MIN_ALPHA, MIN_INDEX
+from symrender.scene.values import Length, listed
 
 CHANNELS: Final = 3
 
@@ -27,6 +28,8 @@ _Intensity = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"u
 _Irradiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/m2"})]
 _Radiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/m2/sr"})]
 
+Rotation = Annotated[float, Field(ge=-360, le=360, json_schema_extra={"unit": "degree"})]
+Size3 = Annotated[tuple[Length, Length, Length], BeforeValidator(listed)]
 Shares = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple)]
 Indices = Annotated[tuple[Index, Index, Index], BeforeValidator(triple)]
 Extinctions = Annotated[tuple[Extinction, Extinction, Extinction], BeforeValidator(triple)]

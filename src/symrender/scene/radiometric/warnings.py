@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from symrender.scene.radiometric.lights import Point, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Plane, Shape
+from symrender.scene.radiometric.shapes import Box, Plane, Shape, Sphere
 from symrender.scene.values import Part
 
 _Point = tuple[float, float, float]
@@ -18,17 +18,26 @@ def radiometric_warnings(scene: RadiometricScene) -> tuple[str, ...]:
     return (*_camera(scene), *_lights(scene), *_shapes(scene))
 
 
-def _behind(shape: Shape, point: _Point) -> bool:
-    """Whether a point is on the side of a shape that its normal does not show to."""
-    if isinstance(shape, Plane):
-        return sum(n * (p - q) for n, p, q in zip(shape.normal, point, shape.point, strict=True)) < 0
-    return math.dist(point, shape.center) < shape.radius
+def _beyond(shape: Shape, point: _Point) -> str:
+    """``behind`` or ``inside`` where a shape parts a point from the side its normal shows to, else nothing."""
+    match shape:
+        case Plane():
+            below = sum(n * (p - q) for n, p, q in zip(shape.normal, point, shape.point, strict=True)) < 0
+            return "behind" if below else ""
+        case Sphere():
+            return "inside" if math.dist(point, shape.center) < shape.radius else ""
+        case Box():
+            x, y, z = (p - q for p, q in zip(point, shape.center, strict=True))
+            turn = math.radians(shape.rotation)
+            c, s = math.cos(turn), math.sin(turn)
+            within = zip((c * x + s * y, c * y - s * x, z), shape.size, strict=True)
+            return "inside" if all(abs(2.0 * place) < size for place, size in within) else ""
+    return ""
 
 
 def _camera(scene: RadiometricScene) -> Iterator[str]:
     for shape in scene.shapes:
-        if _behind(shape, scene.camera.eye):
-            side = "behind" if isinstance(shape, Plane) else "inside"
+        if side := _beyond(shape, scene.camera.eye):
             seen = "reflects there too" if scene.materials[shape.material].two_sided else "is black from there"
             yield f"camera.eye is {side} shapes.{shape.name}, which {seen} and hides what is beyond it"
 
@@ -40,8 +49,7 @@ def _lights(scene: RadiometricScene) -> Iterator[str]:
         if isinstance(light, Sky):
             continue
         for shape in scene.shapes:
-            if isinstance(light, Point) and _behind(shape, light.position):
-                side = "behind" if isinstance(shape, Plane) else "inside"
+            if isinstance(light, Point) and (side := _beyond(shape, light.position)):
                 yield f"lights.{light.name} is {side} shapes.{shape.name}: nothing on the other side is lit by it"
 
 
