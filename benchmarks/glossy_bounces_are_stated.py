@@ -38,7 +38,8 @@ def rough(rng: np.random.Generator) -> Scene:
     alpha = float(rng.choice([0.3, 0.1, 0.03, 10.0 ** rng.uniform(-3, 0)]))
     eta, k = rng.uniform(0.1, 3, 3).tolist(), rng.choice([0.0, 0.5, 3.0], 3).tolist()
     masking = str(rng.choice(["separable", "correlated"]))
-    return {"type": "conductor", "alpha": alpha, "eta": eta, "k": k, "masking": masking} | both
+    kind = str(rng.choice(["ggx", "beckmann"], p=[0.75, 0.25]))
+    return {"type": "conductor", "distribution": kind, "alpha": alpha, "eta": eta, "k": k, "masking": masking} | both
 
 
 def crowd(seed: int) -> tuple[Scene, np.ndarray, np.ndarray]:

@@ -23,7 +23,7 @@ from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world
 from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
-from symrender.scene.radiometric.arrays import CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, shape_classes
 from symrender.scene.radiometric.records import Material
 
@@ -246,6 +246,7 @@ def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
             row.kind, rough.alpha = ROUGH, material.alpha
             rough.masking = CORRELATED if material.correlated else SEPARABLE
             rough.eta[:], rough.k[:] = material.eta, material.k
+            rough.beckmann = 1.0 if material.density == BECKMANN else 0.0
     return rows if (rows["kind"] != LAMBERT).any() else None
 
 
@@ -255,6 +256,9 @@ def _sharpness(material: Material, cosine: Array) -> Array:
         return np.ones(len(cosine))
     if material.kind == PHONG:
         return np.full(len(cosine), FELT_SLOPE * np.sqrt(material.exponent + 1.0))
+    if material.density == BECKMANN:
+        # where D is above e^-40
+        return np.asarray(1.0 + 13.0 / material.alpha + 1.0 / np.maximum(cosine, 1e-300))
     # D's is 2/alpha at most, and the masking's as where the view grazes
     return np.asarray(1.0 + 2.0 / material.alpha + 1.0 / np.maximum(cosine, 1e-300))
 

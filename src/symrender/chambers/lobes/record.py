@@ -44,10 +44,14 @@ class Lobe(Record):
     by_cosine: float
     by_root: float
     """What the masking divides by, as of the leaf ``ggx_lobe``."""
+    beckmann: int
+    """1 where its normals are Beckmann's; then G1(o), and 1 where masking is height-correlated."""
+    outward: float
+    correlated: float
 
 
 class Conductor(Record):
-    """A rough conductor: GGX of roughness ``alpha``, and eta - i k of every channel; ``alpha`` 0 where there is none.
+    """A rough conductor: roughness ``alpha``, and eta - i k of every channel; ``alpha`` 0 where there is none.
 
     Reflectance is 1 everywhere with eta 0 and k 1.
     """
@@ -57,6 +61,8 @@ class Conductor(Record):
     """``SEPARABLE`` or ``CORRELATED``."""
     eta: Three
     k: Three
+    beckmann: float
+    """1 where normals are Beckmann's and G1 Smith's, 0 of GGX."""
 
 
 class Sender(Record):

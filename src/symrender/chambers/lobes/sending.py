@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from symrender.chambers.leaf_rows import lit_conductor_rows, lit_phong_rows
+from symrender.chambers.leaf_rows import lit_beckmann_rows, lit_conductor_rows, lit_phong_rows
 from symrender.chambers.lobes.record import CONDUCTOR, LAMBERT, POWER, Sender
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes
 from symrender.chambers.row_powers import powers
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.leaves.values import lit_conductor_most
+from symrender.leaves.values import lit_beckmann_most, lit_conductor_most
 
 TAME = 2.0
 """A power of width w is tame to this times w beside the real line: it grows there by no more than a factor 8."""
@@ -25,7 +25,10 @@ def most_sent(square: float, tilt: float, facing: float, row: int, senders: Tabl
     if sender.kind == POWER:
         base = max(0.0, 1.0 - 0.5 * square)
         return float(0.5 * (sender.exponent + 2.0) * min(1.0, max(0.0, facing)) * base**sender.exponent)
-    return float(lit_conductor_most(min(2.0, square), max(0.0, tilt), sender.conductor.alpha))
+    rough = sender.conductor
+    if rough.beckmann != 0.0:
+        return float(lit_beckmann_most(min(2.0, square), min(1.0, max(0.0, tilt)), rough.alpha))
+    return float(lit_conductor_most(min(2.0, square), max(0.0, tilt), rough.alpha))
 
 
 @jitable
@@ -36,6 +39,8 @@ def sent_width(nearest: float, row: int, senders: Table[Sender] | None) -> float
     sender = senders[row]
     if sender.kind == POWER:
         return TAME / math.sqrt(sender.exponent)
+    if sender.conductor.beckmann != 0.0:
+        return float(sender.conductor.alpha)
     return math.hypot(sender.conductor.alpha, nearest)
 
 
@@ -72,6 +77,11 @@ def sent_shares(start: int, stop: int, b: Nodes, p: LightPoint, row: int, sender
         powers(start, stop, b, exponent)
         for i in range(start, stop):
             b.shares[0, i] = b.shares[1, i] = b.shares[2, i] = b.power[i]
+        return
+    if rough.beckmann != 0.0:
+        lit_beckmann_rows(
+            start, stop, x, y, z, falling, rough.alpha, rough.masking, eta[0], eta[1], eta[2], k[0], k[1], k[2], b
+        )
         return
     lit_conductor_rows(
         start, stop, x, y, z, falling, rough.alpha, rough.masking, eta[0], eta[1], eta[2], k[0], k[1], k[2], b

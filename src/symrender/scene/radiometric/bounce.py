@@ -25,7 +25,6 @@ from symrender.scene import arrays as series
 from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
 from symrender.scene.radiometric.arrays import (
     AREA,
-    BECKMANN,
     CONDUCTOR,
     DIFFUSE,
     PHONG,
@@ -64,8 +63,8 @@ class Bounce:
 def bounce_refusal(arrays: RadiometricArrays) -> str:
     """What of a scene keeps its bounced light from being integrated, as words for a message; empty if nothing does."""
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
-    if any(material.kind == CONDUCTOR and material.density == BECKMANN for material in used):
-        return "a conductor of Beckmann's distribution"
+    if any(material.kind == CONDUCTOR and material.walter for material in used):
+        return "a conductor of g1: walter"
     if any(light.kind == SKY for light in arrays.lights):
         return "a sky"
     if any(light.kind == AREA for light in arrays.lights):

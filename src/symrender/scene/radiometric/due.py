@@ -15,5 +15,5 @@ def refuse_bounces(bounces: int | str, reason: str) -> None:
     words = f" in a scene with {reason}" if reason and bounces == 1 else ""
     raise Unsupported(
         f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between diffuse, "
-        "ggx and phong surfaces under point and directional lights, and the numeric pipeline samples any"
+        "conductor and phong surfaces under point and directional lights, and the numeric pipeline samples any"
     )
