@@ -6,7 +6,7 @@ import numpy as np
 
 from symrender.expression.leaf import Leaf
 
-UNIT = {"normal", "view", "direction", "axis", "incoming", "horizon"}
+UNIT = {"normal", "view", "direction", "axis", "incoming", "horizon", "toward"}
 RANGES = {
     "shininess": (0.5, 60.0),
     "exponent": (0.5, 400.0),
@@ -29,6 +29,8 @@ RANGES = {
     "rim_cosine": (0.0, 0.9),
     "number": (0.0, 5.0),
     "far": (0.5, 5.0),
+    "beam": (5.0, 30.0),
+    "cutoff": (60.0, 120.0),
 }
 
 

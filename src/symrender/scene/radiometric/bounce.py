@@ -31,6 +31,7 @@ from symrender.scene.radiometric.arrays import (
     POINT,
     SKY,
     SPHERE,
+    SPOT,
     RadiometricArrays,
 )
 from symrender.scene.radiometric.records import Material, Shape
@@ -67,6 +68,8 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
         return "a conductor of g1: walter"
     if any(light.kind == SKY for light in arrays.lights):
         return "a sky"
+    if any(light.kind == SPOT for light in arrays.lights):
+        return "a spot"
     if any(light.kind == AREA for light in arrays.lights):
         return "an area light"
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
