@@ -14,6 +14,6 @@ def refuse_bounces(bounces: int | str, reason: str) -> None:
         return
     words = f" in a scene with {reason}" if reason and bounces == 1 else ""
     raise Unsupported(
-        f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between diffuse "
-        "surfaces under point and directional lights, and the numeric pipeline samples any"
+        f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between diffuse, "
+        "conductor and phong surfaces under point and directional lights, and the numeric pipeline samples any"
     )
