@@ -99,7 +99,7 @@ def put_section(
 
 
 @jitable
-def put_rim(world: World, eye: Vector, walls: Table[Wall], count: int, own: int) -> int:
+def put_outline(world: World, eye: Vector, walls: Table[Wall], count: int, own: int) -> int:
     """List what bounds a piece as the eye sees it."""
     piece = world.pieces[own]
     c = minus(vector(piece.place), eye)
@@ -144,7 +144,7 @@ def put_meeting(world: World, eye: Vector, walls: Table[Wall], count: int, j: in
 def sight_walls(world: World, eye: Vector, walls: Table[Wall], count: int) -> int:
     """Rims and horizons, and where two pieces meet: nothing else changes what a ray meets first."""
     for j in range(world.pieces.shape[0]):
-        count = put_rim(world, eye, walls, count, j)
+        count = put_outline(world, eye, walls, count, j)
         for i in range(j):
             count = put_meeting(world, eye, walls, count, j, i)
     return count
