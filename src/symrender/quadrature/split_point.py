@@ -353,7 +353,8 @@ def gloss_points(
     in BRDF units. ``senders``, a row a sphere and then a row a plane, are what shapes send light on by in place
     of Lambert's term: their colour times kd times pi D F G/(4 cos_o), or (n + 2)/2 N.l cos^n, of what arrives. Such a
     plane is of one colour, and n is no smaller than ``FELT_END``: its highlight's end is no wall.
-    ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect.
+    ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect. Arguments are many because the tables
+    that only some scenes hold are apart from their records.
     """
     lights = light_rows(arrays, disk_order)
     if conductors is not None:
