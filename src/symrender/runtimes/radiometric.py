@@ -70,6 +70,9 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
             _kernel("fill_directions")(view.window, *tile_, directions)
             sent.append((np.tile(view.eye, (count, 1)), directions))
         status, evaluations = np.zeros(shape, np.int64), count
+        if arrays.bounces:
+            # a tile may be rendered twice
+            layers["indirect"][here] = 0.0
         for name, bouncer in own.bouncers.items():
             found_there = bouncer.sent(sent, settings.tol, settings.budget)
             light = found_there.indirect.reshape(*shape, 3)
