@@ -9,14 +9,17 @@ from typing import Any, Final
 
 from symrender.limits import MAX_NAME, MAX_PART_NAME
 from symrender.scene.document import Document, Malformed, Mark, Path
+from symrender.scene.mitsuba.finite import check_chart, flat_fields
+from symrender.scene.mitsuba.flats import fields_of, told_shape
+from symrender.scene.mitsuba.lights import light
 from symrender.scene.mitsuba.plane import square, told, told_cell
 from symrender.scene.mitsuba.properties import Properties, name_of, numbers
 from symrender.scene.mitsuba.xml_tree import Element, parse_xml
 from symrender.scene.printable import printable
 from symrender.scene.radiometric.shapes import Plane
 
-DUE: Final = {"rectangle": "rectangle", "disk": "disk", "cube": "box", "obj": "triangle", "ply": "triangle"}
-"""Shapes that the language has and this reader does not know yet."""
+FLATS: Final = {"rectangle": "rectangle", "disk": "disk", "cube": "box"}
+"""Flat shapes and what they are called here."""
 _NO_LETTER: Final = re.compile(r"[^A-Za-z0-9_-]")
 
 
@@ -255,10 +258,31 @@ def _shape(read: _Scene, element: Element) -> None:
             _chart(properties, read.data["materials"][material]["reflectance"]["cell"], scales, due)
         read.put("shapes", entry, element.mark, {})
         properties.done("center, radius, to_world and bsdf")
-    elif kind in DUE:
-        raise properties.wrong(f"a {DUE[kind]} is not read yet; a scene file says one")
+    elif kind in FLATS:
+        _flat(read, element, properties, FLATS[kind], name)
+    elif kind == "ply" and (found := told_shape(element.comments, "triangle", name)) is not None:
+        # the file beside this one is not opened: it says what the comment says, in single precision
+        material, _ = _surface_of(read, properties)
+        properties.take("filename", "string")
+        properties.take("face_normals", "boolean")
+        properties.done("filename, face_normals and bsdf")
+        entry = {"type": "triangle", "name": name, "material": material, **fields_of(found)}
+        read.put("shapes", entry, element.mark, {})
     else:
-        raise properties.wrong("no such shape here; known are sphere, and rectangle with a comment `symrender plane`")
+        raise properties.wrong(
+            "no such shape here; known are sphere, rectangle, disk, cube, and ply with a comment `symrender triangle`"
+        )
+
+
+def _flat(read: _Scene, element: Element, properties: Properties, kind: str, name: str) -> None:
+    material, scales = _surface_of(read, properties)
+    transform = properties.take("to_world", "transform")
+    rows = _matrix(properties, transform) if transform is not None else [float(i % 5 == 0) for i in range(16)]
+    properties.done("to_world and bsdf")
+    fields = flat_fields(properties, element.comments, kind, rows)
+    if scales is not None:
+        check_chart(properties, kind, fields, scales, read.data["materials"][material]["reflectance"]["cell"])
+    read.put("shapes", {"type": kind, "name": name, "material": material, **fields}, element.mark, {})
 
 
 def _lamp(read: _Scene, shape: str, element: Element) -> None:
@@ -339,42 +363,7 @@ def _chart(properties: Properties, cell: float, scales: list[float], due: tuple[
         raise properties.wrong("its to_uv is not that of a checker of the cell that its comment names")
 
 
-def _spot(properties: Properties, name: str) -> dict[str, Any]:
-    """The entry of a spot, which is turned about the origin and then moved."""
-    transform = properties.take("to_world", "transform")
-    parts = transform.children if transform is not None else []
-    if transform is None or [part.tag for part in parts] != ["lookat", "translate"]:
-        raise properties.wrong("to_world must be a lookat from 0, 0, 0 and a translate", transform)
-    origin, target = (numbers(parts[0], parts[0].attributes.get(key, ""), 3) for key in ("origin", "target"))
-    if any(origin):
-        raise properties.wrong("its lookat must have the origin 0, 0, 0", parts[0])
-    place = numbers(parts[1], " ".join(parts[1].attributes.get(axis, "0") for axis in "xyz"), 3)
-    cutoff = properties.number("cutoff_angle", 20.0)
-    beam = properties.number("beam_width", 0.75 * cutoff)
-    entry = {"type": "spot", "name": name, "position": place, "direction": target, "beam": beam, "cutoff": cutoff}
-    entry["intensity"] = properties.triple("intensity", "rgb")[0]
-    properties.done("to_world, intensity, cutoff_angle and beam_width")
-    return entry
-
-
 def _emitter(read: _Scene, element: Element) -> None:
-    properties = Properties(element)
     name = read.name(element, "light-", "lights")
-    kinds = {
-        "point": ("point", {"position": "point", "intensity": "rgb"}),
-        "directional": ("directional", {"direction": "vector", "irradiance": "rgb"}),
-        "constant": ("sky", {"radiance": "rgb"}),
-    }
-    kind = str(element.attributes.get("type"))
-    if kind == "spot":
-        read.put("lights", _spot(properties, name), element.mark, {})
-        return
-    if kind not in kinds:
-        raise properties.wrong("no such emitter here; known are point, spot, directional and constant")
-    ours, fields = kinds[kind]
-    entry: dict[str, Any] = {"type": ours, "name": name}
-    marks = {}
-    for field, tag in fields.items():
-        entry[field], marks[field] = properties.triple(field, tag)
-    properties.done(", ".join(fields))
+    entry, marks = light(Properties(element), str(element.attributes.get("type")), name)
     read.put("lights", entry, element.mark, marks)
