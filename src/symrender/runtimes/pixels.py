@@ -26,6 +26,7 @@ from symrender.scene.radiometric.arrays import (
     AREA,
     BECKMANN,
     CONDUCTOR,
+    DIFFUSE,
     PHONG,
     POINT,
     SKY,
@@ -61,6 +62,8 @@ def check_pixels(arrays: RadiometricArrays) -> None:
             )
         material = arrays.materials[int(shape.material)]
         edge = ""
+        if extended and material.kind != DIFFUSE:
+            edge = "a sky or an area light over a conductor or a phong material"
         if material.kind == CONDUCTOR and material.density == BECKMANN and material.walter != 0.0:
             edge = "beckmann with g1: walter, which jumps"
         if material.kind == PHONG and material.exponent < LEAST_EXPONENT:
