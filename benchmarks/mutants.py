@@ -157,8 +157,8 @@ MUTANTS = (
         "checker off by half a cell",
         "bounce",
         "albedo",
-        "x, y = p[0] / material.cell, p[1]",
-        "x, y = p[0] / material.cell + 0.5, p[1]",
+        "x, y = x / material.cell, y",
+        "x, y = x / material.cell + 0.5, y",
     ),
     _one(
         "checker's colours exchanged",
@@ -171,8 +171,8 @@ MUTANTS = (
         "checker's cells doubled",
         "bounce",
         "albedo",
-        "p[0] / material.cell, p[1] / material.cell",
-        "0.5 * p[0] / material.cell, 0.5 * p[1] / material.cell",
+        "x, y = x / material.cell, y / material.cell",
+        "x, y = 0.5 * x / material.cell, 0.5 * y / material.cell",
     ),
     _one(
         "weights squared on one side",

@@ -68,7 +68,8 @@ def prepare(
 ) -> Prepared:
     """``scene`` moved for the renderer ``to``, whose version ``checked`` its conventions are known of.
 
-    Raises OptionError for an option out of its range, Unsupported for a plane no square can stand for and for other shapes.
+    Raises OptionError for an option out of its range, Unsupported for a plane no square can stand for,
+    and for other shapes.
     """
     if not 1 <= samples <= 1 << 30:
         raise OptionError(f"samples: must be from 1 to {1 << 30}, got {samples}")

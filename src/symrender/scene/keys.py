@@ -96,6 +96,8 @@ def _accepts(info: FieldInfo) -> str:
         return _range(info)
     count, inner = length(info), item(info)
     if count is not None and inner is not None:
+        if (inner_count := length(inner)) is not None and (number := item(inner)) is not None:
+            return f"{count} lists of {inner_count} numbers, {_range(number)}"
         return f"{count} numbers, {_range(inner)}"
     if names := choices(info):
         return ", ".join(f"`{name}`" for name in names)

@@ -7,7 +7,7 @@ from typing import Any, Final
 from pydantic.fields import FieldInfo
 
 from symrender.limits import MIN_LENGTH
-from symrender.scene.fields import NumberRange, choices, entry, length, models, number_range, tag
+from symrender.scene.fields import NumberRange, choices, entry, item, length, models, number_range, tag
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.printable import printable, shown
 from symrender.scene.values import Part
@@ -48,7 +48,9 @@ def expected(info: FieldInfo, value: Any, name: str | int = "") -> str:
     if bounds is not None:
         return _range_text(bounds, value, name) if type(value) in (int, float) else "must be a number"
     if (size := length(info)) is not None:
-        return f"must be a list of {size} numbers"
+        inner = item(info)
+        parts = "lists of numbers" if inner is not None and length(inner) is not None else "numbers"
+        return f"must be a list of {size} {parts}"
     if info.annotation is bool:
         return "must be true or false"
     if info.annotation is str:

@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from symrender.jit.marks import inlined, jitable
-from symrender.numeric.radiometric.flats import corner_normal, edges, straight, triple
+from symrender.numeric.radiometric.flats import box_normal, corner_normal, edges, straight, triple
 from symrender.numeric.radiometric.hits import Hit
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
@@ -89,11 +89,14 @@ def emitter_sample(world: World, emitter: int, place: Vector, a: float, b: float
     """(unit direction towards a shape that emits, whether there is one): in the cone of a sphere, by area else."""
     shape = world.shapes[emitter]
     if shape.kind != SPHERE:
-        way = minus(flat_point(world, emitter, a, b), place)
-        if shape.kind != BOX:
-            n = corner_normal(shape) if shape.kind != DISK else triple(world.frames[emitter].up)
-            return unit(way), dot(way, n) < 0.0
-        return unit(way), dot(way, way) > 0.0
+        at = flat_point(world, emitter, a, b)
+        way = minus(at, place)
+        # a way to the far side of a box is none, for it meets the near side, to which there are ways already
+        if shape.kind == BOX:
+            n = box_normal(shape, at)
+        else:
+            n = triple(world.frames[emitter].up) if shape.kind == DISK else corner_normal(shape)
+        return unit(way), dot(way, n) < 0.0
     axis, height = cone_of(world, emitter, place)
     up = 1.0 - a * height
     r = math.sqrt(max(0.0, a * height * (2.0 - a * height)))

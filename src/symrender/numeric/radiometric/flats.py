@@ -1,7 +1,8 @@
 """Rectangles, triangles, disks and boxes: where a ray meets them, their normals, the coordinates of their textures.
 
 Of a rectangle and a triangle the place of a hit is solved for in its two edges (T. Moeller, B. Trumbore, "Fast, minimum
-storage ray/triangle intersection", JGT 2(1), 1997); a box is three pairs of planes in coordinates in which it stands straight.
+storage ray/triangle intersection", JGT 2(1), 1997); a box is three pairs of planes in coordinates in which it stands
+straight.
 """
 
 from __future__ import annotations

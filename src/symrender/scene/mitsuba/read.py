@@ -16,7 +16,7 @@ from symrender.scene.printable import printable
 from symrender.scene.radiometric.shapes import Plane
 
 DUE: Final = {"rectangle": "rectangle", "disk": "disk", "cube": "box", "obj": "triangle", "ply": "triangle"}
-"""Shapes that the language has and nothing renders yet."""
+"""Shapes that the language has and this reader does not know yet."""
 _NO_LETTER: Final = re.compile(r"[^A-Za-z0-9_-]")
 
 
@@ -256,7 +256,7 @@ def _shape(read: _Scene, element: Element) -> None:
         read.put("shapes", entry, element.mark, {})
         properties.done("center, radius, to_world and bsdf")
     elif kind in DUE:
-        read.put("shapes", {"type": DUE[kind], "name": name}, element.mark, {})
+        raise properties.wrong(f"a {DUE[kind]} is not read yet; a scene file says one")
     else:
         raise properties.wrong("no such shape here; known are sphere, and rectangle with a comment `symrender plane`")
 
