@@ -12,7 +12,6 @@ from symrender.jit.records import Table, table
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.cells import (
-    PLACES,
     Frames,
     Quads,
     cut_along,
@@ -23,7 +22,8 @@ from symrender.radiosity.cells import (
     monomials,
     sampled_places,
 )
-from symrender.radiosity.records import CHANNELS, NONE, TERMS, Cell, Ints
+from symrender.radiosity.near import Thing, too_large
+from symrender.radiosity.records import CHANNELS, NONE, Cell, Ints
 
 Evaluate = Callable[[Ints, Array, Array], tuple[Array, Array]]
 """``evaluate(face, side, places)`` of M places: what they send (M, CHANNELS), and what that may be off (M,)."""
@@ -37,13 +37,17 @@ CUTS: Final = 4000
 
 @dataclass
 class Forest:
-    """Cells in a table whose first rows are the ``roots``; ``leaves`` are the rows of leaves."""
+    """Cells in a table whose first rows are the ``roots``; ``leaves`` are the rows of leaves.
+
+    ``unseen`` is the part of their doubt that stands for what no sample may have met.
+    """
 
     cells: Table[Cell]
     roots: Ints
     leaves: Ints
     quads: Quads
     frames: Frames
+    unseen: Array
 
 
 @dataclass
@@ -72,14 +76,20 @@ def root_cells(world: World, faces: Ints, sides: Array) -> Quads:
     return Quads(faces.astype(np.int64), sides, count, corners)
 
 
-def grown(
-    world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, target: float, most: int
-) -> Forest:
-    """The forest of ``roots``, cut along the ``segments`` of each, then halved.
+@dataclass(frozen=True)
+class Limits:
+    """A cell is halved while its largest deviation, times the root of its share of its face, is over ``target``.
 
-    A cell is halved while its largest deviation, times the root of its share of its face, is over ``target``, and while
-    there are fewer than ``most`` cells.
+    It is while it is too large for one of the ``things`` near it, too; but only while there are fewer than ``most``.
     """
+
+    target: float
+    most: int
+    things: list[Thing]
+
+
+def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
+    """The forest of ``roots``, cut along the ``segments`` of each, then halved as ``limits`` say."""
     growing = _Growing()
     growing.add(roots)
     ups = np.array([world.pieces[int(j)].up for j in roots.face]).reshape(-1, 3)
@@ -88,9 +98,8 @@ def grown(
     for row in range(len(roots)):
         _cut_tree(growing, row, segments[row], ups[row])
     quads = joined(growing.parts)
-    count = len(quads)
-    terms, doubt = np.zeros((count, CHANNELS, TERMS)), np.zeros(count)
-    fresh = np.arange(count)
+    fresh = np.arange(len(quads))
+    unseen: list[Array] = []
     held: list[tuple[Array, Array]] = []
     while len(fresh):
         some = quads.some(fresh)
@@ -101,12 +110,15 @@ def grown(
         held.append((made, missed + off))
         leaf = np.array([growing.first[row] == NONE for row in fresh], dtype=bool)
         share = frames.area / np.array([face_area[f] for f in some.face.tolist()])
-        wanted = leaf & (missed * np.sqrt(share) > target) & (share > SMALLEST)
-        room = (most - len(quads)) // 2
-        chosen = np.flatnonzero(wanted)
+        large, covered = too_large(limits.things, some, frames)
+        urgency = missed * np.sqrt(share) / max(limits.target, 1e-300) + large
+        room = (limits.most - len(quads)) // 2
+        chosen = np.flatnonzero(leaf & ((urgency > 1.0) | large) & (share > SMALLEST))
         if len(chosen) > room:
-            order = np.argsort(-(missed * np.sqrt(share))[chosen], kind="stable")
+            order = np.argsort(-urgency[chosen], kind="stable")
             chosen = np.sort(chosen[order[: max(room, 0)]])
+        covered[chosen] = 0.0
+        unseen.append(covered)
         one, two = halves(some.some(chosen), values[chosen])
         rows = growing.add(one), growing.add(two)
         for parent, a, b in zip(fresh[chosen].tolist(), rows[0].tolist(), rows[1].tolist(), strict=True):
@@ -115,7 +127,9 @@ def grown(
         quads = joined([quads, one, two])
     terms = np.concatenate([made for made, _ in held])
     doubt = np.concatenate([off for _, off in held])
-    return _laid(world, growing, quads, len(roots), terms, doubt)
+    # what no sample may have met changes a cell by no more than the most that anything sends
+    missing = np.concatenate(unseen) * float(np.abs(terms[:, :, 0]).max(initial=0.0))
+    return _laid(world, growing, quads, len(roots), terms, doubt + missing, missing)
 
 
 def sampled(quads: Quads, places: Array, evaluate: Evaluate) -> tuple[Array, Array]:
@@ -162,7 +176,9 @@ def _quad(polygon: Array, face: Ints, side: Array) -> Quads:
     return Quads(face, side, np.array([len(polygon)]), corners[None])
 
 
-def _laid(world: World, growing: _Growing, quads: Quads, roots: int, terms: Array, doubt: Array) -> Forest:
+def _laid(
+    world: World, growing: _Growing, quads: Quads, roots: int, terms: Array, doubt: Array, unseen: Array
+) -> Forest:
     """The forest as records; a cell with halves doubts no less than they do."""
     frames = frames_of(quads, _ups(world, quads))
     cells = table(Cell, len(quads))
@@ -184,7 +200,7 @@ def _laid(world: World, growing: _Growing, quads: Quads, roots: int, terms: Arra
     cells["doubt"][:] = doubt
     put_terms(cells, np.arange(len(quads)), terms)
     leaves = np.flatnonzero(np.array(growing.first) == NONE)
-    return Forest(cells, np.arange(roots), leaves, quads, frames)
+    return Forest(cells, np.arange(roots), leaves, quads, frames, unseen)
 
 
 def put_terms(cells: Table[Cell], rows: Ints, terms: Array) -> None:

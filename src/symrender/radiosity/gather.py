@@ -17,6 +17,7 @@ from symrender.radiometric.sight import height_over, turned_away
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
 from symrender.radiosity.hidden import gather_occluders, overlaps
+from symrender.radiosity.places import facing
 from symrender.radiosity.parts import cut, longest_way, part_corner, part_share, range_over
 from symrender.radiosity.records import CHANNELS, MOST, SPACES, TERMS, Cell, Ints, Scratch
 
@@ -26,7 +27,9 @@ RULE: Final = 4
 """Where it adds up what its own rule may be off."""
 WORK: Final = 5
 """Where it counts nodes."""
-SUMS: Final = 6
+NEAR: Final = 6
+"""Where the inverse of its least height over a face is kept."""
+SUMS: Final = 7
 SMALL: Final = 1.0 / 512.0
 """Share of the hemisphere below which errors are judged as of this share."""
 
@@ -234,6 +237,7 @@ def gather_face(
     if height <= 0.0 or top.face == own or turned_away(world, own, front, top.face):
         return
     occluders = gather_occluders(world, own, front, top, height, place, normal, scratch)
+    sums[NEAR] = max(sums[NEAR], 1.0 / height)
     waiting = 1
     scratch.waiting[0] = 2 * root + (1 if occluders == 0 else 0)
     while waiting > 0:
@@ -268,8 +272,7 @@ def gather_places(
     """Add to the rows of ``sums`` what places of pieces ``owns`` gather, each on the front or the back of its piece."""
     for i in range(places.shape[0]):
         own, front = owns[i], fronts[i] != 0
-        up = vector(world.pieces[own].up)
-        normal = up if front else (-up[0], -up[1], -up[2])
+        normal = facing(world, own, front)
         place = (places[i, 0], places[i, 1], places[i, 2])
         for r in range(roots.shape[0]):
             gather_face(world, cells, roots[r], own, front, place, normal, fine, scratch, sums[i])

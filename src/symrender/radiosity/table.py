@@ -12,6 +12,7 @@ sure as the largest deviation that was sampled is the largest of its cell.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -26,10 +27,11 @@ from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import contacts, shadow_edges
-from symrender.radiosity.cells import NODES, fitted, monomials, sampled_places
-from symrender.radiosity.forest import Evaluate, Forest, grown, put_terms, root_cells, sampled
+from symrender.radiosity.cells import Frames, NODES, Quads, fitted, monomials, sampled_places
+from symrender.radiosity.forest import Forest, Limits, grown, put_terms, root_cells, sampled
 from symrender.radiosity.gather import BOUND, RULE, SUMS, WORK, gather_places
-from symrender.radiosity.lit import fill_lit
+from symrender.radiosity.near import lamps, polygons
+from symrender.radiosity.places import fill_lit
 from symrender.radiosity.records import CHANNELS, Ints, make_scratch
 
 MOST_LIT: Final = 12_000
@@ -39,6 +41,10 @@ _CHUNK: Final = 256
 _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
 _MOST_TERMS: Final = 400
+_TRIES: Final = 3
+_AIM: Final = 0.6
+"""Part of the tolerance that is stated at ``_SHARE_MET`` of places, where the forests can be made fine enough."""
+_SHARE_MET: Final = 0.9
 
 
 @dataclass(frozen=True)
@@ -98,6 +104,7 @@ def gather(
 def in_parts(run: Callable[[int], None], count: int, threads: int) -> None:
     """Call ``run`` with the beginning of every part of ``count`` places."""
     begins = range(0, count, _CHUNK)
+    threads = threads or os.cpu_count() or 1
     if threads == 1 or len(begins) < 2:
         for begin in begins:
             run(begin)
@@ -130,13 +137,29 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
         sums = gather(world, (first,), face, (side > 0).astype(np.int64), places, fine, threads)
         return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
 
+    cuts = [a + b for a, b in zip(edges, shadows, strict=True)]
     target = tol
-    first = grown(world, roots, [a + b for a, b in zip(edges, shadows, strict=True)], lit, target, MOST_LIT)
-    if not bounces:
-        return Sendings(world, (first,), fine)
-    second = grown(world, roots, edges, indirect, target, MOST_GATHERED)
-    _iterate(world, first, second, reflect, most, fine, tol, threads)
-    return Sendings(world, (first, second), fine)
+    for _ in range(_TRIES):
+        first = grown(world, roots, cuts, lit, Limits(target, MOST_LIT, lamps(world)))
+        made = Sendings(world, (first,), fine)
+        if bounces:
+            second = grown(world, roots, edges, indirect, Limits(target, MOST_GATHERED, polygons(world)))
+            _iterate(world, first, second, reflect, most, fine, target, threads)
+            made = Sendings(world, (first, second), fine)
+        stated = most * np.quantile(_stated(made, roots, threads), _SHARE_MET)
+        if stated <= _AIM * tol or len(first.cells) >= MOST_LIT - 1:
+            break
+        target *= _AIM * tol / stated
+    return made
+
+
+def _stated(made: Sendings, roots: Quads, threads: int) -> Array:
+    """What is stated of light gathered at the places at which faces as a whole would be sampled."""
+    places = sampled_places(roots)
+    per = places.shape[1]
+    fronts = np.repeat((roots.side > 0).astype(np.int64), per)
+    sums = made.gathered(np.repeat(roots.face, per), fronts, places.reshape(-1, 3), threads)
+    return np.asarray(sums[:, BOUND] + sums[:, RULE])
 
 
 def direct(world: World, face: Ints, side: Array, places: Array, threads: int) -> Array:
@@ -174,12 +197,19 @@ def _iterate(
         sums = gather(world, (second,), face, (side > 0).astype(np.int64), at, fine, threads)
         return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
 
+    before = (powers[:, :NODES] @ term.transpose(0, 2, 1)).reshape(-1, CHANNELS)
     for _ in range(_MOST_TERMS):
         put_terms(second.cells, rows, term)
         values, _ = sampled(quads, nodes, step)
         term = np.ascontiguousarray((solver @ values).transpose(0, 2, 1))
         total += term
-        if float(np.abs(values).max(initial=0.0)) * most / (1.0 - most) < _TAIL * tol:
+        now = values.reshape(-1, CHANNELS)
+        # what follows a term that is a multiple of the one before is a geometric series
+        ratio = np.clip((now * before).sum(axis=0) / np.maximum((before**2).sum(axis=0), 1e-300), 0.0, most)
+        off = np.abs(now - ratio * before).max(initial=0.0)
+        before = now
+        if float(off) * most / (1.0 - most) < _TAIL * tol:
+            total += term * (ratio / (1.0 - ratio))[None, :, None]
             break
     put_terms(second.cells, rows, total)
     # the residual: what is gathered of both forests, less what the second holds
@@ -191,13 +221,13 @@ def _iterate(
 
     values, off = sampled(quads, places, both)
     held = powers @ total.transpose(0, 2, 1)
-    doubt = np.abs(held - values).max(axis=(1, 2), initial=0.0) + off
+    doubt = np.abs(held - values).max(axis=(1, 2), initial=0.0) + off + second.unseen[rows]
     second.cells["doubt"][rows] = doubt
     _bound(world, first, second, quads, places, most, fine, threads)
 
 
 def _bound(
-    world: World, first: Forest, second: Forest, quads: Any, places: Array, most: float, fine: float, threads: int
+    world: World, first: Forest, second: Forest, quads: Quads, places: Array, most: float, fine: float, threads: int
 ) -> None:  # fmt: skip
     """Add to what the leaves of the second forest doubt what follows from it, u = rho K(d + u)."""
     rows = second.leaves
@@ -224,9 +254,7 @@ def _bound(
     second.cells["doubt"][rows] = own + grows
 
 
-def _some(forest: Forest, rows: Ints) -> Any:
-    from symrender.radiosity.cells import Frames
-
+def _some(forest: Forest, rows: Ints) -> Frames:
     f = forest.frames
     return Frames(f.middle[rows], f.across[rows], f.along[rows], f.reach[rows], f.area[rows])
 
