@@ -142,14 +142,14 @@ def _hull(face: Piece, places: Array) -> Array:
     """Corners of the convex hull of places of a face's plane."""
     flat = np.column_stack([(places - face.place) @ face.east, (places - face.place) @ face.north])
     order = np.lexsort((flat[:, 1], flat[:, 0]))
-    size = TOUCH * np.abs(flat).max() ** 2
 
     def chain(sequence: list[int]) -> list[int]:
         kept: list[int] = []
         for k in sequence:
             while len(kept) > 1:
                 a, b = flat[kept[-1]] - flat[kept[-2]], flat[k] - flat[kept[-2]]
-                if a[0] * b[1] - a[1] * b[0] > size:
+                # of a hull that reaches far away the near corners are no less there
+                if a[0] * b[1] - a[1] * b[0] > TOUCH * float(np.hypot(*a) * np.hypot(*b)):
                     break
                 kept.pop()
             kept.append(k)

@@ -78,6 +78,8 @@ def frames_of(quads: Quads, ups: Array) -> Frames:
     second = np.cross(ups, first)
     away = corners - middle[:, None]
     scales = [np.abs(np.einsum("nkc,nc->nk", away, e)).max(axis=1, keepdims=True) for e in (first, second)]
+    # a sliver without width has a variable across it all the same
+    scales[1] = np.maximum(scales[1], _SLIVER * scales[0])
     diagonal, other = corners[:, 2] - corners[:, 0], corners[np.arange(len(quads)), last] - corners[:, 1]
     crossed = np.cross(diagonal, other)
     area = 0.5 * np.sqrt((crossed**2).sum(axis=1))

@@ -17,8 +17,8 @@ from symrender.radiometric.sight import height_over, turned_away
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
 from symrender.radiosity.hidden import gather_occluders, overlaps
-from symrender.radiosity.places import facing
 from symrender.radiosity.parts import cut, longest_way, part_corner, part_share, range_over
+from symrender.radiosity.places import facing
 from symrender.radiosity.records import CHANNELS, MOST, SPACES, TERMS, Cell, Ints, Scratch
 
 BOUND: Final = 3
@@ -58,26 +58,30 @@ def sent_by(cell: Cell, c: int, u: float, v: float) -> float:
 def largest_share(cell: Cell, height: float, place: Vector, normal: Vector) -> float:
     """A bound of the form factor of a cell."""
     w = minus(vector(cell.middle), place)
-    near = math.sqrt(dot(w, w)) - cell.reach
+    near: float = math.sqrt(dot(w, w)) - cell.reach
     if near <= 0.0:
         return 1.0
     rise = dot(normal, w) + cell.reach
-    return min(1.0, cell.area * height * max(rise, 0.0) / (math.pi * near**4))
+    bound: float = cell.area * height * max(rise, 0.0) / (math.pi * near * near * near * near)
+    return min(1.0, bound)
 
 
 @jitable
 def average(
-    scratch: Scratch, part: int, cell: Cell, height: float, normal: Vector, way: Vector, sums: Array
+    scratch: Scratch, part: int, cell: Cell, height: float, normal: Vector, way: Vector, share: float, sums: Array
 ) -> tuple[float, float, float, float]:
-    """(three channels, difference of two rules) of the weighted average of what a cell sends over a part.
+    """(three channels, what they may be off) of the weighted average of what a cell sends over a part.
 
-    ``way`` leads from the cell's middle to the place.
+    ``way`` leads from the cell's middle to the place. Where one node has all the weight two rules agree, and both are
+    wrong: so by how much their sum misses the form factor ``share`` counts too, times what the cell varies.
     """
     across, along = vector(cell.across), vector(cell.along)
     a = part_corner(scratch, part, 0)
     whole = less = 0.0
     red = green = blue = 0.0
     low_red = low_green = low_blue = 0.0
+    dark = (math.inf, math.inf, math.inf)
+    bright = (-math.inf, -math.inf, -math.inf)
     for k in range(1, scratch.sizes[part] - 1):
         b, c = part_corner(scratch, part, k), part_corner(scratch, part, k + 1)
         x = cross(minus(b, a), minus(c, a))
@@ -97,6 +101,8 @@ def average(
             o = (w[0] + way[0], w[1] + way[1], w[2] + way[2])
             u, v = dot(across, o), dot(along, o)
             f, g, h = sent_by(cell, 0, u, v), sent_by(cell, 1, u, v), sent_by(cell, 2, u, v)
+            dark = (min(dark[0], f), min(dark[1], g), min(dark[2], h))
+            bright = (max(bright[0], f), max(bright[1], g), max(bright[2], h))
             m, n = weight * much, weight * little
             whole += m
             less += n
@@ -107,12 +113,14 @@ def average(
             low_green += n * g
             low_blue += n * h
         sums[WORK] += 7.0
-    if whole <= 0.0 or less <= 0.0:
+    if whole <= 0.0 or less <= 0.0 or share <= 0.0:
         t = cell.terms
         return t[0], t[TERMS], t[2 * TERMS], cell.spread
     red, green, blue = red / whole, green / whole, blue / whole
     off = max(abs(red - low_red / less), abs(green - low_green / less), abs(blue - low_blue / less))
-    return red, green, blue, off
+    varies = max(bright[0] - dark[0], bright[1] - dark[1], bright[2] - dark[2])
+    missed = abs(whole / (2.0 * math.pi * share) - 1.0)
+    return red, green, blue, max(off, min(2.0 * varies * missed, cell.spread))
 
 
 @jitable
@@ -120,7 +128,7 @@ def add_part(
     scratch: Scratch, part: int, cell: Cell, height: float, normal: Vector, way: Vector, fine: float, last: bool,
     sums: Array,
 ) -> bool:  # fmt: skip
-    """Add what a visible part sends, unless it should be halved first, and may be (it is not the ``last`` that fits)."""
+    """Add what a visible part sends and return True, unless it should be halved first and is not the ``last`` that fits."""
     share = part_share(scratch, part, normal)
     allowed = fine * (share + SMALL)
     if share * cell.spread <= allowed:
@@ -135,7 +143,7 @@ def add_part(
         red, green, blue, off = sent_by(cell, 0, u, v), sent_by(cell, 1, u, v), sent_by(cell, 2, u, v), cell.spread
         sums[WORK] += 1.0
     else:
-        red, green, blue, off = average(scratch, part, cell, height, normal, way, sums)
+        red, green, blue, off = average(scratch, part, cell, height, normal, way, share, sums)
         if share * off > allowed and not last:
             return False
     sums[0] += share * red

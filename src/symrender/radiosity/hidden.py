@@ -14,7 +14,7 @@ from symrender.radiometric.world import World
 from symrender.radiosity.records import SPACES, Cell, Scratch
 
 FLAT: Final = 1e-13
-"""Height over a face, in parts of the scene's coordinates, up to which a face lies in its plane and hides none of it."""
+"""Height over a face, in parts of the coordinates, up to which another lies in its plane and hides none of it."""
 
 
 @jitable

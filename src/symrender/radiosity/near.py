@@ -71,7 +71,7 @@ def distances(places: Array, corners: Array) -> Array:
         share = np.clip((flat - p) @ edge / (edge @ edge), 0.0, 1.0)
         beside = np.minimum(beside, np.sqrt(((p + share[:, None] * edge - flat) ** 2).sum(axis=1)))
         inside &= (flat - p) @ np.cross(up, edge) >= 0.0
-    return np.hypot(heights, np.where(inside, 0.0, beside))
+    return np.asarray(np.hypot(heights, np.where(inside, 0.0, beside)))
 
 
 def too_large(things: list[Thing], quads: Quads, frames: Frames) -> tuple[npt.NDArray[np.bool_], Array]:

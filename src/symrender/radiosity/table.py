@@ -27,9 +27,9 @@ from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import contacts, shadow_edges
-from symrender.radiosity.cells import Frames, NODES, Quads, fitted, monomials, sampled_places
+from symrender.radiosity.cells import NODES, Frames, Quads, monomials, sampled_places
 from symrender.radiosity.forest import Forest, Limits, grown, put_terms, root_cells, sampled
-from symrender.radiosity.gather import BOUND, RULE, SUMS, WORK, gather_places
+from symrender.radiosity.gather import BOUND, RULE, SUMS, gather_places
 from symrender.radiosity.near import lamps, polygons
 from symrender.radiosity.places import fill_lit
 from symrender.radiosity.records import CHANNELS, Ints, make_scratch
@@ -72,7 +72,7 @@ def reflecting(world: World) -> Faces:
 
 @dataclass(frozen=True)
 class Sendings:
-    """What faces send: forests that are gathered together. ``most`` is the largest reflectance, ``fine`` of the rule."""
+    """What faces send: forests that are gathered together, and how ``fine`` the rule is that gathers them."""
 
     world: World
     forests: tuple[Forest, ...]
@@ -238,7 +238,8 @@ def _bound(
     spreads = [forest.cells["spread"].copy() for forest in (first, second)]
     for forest in (first, second):
         forest.cells["spread"][:] = 0.0
-    grows, forests = np.zeros(len(rows)), (first, second)
+    grows = np.zeros(len(rows))
+    forests: tuple[Forest, ...] = (first, second)
     for _ in range(_MOST_TERMS):
         sums = gather(world, forests, face, fronts, few.reshape(-1, 3), fine, threads)
         forests = (second,)

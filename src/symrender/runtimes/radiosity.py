@@ -34,8 +34,8 @@ _lock = threading.Lock()
 
 def table_of(arrays: RadiometricArrays, tol: float, threads: int = 1) -> Sendings:
     """What the faces of a scene send each other, for radiances to ``tol``; made once, and kept."""
-    parts = (arrays.materials, arrays.shapes, arrays.lights)
-    key = (b"".join(flat(part).tobytes() for part in parts) + bytes(str(arrays.bounces), "ascii"), tol)
+    parts = (flat(arrays.materials), flat(arrays.shapes), flat(arrays.lights), np.array([arrays.bounces]))
+    key = (b"".join(part.tobytes() for part in parts), tol)
     with _lock:
         if key not in _tables:
             _tables[key] = sendings(make_world(arrays), arrays.bounces == ALL, tol, threads)
