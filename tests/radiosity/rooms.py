@@ -1,4 +1,4 @@
-"""Rooms of flat shapes for the tests, and the light of one bounce in them by shifted lattices and the other pipeline."""
+"""Rooms of flat shapes for the tests, and one bounce of light in them by lattices and the other pipeline."""
 
 from __future__ import annotations
 

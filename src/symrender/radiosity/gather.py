@@ -128,7 +128,7 @@ def add_part(
     scratch: Scratch, part: int, cell: Cell, height: float, normal: Vector, way: Vector, fine: float, last: bool,
     sums: Array,
 ) -> bool:  # fmt: skip
-    """Add what a visible part sends and return True, unless it should be halved first and is not the ``last`` that fits."""
+    """Add what a visible part sends and return True, unless it should be halved first, and fits (``last`` is false)."""
     share = part_share(scratch, part, normal)
     allowed = fine * (share + SMALL)
     if share * cell.spread <= allowed:
