@@ -6,7 +6,7 @@ import numpy as np
 
 from symrender.expression.leaf import Leaf
 
-UNIT = {"normal", "view", "direction", "axis", "incoming", "horizon"}
+UNIT = {"normal", "view", "direction", "axis", "incoming", "horizon", "toward"}
 RANGES = {
     "shininess": (0.5, 60.0),
     "exponent": (0.5, 400.0),
@@ -29,6 +29,8 @@ RANGES = {
     "rim_cosine": (0.0, 0.9),
     "number": (0.0, 5.0),
     "far": (0.5, 5.0),
+    "beam": (5.0, 30.0),
+    "cutoff": (60.0, 120.0),
 }
 
 
@@ -62,6 +64,7 @@ def sample(leaf: Leaf, rng: np.random.Generator) -> list[float]:
         leaf.name in ("blinn_term", "phong_term", "blinn_square", "blinn", "phong")
         or "edge" in leaf.name
         or "_nodes" in leaf.name
+        or leaf.name in ("lit_phong", "lit_conductor", "lit_beckmann")
     ):
         # the view is near the mirror image of the light, so that there is a highlight
         normal = unit(rng.normal(size=3))
@@ -69,7 +72,7 @@ def sample(leaf: Leaf, rng: np.random.Generator) -> list[float]:
         mirrored = 2.0 * (normal @ to_light) * normal - to_light
         known |= {"normal": normal, "to_light": to_light, "view": unit(unit(mirrored) + 0.2 * rng.normal(size=3))}
         known |= {"place": known["center"], "light": known["center"] + to_light}
-    if leaf.name == "ggx_lobe":
+    if leaf.name in ("ggx_lobe", "beckmann_lobe"):
         # a difference of unit vectors is no shorter than its part along the normal
         known["along"] = rng.uniform(-0.9, 0.9) * 0.1
         known["square"] = rng.uniform(0.1, 1.0)

@@ -11,6 +11,7 @@ N^-3/4, and what two lattices differ by says how well.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,7 @@ class Rough:
     correlated: bool
     eta: Array
     k: Array
+    beckmann: bool = False
 
 
 def fresnel(cosine: Array, eta: Array, k: Array) -> Array:
@@ -53,9 +55,16 @@ def tail(cosine: Array, alpha: float) -> Array:
     return 0.5 * (np.sqrt(1.0 + alpha * alpha * tan2) - 1.0)
 
 
+def smooth_tail(cosine: Array, alpha: float) -> Array:
+    """Smith's Lambda of Beckmann: (exp(-a^2)/(a sqrt pi) - erfc a)/2, a = 1/(alpha tan)."""
+    a = cosine / (alpha * np.sqrt((1.0 - cosine) * (1.0 + cosine)))
+    return np.asarray(0.5 * (np.exp(-a * a) / (a * math.sqrt(math.pi)) - np.vectorize(math.erfc)(a)))
+
+
 def masking(incident: Array, seen: float, rough: Rough) -> Array:
     """G of both cosines."""
-    one, other = tail(incident, rough.alpha), tail(np.array(seen), rough.alpha)
+    kind = smooth_tail if rough.beckmann else tail
+    one, other = kind(incident, rough.alpha), kind(np.array(seen), rough.alpha)
     if rough.correlated:
         return np.asarray(1.0 / (1.0 + one + other))
     return np.asarray(1.0 / ((1.0 + one) * (1.0 + other)))
@@ -87,3 +96,24 @@ def reflected(a: SceneArrays, origin: Array, normal: Array, incoming: Array, own
         share = masking(up[good], float(seen @ normal), rough) * along[good] / ((seen @ normal) * cos_h[good])
         total += (f * share[:, None]).sum(0)
     return total / count
+
+
+def albedo(rough: Rough, cos_view: float, order: int = 600) -> Array:
+    """int f cos dw over the hemisphere by Gauss rules about the mirror direction's azimuth, from the half vector."""
+    x, w = np.polynomial.legendre.leggauss(order)
+    t = 0.5 * (x + 1.0)
+    # the cosine to the normal, denser near the horizon; the azimuth, denser near the mirror direction
+    cosine, by = t * t, w * t
+    sinh = math.asinh(math.pi / rough.alpha)
+    phi, along = rough.alpha * np.sinh(sinh * x), w * sinh * rough.alpha * np.cosh(sinh * x)
+    sine, seen = np.sqrt(1.0 - cosine**2), math.sqrt(1.0 - cos_view**2)
+    wx, wy = -sine[:, None] * np.cos(phi), sine[:, None] * np.sin(phi)
+    hx, hy, hz = wx + seen, wy, cosine[:, None] + cos_view
+    size = np.sqrt(hx**2 + hy**2 + hz**2)
+    cos_h = hz / size
+    d = rough.alpha**2 / (math.pi * (cos_h**2 * (rough.alpha**2 - 1.0) + 1.0) ** 2)
+    if rough.beckmann:
+        d = np.exp((1.0 - 1.0 / cos_h**2) / rough.alpha**2) / (math.pi * rough.alpha**2 * cos_h**4)
+    f = d * masking(cosine, cos_view, rough)[:, None] / (4.0 * cos_view)
+    reflectance = fresnel((0.5 * size).ravel(), rough.eta, rough.k).reshape(*size.shape, 3)
+    return np.asarray(np.einsum("ij,ijc,i,j->c", f, reflectance, by, along))

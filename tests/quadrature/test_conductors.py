@@ -18,7 +18,7 @@ from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.radiometric.slopes import pushed_module
 from symrender.scene.arrays import SceneArrays, scene_arrays
 
-from .half_vector import Rough, fresnel, masking, reflected
+from .half_vector import Rough, albedo, fresnel, reflected
 from .random_lobe import RandomLobe, random_lobe
 
 Array = npt.NDArray[np.float64]
@@ -123,25 +123,6 @@ def above_a_plain(height: float, tilt: Array) -> SceneArrays:
         "camera": {"type": "look_at", "eye": [0, -5, 3], "target": [0, 0, 0], "up": [0, 0, 1], "fov": 40},
     }  # fmt: skip
     return scene_arrays(sr.load(data))
-
-
-def albedo(rough: Rough, cos_view: float) -> Array:
-    """int f cos dw over the hemisphere by Gauss rules about the mirror direction's azimuth, from the half vector."""
-    x, w = np.polynomial.legendre.leggauss(600)
-    t = 0.5 * (x + 1.0)
-    # the cosine to the normal, denser near the horizon; the azimuth, denser near the mirror direction
-    cosine, by = t * t, w * t
-    sinh = math.asinh(math.pi / rough.alpha)
-    phi, along = rough.alpha * np.sinh(sinh * x), w * sinh * rough.alpha * np.cosh(sinh * x)
-    sine, seen = np.sqrt(1.0 - cosine**2), math.sqrt(1.0 - cos_view**2)
-    wx, wy = -sine[:, None] * np.cos(phi), sine[:, None] * np.sin(phi)
-    hx, hy, hz = wx + seen, wy, cosine[:, None] + cos_view
-    size = np.sqrt(hx**2 + hy**2 + hz**2)
-    cos_h = hz / size
-    d = rough.alpha**2 / (math.pi * (cos_h**2 * (rough.alpha**2 - 1.0) + 1.0) ** 2)
-    f = d * masking(cosine, cos_view, rough)[:, None] / (4.0 * cos_view)
-    reflectance = fresnel((0.5 * size).ravel(), rough.eta, rough.k).reshape(*size.shape, 3)
-    return np.asarray(np.einsum("ij,ijc,i,j->c", f, reflectance, by, along))
 
 
 @pytest.mark.parametrize("tilt", [(0.0, 0.0, 1.0), (0.3, -0.5, 0.8)])

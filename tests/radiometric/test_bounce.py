@@ -163,14 +163,12 @@ def test_what_cannot_be_stated_is_not_stated() -> None:
     assert spent.status[0] == 1 and spent.error[0] > 1e-9
 
 
-METAL = {"type": "conductor", "alpha": 0.2, "eta": 1, "k": 3}
 STRIPES = {"type": "diffuse", "reflectance": {"type": "stripes"}}
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"materials.wall": METAL}, "a conductor or a phong material"),
         ({"lights": [{"type": "sky", "name": "sky", "radiance": 1}]}, "a sky"),
         ({"materials.wall": STRIPES}, "stripes or marble on a plane"),
     ],

@@ -212,7 +212,11 @@ CASES = {
         behind('LightSource "infinite" "string filename" "SECRET"'),
         r"LightSource\.filename: must be left out",
     ),
-    "spot": (behind('LightSource "spot"'), r"LightSource: must be point, distant or infinite, got spot"),
+    "goniometric light": (
+        behind('LightSource "goniometric"'),
+        r"LightSource: must be point, spot, distant or infinite, got goniometric",
+    ),
+    "cone of a spot": (behind('LightSource "spot" "float conedeltaangle" [ 0 ]'), r"cutoff must be larger than beam"),
     "no direction": (behind('LightSource "distant" "point3 to" [ 0 0 0 ]'), r"direction.* must be longer than zero"),
     "negative light": (behind('LightSource "point" "float scale" -1'), r"lights\[\d+\]\.intensity"),
     "two skies": (behind('LightSource "infinite"\n' * 2), r"at most one light is a sky"),

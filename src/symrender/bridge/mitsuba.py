@@ -219,11 +219,30 @@ def _shape(shape: Plane | Sphere, material: Material, half: float, lamp: list[st
     return _nested(f'shape type="{kind}" id="shape-{shape.name}"', [*inner, *surface, *lamp], "shape")
 
 
+def _spot(light: lights.Spot) -> list[str]:
+    """Turned about the origin and then moved, so that its direction keeps its digits."""
+    if light.falloff != "linear":
+        raise Unsupported(
+            f"lights.{light.name}: Mitsuba's spot falls off linearly in the angle; falloff must be linear"
+        )
+    x, y, z = (repr(v) for v in light.position)
+    up = "0, 0, 1" if abs(light.direction[2]) < max(abs(v) for v in light.direction[:2]) else "0, 1, 0"
+    turned = f'<lookat origin="0, 0, 0" target="{_numbers(light.direction)}" up="{up}"/>'
+    return [
+        *_nested('transform name="to_world"', [turned, f'<translate x="{x}" y="{y}" z="{z}"/>'], "transform"),
+        _rgb("intensity", light.intensity),
+        f'<float name="cutoff_angle" value="{light.cutoff!r}"/>',
+        f'<float name="beam_width" value="{light.beam!r}"/>',
+    ]
+
+
 def _emitter(light: lights.Light) -> list[str]:
     match light:
         case lights.Point():
             kind = "point"
             inner = [f'<point name="position" value="{_numbers(light.position)}"/>', _rgb("intensity", light.intensity)]
+        case lights.Spot():
+            kind, inner = "spot", _spot(light)
         case lights.Directional():
             kind = "directional"
             inner = [

@@ -59,7 +59,7 @@ def moved(scene: RadiometricScene, scale: float, center: Triple) -> RadiometricS
                 )
             reflectance["cell"] = scale * getattr(scene.materials[shape.material].reflectance, "cell")  # noqa: B009
     for light, row in zip(scene.lights, data["lights"], strict=True):
-        if isinstance(light, lights.Point):
+        if isinstance(light, lights.Point | lights.Spot):
             row["position"] = place(light.position)
             row["intensity"] = [scale**2 * x for x in light.intensity]
     result = load_any(data)
@@ -82,7 +82,7 @@ def extent(scene: RadiometricScene, about: Triple) -> float:
     """Distance from a place to what is farthest of eye, target, spheres and point lights."""
     far = [math.dist(about, scene.camera.eye), math.dist(about, scene.camera.target)]
     far += [math.dist(about, s.center) + s.radius for s in scene.shapes if isinstance(s, Sphere)]
-    far += [math.dist(about, light.position) for light in scene.lights if isinstance(light, lights.Point)]
+    far += [math.dist(about, light.position) for light in scene.lights if isinstance(light, lights.Point | lights.Spot)]
     return max(far)
 
 
@@ -132,7 +132,9 @@ def lost(scene: RadiometricScene, plane: Plane, half: float) -> float | None:
     within = extent(scene, plane.point)
     share = 2.0 * math.pi * within / (half - within)
     arrives = sum(max(x.irradiance) for x in scene.lights if isinstance(x, lights.Directional))
-    arrives += sum(max(x.intensity) for x in scene.lights if isinstance(x, lights.Point)) / (half - within) ** 2
+    arrives += (
+        sum(max(x.intensity) for x in scene.lights if isinstance(x, lights.Point | lights.Spot)) / (half - within) ** 2
+    )
     sent = _brightest(scene.materials[plane.material]) / math.pi * (arrives + math.pi * sky)
     seen = sky + (sent if scene.bounces == 1 else 0.0)
     return max(map(_brightest, used)) / math.pi * share * seen

@@ -156,6 +156,14 @@ def _light(light: lights.Light, channel: Channel) -> list[str]:
     match light:
         case lights.Point():
             what = f'"point" {_grey("rgb", "I", channel(light.intensity))} "point3 from" [ {_numbers(light.position)} ]'
+        case lights.Spot():
+            if light.falloff != "smooth":
+                raise Unsupported(f"lights.{light.name}: pbrt's spot falls off smoothly; falloff must be smooth")
+            what = f'"spot" {_grey("rgb", "I", channel(light.intensity))} "point3 to" [ {_numbers(light.direction)} ]'
+            what += f' "float coneangle" [ {light.cutoff!r} ] "float conedeltaangle" [ {light.cutoff - light.beam!r} ]'
+            # moved after it is turned, so that its direction keeps its digits
+            there = [f"Translate {_numbers(light.position)}", f"LightSource {what}"]
+            return [f"# lights.{light.name}", "AttributeBegin", *(f"  {line}" for line in there), "AttributeEnd"]
         case lights.Directional():
             # what falls on a surface across it is L
             what = f'"distant" {_grey("rgb", "L", channel(light.irradiance))}'

@@ -21,8 +21,10 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.density import log_fall, log_peak
+from symrender.chambers.records import Box
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.scene.arrays import CUT, EYE, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -109,9 +111,9 @@ def chord_about(
 
 @inlined
 def slope_towards(
-    l: int, qx: float, qy: float, qz: float, ux: float, uy: float, uz: float, view: View, work: Work
+    l: int, qx: float, qy: float, qz: float, ux: float, uy: float, uz: float, phong: bool, view: View, work: Work
 ) -> float:  # fmt: skip
-    """How fast h, or the mirror image of l against v, turns at Q along the unit vector u, at most."""
+    """How fast h, or with ``phong`` the mirror image of l against v, turns at Q along the unit vector u, at most."""
     chart, p = work.chart, view.points[l]
     lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     if view.shading.highlight_view == EYE:
@@ -124,7 +126,7 @@ def slope_towards(
     vx, vy, vz = vx * by_v, vy * by_v, vz * by_v
     ul, uv = ux * lx + uy * ly + uz * lz, ux * vx + uy * vy + uz * vz
     turns = by_l * math.sqrt(max(0.0, 1.0 - ul * ul)) + by_v * math.sqrt(max(0.0, 1.0 - uv * uv))
-    if view.shading.model == PHONG:
+    if phong:
         return turns
     hx, hy, hz = lx + vx, ly + vy, lz + vz
     return turns / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
@@ -246,6 +248,7 @@ def box_bounds(
     widths = RESOLVED if log_felt(level, max(0.0, chord - blur), shininess) > 0.0 else DOUBTED
     if varies > COARSEST or varies * math.sqrt(shininess) > widths:
         return True, False, 0.0, held
+    phong = view.shading.model == PHONG
     fx, fy, fz = (
         c * chart.e2[0] - s * chart.e1[0],
         c * chart.e2[1] - s * chart.e1[1],
@@ -254,15 +257,15 @@ def box_bounds(
     if sphere:
         # along the meridian: across N in the plane of e and the pole
         ex, ey, ez = cg * ex + sg * chart.pole[0], cg * ey + sg * chart.pole[1], cg * ez + sg * chart.pole[2]
-        turns = (2.0 if view.shading.model == PHONG else 1.0) / radius
+        turns = (2.0 if phong else 1.0) / radius
         # d gamma/d psi where sin(gamma) belongs to sin(psi) = sin(gamma)/|(sin, cos - k)|
         k = chart.ratio
         rate = (1.0 - 2.0 * k * cg + k * k) / max(1e-300, 1.0 - k * cg)
     else:
         turns, rate = 0.0, (chart.height**2 + r * r) / chart.height
     wide = TAME / math.sqrt(max(shininess, 1e-9))
-    aside = slope_towards(l, qx, qy, qz, fx, fy, fz, view, work)
-    inward = slope_towards(l, qx, qy, qz, ex, ey, ez, view, work)
+    aside = slope_towards(l, qx, qy, qz, fx, fy, fz, phong, view, work)
+    inward = slope_towards(l, qx, qy, qz, ex, ey, ez, phong, view, work)
     strip = wide / max(1e-300, across * radius * (turns + aside))
     return True, True, strip, wide / max(1e-300, rate * radius * (turns + inward))
 
@@ -289,6 +292,23 @@ def far_floor(
     rise = ((abs(p.position[2]) + rho) / (near - light) + abs(ez) / (near - eye)) / 1.8
     wide = TAME / math.sqrt(max(shading.shininess, 1e-9))
     return log_felt(level, math.sqrt(2.0 * (1.0 - min(1.0, rise))), shading.shininess) > 0.0, True, wide, wide
+
+
+@inlined
+def halve_box(boxes: Table[Box], top: int, floor: bool) -> None:
+    """Halve box ``top``, across its longer side; the halves are ``top`` and the next."""
+    box, other = boxes[top], boxes[top + 1]
+    a, b, u, v = box.first, box.last, box.innermost, box.outermost
+    across, depth = math.sin(min(v, HALF_PI)) * (b - a), v - u
+    if floor:
+        # lengths on the floor; the outermost box is cut down to where it is far
+        depth = math.tan(v) - math.tan(u) if v < HALF_PI else math.inf
+        across = math.tan(v) * (b - a) if v < HALF_PI else 0.0
+    boxes[top + 1] = box
+    if across > depth:
+        box.first = other.last = 0.5 * (a + b)
+    else:
+        box.innermost = other.outermost = 0.5 * (u + v)
 
 
 @jitable
@@ -336,31 +356,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
                     strip, along = 0.1 * (b - a), 0.1 * (v - u)
                 note_highlight(l, a, b, u, v, strip, along, work)
                 continue
-            across = math.sin(min(v, HALF_PI)) * (b - a)
-            if floor:
-                # lengths on the floor; the outermost box is cut down to where it is far
-                depth = math.tan(v) - math.tan(u) if v < HALF_PI else math.inf
-                across = math.tan(v) * (b - a) if v < HALF_PI else 0.0
-            else:
-                depth = v - u
-            if across > depth:
-                middle = 0.5 * (a + b)
-                boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost = middle, b, u, v
-                boxes[top + 1].first, boxes[top + 1].last, boxes[top + 1].innermost, boxes[top + 1].outermost = (
-                    a,
-                    middle,
-                    u,
-                    v,
-                )
-            else:
-                middle = 0.5 * (u + v)
-                boxes[top].first, boxes[top].last, boxes[top].innermost, boxes[top].outermost = a, b, middle, v
-                boxes[top + 1].first, boxes[top + 1].last, boxes[top + 1].innermost, boxes[top + 1].outermost = (
-                    a,
-                    b,
-                    u,
-                    middle,
-                )
+            halve_box(boxes, top, floor)
             top += 2
     return float(chart.least * (lights + math.exp(SPECK) * boxes_seen + unseen))
 

@@ -132,6 +132,39 @@ def phong_nodes_rows(start: int, stop: int, light_x: float, light_y: float, ligh
 
 
 @jitable
+def lit_phong_rows(
+    start: int, stop: int, light_x: float, light_y: float, light_z: float, falling: float, exponent: float,
+    nodes: Nodes,
+) -> None:
+    """((n + 2)/2 N.l, r.v) of a light point, the first over r^2 if ``falling`` is 1 and not 0, the second cut, of
+    nodes ``start`` to ``stop``.
+    """
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        place_x = nodes.place[0, i]
+        place_y = nodes.place[1, i]
+        place_z = nodes.place[2, i]
+        normal_x = nodes.normal[0, i]
+        normal_y = nodes.normal[1, i]
+        normal_z = nodes.normal[2, i]
+        view_x = nodes.toward[0, i]
+        view_y = nodes.toward[1, i]
+        view_z = nodes.toward[2, i]
+        to_light_x = light_x - place_x
+        to_light_y = light_y - place_y
+        to_light_z = light_z - place_z
+        t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+        inverse = 1.0 / math.sqrt(max(t1, 1e-300))
+        cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+        fall = falling / max(t1, 1e-300) + (1.0 - falling)
+        facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+        toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+        base = 2.0 * cosine * facing - toward
+        nodes.clear[i] *= 0.5 * (exponent + 2.0) * cosine * fall
+        nodes.radix[i] = min(1.0, max(0.0, base))
+
+
+@jitable
 def lobe_density_rows(start: int, stop: int, exponent: float, log_normaliser: float, nodes: Nodes) -> None:
     """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m, of
     nodes ``start`` to ``stop``.
@@ -220,3 +253,210 @@ def conductor_fresnels_rows(
         nodes.radiance[0, i] *= 0.5 * upright * (1.0 + (level - tilted) / (level + tilted))
         nodes.radiance[1, i] *= 0.5 * t12 * (1.0 + (t13 - t14) / (t13 + t14))
         nodes.radiance[2, i] *= 0.5 * t21 * (1.0 + (t22 - t23) / (t22 + t23))
+
+
+@jitable
+def lit_conductor_rows(
+    start: int, stop: int, light_x: float, light_y: float, light_z: float, falling: float, alpha: float,
+    correlated: float, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float, nodes: Nodes,
+) -> None:
+    """pi D F G/(4 cos_o) of a light point, over r^2 where ``falling`` is 1 and not 0: over Lambert's (N.l)/pi, of
+    nodes ``start`` to ``stop``.
+    """
+    mixed = eta_x * k_x
+    t1 = alpha * alpha
+    t2 = (1.0 - alpha) * (1.0 + alpha)
+    t3 = eta_y * k_y
+    t4 = eta_z * k_z
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        place_x = nodes.place[0, i]
+        place_y = nodes.place[1, i]
+        place_z = nodes.place[2, i]
+        normal_x = nodes.normal[0, i]
+        normal_y = nodes.normal[1, i]
+        normal_z = nodes.normal[2, i]
+        view_x = nodes.toward[0, i]
+        view_y = nodes.toward[1, i]
+        view_z = nodes.toward[2, i]
+        offset_x = light_x - place_x
+        offset_y = light_y - place_y
+        offset_z = light_z - place_z
+        square = max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+        t5 = 1.0 / math.sqrt(square)
+        toward_x = offset_x * t5
+        both_x = toward_x + view_x
+        toward_y = offset_y * t5
+        both_y = toward_y + view_y
+        toward_z = offset_z * t5
+        both_z = toward_z + view_z
+        whole = max(both_x * both_x + both_y * both_y + both_z * both_z, 1e-300)
+        cosine2 = 0.25 * whole
+        cosine = math.sqrt(cosine2)
+        sin2 = (1.0 - cosine) * (1.0 + cosine)
+        t6 = (eta_x - k_x) * (eta_x + k_x) - sin2
+        size = math.sqrt(max(t6 * t6 + 4.0 * mixed * mixed, 1e-300))
+        cos2 = cosine * cosine
+        across = size + cos2
+        t7 = 2.0 * cosine
+        rising = max(t6, 0.0)
+        t8 = max(-t6, 0.0)
+        t9 = math.sqrt(max(rising + 2.0 * mixed * mixed / max(size + (rising + t8), 1e-300), 1e-300))
+        twice = t7 * t9
+        upright = (across - twice) / (across + twice)
+        t10 = sin2 * sin2
+        level = cos2 * size + t10
+        tilted = twice * sin2
+        up = normal_x * both_x + normal_y * both_y + normal_z * both_z
+        t11 = normal_y * both_z - normal_z * both_y
+        t12 = normal_z * both_x - normal_x * both_z
+        t13 = normal_x * both_y - normal_y * both_x
+        flat = t11 * t11 + t12 * t12 + t13 * t13
+        share = alpha * whole / max(t1 * (up * up) + flat, 1e-300)
+        t14 = max(normal_x * toward_x + normal_y * toward_y + normal_z * toward_z, 0.0)
+        t15 = max(normal_x * view_x + normal_y * view_y + normal_z * view_z, 0.0)
+        root_in = math.sqrt(max(t1 + t2 * t14 * t14, 1e-300))
+        root_out = math.sqrt(max(t1 + t2 * t15 * t15, 1e-300))
+        t16 = t15 * root_in + t14 * root_out
+        masking = t16 + correlated * t16 + (1.0 - correlated) * (t14 * t15 + root_in * root_out)
+        fall = falling / square + (1.0 - falling)
+        t17 = share * share * (t14 / masking) * fall
+        t18 = (eta_y - k_y) * (eta_y + k_y) - sin2
+        t19 = math.sqrt(max(t18 * t18 + 4.0 * t3 * t3, 1e-300))
+        t20 = t19 + cos2
+        t21 = max(t18, 0.0)
+        t22 = max(-t18, 0.0)
+        t23 = t7 * math.sqrt(max(t21 + 2.0 * t3 * t3 / max(t19 + (t21 + t22), 1e-300), 1e-300))
+        t24 = (t20 - t23) / (t20 + t23)
+        t25 = cos2 * t19 + t10
+        t26 = t23 * sin2
+        t27 = (eta_z - k_z) * (eta_z + k_z) - sin2
+        t28 = math.sqrt(max(t27 * t27 + 4.0 * t4 * t4, 1e-300))
+        t29 = t28 + cos2
+        t30 = max(t27, 0.0)
+        t31 = max(-t27, 0.0)
+        t32 = t7 * math.sqrt(max(t30 + 2.0 * t4 * t4 / max(t28 + (t30 + t31), 1e-300), 1e-300))
+        t33 = (t29 - t32) / (t29 + t32)
+        t34 = cos2 * t28 + t10
+        t35 = t32 * sin2
+        nodes.shares[0, i] = 0.5 * upright * (1.0 + (level - tilted) / (level + tilted)) * t17
+        nodes.shares[1, i] = 0.5 * t24 * (1.0 + (t25 - t26) / (t25 + t26)) * t17
+        nodes.shares[2, i] = 0.5 * t33 * (1.0 + (t34 - t35) / (t34 + t35)) * t17
+
+
+@jitable
+def beckmann_lobe_rows(
+    start: int, stop: int, alpha: float, cos_view: float, outward: float, correlated: float, nodes: Nodes,
+) -> None:
+    """As ``ggx_lobe``, of Beckmann's normals; ``outward`` is G1(o), of nodes ``start`` to ``stop``."""
+    t1 = alpha * alpha
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        square = nodes.chord[i]
+        along = nodes.near[i]
+        up = 2.0 * cos_view + along
+        t2 = up * up
+        flat = max(square - along * along, 1e-300)
+        whole = t2 + flat
+        cosine = max(cos_view + along, 1e-300)
+        a = cosine / (alpha * math.sqrt(max((1.0 - cosine) * (1.0 + cosine), 1e-300)))
+        inward = 2.0 / (1.0 + math.erf(a) + math.exp(-(a * a)) / (a * math.sqrt(math.pi)))
+        t3 = inward / (1.0 + correlated * (inward + outward - inward * outward - 1.0)) * outward
+        masking = t3 / (4.0 * cos_view)
+        t4 = math.exp(2.0 * math.log(whole / t2) - flat / (t1 * t2)) / t1 / math.pi * masking
+        nodes.power[i] = t4
+        nodes.weight[i] *= t4
+        nodes.chord[i] = 0.25 * whole
+
+
+@jitable
+def lit_beckmann_rows(
+    start: int, stop: int, light_x: float, light_y: float, light_z: float, falling: float, alpha: float,
+    correlated: float, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float, nodes: Nodes,
+) -> None:
+    """As ``lit_conductor``, of Beckmann's normals, of nodes ``start`` to ``stop``."""
+    mixed = eta_x * k_x
+    square = alpha * alpha
+    t1 = math.sqrt(math.pi)
+    t2 = eta_y * k_y
+    t3 = eta_z * k_z
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        place_x = nodes.place[0, i]
+        place_y = nodes.place[1, i]
+        place_z = nodes.place[2, i]
+        normal_x = nodes.normal[0, i]
+        normal_y = nodes.normal[1, i]
+        normal_z = nodes.normal[2, i]
+        view_x = nodes.toward[0, i]
+        view_y = nodes.toward[1, i]
+        view_z = nodes.toward[2, i]
+        offset_x = light_x - place_x
+        offset_y = light_y - place_y
+        offset_z = light_z - place_z
+        t4 = max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+        t5 = 1.0 / math.sqrt(t4)
+        toward_x = offset_x * t5
+        both_x = toward_x + view_x
+        toward_y = offset_y * t5
+        both_y = toward_y + view_y
+        toward_z = offset_z * t5
+        both_z = toward_z + view_z
+        whole = max(both_x * both_x + both_y * both_y + both_z * both_z, 1e-300)
+        cosine2 = 0.25 * whole
+        cosine = math.sqrt(cosine2)
+        sin2 = (1.0 - cosine) * (1.0 + cosine)
+        t6 = (eta_x - k_x) * (eta_x + k_x) - sin2
+        size = math.sqrt(max(t6 * t6 + 4.0 * mixed * mixed, 1e-300))
+        cos2 = cosine * cosine
+        across = size + cos2
+        t7 = 2.0 * cosine
+        rising = max(t6, 0.0)
+        t8 = max(-t6, 0.0)
+        t9 = math.sqrt(max(rising + 2.0 * mixed * mixed / max(size + (rising + t8), 1e-300), 1e-300))
+        twice = t7 * t9
+        upright = (across - twice) / (across + twice)
+        t10 = sin2 * sin2
+        level = cos2 * size + t10
+        tilted = twice * sin2
+        up = normal_x * both_x + normal_y * both_y + normal_z * both_z
+        t11 = max(up * up, 1e-300)
+        t12 = normal_y * both_z - normal_z * both_y
+        t13 = normal_z * both_x - normal_x * both_z
+        t14 = normal_x * both_y - normal_y * both_x
+        flat = t12 * t12 + t13 * t13 + t14 * t14
+        t15 = t11 + flat
+        spread = math.exp(2.0 * math.log(t15 / t11) - flat / (square * t11)) / square
+        t16 = max(max(normal_x * toward_x + normal_y * toward_y + normal_z * toward_z, 0.0), 1e-300)
+        a = t16 / (alpha * math.sqrt(max((1.0 - t16) * (1.0 + t16), 1e-300)))
+        inward = 2.0 / (1.0 + math.erf(a) + math.exp(-(a * a)) / (a * t1))
+        t17 = max(max(normal_x * view_x + normal_y * view_y + normal_z * view_z, 0.0), 1e-300)
+        t18 = (1.0 - t17) * (1.0 + t17)
+        t19 = t17 / (alpha * math.sqrt(max(t18, 1e-300)))
+        sine = math.sqrt(max(t18, 1e-300))
+        area = 0.5 * (t17 * (1.0 + math.erf(t19)) + alpha * sine * math.exp(-(t19 * t19)) / t1)
+        outward = t17 / area
+        masking = inward / (1.0 + correlated * (inward + outward - inward * outward - 1.0)) / (4.0 * area)
+        fall = falling / t4 + (1.0 - falling)
+        t20 = spread * masking * fall
+        t21 = (eta_y - k_y) * (eta_y + k_y) - sin2
+        t22 = math.sqrt(max(t21 * t21 + 4.0 * t2 * t2, 1e-300))
+        t23 = t22 + cos2
+        t24 = max(t21, 0.0)
+        t25 = max(-t21, 0.0)
+        t26 = t7 * math.sqrt(max(t24 + 2.0 * t2 * t2 / max(t22 + (t24 + t25), 1e-300), 1e-300))
+        t27 = (t23 - t26) / (t23 + t26)
+        t28 = cos2 * t22 + t10
+        t29 = t26 * sin2
+        t30 = (eta_z - k_z) * (eta_z + k_z) - sin2
+        t31 = math.sqrt(max(t30 * t30 + 4.0 * t3 * t3, 1e-300))
+        t32 = t31 + cos2
+        t33 = max(t30, 0.0)
+        t34 = max(-t30, 0.0)
+        t35 = t7 * math.sqrt(max(t33 + 2.0 * t3 * t3 / max(t31 + (t33 + t34), 1e-300), 1e-300))
+        t36 = (t32 - t35) / (t32 + t35)
+        t37 = cos2 * t31 + t10
+        t38 = t35 * sin2
+        nodes.shares[0, i] = 0.5 * upright * (1.0 + (level - tilted) / (level + tilted)) * t20
+        nodes.shares[1, i] = 0.5 * t27 * (1.0 + (t28 - t29) / (t28 + t29)) * t20
+        nodes.shares[2, i] = 0.5 * t36 * (1.0 + (t37 - t38) / (t37 + t38)) * t20

@@ -273,6 +273,8 @@ class Nodes(Record):
     """Of a point of a disk, or of a node under a whole disk, the sum of N.l times weights."""
     gleams: Row
     """The same of the highlight."""
+    shares: ThreeRows
+    """What a conductor sends of a light, a channel each, over what a diffuse surface that faces it would."""
 
 
 class Aim(Record):

@@ -93,6 +93,7 @@ def frame_view(k: int, view: View, frames: Frames) -> View:
         eye=frames.eyes[k],
         sides=frames.sides[k],
         conductors=view.conductors,
+        senders=view.senders,
     )
 
 

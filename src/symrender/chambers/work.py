@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.lobes.record import Conductor
+from symrender.chambers.lobes.record import Conductor, Sender
 from symrender.chambers.records import (
     NODES,
     Aim,
@@ -49,8 +49,9 @@ class View(NamedTuple):
     """What kernels read of a scene: its records, with lights replaced by points. ``eye`` is (3,).
 
     In the coordinates of a plane that plane is the floor z = 0, and ``floor`` what it is made of. ``sides`` are all
-    planes of the scene, the floor first. ``conductors`` are those of all hit classes, None in a scene without
-    any: kernels are compiled for either.
+    planes of the scene, the floor first. ``conductors`` are those of all hit classes, which a point may reflect by;
+    ``senders`` those by which shapes send light on, a row a sphere, then a row a plane. Either is None in a scene
+    without any: kernels are compiled for each.
     """
 
     spheres: Table[Sphere]
@@ -60,6 +61,7 @@ class View(NamedTuple):
     eye: Array
     sides: Table[Side]
     conductors: Table[Conductor] | None = None
+    senders: Table[Sender] | None = None
 
 
 class Frames(NamedTuple):
@@ -131,7 +133,10 @@ def begin_counts(limit: int, work: Work) -> None:
     counts.limit = limit
 
 
-def scene_view(arrays: SceneArrays, points: Table[LightPoint], conductors: Table[Conductor] | None = None) -> View:
+def scene_view(
+    arrays: SceneArrays, points: Table[LightPoint], conductors: Table[Conductor] | None = None,
+    senders: Table[Sender] | None = None,
+) -> View:  # fmt: skip
     """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); its memory, but for the eye."""
     return View(
         spheres=arrays.spheres,
@@ -141,6 +146,7 @@ def scene_view(arrays: SceneArrays, points: Table[LightPoint], conductors: Table
         eye=np.ascontiguousarray(arrays.camera.eye),
         sides=_sides(_axes(arrays)),
         conductors=conductors,
+        senders=senders,
     )
 
 
@@ -241,5 +247,5 @@ def work_arrays(spheres: int, points: int) -> Work:
         boxes=table(Box, 96),
         room=np.zeros(MAX_PLANES + 1),
         felt=np.zeros(64 + 192 * points, np.int64),
-        poles=np.zeros((2 * points + 3, 2)),
+        poles=np.zeros((4 * points + 4, 2)),
     )

@@ -322,6 +322,34 @@ def point_light(
 
 
 @inlined
+def linear_spot(
+    toward_x: float, toward_y: float, toward_z: float, axis_x: float, axis_y: float, axis_z: float, beam: float,
+    cutoff: float,
+) -> float:
+    """Share of a spot's intensity at the unit vector ``toward`` it: 1 in the beam, falling with the angle from it."""
+    across_x = toward_y * axis_z - toward_z * axis_y
+    across_y = toward_z * axis_x - toward_x * axis_z
+    across_z = toward_x * axis_y - toward_y * axis_x
+    t1 = math.sqrt(max(across_x * across_x + across_y * across_y + across_z * across_z, 1e-300))
+    angle = math.atan2(t1, -(toward_x * axis_x + toward_y * axis_y + toward_z * axis_z))
+    degrees = cutoff - beam
+    return min(1.0, max(0.0, (cutoff * math.pi / 180.0 - angle) / (degrees * math.pi / 180.0)))
+
+
+@inlined
+def smooth_spot(
+    toward_x: float, toward_y: float, toward_z: float, axis_x: float, axis_y: float, axis_z: float, beam: float,
+    cutoff: float,
+) -> float:
+    """Share of a spot's intensity at the unit vector ``toward`` it: t^2 (3 - 2t) of the cosine of the angle from it."""
+    edge = math.cos(cutoff * math.pi / 180.0)
+    t1 = -(toward_x * axis_x + toward_y * axis_y + toward_z * axis_z) - edge
+    t2 = t1 / (math.cos(beam * math.pi / 180.0) - edge)
+    t = min(1.0, max(0.0, t2))
+    return t * t * (3.0 - 2.0 * t)
+
+
+@inlined
 def diffuse_reflection(cosine: float) -> float:
     """f cos_i = cos_i/pi of a surface of reflectance 1."""
     return cosine / math.pi

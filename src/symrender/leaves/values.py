@@ -206,6 +206,25 @@ def phong_nodes(
 
 
 @inlined
+def lit_phong(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float, falling: float, exponent: float,
+) -> tuple[float, float]:
+    """((n + 2)/2 N.l, r.v) of a light point, the first over r^2 if ``falling`` is 1 and not 0, the second cut."""
+    to_light_x = light_x - place_x
+    to_light_y = light_y - place_y
+    to_light_z = light_z - place_z
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    inverse = 1.0 / math.sqrt(max(t1, 1e-300))
+    cosine = (to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z) * inverse
+    fall = falling / max(t1, 1e-300) + (1.0 - falling)
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    toward = (to_light_x * view_x + to_light_y * view_y + to_light_z * view_z) * inverse
+    base = 2.0 * cosine * facing - toward
+    return 0.5 * (exponent + 2.0) * cosine * fall, min(1.0, max(0.0, base))
+
+
+@inlined
 def light_channel(color: float, kd: float, ks: float, albedo: float, cosine: float, highlight: float) -> float:
     """One channel of one unblocked light: color (kd albedo N.l + ks s)."""
     return color * (kd * albedo * cosine + ks * highlight)
@@ -378,6 +397,235 @@ def conductor_fresnels(
         0.5 * upright * (1.0 + (level - tilted) / (level + tilted)), 0.5 * t11 * (1.0 + (t12 - t13) / (t12 + t13)),
         0.5 * t21 * (1.0 + (t22 - t23) / (t22 + t23)),
     )
+
+
+@inlined
+def lit_conductor(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float, falling: float, alpha: float,
+    correlated: float, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float,
+) -> tuple[float, float, float]:
+    """pi D F G/(4 cos_o) of a light point, over r^2 where ``falling`` is 1 and not 0: over Lambert's (N.l)/pi."""
+    offset_x = light_x - place_x
+    offset_y = light_y - place_y
+    offset_z = light_z - place_z
+    square = max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+    t1 = 1.0 / math.sqrt(square)
+    toward_x = offset_x * t1
+    both_x = toward_x + view_x
+    toward_y = offset_y * t1
+    both_y = toward_y + view_y
+    toward_z = offset_z * t1
+    both_z = toward_z + view_z
+    whole = max(both_x * both_x + both_y * both_y + both_z * both_z, 1e-300)
+    cosine2 = 0.25 * whole
+    cosine = math.sqrt(cosine2)
+    sin2 = (1.0 - cosine) * (1.0 + cosine)
+    t2 = (eta_x - k_x) * (eta_x + k_x) - sin2
+    mixed = eta_x * k_x
+    size = math.sqrt(max(t2 * t2 + 4.0 * mixed * mixed, 1e-300))
+    cos2 = cosine * cosine
+    across = size + cos2
+    t3 = 2.0 * cosine
+    rising = max(t2, 0.0)
+    t4 = max(-t2, 0.0)
+    t5 = math.sqrt(max(rising + 2.0 * mixed * mixed / max(size + (rising + t4), 1e-300), 1e-300))
+    twice = t3 * t5
+    upright = (across - twice) / (across + twice)
+    t6 = sin2 * sin2
+    level = cos2 * size + t6
+    tilted = twice * sin2
+    t7 = alpha * alpha
+    up = normal_x * both_x + normal_y * both_y + normal_z * both_z
+    t8 = normal_y * both_z - normal_z * both_y
+    t9 = normal_z * both_x - normal_x * both_z
+    t10 = normal_x * both_y - normal_y * both_x
+    flat = t8 * t8 + t9 * t9 + t10 * t10
+    share = alpha * whole / max(t7 * (up * up) + flat, 1e-300)
+    t11 = max(normal_x * toward_x + normal_y * toward_y + normal_z * toward_z, 0.0)
+    t12 = max(normal_x * view_x + normal_y * view_y + normal_z * view_z, 0.0)
+    t13 = (1.0 - alpha) * (1.0 + alpha)
+    root_in = math.sqrt(max(t7 + t13 * t11 * t11, 1e-300))
+    root_out = math.sqrt(max(t7 + t13 * t12 * t12, 1e-300))
+    t14 = t12 * root_in + t11 * root_out
+    masking = t14 + correlated * t14 + (1.0 - correlated) * (t11 * t12 + root_in * root_out)
+    fall = falling / square + (1.0 - falling)
+    t15 = share * share * (t11 / masking) * fall
+    t16 = (eta_y - k_y) * (eta_y + k_y) - sin2
+    t17 = eta_y * k_y
+    t18 = math.sqrt(max(t16 * t16 + 4.0 * t17 * t17, 1e-300))
+    t19 = t18 + cos2
+    t20 = max(t16, 0.0)
+    t21 = max(-t16, 0.0)
+    t22 = t3 * math.sqrt(max(t20 + 2.0 * t17 * t17 / max(t18 + (t20 + t21), 1e-300), 1e-300))
+    t23 = (t19 - t22) / (t19 + t22)
+    t24 = cos2 * t18 + t6
+    t25 = t22 * sin2
+    t26 = (eta_z - k_z) * (eta_z + k_z) - sin2
+    t27 = eta_z * k_z
+    t28 = math.sqrt(max(t26 * t26 + 4.0 * t27 * t27, 1e-300))
+    t29 = t28 + cos2
+    t30 = max(t26, 0.0)
+    t31 = max(-t26, 0.0)
+    t32 = t3 * math.sqrt(max(t30 + 2.0 * t27 * t27 / max(t28 + (t30 + t31), 1e-300), 1e-300))
+    t33 = (t29 - t32) / (t29 + t32)
+    t34 = cos2 * t28 + t6
+    t35 = t32 * sin2
+    return (
+        0.5 * upright * (1.0 + (level - tilted) / (level + tilted)) * t15,
+        0.5 * t23 * (1.0 + (t24 - t25) / (t24 + t25)) * t15, 0.5 * t33 * (1.0 + (t34 - t35) / (t34 + t35)) * t15,
+    )
+
+
+@inlined
+def lit_conductor_most(square: float, cosine: float, alpha: float) -> float:
+    """No |h - N|^2 of ``square`` or more, at most 2, and cos_o of ``cosine`` or more have a larger pi D G/(4 cos_o)."""
+    t1 = alpha * alpha
+    sine2 = square * (1.0 - 0.25 * square)
+    share = alpha / (t1 * (1.0 - sine2) + sine2)
+    t2 = cosine + math.sqrt(max(t1 + (1.0 - alpha) * (1.0 + alpha) * cosine * cosine, 1e-300))
+    return 0.5 * share * share / t2
+
+
+@inlined
+def seen_area(cosine: float, alpha: float) -> float:
+    """cos/G1 of Beckmann's normals, what their facets show: cos (1 + erf a)/2 + alpha sin exp(-a^2)/(2 sqrt pi)."""
+    t1 = (1.0 - cosine) * (1.0 + cosine)
+    a = cosine / (alpha * math.sqrt(max(t1, 1e-300)))
+    sine = math.sqrt(max(t1, 1e-300))
+    t2 = cosine * (1.0 + math.erf(a)) + alpha * sine * math.exp(-(a * a)) / math.sqrt(math.pi)
+    return 0.5 * t2
+
+
+@inlined
+def beckmann_lobe(
+    square: float, along: float, alpha: float, cos_view: float, outward: float, correlated: float,
+) -> tuple[float, float]:
+    """As ``ggx_lobe``, of Beckmann's normals; ``outward`` is G1(o)."""
+    up = 2.0 * cos_view + along
+    t1 = up * up
+    flat = max(square - along * along, 1e-300)
+    whole = t1 + flat
+    t2 = alpha * alpha
+    cosine = max(cos_view + along, 1e-300)
+    a = cosine / (alpha * math.sqrt(max((1.0 - cosine) * (1.0 + cosine), 1e-300)))
+    inward = 2.0 / (1.0 + math.erf(a) + math.exp(-(a * a)) / (a * math.sqrt(math.pi)))
+    t3 = inward / (1.0 + correlated * (inward + outward - inward * outward - 1.0)) * outward
+    masking = t3 / (4.0 * cos_view)
+    return math.exp(2.0 * math.log(whole / t1) - flat / (t2 * t1)) / t2 / math.pi * masking, 0.25 * whole
+
+
+@inlined
+def beckmann_most(square: float, alpha: float) -> float:
+    """No |w - m|^2 of ``square`` or more has a larger pi D of Beckmann's normals; h is half as far from N, or
+    farther.
+    """
+    sine2 = 0.25 * square
+    t1 = sine2 / max(1.0 - sine2, 1e-300)
+    peak = 2.0 * alpha * alpha - 1.0
+    slope = t1 + max(peak - t1, 0.0)
+    t2 = alpha * alpha
+    return math.exp(2.0 * math.log(1.0 + slope) - slope / t2) / t2
+
+
+@inlined
+def lit_beckmann(
+    light_x: float, light_y: float, light_z: float, place_x: float, place_y: float, place_z: float, normal_x: float,
+    normal_y: float, normal_z: float, view_x: float, view_y: float, view_z: float, falling: float, alpha: float,
+    correlated: float, eta_x: float, eta_y: float, eta_z: float, k_x: float, k_y: float, k_z: float,
+) -> tuple[float, float, float]:
+    """As ``lit_conductor``, of Beckmann's normals."""
+    offset_x = light_x - place_x
+    offset_y = light_y - place_y
+    offset_z = light_z - place_z
+    square = max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300)
+    t1 = 1.0 / math.sqrt(square)
+    toward_x = offset_x * t1
+    both_x = toward_x + view_x
+    toward_y = offset_y * t1
+    both_y = toward_y + view_y
+    toward_z = offset_z * t1
+    both_z = toward_z + view_z
+    whole = max(both_x * both_x + both_y * both_y + both_z * both_z, 1e-300)
+    cosine2 = 0.25 * whole
+    cosine = math.sqrt(cosine2)
+    sin2 = (1.0 - cosine) * (1.0 + cosine)
+    t2 = (eta_x - k_x) * (eta_x + k_x) - sin2
+    mixed = eta_x * k_x
+    size = math.sqrt(max(t2 * t2 + 4.0 * mixed * mixed, 1e-300))
+    cos2 = cosine * cosine
+    across = size + cos2
+    t3 = 2.0 * cosine
+    rising = max(t2, 0.0)
+    t4 = max(-t2, 0.0)
+    t5 = math.sqrt(max(rising + 2.0 * mixed * mixed / max(size + (rising + t4), 1e-300), 1e-300))
+    twice = t3 * t5
+    upright = (across - twice) / (across + twice)
+    t6 = sin2 * sin2
+    level = cos2 * size + t6
+    tilted = twice * sin2
+    up = normal_x * both_x + normal_y * both_y + normal_z * both_z
+    t7 = max(up * up, 1e-300)
+    t8 = normal_y * both_z - normal_z * both_y
+    t9 = normal_z * both_x - normal_x * both_z
+    t10 = normal_x * both_y - normal_y * both_x
+    flat = t8 * t8 + t9 * t9 + t10 * t10
+    t11 = t7 + flat
+    t12 = alpha * alpha
+    spread = math.exp(2.0 * math.log(t11 / t7) - flat / (t12 * t7)) / t12
+    t13 = max(max(normal_x * toward_x + normal_y * toward_y + normal_z * toward_z, 0.0), 1e-300)
+    a = t13 / (alpha * math.sqrt(max((1.0 - t13) * (1.0 + t13), 1e-300)))
+    t14 = math.sqrt(math.pi)
+    inward = 2.0 / (1.0 + math.erf(a) + math.exp(-(a * a)) / (a * t14))
+    t15 = max(max(normal_x * view_x + normal_y * view_y + normal_z * view_z, 0.0), 1e-300)
+    t16 = (1.0 - t15) * (1.0 + t15)
+    t17 = t15 / (alpha * math.sqrt(max(t16, 1e-300)))
+    sine = math.sqrt(max(t16, 1e-300))
+    area = 0.5 * (t15 * (1.0 + math.erf(t17)) + alpha * sine * math.exp(-(t17 * t17)) / t14)
+    outward = t15 / area
+    masking = inward / (1.0 + correlated * (inward + outward - inward * outward - 1.0)) / (4.0 * area)
+    fall = falling / square + (1.0 - falling)
+    t18 = spread * masking * fall
+    t19 = (eta_y - k_y) * (eta_y + k_y) - sin2
+    t20 = eta_y * k_y
+    t21 = math.sqrt(max(t19 * t19 + 4.0 * t20 * t20, 1e-300))
+    t22 = t21 + cos2
+    t23 = max(t19, 0.0)
+    t24 = max(-t19, 0.0)
+    t25 = t3 * math.sqrt(max(t23 + 2.0 * t20 * t20 / max(t21 + (t23 + t24), 1e-300), 1e-300))
+    t26 = (t22 - t25) / (t22 + t25)
+    t27 = cos2 * t21 + t6
+    t28 = t25 * sin2
+    t29 = (eta_z - k_z) * (eta_z + k_z) - sin2
+    t30 = eta_z * k_z
+    t31 = math.sqrt(max(t29 * t29 + 4.0 * t30 * t30, 1e-300))
+    t32 = t31 + cos2
+    t33 = max(t29, 0.0)
+    t34 = max(-t29, 0.0)
+    t35 = t3 * math.sqrt(max(t33 + 2.0 * t30 * t30 / max(t31 + (t33 + t34), 1e-300), 1e-300))
+    t36 = (t32 - t35) / (t32 + t35)
+    t37 = cos2 * t31 + t6
+    t38 = t35 * sin2
+    return (
+        0.5 * upright * (1.0 + (level - tilted) / (level + tilted)) * t18,
+        0.5 * t26 * (1.0 + (t27 - t28) / (t27 + t28)) * t18, 0.5 * t36 * (1.0 + (t37 - t38) / (t37 + t38)) * t18,
+    )
+
+
+@inlined
+def lit_beckmann_most(square: float, cosine: float, alpha: float) -> float:
+    """As ``lit_conductor_most``, of Beckmann's normals: G is at most G1(o), and what facets show grows with cos_o."""
+    t1 = square * (4.0 - square)
+    sine2 = 0.25 * t1
+    t2 = sine2 / max(1.0 - sine2, 1e-300)
+    peak = 2.0 * alpha * alpha - 1.0
+    slope = t2 + max(peak - t2, 0.0)
+    t3 = alpha * alpha
+    t4 = (1.0 - cosine) * (1.0 + cosine)
+    a = cosine / (alpha * math.sqrt(max(t4, 1e-300)))
+    sine = math.sqrt(max(t4, 1e-300))
+    t5 = cosine * (1.0 + math.erf(a)) + alpha * sine * math.exp(-(a * a)) / math.sqrt(math.pi)
+    return math.exp(2.0 * math.log(1.0 + slope) - slope / t3) / t3 / (4.0 * (0.5 * t5))
 
 
 @inlined

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from symrender.chambers.records import INVERSE_SQUARE, LightPoint
-from symrender.chambers.work import View
+from symrender.chambers.events import line_range
+from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
+from symrender.chambers.senders import sender_of, sent_bound
+from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.scene.arrays import CUT
 
 NEAR_LIGHT: Final = 2.0
 """Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""
@@ -51,6 +55,48 @@ def plane_bound(view: View) -> float:
         if height > 0.0:
             most += most_light(view.points[i], height * height) * (shading.kd * albedo + shading.ks)
     return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
+
+
+@jitable
+def sphere_bound(j: int, view: View, chart: Chart) -> float:
+    """No point of the charted sphere that P sees differs from the background by more radiance."""
+    shading = view.shading
+    albedo = max(abs(view.spheres[j].color[0]), abs(view.spheres[j].color[1]), abs(view.spheres[j].color[2]))
+    most = shading.ka * max(shading.ambient[0], shading.ambient[1], shading.ambient[2])
+    k = chart.ratio
+    for i in range(view.points.shape[0]):
+        p = view.points[i]
+        lx, ly, lz = (
+            p.position[0] - view.spheres[j].center[0],
+            p.position[1] - view.spheres[j].center[1],
+            p.position[2] - view.spheres[j].center[2],
+        )
+        far = math.sqrt(lx * lx + ly * ly + lz * lz)
+        cosine = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2]) / max(far, 1e-300)
+        # N.(L - C) of the normal nearest to the light's direction; less the radius it is N.(L - Q)
+        most_cosine = 1.0
+        if cosine < k:
+            most_cosine = k * cosine + math.sqrt(max(0.0, (1.0 - cosine * cosine) * (1.0 - k * k)))
+        radius = view.spheres[j].radius
+        rise = most_cosine * far + p.radius - radius
+        # |Q - L|^2 where N.(L - C) is as large
+        apart = far - radius
+        light = most_light(p, apart * apart + 2.0 * radius * far * max(0.0, 1.0 - most_cosine))
+        if rise > 0.0:
+            most += light * shading.kd * albedo * min(1.0, rise / max(far - radius - p.radius, 1e-300))
+        if rise > 0.0 or shading.terminator != CUT:
+            most += light * shading.ks
+    return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
+
+
+@inlined
+def chart_bound(diffuse: float, view: View, work: Work) -> float:
+    """``diffuse``, what bounds the radiance of the charted shape, or what does where it is a conductor."""
+    sender = sender_of(view, work.chart)
+    if sender < 0:
+        return diffuse
+    low, high = line_range(work.chart)
+    return sent_bound(low, high, sender, view, work)
 
 
 @inlined

@@ -13,11 +13,20 @@ import numpy.typing as npt
 
 from symrender.chambers.highlights import chord_about
 from symrender.chambers.labels import DARK, GLINT, PARTLY
-from symrender.chambers.leaf_rows import blinn_nodes_rows, falling_nodes_rows, lambert_nodes_rows, phong_nodes_rows
+from symrender.chambers.leaf_rows import (
+    blinn_nodes_rows,
+    falling_nodes_rows,
+    lambert_nodes_rows,
+    phong_nodes_rows,
+)
+from symrender.chambers.lobes.record import Sender
+from symrender.chambers.lobes.sending import sent_shares
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes, Piece
 from symrender.chambers.row_powers import powers
+from symrender.chambers.senders import sender_of
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 from symrender.quadrature.disk_node import (
     FAR,
     GROWTH,
@@ -108,6 +117,19 @@ def point_light(start: int, stop: int, b: Nodes, p: LightPoint, phong: bool, shi
         b.radiance[0, i] += red * (b.factor[0, i] * clear + shining)
         b.radiance[1, i] += green * (b.factor[1, i] * clear + shining)
         b.radiance[2, i] += blue * (b.factor[2, i] * clear + shining)
+
+
+@jitable
+def sent_light(start: int, stop: int, b: Nodes, p: LightPoint, row: int, senders: Table[Sender] | None) -> None:
+    """As ``point_light``, of a surface that sends light on by ``row``."""
+    stop = min(stop, NODES)
+    red, green, blue = p.color[0], p.color[1], p.color[2]
+    sent_shares(start, stop, b, p, row, senders)
+    for i in range(start, stop):
+        clear = b.clear[i]
+        b.radiance[0, i] += red * b.factor[0, i] * clear * b.shares[0, i]
+        b.radiance[1, i] += green * b.factor[1, i] * clear * b.shares[1, i]
+        b.radiance[2, i] += blue * b.factor[2, i] * clear * b.shares[2, i]
 
 
 @jitable
@@ -350,10 +372,13 @@ def light_nodes(pieces: int, step: int, ks: float, view: View, work: Work, gauss
     ``factor`` times the diffuse term and ``ks`` times the highlight.
     """
     phong, shininess = view.shading.model == PHONG, view.shading.shininess
+    sender = sender_of(view, work.chart)
     for i in range(view.points.shape[0]):
         if view.points[i].radius > 0.0:
             disk_light(i, pieces, step, ks, view, work, gauss)
         else:
             start, stop = mark_states(pieces, i, work)
-            if start < stop:
+            if sender >= 0:
+                sent_light(start, stop, work.nodes, view.points[i], sender, view.senders)
+            elif start < stop:
                 point_light(start, stop, work.nodes, view.points[i], phong, shininess, ks)

@@ -7,7 +7,10 @@ import math
 from symrender.chambers.highlights import line_highlights, piece_highlights, seeing
 from symrender.chambers.lobes.poles import lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR
+from symrender.chambers.lobes.sending import grazing_pole
 from symrender.chambers.records import DISTANT, Chart
+from symrender.chambers.senders import sender_of
+from symrender.chambers.walls import TERMINATOR
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.quadrature.fall_off import near_light
@@ -49,6 +52,31 @@ def level_pole(fx: float, fy: float, fz: float, level: float, c: float, s: float
     note_pole(x, y, work)
 
 
+@jitable
+def note_sender(c: float, s: float, view: View, work: Work) -> None:
+    """Note where the masking of a conductor that is charted is singular beside a line.
+
+    Its root is 0 where a cosine is +- i alpha/sqrt(1 - alpha^2): atanh(alpha) beside limb and horizon, where cos_o is
+    0, and beside terminators, where cos_i is, as far as N turns that far.
+    """
+    if view.senders is None:
+        return
+    sender, chart = sender_of(view, work.chart), work.chart
+    if sender < 0:
+        return
+    depth = grazing_pole(sender, view.senders)
+    if depth == math.inf:
+        return
+    note_pole(0.5 * math.pi, depth, work)
+    for cell in range(1, work.counts.cells):
+        wall = work.cell_wall[cell]
+        if wall < 0 or work.walls[wall // 4].tag != TERMINATOR or work.counts.poles + 1 >= work.poles.shape[0]:
+            continue
+        x = work.cell_from[cell]
+        sine = chart.ratio * math.sin(x)
+        note_pole(x, depth / max(1e-3, 1.0 - chart.ratio * math.cos(x) / math.sqrt(1.0 - sine * sine)), work)
+
+
 @inlined
 def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     """Note what is singular beside the line (c, s) at azimuth ``phi``, and the highlights felt on it.
@@ -59,6 +87,7 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     chart, points = work.chart, view.points
     work.counts.poles = 0
     line_highlights(phi, work)
+    note_sender(c, s, view, work)
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
         x, y = lobe_pole(c, s, chart)
         note_pole(x, y, work)

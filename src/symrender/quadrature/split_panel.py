@@ -21,6 +21,7 @@ from symrender.chambers.line import rim_interval, scan_line
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import broken_rim
 from symrender.chambers.records import Chart, Event, Spot
+from symrender.chambers.senders import find_sent, sender_of
 from symrender.chambers.walls import (
     BALL,
     NORMAL,
@@ -637,7 +638,11 @@ def split_chart(
     bound = SAFETY * panel_bound(low, high, work.chart)
     if bound < 0.1 * tol:
         return bound, 0
-    left_out = find_highlights(tol, low, high, view, work)
+    sender = sender_of(view, work.chart)
+    if sender >= 0:
+        left_out = find_sent(tol, low, high, sender, view, work)
+    else:
+        left_out = find_highlights(tol, low, high, view, work)
     m = all_events(view, work, events, low, high)
     n = 0
     start = 0

@@ -14,10 +14,11 @@ from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
-from symrender.chambers.lobes.record import Conductor
+from symrender.chambers.lobes.record import Conductor, Sender
+from symrender.chambers.lobes.sending import largest_sent
 from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
-from symrender.chambers.records import INVERSE_SQUARE, Chart, Event, LightPoint
+from symrender.chambers.records import INVERSE_SQUARE, Event, LightPoint
 from symrender.chambers.rooms import frame_view, in_a_plane
 from symrender.chambers.work import (
     MAX_ROOTS,
@@ -32,9 +33,8 @@ from symrender.chambers.work import (
 )
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
-from symrender.jit.marks import jitable
 from symrender.jit.records import Table, table
-from symrender.quadrature.fall_off import TOUCHING, is_radiometric, most_light, plane_bound
+from symrender.quadrature.fall_off import TOUCHING, chart_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.grid_tail import MOST_REMAINDERS
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
@@ -57,7 +57,6 @@ from symrender.quadrature.split_setup import (
 from symrender.scene.arrays import (
     BRDF_NORMALISED,
     CHECKER,
-    CUT,
     FIRST_SPHERE,
     FLOOR,
     SceneArrays,
@@ -89,38 +88,6 @@ class SplitResult:
     status: Ints
     chambers: Ints
     crossings: Ints
-
-
-@jitable
-def sphere_bound(j: int, view: View, chart: Chart) -> float:
-    """No point of the charted sphere that P sees differs from the background by more radiance."""
-    shading = view.shading
-    albedo = max(abs(view.spheres[j].color[0]), abs(view.spheres[j].color[1]), abs(view.spheres[j].color[2]))
-    most = shading.ka * max(shading.ambient[0], shading.ambient[1], shading.ambient[2])
-    k = chart.ratio
-    for i in range(view.points.shape[0]):
-        p = view.points[i]
-        lx, ly, lz = (
-            p.position[0] - view.spheres[j].center[0],
-            p.position[1] - view.spheres[j].center[1],
-            p.position[2] - view.spheres[j].center[2],
-        )
-        far = math.sqrt(lx * lx + ly * ly + lz * lz)
-        cosine = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2]) / max(far, 1e-300)
-        # N.(L - C) of the normal nearest to the light's direction; less the radius it is N.(L - Q)
-        most_cosine = 1.0
-        if cosine < k:
-            most_cosine = k * cosine + math.sqrt(max(0.0, (1.0 - cosine * cosine) * (1.0 - k * k)))
-        radius = view.spheres[j].radius
-        rise = most_cosine * far + p.radius - radius
-        # |Q - L|^2 where N.(L - C) is as large
-        apart = far - radius
-        light = most_light(p, apart * apart + 2.0 * radius * far * max(0.0, 1.0 - most_cosine))
-        if rise > 0.0:
-            most += light * shading.kd * albedo * min(1.0, rise / max(far - radius - p.radius, 1e-300))
-        if rise > 0.0 or shading.terminator != CUT:
-            most += light * shading.ks
-    return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
 
 
 def gloss_kernel(
@@ -201,7 +168,7 @@ def gloss_kernel(
                 total += most
                 continue
             sphere_strips(j, view, work)
-            chart.bright = sphere_bound(j, view, chart)
+            chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol),
                 view,
@@ -229,7 +196,7 @@ def gloss_kernel(
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
             floor_strips(framed, work)
-            chart.bright = plane_bound(framed) if falling else bound
+            chart.bright = chart_bound(plane_bound(framed) if falling else bound, framed, work)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
                 max_evaluations, value,
@@ -267,7 +234,9 @@ def gloss_kernel(
         chambers[i] = work.counts.chambers
         crossings[i] = work.counts.crossings
         status[i] = MET
-        if total > tol:
+        if not total <= tol:
+            # what is no number is no value either
+            error[i] = total if total == total else math.inf
             status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT
 
 
@@ -325,21 +294,23 @@ def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
     return squares
 
 
-def radiance_bound(arrays: SceneArrays, points: Table[LightPoint]) -> float:
+def radiance_bound(arrays: SceneArrays, points: Table[LightPoint], senders: Table[Sender] | None = None) -> float:
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
     lit = arrays.shading.ka * arrays.shading.ambient
     color = points["color"] / nearest_squares(arrays, points)[:, None]
-    lit = lit + color.sum(axis=0) * (arrays.shading.kd + arrays.shading.ks)
+    lit = lit + color.sum(axis=0) * (arrays.shading.kd * largest_sent(senders) + arrays.shading.ks)
     return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
 
 
-def refuse_conductors(arrays: SceneArrays, conductors: Table[Conductor]) -> None:
+def refuse_conductors(arrays: SceneArrays, conductors: Table[Conductor], surface: Ints) -> None:
     """Raise ``Unsupported``, by name, for what is not integrated under the lobe of a conductor."""
     classes = FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes)
     if len(conductors) != classes:
         raise ValueError(f"conductors: {classes} rows are asked for, one a hit class; {len(conductors)} were given")
     if not ((conductors["alpha"] >= 0.0) & (conductors["alpha"] <= 1.0)).all():
         raise ValueError("conductors: alpha must be in [0, 1], 0 where a surface is no conductor")
+    if not len(surface) or not (conductors["alpha"][surface] > 0.0).any():
+        return
     if is_brdf(arrays):
         raise Unsupported("shading.lobe_units: brdf_normalised says nothing of a conductor; choose lobe_average")
     if arrays.shading.background.max() > 0.0:
@@ -358,6 +329,7 @@ def gloss_points(
     scratch: SplitWork | None = None,
     walled: bool = True,
     conductors: Table[Conductor] | None = None,
+    senders: Table[Sender] | None = None,
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
@@ -372,12 +344,14 @@ def gloss_points(
 
     ``conductors``, a row a hit class, are what surfaces of ``alpha`` > 0 reflect by in place of their lobe: of them the
     result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere. Raises ``Unsupported`` with a background, or
-    in BRDF units.
+    in BRDF units. ``senders``, a row a sphere and then a row a plane, are what shapes send light on by in place
+    of Lambert's term: their colour times kd times pi D F G/(4 cos_o), or (n + 2)/2 N.l cos^n, of what arrives. Such a
+    plane is of one colour, and n is no smaller than ``FELT_END``: its highlight's end is no wall.
     """
     lights = light_rows(arrays, disk_order)
     if conductors is not None:
-        refuse_conductors(arrays, conductors)
-    view = scene_view(arrays, lights, conductors)
+        refuse_conductors(arrays, conductors, np.asarray(surface))
+    view = scene_view(arrays, lights, conductors, senders)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
@@ -390,7 +364,7 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics,
+        radiance_bound(arrays, lights, senders), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics,
         s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights),
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

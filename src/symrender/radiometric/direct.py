@@ -10,26 +10,32 @@ from symrender.radiometric.sight import hidden_direction, hidden_point, nearest
 from symrender.radiometric.sky import area_irradiance, sky_irradiance
 from symrender.radiometric.vectors import Vector, dot, vector
 from symrender.radiometric.world import World
-from symrender.scene.radiometric.arrays import AREA, FIRST_SHAPE, POINT, SKY
+from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, FIRST_SHAPE, SKY, SPOT
 from symrender.scene.radiometric.records import Light
 
 
 @jitable
 def arriving(light: Light, place: Vector) -> tuple[Vector, Vector]:
-    """(unit vector to a point or directional light, irradiance across its rays at a place that nothing hides)."""
+    """(unit vector to a point, a spot or a directional light, irradiance across its rays where nothing hides it)."""
     at, e = vector(light.place), vector(light.emitted)
-    if light.kind == POINT:
-        x, y, z, fall = leaves.point_light(*place, *at)
-        return (x, y, z), (e[0] * fall, e[1] * fall, e[2] * fall)
-    return (-at[0], -at[1], -at[2]), e
+    if light.kind == DIRECTIONAL:
+        return (-at[0], -at[1], -at[2]), e
+    x, y, z, fall = leaves.point_light(*place, *at)
+    if light.kind == SPOT:
+        axis = vector(light.axis)
+        if light.smooth != 0.0:
+            fall = fall * leaves.smooth_spot(x, y, z, *axis, light.beam, light.cutoff)
+        else:
+            fall = fall * leaves.linear_spot(x, y, z, *axis, light.beam, light.cutoff)
+    return (x, y, z), (e[0] * fall, e[1] * fall, e[2] * fall)
 
 
 @jitable
 def is_hidden(world: World, own: int, front: bool, place: Vector, light: Light, toward: Vector) -> bool:
-    """Whether a piece hides a point or directional light from a place of piece ``own`` that faces it."""
-    if light.kind == POINT:
-        return hidden_point(world, own, front, place, vector(light.place))
-    return hidden_direction(world, own, front, place, toward)
+    """Whether a piece hides a point, a spot or a directional light from a place of piece ``own`` that faces it."""
+    if light.kind == DIRECTIONAL:
+        return hidden_direction(world, own, front, place, toward)
+    return hidden_point(world, own, front, place, vector(light.place))
 
 
 @jitable

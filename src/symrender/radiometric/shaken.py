@@ -91,6 +91,7 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
     for light in lights:
         light.place[:] = moved(light.place, max(size, float(np.abs(light.place).max())))
         light.emitted[:] = light.emitted * moved(np.ones(3), 1.0)
+        light.beam, light.cutoff = scaled(light.beam), scaled(light.cutoff)
     directions = np.array([moved(v, float(np.abs(v).max())) for v in arrays.directions]).reshape(-1, 3)
     camera = record(Camera)
     flat(camera)[:] = flat(arrays.camera)

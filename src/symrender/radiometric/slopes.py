@@ -21,7 +21,7 @@ from symrender.radiometric.world import Seen, World
 from symrender.scene.arrays import PLANE
 from symrender.scene.frames import frame_moves, turned
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import DIRECTIONAL, DISK, RadiometricArrays, plane_record
+from symrender.scene.radiometric.arrays import DIRECTIONAL, DISK, SPOT, RadiometricArrays, plane_record
 from symrender.scene.radiometric.records import Light, Material, Shape
 from symrender.scene.records import Camera, Frame, Plane
 
@@ -54,6 +54,8 @@ def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -
     for i, light in enumerate(arrays.lights):
         if light.kind == DIRECTIONAL:
             lights[i].place[:] = turned(arrays.directions[i], directions[i])
+        if light.kind == SPOT:
+            lights[i].axis[:] = turned(arrays.directions[i], directions[i])
     window = _window_moves(arrays.camera, camera, width, height)
     laid, moved = (table(Piece, piece_count(arrays.shapes)) for _ in range(2))
     _pieces_kernel()(arrays.shapes, arrays.frames, laid, shapes, places, moved)

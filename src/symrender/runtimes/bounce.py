@@ -1,4 +1,4 @@
-"""The light of one bounce at the places rays meet: lobe averages of diffuse surfaces, to a tolerance."""
+"""The light of one bounce at the places rays meet: lobe integrals of their materials, to a tolerance."""
 
 from __future__ import annotations
 
@@ -9,8 +9,12 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.chart import FELT_END
+from symrender.chambers.lobes.record import CONDUCTOR as ROUGH
+from symrender.chambers.lobes.record import CORRELATED, LAMBERT, POWER, SEPARABLE, Conductor, Sender
 from symrender.chambers.records import INVERSE_SQUARE
 from symrender.jit.compiled import compiled
+from symrender.jit.records import Table, table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import SplitWork, gloss_points, nearest_squares, split_work
 from symrender.quadrature.split_setup import MET, UNSUPPORTED
@@ -18,9 +22,10 @@ from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world
-from symrender.scene.arrays import SceneArrays
-from symrender.scene.radiometric.arrays import SPHERE, RadiometricArrays
+from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
+from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, shape_classes
+from symrender.scene.radiometric.records import Material
 
 Ints = npt.NDArray[np.int64]
 
@@ -31,13 +36,16 @@ SLACK: Final = 16.0
 ULP: Final = 2.0**-52
 RULE: Final = 1
 """``disk_order``: there are no disk lights."""
+FELT_SLOPE: Final = 9.0
+"""No direction where cos^n is above e^-40 has a larger slope of its logarithm than this times sqrt(n + 1)."""
 
 
 @dataclass(frozen=True)
 class Hits:
     """Where N rays meet shapes: ``shape`` (N,), -1 where none, and ``place``, unit ``normal``, ``albedo`` (N, 3).
 
-    ``behind`` (N,) is 1 where the shape's own normal points away from the ray.
+    ``behind`` (N,) is 1 where the shape's own normal points away from the ray, whose unit direction is ``travel``
+    (N, 3).
     """
 
     shape: Ints
@@ -45,11 +53,12 @@ class Hits:
     normal: Array
     albedo: Array
     behind: Array
+    travel: Array
 
     def some(self, which: Ints) -> Hits:
         """Those of ``which``."""
         vectors = (self.place[which], self.normal[which], self.albedo[which])
-        return Hits(self.shape[which], *vectors, self.behind[which])
+        return Hits(self.shape[which], *vectors, self.behind[which], self.travel[which])
 
 
 def hits(arrays: RadiometricArrays, origins: Array, directions: Array) -> Hits:
@@ -58,7 +67,7 @@ def hits(arrays: RadiometricArrays, origins: Array, directions: Array) -> Hits:
     place, normal, albedo = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
     shape, behind = np.zeros(count), np.zeros(count)
     _hits_kernel()(make_world(arrays), origins, directions, shape, place, normal, albedo, behind)
-    return Hits(shape.astype(np.int64), place, normal, albedo, behind)
+    return Hits(shape.astype(np.int64), place, normal, albedo, behind, directions)
 
 
 @dataclass(frozen=True)
@@ -76,12 +85,14 @@ class Bounced:
 
 
 class Bouncer:
-    """A scene of diffuse surfaces with the scratch of one thread; ``sent`` answers for rays."""
+    """A scene with the scratch of one thread; ``sent`` answers for rays."""
 
     def __init__(self, arrays: RadiometricArrays) -> None:
         self._arrays = arrays
         self._shaken = shaken(arrays)
         self._classes, _ = shape_classes(arrays)
+        used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
+        self._highlights = max([1.0, *(float(_sharpness(m, np.ones(1))[0]) for m in used)])
         self._scenes: dict[bytes, Bounce] = {}
         self._scratch: SplitWork | None = None
 
@@ -109,8 +120,9 @@ class Bouncer:
     def light(self, hits: Hits, tol: float, budget: int) -> Bounced:
         """One bounce of light at ``hits``, each to ``tol``, absolute, or ``budget`` evaluations.
 
-        A surface seen from behind is black unless it reflects on both sides; of the inside of a sphere that does, and
-        of a place in another plane, no value is given: the status is ``UNSUPPORTED`` and the error infinite.
+        A surface seen from behind is black unless it reflects on both sides; of the inside of a sphere that does, of a
+        place in another plane, and of one that may see a highlight whose end is a wall, no value is given: the status
+        is ``UNSUPPORTED`` and the error infinite.
         """
         count = len(hits.shape)
         found = Bounced(
@@ -124,6 +136,7 @@ class Bouncer:
         met = hits.shape >= 0
         black = met & (hits.behind != 0.0) & ~two_sided[hits.shape]
         undone = met & ~black & (((hits.behind != 0.0) & ~is_plane[hits.shape]) | self._in_a_plane(hits))
+        undone |= met & ~black & self._may_see_an_end(hits)
         found.status[undone], found.error[undone] = UNSUPPORTED, np.inf
         work = np.flatnonzero(met & ~black & ~undone & (hits.albedo.max(axis=1) > 0.0))
         turned = np.zeros((len(work), len(shapes)), dtype=bool)
@@ -150,6 +163,20 @@ class Bouncer:
             inside |= (np.abs(offset @ frame.up) <= 4.0 * ULP * size) & (self._classes[hits.shape] != self._classes[j])
         return inside
 
+    def _may_see_an_end(self, hits: Hits) -> npt.NDArray[np.bool_]:
+        """Whether some of a shape of phong with an exponent below ``FELT_END`` is above the horizon of the places."""
+        above = np.zeros(len(hits.shape), dtype=bool)
+        for j, shape in enumerate(self._arrays.shapes):
+            material = self._arrays.materials[int(shape.material)]
+            if material.kind != PHONG or material.exponent >= FELT_END:
+                continue
+            other = self._classes[hits.shape] != self._classes[j]
+            if shape.kind == SPHERE:
+                above |= other & (((shape.place - hits.place) * hits.normal).sum(axis=1) > -shape.radius)
+            else:
+                above |= other
+        return above
+
     def _nearness(self, own: int, place: Array) -> Array:
         """(N,) size of coordinates over the distance to the nearest other shape, or over the radius of their own."""
         size, nearest = np.abs(place).max(axis=1), np.full(len(place), np.inf)
@@ -170,21 +197,30 @@ class Bouncer:
         self, some: Ints, turned: npt.NDArray[np.bool_], hits: Hits, tol: float, budget: int, found: Bounced
     ) -> None:
         """Fill ``found`` at places ``some``, all of one shape, with the planes ``turned`` that show their backs."""
-        key = turned.tobytes()
-        if key not in self._scenes:
-            self._scenes[key] = bounce_scenes(self._arrays, turned)
-        bounce = self._scenes[key]
         own = int(hits.shape[some[0]])
         material = self._arrays.materials[int(self._arrays.shapes[own].material)]
+        key = turned.tobytes() + bytes([int(material.kind == PHONG)])
+        if key not in self._scenes:
+            self._scenes[key] = bounce_scenes(self._arrays, turned, own)
+        bounce = self._scenes[key]
+        senders = _senders(self._arrays, bounce)
+        conductors = None
+        if senders is not None:
+            conductors = table(Conductor, FIRST_SPHERE + len(senders))
+            for k, sender in enumerate(senders):
+                conductors[FIRST_SPHERE + k] = sender.conductor
         most = float(max(material.bright.max(), material.dark.max()))
-        place, normal = hits.place[some], hits.normal[some]
+        place, normal, travel = hits.place[some], hits.normal[some], hits.travel[some]
         total, missed = np.zeros((len(some), 3)), np.zeros(len(some))
         for part in bounce.parts:
             if self._scratch is None:
                 self._scratch = split_work(part, light_rows(part, RULE))
             surface = np.full(len(some), bounce.classes[own])
             share = SHARE * tol / (most * len(bounce.parts))
-            seen = gloss_points(part, place, normal, -normal, surface, share, RULE, budget, self._scratch)
+            seen = gloss_points(
+                part, place, normal, -normal if material.kind == DIFFUSE else travel, surface, share, RULE, budget,
+                self._scratch, conductors=conductors, senders=senders,
+            )  # fmt: skip
             total += seen.gloss
             missed += seen.error
             found.status[some] = np.maximum(found.status[some], seen.status)
@@ -193,7 +229,38 @@ class Bouncer:
         found.indirect[some], found.incoming[some] = albedo * total, total
         light = found.indirect[some].max(axis=1)
         astray = SLACK * ULP * np.maximum(_closeness(bounce.parts[0], place), self._nearness(own, place))
+        astray *= _sharpness(material, -(travel * normal).sum(axis=1)) + self._highlights
         found.error[some] = albedo.max(axis=1) * missed + astray * light
+
+
+def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
+    """How the shapes of ``bounce`` send light on; None if all are diffuse."""
+    rows = table(Sender, len(bounce.shapes))
+    for row, j in zip(rows, bounce.shapes, strict=True):
+        material = arrays.materials[int(arrays.shapes[j].material)]
+        row.kind = LAMBERT
+        if material.kind == PHONG:
+            row.kind, row.exponent = POWER, material.exponent
+        elif material.kind == CONDUCTOR:
+            rough = row.conductor
+            row.kind, rough.alpha = ROUGH, material.alpha
+            rough.masking = CORRELATED if material.correlated else SEPARABLE
+            rough.eta[:], rough.k[:] = material.eta, material.k
+            rough.beckmann = 1.0 if material.density == BECKMANN else 0.0
+    return rows if (rows["kind"] != LAMBERT).any() else None
+
+
+def _sharpness(material: Material, cosine: Array) -> Array:
+    """(N,) largest slope of the logarithm of what a material reflects, seen at these cosines, in the directions."""
+    if material.kind == DIFFUSE:
+        return np.ones(len(cosine))
+    if material.kind == PHONG:
+        return np.full(len(cosine), FELT_SLOPE * np.sqrt(material.exponent + 1.0))
+    if material.density == BECKMANN:
+        # where D is above e^-40
+        return np.asarray(1.0 + 13.0 / material.alpha + 1.0 / np.maximum(cosine, 1e-300))
+    # D's is 2/alpha at most, and the masking's as where the view grazes
+    return np.asarray(1.0 + 2.0 / material.alpha + 1.0 / np.maximum(cosine, 1e-300))
 
 
 def _closeness(part: SceneArrays, place: Array) -> Array:

@@ -15,6 +15,9 @@ def largest_density(square: float, lobe: Lobe) -> float:
 
     Of a lobe cos^n it is the density itself, cos^n theta / W.
     """
+    if lobe.kind == CONDUCTOR and lobe.beckmann == 1:
+        # G is at most G1(o)
+        return values.beckmann_most(square, lobe.alpha) * lobe.outward / (4.0 * math.pi * lobe.cos_view)
     if lobe.kind == CONDUCTOR:
         return values.ggx_most(square, lobe.alpha, lobe.by_cosine, lobe.by_root)
     return values.lobe_density(square, lobe.exponent, lobe.log_normaliser)
@@ -24,7 +27,7 @@ def largest_density(square: float, lobe: Lobe) -> float:
 def log_peak(lobe: Lobe) -> float:
     """Logarithm of the largest density of all."""
     if lobe.kind == CONDUCTOR:
-        return math.log(values.ggx_most(0.0, lobe.alpha, lobe.by_cosine, lobe.by_root))
+        return math.log(largest_density(0.0, lobe))
     return -lobe.log_normaliser
 
 
@@ -32,7 +35,7 @@ def log_peak(lobe: Lobe) -> float:
 def log_fall(versine: float, lobe: Lobe) -> float:
     """By how much the logarithm of the density has fallen where 1 - cos theta is ``versine``, at least."""
     if lobe.kind == CONDUCTOR:
-        return math.log(largest_density(2.0 * versine, lobe)) - log_peak(lobe)
+        return math.log(max(1e-300, largest_density(2.0 * versine, lobe))) - log_peak(lobe)
     return lobe.exponent * math.log1p(-min(1.0 - 1e-15, versine))
 
 

@@ -10,6 +10,8 @@ POWER: Final = 0
 """cos^n theta about the mirror direction m, theta <= theta_max."""
 CONDUCTOR: Final = 1
 """A microfacet lobe about m over the hemisphere of the surface normal: no rim, and a reflectance a channel."""
+LAMBERT: Final = 2
+"""Of what is seen: in all directions alike."""
 SEPARABLE: Final = 0.0
 """Masking G1(o) G1(i)."""
 CORRELATED: Final = 1.0
@@ -42,10 +44,14 @@ class Lobe(Record):
     by_cosine: float
     by_root: float
     """What the masking divides by, as of the leaf ``ggx_lobe``."""
+    beckmann: int
+    """1 where its normals are Beckmann's; then G1(o), and 1 where masking is height-correlated."""
+    outward: float
+    correlated: float
 
 
 class Conductor(Record):
-    """A rough conductor: GGX of roughness ``alpha``, and eta - i k of every channel; ``alpha`` 0 where there is none.
+    """A rough conductor: roughness ``alpha``, and eta - i k of every channel; ``alpha`` 0 where there is none.
 
     Reflectance is 1 everywhere with eta 0 and k 1.
     """
@@ -55,3 +61,16 @@ class Conductor(Record):
     """``SEPARABLE`` or ``CORRELATED``."""
     eta: Three
     k: Three
+    beckmann: float
+    """1 where normals are Beckmann's and G1 Smith's, 0 of GGX."""
+
+
+class Sender(Record):
+    """How a shape sends light on: a conductor, or a phong material of ``exponent``, cos^n about the mirror direction.
+
+    ``kind`` is ``CONDUCTOR``, ``POWER``, or ``LAMBERT`` where it is neither.
+    """
+
+    kind: int
+    exponent: float
+    conductor: Conductor

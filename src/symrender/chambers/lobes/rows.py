@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.leaf_rows import conductor_fresnels_rows, ggx_lobe_rows, lobe_density_rows
+from symrender.chambers.leaf_rows import beckmann_lobe_rows, conductor_fresnels_rows, ggx_lobe_rows, lobe_density_rows
 from symrender.chambers.lobes.record import CONDUCTOR, Conductor, Lobe
 from symrender.chambers.records import NODES, Chart, Nodes
 from symrender.chambers.row_powers import powers
@@ -32,6 +32,9 @@ def conductor_densities(m: int, nodes: Nodes, lobe: Lobe, conductors: Table[Cond
         return False
     if lobe.kind != CONDUCTOR:
         return False
+    if lobe.beckmann == 1:
+        beckmann_lobe_rows(0, m, lobe.alpha, lobe.cos_view, lobe.outward, lobe.correlated, nodes)
+        return True
     ggx_lobe_rows(0, m, lobe.alpha, lobe.cos_view, lobe.by_cosine, lobe.by_root, nodes)
     return True
 

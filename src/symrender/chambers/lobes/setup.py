@@ -11,7 +11,7 @@ import numpy.typing as npt
 from symrender.chambers.lobes.record import CONDUCTOR, CORRELATED, NO_RIM, POWER, Conductor, Lobe
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.leaves.values import log_normaliser, log_rim, smith_root
+from symrender.leaves.values import log_normaliser, log_rim, seen_area, smith_root
 
 Array = npt.NDArray[np.float64]
 
@@ -83,6 +83,8 @@ def conductor_setup(surface: int, axis: Array, normal: Array, conductors: Table[
     lobe.facing[0] = lobe.facing[1] = lobe.facing[2] = 0.0
     lobe.facing_level = 1.0
     cosine = axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2]
+    lobe.beckmann, lobe.correlated = int(conductor.beckmann), conductor.masking
+    lobe.outward = cosine / seen_area(cosine, conductor.alpha)
     root = smith_root(cosine, conductor.alpha)
     lobe.cos_view = cosine
     lobe.by_cosine = lobe.by_root = cosine + root

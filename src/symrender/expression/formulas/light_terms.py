@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.elementary import Real, clamp, gleam, length, positive, sqrt
+from symrender.expression.elementary import Real, clamp, gleam, length, positive, ratio, sqrt
 from symrender.expression.leaf import Leaf, Rows
 from symrender.expression.vectors import Vec3, dot, norm2
 
@@ -106,6 +106,13 @@ def phong_nodes(light: Vec3, place: Vec3, normal: Vec3, view: Vec3) -> tuple[Rea
     return cosine, clamp(base)
 
 
+def lit_phong(light: Vec3, place: Vec3, normal: Vec3, view: Vec3, falling: Real, exponent: Real) -> tuple[Real, Real]:
+    """((n + 2)/2 N.l, r.v) of a light point, the first over r^2 if ``falling`` is 1 and not 0, the second cut."""
+    cosine, base = phong(light - place, normal, view)
+    fall = falling / positive(norm2(light - place)) + (1 - falling)
+    return ratio(1, 2, cosine) * (exponent + 2) * cosine * fall, clamp(base)
+
+
 def light_channel(color: Real, kd: Real, ks: Real, albedo: Real, cosine: Real, highlight: Real) -> Real:
     """One channel of one unblocked light: color (kd albedo N.l + ks s)."""
     return color * (kd * albedo * cosine + ks * highlight)
@@ -130,5 +137,6 @@ LEAVES: Final = (
     Leaf(falling_nodes, ("share",), rows=Rows(_LIT, (("share", "clear", "scale"),))),
     Leaf(blinn_nodes, ("cosine", "base"), rows=Rows(_SEEN, _TERMS)),
     Leaf(phong_nodes, ("cosine", "base"), rows=Rows(_SEEN, _TERMS)),
+    Leaf(lit_phong, ("share", "base"), rows=Rows(_SEEN, (("share", "clear", "scale"), ("base", "radix", "set")))),
     Leaf(light_channel, ("radiance",), adjoint=("color", "kd", "ks", "albedo", "cosine", "highlight"), pages=True),
 )  # fmt: skip

@@ -9,7 +9,19 @@ from __future__ import annotations
 from typing import Final
 
 from symrender.expression.camera import perspective_axes
-from symrender.expression.elementary import Real, arc_cosine, azimuth, cos, pi, positive, ratio, sin, sqrt
+from symrender.expression.elementary import (
+    Real,
+    arc_cosine,
+    azimuth,
+    clamp,
+    cos,
+    length,
+    pi,
+    positive,
+    ratio,
+    sin,
+    sqrt,
+)
 from symrender.expression.intersection import approach, discriminant, normal, power, root
 from symrender.expression.leaf import Leaf
 from symrender.expression.vectors import Vec3, cross, dot, norm2, unit
@@ -25,6 +37,25 @@ def point_light(place: Vec3, light: Vec3) -> tuple[Vec3, Real]:
     toward = light - place
     square = positive(norm2(toward))
     return toward / sqrt(square), 1 / square
+
+
+def radians(degrees: Real) -> Real:
+    """An angle given in degrees."""
+    return degrees * pi(degrees) / 180
+
+
+def linear_spot(toward: Vec3, axis: Vec3, beam: Real, cutoff: Real) -> Real:
+    """Share of a spot's intensity at the unit vector ``toward`` it: 1 in the beam, falling with the angle from it."""
+    across = cross(toward, axis)
+    angle = azimuth(length(norm2(across)), -dot(toward, axis))
+    return clamp((radians(cutoff) - angle) / radians(cutoff - beam))
+
+
+def smooth_spot(toward: Vec3, axis: Vec3, beam: Real, cutoff: Real) -> Real:
+    """Share of a spot's intensity at the unit vector ``toward`` it: t^2 (3 - 2t) of the cosine of the angle from it."""
+    edge = cos(radians(cutoff))
+    t = clamp((-dot(toward, axis) - edge) / (cos(radians(beam)) - edge))
+    return t * t * (3 - 2 * t)
 
 
 def diffuse_reflection(cosine: Real) -> Real:
@@ -126,6 +157,8 @@ LEAVES: Final = (
     Leaf(perspective_axes, ("forward:3", "right:3", "above:3")),
     Leaf(camera_ray, ("direction:3",)),
     Leaf(point_light, ("toward:3", "fall")),
+    Leaf(linear_spot, ("share",)),
+    Leaf(smooth_spot, ("share",)),
     Leaf(diffuse_reflection, ("reflected",)),
     Leaf(phong_scale, ("scale",)),
     Leaf(sphere_turns, ("x", "y")),

@@ -14,12 +14,14 @@ from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.samplers import IMPORTANCE, square_point
 from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
-from symrender.scene.radiometric.arrays import AREA, POINT, SKY
+from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, SKY, SPOT
+from symrender.scene.radiometric.records import Light
 
 ROULETTE: Final = 3
 """Reflections after which a path may end by chance."""
 _MOST_KEPT: Final = 0.95
 _UNIFORM: Final = 1.0 / (2.0 * math.pi)
+_DEGREE: Final = math.pi / 180.0
 
 
 class Surface(NamedTuple):
@@ -76,6 +78,24 @@ def plus(a: Vector, b: Vector) -> Vector:
 
 
 @jitable
+def in_beam(light: Light, toward: Vector) -> float:
+    """Share of its intensity that a spot sends against the unit vector ``toward`` it."""
+    axis = triple(light.axis)
+    apart, mean = plus(toward, axis), minus(toward, axis)
+    # twice the angle whose tangent is |w - a|/|w + a|, w the way light goes
+    angle = 2.0 * math.atan2(math.sqrt(dot(apart, apart)), math.sqrt(dot(mean, mean)))
+    beam, cutoff = light.beam * _DEGREE, light.cutoff * _DEGREE
+    if angle <= beam or angle >= cutoff:
+        return 1.0 if angle <= beam else 0.0
+    if light.smooth == 0.0:
+        return (cutoff - angle) / (cutoff - beam)
+    # a difference of cosines is a product of sines
+    down = math.sin(0.5 * (cutoff + angle)) * math.sin(0.5 * (cutoff - angle))
+    t = down / (math.sin(0.5 * (cutoff + beam)) * math.sin(0.5 * (cutoff - beam)))
+    return t * t * (3.0 - 2.0 * t)
+
+
+@jitable
 def from_points(world: World, at: Surface) -> Vector:
     """Reflected light of all lights that are single points or directions."""
     total = (0.0, 0.0, 0.0)
@@ -84,13 +104,15 @@ def from_points(world: World, at: Surface) -> Vector:
         light = world.lights[i]
         if light.kind == SKY or light.kind == AREA:
             continue
-        if light.kind == POINT:
+        if light.kind == DIRECTIONAL:
+            toward = (-light.place[0], -light.place[1], -light.place[2])
+            limit, strength = math.inf, 1.0
+        else:
             way = minus(triple(light.place), at.hit.place)
             limit = math.sqrt(dot(way, way))
             toward, strength = unit(way), 1.0 / (limit * limit)
-        else:
-            toward = (-light.place[0], -light.place[1], -light.place[2])
-            limit, strength = math.inf, 1.0
+            if light.kind == SPOT:
+                strength *= in_beam(light, toward)
         share = reflected(material, at.reflectance, at.wo, local(at, toward))
         if max(share[0], share[1], share[2]) > 0.0 and reaches(world, at.hit, toward, limit):
             total = plus(total, scaled(share, triple(light.emitted), strength))

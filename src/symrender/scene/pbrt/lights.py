@@ -26,6 +26,16 @@ def area(parameters: Parameters) -> dict[str, Any]:
     return {"type": "area", "radiance": radiance}
 
 
+def _spot(parameters: Parameters, at: Transform) -> dict[str, Any]:
+    """The entry of a spot without its name and its strength."""
+    begin = parameters.triple("from", "point3", _ORIGIN)
+    end = parameters.triple("to", "point3", (0.0, 0.0, 1.0))
+    x, y, z = (b - a for a, b in zip(begin, end, strict=True))
+    cutoff, fall = parameters.number("coneangle", 30.0), parameters.number("conedeltaangle", 5.0)
+    entry: dict[str, Any] = {"type": "spot", "position": list(at.place(begin)), "direction": list(at.vector((x, y, z)))}
+    return entry | {"beam": cutoff - fall, "cutoff": cutoff, "falloff": "smooth"}
+
+
 def light(parameters: Parameters, at: Transform) -> tuple[dict[str, Any], dict[str, Mark]]:
     """The entry of a light without its name, and where its fields stand."""
     (kind,) = parameters.directive.strings
@@ -39,6 +49,9 @@ def light(parameters: Parameters, at: Transform) -> tuple[dict[str, Any], dict[s
                 "type": "point",
                 "position": list(at.place(parameters.triple("from", "point3", _ORIGIN))),
             }
+        case "spot":
+            strength, given = "I", "intensity"
+            entry = _spot(parameters, at)
         case "distant":
             strength, given = "L", "irradiance"
             begin = parameters.triple("from", "point3", _ORIGIN)
@@ -51,9 +64,16 @@ def light(parameters: Parameters, at: Transform) -> tuple[dict[str, Any], dict[s
                 raise parameters.wrong("filename", "must be left out: nothing beside the file itself is opened")
             entry = {"type": "sky"}
         case _:
-            raise parameters.wrong("", f"must be point, distant or infinite, got {printable(kind)}, a light not read")
+            raise parameters.wrong(
+                "", f"must be point, spot, distant or infinite, got {printable(kind)}, a light not read"
+            )
     entry[given] = [parameters.number("scale", 1.0) * parameters.light(strength, 1.0)] * 3
-    parameters.done({"point": "I, scale and from", "distant": "L, scale, from and to"}.get(kind, "L and scale"))
+    known = {
+        "point": "I, scale and from",
+        "spot": "I, scale, from, to, coneangle and conedeltaangle",
+        "distant": "L, scale, from and to",
+    }
+    parameters.done(known.get(kind, "L and scale"))
     return entry, {
         given: parameters.where(strength),
         "position": parameters.where("from"),

@@ -43,6 +43,7 @@ POINT: Final = 0
 DIRECTIONAL: Final = 1
 SKY: Final = 2
 AREA: Final = 3
+SPOT: Final = 4
 
 FIRST_SHAPE: Final = 1
 """Shape j of the scene has hit class ``FIRST_SHAPE + j``; 0 is nothing."""
@@ -55,7 +56,8 @@ ALL: Final = 1 << 30
 class RadiometricArrays:
     """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes and disks lie.
 
-    ``directions`` (lights, 3) are those of directional lights, of any length: ``place`` of these is its unit vector.
+    ``directions`` (lights, 3) are those of directional lights and spots, of any length: ``place`` of the first and
+    ``axis`` of the others is its unit vector.
     """
 
     materials: Table[Material]
@@ -90,6 +92,11 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
                 light_row.kind = DIRECTIONAL
                 travel[:] = light.direction
                 light_row.emitted[:] = light.irradiance
+            case lights.Spot():
+                light_row.kind = SPOT
+                light_row.place[:], light_row.emitted[:] = light.position, light.intensity
+                travel[:] = light.direction
+                light_row.beam, light_row.cutoff, light_row.smooth = light.beam, light.cutoff, light.falloff == "smooth"
             case lights.Sky():
                 light_row.kind = SKY
                 light_row.emitted[:] = light.radiance
@@ -106,15 +113,16 @@ def laid_out(
     materials: Table[Material], shapes: Table[Shape], lights: Table[Light], directions: Array, camera: Camera,
     bounces: int,
 ) -> RadiometricArrays:  # fmt: skip
-    """The records of a scene, and what follows: frames of planes and disks, unit vectors of directional lights."""
+    """The records of a scene, and what follows: frames of planes and disks, unit vectors of lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
     for j, row in enumerate(shapes):
         if row.kind in (PLANE, DISK):
             places[j] = frames(plane_record(row))[0]
     for i, light in enumerate(lit):
-        if light.kind == DIRECTIONAL:
+        if light.kind in (DIRECTIONAL, SPOT):
             direction = directions[i] / np.abs(directions[i]).max()
-            light.place[:] = direction / np.sqrt(direction @ direction)
+            unit = light.place if light.kind == DIRECTIONAL else light.axis
+            unit[:] = direction / np.sqrt(direction @ direction)
     return RadiometricArrays(materials, shapes, places, lit, directions, camera, bounces)
 
 

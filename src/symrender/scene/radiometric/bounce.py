@@ -1,8 +1,9 @@
-"""A radiometric scene of diffuse surfaces as the scene whose lobes the split rule integrates.
+"""A radiometric scene as the scene whose lobes the split rule integrates.
 
-What a hit Q sends to P is (rho_Q/pi) sum_i I_i (N_Q.l_i)/r_i^2: Lambert's term with kd = 1/pi under lights that fall
-off. What P makes of it, (rho_P/pi) int cos L dw over the hemisphere of its normal, is rho_P times the average of L
-under the lobe of exponent 1 about the normal.
+What a diffuse hit Q sends to P is (rho_Q/pi) sum_i I_i (N_Q.l_i)/r_i^2: Lambert's term with kd = 1/pi under lights that
+fall off; a conductor is a ``sender``. What P makes of it, (rho_P/pi) int cos L dw over the hemisphere of its normal, is
+rho_P times the average of L under the lobe of exponent 1 about the normal. A conductor has its own lobe, and phong's is
+that of BRDF units, (n + 2)/(2 pi) cos^n over the hemisphere with the cosine inside the integral.
 
 Textures of spheres are linear in what they are mixed of, dark + share (bright - dark): a scene of the dark alone and
 one of the difference alone are added. Planes are black behind, so a plane that reflects on both sides is turned to
@@ -21,8 +22,18 @@ import numpy.typing as npt
 from symrender.jit.records import Table, record, table
 from symrender.limits import MAX_PLANES
 from symrender.scene import arrays as series
-from symrender.scene.arrays import CHECKER, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
-from symrender.scene.radiometric.arrays import AREA, DIFFUSE, POINT, SKY, SPHERE, RadiometricArrays
+from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
+from symrender.scene.radiometric.arrays import (
+    AREA,
+    CONDUCTOR,
+    DIFFUSE,
+    PHONG,
+    POINT,
+    SKY,
+    SPHERE,
+    SPOT,
+    RadiometricArrays,
+)
 from symrender.scene.radiometric.records import Material, Shape
 from symrender.scene.records import Floor, Light, Plane, Shading, Sphere
 
@@ -41,20 +52,24 @@ SPARE: Final = 2.25
 class Bounce:
     """Scenes whose lobe averages add up to what arrives, and the hit class of every shape in them.
 
-    A shape equal to an earlier one is not there, and its class is the earlier one's.
+    A shape equal to an earlier one is not there, and its class is the earlier one's. ``shapes`` are those that are, in
+    the order of their classes.
     """
 
     parts: tuple[SceneArrays, ...]
     classes: Ints
+    shapes: tuple[int, ...]
 
 
 def bounce_refusal(arrays: RadiometricArrays) -> str:
     """What of a scene keeps its bounced light from being integrated, as words for a message; empty if nothing does."""
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
-    if any(material.kind != DIFFUSE for material in used):
-        return "a conductor or a phong material"
+    if any(material.kind == CONDUCTOR and material.walter for material in used):
+        return "a conductor of g1: walter"
     if any(light.kind == SKY for light in arrays.lights):
         return "a sky"
+    if any(light.kind == SPOT for light in arrays.lights):
+        return "a spot"
     if any(light.kind == AREA for light in arrays.lights):
         return "an area light"
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
@@ -62,13 +77,15 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
     planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
     if any(material.texture in (STRIPES, MARBLE) for material in planes):
         return "stripes or marble on a plane"
+    if any(material.texture == CHECKER and material.kind != DIFFUSE for material in planes):
+        return "a checker on a plane of a conductor or a phong material"
     if len(planes) > MAX_PLANES:
         return f"more than {MAX_PLANES} planes"
     return ""
 
 
-def bounce_scenes(arrays: RadiometricArrays, turned: Flags) -> Bounce:
-    """The scenes in which the light that a point sees reflected is integrated; ``turned`` planes show their back."""
+def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
+    """The scenes in which the light that shape ``own`` reflects is integrated; ``turned`` planes show their back."""
     classes, kept = shape_classes(arrays)
     spheres = [j for j in kept if arrays.shapes[j].kind == SPHERE]
     planes = [j for j in kept if arrays.shapes[j].kind != SPHERE]
@@ -85,8 +102,9 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags) -> Bounce:
             _lay_plane(arrays, j, bool(turned[j]), 0.0 if difference else 1.0 / scale, side)
         shading = record(Shading)
         shading.kd = scale / math.pi
+        shading.units = BRDF_NORMALISED if _material(arrays, own).kind == PHONG else LOBE_AVERAGE
         parts.append(SceneArrays(rows, record(Floor), _lights(arrays), shading, arrays.camera, sides))
-    return Bounce(tuple(parts), classes)
+    return Bounce(tuple(parts), classes, (*spheres, *planes))
 
 
 def _material(arrays: RadiometricArrays, j: int) -> Material:
@@ -117,7 +135,7 @@ def shape_classes(arrays: RadiometricArrays) -> tuple[Ints, list[int]]:
 
 def _lay_sphere(shape: Shape, material: Material, difference: bool, scale: float, row: Sphere) -> None:
     row.center[:], row.radius = shape.place, shape.radius
-    row.weight, row.exponent, row.theta_max = 1.0, 1.0, 0.5 * math.pi
+    row.weight, row.exponent, row.theta_max = 1.0, _exponent(material), 0.5 * math.pi
     contrast = material.bright - material.dark
     veined = material.texture == MARBLE
     if not difference:
@@ -137,7 +155,11 @@ def _lay_plane(arrays: RadiometricArrays, j: int, turned: bool, share: float, ro
     row.normal[:], row.along[:] = (-frame.up, frame.north) if turned else (frame.up, frame.east)
     row.kind, row.cell = CHECKER if material.texture == CHECKER else SOLID, material.cell
     row.bright[:], row.dark[:] = share * material.bright, share * material.dark
-    row.weight, row.exponent, row.theta_max = 1.0, 1.0, 0.5 * math.pi
+    row.weight, row.exponent, row.theta_max = 1.0, _exponent(material), 0.5 * math.pi
+
+
+def _exponent(material: Material) -> float:
+    return float(material.exponent) if material.kind == PHONG else 1.0
 
 
 def _lights(arrays: RadiometricArrays) -> Table[Light]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from symrender.scene.arrays import SOLID
-from symrender.scene.radiometric.arrays import ALL, BOX, DIFFUSE, RECTANGLE, SKY, TRIANGLE, RadiometricArrays
+from symrender.scene.radiometric.arrays import ALL, BOX, DIFFUSE, RECTANGLE, SKY, SPOT, TRIANGLE, RadiometricArrays
 
 
 def is_flat(arrays: RadiometricArrays) -> bool:
@@ -18,6 +18,8 @@ def flat_refusal(arrays: RadiometricArrays) -> str:
         return "a conductor or a phong material"
     if any(light.kind == SKY for light in arrays.lights):
         return "a sky"
+    if any(light.kind == SPOT for light in arrays.lights):
+        return "a spot"
     if any(material.texture != SOLID for material in used):
         return "a texture"
     if arrays.bounces == ALL and any(float(material.bright.max()) >= 1.0 for material in used):

@@ -9,7 +9,7 @@ import numpy as np
 
 from symrender.jit.records import flat
 from symrender.scene.moves import Move, components, stepped
-from symrender.scene.radiometric.arrays import DIRECTIONAL, Array, RadiometricArrays, radiometric_arrays
+from symrender.scene.radiometric.arrays import DIRECTIONAL, SPOT, Array, RadiometricArrays, radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 
 MOVED: Final = ("materials", "shapes", "lights", "directions", "camera")
@@ -31,6 +31,8 @@ def numbers(arrays: RadiometricArrays, name: str) -> Array:
     for row in lights:
         if row.kind == DIRECTIONAL:
             row.place[:] = 0.0
+        if row.kind == SPOT:
+            row.axis[:] = 0.0
     return flat(lights)
 
 

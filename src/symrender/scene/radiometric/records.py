@@ -53,10 +53,15 @@ class Light(Record):
     """A light: ``place`` is a point's position or the direction a directional light travels in, of any length.
 
     ``emitted`` is intensity, irradiance or radiance, as the ``kind`` is POINT, DIRECTIONAL or SKY; of AREA it is
-    radiance, and ``emitter`` the index of the shape that emits.
+    radiance, and ``emitter`` the index of the shape that emits. A SPOT is a point with a unit ``axis``, the angles
+    ``beam`` and ``cutoff`` in degrees, and 1 for ``smooth`` where its fall-off is.
     """
 
     kind: float
     emitter: float
     place: Three
     emitted: Three
+    axis: Three
+    beam: float
+    cutoff: float
+    smooth: float

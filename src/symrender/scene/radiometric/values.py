@@ -28,6 +28,7 @@ _Intensity = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"u
 _Irradiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/m2"})]
 _Radiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/m2/sr"})]
 
+Angle = Annotated[float, Field(ge=0, le=180, json_schema_extra={"unit": "degree"})]
 Rotation = Annotated[float, Field(ge=-360, le=360, json_schema_extra={"unit": "degree"})]
 Size3 = Annotated[tuple[Length, Length, Length], BeforeValidator(listed)]
 Shares = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple)]

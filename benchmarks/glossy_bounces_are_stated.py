@@ -1,0 +1,143 @@
+"""No bounced light between rough surfaces is beyond what it states.
+
+    python benchmarks/glossy_bounces_are_stated.py [--quick] [SEED [COUNT]]
+
+The crowds of ``bounced_light_is_stated.py`` with conductors of alpha .001 to 1 and phong materials among their
+surfaces, what is met first as well as what it sees, and rays that graze. The judge is
+``tests/radiometric/rough_lattice.py``: lattices of directions towards highlights, with formulas of its own. Where they
+tell less than half of what is stated they tell nothing, and what looks beyond is judged again by more points.
+"""
+
+from __future__ import annotations
+
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from bounced_light_is_stated import ENOUGH, LOOSEST, SURE, TOLERANCES, Judged, Scene, drawn
+from measure import Report
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+COUNT, QUICK, BATCH = 20_000, 40, 40
+BUDGET = 500_000
+LEAST = 1e-12
+"""No tolerance is smaller."""
+MORE = (28657, 17711)
+"""Points of a lattice, and its generator, by which a second look judges."""
+
+
+def rough(rng: np.random.Generator) -> Scene:
+    """A conductor or a phong material."""
+    shade: Any = rng.choice([0.0, 0.3, 1.0], 3, p=[0.2, 0.4, 0.4]).tolist() if rng.random() < 0.4 else [1.0, 1.0, 1.0]
+    both = {"reflectance": shade, "two_sided": bool(rng.random() < 0.2)}
+    if rng.random() < 0.25:
+        return {"type": "phong", "exponent": float(10.0 ** rng.uniform(0.0, 4.0))} | both
+    alpha = float(rng.choice([0.3, 0.1, 0.03, 10.0 ** rng.uniform(-3, 0)]))
+    eta, k = rng.uniform(0.1, 3, 3).tolist(), rng.choice([0.0, 0.5, 3.0], 3).tolist()
+    masking = str(rng.choice(["separable", "correlated"]))
+    kind = str(rng.choice(["ggx", "beckmann"], p=[0.75, 0.25]))
+    return {"type": "conductor", "distribution": kind, "alpha": alpha, "eta": eta, "k": k, "masking": masking} | both
+
+
+def crowd(seed: int) -> tuple[Scene, np.ndarray, np.ndarray]:
+    """A scene, and the origin and direction of a ray towards one of its shapes."""
+    rng = np.random.default_rng(seed)
+    scene, origin, direction = drawn(rng)
+    for name, material in scene["materials"].items():
+        if rng.random() < 0.6:
+            made = rough(rng)
+            on_plane = any(s["type"] == "plane" and s["material"] == name for s in scene["shapes"])
+            if isinstance(material["reflectance"], dict) and not on_plane:
+                made["reflectance"] = material["reflectance"]
+            scene["materials"][name] = made
+    if rng.random() < 0.2:
+        # seen from almost nowhere above what it meets
+        direction[2] *= 1e-3
+    return scene, origin, direction
+
+
+def judged(seeds: range) -> list[Judged]:
+    """Rays of these seeds."""
+    from tests.radiometric import rough_lattice
+
+    import symrender as sr
+    from symrender.errors import SymrenderError
+
+    found = []
+    for seed in seeds:
+        rng = np.random.default_rng([seed, 1])
+        scene, origin, direction = crowd(seed)
+        judge = rough_lattice.world(scene)
+        known = rough_lattice.bounced(judge, origin, direction, rng)
+        light = float(known.indirect.max())
+        if light == 0.0:
+            found.append(Judged(seed, "dark", 0.0, 0.0, 0.0, False, 0))
+            if rng.random() < 0.8:
+                continue
+        tol = max(LEAST, float(rng.choice(TOLERANCES)) * (light or 1e-3))
+        try:
+            seen = sr.probe(scene, rays=(origin, direction), tol=tol, budget=BUDGET)
+        except SymrenderError as reason:
+            found.append(Judged(seed, f"refused: {str(reason)[:60]}", 0.0, 0.0, light, False, 0))
+            continue
+        if seen.shape[0] != (f"shapes.{scene['shapes'][known.shape]['name']}" if known.shape >= 0 else "nothing"):
+            found.append(Judged(seed, "another shape", 0.0, 0.0, light, False, 0))
+            continue
+        stated, spent = float(seen.error[0]), int(seen.evaluations[0])
+        if not np.isfinite(stated):
+            found.append(Judged(seed, "unsupported", 0.0, stated, light, False, spent))
+            continue
+        sigma = known.sigma
+        off = float((np.abs(seen.indirect[0] - known.indirect) - SURE * sigma).max())
+        if off > stated or sigma.max() >= 0.5 * max(stated, tol):
+            again = [rough_lattice.bounced(judge, origin, direction, rng, *MORE) for _ in range(4)]
+            mean, sigma = (
+                np.mean([x.indirect for x in again], axis=0),
+                np.sqrt(np.mean([x.sigma**2 for x in again], axis=0) / 4.0),
+            )
+            off = float((np.abs(seen.indirect[0] - mean) - SURE * sigma).max())
+        told = sigma.max() < 0.5 * max(stated, tol) and known.glare >= ENOUGH
+        found.append(Judged(seed, "told" if told else "not told", off, stated, light, bool(seen.status[0] == 0), spent))
+    return found
+
+
+def main() -> None:
+    quick = "--quick" in sys.argv
+    seeds = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    first, count = (seeds[0] if seeds else 0), (seeds[1] if len(seeds) > 1 else QUICK if quick else COUNT)
+    report = Report("glossy_bounces_are_stated", "One bounce of light between rough surfaces is as near as it states.")
+    with ProcessPoolExecutor(1) as pool:
+        jobs = [
+            pool.submit(judged, range(s, min(s + BATCH, first + count))) for s in range(first, first + count, BATCH)
+        ]
+        found = [x for job in jobs for x in job.result()]
+    refused = [x for x in found if x.verdict.startswith("refused")]
+    values = [x for x in found if x.verdict in ("told", "not told")]
+    told = [x for x in values if x.verdict == "told"]
+    met = [x for x in told if x.met]
+    beyond = sorted((x for x in told if x.off > x.stated), key=lambda x: -x.off / max(x.stated, 1e-300))
+    others = {kind: sum(x.verdict == kind for x in found) for kind in ("another shape", "unsupported")}
+    most = max((x.evaluations for x in values), default=0)
+    report.say(
+        f"{count} rays from seed {first}: {sum(x.verdict == 'dark' for x in found)} without bounced light, "
+        f"{len(refused)} refused, {others['unsupported']} unsupported, {others['another shape']} where rounding has "
+        f"the ray meet another shape; {len(values)} values, {sum(x.met for x in values)} met; of {len(told)} the "
+        f"lattices tell, with a standard error below half the tolerance, {len(met)} of these met; beyond what is "
+        f"stated: {len(beyond)}. Evaluations: {sum(x.evaluations for x in values)}, at most {most} of one."
+    )
+    report.table(
+        ["seed", "off", "stated", "light", "met"], [[x.seed, x.off, x.stated, x.light, str(x.met)] for x in beyond[:8]]
+    )
+    for x in refused[:4]:
+        report.say(f"- seed {x.seed}: {x.verdict}")
+    report.claim_number("refused", len(refused), 0)
+    report.claim_number(f"values more than {LOOSEST:g} times beyond", sum(x.off > LOOSEST * x.stated for x in told), 0)
+    report.claim_number("most evaluations over the budget", most / BUDGET, 2.0)
+    report.leave()
+
+
+if __name__ == "__main__":
+    main()
