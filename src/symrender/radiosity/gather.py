@@ -45,13 +45,14 @@ _OUTER2: Final = (1.0 - _CENTER2) / 3.0
 
 
 @inlined
-def sent_by(cell: Cell, c: int, u: float, v: float) -> float:
+def sends(cell: Cell, c: int, u: float, v: float) -> float:
     """What a cell sends in a channel at its variables."""
     t, k = cell.terms, TERMS * c
-    return (
+    found: float = (
         t[k] + u * (t[k + 1] + u * (t[k + 3] + u * t[k + 6] + v * t[k + 7]) + v * (t[k + 4] + v * t[k + 8]))
         + v * (t[k + 2] + v * (t[k + 5] + v * t[k + 9]))
     )  # fmt: skip
+    return found
 
 
 @jitable
@@ -100,7 +101,7 @@ def average(
             weight = area * leaves.exchange(height, *normal, *w)
             o = (w[0] + way[0], w[1] + way[1], w[2] + way[2])
             u, v = dot(across, o), dot(along, o)
-            f, g, h = sent_by(cell, 0, u, v), sent_by(cell, 1, u, v), sent_by(cell, 2, u, v)
+            f, g, h = sends(cell, 0, u, v), sends(cell, 1, u, v), sends(cell, 2, u, v)
             dark = (min(dark[0], f), min(dark[1], g), min(dark[2], h))
             bright = (max(bright[0], f), max(bright[1], g), max(bright[2], h))
             m, n = weight * much, weight * little
@@ -140,7 +141,7 @@ def add_part(
             x, y, z = x + w[0], y + w[1], z + w[2]
         o = (x / size + way[0], y / size + way[1], z / size + way[2])
         u, v = dot(vector(cell.across), o), dot(vector(cell.along), o)
-        red, green, blue, off = sent_by(cell, 0, u, v), sent_by(cell, 1, u, v), sent_by(cell, 2, u, v), cell.spread
+        red, green, blue, off = sends(cell, 0, u, v), sends(cell, 1, u, v), sends(cell, 2, u, v), cell.spread
         sums[WORK] += 1.0
     else:
         red, green, blue, off = average(scratch, part, cell, height, normal, way, share, sums)
