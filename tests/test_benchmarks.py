@@ -21,7 +21,14 @@ def test_every_benchmark_says_what_it_tests() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["pipelines_agree", "weights_sum_to_the_normaliser", "mirror_anchor", "roundings_are_stated"]
+    "name",
+    [
+        "pipelines_agree",
+        "weights_sum_to_the_normaliser",
+        "mirror_anchor",
+        "roundings_are_stated",
+        "flat_lamps_equal_clipped_polygons",
+    ],
 )
 def test_claims_about_numbers_hold(name: str) -> None:
     words = [sys.executable, str(HERE / f"{name}.py"), "--quick"]

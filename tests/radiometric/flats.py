@@ -101,3 +101,83 @@ def crowd(seed: int, kinds: tuple[str, ...] = KINDS, lights: list[Scene] | None 
             {"type": "directional", "name": "sun", "direction": _list(rng.normal(size=3)), "irradiance": [1, 2, 3]},
         ]
     return world(*shapes, lights=lights, materials=materials)
+
+
+HALVES = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+
+
+def _lattice(rng: np.random.Generator, low: float = 0.0) -> Any:
+    at = rng.choice(HALVES, 3)
+    at[2] = max(low, at[2] + 1.0)
+    return at
+
+
+def _contact(rng: np.random.Generator, name: str, material: str) -> Scene:
+    """A shape whose corners, faces and radii are halves, so that it touches others in faces, edges and corners."""
+    kind = rng.choice(["rectangle", "triangle", "box", "sphere", "needle", "free"])
+    if kind == "free":
+        return one_of(rng, str(rng.choice(["rectangle", "triangle", "box"])), name, material, 1.0)
+    at = _lattice(rng)
+    if kind == "sphere":
+        radius = float(rng.choice([0.25, 0.5]))
+        at[2] = max(at[2], radius)
+        return ball(name, at, radius, material)
+    if kind == "box":
+        size = rng.choice([0.5, 1.0], 3)
+        at[2] = max(at[2], 0.5 * size[2])
+        return box(name, at, size, float(rng.choice([0.0, 0.0, 45.0, 90.0, 30.0])), material)
+    axes = rng.permutation(np.eye(3))[:2] * rng.choice([-1.0, 1.0], (2, 1))
+    u, v = axes[0] * rng.choice([0.5, 1.0, 2.0]), axes[1] * rng.choice([0.5, 1.0, 2.0])
+    if kind == "rectangle":
+        return rectangle(name, at, u, v, material)
+    if kind == "needle":
+        return triangle(name, [at, at + u, at + u + v * 10.0 ** -rng.uniform(2, 8)], material)
+    return triangle(name, [at, at + u, at + v], material)
+
+
+def contact(seed: int) -> tuple[Scene, str, Any, Any, str | None]:
+    """(scene, shape, place of it, normal there, lamp or None for the sky): shapes that touch, lie in planes of others,
+    share edges and corners; places in their planes; at scales from 1e-4 to 1e3, near the origin or not."""
+    rng = np.random.default_rng([seed, 11])
+    shapes = [_contact(rng, f"S{k}", "both" if rng.random() < 0.5 else "white") for k in range(rng.integers(1, 4))]
+    walls = [
+        rectangle("W0", [-1, 1, 0], [2, 0, 0], [0, 0, 2]), rectangle("W1", [-1, -1, 0], [0, 2, 0], [0, 0, 2]),
+        plane("W2", [0, 0, 2], [0, 0, -1]), rectangle("W3", [-1, -1, 2], [0, 2, 0], [2, 0, 0]),
+    ]  # fmt: skip
+    shapes += [wall for wall in walls if rng.random() < 0.3]
+    lamp = None
+    if rng.random() < 0.7:
+        lamp = "lamp"
+        shape = _contact(rng, lamp, "white")
+        if rng.random() < 0.3:
+            shape = rectangle(lamp, [-0.5, -0.5, 2], [0, 1, 0], [1, 0, 0])
+        shapes.append(shape)
+    own = rectangle("floor", [-1, -1, 0], [2, 0, 0], [0, 2, 0], "both")
+    if rng.random() < 0.3:
+        own = plane("floor", [0, 0, 0], [0, 0, 1], "both")
+    place = np.array([*rng.uniform(-1, 1, 2), 0.0])
+    if rng.random() < 0.3:
+        place[:2] = rng.choice([-0.75, -0.5, 0.0, 0.25, 0.5], 2)
+    if rng.random() < 0.2:
+        place[:2] = [1.0 - 10.0 ** -rng.uniform(3, 9), rng.uniform(-1, 1)]
+    shapes = [own, *shapes]
+    scale = float(10.0 ** rng.uniform(-4, 3)) if rng.random() < 0.5 else 1.0
+    offset = rng.normal(size=3) * scale * rng.choice([0.0, 0.0, 1.0, 30.0])
+    moved = [_scaled(shape, scale, offset) for shape in shapes]
+    camera = {"type": "look_at", "eye": _list(offset + scale * np.array([0, -3, 1])), "target": _list(offset)}
+    lights = [SKY] if lamp is None else [area(lamp)]
+    return world(*moved, lights=lights, camera=camera), "floor", place * scale + offset, np.array([0, 0, 1.0]), lamp
+
+
+def _scaled(shape: Scene, scale: float, offset: Any) -> Scene:
+    lengths, places = ("edge_u", "edge_v", "size", "radius"), ("corner", "center", "point")
+    found = dict(shape)
+    for key in lengths:
+        if key in shape:
+            found[key] = _list(scale * np.array(shape[key])) if key != "radius" else scale * shape[key]
+    for key in places:
+        if key in shape:
+            found[key] = _list(scale * np.array(shape[key]) + offset)
+    if "vertices" in shape:
+        found["vertices"] = [_list(scale * np.array(v) + offset) for v in shape["vertices"]]
+    return found

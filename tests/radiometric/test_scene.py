@@ -27,7 +27,7 @@ def base() -> dict[str, Any]:
 
 
 def test_a_gallery_scene_is_read_and_written_bit_for_bit() -> None:
-    assert gallery.radiometric_names() == ("furnace_radiometric", "interreflection", "metal") and set(
+    assert gallery.radiometric_names() == ("cornell", "furnace_radiometric", "interreflection", "metal") and set(
         gallery.names()
     ).isdisjoint(gallery.radiometric_names())
     scene = sr.load("metal")

@@ -71,8 +71,8 @@ CASES = {
     "plugin": (changed('type="roughconductor"', 'type="principled"'), "bsdf principled: no such material here"),
     "emitter": (changed('emitter type="point"', 'emitter type="envmap"'), "emitter envmap: no such emitter"),
     "shape": (changed('shape type="sphere"', 'shape type="bunny"'), "shape bunny: no such shape"),
-    "cube": (changed('shape type="sphere"', 'shape type="cube"'), "shape cube: a box is not read yet"),
-    "disk": (changed('shape type="sphere"', 'shape type="disk"'), "a disk is not read yet"),
+    "cube": (changed('shape type="sphere"', 'shape type="cube"'), "shape cube: center has no meaning here"),
+    "disk": (changed('shape type="sphere"', 'shape type="disk"'), "shape disk: center has no meaning here"),
     "area": (
         changed('<point name="center"', '<emitter type="area"/><point name="center"'),
         "radiance",
@@ -87,8 +87,7 @@ CASES = {
     "clip": (changed('name="near_clip" value="', 'name="near_clip" value="9'), "cuts"),
     "property": (changed('<float name="alpha"', '<float name="alpha_u"'), "alpha_u has no meaning here"),
     "spectrum": (changed('<rgb name="eta"', '<spectrum name="eta"'), "eta must be rgb"),
-    "finite": (changed("symrender plane:", "a plane:"), "a rectangle is not read yet"),
-    "no number": (changed("plane: point 0.0", "plane: point 0.0.0"), "a rectangle is not read yet"),
+    "mesh": (changed('shape type="sphere"', 'shape type="ply"'), "ply with a comment `symrender triangle`"),
     "another plane": (
         changed("symrender plane: point 0.0 0.0", "symrender plane: point 0.0 0.1"),
         "is not a square of",

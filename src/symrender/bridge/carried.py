@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,10 @@ from typing import Any, Literal
 from symrender.bridge.moved import Triple, extent, half_side, lost, middle, moved, reach_of
 from symrender.errors import OptionError, Unsupported
 from symrender.images.output import check_target, make_folder, write_bytes
+from symrender.scene.mitsuba.flats import AGREE
+from symrender.scene.radiometric.materials import Checker
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Plane, Sphere
+from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Triangle
 from symrender.settings import image_size
 from symrender.version import VERSION
 
@@ -69,15 +72,18 @@ def prepare(
     """``scene`` moved for the renderer ``to``, whose version ``checked`` its conventions are known of.
 
     Raises OptionError for an option out of its range, Unsupported for a plane no square can stand for,
-    and for other shapes.
+    and for a checker on other shapes.
     """
     if not 1 <= samples <= 1 << 30:
         raise OptionError(f"samples: must be from 1 to {1 << 30}, got {samples}")
     if rays not in ("box", "centre"):
         raise OptionError(f"rays: must be box or centre, got {rays!r}")
     for shape in scene.shapes:
-        if not isinstance(shape, Plane | Sphere):
-            raise Unsupported(f"shapes.{shape.name}: {to}: a {shape.type} is not yet exported; planes and spheres are")
+        textured = isinstance(scene.materials[shape.material].reflectance, Checker)
+        if textured and (isinstance(shape, Disk | Box | Triangle) or not _square(shape)):
+            raise Unsupported(
+                f"shapes.{shape.name}: {to}: a checker is exported on planes, spheres and rectangles with right angles"
+            )
     reach = reach_of(scene) if reach is None else float(reach)
     if not 2.0 <= reach <= 1e6:
         raise OptionError(f"reach: must be from 2 to 1e6, got {reach!r}")
@@ -87,6 +93,14 @@ def prepare(
     pixels = image_size(size)
     receipt = _receipt(to, checked, scene, there, scale, origin, halves, pixels, rays)
     return Prepared(there, halves, pixels, receipt)
+
+
+def _square(shape: Shape) -> bool:
+    """Whether the edges of a rectangle are at right angles; true of other shapes."""
+    if not isinstance(shape, Rectangle):
+        return True
+    along = sum(a * b for a, b in zip(shape.edge_u, shape.edge_v, strict=True))
+    return abs(along) <= AGREE * math.hypot(*shape.edge_u) * math.hypot(*shape.edge_v)
 
 
 def _receipt(

@@ -9,14 +9,17 @@ import math
 from importlib import resources
 from typing import Final, Literal, assert_never
 
+import numpy as np
+
 from symrender.bridge.carried import Carried, Rays, prepare
-from symrender.bridge.moved import Triple, extent
+from symrender.bridge.moved import Triple, ball_of, extent
 from symrender.errors import Unsupported
+from symrender.scene.mitsuba.flats import matrix_of, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell, square
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Plane, Sphere
+from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Sphere, Triangle
 
 _FACET: Final = "Mitsuba's roughconductor has"
 _CLIP: Final = 0.01
@@ -55,14 +58,16 @@ def mitsuba(
     for name, material in there.materials.items():
         if name not in used or not isinstance(material.reflectance, Checker):
             body += _material(material, f' id="material-{name}"', None)
+    meshes: dict[str, str] = {}
     shining = {light.shape: light for light in there.lights if isinstance(light, lights.Area)}
     for shape in there.shapes:
         lamp = _emitter(shining[shape.name]) if shape.name in shining else []
-        assert isinstance(shape, Plane | Sphere), "refused before"
+        if isinstance(shape, Triangle):
+            meshes[f"{shape.name}.ply"] = _ply(shape)
         body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0), lamp)
     for light in there.lights:
         body += [] if isinstance(light, lights.Area) else _emitter(light)
-    files = {
+    files = meshes | {
         "scene.xml": _document([*_integrator(scene), *sensor, *body]),
         "run.py": (resources.files("symrender.bridge") / "run_mitsuba.txt").read_text("utf-8"),
         "receipt.json": prepared.told(),
@@ -116,7 +121,9 @@ def _sensor(scene: RadiometricScene, width: int, height: int, samples: int, halv
         if isinstance(shape, Sphere):
             near = min(near, abs(math.dist(camera.eye, shape.center) - shape.radius))
             continue
-        assert isinstance(shape, Plane), "refused before"
+        if not isinstance(shape, Plane):
+            near = min(near, _apart(shape, camera.eye))
+            continue
         up = frame_of(shape)[2]
         near = min(near, abs(sum(n * (e - p) for n, e, p in zip(up, camera.eye, shape.point, strict=True))))
         far = max(far, math.dist(camera.eye, shape.point) + 2.0 * halves[shape.name])
@@ -194,7 +201,38 @@ def _turns(checker: Checker) -> tuple[float, float]:
     return 1.0 / checker.cell, 0.5 / checker.cell
 
 
-def _shape(shape: Plane | Sphere, material: Material, half: float, lamp: list[str]) -> list[str]:
+def _apart(shape: Shape, eye: Triple) -> float:
+    """No more than the distance from the eye to a shape that ends; not positive where that is not known."""
+    ball = ball_of(shape)
+    assert ball is not None
+    apart = math.dist(eye, ball[0]) - ball[1]
+    if isinstance(shape, Rectangle | Disk):
+        matrix = matrix_of(shape)
+        apart = max(apart, abs(float((np.array(eye) - matrix[:3, 3]) @ matrix[:3, 2])))
+    return apart
+
+
+def _ply(shape: Triangle) -> str:
+    """A mesh of one triangle; Mitsuba's files of scenes hold none."""
+    head = ["ply", "format ascii 1.0", "element vertex 3", *(f"property float {axis}" for axis in "xyz")]
+    rows = [" ".join(repr(float(x)) for x in vertex) for vertex in shape.vertices]
+    return "\n".join(
+        [*head, "element face 1", "property list uchar int vertex_index", "end_header", *rows, "3 0 1 2", ""]
+    )
+
+
+def _finite(shape: Rectangle | Disk | Box | Triangle) -> tuple[str, list[str]]:
+    """Kind and properties of a flat shape that ends."""
+    inner = [f"<!-- {said_flat(shape)} -->"]
+    if isinstance(shape, Triangle):
+        lines = [f'<string name="filename" value="{shape.name}.ply"/>', '<boolean name="face_normals" value="true"/>']
+        return "ply", inner + lines
+    matrix = " ".join(repr(float(x)) for x in matrix_of(shape).ravel())
+    kind = "cube" if isinstance(shape, Box) else shape.type
+    return kind, inner + _nested('transform name="to_world"', [f'<matrix value="{matrix}"/>'], "transform")
+
+
+def _shape(shape: Shape, material: Material, half: float, lamp: list[str]) -> list[str]:
     checker = material.reflectance if isinstance(material.reflectance, Checker) else None
     own = f' id="material-{shape.material}:{shape.name}"'
     if isinstance(shape, Plane):
@@ -206,6 +244,11 @@ def _shape(shape: Plane | Sphere, material: Material, half: float, lamp: list[st
             *_nested('transform name="to_world"', [f'<matrix value="{matrix}"/>'], "transform"),
         ]
         kind = "rectangle"
+    elif not isinstance(shape, Sphere):
+        kind, inner = _finite(shape)
+        scales = None
+        if checker and isinstance(shape, Rectangle):
+            scales = (0.5 * math.hypot(*shape.edge_u) / checker.cell, 0.5 * math.hypot(*shape.edge_v) / checker.cell)
     else:
         scales, kind = None, "sphere"
         x, y, z = shape.center

@@ -10,7 +10,7 @@ from symrender.scene.load import load_any
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Diffuse, Marble, Material, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Plane, Sphere
+from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Sphere, Triangle
 
 Triple = tuple[float, float, float]
 
@@ -43,13 +43,26 @@ def moved(scene: RadiometricScene, scale: float, center: Triple) -> RadiometricS
     data: dict[str, Any] = scene.model_dump(mode="python")
     for key in ("eye", "target"):
         data["camera"][key] = place(data["camera"][key])
+
+    def way(v: Triple) -> list[float]:
+        return [scale * x for x in v]
+
     on_spheres = {shape.material for shape in scene.shapes if isinstance(shape, Sphere)}
     for shape, row in zip(scene.shapes, data["shapes"], strict=True):
         if isinstance(shape, Sphere):
             row["center"], row["radius"] = place(shape.center), scale * shape.radius
             continue
-        assert isinstance(shape, Plane), "refused before"
-        row["point"] = place(shape.point)
+        match shape:
+            case Plane():
+                row["point"] = place(shape.point)
+            case Rectangle():
+                row["corner"], row["edge_u"], row["edge_v"] = place(shape.corner), way(shape.edge_u), way(shape.edge_v)
+            case Triangle():
+                row["vertices"] = [place(v) for v in shape.vertices]
+            case Disk():
+                row["center"], row["radius"] = place(shape.center), scale * shape.radius
+            case Box():
+                row["center"], row["size"] = place(shape.center), way(shape.size)
         reflectance = data["materials"][shape.material]["reflectance"]
         if "cell" in reflectance and scale != 1.0:
             if shape.material in on_spheres:
@@ -68,20 +81,40 @@ def moved(scene: RadiometricScene, scale: float, center: Triple) -> RadiometricS
 
 
 def middle(scene: RadiometricScene) -> Triple:
-    """The middle of the box about the spheres, or where the camera looks where there are none."""
-    spheres = [shape for shape in scene.shapes if isinstance(shape, Sphere)]
-    if not spheres:
+    """The middle of the box about spheres that hold the shapes, or where the camera looks where all are endless."""
+    balls = [ball for shape in scene.shapes if (ball := ball_of(shape)) is not None]
+    if not balls:
         return scene.camera.target
-    low = [min(s.center[k] - s.radius for s in spheres) for k in range(3)]
-    high = [max(s.center[k] + s.radius for s in spheres) for k in range(3)]
+    low = [min(center[k] - radius for center, radius in balls) for k in range(3)]
+    high = [max(center[k] + radius for center, radius in balls) for k in range(3)]
     x, y, z = (0.5 * (a + b) for a, b in zip(low, high, strict=True))
     return (x, y, z)
 
 
+def ball_of(shape: Shape) -> tuple[Triple, float] | None:
+    """Centre and radius of a sphere that holds a shape; None of a plane, which none holds."""
+    match shape:
+        case Plane():
+            return None
+        case Sphere() | Disk():
+            return shape.center, shape.radius
+        case Box():
+            return shape.center, 0.5 * math.hypot(*shape.size)
+        case Rectangle():
+            u, v = shape.edge_u, shape.edge_v
+            x, y, z = (p + 0.5 * (a + b) for p, a, b in zip(shape.corner, u, v, strict=True))
+            across = [math.hypot(*(a + side * b for a, b in zip(u, v, strict=True))) for side in (1.0, -1.0)]
+            return (x, y, z), 0.5 * max(across)
+        case Triangle():
+            x, y, z = (sum(p) / 3.0 for p in zip(*shape.vertices, strict=True))
+            return (x, y, z), max(math.dist((x, y, z), v) for v in shape.vertices)
+
+
 def extent(scene: RadiometricScene, about: Triple) -> float:
-    """Distance from a place to what is farthest of eye, target, spheres and point lights."""
+    """Distance from a place to what is farthest of eye, target, shapes that end and point lights."""
     far = [math.dist(about, scene.camera.eye), math.dist(about, scene.camera.target)]
-    far += [math.dist(about, s.center) + s.radius for s in scene.shapes if isinstance(s, Sphere)]
+    balls = (ball_of(shape) for shape in scene.shapes)
+    far += [math.dist(about, ball[0]) + ball[1] for ball in balls if ball is not None]
     far += [math.dist(about, light.position) for light in scene.lights if isinstance(light, lights.Point | lights.Spot)]
     return max(far)
 

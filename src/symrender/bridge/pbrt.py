@@ -12,14 +12,17 @@ from collections.abc import Callable
 from importlib import resources
 from typing import Final, Literal, assert_never
 
+import numpy as np
+
 from symrender.bridge.carried import Carried, Prepared, Rays, prepare
 from symrender.bridge.moved import Triple
 from symrender.errors import Unsupported
+from symrender.scene.mitsuba.flats import corners_of, disk_axes, matrix_of, mesh_indices, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Plane, Sphere
+from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Sphere, Triangle
 
 COLORS: Final = ("red", "green", "blue")
 SMOOTHEST: Final = 1e-3
@@ -91,22 +94,59 @@ def _refuse(name: str, material: Material) -> None:
 def _refuse_backs(scene: RadiometricScene) -> None:
     """Raise Unsupported where the eye sees the back of a one-sided surface, which pbrt does not keep black.
 
-    In front of all planes and outside all spheres no ray meets a back first, nor does what it meets send one there.
+    In front of all planes and outside all spheres and boxes no ray meets a back first, nor does what it meets send one
+    there. Without bounces it is enough that the eye is in front of flat shapes that end.
     """
     for shape in scene.shapes:
         if scene.materials[shape.material].two_sided:
             continue
+        if isinstance(shape, Rectangle | Triangle | Disk) and scene.bounces != 0:
+            raise Unsupported(
+                f"shapes.{shape.name}: pbrt: reflects on both sides, and bounced light may reach the back of a "
+                f"{shape.type}; give materials.{shape.material} two_sided: true"
+            )
         if isinstance(shape, Sphere):
             inside = math.dist(scene.camera.eye, shape.center) < shape.radius
         else:
-            assert isinstance(shape, Plane), "refused before"
-            up = frame_of(shape)[2]
-            inside = sum(n * (e - p) for n, e, p in zip(up, scene.camera.eye, shape.point, strict=True)) < 0.0
+            inside = _behind(shape, scene.camera.eye)
         if inside:
             raise Unsupported(
                 f"shapes.{shape.name}: pbrt: reflects on both sides, and this one is seen from behind; give "
                 f"materials.{shape.material} two_sided: true"
             )
+
+
+def _behind(shape: Plane | Rectangle | Triangle | Disk | Box, eye: Triple) -> bool:
+    """Whether the eye is behind a flat shape, or in a box."""
+    place = np.array(eye)
+    match shape:
+        case Plane():
+            return sum(n * (e - p) for n, e, p in zip(frame_of(shape)[2], eye, shape.point, strict=True)) < 0.0
+        case Triangle():
+            a, b, c = (np.array(vertex) for vertex in shape.vertices)
+            return bool((place - a) @ np.cross(b - a, c - a) < 0.0)
+        case Box():
+            inside = np.linalg.solve(matrix_of(shape), [*eye, 1.0])[:3]
+            return bool((np.abs(inside) < 1.0).all())
+    matrix = matrix_of(shape)
+    return bool((place - matrix[:3, 3]) @ matrix[:3, 2] < 0.0)
+
+
+def _finite(shape: Rectangle | Triangle | Disk | Box, material: Material) -> list[str]:
+    """A flat shape that ends: a disk, or a mesh whose corners go around the normal."""
+    lines = [f"# shapes.{shape.name}", f"# {said_flat(shape)}"]
+    if isinstance(shape, Disk):
+        columns = " ".join(repr(float(x)) for x in disk_axes(shape).T.ravel())
+        return [f"ConcatTransform [ {columns} ]", *lines, f'Shape "disk" "float radius" [ {shape.radius!r} ]']
+    places = corners_of(shape)
+    around = " ".join(str(index) for index in mesh_indices(len(places)))
+    flat = [x for place in places for x in place]
+    lines += [f'Shape "trianglemesh" "integer indices" [ {around} ]', f'  "point3 P" [ {_numbers(flat)} ]']
+    if isinstance(shape, Rectangle) and isinstance(material.reflectance, Checker):
+        cell = material.reflectance.cell
+        u, v = math.hypot(*shape.edge_u) / cell, math.hypot(*shape.edge_v) / cell
+        lines.append(f'  "point2 uv" [ {_numbers([0.0, 0.0, u, 0.0, u, v, 0.0, v])} ]')
+    return lines
 
 
 def _numbers(values: tuple[float, ...] | list[float]) -> str:
@@ -143,7 +183,6 @@ def _document(prepared: Prepared, samples: int, channel: Channel) -> list[str]:
         lines += [] if isinstance(light, lights.Area) else _light(light, channel)
     for shape in scene.shapes:
         lamp = _light(shining[shape.name], channel) if shape.name in shining else []
-        assert isinstance(shape, Plane | Sphere), "refused before"
         lines += _shape(shape, scene.materials[shape.material], prepared.halves.get(shape.name, 0.0), channel, lamp)
     return lines
 
@@ -178,7 +217,7 @@ def _light(light: lights.Light, channel: Channel) -> list[str]:
     return [f"# lights.{light.name}", f"LightSource {what}"]
 
 
-def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Channel, lamp: list[str]) -> list[str]:
+def _shape(shape: Shape, material: Material, half: float, channel: Channel, lamp: list[str]) -> list[str]:
     inner = [*_material(shape, material, channel), *lamp]
     name = f"# shapes.{shape.name}"
     if isinstance(shape, Sphere):
@@ -187,6 +226,8 @@ def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Chan
             # so that pbrt's azimuth begins where that of a scene does
             inner += ["Rotate 180 0 0 1"]
         inner += [name, f'Shape "sphere" "float radius" [ {shape.radius!r} ]']
+    elif not isinstance(shape, Plane):
+        inner += _finite(shape, material)
     else:
         east, north, _ = frame_of(shape)
         cell = material.reflectance.cell if isinstance(material.reflectance, Checker) else half
@@ -204,7 +245,7 @@ def _shape(shape: Plane | Sphere, material: Material, half: float, channel: Chan
     return ["AttributeBegin", *(f"  {line}" for line in inner), "AttributeEnd"]
 
 
-def _material(shape: Plane | Sphere, material: Material, channel: Channel) -> list[str]:
+def _material(shape: Shape, material: Material, channel: Channel) -> list[str]:
     called = f"# materials.{shape.material}"
     if isinstance(material, Conductor):
         # numbers at two wavelengths, and on the line between them

@@ -39,7 +39,7 @@ TAMED: Final = 1.5
 """Boxes over which h turns by no more than this times hypot(alpha, its angle) are halved no further."""
 MOST_BOUNDS: Final = 3000
 """Boxes looked at, of a light, for what is brightest on a chart."""
-CLOSE: Final = 1.5
+CLOSE: Final = 4.0
 """A bound no more times larger than what is found is near enough."""
 
 

@@ -9,14 +9,16 @@ from typing import Any, Final
 
 from symrender.limits import MAX_NAME, MAX_PART_NAME
 from symrender.scene.document import Document, Malformed, Mark, Path
+from symrender.scene.mitsuba.finite import check_chart, flat_fields
+from symrender.scene.mitsuba.flats import fields_of, told_shape
 from symrender.scene.mitsuba.plane import square, told, told_cell
 from symrender.scene.mitsuba.properties import Properties, name_of, numbers
 from symrender.scene.mitsuba.xml_tree import Element, parse_xml
 from symrender.scene.printable import printable
 from symrender.scene.radiometric.shapes import Plane
 
-DUE: Final = {"rectangle": "rectangle", "disk": "disk", "cube": "box", "obj": "triangle", "ply": "triangle"}
-"""Shapes that the language has and this reader does not know yet."""
+FLATS: Final = {"rectangle": "rectangle", "disk": "disk", "cube": "box"}
+"""Flat shapes and what they are called here."""
 _NO_LETTER: Final = re.compile(r"[^A-Za-z0-9_-]")
 
 
@@ -255,10 +257,31 @@ def _shape(read: _Scene, element: Element) -> None:
             _chart(properties, read.data["materials"][material]["reflectance"]["cell"], scales, due)
         read.put("shapes", entry, element.mark, {})
         properties.done("center, radius, to_world and bsdf")
-    elif kind in DUE:
-        raise properties.wrong(f"a {DUE[kind]} is not read yet; a scene file says one")
+    elif kind in FLATS:
+        _flat(read, element, properties, FLATS[kind], name)
+    elif kind == "ply" and (found := told_shape(element.comments, "triangle", name)) is not None:
+        # the file beside this one is not opened: it says what the comment says, in single precision
+        material, _ = _surface_of(read, properties)
+        properties.take("filename", "string")
+        properties.take("face_normals", "boolean")
+        properties.done("filename, face_normals and bsdf")
+        entry = {"type": "triangle", "name": name, "material": material, **fields_of(found)}
+        read.put("shapes", entry, element.mark, {})
     else:
-        raise properties.wrong("no such shape here; known are sphere, and rectangle with a comment `symrender plane`")
+        raise properties.wrong(
+            "no such shape here; known are sphere, rectangle, disk, cube, and ply with a comment `symrender triangle`"
+        )
+
+
+def _flat(read: _Scene, element: Element, properties: Properties, kind: str, name: str) -> None:
+    material, scales = _surface_of(read, properties)
+    transform = properties.take("to_world", "transform")
+    rows = _matrix(properties, transform) if transform is not None else [float(i % 5 == 0) for i in range(16)]
+    properties.done("to_world and bsdf")
+    fields = flat_fields(properties, element.comments, kind, rows)
+    if scales is not None:
+        check_chart(properties, kind, fields, scales, read.data["materials"][material]["reflectance"]["cell"])
+    read.put("shapes", {"type": kind, "name": name, "material": material, **fields}, element.mark, {})
 
 
 def _lamp(read: _Scene, shape: str, element: Element) -> None:

@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import Any, Final
 
+import numpy as np
+
 from symrender.limits import MAX_DEPTH, MAX_NAME, MAX_PART_NAME
 from symrender.scene.document import Document, Malformed, Mark, Path
 from symrender.scene.pbrt import camera, lights, materials, shapes
@@ -34,6 +36,7 @@ class _State:
     at: Transform = IDENTITY
     surface: materials.Surface = _UNNAMED
     lamp: tuple[dict[str, Any], Mark] | None = None
+    turned: bool = False
 
 
 class _Reader:
@@ -79,7 +82,9 @@ class _Reader:
             self.state = replace(self.state, lamp=(entry, directive.mark))
         elif name == "Shape":
             self._shape(Parameters(directive))
-        # ReverseOrientation turns normals, which surfaces that reflect on both sides do not show
+        elif name == "ReverseOrientation":
+            # surfaces that reflect on both sides do not show it, lamps do
+            self.state = replace(self.state, turned=not self.state.turned)
 
     def _head(self, directive: Directive) -> None:
         name = directive.name
@@ -154,6 +159,11 @@ class _Reader:
         entry["material"] = self._material(surface, materials.entry_of(surface, cell))
         self._put("shapes", entry, parameters.mark, {"radius": parameters.where("radius")})
         if self.state.lamp is not None:
+            mirrored = entry["type"] != "sphere" and float(np.linalg.det(self.state.at.matrix[:3, :3])) < 0.0
+            if self.state.turned or mirrored:
+                raise parameters.wrong(
+                    "", "must not emit behind ReverseOrientation or a mirroring, which turn the side that shines"
+                )
             lamp, mark = self.state.lamp
             self._put("lights", {**lamp, "shape": self.data["shapes"][-1]["name"]}, mark, {})
 

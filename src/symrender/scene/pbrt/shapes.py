@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from symrender.scene.mitsuba.plane import frame_of, told
+from symrender.scene.pbrt.flats import disk, mesh
 from symrender.scene.pbrt.materials import Texture
 from symrender.scene.pbrt.parameters import Parameters
 from symrender.scene.pbrt.transforms import ROUNDING, Transform
@@ -21,8 +22,14 @@ def shape(parameters: Parameters, at: Transform, texture: Texture | None) -> tup
     if kind == "sphere":
         return _sphere(parameters, at, texture)
     if kind == "trianglemesh":
-        return _plane(parameters, at, texture)
-    known = "sphere, or trianglemesh with a comment `symrender plane`"
+        if any(told(comment) for comment in parameters.directive.comments):
+            return _plane(parameters, at, texture)
+        return _flat(parameters, at, texture)
+    if kind == "disk":
+        if texture is not None and texture.dark is not None:
+            raise parameters.wrong("", "must have no checker, whose chart on a disk is another here")
+        return disk(parameters, at), None
+    known = "sphere, disk or trianglemesh"
     raise parameters.wrong("", f"must be {known}, got {printable(kind)}, a shape not read")
 
 
@@ -64,6 +71,24 @@ def _sphere(parameters: Parameters, at: Transform, texture: Texture | None) -> t
         raise parameters.wrong(
             "", "must have fields of one side from its top: uscale 2/c, vscale -1/c, udelta 0, vdelta 1/c for a side c"
         )
+    return entry, cell
+
+
+def _flat(parameters: Parameters, at: Transform, texture: Texture | None) -> tuple[dict[str, Any], float | None]:
+    """A flat shape that ends, and the side of its fields where it has some."""
+    entry, places, chart = mesh(parameters, at)
+    if texture is None or texture.dark is None:
+        return entry, None
+    if entry["type"] != "rectangle" or len(chart) != 2 * len(places):
+        raise parameters.wrong("", "must have no checker, but on a rectangle with four pairs uv")
+    sides = math.dist(places[0], places[1]), math.dist(places[0], places[3])
+    uscale, vscale, udelta, vdelta = texture.turns
+    cell = _agreed(parameters, texture, sides[0] / (chart[2] * uscale) if chart[2] * uscale else 0.0)
+    u, v = sides[0] / cell, sides[1] / cell
+    due = [(0.0, 0.0), (u, 0.0), (u, v), (0.0, v)]
+    got = [(uscale * chart[k] + udelta, vscale * chart[k + 1] + vdelta) for k in range(0, 8, 2)]
+    if any(math.dist(a, b) > ROUNDING * (u + v) for a, b in zip(due, got, strict=True)):
+        raise parameters.wrong("uv", "must be places in the rectangle, counted in fields from its corner")
     return entry, cell
 
 
