@@ -94,10 +94,10 @@ def test_terms_of_edges_are_lamberts() -> None:
 def test_hostile_rooms_state_what_they_are_off() -> None:
     """One bounce under a point light against lattices of rays of the numeric pipeline, at all scales."""
     judged = lit = 0
-    for seed, scale in enumerate((1.0, 1e-4, 1e3, 1.0, 1.0, 1e-2, 1.0)):
+    for seed, scale in enumerate((1.0, 1e-4, 1e3, 1.0, 1e-2, 1.0)):
         scene = hostile(seed, scale)
         arrays = radiometric_arrays(sr.load(scene))
-        origins, directions = inside(5, (0.52 * scale, 0.48 * scale, 0.71 * scale), seed)
+        origins, directions = inside(4, (0.52 * scale, 0.48 * scale, 0.71 * scale), seed)
         seen = sr.probe(scene, rays=(origins, directions), tol=2e-3)
         small = make_world(arrays)
         owns, fronts, places, albedo = met(small, origins, directions)
@@ -111,7 +111,7 @@ def test_hostile_rooms_state_what_they_are_off() -> None:
             judged += 1
             lit += int(seen.indirect[i].max() > 10 * seen.error[i])
         assert (seen.status == 0).mean() > 0.5
-    assert judged >= 25 and lit >= 15
+    assert judged >= 18 and lit >= 10
 
 
 def test_what_hides_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -144,7 +144,7 @@ def test_all_bounces_are_those_of_paths() -> None:
     origins, directions = inside(14, (0.6, 0.2, 0.5))
     seen = sr.probe(scene, rays=(origins, directions), tol=0.1)
     runs = np.array(
-        [numeric_rays(radiometric_arrays(scene), origins, directions, order=40, seed=k)[2] for k in range(9)]
+        [numeric_rays(radiometric_arrays(scene), origins, directions, order=32, seed=k)[2] for k in range(8)]
     )
     mean, wide = runs.mean(axis=0), runs.std(axis=0, ddof=1) / math.sqrt(len(runs))
     bright = seen.indirect > 0.1
@@ -214,6 +214,15 @@ def test_what_is_not_had_is_refused_by_name() -> None:
     refused("lie in one plane", floor, block, cellar)
     known = world(floor, block, lights=[SUN], materials=MATERIALS, bounces="all")
     assert sr.probe(known, rays=([0.5, 0.5, 0.5], [0.2, 0.1, -1]), tol=1e-2).status[0] == 0
+
+
+def test_what_sends_nothing_is_dark() -> None:
+    black = {"type": "diffuse", "reflectance": 0}
+    walls = closed(material="coal")
+    for lights, material in (([SUN], black), ([], {"type": "diffuse", "reflectance": 0.5})):
+        scene = world(*walls, lights=lights, materials=MATERIALS | {"coal": material}, bounces="all")
+        seen = sr.probe(scene, rays=inside(6), tol=1e-3)
+        assert len(set(seen.shape)) > 2 and not seen.indirect.any() and not seen.status.any()
 
 
 def test_a_fault_in_a_table_is_stated() -> None:

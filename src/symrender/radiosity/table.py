@@ -110,8 +110,13 @@ def in_parts(run: Callable[[int], None], count: int, threads: int) -> None:
             run(begin)
         return
     with ThreadPoolExecutor(threads) as pool:
-        for _ in pool.map(run, begins):
-            pass
+        try:
+            for _ in pool.map(run, begins):
+                pass
+        except BaseException:
+            # what waits is dropped, so that Ctrl-C is heard within a part
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendings:
@@ -120,6 +125,8 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
     most = float(faces.albedo.max(initial=0.0))
     # a radiance is rho/pi times an irradiance, which is pi times what is gathered
     fine = 0.05 * tol / max(most, 1e-300)
+    if not len(faces.face):
+        return Sendings(world, (), fine)
     roots = root_cells(world, faces.face, faces.side)
     albedo = {(int(f), float(s)): a for f, s, a in zip(faces.face, faces.side, faces.albedo, strict=True)}
     edges = [contacts(world, int(f)) for f in faces.face]
@@ -138,7 +145,7 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
         return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
 
     cuts = [a + b for a, b in zip(edges, shadows, strict=True)]
-    target = tol
+    target, limits = tol, (MOST_LIT, MOST_GATHERED)
     for _ in range(_TRIES):
         first = grown(world, roots, cuts, lit, Limits(target, MOST_LIT, lamps(world)))
         made = Sendings(world, (first,), fine)
@@ -147,7 +154,10 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
             _iterate(world, first, second, reflect, most, fine, target, threads)
             made = Sendings(world, (first, second), fine)
         stated = most * np.quantile(_stated(made, roots, threads), _SHARE_MET)
-        if stated <= _AIM * tol or len(first.cells) >= MOST_LIT - 1:
+        full = any(
+            len(forest.cells) >= most_cells - 1 for forest, most_cells in zip(made.forests, limits, strict=False)
+        )
+        if stated <= _AIM * tol or full:
             break
         target *= _AIM * tol / stated
     return made
