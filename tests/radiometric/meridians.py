@@ -222,7 +222,7 @@ def _azimuths(circles: list[Circle], forms: list[Array], normal: Array, first: A
 
 def _form_azimuths(every: list[Circle], forms: list[Array], normal: Array, first: Array, second: Array) -> list[float]:
     """Azimuths at which outlines of disks end, and those at which they cross other boundaries, by bisection."""
-    grid = np.linspace(0.0, 2.0 * math.pi, 2049)
+    grid = np.linspace(0.0, 2.0 * math.pi, 513)
 
     def at(phi: Array) -> Array:
         return np.cos(phi)[:, None] * first + np.sin(phi)[:, None] * second
@@ -242,7 +242,7 @@ def _form_azimuths(every: list[Circle], forms: list[Array], normal: Array, first
         for row, column in zip(*np.nonzero(values[:, :-1] * values[:, 1:] < 0.0), strict=True):
             low, high = grid[column], grid[column + 1]
             sign = values[row, column]
-            for _ in range(50):
+            for _ in range(36):
                 mid = 0.5 * (low + high)
                 low, high = (mid, high) if f(np.array([mid]))[row, 0] * sign > 0.0 else (low, mid)
             found.append(0.5 * (low + high))

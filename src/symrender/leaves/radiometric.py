@@ -230,6 +230,62 @@ def polar_distance(square: float, radius: float) -> float:
 
 
 @inlined
+def disk_point(
+    middle_x: float, middle_y: float, middle_z: float, first_x: float, first_y: float, first_z: float,
+    second_x: float, second_y: float, second_z: float, cosine: float, sine: float,
+) -> tuple[float, float, float]:
+    """Place of a disk's rim at an angle, seen from the origin."""
+    return (
+        middle_x + first_x * cosine + second_x * sine, middle_y + first_y * cosine + second_y * sine,
+        middle_z + first_z * cosine + second_z * sine,
+    )
+
+
+@inlined
+def rim_flux(
+    middle_x: float, middle_y: float, middle_z: float, first_x: float, first_y: float, first_z: float,
+    second_x: float, second_y: float, second_z: float, begin: float, end: float,
+) -> tuple[float, float, float]:
+    """Integral of w x dw along the rim q = C + a cos t + b sin t of a disk, w = q/|q|, from ``begin`` to ``end``."""
+    north = 2.0 * (middle_x * second_x + middle_y * second_y + middle_z * second_z)
+    east = 2.0 * (middle_x * first_x + middle_y * first_y + middle_z * first_z)
+    turn = math.atan2(north, east)
+    v = end - turn
+    u = begin - turn
+    t1 = v - u
+    swing = math.sqrt(max(east * east + north * north, 1e-300))
+    t2 = middle_x * middle_x + middle_y * middle_y + middle_z * middle_z
+    level = t2 + (first_x * first_x + first_y * first_y + first_z * first_z)
+    root = math.sqrt(max((level - swing) * (level + swing), 1e-300))
+    k = swing / (level + root)
+    t3 = 2.0 * k
+    t4 = math.cos(v)
+    right = math.atan2(k * math.sin(v), 1.0 + k * t4)
+    t5 = math.cos(u)
+    left = math.atan2(k * math.sin(u), 1.0 + k * t5)
+    angle = (right - left) / k
+    steady = (t1 - t3 * angle) / root
+    across_x = middle_y * second_z - middle_z * second_y
+    c = math.cos(turn)
+    along_x = middle_y * first_z - middle_z * first_y
+    s = math.sin(turn)
+    even = ((1.0 + k * k) * angle - k * t1) / root
+    t6 = (first_y * second_z - first_z * second_y) * steady + (across_x * c - along_x * s) * even
+    t7 = (math.log1p(k * (k + 2.0 * t5)) - math.log1p(k * (k + 2.0 * t4))) * (1.0 - k) * (1.0 + k)
+    odd = t7 / (t3 * root)
+    across_y = middle_z * second_x - middle_x * second_z
+    along_y = middle_z * first_x - middle_x * first_z
+    t8 = (first_z * second_x - first_x * second_z) * steady + (across_y * c - along_y * s) * even
+    across_z = middle_x * second_y - middle_y * second_x
+    along_z = middle_x * first_y - middle_y * first_x
+    t9 = (first_x * second_y - first_y * second_x) * steady + (across_z * c - along_z * s) * even
+    return (
+        t6 - (across_x * s + along_x * c) * odd, t8 - (across_y * s + along_y * c) * odd,
+        t9 - (across_z * s + along_z * c) * odd,
+    )
+
+
+@inlined
 def disk_level(offset_x: float, offset_y: float, offset_z: float, radius: float) -> float:
     """R^2 - |q - C|^2: not negative where a place of a disk's plane lies in the disk."""
     return radius * radius - (offset_x * offset_x + offset_y * offset_y + offset_z * offset_z)

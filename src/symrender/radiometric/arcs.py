@@ -2,8 +2,9 @@
 
 The region is what a place sees of a light: one cone of directions, the light's, less other cones, those of what hides
 it. A cone is convex, the intersection of caps: a sphere is one cap, a plane a hemisphere, a polygon as many
-hemispheres as it has corners. Along each arc that bounds a cone it is counted, from crossing to crossing, which cones
-it is in; what lies in the light's and in no other bounds the region, and contributes ``arc_flux``.
+hemispheres as it has corners; a disk is the cone over its rim. Along each arc that bounds a cone it is counted, from
+crossing to crossing, which cones it is in; what lies in the light's and in no other bounds the region, and contributes
+``arc_flux`` or ``rim_flux``.
 
 Two circles take the places where they cross from one computation, so that one arc ends where the other begins even
 where both all but coincide: edges that shapes share, walls on a floor, spheres that touch the horizon. Which side of a
@@ -33,7 +34,8 @@ class Arc(Record):
     """An arc of the circle about ``axis`` from ``first`` counter-clockwise by ``end``; it bounds cone ``cone``.
 
     ``cosine`` and ``sine`` are those of the circle's angle. Arcs of one cone that are ``linked`` end at each other's
-    ends, the others where they leave it.
+    ends, the others where they leave it. Where ``rim`` is 1 it is the rim of a disk, seen about ``middle``, and the
+    directions across are as long as its radius; the axis is the way to its plane.
     """
 
     axis: Three
@@ -44,6 +46,8 @@ class Arc(Record):
     end: float
     cone: float
     linked: float
+    middle: Three
+    rim: float
 
 
 class Crossing(Record):
@@ -80,7 +84,21 @@ def put_circle(room: Room, count: int, cone: int, axis: Vector, cosine: float, s
     arc.first[0], arc.first[1], arc.first[2] = f
     arc.second[0], arc.second[1], arc.second[2] = cross(axis, f)
     arc.cosine, arc.sine, arc.end = cosine, sine, TURN
-    arc.cone, arc.linked = 1.0 * cone, 0.0
+    arc.cone, arc.linked, arc.rim = 1.0 * cone, 0.0, 0.0
+    return count + 1
+
+
+@jitable
+def put_rim(room: Room, count: int, cone: int, middle: Vector, way: Vector, first: Vector, radius: float) -> int:
+    """Add the rim of a disk whose plane is met along ``way``, across which ``first`` is unit; returns how many arcs."""
+    arc = room.arcs[count]
+    second = cross(way, first)
+    arc.axis[0], arc.axis[1], arc.axis[2] = way
+    arc.middle[0], arc.middle[1], arc.middle[2] = middle
+    arc.first[0], arc.first[1], arc.first[2] = radius * first[0], radius * first[1], radius * first[2]
+    arc.second[0], arc.second[1], arc.second[2] = radius * second[0], radius * second[1], radius * second[2]
+    arc.cosine, arc.sine, arc.end = 0.0, 1.0, TURN
+    arc.cone, arc.linked, arc.rim = 1.0 * cone, 0.0, 1.0
     return count + 1
 
 
@@ -95,7 +113,7 @@ def put_edge(room: Room, count: int, cone: int, start: Vector, edge: Vector) -> 
     arc.second[0], arc.second[1], arc.second[2] = sx, sy, sz
     arc.cosine, arc.sine = 0.0, 1.0
     arc.end = leaves.angle_on(*stop, fx, fy, fz, sx, sy, sz)
-    arc.cone, arc.linked = 1.0 * cone, 1.0
+    arc.cone, arc.linked, arc.rim = 1.0 * cone, 1.0, 0.0
     return count + 1
 
 
@@ -123,6 +141,41 @@ def great_crossing(c: Arc, o: Arc, first: bool) -> float:
 
 
 @jitable
+def rim_stretch(rim: Arc, o: Arc) -> tuple[float, float]:
+    """(begin, span) of the stretch of a disk's rim in the cap of a great circle."""
+    a = vector(o.axis)
+    middle, across, along = dot(a, vector(rim.middle)), dot(a, vector(rim.first)), dot(a, vector(rim.second))
+    cut = across * across + along * along - middle * middle
+    if cut <= 0.0:
+        return 0.0, (TURN if middle > 0.0 else 0.0)
+    half = math.atan2(math.sqrt(cut), -middle)
+    return math.atan2(along, across) - half, 2.0 * half
+
+
+@jitable
+def angle_of(rim: Arc, at: float, c: Arc) -> float:
+    """Angle along a great circle of the place at angle ``at`` of a disk's rim."""
+    place = leaves.disk_point(*vector(rim.middle), *vector(rim.first), *vector(rim.second), math.cos(at), math.sin(at))
+    return leaves.angle_on(*place, *vector(c.first), *vector(c.second))
+
+
+@jitable
+def stretch_in_disk(c: Arc, rim: Arc) -> tuple[float, float]:
+    """(begin, span) of the stretch of great circle c in a disk: it enters where the rim leaves the cap of c."""
+    enters, inside = rim_stretch(rim, c)
+    if inside == 0.0 or inside == TURN:
+        return 0.0, 0.0
+    begin = angle_of(rim, enters + inside, c)
+    span = angle_of(rim, enters, c) - begin
+    if span < 0.0:
+        span = span + TURN
+    if span > math.pi:
+        # the circle all but touches the rim
+        return 0.0, 0.0
+    return begin, span
+
+
+@jitable
 def coincide(c: Arc, o: Arc) -> bool:
     """Whether two circles are the same but for roundings."""
     apart = abs(c.cosine - o.cosine)
@@ -137,6 +190,10 @@ def stretch(c: Arc, o: Arc, first: bool) -> tuple[float, float]:
 
     Where the circles cross is a root of one discriminant, B^2 + C^2 - A^2 of the smaller, the same for both.
     """
+    if c.rim != 0.0:
+        return rim_stretch(c, o)
+    if o.rim != 0.0:
+        return stretch_in_disk(c, o)
     if c.cosine == 0.0 and o.cosine == 0.0:
         return great_crossing(c, o, first), math.pi
     middle, across, along = level_about(c, o)
@@ -195,12 +252,15 @@ def gather_crossings(room: Room, count: int, i: int) -> int:
     return found
 
 
-@inlined
+@jitable
 def add_arc(arc: Arc, begin: float, end: float, sign: float, flux: Vector) -> Vector:
     """``flux`` and that of a stretch of an arc, of the sign given."""
-    x, y, z = leaves.arc_flux(
-        *vector(arc.axis), *vector(arc.first), *vector(arc.second), arc.cosine, arc.sine, begin, end
-    )
+    if arc.rim != 0.0:
+        x, y, z = leaves.rim_flux(*vector(arc.middle), *vector(arc.first), *vector(arc.second), begin, end)
+    else:
+        x, y, z = leaves.arc_flux(
+            *vector(arc.axis), *vector(arc.first), *vector(arc.second), arc.cosine, arc.sine, begin, end
+        )
     return (flux[0] + sign * x, flux[1] + sign * y, flux[2] + sign * z)
 
 

@@ -13,13 +13,13 @@ from typing import Final
 
 from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.arcs import Room, make_room, open_irradiance, put_circle, put_edge
+from symrender.radiometric.arcs import Room, make_room, open_irradiance, put_circle, put_edge, put_rim
 from symrender.radiometric.pieces import CORNERS, POLYGON, Piece, corner
 from symrender.radiometric.sight import height_over, turned_away
-from symrender.radiometric.vectors import Vector, dot, minus, minus_of, vector
+from symrender.radiometric.vectors import Vector, cross, dot, minus, minus_of, vector
 from symrender.radiometric.world import World
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import SPHERE
+from symrender.scene.radiometric.arrays import DISK, SPHERE
 
 _HIDDEN: Final = -1
 """What stands for the count of arcs where nothing is seen."""
@@ -36,8 +36,11 @@ def sky_room(world: World) -> Room:
 
 @jitable
 def edge_on(piece: Piece, place: Vector) -> bool:
-    """Whether a polygon is seen from its own plane."""
-    far = 0.0
+    """Whether a polygon or a disk is seen from its own plane."""
+    far = piece.radius
+    if piece.kind == DISK:
+        v = minus(vector(piece.place), place)
+        far = max(far, abs(v[0]), max(abs(v[1]), abs(v[2])))
     for k in range(int(piece.count)):
         v = minus(corner(piece, k), place)
         far = max(far, abs(v[0]), max(abs(v[1]), abs(v[2])))
@@ -46,7 +49,10 @@ def edge_on(piece: Piece, place: Vector) -> bool:
 
 @jitable
 def put_polygon(room: Room, count: int, cone: int, piece: Piece, place: Vector) -> int:
-    """Add the edges of a polygon to a cone; returns how many arcs there are."""
+    """Add the edges of a polygon, or the rim of a disk, to a cone; returns how many arcs there are."""
+    if piece.kind == DISK:
+        _, way = toward_plane(piece, place)
+        return put_rim(room, count, cone, minus(vector(piece.place), place), way, vector(piece.east), piece.radius)
     above = height_over(piece, place) > 0.0
     corners = int(piece.count)
     for k in range(corners):
@@ -115,7 +121,7 @@ def gather_sky(world: World, own: int, front: bool, place: Vector, normal: Vecto
         elif piece.kind == PLANE:
             _, way = toward_plane(piece, place)
             count = put_circle(room, count, cones, way, 0.0, 1.0)
-        elif piece.kind == POLYGON:
+        else:
             if edge_on(piece, place) or faces_away(world, own, front, place, j):
                 continue
             count = put_polygon(room, count, cones, piece, place)
@@ -125,7 +131,12 @@ def gather_sky(world: World, own: int, front: bool, place: Vector, normal: Vecto
 
 @jitable
 def sides(piece: Piece, place: Vector, direction: Vector, far: float) -> tuple[bool, bool]:
-    """Whether corners of a polygon lie before, and whether some lie beyond the plane ``far`` along a direction."""
+    """Whether some of a polygon or a disk lies before the plane ``far`` along a direction, and some beyond it."""
+    if piece.kind == DISK:
+        middle = dot(minus(vector(piece.place), place), direction)
+        across = cross(vector(piece.up), direction)
+        reach = piece.radius * math.sqrt(dot(across, across))
+        return middle - reach < far, middle + reach >= far
     before, beyond = False, False
     for k in range(int(piece.count)):
         if dot(minus(corner(piece, k), place), direction) < far:
@@ -140,7 +151,7 @@ def put_flat(
     world: World, own: int, front: bool, j: int, place: Vector, far: float, direction: Vector, room: Room, count: int,
     cone: int,
 ) -> int:  # fmt: skip
-    """Add what polygon or plane j hides of what lies in, or on, the plane ``far`` along a unit ``direction``."""
+    """Add what flat piece j hides of what lies in, or on, the plane ``far`` along a unit ``direction``."""
     piece = world.pieces[j]
     near, way = toward_plane(piece, place)
     if piece.kind == PLANE:
@@ -155,12 +166,20 @@ def put_flat(
 
 
 @jitable
+def some_place(piece: Piece) -> Vector:
+    """A place of a polygon or a disk."""
+    if piece.kind == DISK:
+        return vector(piece.place)
+    return corner(piece, 0)
+
+
+@jitable
 def gather_polygon(
     world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, room: Room
 ) -> tuple[int, int]:  # fmt: skip
-    """List polygon ``lamp`` and what hides it, as ``gather_sky`` lists the sky.
+    """List the polygon or disk ``lamp`` and what hides it, as ``gather_sky`` lists the sky.
 
-    No sphere meets the polygon. One that crosses its plane hides the part of its circle that lies before the plane.
+    No sphere meets it. One that crosses its plane hides the part of its circle that lies before the plane.
     """
     light = world.pieces[lamp]
     if height_over(light, place) <= 0.0 or edge_on(light, place) or light.owner == world.pieces[own].owner:
@@ -178,7 +197,7 @@ def gather_polygon(
         if piece.kind == SPHERE:
             offset = minus(vector(piece.place), place)
             power = leaves.sphere_power(*offset, piece.radius)
-            encloses = leaves.sphere_power(*minus(vector(piece.place), corner(light, 0)), piece.radius) < 0.0
+            encloses = leaves.sphere_power(*minus(vector(piece.place), some_place(light)), piece.radius) < 0.0
             inside = not front if j == own else power < 0.0
             if encloses != inside:
                 return _HIDDEN, 0

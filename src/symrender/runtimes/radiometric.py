@@ -157,11 +157,12 @@ def check(arrays: RadiometricArrays) -> None:
                 "of it then is not yet integrated; apart it is, and the numeric pipeline samples any"
             )
     disks = [index for index, shape in enumerate(arrays.shapes) if shape.kind == DISK]
-    for index, light in enumerate(arrays.lights if disks else ()):
+    round_ = disks[1:] or [index for index, shape in enumerate(arrays.shapes) if shape.kind == SPHERE]
+    for index, light in enumerate(arrays.lights if disks and round_ else ()):
         if light.kind in extended:
             raise Unsupported(
-                f"lights[{index}]: {extended[int(light.kind)]} in a scene with a disk, shapes[{disks[0]}], is not yet "
-                "integrated; with other shapes it is, and the numeric pipeline samples any"
+                f"lights[{index}]: {extended[int(light.kind)]} in a scene with a disk, shapes[{disks[0]}], beside "
+                f"another disk or sphere, shapes[{round_[0]}], is not yet integrated; the numeric pipeline samples it"
             )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.elementary import Real, azimuth, cos, pi, ratio, sin, sqrt
+from symrender.expression.elementary import Real, azimuth, cos, length, log1p, pi, ratio, sin, sqrt
 from symrender.expression.leaf import Leaf
 from symrender.expression.vectors import Vec3, cross, dot, norm2, unit
 
@@ -70,6 +70,34 @@ def disk_level(offset: Vec3, radius: Real) -> Real:
     return radius * radius - norm2(offset)
 
 
+def disk_point(middle: Vec3, first: Vec3, second: Vec3, cosine: Real, sine: Real) -> Vec3:
+    """Place of a disk's rim at an angle, seen from the origin."""
+    return middle + first * cosine + second * sine
+
+
+def rim_flux(middle: Vec3, first: Vec3, second: Vec3, begin: Real, end: Real) -> Vec3:
+    """Integral of w x dw along the rim q = C + a cos t + b sin t of a disk, w = q/|q|, from ``begin`` to ``end``.
+
+    q x q' = a x b + C x b cos t - C x a sin t over |q|^2 = D + r cos u, u = t - t0, whose quotients are elementary.
+    With k = r/(D + sqrt(D^2 - r^2)) they are Poisson's kernel and its conjugate, and nothing cancels as r goes to 0.
+    """
+    level = norm2(middle) + norm2(first)
+    east, north = 2 * dot(middle, first), 2 * dot(middle, second)
+    swing, turn = length(east * east + north * north), azimuth(north, east)
+    root = length((level - swing) * (level + swing))
+    k = swing / (level + root)
+    u, v = begin - turn, end - turn
+    left = azimuth(k * sin(u), 1 + k * cos(u))
+    right = azimuth(k * sin(v), 1 + k * cos(v))
+    angle = (right - left) / k
+    steady = (v - u - 2 * k * angle) / root
+    even = ((1 + k * k) * angle - k * (v - u)) / root
+    odd = (log1p(k * (k + 2 * cos(u))) - log1p(k * (k + 2 * cos(v)))) * (1 - k) * (1 + k) / (2 * k * root)
+    across, along = cross(middle, second), cross(middle, first)
+    c, s = cos(turn), sin(turn)
+    return cross(first, second) * steady + (across * c - along * s) * even - (across * s + along * c) * odd
+
+
 LEAVES: Final = (
     Leaf(flat_frame, ("up:3", "east:3", "north:3")),
     Leaf(box_axes, ("first:3", "second:3")),
@@ -80,5 +108,7 @@ LEAVES: Final = (
     Leaf(angle_on, ("angle",)),
     Leaf(nearer, ("normal:3",)),
     Leaf(polar_distance, ("distance",)),
+    Leaf(disk_point, ("place:3",)),
+    Leaf(rim_flux, ("flux:3",)),
     Leaf(disk_level, ("level",)),
 )

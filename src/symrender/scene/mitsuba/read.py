@@ -11,6 +11,7 @@ from symrender.limits import MAX_NAME, MAX_PART_NAME
 from symrender.scene.document import Document, Malformed, Mark, Path
 from symrender.scene.mitsuba.finite import check_chart, flat_fields
 from symrender.scene.mitsuba.flats import fields_of, told_shape
+from symrender.scene.mitsuba.lights import light
 from symrender.scene.mitsuba.plane import square, told, told_cell
 from symrender.scene.mitsuba.properties import Properties, name_of, numbers
 from symrender.scene.mitsuba.xml_tree import Element, parse_xml
@@ -362,42 +363,7 @@ def _chart(properties: Properties, cell: float, scales: list[float], due: tuple[
         raise properties.wrong("its to_uv is not that of a checker of the cell that its comment names")
 
 
-def _spot(properties: Properties, name: str) -> dict[str, Any]:
-    """The entry of a spot, which is turned about the origin and then moved."""
-    transform = properties.take("to_world", "transform")
-    parts = transform.children if transform is not None else []
-    if transform is None or [part.tag for part in parts] != ["lookat", "translate"]:
-        raise properties.wrong("to_world must be a lookat from 0, 0, 0 and a translate", transform)
-    origin, target = (numbers(parts[0], parts[0].attributes.get(key, ""), 3) for key in ("origin", "target"))
-    if any(origin):
-        raise properties.wrong("its lookat must have the origin 0, 0, 0", parts[0])
-    place = numbers(parts[1], " ".join(parts[1].attributes.get(axis, "0") for axis in "xyz"), 3)
-    cutoff = properties.number("cutoff_angle", 20.0)
-    beam = properties.number("beam_width", 0.75 * cutoff)
-    entry = {"type": "spot", "name": name, "position": place, "direction": target, "beam": beam, "cutoff": cutoff}
-    entry["intensity"] = properties.triple("intensity", "rgb")[0]
-    properties.done("to_world, intensity, cutoff_angle and beam_width")
-    return entry
-
-
 def _emitter(read: _Scene, element: Element) -> None:
-    properties = Properties(element)
     name = read.name(element, "light-", "lights")
-    kinds = {
-        "point": ("point", {"position": "point", "intensity": "rgb"}),
-        "directional": ("directional", {"direction": "vector", "irradiance": "rgb"}),
-        "constant": ("sky", {"radiance": "rgb"}),
-    }
-    kind = str(element.attributes.get("type"))
-    if kind == "spot":
-        read.put("lights", _spot(properties, name), element.mark, {})
-        return
-    if kind not in kinds:
-        raise properties.wrong("no such emitter here; known are point, spot, directional and constant")
-    ours, fields = kinds[kind]
-    entry: dict[str, Any] = {"type": ours, "name": name}
-    marks = {}
-    for field, tag in fields.items():
-        entry[field], marks[field] = properties.triple(field, tag)
-    properties.done(", ".join(fields))
+    entry, marks = light(Properties(element), str(element.attributes.get("type")), name)
     read.put("lights", entry, element.mark, marks)
