@@ -35,7 +35,7 @@ from symrender.radiosity.places import fill_lit
 from symrender.radiosity.records import CHANNELS, Ints, make_scratch
 
 MOST_LIT: Final = 12_000
-MOST_GATHERED: Final = 1_500
+MOST_GATHERED: Final = 3_000
 """Most cells of the forests of direct and of reflected light."""
 _CHUNK: Final = 256
 _TAIL: Final = 0.02

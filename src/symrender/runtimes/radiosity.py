@@ -84,7 +84,8 @@ class Gatherer:
         found.incoming[lit] = sums[:, :CHANNELS]
         found.indirect[lit] = albedo[lit] * found.incoming[lit]
         size = self._extent + np.abs(places[lit]).max(axis=1, initial=0.0)
-        astray = SLACK * ULP * self._brightest * (1.0 + size * sums[:, NEAR])
+        # within roundings of another face a place may see any of it
+        astray = self._brightest * np.minimum(1.0, SLACK * ULP * (1.0 + size * sums[:, NEAR]))
         found.error[lit] = most * (sums[:, BOUND] + sums[:, RULE] + astray)
         found.evaluations[lit] = sums[:, WORK].astype(np.int64)
         return found
