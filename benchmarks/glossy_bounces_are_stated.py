@@ -4,8 +4,9 @@
 
 The crowds of ``bounced_light_is_stated.py`` with conductors of alpha .001 to 1 and phong materials among their
 surfaces, what is met first as well as what it sees, and rays that graze. The judge is
-``tests/radiometric/rough_lattice.py``: lattices of directions towards highlights, with formulas of its own. Where they
-tell less than half of what is stated they tell nothing, and what looks beyond is judged again by more points.
+``tests/radiometric/rough_lattice.py``: lattices of directions towards highlights, with formulas of its own. Where their
+standard error is more than half of what is stated, or than a tenth of the light, they tell nothing; what looks beyond
+is judged again by more points.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 COUNT, QUICK, BATCH = 20_000, 40, 40
 BUDGET = 500_000
+SEEN = 0.1
+"""Share of the light that the judge's standard error may be: of what few directions meet it knows neither."""
 LEAST = 1e-12
 """No tolerance is smaller."""
 MORE = (10946, 6765)
@@ -94,12 +97,10 @@ def judged(seeds: range) -> list[Judged]:
         off = float((np.abs(seen.indirect[0] - known.indirect) - SURE * sigma).max())
         if off > stated or sigma.max() >= 0.5 * max(stated, tol):
             again = [rough_lattice.bounced(judge, origin, direction, rng, *MORE) for _ in range(2)]
-            mean, sigma = (
-                np.mean([x.indirect for x in again], axis=0),
-                np.sqrt(np.mean([x.sigma**2 for x in again], axis=0) / 4.0),
-            )
+            mean, light = np.mean([x.indirect for x in again], axis=0), float(max(x.indirect.max() for x in again))
+            sigma = np.sqrt(np.mean([x.sigma**2 for x in again], axis=0) / len(again))
             off = float((np.abs(seen.indirect[0] - mean) - SURE * sigma).max())
-        told = sigma.max() < 0.5 * max(stated, tol) and known.glare >= ENOUGH
+        told = sigma.max() < min(0.5 * max(stated, tol), SEEN * light) and known.glare >= ENOUGH
         found.append(Judged(seed, "told" if told else "not told", off, stated, light, bool(seen.status[0] == 0), spent))
     return found
 

@@ -94,6 +94,7 @@ def frame_view(k: int, view: View, frames: Frames) -> View:
         sides=frames.sides[k],
         conductors=view.conductors,
         senders=view.senders,
+        emitted=view.emitted,
     )
 
 

@@ -50,8 +50,8 @@ class View(NamedTuple):
 
     In the coordinates of a plane that plane is the floor z = 0, and ``floor`` what it is made of. ``sides`` are all
     planes of the scene, the floor first. ``conductors`` are those of all hit classes, which a point may reflect by;
-    ``senders`` those by which shapes send light on, a row a sphere, then a row a plane. Either is None in a scene
-    without any: kernels are compiled for each.
+    ``senders`` those by which shapes send light on, a row a sphere, then a row a plane; ``emitted`` (spheres, 3) is the
+    radiance of spheres that emit. Each is None in a scene without any: kernels are compiled for each.
     """
 
     spheres: Table[Sphere]
@@ -62,6 +62,7 @@ class View(NamedTuple):
     sides: Table[Side]
     conductors: Table[Conductor] | None = None
     senders: Table[Sender] | None = None
+    emitted: Array | None = None
 
 
 class Frames(NamedTuple):
@@ -135,7 +136,7 @@ def begin_counts(limit: int, work: Work) -> None:
 
 def scene_view(
     arrays: SceneArrays, points: Table[LightPoint], conductors: Table[Conductor] | None = None,
-    senders: Table[Sender] | None = None,
+    senders: Table[Sender] | None = None, emitted: Array | None = None,
 ) -> View:  # fmt: skip
     """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); its memory, but for the eye."""
     return View(
@@ -147,6 +148,7 @@ def scene_view(
         sides=_sides(_axes(arrays)),
         conductors=conductors,
         senders=senders,
+        emitted=emitted,
     )
 
 

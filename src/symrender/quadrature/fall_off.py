@@ -5,12 +5,17 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import numpy as np
+import numpy.typing as npt
+
 from symrender.chambers.events import line_range
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.senders import sender_of, sent_bound
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.scene.arrays import CUT
+
+Array = npt.NDArray[np.float64]
 
 NEAR_LIGHT: Final = 2.0
 """Squared distance of a light from a sphere's centre, over the squared radius, beyond which its distance is tame."""
@@ -90,8 +95,16 @@ def sphere_bound(j: int, view: View, chart: Chart) -> float:
 
 
 @inlined
+def most_emitted(sphere: int, emitted: Array) -> float:
+    """Largest channel of what a sphere emits; 0 of a plane."""
+    return float(max(emitted[sphere, 0], emitted[sphere, 1], emitted[sphere, 2])) if sphere >= 0 else 0.0
+
+
+@inlined
 def chart_bound(diffuse: float, view: View, work: Work) -> float:
     """``diffuse``, what bounds the radiance of the charted shape, or what does where it is a conductor."""
+    if view.emitted is not None:
+        return diffuse + most_emitted(work.chart.shape_index, view.emitted)
     sender = sender_of(view, work.chart)
     if sender < 0:
         return diffuse

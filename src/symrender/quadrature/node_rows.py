@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import NODES, Nodes
-from symrender.jit.marks import inlined
+from symrender.jit.marks import inlined, jitable
 from symrender.scene.records import Shading
 
 Array = npt.NDArray[np.float64]
@@ -35,6 +35,17 @@ def begin_sums(m: int, ambient: float, shading: Shading, b: Nodes) -> None:
     )
     for i in range(m):
         b.radiance[0, i], b.radiance[1, i], b.radiance[2, i] = red, green, blue
+
+
+@jitable
+def shine(m: int, sphere: int, b: Nodes, emitted: Array | None) -> None:
+    """Add to ``radiance`` of the first ``m`` nodes what the sphere they lie on emits, if it is one."""
+    if emitted is None:
+        return
+    if sphere >= 0:
+        for a in range(3):
+            for i in range(min(m, NODES)):
+                b.radiance[a, i] += emitted[sphere, a]
 
 
 @inlined

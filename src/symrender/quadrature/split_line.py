@@ -25,7 +25,7 @@ from symrender.leaves import values
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
 from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.line_poles import cell_log, find_poles
-from symrender.quadrature.node_rows import begin_sums, sines, whole_vectors
+from symrender.quadrature.node_rows import begin_sums, shine, sines, whole_vectors
 from symrender.scene.arrays import CUT, EYE, MARBLE, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -253,6 +253,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
     j = work.chart.shape_index
     ambient = 0.0 if j < 0 and work.chart.side < 0.0 else shading.ka
     begin_sums(m, ambient, shading, b)
+    shine(m, j, b, view.emitted)
     if j >= 0 and view.spheres[j].texture == MARBLE:
         for i in range(m):
             vein = values.marble(b.normal[0, i], b.normal[1, i], b.normal[2, i], view.spheres[j].ku, view.spheres[j].kv)

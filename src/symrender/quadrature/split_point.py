@@ -103,6 +103,8 @@ def gloss_kernel(
     # a rounded base errs by so much more as its power is higher
     powers = ROUNDED * view.shading.shininess if view.shading.ks > 0.0 else 0.0
     falling = is_radiometric(view)
+    # what planes send is then bounded by their lights
+    shown = falling or view.emitted is not None
     for i in range(points.shape[0]):
         begin_counts(max_evaluations, work)
         home = frames.homes[surface[i]]
@@ -196,7 +198,7 @@ def gloss_kernel(
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
             floor_strips(framed, work)
-            chart.bright = chart_bound(plane_bound(framed) if falling else bound, framed, work)
+            chart.bright = chart_bound(plane_bound(framed) if shown else bound, framed, work)
             e, b = split_chart(
                 max(0.5 * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
                 max_evaluations, value,
@@ -294,12 +296,15 @@ def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
     return squares
 
 
-def radiance_bound(arrays: SceneArrays, points: Table[LightPoint], senders: Table[Sender] | None = None) -> float:
+def radiance_bound(
+    arrays: SceneArrays, points: Table[LightPoint], senders: Table[Sender] | None = None, emitted: Array | None = None
+) -> float:  # fmt: skip
     """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
     lit = arrays.shading.ka * arrays.shading.ambient
     color = points["color"] / nearest_squares(arrays, points)[:, None]
     lit = lit + color.sum(axis=0) * (arrays.shading.kd * largest_sent(senders) + arrays.shading.ks)
-    return float(max(lit.max(), arrays.shading.background.max(), 1e-300))
+    shining = 0.0 if emitted is None else float(emitted.max(initial=0.0))
+    return float(max(lit.max(), arrays.shading.background.max(), 1e-300) + shining)
 
 
 def refuse_conductors(arrays: SceneArrays, conductors: Table[Conductor], surface: Ints) -> None:
@@ -330,6 +335,7 @@ def gloss_points(
     walled: bool = True,
     conductors: Table[Conductor] | None = None,
     senders: Table[Sender] | None = None,
+    emitted: Array | None = None,
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
@@ -347,11 +353,13 @@ def gloss_points(
     in BRDF units. ``senders``, a row a sphere and then a row a plane, are what shapes send light on by in place
     of Lambert's term: their colour times kd times pi D F G/(4 cos_o), or (n + 2)/2 N.l cos^n, of what arrives. Such a
     plane is of one colour, and n is no smaller than ``FELT_END``: its highlight's end is no wall.
+    ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect. Arguments are many because the tables
+    that only some scenes hold are apart from their records.
     """
     lights = light_rows(arrays, disk_order)
     if conductors is not None:
         refuse_conductors(arrays, conductors, np.asarray(surface))
-    view = scene_view(arrays, lights, conductors, senders)
+    view = scene_view(arrays, lights, conductors, senders, emitted)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
@@ -364,7 +372,7 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights, senders), int(max_evaluations), bool(walled), gloss, error, *counts, s.conics,
-        s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights),
+        radiance_bound(arrays, lights, senders, emitted), int(max_evaluations), bool(walled), gloss, error, *counts,
+        s.conics, s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights),
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

@@ -10,7 +10,7 @@ from symrender.radiometric.sight import hidden_direction, hidden_point, nearest
 from symrender.radiometric.sky import area_irradiance, sky_irradiance
 from symrender.radiometric.vectors import Vector, dot, vector
 from symrender.radiometric.world import World
-from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, FIRST_SHAPE, SKY, SPOT
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DIRECTIONAL, FIRST_SHAPE, SKY, SPOT
 from symrender.scene.radiometric.records import Light
 
 
@@ -72,7 +72,7 @@ def direct_irradiance(world: World, own: int, front: bool, place: Vector, normal
 def direct_light(
     world: World, own: int, front: bool, place: Vector, normal: Vector, view: Vector, room: Room
 ) -> Vector:  # fmt: skip
-    """Direct light leaving a place of piece ``own`` towards ``view``."""
+    """Direct light leaving a place of piece ``own`` towards ``view``, but what is glossy leaves of sky and lamps."""
     material = world.materials[int(world.pieces[own].material)]
     total = (0.0, 0.0, 0.0)
     if not front and material.two_sided == 0.0:
@@ -81,6 +81,9 @@ def direct_light(
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
         if light.kind == SKY or light.kind == AREA:
+            if material.kind != DIFFUSE:
+                # a lobe's integral, which is none of this kernel's
+                continue
             e = vector(light.emitted)
             share = leaves.diffuse_reflection(extended_irradiance(world, light, own, front, place, normal, room))
             term = (albedo[0] * share, albedo[1] * share, albedo[2] * share)

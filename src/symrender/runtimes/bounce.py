@@ -24,7 +24,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world
 from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
-from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, shape_classes
+from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, lamp_scene, shape_classes
 from symrender.scene.radiometric.records import Material
 
 Ints = npt.NDArray[np.int64]
@@ -85,10 +85,13 @@ class Bounced:
 
 
 class Bouncer:
-    """A scene with the scratch of one thread; ``sent`` answers for rays."""
+    """A scene with the scratch of one thread; ``sent`` answers for rays.
 
-    def __init__(self, arrays: RadiometricArrays) -> None:
-        self._arrays = arrays
+    With ``lamps`` for the light of spheres that emit on what is glossy, else for that of one bounce.
+    """
+
+    def __init__(self, arrays: RadiometricArrays, lamps: bool = False) -> None:
+        self._arrays, self._lamps = arrays, lamps
         self._shaken = shaken(arrays)
         self._classes, _ = shape_classes(arrays)
         used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
@@ -134,9 +137,12 @@ class Bouncer:
         two_sided = np.array([materials[int(shape.material)].two_sided != 0.0 for shape in shapes], dtype=bool)
         is_plane = np.array([shape.kind != SPHERE for shape in shapes], dtype=bool)
         met = hits.shape >= 0
+        if self._lamps:
+            met &= np.array([materials[int(shape.material)].kind != DIFFUSE for shape in shapes])[hits.shape]
         black = met & (hits.behind != 0.0) & ~two_sided[hits.shape]
         undone = met & ~black & (((hits.behind != 0.0) & ~is_plane[hits.shape]) | self._in_a_plane(hits))
-        undone |= met & ~black & self._may_see_an_end(hits)
+        if not self._lamps:
+            undone |= met & ~black & self._may_see_an_end(hits)
         found.status[undone], found.error[undone] = UNSUPPORTED, np.inf
         work = np.flatnonzero(met & ~black & ~undone & (hits.albedo.max(axis=1) > 0.0))
         turned = np.zeros((len(work), len(shapes)), dtype=bool)
@@ -201,7 +207,7 @@ class Bouncer:
         material = self._arrays.materials[int(self._arrays.shapes[own].material)]
         key = turned.tobytes() + bytes([int(material.kind == PHONG)])
         if key not in self._scenes:
-            self._scenes[key] = bounce_scenes(self._arrays, turned, own)
+            self._scenes[key] = (lamp_scene if self._lamps else bounce_scenes)(self._arrays, turned, own)
         bounce = self._scenes[key]
         senders = _senders(self._arrays, bounce)
         conductors = None
@@ -219,7 +225,8 @@ class Bouncer:
             share = SHARE * tol / (most * len(bounce.parts))
             seen = gloss_points(
                 part, place, normal, -normal if material.kind == DIFFUSE else travel, surface, share, RULE, budget,
-                self._scratch, conductors=conductors, senders=senders,
+                self._scratch, conductors=conductors,
+                senders=None if self._lamps else senders, emitted=bounce.emitted,
             )  # fmt: skip
             total += seen.gloss
             missed += seen.error

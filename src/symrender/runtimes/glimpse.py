@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.radiometric import tile
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen
 from symrender.runtimes.bounce import hits
-from symrender.runtimes.radiometric import check
+from symrender.runtimes.radiometric import check, lamps_on_gloss
 from symrender.scene.radiometric.arrays import RadiometricArrays
 
 Rows = Callable[[int, int, Array], None]
@@ -27,6 +28,8 @@ Rows = Callable[[int, int, Array], None]
 def direct_rows(arrays: RadiometricArrays, width: int, height: int) -> Rows:
     """Direct light through the centres of pixels; ``Unsupported`` where an image of the scene is."""
     check(arrays)
+    if lamps_on_gloss(arrays):
+        raise Unsupported("regions: of an area light over a conductor or a phong material they are not yet known")
     view = seen(arrays, width, height)
 
     def rows(y0: int, y1: int, layer: Array) -> None:

@@ -25,7 +25,7 @@ from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.radiosity import Gatherer, table_of
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DISK, SKY, SPHERE, RadiometricArrays
-from symrender.scene.radiometric.bounce import bounce_refusal
+from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal
 from symrender.scene.radiometric.due import refuse_bounces
 from symrender.scene.radiometric.flat import flat_refusal, is_flat
 from symrender.settings import Settings
@@ -47,7 +47,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     check(arrays)
     width, height = settings.width, settings.height
     views = [seen(each, width, height) for each in shaken(arrays)]
-    own = threading.local()
+    own, integrated = threading.local(), _integrated(arrays)
     if arrays.bounces and is_flat(arrays):
         table_of(arrays, settings.tol, settings.threads)
 
@@ -65,28 +65,36 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         layers["radiance"][here], layers["error"][here] = closed[0], doubt(closed[0], closed[1:])
         layers["status"][here] = np.where(layers["error"][here] > settings.tol, CAPPED, MET)
         count = shape[0] * shape[1]
-        if not arrays.bounces:
+        if not integrated:
             return count
-        if not hasattr(own, "bouncer"):
-            own.bouncer = _bouncer(arrays, settings.tol, 1)
+        if not hasattr(own, "bouncers"):
+            own.bouncers = {name: _bouncer(arrays, name == "direct", settings.tol) for name in integrated}
         sent = []
         for view in views:
             directions = np.zeros((count, 3))
             _kernel("fill_directions")(view.window, *tile_, directions)
             sent.append((np.tile(view.eye, (count, 1)), directions))
-        bounced = own.bouncer.sent(sent, settings.tol, settings.budget)
-        layers["indirect"][here] = bounced.indirect.reshape(*shape, 3)
-        layers["radiance"][here] += layers["indirect"][here]
-        layers["error"][here] += bounced.error.reshape(shape)
-        layers["status"][here] = _status(layers["error"][here], bounced.status.reshape(shape), settings.tol)
-        return count + int(bounced.evaluations.sum())
+        status, evaluations = np.zeros(shape, np.int64), count
+        if arrays.bounces:
+            # a tile may be rendered twice
+            layers["indirect"][here] = 0.0
+        for name, bouncer in own.bouncers.items():
+            found_there = bouncer.sent(sent, settings.tol, settings.budget)
+            light = found_there.indirect.reshape(*shape, 3)
+            layers[name][here] += light
+            layers["radiance"][here] += light
+            layers["error"][here] += found_there.error.reshape(shape)
+            status = np.maximum(status, found_there.status.reshape(shape))
+            evaluations += int(found_there.evaluations.sum())
+        layers["status"][here] = _status(layers["error"][here], status, settings.tol)
+        return evaluations
 
     return render
 
 
-def _bouncer(arrays: RadiometricArrays, tol: float, threads: int) -> Bouncer | Gatherer:
-    """Who answers for reflected light, to ``tol``."""
-    return Gatherer(arrays, tol, threads) if is_flat(arrays) else Bouncer(arrays)
+def _bouncer(arrays: RadiometricArrays, lamps: bool, tol: float) -> Bouncer | Gatherer:
+    """Who answers for light that is integrated, to ``tol``: that of ``lamps``, or what is reflected."""
+    return Gatherer(arrays, tol) if is_flat(arrays) and not lamps else Bouncer(arrays, lamps)
 
 
 def _status(error: Array, status: Array | Ints, tol: float) -> Ints:
@@ -120,11 +128,26 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
     emitted, direct, hit_class = found[0]
     error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
     indirect, status, evaluations = np.zeros((count, 3)), np.zeros(count, np.int64), np.ones(count, np.int64)
-    if arrays.bounces:
-        bounced = _bouncer(arrays, tol, 1).sent(sent, tol, budget)
-        indirect, status, evaluations = bounced.indirect, bounced.status, evaluations + bounced.evaluations
+    for name in _integrated(arrays):
+        bounced = _bouncer(arrays, name == "direct", tol).sent(sent, tol, budget)
+        if name == "direct":
+            direct = direct + bounced.indirect
+        else:
+            indirect = bounced.indirect
+        status, evaluations = np.maximum(status, bounced.status), evaluations + bounced.evaluations
         error = error + bounced.error
     return Sent(emitted, direct, indirect, hit_class, error, _status(error, status, tol), evaluations)
+
+
+def _integrated(arrays: RadiometricArrays) -> tuple[str, ...]:
+    """The layers of which the split rule has a part: of lamps over what is glossy, and of a bounce."""
+    return (*(["direct"] if lamps_on_gloss(arrays) else []), *(["indirect"] if arrays.bounces else []))
+
+
+def lamps_on_gloss(arrays: RadiometricArrays) -> bool:
+    """Whether a shape that emits may shine on a conductor or a phong material."""
+    glossy = any(arrays.materials[int(shape.material)].kind != DIFFUSE for shape in arrays.shapes)
+    return glossy and any(light.kind == AREA for light in arrays.lights)
 
 
 def check(arrays: RadiometricArrays) -> None:
@@ -142,10 +165,12 @@ def check(arrays: RadiometricArrays) -> None:
     glossy = any(arrays.materials[m].kind != DIFFUSE for m in used)
     extended = {SKY: "a sky", AREA: "an area light"}
     for light in arrays.lights if glossy else ():
-        if light.kind in extended:
+        reason = lamp_refusal(arrays)
+        if light.kind == SKY or (light.kind == AREA and reason):
+            words = f" in a scene with {reason}" if light.kind == AREA else ""
             raise Unsupported(
-                f"lights: {extended[int(light.kind)]} over a conductor or a phong material is not yet integrated, "
-                "which takes its lobe; over diffuse ones it is, and the numeric pipeline samples any"
+                f"lights: {extended[int(light.kind)]} over a conductor or a phong material is not yet integrated"
+                f"{words}, which takes its lobe; over diffuse ones it is, and the numeric pipeline samples any"
             )
     for index, light in enumerate(arrays.lights):
         other = crossed(arrays, int(light.emitter)) if light.kind == AREA else -1

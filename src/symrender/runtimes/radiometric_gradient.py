@@ -17,7 +17,7 @@ from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen
 from symrender.runtimes.image import TileKernel
-from symrender.runtimes.radiometric import check
+from symrender.runtimes.radiometric import check, lamps_on_gloss
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
@@ -29,6 +29,8 @@ def check_gradient(arrays: RadiometricArrays) -> None:
         asked = arrays.bounces if arrays.bounces == 1 else "all"
         raise Unsupported(f"gradient: knows radiometric scenes with bounces: 0, got bounces: {asked}")
     check(arrays)
+    if lamps_on_gloss(arrays):
+        raise Unsupported("gradient: of an area light over a conductor or a phong material it is not yet integrated")
 
 
 def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:

@@ -59,6 +59,8 @@ class Bounce:
     parts: tuple[SceneArrays, ...]
     classes: Ints
     shapes: tuple[int, ...]
+    emitted: Array | None = None
+    """(spheres, 3) radiance of spheres, where what they emit is asked."""
 
 
 def bounce_refusal(arrays: RadiometricArrays) -> str:
@@ -105,6 +107,40 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
         shading.units = BRDF_NORMALISED if _material(arrays, own).kind == PHONG else LOBE_AVERAGE
         parts.append(SceneArrays(rows, record(Floor), _lights(arrays), shading, arrays.camera, sides))
     return Bounce(tuple(parts), classes, (*spheres, *planes))
+
+
+def lamp_refusal(arrays: RadiometricArrays) -> str:
+    """What keeps the light of lamps on what is glossy from being integrated, as words; empty if nothing does."""
+    used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
+    if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
+        return "a rectangle, a triangle, a disk or a box"
+    if any(material.kind == CONDUCTOR and material.walter for material in used):
+        return "a conductor of g1: walter"
+    if sum(shape.kind == PLANE for shape in arrays.shapes) > MAX_PLANES:
+        return f"more than {MAX_PLANES} planes"
+    return ""
+
+
+def lamp_scene(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
+    """The scene in which spheres that emit are as bright as they are, and all else is black."""
+    classes, kept = shape_classes(arrays)
+    spheres = [j for j in kept if arrays.shapes[j].kind == SPHERE]
+    planes = [j for j in kept if arrays.shapes[j].kind == PLANE]
+    lamps = [light for light in arrays.lights if light.kind == AREA]
+    emitted = np.zeros((len(spheres), 3))
+    rows = table(Sphere, len(spheres))
+    for k, (row, j) in enumerate(zip(rows, spheres, strict=True)):
+        _lay_sphere(arrays.shapes[j], _material(arrays, j), False, 1.0, row)
+        row.color[:] = 0.0
+        emitted[k] = sum((light.emitted for light in lamps if classes[int(light.emitter)] == classes[j]), np.zeros(3))
+    sides = table(Plane, len(planes))
+    for side, j in zip(sides, planes, strict=True):
+        _lay_plane(arrays, j, bool(turned[j]), 0.0, side)
+        side.kind = SOLID
+    shading = record(Shading)
+    shading.units = BRDF_NORMALISED if _material(arrays, own).kind == PHONG else LOBE_AVERAGE
+    dark = SceneArrays(rows, record(Floor), table(Light, 0), shading, arrays.camera, sides)
+    return Bounce((dark,), classes, (*spheres, *planes), emitted)
 
 
 def _material(arrays: RadiometricArrays, j: int) -> Material:
