@@ -8,6 +8,7 @@ from symrender.expression.formulas import (
     conductor_lobe,
     conics,
     disks,
+    exchange,
     light_terms,
     lobes,
     microfacets,
@@ -25,5 +26,7 @@ LEAVES: Final = {
 }
 """Leaf by name."""
 
-RADIOMETRIC: Final = {leaf.name: leaf for module in (microfacets, polygons, radiometry) for leaf in module.LEAVES}
+RADIOMETRIC: Final = {
+    leaf.name: leaf for module in (microfacets, polygons, exchange, radiometry) for leaf in module.LEAVES
+}
 """Leaf by name, of what radiometric scenes alone need."""
