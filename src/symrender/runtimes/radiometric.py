@@ -68,7 +68,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         if not integrated:
             return count
         if not hasattr(own, "bouncers"):
-            own.bouncers = {name: _bouncer(arrays, name == "direct", settings.tol) for name in integrated}
+            own.bouncers = {name: _bouncer(arrays, name, settings.tol) for name in integrated}
         sent = []
         for view in views:
             directions = np.zeros((count, 3))
@@ -92,9 +92,11 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     return render
 
 
-def _bouncer(arrays: RadiometricArrays, lamps: bool, tol: float) -> Bouncer | Gatherer:
-    """Who answers for light that is integrated, to ``tol``: that of ``lamps``, or what is reflected."""
-    return Gatherer(arrays, tol) if is_flat(arrays) and not lamps else Bouncer(arrays, lamps)
+def _bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | Gatherer:
+    """Who integrates what a layer has beside closed forms, to ``tol``."""
+    if layer == "indirect" and is_flat(arrays):
+        return Gatherer(arrays, tol, 1)
+    return Bouncer(arrays, layer == "direct")
 
 
 def _status(error: Array, status: Array | Ints, tol: float) -> Ints:
@@ -129,7 +131,7 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
     error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
     indirect, status, evaluations = np.zeros((count, 3)), np.zeros(count, np.int64), np.ones(count, np.int64)
     for name in _integrated(arrays):
-        bounced = _bouncer(arrays, name == "direct", tol).sent(sent, tol, budget)
+        bounced = _bouncer(arrays, name, tol).sent(sent, tol, budget)
         if name == "direct":
             direct = direct + bounced.indirect
         else:
