@@ -19,7 +19,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("numeric", "expression", "leaves"),
     ("chambers",),
     ("quadrature", "radiometric"),
-    ("adjoint",),
+    ("adjoint", "radiosity"),
     ("kernel",),
     ("targets",),
     ("runtimes",),

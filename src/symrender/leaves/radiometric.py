@@ -292,6 +292,43 @@ def disk_level(offset_x: float, offset_y: float, offset_z: float, radius: float)
 
 
 @inlined
+def edge_share(
+    first_x: float, first_y: float, first_z: float, second_x: float, second_y: float, second_z: float,
+    normal_x: float, normal_y: float, normal_z: float,
+) -> float:
+    """Lambert's term of the edge between two corners seen from the origin: they sum to a polygon's form factor."""
+    axis_x = first_y * second_z - first_z * second_y
+    axis_y = first_z * second_x - first_x * second_z
+    axis_z = first_x * second_y - first_y * second_x
+    size = math.sqrt(max(axis_x * axis_x + axis_y * axis_y + axis_z * axis_z, 1e-300))
+    t1 = math.atan2(size, first_x * second_x + first_y * second_y + first_z * second_z)
+    t2 = t1 * (axis_x * normal_x + axis_y * normal_y + axis_z * normal_z)
+    return t2 / (6.283185307179586 * size)
+
+
+@inlined
+def exchange(
+    height: float, normal_x: float, normal_y: float, normal_z: float, offset_x: float, offset_y: float,
+    offset_z: float,
+) -> float:
+    """cos cos'/r^2 = h (N.w)/|w|^4 of a place w of a plane from which the origin has the height h."""
+    square = offset_x * offset_x + offset_y * offset_y + offset_z * offset_z
+    return height * (normal_x * offset_x + normal_y * offset_y + normal_z * offset_z) / (square * square)
+
+
+@inlined
+def edge_plane(
+    first_x: float, first_y: float, first_z: float, second_x: float, second_y: float, second_z: float,
+) -> tuple[float, float, float]:
+    """Unit normal of the plane through the origin and an edge; zero where the edge points to the origin."""
+    axis_x = first_y * second_z - first_z * second_y
+    axis_y = first_z * second_x - first_x * second_z
+    axis_z = first_x * second_y - first_y * second_x
+    t1 = math.sqrt(max(axis_x * axis_x + axis_y * axis_y + axis_z * axis_z, 1e-300))
+    return axis_x / t1, axis_y / t1, axis_z / t1
+
+
+@inlined
 def perspective_axes(
     eye_x: float, eye_y: float, eye_z: float, target_x: float, target_y: float, target_z: float, up_x: float,
     up_y: float, up_z: float,

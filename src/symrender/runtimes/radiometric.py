@@ -20,12 +20,15 @@ from symrender.radiometric.shaken import doubt, shaken, shaken_rays
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world, seen
+from symrender.radiosity.coincident import coincident
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixels import prepare_means
+from symrender.runtimes.radiosity import Gatherer, table_of
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DISK, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal
 from symrender.scene.radiometric.due import refuse_bounces
+from symrender.scene.radiometric.flat import flat_refusal, is_flat
 from symrender.settings import Settings
 
 Ints = npt.NDArray[np.int64]
@@ -48,6 +51,8 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     width, height = settings.width, settings.height
     views = [seen(each, width, height) for each in shaken(arrays)]
     own, integrated = threading.local(), _integrated(arrays)
+    if arrays.bounces and is_flat(arrays):
+        table_of(arrays, settings.tol, settings.threads)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
@@ -66,7 +71,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         if not integrated:
             return count
         if not hasattr(own, "bouncers"):
-            own.bouncers = {name: Bouncer(arrays, name == "direct") for name in integrated}
+            own.bouncers = {name: _bouncer(arrays, name, settings.tol) for name in integrated}
         sent = []
         for view in views:
             directions = np.zeros((count, 3))
@@ -93,7 +98,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
 def _prepare_box(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     """The same of means over pixels; ``hit_class`` is that of the ray through the centre."""
     if arrays.bounces:
-        raise Unsupported("filter: box is not yet integrated with bounces: 1; with bounces: 0 it is, and centre is")
+        raise Unsupported("filter: box is not yet integrated with bounces; with bounces: 0 it is, and centre is")
     width, height = settings.width, settings.height
     view, means = seen(arrays, width, height), prepare_means(arrays, settings)
 
@@ -109,6 +114,13 @@ def _prepare_box(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         return spent
 
     return render
+
+
+def _bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | Gatherer:
+    """Who integrates what a layer has beside closed forms, to ``tol``."""
+    if layer == "indirect" and is_flat(arrays):
+        return Gatherer(arrays, tol, 1)
+    return Bouncer(arrays, layer == "direct")
 
 
 def _status(error: Array, status: Array | Ints, tol: float) -> Ints:
@@ -143,7 +155,7 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
     error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
     indirect, status, evaluations = np.zeros((count, 3)), np.zeros(count, np.int64), np.ones(count, np.int64)
     for name in _integrated(arrays):
-        bounced = Bouncer(arrays, name == "direct").sent(sent, tol, budget)
+        bounced = _bouncer(arrays, name, tol).sent(sent, tol, budget)
         if name == "direct":
             direct = direct + bounced.indirect
         else:
@@ -167,7 +179,14 @@ def lamps_on_gloss(arrays: RadiometricArrays) -> bool:
 def check(arrays: RadiometricArrays) -> None:
     """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of a sky on what is glossy."""
     asked = arrays.bounces if arrays.bounces <= 1 else "all"
-    refuse_bounces(asked, bounce_refusal(arrays) if asked == 1 else "")
+    flat = is_flat(arrays)
+    refuse_bounces(asked, flat_refusal(arrays) if flat else bounce_refusal(arrays), flat)
+    pair = coincident(arrays, make_world(arrays)) if flat and arrays.bounces else None
+    if pair:
+        raise Unsupported(
+            f"bounces: {asked} is not yet integrated where shapes[{pair[0]}] and shapes[{pair[1]}] lie in one plane "
+            "and overlap: which of them is seen is not decided; apart it is"
+        )
     used = {int(shape.material) for shape in arrays.shapes}
     glossy = any(arrays.materials[m].kind != DIFFUSE for m in used)
     extended = {SKY: "a sky", AREA: "an area light"}

@@ -8,6 +8,7 @@ from symrender.expression.formulas import (
     conductor_lobe,
     conics,
     disks,
+    exchange,
     light_terms,
     lobes,
     microfacets,
@@ -27,6 +28,6 @@ LEAVES: Final = {
 """Leaf by name."""
 
 RADIOMETRIC: Final = {
-    leaf.name: leaf for module in (microfacets, polygons, radiometry, pixel_walls) for leaf in module.LEAVES
+    leaf.name: leaf for module in (microfacets, polygons, exchange, radiometry, pixel_walls) for leaf in module.LEAVES
 }
 """Leaf by name, of what radiometric scenes alone need."""

@@ -5,15 +5,17 @@ from __future__ import annotations
 from symrender.errors import Unsupported
 
 
-def refuse_bounces(bounces: int | str, reason: str) -> None:
+def refuse_bounces(bounces: int | str, reason: str, flat: bool) -> None:
     """Raise ``Unsupported`` where more light is asked of what has no noise than it integrates.
 
-    ``reason`` is what of the scene keeps one bounce from being integrated, empty if nothing does.
+    ``reason`` is what of the scene keeps bounced light from being integrated, empty if nothing does; ``flat`` says
+    whether it has rectangles, triangles and boxes only, between which every bounce is.
     """
-    if bounces == 0 or (bounces == 1 and not reason):
+    if bounces == 0 or (not reason and (flat or bounces == 1)):
         return
-    words = f" in a scene with {reason}" if reason and bounces == 1 else ""
+    words = f" in a scene with {reason}" if reason and (flat or bounces == 1) else ""
     raise Unsupported(
         f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between diffuse, "
-        "conductor and phong surfaces under point and directional lights, and the numeric pipeline samples any"
+        "conductor and phong spheres and planes under point and directional lights, 1 and all are between diffuse "
+        "rectangles, triangles and boxes under these and lights of such shapes, and the numeric pipeline samples any"
     )

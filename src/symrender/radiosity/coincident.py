@@ -1,0 +1,75 @@
+"""Faces that lie in one plane and overlap: which of them is seen is not decided by the scene."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from symrender.radiometric.pieces import POLYGON, Piece
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import World
+from symrender.radiosity.breaks import TOUCH, corners_of
+from symrender.scene.radiometric.arrays import BOX, RadiometricArrays
+
+_LEAST: Final = 1e-9
+"""Area, in parts of the smaller face's, up to which faces do not overlap."""
+
+
+def coincident(arrays: RadiometricArrays, world: World) -> tuple[int, int] | None:
+    """Two shapes of which faces in one plane overlap and are seen, None where there are none.
+
+    A face of a box against another's is not seen, and one that stands on a face is not if nothing is behind that.
+    """
+    pieces = world.pieces
+    for j, b in enumerate(pieces):
+        for i in range(j):
+            a = pieces[i]
+            if a.kind != POLYGON or b.kind != POLYGON or not _in_one_plane(a, b) or not _overlap(a, b):
+                continue
+            if float(a.up @ b.up) < 0.0:
+                boxes = [arrays.shapes[int(each.owner)].kind == BOX for each in (a, b)]
+                if all(boxes) or (any(boxes) and not _is_seen_behind(world, b if boxes[0] else a)):
+                    continue
+            return int(a.owner), int(b.owner)
+    return None
+
+
+def _size(*pieces: Piece) -> float:
+    return float(max(np.abs(corners_of(piece)).max() for piece in pieces))
+
+
+def _in_one_plane(a: Piece, b: Piece) -> bool:
+    heights = (corners_of(b) - a.place) @ a.up
+    return bool(np.abs(heights).max() <= TOUCH * _size(a, b))
+
+
+def _is_seen_behind(world: World, face: Piece) -> bool:
+    """Whether a corner of any piece is behind a face."""
+    heights = [(corners_of(piece) - face.place) @ face.up for piece in world.pieces]
+    return any(h.min() < -TOUCH * _size(face, piece) for h, piece in zip(heights, world.pieces, strict=True))
+
+
+def _overlap(a: Piece, b: Piece) -> bool:
+    """Whether two polygons of one plane share an area."""
+    part = corners_of(b)
+    corners = corners_of(a)
+    for p, q in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        across = np.cross(a.up, q - p)
+        heights = (part - p) @ across / np.sqrt(across @ across)
+        kept: list[Array] = []
+        for u, v, g, h in zip(part, np.roll(part, -1, axis=0), heights, np.roll(heights, -1), strict=True):
+            if g >= 0.0:
+                kept.append(u)
+            if g * h < 0.0:
+                kept.append(u + g / (g - h) * (v - u))
+        if len(kept) < 3:
+            return False
+        part = np.array(kept)
+    return _area(part) > _LEAST * min(_area(corners), _area(corners_of(b)))
+
+
+def _area(corners: Array) -> float:
+    edges = corners[1:] - corners[0]
+    crossed = np.cross(edges[:-1], edges[1:]).sum(axis=0)
+    return 0.5 * float(np.sqrt(crossed @ crossed))

@@ -1,0 +1,209 @@
+"""Trees of cells: the sides of all faces, cut where light is not smooth, halved where cubics do not hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from symrender.jit.records import Table, table
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import World
+from symrender.radiosity.cells import (
+    Frames,
+    Quads,
+    cut_along,
+    fitted,
+    frames_of,
+    halves,
+    joined,
+    monomials,
+    sampled_places,
+)
+from symrender.radiosity.near import Thing, too_large
+from symrender.radiosity.records import CHANNELS, NONE, Cell, Ints
+
+Evaluate = Callable[[Ints, Array, Array], tuple[Array, Array]]
+"""``evaluate(face, side, places)`` of M places: what they send (M, CHANNELS), and what that may be off (M,)."""
+
+SMALLEST: Final = 1e-7
+"""Area of a cell, in parts of its face, below which it is not halved."""
+_NEVER: Final = 1e300
+CUTS: Final = 4000
+"""Most cells a forest is cut into along segments."""
+
+
+@dataclass
+class Forest:
+    """Cells in a table whose first rows are the ``roots``; ``leaves`` are the rows of leaves.
+
+    ``unseen`` is the part of their doubt that stands for what no sample may have met.
+    """
+
+    cells: Table[Cell]
+    roots: Ints
+    leaves: Ints
+    quads: Quads
+    frames: Frames
+    unseen: Array
+
+
+@dataclass
+class _Growing:
+    """Rows of a forest that grows: parts of what will be its arrays, and the children of every row."""
+
+    parts: list[Quads] = field(default_factory=list)
+    first: list[int] = field(default_factory=list)
+    second: list[int] = field(default_factory=list)
+    pentagons: dict[int, Array] = field(default_factory=dict)
+
+    def add(self, quads: Quads) -> Ints:
+        """Add cells; returns their rows."""
+        begin = len(self.first)
+        self.parts.append(quads)
+        self.first += [NONE] * len(quads)
+        self.second += [NONE] * len(quads)
+        return np.arange(begin, len(self.first))
+
+
+def root_cells(world: World, faces: Ints, sides: Array) -> Quads:
+    """The sides of faces as cells."""
+    corners = np.array([np.asarray(world.pieces[int(j)].corners).reshape(4, 3) for j in faces]).reshape(-1, 4, 3)
+    count = np.array([int(world.pieces[int(j)].count) for j in faces], dtype=np.int64)
+    corners[count == 3, 3] = corners[count == 3, 2]
+    return Quads(faces.astype(np.int64), sides, count, corners)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """A cell is halved while its largest deviation, times the root of its share of its face, is over ``target``.
+
+    It is while it is too large for one of the ``things`` near it, too; but only while there are fewer than ``most``.
+    """
+
+    target: float
+    most: int
+    things: list[Thing]
+
+
+def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
+    """The forest of ``roots``, cut along the ``segments`` of each, then halved as ``limits`` say."""
+    growing = _Growing()
+    growing.add(roots)
+    ups = np.array([world.pieces[int(j)].up for j in roots.face]).reshape(-1, 3)
+    whole = frames_of(roots, ups).area
+    face_area = dict(zip(roots.face.tolist(), whole.tolist(), strict=True))
+    for row in range(len(roots)):
+        _cut_tree(growing, row, segments[row], ups[row])
+    quads = joined(growing.parts)
+    fresh = np.arange(len(quads))
+    unseen: list[Array] = []
+    held: list[tuple[Array, Array]] = []
+    while len(fresh):
+        some = quads.some(fresh)
+        frames = frames_of(some, _ups(world, some))
+        places = sampled_places(some)
+        values, off = sampled(some, places, evaluate)
+        made, missed = fitted(monomials(frames, places), values)
+        held.append((made, missed + off))
+        leaf = np.array([growing.first[row] == NONE for row in fresh], dtype=bool)
+        share = frames.area / np.array([face_area[f] for f in some.face.tolist()])
+        large, covered = too_large(limits.things, some, frames)
+        urgency = missed * np.sqrt(share) / max(limits.target, 1e-300) + large
+        room = (limits.most - len(quads)) // 2
+        chosen = np.flatnonzero(leaf & ((urgency > 1.0) | large) & (share > SMALLEST))
+        if len(chosen) > room:
+            order = np.argsort(-urgency[chosen], kind="stable")
+            chosen = np.sort(chosen[order[: max(room, 0)]])
+        covered[chosen] = 0.0
+        unseen.append(covered)
+        one, two = halves(some.some(chosen), values[chosen])
+        rows = growing.add(one), growing.add(two)
+        for parent, a, b in zip(fresh[chosen].tolist(), rows[0].tolist(), rows[1].tolist(), strict=True):
+            growing.first[parent], growing.second[parent] = a, b
+        fresh = np.concatenate(rows)
+        quads = joined([quads, one, two])
+    terms = np.concatenate([made for made, _ in held])
+    doubt = np.concatenate([off for _, off in held])
+    # what no sample may have met changes a cell by no more than the most that anything sends
+    missing = np.concatenate(unseen) * float(np.abs(terms[:, :, 0]).max(initial=0.0))
+    return _laid(world, growing, quads, len(roots), terms, doubt + missing, missing)
+
+
+def sampled(quads: Quads, places: Array, evaluate: Evaluate) -> tuple[Array, Array]:
+    """(values (N, P, CHANNELS), largest error (N,)) of cells at places (N, P, 3)."""
+    per = places.shape[1]
+    values, off = evaluate(np.repeat(quads.face, per), np.repeat(quads.side, per), places.reshape(-1, 3))
+    return values.reshape(-1, per, CHANNELS), off.reshape(-1, per).max(axis=1, initial=0.0)
+
+
+def _ups(world: World, quads: Quads) -> Array:
+    return np.asarray(world.pieces["up"])[quads.face]
+
+
+def _cut_tree(growing: _Growing, root: int, segments: list[Array], up: Array) -> None:
+    """Cut a root along segments, one after the other, each leaf that it passes through."""
+    polygons: dict[int, Array] = {}
+    first = growing.parts[0].some(np.array([root]))
+    face, side = first.face, first.side
+    polygons[root] = first.corners[0][: int(first.count[0])]
+    for segment in segments:
+        for row in [row for row in polygons if growing.first[row] == NONE]:
+            parts = cut_along(polygons[row], segment, up)
+            if parts is None or len(parts) < 2 or len(growing.first) > CUTS:
+                continue
+            rows = []
+            for part in parts:
+                rows.append(_add_polygon(growing, polygons, part, face, side))
+            growing.first[row], growing.second[row] = rows
+
+
+def _add_polygon(growing: _Growing, polygons: dict[int, Array], polygon: Array, face: Ints, side: Array) -> int:
+    """Add a convex polygon as a cell, one of five corners with two halves; returns its row."""
+    row = int(growing.add(_quad(polygon[:4], face, side))[0])
+    polygons[row] = polygon
+    if len(polygon) > 4:
+        growing.pentagons[row] = polygon
+        pair = [_add_polygon(growing, polygons, part, face, side) for part in (polygon[:4], polygon[[0, 3, 4]])]
+        growing.first[row], growing.second[row] = pair
+    return row
+
+
+def _quad(polygon: Array, face: Ints, side: Array) -> Quads:
+    corners = polygon if len(polygon) == 4 else np.concatenate([polygon, polygon[-1:]])
+    return Quads(face, side, np.array([len(polygon)]), corners[None])
+
+
+def _laid(
+    world: World, growing: _Growing, quads: Quads, roots: int, terms: Array, doubt: Array, unseen: Array
+) -> Forest:
+    """The forest as records; a cell with halves doubts no less than they do."""
+    frames = frames_of(quads, _ups(world, quads))
+    cells = table(Cell, len(quads))
+    for name in ("middle", "across", "along", "reach", "area"):
+        cells[name][:] = getattr(frames, name)
+    cells["face"][:], cells["side"][:], cells["count"][:] = quads.face, quads.side, quads.count
+    cells["first"][:], cells["second"][:] = growing.first, growing.second
+    cells["corners"][:, :12] = quads.corners.reshape(-1, 12)
+    for row, polygon in growing.pentagons.items():
+        cell, middle = cells[row], polygon.mean(axis=0)
+        cell.count, cell.corners[:], cell.middle[:] = 5, polygon.reshape(-1), middle
+        cell.reach = np.sqrt(((polygon - middle) ** 2).sum(axis=1)).max()
+        cell.area = sum(cells["area"][child] for child in (growing.first[row], growing.second[row]))
+        # what it would send itself is never used
+        doubt[row] = _NEVER
+    for row in range(len(quads) - 1, -1, -1):
+        if growing.first[row] != NONE:
+            doubt[row] = max(doubt[row], doubt[growing.first[row]], doubt[growing.second[row]])
+    cells["doubt"][:] = doubt
+    put_terms(cells, np.arange(len(quads)), terms)
+    leaves = np.flatnonzero(np.array(growing.first) == NONE)
+    return Forest(cells, np.arange(roots), leaves, quads, frames, unseen)
+
+
+def put_terms(cells: Table[Cell], rows: Ints, terms: Array) -> None:
+    """Write the cubics (N, CHANNELS, TERMS) of cells."""
+    cells["terms"][rows] = terms.reshape(len(rows), -1)
+    cells["spread"][rows] = np.abs(terms[..., 1:]).sum(axis=2).max(axis=1, initial=0.0)

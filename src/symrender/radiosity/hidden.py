@@ -1,0 +1,101 @@
+"""What hides a face from a place: every other face as an intersection of half spaces."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symrender.jit.marks import jitable
+from symrender.leaves import radiometric as leaves
+from symrender.radiometric.pieces import POLYGON, Piece, corner, put
+from symrender.radiometric.sight import height_over
+from symrender.radiometric.sky import edge_on, faces_away
+from symrender.radiometric.vectors import Vector, dot, minus, vector
+from symrender.radiometric.world import World
+from symrender.radiosity.records import SPACES, Cell, Scratch
+
+FLAT: Final = 1e-13
+"""Height over a face, in parts of the coordinates, up to which another lies in its plane and hides none of it."""
+
+
+@jitable
+def may_hide(piece: Piece, face: Piece, side: float, place: Vector, normal: Vector, height: float) -> bool:
+    """Whether some of a piece lies above the horizon of a place, and between it and the plane of a face."""
+    above, between, behind = False, False, True
+    size = max(abs(place[0]), abs(place[1]), abs(place[2]))
+    for k in range(int(piece.count)):
+        c = corner(piece, k)
+        size = max(size, abs(c[0]), abs(c[1]), abs(c[2]))
+    for k in range(int(piece.count)):
+        c = corner(piece, k)
+        over = side * height_over(face, c)
+        above = above or dot(normal, minus(c, place)) > FLAT * size
+        between = between or over > FLAT * size
+        behind = behind and over >= height
+    return above and between and not behind
+
+
+@jitable
+def put_spaces(scratch: Scratch, b: int, piece: Piece, place: Vector) -> int:
+    """Write the half spaces of what a piece hides from a place; returns how many."""
+    height = height_over(piece, place)
+    sign = -1.0 if height > 0.0 else 1.0
+    found, corners = 0, int(piece.count)
+    for k in range(corners):
+        here = minus(corner(piece, k), place)
+        other = minus(corner(piece, k + 1 if k + 1 < corners else 0), place)
+        x, y, z = leaves.edge_plane(*here, *other)
+        space = scratch.spaces[SPACES * b + found]
+        put(space.normal, (sign * x, sign * y, sign * z))
+        space.level = 0.0
+        found += 1
+    space = scratch.spaces[SPACES * b + found]
+    up = vector(piece.up)
+    put(space.normal, (sign * up[0], sign * up[1], sign * up[2]))
+    space.level = -abs(height)
+    return found + 1
+
+
+@jitable
+def overlaps(scratch: Scratch, b: int, cell: Cell, place: Vector) -> tuple[bool, bool]:
+    """Whether occluder b may hide some of a cell, and whether it hides all."""
+    whole = True
+    for k in range(scratch.counts[b]):
+        space = scratch.spaces[SPACES * b + k]
+        n = vector(space.normal)
+        low = high = 0.0
+        for i in range(cell.count):
+            w = (cell.corners[3 * i] - place[0], cell.corners[3 * i + 1] - place[1], cell.corners[3 * i + 2] - place[2])
+            over = dot(n, w) + space.level
+            low, high = (over, over) if i == 0 else (min(low, over), max(high, over))
+        if high <= FLAT * cell.reach:
+            return False, False
+        if low < 0.0:
+            whole = False
+    return True, whole
+
+
+@jitable
+def gather_occluders(
+    world: World, own: int, front: bool, cell: Cell, height: float, place: Vector, normal: Vector, scratch: Scratch
+) -> int:
+    """List what may hide some of a face, whose root is ``cell``, from a place of piece ``own``; returns how many.
+
+    Faces of a box that show their back are left out: what they hide its other faces hide.
+    """
+    found = 0
+    face = world.pieces[cell.face]
+    for j in range(world.pieces.shape[0]):
+        piece = world.pieces[j]
+        if j == own or j == cell.face or piece.kind != POLYGON:
+            continue
+        if cell.side > 0.0 and piece.owner == face.owner:
+            continue
+        if edge_on(piece, place) or faces_away(world, own, front, place, j):
+            continue
+        if not may_hide(piece, face, cell.side, place, normal, height):
+            continue
+        scratch.counts[found] = put_spaces(scratch, found, piece, place)
+        some, _ = overlaps(scratch, found, cell, place)
+        if some:
+            found += 1
+    return found

@@ -1,0 +1,86 @@
+"""The records of tables and gathers: cells of faces, half spaces of what hides them, scratch."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.jit.records import Record, Table, Three, table
+from symrender.radiometric.pieces import CORNERS
+from symrender.radiometric.vectors import Array
+
+Ints = npt.NDArray[np.int64]
+
+TERMS: Final = 10
+"""Terms of a cubic in two variables."""
+CHANNELS: Final = 3
+NONE: Final = -1
+"""What stands for a cell that is not there."""
+
+
+class Cell(Record):
+    """A polygon of one side of a face, and what it sends: a cubic in each channel. A leaf has three or four corners.
+
+    ``face`` is its piece, ``side`` 1 on the side of the piece's normal and -1 behind. ``first`` and ``second`` are the
+    halves it is cut into, ``NONE`` of a leaf. Its variables are ``across`` and ``along`` times the way from ``middle``,
+    within -1 and 1; no place of it is farther from there than ``reach``. ``terms`` are the coefficients of 1, u, v, uu,
+    uv, vv, uuu, uuv, uvv, vvv, channel by channel; ``spread`` bounds all but the first. ``doubt`` is the largest
+    deviation it expects of them.
+    """
+
+    face: int
+    side: float
+    first: int
+    second: int
+    count: int
+    corners: Annotated[Array, 15]
+    middle: Three
+    across: Three
+    along: Three
+    reach: float
+    area: float
+    terms: Annotated[Array, 30]
+    spread: float
+    doubt: float
+
+
+class HalfSpace(Record):
+    """Where ``normal``.w + ``level`` is positive, with w from the place that gathers."""
+
+    normal: Three
+    level: float
+
+
+SPACES: Final = CORNERS + 1
+"""Half spaces of what one face hides: of its edges, and what lies behind it."""
+MOST: Final = 16
+"""Most corners of a part of a cell."""
+SPARE: Final = 64
+"""Parts of a cell that may wait beside those that occluders leave."""
+
+
+class Scratch(NamedTuple):
+    """What a gather works in: half spaces of occluders, cells that wait, parts of a cell that wait.
+
+    Occluder b has ``counts[b]`` half spaces, from ``spaces[SPACES b]``. A part has ``sizes`` corners, relative to the
+    place that gathers, and is free of the first ``done`` occluders.
+    """
+
+    spaces: Table[HalfSpace]
+    counts: Ints
+    waiting: Ints
+    corners: Array
+    sizes: Ints
+    done: Ints
+    kept: Array
+
+
+def make_scratch(pieces: int, cells: int) -> Scratch:
+    """Scratch of one thread for so many pieces and cells."""
+    parts = (SPACES + 1) * pieces + SPARE
+    return Scratch(
+        table(HalfSpace, SPACES * (pieces + 1)), np.zeros(pieces + 1, np.int64), np.zeros(cells + 2, np.int64),
+        np.zeros((parts, 3 * MOST)), np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(2 * MOST),
+    )  # fmt: skip
