@@ -20,13 +20,14 @@ from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
+from symrender.runtimes.pixels import check_pixels
 from symrender.runtimes.radiometric_gradient import check_gradient
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.moves import radiometric_moves
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.settings import Antialias, Settings, split_settings
+from symrender.settings import Antialias, Filter, Settings, refuse_filter, split_settings
 
 STATUS: Final = {MET: "met", CAPPED: "capped", UNSUPPORTED: "unsupported", EVENT: "one-sided"}
 """What the numbers of a gradient's status layer mean."""
@@ -48,6 +49,7 @@ def gradient(
     disk: str = "2x2",
     aa: Antialias = "analytic",
     budget: int = 1_000_000,
+    filter: Filter = "centre",
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -65,12 +67,15 @@ def gradient(
     Of a radiometric scene with ``bounces: 0`` the layers are ``emitted``, ``direct``, ``indirect`` (zero),
     ``radiance``, ``error`` and ``status``. Values are functions of what the ray through the pixel's centre meets, and
     so are their derivatives: no edge inside the pixel contributes. ``error`` is how far roundings could have moved one.
+    With ``filter="box"`` they are those of the means over pixels, silhouettes, shadows and textures that move across
+    them included, and ``error`` is the difference of two rules.
     Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
     parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
     or where the scene changes its structure, Unsupported for a wall the method does not cover.
+    Keywords are many because each is an option of ``symrender gradient``, by its name.
     """
     loaded = load_any(scene)
-    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile)
+    settings = split_settings(size, tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, filter=filter)
     job = gradient_job(loaded, wrt, settings)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress) as crew:
         return gradient_images(crew, job, loaded)
@@ -97,7 +102,10 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
         raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
     if isinstance(scene, RadiometricScene):
         check_gradient(radiometric_arrays(scene))
+        if settings.filter == "box":
+            check_pixels(radiometric_arrays(scene))
         return Job.of("radiometric_gradient", scene, settings, radiometric_moves(scene, wrt))
+    refuse_filter(settings)
     return Job.of("gradient", scene, settings, moves(scene, wrt))
 
 

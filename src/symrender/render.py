@@ -43,6 +43,7 @@ from symrender.execution.tiles import Progress
 from symrender.execution.warm import second_beside
 from symrender.images.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
+from symrender.runtimes.pixels import check_pixels
 from symrender.runtimes.radiometric import check
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -50,6 +51,7 @@ from symrender.scene.radiometric.lights import Area, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import (
     Antialias,
+    Filter,
     Nodes,
     Partition,
     Sampler,
@@ -57,6 +59,7 @@ from symrender.settings import (
     Symbolic,
     Weights,
     image_size,
+    refuse_filter,
 )
 
 Finished = Callable[[str, Image], None]
@@ -102,6 +105,7 @@ def render(
     tol: float = 1e-3,
     budget: int = 1_000_000,
     silhouettes: int = 1,
+    filter: Filter = "centre",
     seed: int = 7,
     threads: int = 0,
     tile: int = 0,
@@ -125,6 +129,8 @@ def render(
     one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes
     (``execution/cluster.py``). ``preview``: a PNG file that shows each image while it is made, or ``tev`` to see it
     there. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
+    ``filter``: what a pixel of a radiometric scene is, the ray through its ``centre`` or the mean over its ``box``, on
+    both sides.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j, then planes). Those of radiometric scenes have the layers of ``truth``: the
@@ -153,6 +159,7 @@ def render(
         tol=float(tol),
         budget=budget,
         silhouettes=silhouettes,
+        filter=filter,
         seed=seed,
         threads=threads,
         tile=tile,
@@ -174,8 +181,12 @@ def plan(scene: AnyScene, settings: Settings) -> tuple[Job, ...]:
     kinds += [symbolic[settings.symbolic]] if settings.symbolic != "none" else []
     if not kinds:
         raise OptionError("numeric, symbolic: at least one must not be 'none'")
-    if isinstance(scene, RadiometricScene) and "radiometric" in kinds:
+    if not isinstance(scene, RadiometricScene):
+        refuse_filter(settings)
+    elif "radiometric" in kinds:
         check(radiometric_arrays(scene))
+        if settings.filter == "box":
+            check_pixels(radiometric_arrays(scene))
     return tuple(Job.of(kind, scene, settings) for kind in kinds)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal, get_args
 
-from symrender.errors import OptionError
+from symrender.errors import OptionError, Unsupported
 from symrender.limits import MAX_DISK, MAX_LOBE, MAX_PIXELS, MAX_SILHOUETTES, MAX_THREADS, MIN_TOLERANCE
 
 Sampler = Literal["jittered", "independent", "importance", "sobol", "none"]
@@ -16,6 +16,7 @@ Weights = Literal["exact", "midpoint"]
 Nodes = Literal["midpoint", "barycentre", "gauss"]
 Partition = Literal["equal_angle", "equal_solid_angle", "equal_weight"]
 Antialias = Literal["analytic", "none"]
+Filter = Literal["centre", "box"]
 Estimators = Literal["best", "chapter"]
 Tonemap = Literal["clip", "reinhard", "aces"]
 
@@ -38,7 +39,8 @@ class Settings:
     instead of the sum of the weights met. ``tol`` and ``budget`` are what the split rule aims at and the most
     evaluations it may make, a pixel; without ``counts`` it need not count what chambers it meets. ``threads`` 0 takes
     the processors this process may use, ``tile`` 0 measures a tile's side. ``silhouettes`` is K of the K x K points
-    whose mean a pixel beside another shape is, 1 for its centre alone.
+    whose mean a pixel beside another shape is, 1 for its centre alone. ``filter`` is what a pixel is: the
+    radiance along the ray through its centre, or the mean over its area, ``box``.
     """
 
     width: int = 256
@@ -59,6 +61,7 @@ class Settings:
     budget: int = 1_000_000
     counts: bool = True
     silhouettes: int = 1
+    filter: Filter = "centre"
     max_pixels: int = MAX_PIXELS
 
     def __post_init__(self) -> None:
@@ -83,6 +86,7 @@ class Settings:
             ("nodes", Nodes),
             ("partition", Partition),
             ("aa", Antialias),
+            ("filter", Filter),
         ):
             value = getattr(self, name)
             if value not in get_args(choices):
@@ -127,6 +131,7 @@ def split_settings(
     tile: int,
     counts: bool = True,
     silhouettes: int = 1,
+    filter: Filter = "centre",
     max_pixels: int = MAX_PIXELS,
 ) -> Settings:
     """Settings of an image of ``image_size(size)`` whose values, or derivatives, the split rule makes alone."""
@@ -144,8 +149,17 @@ def split_settings(
         tile=tile,
         counts=counts,
         silhouettes=silhouettes,
+        filter=filter,
         max_pixels=max_pixels,
     )
+
+
+def refuse_filter(settings: Settings) -> None:
+    """Raise ``Unsupported`` where a scene in units of the series is asked for a mean over pixels."""
+    if settings.filter != "centre":
+        raise Unsupported(
+            f"filter: {settings.filter} is had of radiometric scenes; of one in units of the series only centre is"
+        )
 
 
 def image_size(size: Any) -> tuple[int, int]:

@@ -21,11 +21,12 @@ from symrender.execution.tev import watched
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
+from symrender.runtimes.pixels import check_pixels
 from symrender.runtimes.radiometric import check
 from symrender.scene.load import AnyScene, Source, in_series, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.settings import Antialias, Settings, split_settings
+from symrender.settings import Antialias, Filter, Settings, refuse_filter, split_settings
 from symrender.verify import check_share, verified
 
 STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}
@@ -42,6 +43,7 @@ def truth(
     budget: int = 1_000_000,
     counts: bool = True,
     silhouettes: int = 1,
+    filter: Filter = "centre",
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -67,7 +69,8 @@ def truth(
     A radiometric scene has layers ``radiance`` = ``emitted`` + ``direct`` + ``indirect`` in W/(m2 sr), ``hit_class``
     (1 + j shape j), ``error`` and ``status``. With ``bounces: 0`` all is closed forms, ``indirect`` zero and ``error``
     what rounding may have done; ``bounces: 1`` is split at the walls like gloss. ``disk``, ``aa`` and ``counts`` have
-    no say, textures are read at the pixel's centre.
+    no say. ``filter``: ``centre``, the radiance along the ray through a pixel's centre, where textures are read too,
+    or ``box``, the mean over its area, cut at every edge in it (``docs/pixels.md``); ``hit_class`` is the centre's.
     Choose truth whenever an image is to be
     trusted, ``render`` when it is to be quick. Keywords are many because each is an option of ``symrender truth``, by
     its name.
@@ -83,6 +86,7 @@ def truth(
         tile=tile,
         counts=counts,
         silhouettes=silhouettes,
+        filter=filter,
     )
     check_share(verify)
     judged = in_series(loaded, "verify") if verify else None
@@ -97,7 +101,10 @@ def truth_job(scene: AnyScene, settings: Settings) -> Job:
     """The job that makes the image."""
     if isinstance(scene, RadiometricScene):
         check(radiometric_arrays(scene))
+        if settings.filter == "box":
+            check_pixels(radiometric_arrays(scene))
         return Job.of("radiometric", scene, settings)
+    refuse_filter(settings)
     return Job.of("truth", scene, settings)
 
 

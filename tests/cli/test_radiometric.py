@@ -89,6 +89,7 @@ def test_scenes_and_params_list_them() -> None:
         ("animate", "metal", "--orbit", "4"),
         ("truth", "metal", "--size", "4", "--verify", "0.5"),
         ("truth", "metal", "--size", "4", "--layers", "chambers"),
+        ("truth", "metal", "--size", "4", "--filter", "box", "-D", "bounces=1"),
         ("render", "metal", "--size", "4", "-D", "bounces=all"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -23,6 +24,7 @@ from symrender.limits import MAX_AUDIT_PIXELS
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.settings import Filter
 from symrender.truth import STATUS, truth
 
 Array = npt.NDArray[np.float64]
@@ -51,6 +53,7 @@ def audit(
     explain: bool = True,
     tol: float = 0.0,
     derivative: str = "",
+    filter: Filter = "centre",
     threads: int = 0,
 ) -> Verdict:
     """Judge ``renders`` of ``scene``: one image with second moments or variances, or K >= 8 of K seeds.
@@ -62,7 +65,8 @@ def audit(
     iterable and stops at the first decision, which may be a power that sees the relative bias ``visible``. After a
     failure, or where ``wrt`` names parameters, ``explain`` seeks what would explain it.
     With ``derivative``, the dotted name of a number of the scene, ``renders`` are images of the derivative in it, and
-    the truth is that of ``gradient``: of what the ray through a pixel's centre meets.
+    the truth is that of ``gradient``: of what the ray through a pixel's centre meets. ``filter`` is what a pixel of the
+    renders is, its ``centre``'s ray or the mean over its ``box``; a truth that is given says it itself.
     Raises ``ImageError`` and ``OptionError`` for what cannot be judged. Keywords are many because each is an option of
     ``symrender audit``, by its name.
     """
@@ -76,11 +80,18 @@ def audit(
         raise OptionError("wrt: derivatives of derivatives explain nothing here; leave it out, or --derivative")
     if derivative and components(loaded, [derivative]) != (derivative,):
         raise OptionError(f"derivative: must name one number, got {derivative[:60]!r}")
-    auditor = Auditor(loaded, truth, tol, threads, tuple(wrt), explain, derivative)
+    auditor = Auditor(loaded, truth, tol, threads, tuple(wrt), explain, derivative, filter)
     if sequential:
         auditor.margin = _FAR_UNDER / 8.0
         return in_turn(many, level, visible, auditor.verdict)
     return auditor.verdict(measured(list(many), samples, noise_free=noise_free), level, 1)
+
+
+def filter_of(given: Image | str | os.PathLike[str]) -> Filter:
+    """What a pixel of a truth is, as its metadata say."""
+    image = given if isinstance(given, Image) else read_image(str(Path(given)), max_pixels=MAX_AUDIT_PIXELS)
+    said = json.loads(image.meta.get("conventions", "{}"))
+    return "box" if said.get("filter") == "box" else "centre"
 
 
 class Auditor:
@@ -95,7 +106,9 @@ class Auditor:
         wrt: tuple[str, ...],
         explain: bool,
         derivative: str = "",
+        filter: Filter = "centre",
     ) -> None:
+        self.filter = filter if given is None else filter_of(given)
         self.scene, self.given, self.tol, self.threads = scene, given, tol, threads
         self.wrt, self.explain, self.derivative = wrt, explain, derivative
         # smaller in a sequence: the error of its last look is smaller than that of its first
@@ -124,7 +137,8 @@ class Auditor:
         if self.explain and (self.wrt or not passed):
             layers = dict(true.layers)
             loose = max(4.0 * self._tolerance(found), _EXPLAINED * float(np.abs(found.mean).mean()))
-            scene = None if self.derivative else self.scene
+            # what explains is known of centre rays; of means over pixels factors of the image are tried alone
+            scene = None if self.derivative or self.filter != "centre" else self.scene
             why = attribution(seen, self._regions, scene, layers, self.wrt, loose)
         return Verdict(
             passed, level, self.scene.name, self.scene.hash, found.source, found.samples, (true.width, true.height),
@@ -145,10 +159,11 @@ class Auditor:
 
     def _brought(self, size: tuple[int, int], found: Measured) -> Image:
         if self.given is None and self.derivative:
-            asked = {"size": size, "tol": self._tolerance(found), "threads": self.threads}
+            asked = {"size": size, "tol": self._tolerance(found), "threads": self.threads, "filter": self.filter}
             return gradient(self.scene, [self.derivative], **asked)[self.derivative]  # type: ignore[arg-type]
         if self.given is None:
-            return truth(self.scene, size=size, tol=self._tolerance(found), threads=self.threads)
+            tol = self._tolerance(found)
+            return truth(self.scene, size=size, tol=tol, threads=self.threads, filter=self.filter)
         given, name = self.given, "truth"
         if not isinstance(given, Image):
             name = str(Path(given))
@@ -177,9 +192,11 @@ class Auditor:
         notes = []
         if "" in seen.measured.receipts:
             notes.append("unverified scene: the render carries no receipt, so it may be of another scene")
-        if isinstance(self.scene, RadiometricScene) or self.given is None:
+        if self.filter == "box":
+            notes.append("the truth is of means over pixels; a render of centre rays differs at every edge")
+        elif isinstance(self.scene, RadiometricScene) or self.given is None:
             notes.append("the truth is of rays through pixel centres; a render with jitter differs at every edge")
-        if self.derivative:
+        if self.derivative and self.filter == "centre":
             notes.append(
                 f"images of the derivative in {self.derivative}, of what the rays through pixel centres meet: how "
                 "edges move across a pixel is no part of it"

@@ -13,6 +13,7 @@ import typer
 
 from symrender.cli._signals import heard
 from symrender.errors import OptionError
+from symrender.settings import Filter
 
 if TYPE_CHECKING:
     from symrender.execution.fill import Means
@@ -50,6 +51,10 @@ PreviewOption = Annotated[
 ]
 SilhouettesOption = Annotated[
     int, typer.Option("--silhouettes", help="K of the K x K points of a pixel at a silhouette; 1: its centre.")
+]
+
+FilterOption = Annotated[
+    Filter, typer.Option("--filter", help="A pixel of a radiometric scene: its centre's ray, or the mean over its box.")
 ]
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from symrender.cli._completions import scene_names
-from symrender.cli._means import Threads
+from symrender.cli._means import FilterOption, Threads
 from symrender.cli._options import Define, Force, Quiet, any_scene_with, scene_files
 
 
@@ -35,6 +35,7 @@ def audit(
     derivative: Annotated[
         str, typer.Option(metavar="NAME", help="The renders are derivatives in this number of the scene.")
     ] = "",
+    filter: FilterOption = "centre",
     tol: Annotated[float, typer.Option(help="Tolerance of the truth; 0: far under the noise.")] = 0.0,
     threads: Threads = 0,
     define: Define = None,
@@ -72,7 +73,7 @@ def audit(
         verdict = judge(
             renders, chosen, truth=truth, samples=samples, noise_free=noise_free, sequential=sequential,
             visible=visible, level=level, wrt=tuple(wrt or ()), explain=explain, tol=tol, derivative=derivative,
-            threads=threads,
+            filter=filter, threads=threads,
         )  # fmt: skip
     if json is not None:
         text = json_module.dumps(verdict.as_json(), indent=2, allow_nan=False) + "\n"

@@ -10,6 +10,7 @@ from symrender.cli._completions import DEFAULT_SCENE, numbers
 from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
+    FilterOption,
     InsecureCluster,
     Restart,
     Resume,
@@ -41,6 +42,7 @@ def gradient(
     budget: Annotated[int, typer.Option(help="Most evaluations a pixel may take.")] = 1_000_000,
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
+    filter: FilterOption = "centre",
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -74,7 +76,15 @@ def gradient(
             "wrt: name at least one real number, such as --wrt spheres.B.center.x; symrender params lists"
         )
     settings = split_settings(
-        parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, max_pixels=max_pixels
+        parse_size(size),
+        tol=tol,
+        disk=disk,
+        aa=aa,
+        budget=budget,
+        threads=threads,
+        tile=tile,
+        filter=filter,
+        max_pixels=max_pixels,
     )
     chosen = any_scene_with(scene, define)
     every = components(chosen, names)

@@ -15,6 +15,7 @@ from symrender.cli._completions import DEFAULT_SCENE
 from symrender.cli._console import Patient
 from symrender.cli._means import (
     Cluster,
+    FilterOption,
     InsecureCluster,
     PreviewOption,
     Restart,
@@ -73,6 +74,7 @@ def render(
     budget: Annotated[int, typer.Option(help="Most evaluations a pixel of chambers.")] = 1_000_000,
     seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
     silhouettes: SilhouettesOption = 1,
+    filter: FilterOption = "centre",
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -113,8 +115,8 @@ def render(
     asked = {
         "width": width, "height": height, "lobe": lobe, "numeric": numeric, "normalised": normalised,
         "symbolic": symbolic, "weights": weights, "nodes": nodes, "partition": partition, "disk": disk, "aa": aa,
-        "tol": tol, "budget": budget, "silhouettes": silhouettes, "seed": seed, "threads": threads, "tile": tile,
-        "max_pixels": max_pixels,
+        "tol": tol, "budget": budget, "silhouettes": silhouettes, "filter": filter, "seed": seed,
+        "threads": threads, "tile": tile, "max_pixels": max_pixels,
     }  # fmt: skip
     settings = Settings(**as_made(asked, settings_of(scene), ctx))
     chosen = any_scene_with(scene, define)

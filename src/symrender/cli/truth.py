@@ -11,6 +11,7 @@ from symrender.cli._completions import DEFAULT_SCENE, one_of
 from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
+    FilterOption,
     InsecureCluster,
     PreviewOption,
     Restart,
@@ -66,6 +67,7 @@ def truth(
         bool, typer.Option(help="Count chambers and crossings; without, loose tolerances are met sooner.")
     ] = True,
     silhouettes: SilhouettesOption = 1,
+    filter: FilterOption = "centre",
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -104,7 +106,7 @@ def truth(
     check_share(verify)
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
-        silhouettes=silhouettes, max_pixels=max_pixels,
+        silhouettes=silhouettes, filter=filter, max_pixels=max_pixels,
     )  # fmt: skip
     chosen = any_scene_with(scene, define)
     _refuse_radiometric(chosen, wanted, verify)

@@ -27,12 +27,14 @@ def provenance(scene: AnyScene, settings: Settings, method: str, estimator: str)
         "seed": str(settings.seed),
         "version": VERSION,
         "estimator": estimator,
-        **(_conventions(scene) if isinstance(scene, RadiometricScene) else _series(scene)),
+        **(_conventions(scene, settings) if isinstance(scene, RadiometricScene) else _series(scene)),
     }
 
 
 def sent_by(scene: RadiometricScene, settings: Settings) -> str:
     """How the noiseless image of a radiometric scene is made."""
+    if settings.filter == "box":
+        return "means over pixels cut at their edges"
     if scene.bounces == 0:
         return "closed forms"
     if all(isinstance(shape, Rectangle | Triangle | Box) for shape in scene.shapes):
@@ -44,11 +46,11 @@ def _series(scene: Scene) -> dict[str, str]:
     return {"units": "scene radiance, linear RGB", "convention": scene.shading.lobe_units}
 
 
-def _conventions(scene: RadiometricScene) -> dict[str, str]:
+def _conventions(scene: RadiometricScene, settings: Settings) -> dict[str, str]:
     """What an image of another renderer must share to be compared with one of ``scene``."""
     said = {
         "bounces": scene.bounces,
-        "filter": "centre",
+        "filter": settings.filter,
         "lights": "point intensity/r^2, directional irradiance, sky and area radiance",
         "materials": {
             name: material.model_dump(include={"type", "distribution", "masking", "g1", "two_sided"})

@@ -561,3 +561,226 @@ def cap_level(
         sine * (first_x * other_x + first_y * other_y + first_z * other_z),
         sine * (second_x * other_x + second_y * other_y + second_z * other_z),
     )
+
+
+@inlined
+def silhouette_conic(
+    center_x: float, center_y: float, center_z: float, radius: float,
+) -> tuple[float, float, float, float, float, float]:
+    """M of (c.v)^2 - (|c|^2 - R^2) |v|^2, positive where a sphere is seen or is behind."""
+    t1 = center_x * center_y
+    t2 = center_x * center_z
+    t3 = center_y * center_z
+    xx = center_x * center_x
+    yy = center_y * center_y
+    zz = center_z * center_z
+    t4 = xx + yy + zz - radius * radius
+    return xx - t4, yy - t4, zz - t4, (t1 + t1) / 2.0, (t2 + t2) / 2.0, (t3 + t3) / 2.0
+
+
+@inlined
+def envelope_quadric(
+    first_x: float, first_y: float, first_z: float, radius: float, second_x: float, second_y: float, second_z: float,
+    other: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """(A, b, c) of the cone tangent to two spheres, between them where ``other`` is less than 0."""
+    a_x = second_x - first_x
+    a_y = second_y - first_y
+    t1 = a_x * a_y
+    a_z = second_z - first_z
+    t2 = a_x * a_z
+    t3 = a_y * a_z
+    widening = other - radius
+    lift = radius * widening - (first_x * a_x + first_y * a_y + first_z * a_z)
+    xx = a_x * a_x
+    yy = a_y * a_y
+    zz = a_z * a_z
+    kappa = xx + yy + zz - widening * widening
+    t4 = kappa * (first_x * first_x + first_y * first_y + first_z * first_z - radius * radius)
+    return (
+        xx - kappa, yy - kappa, zz - kappa, (t1 + t1) / 2.0, (t2 + t2) / 2.0, (t3 + t3) / 2.0,
+        a_x * lift + first_x * kappa, a_y * lift + first_y * kappa, a_z * lift + first_z * kappa, lift * lift - t4,
+    )
+
+
+@inlined
+def cylinder_quadric(
+    center_x: float, center_y: float, center_z: float, radius: float, axis_x: float, axis_y: float, axis_z: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """(A, b, c) of |w|^2 - (w.d)^2 - R^2 with w = p - C: the shadow of a sphere in parallel light along a unit axis."""
+    xx = axis_x * axis_x
+    yy = axis_y * axis_y
+    zz = axis_z * axis_z
+    t1 = axis_x * axis_y
+    xy = (t1 + t1) / 2.0
+    t2 = axis_x * axis_z
+    xz = (t2 + t2) / 2.0
+    t3 = axis_y * axis_z
+    yz = (t3 + t3) / 2.0
+    along = center_x * axis_x + center_y * axis_y + center_z * axis_z
+    t4 = center_x * center_x + center_y * center_y + center_z * center_z - along * along
+    return (
+        1.0 - xx, 1.0 - yy, 1.0 - zz, -xy, -xz, -yz, axis_x * along - center_x, axis_y * along - center_y,
+        axis_z * along - center_z, t4 - radius * radius,
+    )
+
+
+@inlined
+def ball_quadric(
+    center_x: float, center_y: float, center_z: float, radius: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """(A, b, c) of |p - C|^2 - R^2."""
+    return (
+        1.0, 1.0, 1.0, 0.0, 0.0, 0.0, -center_x, -center_y, -center_z,
+        center_x * center_x + center_y * center_y + center_z * center_z - radius * radius,
+    )
+
+
+@inlined
+def cone_quadric(
+    apex_x: float, apex_y: float, apex_z: float, axis_x: float, axis_y: float, axis_z: float, cosine: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """(A, b, c) of (w.e)^2 - cos^2 a |w|^2 with w = p - X: the cone of half angle a about a unit axis."""
+    t1 = axis_x * axis_y
+    t2 = axis_x * axis_z
+    t3 = axis_y * axis_z
+    xx = axis_x * axis_x
+    square = cosine * cosine
+    yy = axis_y * axis_y
+    zz = axis_z * axis_z
+    along = apex_x * axis_x + apex_y * axis_y + apex_z * axis_z
+    return (
+        xx - square, yy - square, zz - square, (t1 + t1) / 2.0, (t2 + t2) / 2.0, (t3 + t3) / 2.0,
+        apex_x * square - axis_x * along, apex_y * square - axis_y * along, apex_z * square - axis_z * along,
+        along * along - square * (apex_x * apex_x + apex_y * apex_y + apex_z * apex_z),
+    )
+
+
+@inlined
+def disk_cone_quadric(
+    center_x: float, center_y: float, center_z: float, up_x: float, up_y: float, up_z: float, radius: float,
+    apex_x: float, apex_y: float, apex_z: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """(A, b, c) of the cone from X through the rim of a disk: |o (u.w) - h w|^2 = R^2 (u.w)^2, o = X - C, h = u.o."""
+    a_x = apex_x - center_x
+    a_y = apex_y - center_y
+    a_z = apex_z - center_z
+    rest = a_x * a_x + a_y * a_y + a_z * a_z - radius * radius
+    t1 = up_x * up_y
+    t2 = up_x * a_x
+    t3 = up_y * a_y
+    t4 = up_z * a_z
+    rise = t2 + t3 + t4
+    t5 = 2.0 * rise
+    t6 = rest * ((t1 + t1) / 2.0) - t5 * ((a_x * up_y + a_y * up_x) / 2.0)
+    t7 = up_x * up_z
+    t8 = rest * ((t7 + t7) / 2.0) - t5 * ((a_x * up_z + a_z * up_x) / 2.0)
+    t9 = up_y * up_z
+    f = (t9 + t9) / 2.0
+    s = (a_y * up_z + a_z * up_y) / 2.0
+    t10 = rest * f - t5 * s
+    square = rise * rise
+    t11 = rest * (up_x * up_x) - t5 * t2 + square
+    t12 = rest * (up_y * up_y) - t5 * t3 + square
+    t13 = rest * (up_z * up_z) - t5 * t4 + square
+    bent_x = t11 * apex_x + t6 * apex_y + t8 * apex_z
+    bent_y = t6 * apex_x + t12 * apex_y + t10 * apex_z
+    bent_z = t8 * apex_x + t10 * apex_y + t13 * apex_z
+    return t11, t12, t13, t6, t8, t10, -bent_x, -bent_y, -bent_z, apex_x * bent_x + apex_y * bent_y + apex_z * bent_z
+
+
+@inlined
+def disk_cylinder_quadric(
+    center_x: float, center_y: float, center_z: float, up_x: float, up_y: float, up_z: float, radius: float,
+    axis_x: float, axis_y: float, axis_z: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """(A, b, c) of the cylinder along d through the rim of a disk: |d (u.w) - (u.d) w|^2 = R^2 (u.d)^2, w = p - C."""
+    rest = axis_x * axis_x + axis_y * axis_y + axis_z * axis_z
+    t1 = up_x * up_y
+    t2 = up_x * axis_x
+    t3 = up_y * axis_y
+    t4 = up_z * axis_z
+    rise = t2 + t3 + t4
+    t5 = 2.0 * rise
+    t6 = rest * ((t1 + t1) / 2.0) - t5 * ((axis_x * up_y + axis_y * up_x) / 2.0)
+    t7 = up_x * up_z
+    t8 = rest * ((t7 + t7) / 2.0) - t5 * ((axis_x * up_z + axis_z * up_x) / 2.0)
+    t9 = up_y * up_z
+    f = (t9 + t9) / 2.0
+    s = (axis_y * up_z + axis_z * up_y) / 2.0
+    t10 = rest * f - t5 * s
+    square = rise * rise
+    t11 = rest * (up_x * up_x) - t5 * t2 + square
+    t12 = rest * (up_y * up_y) - t5 * t3 + square
+    t13 = rest * (up_z * up_z) - t5 * t4 + square
+    bent_x = t11 * center_x + t6 * center_y + t8 * center_z
+    bent_y = t6 * center_x + t12 * center_y + t10 * center_z
+    bent_z = t8 * center_x + t10 * center_y + t13 * center_z
+    return (
+        t11, t12, t13, t6, t8, t10, -bent_x, -bent_y, -bent_z,
+        center_x * bent_x + center_y * bent_y + center_z * bent_z - radius * radius * rise * rise,
+    )
+
+
+@inlined
+def quadric_on_plane(
+    xx: float, yy: float, zz: float, xy: float, xz: float, yz: float, b_x: float, b_y: float, b_z: float, c: float,
+    up_x: float, up_y: float, up_z: float, height: float,
+) -> tuple[float, float, float, float, float, float]:
+    """M of a quadric on the plane u.p = -h, at whose places p = -h v/(u.v)."""
+    t1 = height * height
+    t2 = 2.0 * height
+    t3 = up_x * up_y
+    t4 = up_x * up_z
+    s = (b_y * up_z + b_z * up_y) / 2.0
+    t5 = up_y * up_z
+    f = (t5 + t5) / 2.0
+    return (
+        t1 * xx - t2 * (b_x * up_x) + c * (up_x * up_x), t1 * yy - t2 * (b_y * up_y) + c * (up_y * up_y),
+        t1 * zz - t2 * (b_z * up_z) + c * (up_z * up_z),
+        t1 * xy - t2 * ((b_x * up_y + b_y * up_x) / 2.0) + c * ((t3 + t3) / 2.0),
+        t1 * xz - t2 * ((b_x * up_z + b_z * up_x) / 2.0) + c * ((t4 + t4) / 2.0), t1 * yz - t2 * s + c * f,
+    )
+
+
+@inlined
+def section_on_plane(
+    axis_x: float, axis_y: float, axis_z: float, level: float, up_x: float, up_y: float, up_z: float, height: float,
+) -> tuple[float, float, float]:
+    """n of the line in which the plane m.p = k meets the plane u.p = -h."""
+    return axis_x * height + up_x * level, axis_y * height + up_y * level, axis_z * height + up_z * level
+
+
+@inlined
+def section_on_ball(
+    axis_x: float, axis_y: float, axis_z: float, level: float, center_x: float, center_y: float, center_z: float,
+    radius: float,
+) -> tuple[float, float, float, float, float, float]:
+    """M of the circle in which the plane m.p = k meets a sphere: k^2 |v|^2 - 2 k (c.v)(m.v) + (|c|^2 - R^2)(m.v)^2."""
+    t1 = level * level
+    t2 = 2.0 * level
+    t3 = center_x * center_x + center_y * center_y + center_z * center_z - radius * radius
+    t4 = axis_x * axis_y
+    t5 = axis_x * axis_z
+    t6 = axis_y * axis_z
+    f = (t6 + t6) / 2.0
+    s = (center_y * axis_z + center_z * axis_y) / 2.0
+    return (
+        t1 - t2 * (center_x * axis_x) + t3 * (axis_x * axis_x),
+        t1 - t2 * (center_y * axis_y) + t3 * (axis_y * axis_y),
+        t1 - t2 * (center_z * axis_z) + t3 * (axis_z * axis_z),
+        t3 * ((t4 + t4) / 2.0) - t2 * ((center_x * axis_y + center_y * axis_x) / 2.0),
+        t3 * ((t5 + t5) / 2.0) - t2 * ((center_x * axis_z + center_z * axis_x) / 2.0), t3 * f - t2 * s,
+    )
+
+
+@inlined
+def form_product(
+    xx: float, yy: float, zz: float, xy: float, xz: float, yz: float, first_x: float, first_y: float, first_z: float,
+    second_x: float, second_y: float, second_z: float,
+) -> float:
+    """v.M w"""
+    t1 = xx * first_x * second_x + yy * first_y * second_y + zz * first_z * second_z
+    t2 = t1 + xy * (first_x * second_y + first_y * second_x)
+    t3 = t2 + xz * (first_x * second_z + first_z * second_x)
+    return t3 + yz * (first_y * second_z + first_z * second_y)

@@ -144,7 +144,7 @@ class _Function:
                 return self.kind(operand)
             case ast.IfExp(body=body, orelse=other):
                 return either(self.kind(body), self.kind(other))
-            case ast.Call(func=ast.Name(id="int" | "bool" | "len" | "range")):
+            case ast.Call(func=ast.Name(id="int" | "bool" | "len" | "range") | ast.Attribute(attr="floor" | "ceil")):
                 return False
             case ast.Call(func=ast.Name(id="max" | "min" | "abs"), args=args):
                 return any(bool(self.kind(arg)) for arg in args)
@@ -340,7 +340,7 @@ class _Function:
     def _elementary(self, node: ast.Call) -> tuple[str, str]:
         """A function of ``math`` or a built-in one, by the rule of its name."""
         name = node.func.attr if isinstance(node.func, ast.Attribute) else ast.unparse(node.func)
-        if name in ("int", "floor", "len", "range") or not has_slope(self.kind(node)):
+        if name in ("int", "floor", "ceil", "len", "range") or not has_slope(self.kind(node)):
             return self._plain(node), ""
         args = [self._both(arg) for arg in node.args]
         values = [here for here, _ in args]

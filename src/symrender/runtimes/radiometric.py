@@ -23,6 +23,7 @@ from symrender.radiometric.world import make_world, seen
 from symrender.radiosity.coincident import coincident
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.image import TileKernel
+from symrender.runtimes.pixels import prepare_means
 from symrender.runtimes.radiosity import Gatherer, table_of
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DISK, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal
@@ -45,6 +46,8 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     Every pixel is a pure function of its place.
     """
     check(arrays)
+    if settings.filter == "box":
+        return _prepare_box(arrays, settings)
     width, height = settings.width, settings.height
     views = [seen(each, width, height) for each in shaken(arrays)]
     own, integrated = threading.local(), _integrated(arrays)
@@ -88,6 +91,27 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
             evaluations += int(found_there.evaluations.sum())
         layers["status"][here] = _status(layers["error"][here], status, settings.tol)
         return evaluations
+
+    return render
+
+
+def _prepare_box(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
+    """The same of means over pixels; ``hit_class`` is that of the ray through the centre."""
+    if arrays.bounces:
+        raise Unsupported("filter: box is not yet integrated with bounces; with bounces: 0 it is, and centre is")
+    width, height = settings.width, settings.height
+    view, means = seen(arrays, width, height), prepare_means(arrays, settings)
+
+    def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+        here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
+        unused, hit_class = np.zeros((*shape, 3)), np.zeros(shape)
+        tile_ = (width, height, x0, y0, x1, y1)
+        _kernel("fill_tile")(*view, *tile_, sky_room(view.world), unused, unused, hit_class)
+        emitted, direct, error, spent = means(x0, y0, x1, y1)
+        layers["emitted"][here], layers["direct"][here], layers["hit_class"][here] = emitted, direct, hit_class
+        layers["radiance"][here], layers["error"][here] = emitted + direct, error
+        layers["status"][here] = np.where(error > settings.tol, CAPPED, MET)
+        return spent
 
     return render
 

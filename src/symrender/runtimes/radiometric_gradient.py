@@ -17,6 +17,7 @@ from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen
 from symrender.runtimes.image import TileKernel
+from symrender.runtimes.pixel_gradient import prepare_box
 from symrender.runtimes.radiometric import check, lamps_on_gloss
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -43,6 +44,8 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
     sphere, is ``unsupported``.
     """
     check_gradient(arrays)
+    if settings.filter == "box":
+        return prepare_box(arrays, settings, wrt)
     width, height = settings.width, settings.height
     worlds = shaken(arrays)
     views = [seen(each, width, height) for each in worlds]

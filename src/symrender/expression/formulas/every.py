@@ -12,6 +12,7 @@ from symrender.expression.formulas import (
     light_terms,
     lobes,
     microfacets,
+    pixel_walls,
     polygons,
     radiometry,
     shapes,
@@ -27,6 +28,6 @@ LEAVES: Final = {
 """Leaf by name."""
 
 RADIOMETRIC: Final = {
-    leaf.name: leaf for module in (microfacets, polygons, exchange, radiometry) for leaf in module.LEAVES
+    leaf.name: leaf for module in (microfacets, polygons, exchange, radiometry, pixel_walls) for leaf in module.LEAVES
 }
 """Leaf by name, of what radiometric scenes alone need."""

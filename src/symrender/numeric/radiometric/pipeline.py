@@ -24,6 +24,7 @@ TileKernel = Callable[[int, int, int, int, Mapping[str, Array]], int]
 def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     """Kernel that renders tiles of the image by paths, ``settings.lobe`` squared of them a pixel.
 
+    With ``filter: box`` every path goes through a place of the pixel of its own, else all through its centre.
     It fills ``emitted``, ``direct``, ``indirect``, ``radiance`` (h, w, 3), their sum, and ``hit_class`` (h, w). Point
     and directional lights have no chance in them, so without a sky and bounces the image has none. Raises OptionError
     for the sampler ``none``.
@@ -34,7 +35,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     width, height = settings.width, settings.height
     frame = camera_frame(arrays.camera, width, height)
     kernel = _kernel("fill_tile")
-    chosen = (CODES[settings.numeric], settings.lobe, settings.seed)
+    chosen = (CODES[settings.numeric], settings.lobe, settings.seed, settings.filter == "box")
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         names = ("emitted", "direct", "indirect", "hit_class")

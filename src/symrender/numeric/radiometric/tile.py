@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from symrender.jit.marks import inlined
+from typing import Final
+
+from symrender.jit.marks import inlined, jitable
 from symrender.numeric.radiometric.emitters import shining
 from symrender.numeric.radiometric.flats import triple
 from symrender.numeric.radiometric.hits import first_hit
-from symrender.numeric.radiometric.path import from_points, path, plus, shows, surface
+from symrender.numeric.radiometric.path import from_points, path, plus, scaled, shows, surface
 from symrender.numeric.radiometric.world import World
-from symrender.numeric.random import Key, pixel_key
+from symrender.numeric.random import Key, pixel_key, uniforms
 from symrender.numeric.rays import window_direction
+from symrender.numeric.samplers import INDEPENDENT
 from symrender.numeric.vectors import Vector, unit
 from symrender.scene.arrays import Array
 from symrender.scene.radiometric.arrays import FIRST_SHAPE
+
+_SHIFT: Final = 1 << 30
+_PLACE: Final = _SHIFT + 1
+"""Dimensions of random numbers that no path reaches."""
 
 Sight = tuple[int, Vector, Vector, Vector, int]
 """Hit class, emitted, direct, indirect, rays spent."""
@@ -41,11 +48,52 @@ def along_ray(world: World, eye: Vector, d: Vector, sampler: int, order: int, ke
     return FIRST_SHAPE + hit.own, emitted, direct, indirect, spent
 
 
+@jitable
+def through_box(
+    world: World, frame: Array, width: int, height: int, i: int, j: int, sampler: int, order: int, key: Key
+) -> Sight:  # fmt: skip
+    """The mean over a pixel's box: order x order paths, each through a stratum of it of its own.
+
+    Strata of the pixel are shifted by chance against those of the paths' first choices, so that all pairs of both are
+    equally likely. The hit class is that of the centre.
+    """
+    eye, count = (frame[1], frame[2], frame[3]), order * order
+    shift = int(uniforms(key, 0, _SHIFT)[0] * count)
+    emitted, direct, indirect, spent = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1
+    for index in range(count):
+        a, b = uniforms(key, index, _PLACE)
+        if sampler != INDEPENDENT:
+            stratum = (index + shift) % count
+            a, b = (stratum // order + a) / order, (stratum % order + b) / order
+        d = unit(window_direction(frame, 2.0 * (i + a) / width - 1.0, 1.0 - 2.0 * (j + b) / height))
+        hit = first_hit(world, eye, d, -1, False)
+        spent += 1
+        if hit.own < 0:
+            if world.sky >= 0:
+                emitted = plus(emitted, triple(world.lights[world.sky].emitted))
+            continue
+        emitted = plus(emitted, shining(world, hit))
+        if not shows(world, hit):
+            continue
+        at = surface(world, hit, d)
+        direct = plus(direct, from_points(world, at))
+        if world.extended or world.bounces > 0:
+            near, later, rays = path(world, at, sampler, order, key, index)
+            direct, indirect, spent = plus(direct, near), plus(indirect, later), spent + rays
+    d = unit(window_direction(frame, 2.0 * (i + 0.5) / width - 1.0, 1.0 - 2.0 * (j + 0.5) / height))
+    own = first_hit(world, eye, d, -1, False).own
+    share = (1.0 / count, 1.0 / count, 1.0 / count)
+    return (
+        FIRST_SHAPE + own if own >= 0 else 0,
+        scaled(emitted, share, 1.0), scaled(direct, share, 1.0), scaled(indirect, share, 1.0), spent,
+    )  # fmt: skip
+
+
 def fill_tile(
     world: World, frame: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, sampler: int, order: int,
-    seed: int, emitted: Array, direct: Array, indirect: Array, hit_class: Array,
+    seed: int, box: bool, emitted: Array, direct: Array, indirect: Array, hit_class: Array,
 ) -> int:  # fmt: skip
-    """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; returns the rays that took.
+    """Fill columns x0:x1 of rows y0:y1 of the full-frame layers, ``box`` or centres; returns the rays that took.
 
     Arguments are many because a kernel takes numbers and arrays.
     """
@@ -53,12 +101,16 @@ def fill_tile(
     eye = (frame[1], frame[2], frame[3])
     for j in range(y0, y1):
         for i in range(x0, x1):
-            d = unit(window_direction(frame, 2.0 * (i + 0.5) / width - 1.0, 1.0 - 2.0 * (j + 0.5) / height))
-            own, shining, near, later, rays = along_ray(world, eye, d, sampler, order, pixel_key(seed, i, j))
+            key = pixel_key(seed, i, j)
+            if box:
+                own, light, near, later, rays = through_box(world, frame, width, height, i, j, sampler, order, key)
+            else:
+                d = unit(window_direction(frame, 2.0 * (i + 0.5) / width - 1.0, 1.0 - 2.0 * (j + 0.5) / height))
+                own, light, near, later, rays = along_ray(world, eye, d, sampler, order, key)
             hit_class[j, i] = own
             spent += rays
             for c in range(3):
-                emitted[j, i, c] = shining[c]
+                emitted[j, i, c] = light[c]
                 direct[j, i, c] = near[c]
                 indirect[j, i, c] = later[c]
     return spent

@@ -1,0 +1,150 @@
+"""Records of what a pixel is cut at, and the scratch its rules work in."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.jit.records import Array, Record, Three
+from symrender.radiometric import arcs
+from symrender.radiometric.sky import sky_room
+from symrender.radiometric.world import World
+
+Ints = npt.NDArray[np.int64]
+Six = Annotated[Array, 6]
+
+# kinds of a wall
+LINE: Final = 0
+CONIC: Final = 1
+QUARTIC: Final = 2
+
+# what radiance does beside a wall that is not smooth up to it: ``soft`` of a wall, else 0
+LIMB: Final = 1.0
+"""It jumps, and goes as a root of the distance on the side of the sphere."""
+TOUCH: Final = 2.0
+"""It goes as the 3/2 power of the distance on a side, and does not jump."""
+
+TERMS: Final = 25
+"""Numbers of a curve: the factor of x^i y^j stands at 5 i + j, i + j <= 4."""
+LEVELS: Final = 28
+"""Halvings of a pixel, at most."""
+ROOM: Final = 192
+"""Curves a cell may hold; one with more is halved, or not resolved."""
+MOST_CUTS: Final = 10
+"""Curves of a cell that is integrated line by line; one with more is halved."""
+MOST_LINES: Final = 6
+"""Lines of one family in a cell that is cut at them."""
+LOGGED: Final = 20_000
+"""Cells of a pixel whose derivative is asked for, at most."""
+
+# kinds of a cell in the log
+SMOOTH: Final = 0
+CUT: Final = 1
+COARSE: Final = 2
+
+PANELS: Final = 64
+"""Stretches of a cell between events of its curves."""
+
+
+class Wall(Record):
+    """Where radiance breaks, as the eye at the origin sees it.
+
+    A LINE is n.v = 0; a CONIC v.M v = 0 with M ``form``; a QUARTIC is where the sphere about ``center`` is cut by the
+    quadric of ``form``, ``linear`` and ``rest``. ``own`` and ``other`` are the pieces it is seen on, ``other`` -1 where
+    it is one. ``soft`` is 0, ``LIMB`` or ``TOUCH``.
+    """
+
+    kind: float
+    own: float
+    other: float
+    soft: float
+    normal: Three
+    form: Six
+    linear: Three
+    rest: float
+    center: Three
+    radius: float
+
+
+class Family(Record):
+    """Texture coordinate n.v/u.v of the flat piece ``own``, in cells: it has a wall at every whole number if ``cuts``.
+
+    ``across`` is the direction of the image in which the other coordinate stays, u.v times n x u.
+    """
+
+    own: float
+    cuts: float
+    numerator: Three
+    denominator: Three
+
+
+class Room(NamedTuple):
+    """Scratch of a thread: what kernels of a pixel write and forget."""
+
+    sky: arcs.Room
+    curves: Array
+    """(LEVELS + 1, ROOM, TERMS): the curves of the cell at every level, in its own coordinates."""
+    which: Ints
+    """(LEVELS + 1, ROOM): the wall each is."""
+    counts: Ints
+    """(LEVELS + 1,)"""
+    lines: Array
+    """(ROOM, TERMS): curves of texture lines of the cell at hand."""
+    numbers: Ints
+    """(ROOM, 2): family and whole number of each of these lines."""
+    turned: Array
+    """(MOST_CUTS, TERMS): the curves of a cell along its lines."""
+    soft: Array
+    """(MOST_CUTS,): their ``soft``."""
+    bounds: Array
+    """(MOST_CUTS, 4): least and largest slope of t against s, then least and largest slope of the level in t."""
+    places: Array
+    """(4, MOST_CUTS): where curves cross three lines, and in row 3 in order."""
+    states: Ints
+    """(4, MOST_CUTS): -1 or 1 where a curve passes before or behind the line's ends; in row 3 the order."""
+    panels: Array
+    """(PANELS + 1,)"""
+    reach: Array
+    """(pieces, 2): nearest and farthest a piece may be met in the cell, inf where it cannot."""
+    work: Array
+    """(8, TERMS)"""
+    sums: Array
+    """(3, 6): emitted and direct light by three rules."""
+    span: Array
+    """(2, 3): least and largest radiance met."""
+    path: Ints
+    """(LEVELS + 1,): which quarter of the cell above each cell is."""
+    total: Array
+    """(8,): emitted and direct light of the pixel, its error, evaluations."""
+    log: Ints
+    """(LOGGED, 5): level, path, kind, order and mode of every cell of the last run (``pixel.take``)."""
+    best: Array
+    """(7,): the same of its best run."""
+
+
+def make_room(world: World) -> Room:
+    """Scratch for a world."""
+    return Room(
+        sky=sky_room(world),
+        curves=np.zeros((LEVELS + 1, ROOM, TERMS)),
+        which=np.zeros((LEVELS + 1, ROOM), np.int64),
+        counts=np.zeros(LEVELS + 1, np.int64),
+        lines=np.zeros((ROOM, TERMS)),
+        numbers=np.zeros((ROOM, 2), np.int64),
+        turned=np.zeros((MOST_CUTS, TERMS)),
+        soft=np.zeros(MOST_CUTS),
+        bounds=np.zeros((MOST_CUTS, 4)),
+        places=np.zeros((4, MOST_CUTS)),
+        states=np.zeros((4, MOST_CUTS), np.int64),
+        panels=np.zeros(PANELS + 1),
+        reach=np.zeros((max(1, len(world.pieces)), 2)),
+        work=np.zeros((8, TERMS)),
+        sums=np.zeros((3, 6)),
+        span=np.zeros((2, 3)),
+        path=np.zeros(LEVELS + 1, np.int64),
+        total=np.zeros(8),
+        best=np.zeros(7),
+        log=np.zeros((LOGGED + 1, 5), np.int64),
+    )

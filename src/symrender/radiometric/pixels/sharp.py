@@ -1,0 +1,124 @@
+"""What is smooth and may still be missed by nodes: highlights narrower than a cell, lights nearer than it is wide."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from symrender.jit.marks import jitable
+from symrender.leaves import values
+from symrender.radiometric.pixels.records import Room
+from symrender.radiometric.pixels.sight import may_show
+from symrender.radiometric.sight import height_over, nearest
+from symrender.radiometric.vectors import Vector, dot, minus, vector
+from symrender.radiometric.world import World
+from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, DIRECTIONAL, POINT, SKY, SPHERE, SPOT
+from symrender.scene.radiometric.records import Material
+
+_NEAR: Final = 0.8
+"""Largest part of the way to a light that a cell's places may spread over."""
+_WIDE: Final = 0.7
+"""Largest part of a highlight's width, or of the way to its middle, that a cell may spread over."""
+
+
+@jitable
+def off_axis(material: Material, normal: Vector, view: Vector, toward: Vector) -> tuple[float, float, float, float]:
+    """(how far a direction is from the middle of a highlight as a vector, the highlight's width)."""
+    if material.kind == CONDUCTOR:
+        x, y, z = view[0] + toward[0], view[1] + toward[1], view[2] + toward[2]
+        size = math.sqrt(max(x * x + y * y + z * z, 1e-30))
+        # across the normal, and along it, so that a half vector behind is far
+        return x / size - normal[0], y / size - normal[1], z / size - normal[2], material.alpha
+    x, y, z = values.mirror_direction(-view[0], -view[1], -view[2], *normal)
+    return toward[0] - x, toward[1] - y, toward[2] - z, 1.0 / math.sqrt(material.exponent + 1.0)
+
+
+@jitable
+def plane_spreads(world: World, own: int, eye: Vector, light: Vector, v: Vector, vx: Vector, vy: Vector) -> bool:
+    """Whether rays of a cell meet a plane at places that spread too far beside their way to a point.
+
+    h v + (u.v)(L - E) is that way times u.v: linear, so that it is bounded to the horizon and beyond.
+    """
+    piece = world.pieces[own]
+    up, at = vector(piece.up), minus(light, eye)
+    height = height_over(piece, eye)
+    far, wide = 0.0, 0.0
+    for c in range(3):
+        middle = height * v[c] + dot(up, v) * at[c]
+        half = abs(height * vx[c] + dot(up, vx) * at[c]) + abs(height * vy[c] + dot(up, vy) * at[c])
+        far += middle * middle
+        wide += half * half
+    return wide > _NEAR * _NEAR * far
+
+
+@jitable
+def place_spreads(
+    world: World, own: int, light: int, ray: Vector, place: Vector, normal: Vector,
+    other_ray: Vector, other: Vector, other_normal: Vector,
+) -> bool:  # fmt: skip
+    """Whether a light looks too different from two places of shape ``own`` for nodes between them to tell."""
+    lamp, piece = world.lights[light], world.pieces[own]
+    material = world.materials[int(piece.material)]
+    step = minus(other, place)
+    moved = math.sqrt(dot(step, step))
+    if lamp.kind == SKY:
+        return False
+    if lamp.kind == AREA:
+        # emitters are shapes: all of their pieces are spheres here
+        for k in range(world.pieces.shape[0]):
+            ball = world.pieces[k]
+            way = minus(vector(ball.place), place)
+            near = abs(math.sqrt(dot(way, way)) - ball.radius)
+            if ball.owner == lamp.emitter and k != own and moved > _NEAR * near:
+                return True
+        return False
+    at = vector(lamp.place)
+    if lamp.kind == DIRECTIONAL:
+        toward = (-at[0], -at[1], -at[2])
+        other_toward = toward
+    else:
+        way, other_way = minus(at, place), minus(at, other)
+        far, other_far = math.sqrt(dot(way, way)), math.sqrt(dot(other_way, other_way))
+        if piece.kind == SPHERE and moved > _NEAR * max(far, other_far):
+            return True
+        if far == 0.0 or other_far == 0.0:
+            return True
+        toward = (way[0] / far, way[1] / far, way[2] / far)
+        other_toward = (other_way[0] / other_far, other_way[1] / other_far, other_way[2] / other_far)
+    if material.kind == DIFFUSE or dot(normal, toward) <= 0.0 >= dot(other_normal, other_toward):
+        return False
+    x, y, z, width = off_axis(material, normal, (-ray[0], -ray[1], -ray[2]), toward)
+    a, b, c, _ = off_axis(material, other_normal, (-other_ray[0], -other_ray[1], -other_ray[2]), other_toward)
+    spread = math.sqrt((x - a) * (x - a) + (y - b) * (y - b) + (z - c) * (z - c))
+    return spread > _WIDE * (math.sqrt(min(x * x + y * y + z * z, a * a + b * b + c * c)) + 2.0 * width)
+
+
+@jitable
+def too_sharp(
+    world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, room: Room, limit: float, delicate: bool
+) -> bool:  # fmt: skip
+    """Whether nodes of a cell may miss what is sharp in it; ``delicate`` says whether the world has such things."""
+    if not delicate:
+        return False
+    for j in range(world.pieces.shape[0]):
+        if world.pieces[j].kind == SPHERE or not may_show(room, float(j), limit):
+            continue
+        for i in range(world.lights.shape[0]):
+            lamp = world.lights[i]
+            if lamp.kind in (POINT, SPOT) and plane_spreads(world, j, eye, vector(lamp.place), v, vx, vy):
+                return True
+    size = math.sqrt(dot(v, v))
+    ray = (v[0] / size, v[1] / size, v[2] / size)
+    own, _, place, normal, _ = nearest(world, eye, ray)
+    for corner in range(4):
+        a, b = 1.0 if corner % 2 == 1 else -1.0, 1.0 if corner >= 2 else -1.0
+        d = (v[0] + a * vx[0] + b * vy[0], v[1] + a * vx[1] + b * vy[1], v[2] + a * vx[2] + b * vy[2])
+        size = math.sqrt(dot(d, d))
+        d = (d[0] / size, d[1] / size, d[2] / size)
+        other, _, at, facing, _ = nearest(world, eye, d)
+        if own >= 0 and other == own:
+            for i in range(world.lights.shape[0]):
+                if place_spreads(world, own, i, ray, place, normal, d, at, facing):
+                    return True
+        ray, own, place, normal = d, other, at, facing
+    return False

@@ -1,0 +1,66 @@
+"""Derivatives of means over pixels against differences of the means."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import symrender as sr
+from symrender.scene.load import load_any
+from symrender.scene.parameters import get
+from symrender.scene.radiometric.scene import RadiometricScene
+
+NAMES = ("shapes.B.radius", "camera.eye.x")
+
+
+def room() -> RadiometricScene:
+    """Two balls on tiles before a wall, whose pixels have silhouettes, shadows and texture lines."""
+    tiles: dict[str, Any] = {"type": "checker", "bright": 0.8, "dark": [0.1, 0.2, 0.3], "cell": 0.8}
+    made = load_any({
+        "units": "radiometric", "bounces": 0,
+        "camera": {"type": "look_at", "eye": [0.3, -5, 2.4], "target": [0.2, 0, 0.6], "fov": 36},
+        "materials": {"tiles": {"type": "diffuse", "reflectance": tiles},
+                      "white": {"type": "diffuse", "reflectance": 0.7}},
+        "shapes": [
+            {"type": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "tiles"},
+            {"type": "plane", "name": "wall", "point": [0, 2.5, 0], "normal": [0, -1, 0], "material": "white"},
+            {"type": "sphere", "name": "A", "center": [-0.4, 0.1, 1.02], "radius": 1, "material": "white"},
+            {"type": "sphere", "name": "B", "center": [0.9, -0.4, 0.51], "radius": 0.45, "material": "white"},
+        ],
+        "lights": [{"type": "point", "name": "key", "position": [2, -2, 4], "intensity": [30, 20, 10]}],
+    })  # fmt: skip
+    assert isinstance(made, RadiometricScene)
+    return made
+
+
+@pytest.fixture(scope="module")
+def slopes() -> sr.Image:
+    return sr.gradient(room(), NAMES, size=3, tol=1e-4, filter="box")  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_derivatives_are_those_of_the_means(slopes: dict[str, sr.Image], name: str) -> None:
+    scene, value = room(), float(get(room(), name))
+
+    def central(step: float) -> np.ndarray[Any, Any]:
+        high, low = (
+            sr.truth(scene.replace({name: value + side * step}), size=3, tol=1e-9, filter="box").radiance
+            for side in (1, -1)
+        )
+        return np.asarray((high - low) / (2 * step))
+
+    near, far = central(1e-3), central(2e-3)
+    expected = (4 * near - far) / 3
+    scale = np.abs(expected).max()
+    # where a wall enters a pixel within the step, differences tell little
+    known = np.abs(near - far).max(axis=-1) < 1e-4 * scale
+    found, error = slopes[name].radiance, slopes[name].layer("error")
+    met = slopes[name].layer("status") == 0
+    moving = (np.abs(expected).max(axis=-1) > 1e-3 * scale) & known & met
+    assert met.mean() > 0.85 and known.mean() > 0.6 and moving.sum() >= (2 if name != "camera.eye.x" else 6)
+    gap = np.abs(found - expected).max(axis=-1)
+    # the means state 1e-9 each, over a step of 1e-3
+    assert (gap[known & met] <= 1.5 * error[known & met] + 2e-6).all()
+    assert np.median(gap[moving]) < 2e-5 * scale
