@@ -13,6 +13,7 @@ shifts.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -150,15 +151,14 @@ def judged(seeds: range) -> list[Judged]:
     return found
 
 
-def main() -> None:
+def count_and_tell(name: str, claim: str, judge: Callable[[range], list[Judged]], budget: int, workers: int) -> None:
+    """Judge the rays that the command line names, and print what came of them."""
     quick = "--quick" in sys.argv
     seeds = [int(word) for word in sys.argv[1:] if word.isdigit()]
     first, count = (seeds[0] if seeds else 0), (seeds[1] if len(seeds) > 1 else QUICK if quick else COUNT)
-    report = Report("bounced_light_is_stated", "One bounce of light is as near as it states.")
-    with ProcessPoolExecutor(2) as pool:
-        jobs = [
-            pool.submit(judged, range(s, min(s + BATCH, first + count))) for s in range(first, first + count, BATCH)
-        ]
+    report = Report(name, claim)
+    with ProcessPoolExecutor(workers) as pool:
+        jobs = [pool.submit(judge, range(s, min(s + BATCH, first + count))) for s in range(first, first + count, BATCH)]
         found = [x for job in jobs for x in job.result()]
     refused = [x for x in found if x.verdict.startswith("refused")]
     values = [x for x in found if x.verdict in ("told", "not told")]
@@ -170,9 +170,9 @@ def main() -> None:
     report.say(
         f"{count} rays from seed {first}: {sum(x.verdict == 'dark' for x in found)} without bounced light, "
         f"{len(refused)} refused, {others['unsupported']} unsupported, {others['another shape']} where rounding has "
-        f"the ray meet another shape; {len(values)} values, of {len(told)} of which the lattices tell, with a standard "
-        f"error below half the tolerance, {len(met)} of these met; beyond what is stated: {len(beyond)}. Evaluations: "
-        f"{sum(x.evaluations for x in values)}, at most {most} of one."
+        f"the ray meet another shape; {len(values)} values, {sum(x.met for x in values)} met; of {len(told)} the "
+        f"lattices tell, with a standard error below half the tolerance, {len(met)} of these met; beyond what is "
+        f"stated: {len(beyond)}. Evaluations: {sum(x.evaluations for x in values)}, at most {most} of one."
     )
     report.table(
         ["seed", "off", "stated", "light", "met"], [[x.seed, x.off, x.stated, x.light, str(x.met)] for x in beyond[:8]]
@@ -181,8 +181,12 @@ def main() -> None:
         report.say(f"- seed {x.seed}: {x.verdict}")
     report.claim_number("refused", len(refused), 0)
     report.claim_number(f"values more than {LOOSEST:g} times beyond", sum(x.off > LOOSEST * x.stated for x in told), 0)
-    report.claim_number("most evaluations over the budget", most / BUDGET, 2.0)
+    report.claim_number("most evaluations over the budget", most / budget, 2.0)
     report.leave()
+
+
+def main() -> None:
+    count_and_tell("bounced_light_is_stated", "One bounce of light is as near as it states.", judged, BUDGET, 2)
 
 
 if __name__ == "__main__":

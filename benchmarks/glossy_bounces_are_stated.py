@@ -12,17 +12,14 @@ is judged again by more points.
 from __future__ import annotations
 
 import sys
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bounced_light_is_stated import ENOUGH, LOOSEST, SURE, TOLERANCES, Judged, Scene, drawn
-from measure import Report
+from bounced_light_is_stated import ENOUGH, SURE, TOLERANCES, Judged, Scene, count_and_tell, drawn
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-COUNT, QUICK, BATCH = 20_000, 40, 40
 BUDGET = 500_000
 SEEN = 0.1
 """Share of the light that the judge's standard error may be: of what few directions meet it knows neither."""
@@ -106,38 +103,8 @@ def judged(seeds: range) -> list[Judged]:
 
 
 def main() -> None:
-    quick = "--quick" in sys.argv
-    seeds = [int(word) for word in sys.argv[1:] if word.isdigit()]
-    first, count = (seeds[0] if seeds else 0), (seeds[1] if len(seeds) > 1 else QUICK if quick else COUNT)
-    report = Report("glossy_bounces_are_stated", "One bounce of light between rough surfaces is as near as it states.")
-    with ProcessPoolExecutor(1) as pool:
-        jobs = [
-            pool.submit(judged, range(s, min(s + BATCH, first + count))) for s in range(first, first + count, BATCH)
-        ]
-        found = [x for job in jobs for x in job.result()]
-    refused = [x for x in found if x.verdict.startswith("refused")]
-    values = [x for x in found if x.verdict in ("told", "not told")]
-    told = [x for x in values if x.verdict == "told"]
-    met = [x for x in told if x.met]
-    beyond = sorted((x for x in told if x.off > x.stated), key=lambda x: -x.off / max(x.stated, 1e-300))
-    others = {kind: sum(x.verdict == kind for x in found) for kind in ("another shape", "unsupported")}
-    most = max((x.evaluations for x in values), default=0)
-    report.say(
-        f"{count} rays from seed {first}: {sum(x.verdict == 'dark' for x in found)} without bounced light, "
-        f"{len(refused)} refused, {others['unsupported']} unsupported, {others['another shape']} where rounding has "
-        f"the ray meet another shape; {len(values)} values, {sum(x.met for x in values)} met; of {len(told)} the "
-        f"lattices tell, with a standard error below half the tolerance, {len(met)} of these met; beyond what is "
-        f"stated: {len(beyond)}. Evaluations: {sum(x.evaluations for x in values)}, at most {most} of one."
-    )
-    report.table(
-        ["seed", "off", "stated", "light", "met"], [[x.seed, x.off, x.stated, x.light, str(x.met)] for x in beyond[:8]]
-    )
-    for x in refused[:4]:
-        report.say(f"- seed {x.seed}: {x.verdict}")
-    report.claim_number("refused", len(refused), 0)
-    report.claim_number(f"values more than {LOOSEST:g} times beyond", sum(x.off > LOOSEST * x.stated for x in told), 0)
-    report.claim_number("most evaluations over the budget", most / BUDGET, 2.0)
-    report.leave()
+    claim = "One bounce of light between rough surfaces is as near as it states."
+    count_and_tell("glossy_bounces_are_stated", claim, judged, BUDGET, 1)
 
 
 if __name__ == "__main__":
