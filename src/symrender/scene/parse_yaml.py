@@ -134,10 +134,10 @@ class _Builder:
         self.put(value, mark)
 
 
-def _build(text: str) -> _Builder:
+def _build(text: str, loader: Any = _LOADER) -> _Builder:
     builder = _Builder()
     documents = 0
-    for event in yaml.parse(text, Loader=_LOADER):
+    for event in yaml.parse(text, Loader=loader):
         start = event.start_mark
         mark = Mark(start.line + 1, start.column + 1) if start else Mark(1, 1)
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
@@ -163,7 +163,13 @@ def _build(text: str) -> _Builder:
 def parse_yaml(text: str, origin: str) -> Document:
     """Plain data and the mark of each key and item; Malformed says where the text is no YAML, or more than data."""
     try:
-        builder = _build(text)
+        try:
+            builder = _build(text)
+        except yaml.scanner.ScannerError as error:
+            if "nesting" not in str(error.problem):
+                raise
+            # libyaml reads ahead and gives up at a depth of its own; PyYAML's own scanner comes to where ours ends
+            builder = _build(text, yaml.SafeLoader)
     except yaml.YAMLError as error:
         where = getattr(error, "problem_mark", None)
         control = _CONTROL.search(text) if isinstance(error, ReaderError) else None
