@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.cones import is_touch
 from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.leaf_rows import eye_view_rows
 from symrender.chambers.lobes.density import facing_of, facing_share
@@ -23,6 +24,7 @@ from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
+from symrender.quadrature.glow_nodes import add_glows
 from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.line_poles import cell_log, find_poles
 from symrender.quadrature.node_rows import begin_sums, shine, sines, whole_vectors
@@ -260,6 +262,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
             for a in range(3):
                 b.factor[a, i] *= vein
     light_nodes(pieces, step, shading.ks, view, work, gauss)
+    add_glows(pieces, view, work, view.glows)
     tint(m, work.chart.lobe, b, view.conductors)
 
 
@@ -351,6 +354,8 @@ def integrate_cells(
                         for i in range(lights):
                             if work.lit[cell, i] >= PARTLY:
                                 soft = 1
+                    if is_touch(work.cell_wall[cell], view, work) or is_touch(work.cell_wall[cell + 1], view, work):
+                        soft = 1
                     top = stack_piece(0, cell, work.cell_from[cell], work.cell_to[cell], 0, 0, soft, work)
                 cell += 1
                 continue
