@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -74,22 +75,23 @@ def bounced(
     return Seen(j, shade * sums.mean(axis=0), shade * sums.std(axis=0, ddof=1) / np.sqrt(SHIFTS))
 
 
+@numba.njit(cache=False)
 def _directions(
     kind: int, kinds: int, points: int, generator: int, shift: Array, n: Array, x: Array, y: Array, seen: Array,
     mine: Array, row: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
     """Directions of a kind, 0 a cosine's and 1 the material's, and what their light counts for, a channel each."""
-    ways, weights, d, f = [], [], np.empty(3), np.empty(3)
+    ways, weights, d, f = np.empty((points, 3)), np.empty((points, 3)), np.empty(3), np.empty(3)
+    none, count = np.zeros((0, 12)), 0
     for k in range(points):
         u, v = (k / points + shift[0]) % 1.0, (k * generator % points / points + shift[1]) % 1.0
         # what is periodic has no edge for a lattice: the baker's map
         u = min(1.0 - abs(2.0 * u - 1.0), 1.0 - 1e-12)
         if rough_lattice._drawn(kind, u, v, n, x, y, seen, mine, row, d):
             rough_lattice._scattered(mine, n, seen, d, f)
-            density = n @ d / np.pi
-            if kinds == 2:
-                # with no highlights: the mean of a cosine's and the material's
-                density = rough_lattice._density(d, n, seen, mine, np.zeros((0, 12)), 0)
-            ways.append(d.copy())
-            weights.append(f * (n @ d) / (density * points * kinds))
-    return np.array(ways).reshape(-1, 3), np.array(weights).reshape(-1, 3)
+            # with no highlights: the mean of a cosine's and the material's
+            density = rough_lattice._density(d, n, seen, mine, none, 0) if kinds == 2 else n @ d / np.pi
+            ways[count] = d
+            weights[count] = f * ((n @ d) / (density * points * kinds))
+            count += 1
+    return ways[:count].copy(), weights[:count].copy()

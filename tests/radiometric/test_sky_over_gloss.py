@@ -1,4 +1,4 @@
-"""A constant sky over conductors and phong: directional albedos, a furnace, the path tracer, tolerances, black backs."""
+"""A constant sky over conductors and phong: directional albedos, a furnace, the path tracer, tolerances."""
 
 from __future__ import annotations
 

@@ -327,7 +327,7 @@ class Piece(Record):
     wary: int
     """1 where the rule is at least that which successive steps compare."""
     soft: int
-    """1 where a disk light ends at one of the cell's walls."""
+    """At which ends light begins like a power of the distance: 0, or as ``quadrature/split_line.py`` names it."""
     line: int
     """In a square, the number of its line."""
     doubt: float

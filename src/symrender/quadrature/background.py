@@ -41,7 +41,6 @@ def _under_a_ceiling() -> SceneArrays:
     planes[1].point[2] = 1.0
     for plane, up in zip(planes, (1.0, -1.0), strict=True):
         plane.normal[2], plane.along[0], plane.cell = up, 1.0, 1.0
-        plane.weight, plane.exponent, plane.theta_max = 1.0, 1.0, 0.5 * np.pi
     shading = record(Shading)
     shading.ka, shading.ambient[:] = 1.0, 1.0
     return SceneArrays(table(Sphere, 0), record(Floor), table(Light, 0), shading, record(Camera), planes)

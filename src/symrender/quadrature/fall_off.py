@@ -137,8 +137,10 @@ def most_floor_light(view: View) -> float:
     return light
 
 
-def glow_bound(arrays: SceneArrays, glows: Table[Glow]) -> float:
+def glow_bound(arrays: SceneArrays, glows: Table[Glow] | None) -> float:
     """No place sends more radiance of skies and lamps on."""
+    if glows is None:
+        return 0.0
     colors = [sphere.color for sphere in arrays.spheres]
     colors += [color for plane in arrays.planes for color in (plane.bright, plane.dark)]
     albedo = max((float(np.abs(color).max()) for color in colors), default=0.0)

@@ -81,7 +81,7 @@ def gather_glow(lamp: int, place: Vector, normal: Vector, view: View, work: Work
 
 @jitable
 def add_glows(pieces: int, view: View, work: Work, glows: Table[Glow] | None) -> None:
-    """Add to ``radiance`` of the nodes that the first ``pieces`` pieces own what skies and lamps add: factor times E."""
+    """Add to ``radiance`` of the nodes that the first ``pieces`` pieces own what skies and lamps add."""
     if glows is None:
         return
     if work.chart.shape_index < 0 and work.chart.side < 0.0:

@@ -358,12 +358,12 @@ def gloss_points(
 
     ``conductors``, a row a hit class, are what surfaces of ``alpha`` > 0 reflect by in place of their lobe: of them the
     result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere, f less the background, of which they reflect
-    their ``directional_albedo``. Raises ``Unsupported`` in BRDF units. ``senders``, a row a sphere and then a row a plane, are what shapes send light on by in place
-    of Lambert's term: their colour times kd times pi D F G/(4 cos_o), or (n + 2)/2 N.l cos^n, of what arrives. Such a
-    plane is of one colour, and n is no smaller than ``FELT_END``: its highlight's end is no wall.
-    ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect. ``spots``, a row a light, say which
-    of them shine into a cone. ``glows`` are skies and spheres whose light diffuse shapes send on. Arguments are many
-    because the tables that only some scenes hold are apart from their records.
+    their ``directional_albedo``. Raises ``Unsupported`` in BRDF units. ``senders``, a row a sphere and then a row a
+    plane, are what shapes send light on by in place of Lambert's term: their colour times kd times pi D F G/(4 cos_o),
+    or (n + 2)/2 N.l cos^n, of what arrives. Such a plane is of one colour, and n is no smaller than ``FELT_END``: its
+    highlight's end is no wall. ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect. ``spots``,
+    a row a light, say which of them shine into a cone. ``glows`` are skies and spheres whose light diffuse shapes send
+    on. Arguments are many because the tables that only some scenes hold are apart from their records.
     """
     lights = light_rows(arrays, disk_order, spots)
     cones = None
@@ -384,7 +384,8 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights, senders, emitted) + (0.0 if glows is None else float(glow_bound(arrays, glows))), int(max_evaluations), bool(walled), gloss, error, *counts,
+        radiance_bound(arrays, lights, senders, emitted) + glow_bound(arrays, glows), int(max_evaluations),
+        bool(walled), gloss, error, *counts,
         s.conics, s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights, cones),
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

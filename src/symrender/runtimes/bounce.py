@@ -252,7 +252,7 @@ class Bouncer:
 
     @staticmethod
     def _add(some: Ints, seen: SplitResult, color: Array, total: Array, missed: Array, found: Bounced) -> None:
-        """Add integrals of places ``some``, times ``color``, to ``total`` and what they miss, and note what they say."""
+        """Add integrals of places ``some``, times ``color``, to ``total``, what they miss too, note what they say."""
         total += color * seen.gloss
         missed += float(color.max()) * seen.error
         found.status[some] = np.maximum(found.status[some], seen.status)

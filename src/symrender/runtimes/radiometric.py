@@ -177,7 +177,7 @@ def lamps_on_gloss(arrays: RadiometricArrays) -> bool:
 
 
 def check(arrays: RadiometricArrays) -> None:
-    """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of some lights on what is glossy."""
+    """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of lights on what is glossy."""
     asked = arrays.bounces if arrays.bounces <= 1 else "all"
     flat = is_flat(arrays)
     refuse_bounces(asked, flat_refusal(arrays) if flat else bounce_refusal(arrays), flat)
