@@ -45,17 +45,20 @@ def undecided(scene: Scene) -> str:
     normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
     eye = np.array(arrays.camera.eye)
     away = np.linalg.norm(centre - eye, axis=1)
-    seen = PATCH * np.abs(away - radius)
     unsure = ROUNDINGS * np.finfo(np.float64).eps * (np.abs(centre).max(axis=1, initial=0.0) + radius + away)
     for j in range(len(radius)):
         if not there[j]:
             continue
-        near = _spheres_in_one(np.linalg.norm(centre[:j] - centre[j], axis=1), radius[:j], radius[j], unsure[j])
-        for i in np.flatnonzero(there[:j] & (near > seen[j])):
-            return _words(f"spheres.{scene.spheres[j].name}", f"spheres.{scene.spheres[i].name}")
-        height = np.abs(((centre[j] - point) * normal).sum(axis=1))
-        for i in np.flatnonzero(_ball_on_plane(height, radius[j], unsure[j]) > seen[j]):
-            return _words(f"spheres.{scene.spheres[j].name}", surfaces[i])
+        name = f"spheres.{scene.spheres[j].name}"
+        patch, place = _spheres_in_one(centre[:j], radius[:j], centre[j], radius[j], unsure[j])
+        # a circle of crossing is somewhere on the sphere
+        far = np.where(np.isfinite(place).all(axis=1), np.linalg.norm(place - eye, axis=1), abs(away[j] - radius[j]))
+        for i in np.flatnonzero(there[:j] & (patch > PATCH * far)):
+            return _words(name, f"spheres.{scene.spheres[i].name}")
+        height = ((centre[j] - point) * normal).sum(axis=1)
+        far = np.linalg.norm(centre[j] - height[:, None] * normal - eye, axis=1)
+        for i in np.flatnonzero(_ball_on_plane(np.abs(height), radius[j], unsure[j]) > PATCH * far):
+            return _words(name, surfaces[i])
     for j in range(len(surfaces)):
         for k in range(j):
             between = np.linalg.norm(point[j] - point[k])
@@ -79,11 +82,13 @@ def _words(one: str, other: str) -> str:
     return f"{one} and {other} are one surface but for roundings, which decide which is seen; move or remove one"
 
 
-def _spheres_in_one(distance: Array, radius: Array, own: float, unsure: float) -> Array:
-    """Radius of the patch in which spheres are nearer than ``unsure`` to one of radius ``own``."""
+def _spheres_in_one(centres: Array, radius: Array, centre: Array, own: float, unsure: float) -> tuple[Array, Array]:
+    """Radius of the patch in which spheres are nearer than ``unsure`` to one sphere, and its place, NaN of a circle."""
+    apart = centre - centres
+    distance = np.linalg.norm(apart, axis=1)
+    differ = np.abs(radius - own)
+    inside, outside = differ - distance, distance - (radius + own)
     with np.errstate(divide="ignore", invalid="ignore"):
-        differ = np.abs(radius - own)
-        inside, outside = differ - distance, distance - (radius + own)
         # within each other the gap is inside + distance (1 - cos)
         share = np.where(distance > 0, 2.0 * (unsure - inside) / distance, np.inf)
         within = np.where(inside < unsure, own * np.sqrt(np.clip(share, 0.0, 1.0)), 0.0)
@@ -91,8 +96,11 @@ def _spheres_in_one(distance: Array, radius: Array, own: float, unsure: float) -
         # twice the area of the triangle of both radii and the distance, over the product of the radii
         area = (distance**2 - differ**2) * ((radius + own) ** 2 - distance**2)
         crossing = unsure * 2.0 * radius * own / np.sqrt(np.maximum(area, 0.0))
-    apart = np.where(inside >= 0.0, within, np.where(outside >= 0.0, touching, np.minimum(crossing, own)))
-    return np.asarray(apart)
+        ahead = np.where(outside >= 0.0, -1.0, np.where(radius > own, 1.0, -1.0))
+        place = centre + (ahead * own / distance)[:, None] * apart
+    place[(inside < 0.0) & (outside < 0.0)] = np.nan
+    patch = np.where(inside >= 0.0, within, np.where(outside >= 0.0, touching, np.minimum(crossing, own)))
+    return np.asarray(patch), place
 
 
 def _ball_on_plane(height: Array, radius: float, unsure: float) -> Array:
