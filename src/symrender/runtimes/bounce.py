@@ -273,6 +273,7 @@ def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
             rough.masking = CORRELATED if material.correlated else SEPARABLE
             rough.eta[:], rough.k[:] = material.eta, material.k
             rough.beckmann = 1.0 if material.density == BECKMANN else 0.0
+            rough.walter = material.walter
     return rows if (rows["kind"] != LAMBERT).any() else None
 
 
