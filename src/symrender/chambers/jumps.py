@@ -1,4 +1,7 @@
-"""Walls at which the masking of a conductor jumps: where a cosine is that at which Walter's fit begins to be 1.
+"""Walls at which what a surface reflects breaks: where the masking of a conductor jumps, and where a highlight ends.
+
+Phong's highlight ends where the view is across the mirror image of the light: of a low exponent that is felt. Masking
+jumps where a cosine is that at which Walter's fit begins to be 1.
 
 Three cosines are in what is reflected twice: of the direction at P, on a cone of directions about P's normal; of the
 view at Q, a parallel of the chart; of the light at Q, on a sphere a circle of normals about the light's direction, on a
@@ -9,13 +12,14 @@ from __future__ import annotations
 
 import math
 
-from symrender.chambers.chart import add_direction, add_normal
+from symrender.chambers.chart import FELT_END, add_direction, add_normal
 from symrender.chambers.lobes.fit import jump_cosine
 from symrender.chambers.lobes.record import CONDUCTOR
+from symrender.chambers.lobes.sending import end_power
 from symrender.chambers.reach import note_reach
 from symrender.chambers.records import DISTANT
 from symrender.chambers.senders import sender_of
-from symrender.chambers.walls import HIGHLIGHT, add_shadow
+from symrender.chambers.walls import GLEAM_EDGE, HIGHLIGHT, add_shadow
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import jitable
 
@@ -33,8 +37,28 @@ def put_jumps(view: View, work: Work) -> None:
         rough = view.senders[sender].conductor
         if view.senders[sender].kind == CONDUCTOR and rough.walter != 0.0:
             put_sent_jumps(jump_cosine(rough.alpha), view, work)
+        if 0.0 < end_power(sender, view.senders) < FELT_END:
+            put_ends(view, work)
     if counts.walls > before:
         note_reach(view, work)
+
+
+@jitable
+def put_ends(view: View, work: Work) -> None:
+    """Append where highlights of a charted phong material end."""
+    chart, walls, counts = work.chart, work.walls, work.counts
+    if chart.shape_index < 0 and chart.side < 0.0:
+        return
+    for l in range(view.points.shape[0]):
+        n = counts.walls
+        counts.walls = n + 1
+        if n >= walls.shape[0]:
+            return
+        row = walls[n]
+        row.kind, row.tag, row.shape_index, row.met, row.phong = GLEAM_EDGE, HIGHLIGHT, l, 0, 1
+        for a in range(3):
+            row.lit_from[a], row.seen_from[a] = view.points[l].position[a], chart.point[a]
+        chart.clipped = 1
 
 
 @jitable

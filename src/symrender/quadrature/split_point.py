@@ -363,10 +363,10 @@ def gloss_points(
     result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere, f less the background, of which they reflect
     their ``directional_albedo``. Raises ``Unsupported`` in BRDF units. ``senders``, a row a sphere and then a row a
     plane, are what shapes send light on by in place of Lambert's term: their colour times kd times pi D F G/(4 cos_o),
-    or (n + 2)/2 N.l cos^n, of what arrives. Such a plane is of one colour, and n is no smaller than ``FELT_END``: its
-    highlight's end is no wall. ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect. ``spots``,
-    a row a light, say which of them shine into a cone. ``glows`` are skies and spheres whose light diffuse shapes send
-    on. Arguments are many because the tables that only some scenes hold are apart from their records.
+    or (n + 2)/2 N.l cos^n, of what arrives. Such a plane is of one colour. ``emitted`` (spheres, 3) is the radiance of
+    spheres beside what they reflect. ``spots``, a row a light, say which of them shine into a cone. ``glows`` are skies
+    and spheres whose light diffuse shapes send on. Arguments are many because the tables that only some scenes hold are
+    apart from their records.
     """
     lights = light_rows(arrays, disk_order, spots)
     cones = None

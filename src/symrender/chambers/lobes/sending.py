@@ -55,6 +55,16 @@ def is_phong(row: int, senders: Table[Sender] | None) -> bool:
 
 
 @jitable
+def end_power(row: int, senders: Table[Sender] | None) -> float:
+    """With which power of the distance the highlight of a phong material ends, 0 of what has no end."""
+    if senders is None:
+        return 0.0
+    if row < 0:
+        return 0.0
+    return float(senders[row].exponent) if senders[row].kind == POWER else 0.0
+
+
+@jitable
 def grazing_pole(row: int, senders: Table[Sender] | None) -> float:
     """How far beside a right angle the masking's root is 0, where a cosine is +- i alpha/sqrt(1 - alpha^2)."""
     if senders is None:
