@@ -101,10 +101,11 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
     if isinstance(wrt, str) or not wrt:
         raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
     if isinstance(scene, RadiometricScene):
-        check_gradient(radiometric_arrays(scene))
+        arrays, moved = radiometric_arrays(scene), radiometric_moves(scene, wrt)
+        check_gradient(arrays, moved)
         if settings.filter == "box":
-            check_pixels(radiometric_arrays(scene))
-        return Job.of("radiometric_gradient", scene, settings, radiometric_moves(scene, wrt))
+            check_pixels(arrays)
+        return Job.of("radiometric_gradient", scene, settings, moved)
     refuse_filter(settings)
     return Job.of("gradient", scene, settings, moves(scene, wrt))
 

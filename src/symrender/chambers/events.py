@@ -21,6 +21,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held
 from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -242,4 +243,5 @@ def crossing(one: int, other: int, left: float, right: float, work: Work, scratc
         b, fb = phi, f
         if f == 0.0 or step < 1e-13 * (1.0 + abs(phi)):
             break
-    return b
+    # panels may end beside a crossing that moves: the line integral is continuous there
+    return held(b)

@@ -24,6 +24,7 @@ from symrender.chambers.lobes.width import width_at
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.fall_off import most_floor_light, most_light
 from symrender.quadrature.floor_conics import floor_conics, may_cross
@@ -207,6 +208,7 @@ def smooth_block(
     floor_nodes(n * n, 1, step, reach, lobe, view, work, gauss)
     whole, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0
     middle_x, middle_y, lower_y = 0.0, 0.0, 0.0
+    steep, steep_last, steep_before, steep_middle = 0.0, 0.0, 0.0, 0.0
     for t in range(9):
         out[t] = 0.0
     for q in range(n):
@@ -234,16 +236,38 @@ def smooth_block(
         last_x += abs(last)
         before_x += abs(before)
         middle_x += max(abs(middle), abs(lower))
+        steep += abs(tangent(line))
+        steep_last += abs(tangent(last))
+        steep_before += abs(tangent(before))
+        steep_middle += max(abs(tangent(middle)), abs(tangent(lower)))
         last_y += line * gauss[2, base + q]
         before_y += line * gauss[3, base + q]
         middle_y += line * gauss[MIDDLE, base + q]
         lower_y += line * gauss[MIDDLE + 1, base + q]
+    miss = block_error(
+        n, level, last_x, before_x, middle_x, abs(last_y), abs(before_y), max(abs(middle_y), abs(lower_y)), whole,
+        log_rho,
+    )  # fmt: skip
+    if moves(miss):
+        missed = block_error(
+            n, level, steep_last, steep_before, steep_middle, abs(tangent(last_y)), abs(tangent(before_y)),
+            max(abs(tangent(middle_y)), abs(tangent(lower_y))), steep, held(log_rho),
+        )  # fmt: skip
+        return moved(held(miss), missed)
+    return miss
+
+
+@inlined
+def block_error(
+    n: int, level: int, last_x: float, before_x: float, middle_x: float, last_y: float, before_y: float,
+    middle_y: float, whole: float, log_rho: float,
+) -> float:  # fmt: skip
+    """Error of a block's rule by the magnitudes of its coefficients along both axes."""
     if level == 0:
-        middle_y = max(abs(middle_y), abs(lower_y))
         along = tail_error(n, last_x, before_x, middle_x, whole, log_rho)
         return float(along + tail_error(n, last_y, before_y, middle_y, whole, log_rho))
     # the rule leaves out what the next coefficients hold, times the mean of the signs times their polynomial
-    top_x, top_y = max(last_x, 0.5 * before_x), max(abs(last_y), 0.5 * abs(before_y))
+    top_x, top_y = max(last_x, 0.5 * before_x), max(last_y, 0.5 * before_y)
     return 2.0 * (top_x + top_y) * 2.0**-level * math.exp(-0.5 * log_rho)
 
 
@@ -272,6 +296,7 @@ def grid_once(
         x, y, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
         half = 0.5 * side
         bound, span, near = block_bound(x, y, side, reach, light, lobe, view.points, chart)
+        bound = held(bound)
         if bound <= aim / (1.0 + near / cell):
             error += bound
             continue
@@ -362,8 +387,15 @@ def split_grid(
         if not whole:
             for t in range(3):
                 change = max(change, 3.0 * abs(out[t] - out[3 + t]), 6.0 * abs(out[t] - out[6 + t]))
+            if moves(change):
+                unsteady = 0.0
+                for t in range(3):
+                    near, between = abs(tangent(out[t] - out[3 + t])), abs(tangent(out[t] - out[6 + t]))
+                    unsteady = max(unsteady, 3.0 * near, 6.0 * between)
+                change = moved(held(change), unsteady)
             tail = tail_of_squares(
-                remainders, remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders)
+                remainders, remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders),
+                abs(tangent(px)) + abs(tangent(py)),
             )
         out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if out_of_budget and change > 0.3 * tol:
@@ -386,4 +418,4 @@ def split_grid(
     sign = 1.0 if (ci + cj) % 2 == 0 else -1.0
     for t in range(3):
         value[t] += sign * best[t]
-    return found + beyond
+    return found + held(beyond)

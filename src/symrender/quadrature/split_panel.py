@@ -30,6 +30,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, NODE_GAP, order
 from symrender.quadrature.records import Panel, Span
@@ -244,7 +245,7 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
         p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.step = a, b, kind_a, kind_b, -1
         p.roots[0] = p.roots[1] = 0.0
         p.value[0] = p.value[1] = p.value[2] = 0.0
-        p.bound = p.error = panel_bound(a, b, work.chart)
+        p.bound = p.error = held(panel_bound(a, b, work.chart))
         p.inside = p.settled = 0
         p.foreign = math.nan
         p.per_radian = 0.0
@@ -429,6 +430,48 @@ def panel_order(step: int, log_rho: float) -> int:
 
 
 @inlined
+def stretched(w: float) -> float:
+    """A weight, no smaller for what its panel grows by."""
+    if moves(w):
+        return moved(held(w), abs(tangent(w)))
+    return w
+
+
+@inlined
+def steepest(x: float, y: float, z: float) -> float:
+    """Largest magnitude of three tangents."""
+    return max(abs(tangent(x)), abs(tangent(y)), abs(tangent(z)))
+
+
+@inlined
+def rule_error(
+    p: Panel, n: int, step: int, last: float, before: float, middle: float, lower: float, size: float, bound: float,
+    thin: float, dense: float, uneven: bool, view: View, work: Work,
+) -> float:  # fmt: skip
+    """Error of a panel's rule of ``n`` lines by the last coefficients across them.
+
+    Of what the panel holds, and where numbers move of what that changes by: coefficients, ``size``, ``bound`` and
+    ``thin`` are then of the tangents. Arguments are many for that reason.
+    """
+    if step == 0:
+        return max(bound, 10.0 * size * dense)
+    if uneven:
+        return 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
+    log_rho, slow, share = held(p.log_rho), held(p.slow), held(p.share)
+    top = max(last, 0.5 * before)
+    known = max(top * math.exp(-(n + 1) * log_rho), WEAK * top * math.exp(-(n + 1) * slow))
+    # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
+    known = max(known, share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n)))
+    if kinked(view) or broken_rim(work.chart.lobe):
+        known = max(known, last, 0.5 * before)
+    error = 2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known)
+    if p.glare > 0 and top > UNFALLEN * size:
+        # what lies of a highlight between lines may be far brighter than on them
+        error = max(error, min(bound, FLANK * size))
+    return error
+
+
+@inlined
 def evaluate_panel(
     p: Panel, step: int, view: View, work: Work, gauss: Array, events: Table[Event], many: int, out: Array, scratch:
     Array
@@ -494,8 +537,9 @@ def evaluate_panel(
         w = gauss[1, base + q] * slope
         for i in range(3):
             out[i] += w * line[i]
-        out[4] += w * line[3]
-        inner += w * line[4]
+        grown = stretched(w)
+        out[4] += grown * line[3]
+        inner += grown * line[4]
         t = w * gauss[2, base + q]
         last0 += t * line[0]
         last1 += t * line[1]
@@ -516,23 +560,21 @@ def evaluate_panel(
     before = max(abs(before0), abs(before1), abs(before2))
     middle, lower = max(abs(middle0), abs(middle1), abs(middle2)), max(abs(lower0), abs(lower1), abs(lower2))
     size = out[4]
+    uneven = out[5] > 0.0 or foreign == foreign
+    dense = 1.0
     if step == 0:
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there: that a panel
         # holds little is believed of its bound only
-        error = max(p.bound, 10.0 * size * max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300)))
-    elif out[5] > 0.0 or foreign == foreign:
-        error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
-    else:
-        top = max(last, 0.5 * before)
-        known = max(top * math.exp(-(n + 1) * p.log_rho), WEAK * top * math.exp(-(n + 1) * p.slow))
-        # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
-        known = max(known, p.share * size * math.exp(-2.0 * n * p.slow) / (2.0 * n * math.sqrt(2.0 * n)))
-        if kinked(view) or broken_rim(work.chart.lobe):
-            known = max(known, last, 0.5 * before)
-        error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
-        if p.glare > 0 and top > UNFALLEN * size:
-            # what lies of a highlight between lines may be far brighter than on them
-            error = max(error, min(p.bound, FLANK * size))
+        dense = max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
+    error = rule_error(p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work)
+    if moves(error):
+        rate = tangent(size) / max(held(size), 1e-300)
+        missed = rule_error(
+            p, n, step, steepest(last0, last1, last2), steepest(before0, before1, before2),
+            steepest(middle0, middle1, middle2), steepest(lower0, lower1, lower2), tangent(size),
+            rate * held(p.bound), rate * held(thin), held(dense), uneven, view, work,
+        )  # fmt: skip
+        error = moved(held(error), held(missed))
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size
@@ -551,7 +593,7 @@ def rough_panel(p: Panel, view: View, work: Work, gauss: Array, scratch: Array) 
     integrate_cells(phi, 2, view, work, gauss, line)
     for i in range(3):
         p.value[i] = width * line[i]
-    p.error = width * line[3]
+    p.error = stretched(width) * line[3]
     p.step = 1
     p.settled = 1
 
@@ -698,12 +740,12 @@ def split_chart(
                 bad += 1
                 continue
             need = step + 1
-            held = p.error if step > 0 else 10.0 * p.per_radian * width
-            if step < 0 and (p.inside > 0.0 or held > 3.0 * share or p.glare > MAX_FIRST):
+            holds = p.error if step > 0 else 10.0 * p.per_radian * width
+            if step < 0 and (p.inside > 0.0 or holds > 3.0 * share or p.glare > MAX_FIRST):
                 need = 1
             if p.inside == 0.0 and need > 0:
                 # a first estimate is ten times what the panel holds
-                aim = LEVELS[max(0, step)] + math.log(max(held, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
+                aim = LEVELS[max(0, step)] + math.log(max(holds, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
                 while need + 1 < len(LEVELS) and LEVELS[need] < aim:
                     need += 1
             if need >= len(LEVELS) or p.glare > MAX_ORDER or (step >= 0 and panel_order(need, p.log_rho) >= MAX_ORDER):
@@ -729,7 +771,9 @@ def split_chart(
             p.inside = out[5]
             p.foreign = foreign
             p.per_radian = out[4] / width
-    error = left_out + rounded_walls(work)
+            if moves(width):
+                p.per_radian = moved(held(p.per_radian), tangent(out[4]) / held(width))
+    error = held(left_out) + held(rounded_walls(work))
     for i in range(work.counts.walls):
         if work.walls[i].met != 0.0:
             work.counts.crossings += 1
@@ -739,4 +783,8 @@ def split_chart(
         value[1] += p.value[1]
         value[2] += p.value[2]
         error += SAFETY * p.error
+        if moves(error) and p.step >= 0:
+            width = held(p.ends[1] - p.ends[0])
+            scratch[62] += held(p.per_radian) * width
+            scratch[63] += tangent(p.per_radian) * width
     return error, bad

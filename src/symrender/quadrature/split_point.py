@@ -33,6 +33,8 @@ from symrender.chambers.work import (
 )
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
+from symrender.jit.marks import inlined
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table, table
 from symrender.quadrature.fall_off import TOUCHING, chart_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.gauss import gauss_table
@@ -42,7 +44,7 @@ from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
 from symrender.quadrature.records import Conic, Panel, Remainder, Span
 from symrender.quadrature.split_grid import split_grid
-from symrender.quadrature.split_panel import split_chart
+from symrender.quadrature.split_panel import split_chart, stretched
 from symrender.quadrature.split_setup import (
     CAPPED,
     MET,
@@ -68,6 +70,10 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 MAX_PANELS: Final = 4000
+RATE: Final = 10.0
+"""By how much faster than what was looked at the rest may change, beside what it holds."""
+ROUNDED_SLOPE: Final = 1e-14
+"""Relative error of a slope stated at least."""
 ROUNDED: Final = 4e-16
 """Relative error of the base of a highlight."""
 
@@ -88,6 +94,19 @@ class SplitResult:
     status: Ints
     chambers: Ints
     crossings: Ints
+
+
+@inlined
+def slope_error(total: float, value: Array, scratch: Array) -> float:
+    """The error of a point, its tangent that of the value's tangent: what the rules say of it, and what they left out.
+
+    What was not looked at is taken to change ``RATE`` times as fast, beside what it holds, as what was. ``value``
+    gets the sum of the magnitudes that the tangents of panels are sums of, as its fourth number.
+    """
+    value[3] = max(held(scratch[63]), max(abs(tangent(value[0])), abs(tangent(value[1])), abs(tangent(value[2]))))
+    rate = RATE * held(scratch[63]) / max(held(scratch[62]), 1e-300)
+    steep = max(abs(tangent(value[0])), abs(tangent(value[1])), abs(tangent(value[2])))
+    return moved(held(total), tangent(total) + rate * held(total) + ROUNDED_SLOPE * steep)
 
 
 def gloss_kernel(
@@ -125,7 +144,9 @@ def gloss_kernel(
             evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
             continue
-        total = lobe_setup(n, theta_max, 0.0 if falling else tol, bound, chart.lobe) * bound
+        total = held(lobe_setup(n, theta_max, 0.0 if falling else tol, bound, chart.lobe) * bound)
+        # of all charts, what the panels looked at hold, and the same of its tangents
+        scratch[62] = scratch[63] = 0.0
         if falling:
             end_at_horizon(normals[i], lobe, chart.lobe)
         if conductor:
@@ -144,7 +165,7 @@ def gloss_kernel(
                 share = facing_mass(n, theta_max, tilt, gauss)
             else:
                 share = cap_share(n, theta_max, tilt, 0.5 * math.pi, gauss)
-            total += ROUNDED_SHARE * sky if share < 1.0 else 0.0
+            total += held(ROUNDED_SHARE * sky) if share < 1.0 else 0.0
         for a in range(3):
             value[a] = view.shading.background[a] * share
         bad = 0
@@ -159,7 +180,7 @@ def gloss_kernel(
                     bright = sphere_bound(j, view, chart)
                     e = lattice_sum(j, own, spare, mass, bright, max_evaluations, view, work, value)
                     if e >= 0.0:
-                        total += e
+                        total += held(e)
                         continue
             sphere_chart(j, own, lobe, view, work)
             k = chart.ratio
@@ -167,7 +188,7 @@ def gloss_kernel(
             gap = max(0.0, chart.lobe_beta - chart.beta_max)
             most = largest_density(4.0 * math.sin(0.5 * gap) ** 2, chart.lobe) * 2.0 * math.pi * k * k * bound
             if gap < 1.5 and most < 0.1 * tol:
-                total += most
+                total += held(most)
                 continue
             sphere_strips(j, view, work)
             chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
@@ -214,7 +235,7 @@ def gloss_kernel(
                 scratch[20 + a] = 0.0
                 contrast = max(contrast, abs(half))
             if contrast > 0.0:
-                total += contrast * split_grid(
+                total += stretched(contrast) * split_grid(
                     max(0.5 * (tol - total), 0.05 * tol) / contrast, own, axis, framed, work, conics, gauss,
                     states, grid_stack, remainders, max_evaluations, scratch[20:23],
                 )  # fmt: skip
@@ -230,7 +251,9 @@ def gloss_kernel(
                 value[a] = scratch[31 + a]
         # nothing in the scene is brighter than the bound, so no error is larger
         largest = max(abs(value[0]), abs(value[1]), abs(value[2]))
-        total = min(total + 1e-15 + (1e-15 + powers) * largest, bound + largest)
+        total = min(total + held(1e-15 + (1e-15 + powers) * largest), bound + largest)
+        if moves(total):
+            total = slope_error(total, value, scratch)
         error[i] = total
         evaluations[i] = work.counts.evaluations
         chambers[i] = work.counts.chambers
@@ -243,7 +266,8 @@ def gloss_kernel(
 
 
 @functools.lru_cache(maxsize=1)
-def _kernel() -> Any:
+def gloss_compiled() -> Any:
+    """``gloss_kernel``, compiled."""
     # nothing is allocated inside, so reference counting would only cost: Numba's triples the time
     return compiled(gloss_kernel, _nrt=False)
 
@@ -368,7 +392,7 @@ def gloss_points(
     largest = max(float(scales.max(initial=0.0)), 1e-300)
     gloss, error = np.zeros((n, 3)), np.zeros(n)
     counts = [np.zeros(n, np.int64) for _ in range(4)]
-    _kernel()(
+    gloss_compiled()(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
