@@ -12,14 +12,13 @@ from collections.abc import Sequence
 from html import escape
 from typing import Final
 
-from symrender.adjoint.point import EVENT
 from symrender.errors import OptionError
 from symrender.execution.fill import Crew, Means
 from symrender.execution.jobs import KINDS, Job
 from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
-from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
+from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
 from symrender.runtimes.pixels import check_pixels
 from symrender.runtimes.radiometric_gradient import check_gradient
 from symrender.scene.load import AnyScene, Source, load_any

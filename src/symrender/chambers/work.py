@@ -131,7 +131,7 @@ def begin_counts(limit: int, work: Work) -> None:
     counts = work.counts
     counts.walls = counts.occluders = counts.casters = counts.cells = counts.labour = counts.evaluations = 0
     counts.chambers = counts.crossings = counts.spots = counts.highlights = 0
-    counts.limit = limit
+    counts.parted, counts.limit = 0, limit
 
 
 def scene_view(

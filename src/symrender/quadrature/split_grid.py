@@ -22,6 +22,7 @@ import numpy.typing as npt
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import width_at
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
+from symrender.chambers.walls import PARTED
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
@@ -43,6 +44,8 @@ FIRST_REACH = 18.0
 MOST_REACH = 200.0
 MOST_SQUARES = 2.0 ** (BLOCK_LEVELS - 2) - 2.0
 """So many squares on every side are all that a block can hold."""
+ALIGNED = 1e-9
+"""Squares, or slope, up to which a wall is taken to lie on a line of the checker."""
 LEAVES = 30.0
 """Blocks that share the tolerance; most err far less than their share."""
 SMALLEST = 1e-6
@@ -356,6 +359,26 @@ def grid_once(
     return error
 
 
+@inlined
+def note_parted_lines(conics: Table[Conic], count: int, view: View, work: Work) -> None:
+    """Note straight walls that coincide with a line of the checker and part from it: beside it lies another field."""
+    cell = view.floor.cell
+    for k in range(count):
+        row = conics[k]
+        if row.xx != 0.0 or row.xy != 0.0 or row.yy != 0.0:
+            continue
+        for axis in range(2):
+            steep, across = (row.x, row.y) if axis == 0 else (row.y, row.x)
+            if not abs(across) < ALIGNED * abs(steep):
+                continue
+            foot = (work.chart.point[axis] - view.floor.offset[axis]) / cell
+            place = foot - 0.5 * row.free / (steep * cell)
+            turn, size = abs(tangent(across / steep)), abs(tangent(foot)) + abs(tangent(place - foot))
+            away = abs(place - math.floor(held(place) + 0.5))
+            if away < ALIGNED and (abs(tangent(place)) > PARTED * size or turn > PARTED):
+                work.counts.parted = 1
+
+
 @jitable
 def split_grid(
     tol: float, own: int, lobe: Array, view: View, work: Work, conics: Table[Conic], gauss: Array, states: Array,
@@ -371,6 +394,8 @@ def split_grid(
     if count > conics.shape[0]:
         return math.inf
     whole, reach, far, east, north, beyond = grid_reach(FIRST_REACH, lobe, view, work)
+    if moves(reach):
+        note_parted_lines(conics, count, view, work)
     px, py = chart.point[0] - view.floor.offset[0], chart.point[1] - view.floor.offset[1]
     ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     out, best = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]

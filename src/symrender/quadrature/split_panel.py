@@ -45,6 +45,8 @@ PANEL = 40
 """Where the sums of a line and of a panel lie in the scratch array."""
 MAX_FIRST = 3
 """Most lines of a panel's first estimate."""
+NARROW = 1e-13
+"""Share of a span in which an event is found by halving where numbers move."""
 MUCH = 40.0
 """How many times its share a panel with events inside may hold and still be tried in one piece."""
 MAX_KINKED = 5
@@ -243,7 +245,7 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
     if n < panels.shape[0]:
         p = panels[n]
         p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.step = a, b, kind_a, kind_b, -1
-        p.roots[0] = p.roots[1] = 0.0
+        p.roots[0] = p.roots[1] = p.blind = 0.0
         p.value[0] = p.value[1] = p.value[2] = 0.0
         p.bound = p.error = held(panel_bound(a, b, work.chart))
         p.inside = p.settled = 0
@@ -323,6 +325,7 @@ def split_span(
         right, right_signature = left, left_signature
     start, start_kind = a, kind_a
     start_signature = left_signature
+    first, sliver = n, 0.0
     while top > 0:
         top -= 1
         left, right = spans[top].left, spans[top].right
@@ -330,9 +333,9 @@ def split_span(
         if ls == rs:
             continue
         span = right - left
-        narrow = span < max(1e-8 * width, 1e-12)
+        narrow = span < (max(NARROW * width, 1e-14) if moves(span) else max(1e-8 * width, 1e-12))
         if narrow or top + 3 >= spans.shape[0] or n + top + SPARE >= panels.shape[0] or is_spent(work):
-            middle = 0.5 * (left + right)
+            middle = held(0.5 * (left + right))
             if not narrow and (ls == 0 or rs == 0):
                 # what was not looked at may be seen, whatever its ends see
                 if start_signature == 0:
@@ -344,6 +347,7 @@ def split_span(
                 continue
             if start_signature != 0:
                 n = add_panel(panels, n, start, middle, start_kind, ROOT, work)
+            sliver = max(sliver, held(span))
             start, start_kind, start_signature = middle, ROOT, rs
             continue
         phi = find_crossing(left, right, view, work, ids, scratch)
@@ -386,6 +390,10 @@ def split_span(
         top += 2
     if start_signature != 0:
         n = add_panel(panels, n, start, b, start_kind, kind_b, work)
+    if moves(width):
+        # of what opens there like a square root, a sliver holds so much of the tangent
+        for k in range(first, min(n, panels.shape[0])):
+            panels[k].blind = math.sqrt(sliver / max(held(panels[k].ends[1] - panels[k].ends[0]), 1e-300))
     return n
 
 
@@ -574,7 +582,7 @@ def evaluate_panel(
             steepest(middle0, middle1, middle2), steepest(lower0, lower1, lower2), tangent(size),
             rate * held(p.bound), rate * held(thin), held(dense), uneven, view, work,
         )  # fmt: skip
-        error = moved(held(error), held(missed))
+        error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size
@@ -619,7 +627,7 @@ def cut_panel(
     """
     start, stop, first_kind, last_kind = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
     left, right = start - p.roots[0], stop + p.roots[1]
-    mean, first = p.per_radian, n
+    mean, first, blind = p.per_radian, n, p.blind
     margin = 1e-9 * (stop - start)
     slot, begin = i, start
     for e in range(many + 1):
@@ -637,9 +645,9 @@ def cut_panel(
             panels[slot].roots[0] = near if kind == ROOT else 0.0
             panels[slot].roots[1] = far if end_kind == ROOT else 0.0
         slot, begin = n, phi
-    panels[i].per_radian = mean
+    panels[i].per_radian, panels[i].blind = mean, blind
     for k in range(first, min(n, panels.shape[0])):
-        panels[k].per_radian = mean
+        panels[k].per_radian, panels[k].blind = mean, blind
     return n
 
 
@@ -757,10 +765,11 @@ def split_chart(
                 middle = highlight_end(p.ends[0], p.ends[1], work)
                 right, kind = p.ends[1], p.kinds[1]
                 left, left_kind = p.ends[0], p.kinds[0]
-                near, far = p.roots[0], p.roots[1]
+                near, far, blind = p.roots[0], p.roots[1], p.blind
                 add_panel(panels, i, left, middle, left_kind, SMOOTH, work)
                 n = add_panel(panels, n, middle, right, SMOOTH, kind, work)
                 p.roots[0], panels[n - 1].roots[1] = near, far
+                p.blind = panels[n - 1].blind = blind
                 continue
             foreign = evaluate_panel(p, need, view, work, gauss, events, m, out, scratch)
             if out[3] == math.inf:

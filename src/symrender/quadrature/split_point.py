@@ -47,6 +47,7 @@ from symrender.quadrature.split_grid import split_grid
 from symrender.quadrature.split_panel import split_chart, stretched
 from symrender.quadrature.split_setup import (
     CAPPED,
+    EVENT,
     MET,
     NEAR_TANGENT,
     UNSUPPORTED,
@@ -263,6 +264,8 @@ def gloss_kernel(
             # what is no number is no value either
             error[i] = total if total == total else math.inf
             status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT
+        if moves(total) and work.counts.parted != 0:
+            status[i] = EVENT
 
 
 @functools.lru_cache(maxsize=1)

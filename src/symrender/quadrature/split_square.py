@@ -220,7 +220,7 @@ def change_of_rows(
     while True:
         middle = 0.5 * (low + high)
         if not low < middle < high or high - low < 1e-13 * (abs(low) + abs(high) + x1 - x0):
-            return middle
+            return held(middle)
         share = 1.0
         for i in range(1, many - 1):
             if far[i] < 0.0 < near[i]:

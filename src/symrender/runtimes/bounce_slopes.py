@@ -9,11 +9,10 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.adjoint.point import EVENT
 from symrender.jit.compiled import compiled
 from symrender.jit.twins import moving
 from symrender.quadrature.split_point import SplitWork
-from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
+from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
 from symrender.quadrature.split_slopes import gloss_slopes, moving_work
 from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from symrender.adjoint.direct import direct_gradients
 from symrender.adjoint.lights import light_point_tangents, lights_leaving
-from symrender.adjoint.point import BUDGET, EVENT, gloss_gradients, refuse_unknown, tangents_of
+from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import scene_frames
 from symrender.jit.records import Table, copied

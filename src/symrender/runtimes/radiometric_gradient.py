@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from symrender.adjoint.point import EVENT
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
-from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
+from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
