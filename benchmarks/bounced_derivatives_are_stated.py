@@ -3,10 +3,10 @@
     python benchmarks/bounced_derivatives_are_stated.py [--quick] [SEED [COUNT]]
 
 The crowds of ``bounced_light_is_stated.py``, half of them with the conductors and phong materials of
-``glossy_bounces_are_stated.py``, at sizes from 1e-4 to 1e3, with planes that lie on each other's checkers and balls that
-touch; of each one pixel, and of it the derivatives in six of the scene's numbers, chosen at random. The judge is
-differences of ``truth`` at a part in 1e11 of the light, extrapolated, from steps of up to four sizes; it tells where two
-steps agree.
+``glossy_bounces_are_stated.py``, at sizes from 1e-4 to 1e3, with planes that lie on each other's checkers and balls
+that touch; of each one pixel, and of it the derivatives in six of the scene's numbers, chosen at random. The judge is
+differences of ``truth`` at a part in 1e11 of the light, extrapolated, from steps of up to four sizes; it tells where
+two steps agree.
 """
 
 from __future__ import annotations
@@ -179,7 +179,9 @@ def main() -> None:
     first, count = (seeds[0] if seeds else 0), (seeds[1] if len(seeds) > 1 else QUICK if quick else COUNT)
     report = Report("bounced_derivatives_are_stated", "A derivative of bounced light is as near as it states.")
     with ProcessPoolExecutor(1) as pool:
-        jobs = [pool.submit(judged, range(s, min(s + BATCH, first + count))) for s in range(first, first + count, BATCH)]
+        jobs = [
+            pool.submit(judged, range(s, min(s + BATCH, first + count))) for s in range(first, first + count, BATCH)
+        ]
         found = [x for job in jobs for x in job.result()]
     told = [x for x in found if x.verdict == "told"]
     met = [x for x in told if x.status == 0]
@@ -190,9 +192,9 @@ def main() -> None:
     refused = [x for x in found if x.verdict.startswith(("refused", "no room"))]
     relative = sorted(x.relative for x in acting if x.status == 0)
     report.say(
-        f"{count} scenes from seed {first}: {counts}, {len(refused)} refused; of {len(told)} derivatives the differences "
-        f"tell, {len(met)} of these met and {len(acting)} not zero; beyond what is stated: {len(beyond)}. Relative "
-        f"errors: median {np.median(relative) if relative else 0.0:.1e}."
+        f"{count} scenes from seed {first}: {counts}, {len(refused)} refused; of {len(told)} derivatives the "
+        f"differences tell, {len(met)} of these met and {len(acting)} not zero; beyond what is stated: {len(beyond)}. "
+        f"Relative errors: median {np.median(relative) if relative else 0.0:.1e}."
     )
     report.table(
         ["seed", "name", "off", "stated", "size", "status"],
@@ -202,7 +204,9 @@ def main() -> None:
         report.say(f"- seed {x.seed} {x.name}: {x.verdict}")
     for x in [x for x in found if x.verdict == "not told"][:6]:
         report.say(f"- seed {x.seed} {x.name}: not told, {x.off:.1e} beyond, {x.stated:.1e} stated of {x.size:.1e}")
-    report.claim_number(f"derivatives more than {LOOSEST:g} times beyond", sum(x.off > LOOSEST * x.stated for x in told), 0)
+    report.claim_number(
+        f"derivatives more than {LOOSEST:g} times beyond", sum(x.off > LOOSEST * x.stated for x in told), 0
+    )
     report.leave()
 
 

@@ -257,7 +257,7 @@ def sphere_tangencies(
             if f == f and faces:
                 if moves(x):
                     # the azimuth is stationary: it moves as at a place of the edge that stands still
-                    f, x, y, z, faces = edge_turn(held(psi), light, caster, beyond, chart, frame)
+                    _, x, y, z, _ = edge_turn(held(right), light, caster, beyond, chart, frame)
                 phi = math.atan2(y, x)
                 if within_lobe(phi, math.atan2(math.sqrt(x * x + y * y), z), chart):
                     n = add_event(events, n, phi, low, high, ROOT)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -46,5 +46,5 @@ def _fill(target: npt.NDArray[Any], values: npt.NDArray[Any], tangents: npt.NDAr
             target.imag[...] = tangents
         return
     for name in values.dtype.names or ():
-        part = None if tangents is None else cast("npt.NDArray[Any]", np.asarray(tangents[name]))
+        part = None if tangents is None else np.asarray(tangents[name])
         _fill(target[name], np.asarray(values[name]), part)

@@ -121,3 +121,18 @@ def most_floor_light(view: View) -> float:
         if not (view.points[i].fall == INVERSE_SQUARE and height <= 0.0):
             light += most_light(view.points[i], height * height)
     return light
+
+
+@inlined
+def light_beyond(distance: float, view: View, chart: Chart) -> float:
+    """No floor point so far from the foot gets more from all lights together."""
+    light = 0.0
+    for i in range(view.points.shape[0]):
+        p = view.points[i]
+        rise = max(0.0, p.position[2] + p.radius)
+        x, y = p.position[0] - chart.point[0], p.position[1] - chart.point[1]
+        apart = max(0.0, distance - math.sqrt(x * x + y * y) - p.radius)
+        if rise > 0.0:
+            square = rise * rise + apart * apart
+            light += most_light(p, square) * rise / math.sqrt(square)
+    return light

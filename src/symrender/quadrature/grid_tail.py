@@ -347,8 +347,8 @@ def remainders_of(
 
 
 @inlined
-def tail_of_squares(rows: Table[Remainder], n: int, foot: float) -> float:
-    """Estimate of what ``n`` places leave of the deviation, in units of its value; ``foot``: how fast the foot moves."""
+def tail_of_squares(rows: Table[Remainder], n: int, foot: float = 0.0) -> float:
+    """Estimate of what ``n`` places leave of the deviation, in its units; ``foot``: how fast the point's foot moves."""
     total = 0.0
     for k in range(n):
         if moves(rows[k].left):

@@ -22,17 +22,16 @@ import numpy.typing as npt
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import width_at
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
-from symrender.chambers.walls import PARTED
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
-from symrender.quadrature.fall_off import most_floor_light, most_light
+from symrender.quadrature.fall_off import light_beyond, most_floor_light, most_light
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
 from symrender.quadrature.records import Conic, Remainder
-from symrender.quadrature.split_line import tail_error
+from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
 from symrender.quadrature.split_square import cut_square, floor_nodes, seen
 
 Array = npt.NDArray[np.float64]
@@ -44,29 +43,12 @@ FIRST_REACH = 18.0
 MOST_REACH = 200.0
 MOST_SQUARES = 2.0 ** (BLOCK_LEVELS - 2) - 2.0
 """So many squares on every side are all that a block can hold."""
-ALIGNED = 1e-9
-"""Squares, or slope, up to which a wall is taken to lie on a line of the checker."""
 LEAVES = 30.0
 """Blocks that share the tolerance; most err far less than their share."""
 SMALLEST = 1e-6
 """Side of the smallest part of a square, in squares."""
 SMALLEST_CUT = 0.05
 """The same where walls cross it: they are cut in closed form, and quarters help little."""
-
-
-@inlined
-def light_beyond(distance: float, view: View, chart: Chart) -> float:
-    """No floor point so far from the foot gets more from all lights together."""
-    light = 0.0
-    for i in range(view.points.shape[0]):
-        p = view.points[i]
-        rise = max(0.0, p.position[2] + p.radius)
-        x, y = p.position[0] - chart.point[0], p.position[1] - chart.point[1]
-        apart = max(0.0, distance - math.sqrt(x * x + y * y) - p.radius)
-        if rise > 0.0:
-            square = rise * rise + apart * apart
-            light += most_light(p, square) * rise / math.sqrt(square)
-    return light
 
 
 @jitable
@@ -260,20 +242,6 @@ def smooth_block(
     return miss
 
 
-@inlined
-def block_error(
-    n: int, level: int, last_x: float, before_x: float, middle_x: float, last_y: float, before_y: float,
-    middle_y: float, whole: float, log_rho: float,
-) -> float:  # fmt: skip
-    """Error of a block's rule by the magnitudes of its coefficients along both axes."""
-    if level == 0:
-        along = tail_error(n, last_x, before_x, middle_x, whole, log_rho)
-        return float(along + tail_error(n, last_y, before_y, middle_y, whole, log_rho))
-    # the rule leaves out what the next coefficients hold, times the mean of the signs times their polynomial
-    top_x, top_y = max(last_x, 0.5 * before_x), max(last_y, 0.5 * before_y)
-    return 2.0 * (top_x + top_y) * 2.0**-level * math.exp(-0.5 * log_rho)
-
-
 @jitable
 def grid_once(
     aim: float, reach: float, low_x: float, low_y: float, level: int, lobe: Array, view: View, work: Work,
@@ -359,26 +327,6 @@ def grid_once(
     return error
 
 
-@inlined
-def note_parted_lines(conics: Table[Conic], count: int, view: View, work: Work) -> None:
-    """Note straight walls that coincide with a line of the checker and part from it: beside it lies another field."""
-    cell = view.floor.cell
-    for k in range(count):
-        row = conics[k]
-        if row.xx != 0.0 or row.xy != 0.0 or row.yy != 0.0:
-            continue
-        for axis in range(2):
-            steep, across = (row.x, row.y) if axis == 0 else (row.y, row.x)
-            if not abs(across) < ALIGNED * abs(steep):
-                continue
-            foot = (work.chart.point[axis] - view.floor.offset[axis]) / cell
-            place = foot - 0.5 * row.free / (steep * cell)
-            turn, size = abs(tangent(across / steep)), abs(tangent(foot)) + abs(tangent(place - foot))
-            away = abs(place - math.floor(held(place) + 0.5))
-            if away < ALIGNED and (abs(tangent(place)) > PARTED * size or turn > PARTED):
-                work.counts.parted = 1
-
-
 @jitable
 def split_grid(
     tol: float, own: int, lobe: Array, view: View, work: Work, conics: Table[Conic], gauss: Array, states: Array,
@@ -410,16 +358,10 @@ def split_grid(
         )  # fmt: skip
         change, tail = 0.0, 0.0
         if not whole:
-            for t in range(3):
-                change = max(change, 3.0 * abs(out[t] - out[3 + t]), 6.0 * abs(out[t] - out[6 + t]))
-            if moves(change):
-                unsteady = 0.0
-                for t in range(3):
-                    near, between = abs(tangent(out[t] - out[3 + t])), abs(tangent(out[t] - out[6 + t]))
-                    unsteady = max(unsteady, 3.0 * near, 6.0 * between)
-                change = moved(held(change), unsteady)
+            change = taper_change(out)
             tail = tail_of_squares(
-                remainders, remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders),
+                remainders,
+                remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders),
                 abs(tangent(px)) + abs(tangent(py)),
             )
         out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > max_evaluations

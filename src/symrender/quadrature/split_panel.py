@@ -459,7 +459,7 @@ def rule_error(
     """Error of a panel's rule of ``n`` lines by the last coefficients across them.
 
     Of what the panel holds, and where numbers move of what that changes by: coefficients, ``size``, ``bound`` and
-    ``thin`` are then of the tangents. Arguments are many for that reason.
+    ``thin`` are then of the tangents. Arguments are many because they are asked of both.
     """
     if step == 0:
         return max(bound, 10.0 * size * dense)
@@ -574,7 +574,9 @@ def evaluate_panel(
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there: that a panel
         # holds little is believed of its bound only
         dense = max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
-    error = rule_error(p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work)
+    error = rule_error(
+        p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work
+    )
     if moves(error):
         rate = tangent(size) / max(held(size), 1e-300)
         missed = rule_error(
@@ -796,4 +798,5 @@ def split_chart(
             width = held(p.ends[1] - p.ends[0])
             scratch[62] += held(p.per_radian) * width
             scratch[63] += tangent(p.per_radian) * width
+            scratch[64] += SAFETY * held(p.error) if p.step > 0 else 0.0
     return error, bad

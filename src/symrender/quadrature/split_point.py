@@ -33,8 +33,7 @@ from symrender.chambers.work import (
 )
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
-from symrender.jit.marks import inlined
-from symrender.jit.moving import held, moved, moves, tangent
+from symrender.jit.moving import held, moves
 from symrender.jit.records import Table, table
 from symrender.quadrature.fall_off import TOUCHING, chart_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.gauss import gauss_table
@@ -43,6 +42,7 @@ from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
 from symrender.quadrature.records import Conic, Panel, Remainder, Span
+from symrender.quadrature.rule_errors import slope_error
 from symrender.quadrature.split_grid import split_grid
 from symrender.quadrature.split_panel import split_chart, stretched
 from symrender.quadrature.split_setup import (
@@ -71,10 +71,6 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 MAX_PANELS: Final = 4000
-RATE: Final = 10.0
-"""By how much faster than what was looked at the rest may change, beside what it holds."""
-ROUNDED_SLOPE: Final = 1e-14
-"""Relative error of a slope stated at least."""
 ROUNDED: Final = 4e-16
 """Relative error of the base of a highlight."""
 
@@ -95,19 +91,6 @@ class SplitResult:
     status: Ints
     chambers: Ints
     crossings: Ints
-
-
-@inlined
-def slope_error(total: float, value: Array, scratch: Array) -> float:
-    """The error of a point, its tangent that of the value's tangent: what the rules say of it, and what they left out.
-
-    What was not looked at is taken to change ``RATE`` times as fast, beside what it holds, as what was. ``value``
-    gets the sum of the magnitudes that the tangents of panels are sums of, as its fourth number.
-    """
-    value[3] = max(held(scratch[63]), max(abs(tangent(value[0])), abs(tangent(value[1])), abs(tangent(value[2]))))
-    rate = RATE * held(scratch[63]) / max(held(scratch[62]), 1e-300)
-    steep = max(abs(tangent(value[0])), abs(tangent(value[1])), abs(tangent(value[2])))
-    return moved(held(total), tangent(total) + rate * held(total) + ROUNDED_SLOPE * steep)
 
 
 def gloss_kernel(
@@ -146,8 +129,8 @@ def gloss_kernel(
             status[i] = MET if error[i] <= tol else CAPPED
             continue
         total = held(lobe_setup(n, theta_max, 0.0 if falling else tol, bound, chart.lobe) * bound)
-        # of all charts, what the panels looked at hold, and the same of its tangents
-        scratch[62] = scratch[63] = 0.0
+        # of all charts, what the panels looked at hold, the same of tangents, and what those state of their values
+        scratch[62] = scratch[63] = scratch[64] = 0.0
         if falling:
             end_at_horizon(normals[i], lobe, chart.lobe)
         if conductor:
@@ -301,7 +284,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
         spans=table(Span, 256),
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=table(Event, 2048),
-        scratch=np.zeros(64),
+        scratch=np.zeros(65),
         conics=table(Conic, 2 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres)),
         remainders=table(Remainder, MOST_REMAINDERS),
         states=np.zeros(max(1, len(points))),

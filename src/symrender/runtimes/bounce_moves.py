@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,7 +31,7 @@ from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, shape_classes
 from symrender.scene.radiometric.records import Material
-from symrender.scene.records import Frame, Plane
+from symrender.scene.records import Plane
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -112,9 +112,9 @@ def moving_bounce(arrays: RadiometricArrays, moves: RadiometricArrays, turned: F
     assert here.shapes == one.shapes == other.shapes and len(here.parts) == len(one.parts) == len(other.parts)
     senders = sender_rows(arrays, here)
     sent = tuple(sender_rows(each, found) for each, found in ((ahead, one), (behind, other)))
-    cells = _cells(arrays, moves, here)
+    cells, squares = _cells(arrays, moves, here), _squares(arrays, moves, here)
     parts = (
-        _moving_part(each, pair, senders, sent, cells)
+        _moving_part(each, pair, senders, sent, cells, squares)
         for each, *pair in zip(here.parts, one.parts, other.parts, strict=True)
     )
     return MovingBounce(here, tuple(parts))
@@ -129,11 +129,20 @@ def _cells(arrays: RadiometricArrays, moves: RadiometricArrays, bounce: Bounce) 
     return np.array([[2.0 * x for x in found], found]).reshape(2, -1)
 
 
-def _moving_part(part: SceneArrays, pair: list[SceneArrays], senders: Any, sent: Any, cells: Array) -> MovingPart:
+def _squares(arrays: RadiometricArrays, moves: RadiometricArrays, bounce: Bounce) -> Array:
+    """(planes,): how their squares grow."""
+    planes = [j for j in bounce.shapes if arrays.shapes[j].kind != SPHERE]
+    return np.array([float(moves.materials[int(arrays.shapes[j].material)].cell) for j in planes])
+
+
+def _moving_part(
+    part: SceneArrays, pair: list[SceneArrays], senders: Any, sent: Any, cells: Array, squares: Array
+) -> MovingPart:  # fmt: skip
+    """One of the scenes; ``pair`` are those a whole move ahead and behind, ``sent`` how their shapes send light on."""
     moves = grid(Plane, 1, len(part.planes))
     moves[0][:] = half_difference(*(each.planes for each in pair))  # type: ignore[index]
     axes = scene_axes(part)
-    turns = cast("Table[Frame]", frame_moves(part.planes, moves)[0])
+    turns = frame_moves(part.planes, moves)[0]
     lights = light_rows(part, RULE)
     views, framed, sides = [], [], []
     for each, by, table_ in zip(pair, (1.0, -1.0), sent, strict=True):
@@ -148,6 +157,7 @@ def _moving_part(part: SceneArrays, pair: list[SceneArrays], senders: Any, sent:
     textured = part.spheres["texture"] != SOLID
     for rows in (view_moves.spheres, frame_slopes.spheres):
         rows["ku"][..., textured], rows["kv"][..., textured] = cells[0, textured], cells[1, textured]
+    frame_slopes.floors["cell"][:] = squares
     lobes = np.zeros((FIRST_SPHERE + len(part.spheres) + len(part.planes), 2), np.complex128)
     lobes[FLOOR:] = lobes_of(part)[:, 1:] + 0.5j * (lobes_of(pair[0]) - lobes_of(pair[1]))[:, 1:]
     scales = np.ones(len(lobes), np.complex128)

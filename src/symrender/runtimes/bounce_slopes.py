@@ -15,7 +15,6 @@ from symrender.quadrature.split_point import SplitWork
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
 from symrender.quadrature.split_slopes import gloss_slopes, moving_work
 from symrender.radiometric import tile
-from symrender.radiometric.shaken import shaken
 from symrender.radiometric.slopes import record_moves, world_moves
 from symrender.radiometric.world import make_world
 from symrender.runtimes.bounce import SLACK, ULP, Bounced, Bouncer, Hits, closeness, sharpness
@@ -29,7 +28,7 @@ Ints = npt.NDArray[np.int64]
 
 FIRST: Final = 0.1
 """Tolerance of the value that is asked at first, over that of the derivative."""
-TIGHTER: Final = (1.0, 1e-2, 1e-4)
+TIGHTER: Final = (1.0, 0.1, 1e-2)
 """By how much tighter values are asked in turn, until derivatives are within their tolerance."""
 SHIFTED: Final = 4.0
 """Relative error of a slope by roundings, over that of a value."""
@@ -107,17 +106,16 @@ class SlopeBouncer(Bouncer):
         shape, behind = np.zeros(count, np.complex128), np.zeros(count)
         moved = []
         for moves, (origins, directions) in zip(self._moves, rays, strict=True):
-            place, normal, albedo = (np.zeros((count, 3), np.complex128) for _ in range(3))
+            at, facing, albedo = (np.zeros((count, 3), np.complex128) for _ in range(3))
             world_ = moving(world, world_moves(arrays, moves[k]))
-            _hits_kernel()(world_, origins, directions, shape, place, normal, albedo, behind)
-            moved.append(MovingHits(place, normal, albedo, directions))
+            _hits_kernel()(world_, origins, directions, shape, at, facing, albedo, behind)
+            moved.append(MovingHits(at, facing, albedo, directions))
         here = moved[0]
-        parts = (np.ascontiguousarray(each.real) for each in (here.place, here.normal))
+        place, normal, travel = (np.ascontiguousarray(each.real) for each in (here.place, here.normal, here.travel))
         # what is black may have a derivative
         felt = np.max([np.abs(each.albedo).max(axis=1, initial=0.0) for each in moved], axis=0) > 0.0
         albedo_ = np.where(felt[:, None], 1.0, np.zeros((count, 3)))
-        travel = np.ascontiguousarray(here.travel.real)
-        return Hits(shape.real.astype(np.int64), *parts, albedo_, behind, travel), moved
+        return Hits(shape.real.astype(np.int64), place, normal, albedo_, behind, travel), moved
 
     def _at(self, hits: Hits, moved: list[MovingHits], tol: float, budget: int) -> BouncedSlopes:
         """Derivatives of the light at ``hits``."""
@@ -138,9 +136,10 @@ class SlopeBouncer(Bouncer):
         """Fill what was found by ``_at`` at places ``some``, all of one shape, with ``turned`` planes."""
         for q in range(len(self._moves)):
             left = some
+            assert self._found is not None
+            self._found.error[q, some], self._found.status[q, some] = np.inf, UNSUPPORTED
             for tighter in TIGHTER:
                 self._differentiate(q, left, turned, hits, tol, FIRST * tighter * tol, budget)
-                assert self._found is not None
                 left = left[self._found.error[q, left] > tol]
                 left = left[self._found.status[q, left] != EVENT]
                 if not len(left):
@@ -157,7 +156,9 @@ class SlopeBouncer(Bouncer):
         if key not in self._moving:
             self._moving[key] = moving_bounce(arrays, self._moves[q][0], turned, own)
         bounce, here = self._moving[key], self._hits[q].some(some)
-        most = float(max(np.abs(here.albedo.real).max(), np.abs(here.albedo.imag).max(), 1e-300))
+        # no other place of a tile may have a say in what is asked of one
+        change = self._moves[q][0].materials[int(arrays.shapes[own].material)]
+        most = max(1e-300, *(float(np.abs(each).max()) for each in (material.bright, material.dark, change.bright)))
         total = np.zeros((len(some), 3), np.complex128)
         missed, steep, status = np.zeros(len(some), np.complex128), np.zeros(len(some)), np.zeros(len(some), np.int64)
         for part in bounce.parts:
@@ -179,21 +180,29 @@ class SlopeBouncer(Bouncer):
             found.evaluations[some] += seen.evaluations
         light = here.albedo * total
         reflected, changed = np.abs(here.albedo.real).max(axis=1), np.abs(here.albedo.imag).max(axis=1)
-        astray = SHIFTED * SLACK * ULP * np.maximum(
-            closeness(bounce.still.parts[0], here.place.real), self._nearness(own, here.place.real)
+        astray = (
+            SHIFTED
+            * SLACK
+            * ULP
+            * np.maximum(closeness(bounce.still.parts[0], here.place.real), self._nearness(own, here.place.real))
         )
         cosine = -(here.travel.real * here.normal.real).sum(axis=1)
         astray = astray * (sharpness(material, cosine) + self._highlights)
         error = reflected * missed.imag + changed * missed.real
         error += astray * (reflected * steep + changed * np.abs(total.real).max(axis=1))
         known = np.isfinite(light.imag).all(axis=1) & np.isfinite(error)
-        found.slopes[q, some] = np.where(known[:, None], light.imag, 0.0)
-        found.incoming[q, some] = np.where(known[:, None], total, 0.0)
-        found.error[q, some] = np.where(known, error, np.inf)
-        found.status[q, some] = np.where(known, np.where(error > tol, np.maximum(status, CAPPED), MET), UNSUPPORTED)
+        # what asks too much of roundings may be worse than what asked less
+        better = known & (error < found.error[q, some])
+        here_ = some[better]
+        found.slopes[q, here_], found.incoming[q, here_] = light.imag[better], total[better]
+        found.error[q, here_] = error[better]
+        reached = np.where(error > tol, np.maximum(status, CAPPED), np.where(status == EVENT, EVENT, MET))
+        found.status[q, here_] = reached[better]
 
 
-def moving_rays(view: Any, moves: Any, width: int, height: int, tile_: tuple[int, int, int, int]) -> tuple[Complex, Complex]:
+def moving_rays(
+    view: Any, moves: Any, width: int, height: int, tile_: tuple[int, int, int, int]
+) -> tuple[Complex, Complex]:
     """Origins and unit directions (N, 3) of the rays through the pixels of a tile, with their tangents."""
     x0, y0, x1, y1 = tile_
     count = (x1 - x0) * (y1 - y0)

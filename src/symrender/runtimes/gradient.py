@@ -17,7 +17,7 @@ from symrender.chambers.work import scene_frames
 from symrender.jit.records import Table, copied
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
-from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
+from symrender.quadrature.split_setup import CAPPED, EVENT, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.truth import DIRECT_SHARE, lobe_weights, showing

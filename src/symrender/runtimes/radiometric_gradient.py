@@ -28,8 +28,10 @@ from symrender.scene.radiometric.flat import is_flat
 from symrender.settings import Settings
 
 
-def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = ()) -> None:
+def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter: str = "centre") -> None:
     """Raise ``Unsupported`` for scenes and parameters of which no derivative is had."""
+    if arrays.bounces and filter == "box":
+        raise Unsupported("filter: box is not yet differentiated with bounces; with bounces: 0 it is, and centre is")
     if arrays.bounces > 1:
         raise Unsupported("gradient: knows radiometric scenes with bounces: 0 and 1, got bounces: all")
     if arrays.bounces and is_flat(arrays):
@@ -50,7 +52,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
     shape, a shadow or a field, and of bounced light what ``SlopeBouncer`` states. No finite derivative, as at the very
     limb of a sphere, is ``unsupported``.
     """
-    check_gradient(arrays, wrt)
+    check_gradient(arrays, wrt, settings.filter)
     if settings.filter == "box":
         return prepare_box(arrays, settings, wrt)
     width, height = settings.width, settings.height
