@@ -62,7 +62,7 @@ def towards(aim: str, **changes: Any) -> dict[str, Any]:
 def light(scene: Any, tol: float = 1e-12) -> Array:
     """Bounced light of the one pixel."""
     image = sr.truth(scene, size=1, tol=tol, threads=1, tile=1)
-    assert image.layer("error")[0, 0] < 1e-8
+    assert image.layer("error")[0, 0] < 1e-7
     return np.asarray(image.layer("indirect")[0, 0])
 
 
@@ -89,13 +89,13 @@ def test_derivatives_are_those_of_extrapolated_differences(aim: str) -> None:
     for name in names:
         image = slopes[name]
         found, stated = image.layer("indirect")[0, 0], float(image.layer("error")[0, 0])
-        wanted, doubt = difference(scene, name, 4e-3 * max(abs(float(get(sr.load(scene), name))), 0.2))
+        wanted, doubt = difference(scene, name, 2.5e-4 * max(abs(float(get(sr.load(scene), name))), 0.2))
         size = float(np.abs(wanted).max())
         off = float(np.abs(found - wanted).max())
         assert doubt <= 1e-7 * size + 1e-9, (name, doubt, size)
-        assert off <= stated + doubt + 1e-9, (name, off, stated, size)
+        assert off <= stated + doubt + 2e-9, (name, off, stated, size)
         if image.layer("status")[0, 0] == MET:
-            assert stated <= 1e-8 and off <= 1e-8 * size + 1e-9, (name, off, size)
+            assert stated <= 1e-8 and off <= 1e-8 * size + 2e-9, (name, off, size)
             met += size > 1e-5
         acting += size > 1e-5
     assert acting >= 3 and met >= 2
