@@ -186,7 +186,17 @@ def test_what_has_no_derivative_is_refused_by_name() -> None:
     twice = towards("A", shapes=[*CROWD["shapes"], CROWD["shapes"][2] | {"name": "again"}])
     with pytest.raises(Unsupported, match=r"shapes\.again\.radius: .*equal"):
         sr.gradient(twice, ["shapes.again.radius"], size=1)
-    with pytest.raises(Unsupported, match="bounces"):
+    flush = [CROWD["lights"][0] | {"position": [0.3, 1.93, 0.3]}]
+    level = [CROWD["shapes"][0], CROWD["shapes"][1] | {"point": [0, 1.93, 0], "normal": [0, -1, 0]}, CROWD["shapes"][2]]
+    with pytest.raises(Unsupported, match=r"shapes\.back\.point\.y: .*lights\[0\] lies on shapes\[1\]"):
+        sr.gradient(towards("A", shapes=level, lights=flush), ["shapes.back.point.y"], size=1)
+    for kind in ({"type": "sky", "radiance": 1.0}, {"type": "spot", "position": [0, -1, 3], "direction": [0, 1, -3],
+                 "intensity": 3, "beam": 10, "cutoff": 20}):  # fmt: skip
+        diffuse = {name: {"type": "diffuse", "reflectance": 0.5} for name in CROWD["materials"]}
+        lit = towards("A", materials=diffuse, lights=[kind | {"name": "L"}])
+        with pytest.raises(Unsupported, match="with bounces: 1 it knows points and directional lights, got a s"):
+            sr.gradient(lit, ["shapes.A.radius"], size=1)
+    with pytest.raises(Unsupported, match="box is not yet differentiated with bounces"):
         sr.gradient(CROWD, ["shapes.A.radius"], size=1, filter="box")
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,7 @@ from symrender.runtimes.bounce import RULE, conductor_rows, sender_rows
 from symrender.scene.arrays import BRDF_NORMALISED, FIRST_SPHERE, FLOOR, MARBLE, SOLID, SceneArrays, lobes_of
 from symrender.scene.frames import frame_moves
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import POINT, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, shape_classes
 from symrender.scene.radiometric.records import Material
 from symrender.scene.records import Plane
@@ -36,6 +36,9 @@ from symrender.scene.records import Plane
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 Flags = npt.NDArray[np.bool_]
+
+ON_SHAPE: Final = 1e-12
+"""Distance of a light from a shape, over the size of their coordinates, up to which it lies on it."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ def check_moves(arrays: RadiometricArrays, wrt: tuple[Move, ...]) -> None:
             solid, mixed = material.texture == SOLID, bool((material.bright != material.dark).any())
             if not solid and not mixed and bool((change.bright != change.dark).any()):
                 raise Unsupported(f"{move[0]}: with bounces: 1 it has no derivative where both fields are equal")
+        _refuse_contacts(move[0], arrays, moves)
         for shape in arrays.shapes:
             material, change = (rows[int(shape.material)] for rows in (arrays.materials, moves.materials))
             if shape.kind != SPHERE or material.texture == SOLID or change.cell == 0.0:
@@ -83,6 +87,28 @@ def check_moves(arrays: RadiometricArrays, wrt: tuple[Move, ...]) -> None:
                     f"{move[0]}: with bounces: 1 it has no derivative where fields close at a sphere's seam, at "
                     f"{float(material.cell):g}"
                 )
+
+
+def _refuse_contacts(name: str, arrays: RadiometricArrays, moves: RadiometricArrays) -> None:
+    """Raise ``Unsupported`` where a light lies on a shape, or a sun in a plane, and moves off it."""
+    for i, (light, shift) in enumerate(zip(arrays.lights, moves.lights, strict=True)):
+        for j, (shape, change) in enumerate(zip(arrays.shapes, moves.shapes, strict=True)):
+            if shape.kind == SPHERE:
+                if light.kind != POINT:
+                    continue
+                away = light.place - shape.place
+                size = float(np.abs(light.place).max() + np.abs(shape.place).max() + shape.radius)
+                level = float(np.sqrt(away @ away)) - float(shape.radius)
+                speed = float((shift.place - change.place) @ away) / max(float(shape.radius), 1e-300) - change.radius
+            else:
+                frame, turn = arrays.frames[j], moves.frames[j]
+                point = light.kind == POINT
+                away = light.place - frame.origin if point else light.place
+                moved = shift.place - turn.origin if point else shift.place
+                size = float(np.abs(away).max() + (np.abs(frame.origin).max() if point else 0.0))
+                level, speed = float(away @ frame.up), float(moved @ frame.up + away @ turn.up)
+            if abs(level) <= ON_SHAPE * size and speed != 0.0:
+                raise Unsupported(f"{name}: with bounces: 1 it has no derivative where lights[{i}] lies on shapes[{j}]")
 
 
 def _classes(arrays: RadiometricArrays) -> list[int]:
@@ -149,9 +175,9 @@ def _moving_part(
         turned = _ahead(axes, turns, by)
         points = light_rows(each, RULE)
         views.append(scene_view(each, points, conductor_rows(table_), table_))
-        framed.append(scene_frames(each, points, turned))
+        framed.append(scene_frames(each, points, axes=turned))
         sides.append(sides_of(turned))
-    view, frames = scene_view(part, lights, conductor_rows(senders), senders), scene_frames(part, lights, axes)
+    view, frames = scene_view(part, lights, conductor_rows(senders), senders), scene_frames(part, lights, axes=axes)
     view_moves = half_difference(*views)._replace(sides=half_difference(*sides))
     frame_slopes = half_difference(*framed)
     textured = part.spheres["texture"] != SOLID

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -23,9 +23,12 @@ from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_gradient import prepare_box
 from symrender.runtimes.radiometric import check, lamps_on_gloss
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, SKY, SPOT, RadiometricArrays
 from symrender.scene.radiometric.flat import is_flat
 from symrender.settings import Settings
+
+EXTENDED: Final = {SKY: "a sky", AREA: "an area light", SPOT: "a spot"}
+"""Lights of which bounced light has no derivative yet."""
 
 
 def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter: str = "centre") -> None:
@@ -38,9 +41,16 @@ def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter
         raise Unsupported("gradient: knows radiometric scenes of flat shapes with bounces: 0, got bounces: 1")
     check(arrays)
     if arrays.bounces:
+        for light in arrays.lights:
+            if light.kind in EXTENDED:
+                raise Unsupported(
+                    f"gradient: with bounces: 1 it knows points and directional lights, got {EXTENDED[int(light.kind)]}"
+                )
         check_moves(arrays, wrt)
     if lamps_on_gloss(arrays):
-        raise Unsupported("gradient: of an area light over a conductor or a phong material it is not yet integrated")
+        raise Unsupported(
+            "gradient: of a sky or an area light over a conductor or a phong material it is not yet integrated"
+        )
 
 
 def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:
