@@ -102,14 +102,14 @@ def judged(seeds: range) -> list[Judged]:
         rng = np.random.default_rng([seed, 11])
         try:
             data = scene_of(seed)
-            light = float(sr.truth(data, size=1, tol=1e-9, threads=1, budget=BUDGET).layer("indirect").max())
+            light = float(sr.truth(data, size=1, tol=1e-9, threads=1, tile=1, budget=BUDGET).layer("indirect").max())
             if light > 1e-7:
                 # tolerances of a part in 1e12 have room in numbers of order one only
                 for lamp in data["lights"]:
                     for key in {"intensity", "irradiance"} & lamp.keys():
                         lamp[key] = (np.array(lamp[key]) / light).tolist()
             scene = load_any(data)
-            here = sr.truth(scene, size=1, tol=1e-6, threads=1, budget=BUDGET)
+            here = sr.truth(scene, size=1, tol=1e-6, threads=1, tile=1, budget=BUDGET)
         except SymrenderError as reason:
             found.append(Judged(seed, "", f"refused: {str(reason)[:60]}", 0.0, 0.0, 0.0, 0.0, 0))
             continue
@@ -134,7 +134,7 @@ def one(scene: Any, seed: int, name: str, value: float, unit: float, light: floa
     from symrender.errors import SymrenderError
 
     try:
-        image = sr.gradient(scene, [name], size=1, tol=tol, threads=1, budget=BUDGET)[name]
+        image = sr.gradient(scene, [name], size=1, tol=tol, threads=1, tile=1, budget=BUDGET)[name]
     except SymrenderError as reason:
         return Judged(seed, name, f"refused: {str(reason)[:60]}", 0.0, 0.0, 0.0, 0.0, 0)
     slope, stated = image.layer("indirect")[0, 0], float(image.layer("error")[0, 0])
@@ -143,7 +143,9 @@ def one(scene: Any, seed: int, name: str, value: float, unit: float, light: floa
         return Judged(seed, name, "unsupported", 0.0, stated, 0.0, 0.0, status)
 
     def values(step: float) -> tuple[np.ndarray, float]:
-        seen = sr.truth(scene.replace({name: value + step}), size=1, tol=JUDGED * light, threads=1, budget=BUDGET)
+        seen = sr.truth(
+            scene.replace({name: value + step}), size=1, tol=JUDGED * light, threads=1, tile=1, budget=BUDGET
+        )
         return seen.layer("indirect")[0, 0], float(seen.layer("error")[0, 0])
 
     best, doubt, before = np.zeros(3), np.inf, None

@@ -12,6 +12,7 @@ import numpy.typing as npt
 import pytest
 
 from symrender.chambers.roots import quartic_roots
+from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Record, Three, record, table
@@ -121,6 +122,12 @@ def test_a_tangent_is_not_lost_in_silence(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setenv("SYMRENDER_COMPILER", "llvm")
     with pytest.raises(Refused, match=r"test_moving\.py:\d+: a number with a tangent where none has room"):
         compiled(stored)(1.0 + 1.0j, np.zeros(1))
+
+
+def test_numba_is_not_given_numbers_with_a_tangent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SYMRENDER_COMPILER", "numba")
+    with pytest.raises(Unsupported, match="numba knows no numbers with a tangent"):
+        compiled(stored)(1.0, np.zeros(1, np.complex128))
 
 
 class Inner(Record):

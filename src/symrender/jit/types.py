@@ -125,6 +125,22 @@ class Value:
     parts: tuple[str, ...] = ()
 
 
+def moves_in(type: Type | Element | Block) -> bool:
+    """Whether a number with a tangent lies in what is of this type."""
+    match type:
+        case Scalar():
+            return type == M8
+        case Element(scalar=scalar):
+            return scalar == M8
+        case Array(element=element) | Block(element=element):
+            return moves_in(element)
+        case Record(fields=fields):
+            return any(moves_in(kind) for _, _, kind in fields)
+        case Tuple(items=items) | Bundle(items=items):
+            return any(map(moves_in, items))
+    return False
+
+
 def parts_of(type: Type) -> tuple[str, ...]:
     """LLVM types of the parts of a value."""
     match type:

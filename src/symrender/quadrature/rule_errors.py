@@ -35,7 +35,8 @@ def slope_error(total: float, value: Array, scratch: Array) -> float:
     """The error of a point, its tangent that of the value's tangent: what the rules say of it, and what they left out.
 
     What was not looked at is taken to change ``RATE`` times as fast, beside what it holds, as what was. ``value``
-    gets the sum of the magnitudes that the tangents of panels are sums of, as its fourth number.
+    gets the sum of the magnitudes that the tangents of panels are sums of, as its fourth number. ``scratch`` holds from
+    62 on, of all charts, what panels that were looked at hold, the same of their tangents, and what they may miss.
     """
     value[3] = max(held(scratch[63]), max(abs(tangent(value[0])), abs(tangent(value[1])), abs(tangent(value[2]))))
     rate = RATE * held(scratch[63]) / max(held(scratch[62]), 1e-300)

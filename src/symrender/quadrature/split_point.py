@@ -132,7 +132,6 @@ def gloss_kernel(
             status[i] = MET if error[i] <= tol else CAPPED
             continue
         total = held(lobe_setup(n, theta_max, 0.0 if falling else tol, bound, chart.lobe) * bound)
-        # of all charts, what the panels looked at hold, the same of tangents, and what those state of their values
         scratch[62] = scratch[63] = scratch[64] = 0.0
         if falling:
             end_at_horizon(normals[i], lobe, chart.lobe)
@@ -262,7 +261,7 @@ def gloss_kernel(
 @functools.lru_cache(maxsize=1)
 def gloss_compiled() -> Any:
     """``gloss_kernel``, compiled."""
-    # nothing is allocated inside, so reference counting would only cost: Numba's triples the time
+    # nothing is allocated inside, so reference counting would only cost
     return compiled(gloss_kernel, _nrt=False)
 
 
