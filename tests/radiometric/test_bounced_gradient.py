@@ -82,8 +82,8 @@ def difference(scene: Any, name: str, step: float) -> tuple[Array, float]:
 @pytest.mark.parametrize("aim", AIMS)
 def test_derivatives_are_those_of_extrapolated_differences(aim: str) -> None:
     scene = towards(aim)
-    # half of the numbers for every aim, all of them for two
-    names = NAMES[list(AIMS).index(aim) % 2 :: 2]
+    # half of the numbers, with those of what is seen
+    names = NAMES[1::2] if aim == "A" else (*NAMES[::2], "materials.rough.eta.g")
     slopes = sr.gradient(scene, names, size=1, tol=1e-8, threads=1, tile=1)
     acting, met = 0, 0
     for name in names:
