@@ -196,7 +196,7 @@ def test_what_has_no_derivative_is_refused_by_name() -> None:
         lit = towards("A", materials=diffuse, lights=[kind | {"name": "L"}])
         with pytest.raises(Unsupported, match="with bounces: 1 it knows points and directional lights, got a s"):
             sr.gradient(lit, ["shapes.A.radius"], size=1)
-    with pytest.raises(Unsupported, match="box is not yet differentiated with bounces"):
+    with pytest.raises(Unsupported, match="box of radiometric scenes is not yet differentiated with bounces"):
         sr.gradient(CROWD, ["shapes.A.radius"], size=1, filter="box")
 
 

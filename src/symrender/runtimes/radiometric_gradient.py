@@ -34,7 +34,9 @@ EXTENDED: Final = {SKY: "a sky", AREA: "an area light", SPOT: "a spot"}
 def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter: str = "centre") -> None:
     """Raise ``Unsupported`` for scenes and parameters of which no derivative is had."""
     if arrays.bounces and filter == "box":
-        raise Unsupported("filter: box is not yet differentiated with bounces; with bounces: 0 it is, and centre is")
+        raise Unsupported(
+            "filter: box of radiometric scenes is not yet differentiated with bounces; with bounces: 0 it is, and centre is"
+        )
     if arrays.bounces > 1:
         raise Unsupported("gradient: knows radiometric scenes with bounces: 0 and 1, got bounces: all")
     if arrays.bounces and is_flat(arrays):
