@@ -196,6 +196,11 @@ def test_what_has_no_derivative_is_refused_by_name() -> None:
         lit = towards("A", materials=diffuse, lights=[kind | {"name": "L"}])
         with pytest.raises(Unsupported, match="with bounces: 1 it knows points and directional lights, got a s"):
             sr.gradient(lit, ["shapes.A.radius"], size=1)
+    blunt = {"type": "phong", "exponent": 4.0, "reflectance": 0.5}
+    walter = CROWD["materials"]["rough"] | {"g1": "walter"}
+    for name, material, told in (("gloss", blunt, "phong from an exponent of 10"), ("rough", walter, "g1: walter")):
+        with pytest.raises(Unsupported, match=told):
+            sr.gradient(towards("A", materials=CROWD["materials"] | {name: material}), ["shapes.A.radius"], size=1)
     with pytest.raises(Unsupported, match="box of radiometric scenes is not yet differentiated with bounces"):
         sr.gradient(CROWD, ["shapes.A.radius"], size=1, filter="box")
 

@@ -34,7 +34,7 @@ from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, NODE_GAP, order
 from symrender.quadrature.records import Panel, Span
-from symrender.quadrature.split_line import across_error, has_disk, integrate_cells, kinked
+from symrender.quadrature.split_line import across_error, ends_bluntly, has_disk, integrate_cells, kinked
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -470,7 +470,7 @@ def rule_error(
     known = max(top * math.exp(-(n + 1) * log_rho), WEAK * top * math.exp(-(n + 1) * slow))
     # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
     known = max(known, share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n)))
-    if kinked(view) or broken_rim(work.chart.lobe):
+    if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
         known = max(known, last, 0.5 * before)
     error = 2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known)
     if p.glare > 0 and top > UNFALLEN * size:

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from symrender.chambers.chart import FELT_END
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
@@ -23,7 +24,7 @@ from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_gradient import prepare_box
 from symrender.runtimes.radiometric import check, lamps_on_gloss
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import AREA, SKY, SPOT, RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, PHONG, SKY, SPOT, RadiometricArrays
 from symrender.scene.radiometric.flat import is_flat
 from symrender.settings import Settings
 
@@ -34,9 +35,7 @@ EXTENDED: Final = {SKY: "a sky", AREA: "an area light", SPOT: "a spot"}
 def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter: str = "centre") -> None:
     """Raise ``Unsupported`` for scenes and parameters of which no derivative is had."""
     if arrays.bounces and filter == "box":
-        raise Unsupported(
-            "filter: box of radiometric scenes is not yet differentiated with bounces; with bounces: 0 it is, and centre is"
-        )
+        raise Unsupported("filter: box of radiometric scenes is not yet differentiated with bounces; with none it is")
     if arrays.bounces > 1:
         raise Unsupported("gradient: knows radiometric scenes with bounces: 0 and 1, got bounces: all")
     if arrays.bounces and is_flat(arrays):
@@ -48,6 +47,12 @@ def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter
                 raise Unsupported(
                     f"gradient: with bounces: 1 it knows points and directional lights, got {EXTENDED[int(light.kind)]}"
                 )
+        for shape in arrays.shapes:
+            material = arrays.materials[int(shape.material)]
+            if material.kind == CONDUCTOR and material.walter:
+                raise Unsupported("gradient: with bounces: 1 it does not know a conductor of g1: walter yet")
+            if material.kind == PHONG and material.exponent < FELT_END:
+                raise Unsupported(f"gradient: with bounces: 1 it knows phong from an exponent of {FELT_END:g} on")
         check_moves(arrays, wrt)
     if lamps_on_gloss(arrays):
         raise Unsupported(
