@@ -170,7 +170,8 @@ def count_and_tell(name: str, claim: str, judge: Callable[[range], list[Judged]]
     report.say(
         f"{count} rays from seed {first}: {sum(x.verdict == 'dark' for x in found)} without bounced light, "
         f"{len(refused)} refused, {others['unsupported']} unsupported, {others['another shape']} where rounding has "
-        f"the ray meet another shape; {len(values)} values, {sum(x.met for x in values)} met; of {len(told)} the "
+        f"the ray meet another shape; {len(values)} values, {sum(x.met for x in values)} met, "
+        f"{sum(x.light > 0.0 for x in values)} where the lattices found light; of {len(told)} the "
         f"lattices tell, with a standard error below half the tolerance, {len(met)} of these met; beyond what is "
         f"stated: {len(beyond)}. Evaluations: {sum(x.evaluations for x in values)}, at most {most} of one."
     )
