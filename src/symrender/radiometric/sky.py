@@ -11,10 +11,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.arcs import Room, make_room, open_irradiance, put_circle, put_edge, put_rim
-from symrender.radiometric.pieces import CORNERS, POLYGON, Piece, corner
+from symrender.radiometric.bounds import held_by, inside_of, next_over
+from symrender.radiometric.pieces import CORNERS, FACES, POLYGON, Piece, corner
 from symrender.radiometric.sight import height_over, turned_away
 from symrender.radiometric.vectors import Vector, cross, dot, minus, minus_of, vector
 from symrender.radiometric.world import World
@@ -61,7 +62,23 @@ def put_polygon(room: Room, count: int, cone: int, piece: Piece, place: Vector) 
         if above:
             here, other = other, here
         count = put_edge(room, count, cone, minus(here, place), minus(other, here))
+        if cone > 0 and piece.beside[k] >= 0.0:
+            join(room, count - 1, cone, int(piece.beside[k]))
     return count
+
+
+@jitable
+def join(room: Room, arc: int, cone: int, beside: int) -> None:
+    """Note of the edge between a listed polygon and one that may be listed what it bounds.
+
+    Between two that show the same side it bounds nothing. Of two that are folded over each other the one that shows its
+    front has the edge.
+    """
+    own, other = room.side[cone], room.side[1 + beside]
+    if other != 0.0 and (own == other or own < 0.0):
+        room.arcs[arc].inner = 1.0
+    elif other != 0.0:
+        room.arcs[arc].beside = 1.0 + beside
 
 
 @jitable
@@ -90,43 +107,84 @@ def faces_away(world: World, own: int, front: bool, place: Vector, j: int) -> bo
     if turned_away(world, own, front, j):
         return True
     piece = world.pieces[j]
-    if height_over(piece, place) >= 0.0:
+    if piece.solid == 0.0 or height_over(piece, place) >= 0.0:
         return False
-    for k in range(world.pieces.shape[0]):
-        other = world.pieces[k]
-        if other.owner == piece.owner and k != own and height_over(other, place) > 0.0:
+    first = j - int(piece.face)
+    for k in range(first, first + FACES):
+        if k != own and height_over(world.pieces[k], place) > 0.0:
             return True
     return False
 
 
 @jitable
-def gather_sky(world: World, own: int, front: bool, place: Vector, normal: Vector, room: Room) -> tuple[int, int]:
-    """List the sky and what hides it from a place of piece ``own``; returns how many arcs and cones.
+def shows(world: World, own: int, front: bool, place: Vector, j: int) -> int:
+    """Which side of flat piece j shows to a place, 1 that of its normal and -1 the other; 0 where it hides nothing."""
+    piece = world.pieces[j]
+    if piece.kind != PLANE and (edge_on(piece, place) or faces_away(world, own, front, place, j)):
+        return 0
+    return 1 if height_over(piece, place) > 0.0 else -1
 
-    The count of arcs is negative where all of the sky is hidden.
+
+@jitable
+def begin_listing(room: Room, count: int) -> None:
+    """Forget what was listed; the first ``count`` arcs are those of the light."""
+    for c in range(room.side.shape[0]):
+        room.side[c], room.begin[c], room.stop[c] = 0.0, 0.0, 0.0
+    room.stop[0] = 1.0 * count
+
+
+@inlined
+def mark(room: Room, listed: int, j: int, side: int) -> int:
+    """List piece j, unless its ``side`` is 0; returns how many are listed."""
+    if side == 0:
+        return listed
+    room.side[1 + j], room.listed[listed] = 1.0 * side, 1.0 * j
+    return listed + 1
+
+
+@jitable
+def put_piece(world: World, j: int, place: Vector, room: Room, count: int) -> int:
+    """Add the arcs that bound the cone of listed piece j; returns how many arcs there are."""
+    piece = world.pieces[j]
+    if piece.kind == SPHERE:
+        x, y, z, cosine, sine = leaves.sphere_cap(*minus(vector(piece.place), place), piece.radius)
+        return put_circle(room, count, 1 + j, (x, y, z), cosine, sine)
+    if piece.kind == PLANE:
+        _, way = toward_plane(piece, place)
+        return put_circle(room, count, 1 + j, way, 0.0, 1.0)
+    return put_polygon(room, count, 1 + j, piece, place)
+
+
+@jitable
+def gather_sky(world: World, own: int, front: bool, place: Vector, normal: Vector, room: Room) -> int:
+    """List the sky and what hides it from a place of piece ``own``; returns how many arcs.
+
+    The count is negative where all of the sky is hidden.
     """
-    count, cones = put_circle(room, 0, 0, normal, 0.0, 1.0), 1
-    for j in range(world.pieces.shape[0]):
-        piece = world.pieces[j]
-        if j == own:
-            if piece.kind == SPHERE and not front:
-                return _HIDDEN, 0
-            continue
-        if piece.kind == SPHERE:
-            offset = minus(vector(piece.place), place)
-            if leaves.sphere_power(*offset, piece.radius) <= 0.0:
-                return _HIDDEN, 0
-            x, y, z, cosine, sine = leaves.sphere_cap(*offset, piece.radius)
-            count = put_circle(room, count, cones, (x, y, z), cosine, sine)
-        elif piece.kind == PLANE:
-            _, way = toward_plane(piece, place)
-            count = put_circle(room, count, cones, way, 0.0, 1.0)
-        else:
-            if edge_on(piece, place) or faces_away(world, own, front, place, j):
-                continue
-            count = put_polygon(room, count, cones, piece, place)
-        cones += 1
-    return count, cones
+    count, listed, none = put_circle(room, 0, 0, normal, 0.0, 1.0), 0, (0.0, 0.0, 0.0)
+    begin_listing(room, count)
+    node = next_over(world.bounds, 0, place, normal, none, -1.0, 0.0)
+    while node < world.bounds.shape[0]:
+        for m in range(inside_of(world.bounds, node)):
+            j = held_by(world.bounds, node, m)
+            piece = world.pieces[j]
+            if piece.kind == SPHERE:
+                if j == own:
+                    if not front:
+                        return _HIDDEN
+                    continue
+                if leaves.sphere_power(*minus(vector(piece.place), place), piece.radius) <= 0.0:
+                    return _HIDDEN
+                listed = mark(room, listed, j, 1)
+            elif j != own:
+                listed = mark(room, listed, j, shows(world, own, front, place, j))
+        node = next_over(world.bounds, node + 1, place, normal, none, -1.0, 0.0)
+    for k in range(listed):
+        j = int(room.listed[k])
+        room.begin[1 + j] = 1.0 * count
+        count = put_piece(world, j, place, room, count)
+        room.stop[1 + j] = 1.0 * count
+    return count
 
 
 @jitable
@@ -147,21 +205,55 @@ def sides(piece: Piece, place: Vector, direction: Vector, far: float) -> tuple[b
 
 
 @jitable
-def put_flat(
-    world: World, own: int, front: bool, j: int, place: Vector, far: float, direction: Vector, room: Room, count: int,
-    cone: int,
+def shows_before(
+    world: World, own: int, front: bool, place: Vector, j: int, far: float, direction: Vector
 ) -> int:  # fmt: skip
-    """Add what flat piece j hides of what lies in, or on, the plane ``far`` along a unit ``direction``."""
+    """``shows`` of what flat piece j hides of what lies in, or on, the plane ``far`` along a unit ``direction``."""
     piece = world.pieces[j]
+    if piece.kind != PLANE:
+        before, _ = sides(piece, place, direction, far)
+        if not before:
+            return 0
+    return shows(world, own, front, place, j)
+
+
+@jitable
+def put_before(
+    world: World, j: int, place: Vector, far: float, direction: Vector, ball: bool, room: Room, count: int
+) -> int:  # fmt: skip
+    """Add the arcs that bound what listed piece j hides of what lies in the plane ``far`` along a unit ``direction``.
+
+    Of a ``ball``, which no sphere crosses, whole spheres hide.
+    """
+    piece, cone = world.pieces[j], 1 + j
+    if piece.kind == SPHERE:
+        offset = minus(vector(piece.place), place)
+        count = put_piece(world, j, place, room, count)
+        if not ball and dot(offset, direction) - far > -piece.radius:
+            way = vector(room.arcs[count - 1].axis)
+            near = leaves.polar_distance(dot(offset, offset), piece.radius)
+            count = put_nearer(room, count, cone, near, way, far, direction)
+        return count
     near, way = toward_plane(piece, place)
     if piece.kind == PLANE:
         return put_nearer(room, count, cone, near, way, far, direction)
-    before, beyond = sides(piece, place, direction, far)
-    if not before or edge_on(piece, place) or faces_away(world, own, front, place, j):
-        return count
     count = put_polygon(room, count, cone, piece, place)
+    _, beyond = sides(piece, place, direction, far)
     if beyond:
         count = put_nearer(room, count, cone, near, way, far, direction)
+    return count
+
+
+@jitable
+def put_all(
+    world: World, listed: int, place: Vector, far: float, direction: Vector, ball: bool, room: Room, count: int
+) -> int:  # fmt: skip
+    """Add the arcs of all listed pieces; returns how many arcs there are."""
+    for k in range(listed):
+        j = int(room.listed[k])
+        room.begin[1 + j] = 1.0 * count
+        count = put_before(world, j, place, far, direction, ball, room, count)
+        room.stop[1 + j] = 1.0 * count
     return count
 
 
@@ -174,52 +266,70 @@ def some_place(piece: Piece) -> Vector:
 
 
 @jitable
+def cone_of(piece: Piece, place: Vector) -> tuple[Vector, float, float]:
+    """(unit axis, cosine, sine) of a cone in which a polygon or a disk is seen; the cosine is -1 if there is none."""
+    middle = vector(piece.place)
+    for k in range(int(piece.count)):
+        if k == 0:
+            middle = (0.0, 0.0, 0.0)
+        c, share = corner(piece, k), 1.0 / piece.count
+        middle = (middle[0] + share * c[0], middle[1] + share * c[1], middle[2] + share * c[2])
+    reach = piece.radius * piece.radius
+    for k in range(int(piece.count)):
+        out = minus(corner(piece, k), middle)
+        reach = max(reach, dot(out, out))
+    way = minus(middle, place)
+    far = dot(way, way)
+    if reach >= far:
+        return (0.0, 0.0, 0.0), -1.0, 0.0
+    size = math.sqrt(far)
+    return (way[0] / size, way[1] / size, way[2] / size), math.sqrt((far - reach) / far), math.sqrt(reach / far)
+
+
+@jitable
 def gather_polygon(
     world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, room: Room
-) -> tuple[int, int]:  # fmt: skip
+) -> int:  # fmt: skip
     """List the polygon or disk ``lamp`` and what hides it, as ``gather_sky`` lists the sky.
 
     No sphere meets it. One that crosses its plane hides the part of its circle that lies before the plane.
     """
     light = world.pieces[lamp]
     if height_over(light, place) <= 0.0 or edge_on(light, place) or light.owner == world.pieces[own].owner:
-        return _HIDDEN, 0
+        return _HIDDEN
     far, direction = toward_plane(light, place)
     above, below = sides(light, place, minus_of(normal), 0.0)
     if not above:
-        return _HIDDEN, 0
-    count, cones = put_polygon(room, 0, 0, light, place), 1
+        return _HIDDEN
+    count, listed = put_polygon(room, 0, 0, light, place), 0
     if below:
         count = put_circle(room, count, 0, normal, 0.0, 1.0)
-    for j in range(world.pieces.shape[0]):
-        piece = world.pieces[j]
-        before = count
-        if piece.kind == SPHERE:
-            offset = minus(vector(piece.place), place)
-            power = leaves.sphere_power(*offset, piece.radius)
-            encloses = leaves.sphere_power(*minus(vector(piece.place), some_place(light)), piece.radius) < 0.0
-            inside = not front if j == own else power < 0.0
-            if encloses != inside:
-                return _HIDDEN, 0
-            beyond = dot(offset, direction) - far
-            if j == own or encloses or beyond >= piece.radius:
-                continue
-            x, y, z, cosine, sine = leaves.sphere_cap(*offset, piece.radius)
-            count = put_circle(room, count, cones, (x, y, z), cosine, sine)
-            if beyond > -piece.radius:
-                near = leaves.polar_distance(dot(offset, offset), piece.radius)
-                count = put_nearer(room, count, cones, near, (x, y, z), far, direction)
-        elif j != own and piece.owner != light.owner:
-            count = put_flat(world, own, front, j, place, far, direction, room, count, cones)
-        if count > before:
-            cones += 1
-    return count, cones
+    begin_listing(room, count)
+    axis, cosine, sine = cone_of(light, place)
+    node = next_over(world.bounds, 0, place, normal, axis, cosine, sine)
+    while node < world.bounds.shape[0]:
+        for m in range(inside_of(world.bounds, node)):
+            j = held_by(world.bounds, node, m)
+            piece = world.pieces[j]
+            if piece.kind == SPHERE:
+                offset = minus(vector(piece.place), place)
+                power = leaves.sphere_power(*offset, piece.radius)
+                encloses = leaves.sphere_power(*minus(vector(piece.place), some_place(light)), piece.radius) < 0.0
+                inside = not front if j == own else power < 0.0
+                if encloses != inside:
+                    return _HIDDEN
+                if j != own and not encloses and dot(offset, direction) - far < piece.radius:
+                    listed = mark(room, listed, j, 1)
+            elif j != own and piece.owner != light.owner:
+                listed = mark(room, listed, j, shows_before(world, own, front, place, j, far, direction))
+        node = next_over(world.bounds, node + 1, place, normal, axis, cosine, sine)
+    return put_all(world, listed, place, far, direction, False, room, count)
 
 
 @jitable
 def gather_sphere(
     world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, room: Room
-) -> tuple[int, int]:  # fmt: skip
+) -> int:  # fmt: skip
     """List sphere ``lamp`` and what hides it, as ``gather_sky`` lists the sky.
 
     The sphere crosses no other shape. Of two spheres apart from each other the one of less power is before the other,
@@ -229,42 +339,43 @@ def gather_sphere(
     offset = minus(vector(light.place), place)
     whole = leaves.sphere_power(*offset, light.radius)
     if whole <= 0.0 or own == lamp:
-        return _HIDDEN, 0
+        return _HIDDEN
     x, y, z, cosine, sine = leaves.sphere_cap(*offset, light.radius)
     direction = (x, y, z)
     far = leaves.polar_distance(dot(offset, offset), light.radius)
-    count = put_circle(room, 0, 0, normal, 0.0, 1.0)
-    count, cones = put_circle(room, count, 0, direction, cosine, sine), 1
-    for j in range(world.pieces.shape[0]):
-        if j == lamp:
-            continue
-        piece = world.pieces[j]
-        before = count
-        if piece.kind == SPHERE:
-            way = minus(vector(piece.place), place)
-            power = leaves.sphere_power(*way, piece.radius)
-            encloses = leaves.sphere_power(*minus(vector(piece.place), vector(light.place)), piece.radius) < 0.0
-            inside = not front if j == own else power < 0.0
-            if encloses != inside:
-                return _HIDDEN, 0
-            if j != own and not encloses and power < whole:
-                x, y, z, cosine, sine = leaves.sphere_cap(*way, piece.radius)
-                count = put_circle(room, count, cones, (x, y, z), cosine, sine)
-        elif j != own and piece.kind == PLANE:
-            if height_over(piece, place) * height_over(piece, vector(light.place)) < 0.0:
-                return _HIDDEN, 0
-        elif j != own:
-            count = put_flat(world, own, front, j, place, far, direction, room, count, cones)
-        if count > before:
-            cones += 1
-    return count, cones
+    count, listed = put_circle(room, 0, 0, normal, 0.0, 1.0), 0
+    count = put_circle(room, count, 0, direction, cosine, sine)
+    begin_listing(room, count)
+    node = next_over(world.bounds, 0, place, normal, direction, cosine, sine)
+    while node < world.bounds.shape[0]:
+        for m in range(inside_of(world.bounds, node)):
+            j = held_by(world.bounds, node, m)
+            piece = world.pieces[j]
+            if j == lamp:
+                continue
+            if piece.kind == SPHERE:
+                power = leaves.sphere_power(*minus(vector(piece.place), place), piece.radius)
+                apart = minus(vector(piece.place), vector(light.place))
+                encloses = leaves.sphere_power(*apart, piece.radius) < 0.0
+                inside = not front if j == own else power < 0.0
+                if encloses != inside:
+                    return _HIDDEN
+                if j != own and not encloses and power < whole:
+                    listed = mark(room, listed, j, 1)
+            elif j != own and piece.kind == PLANE:
+                if height_over(piece, place) * height_over(piece, vector(light.place)) < 0.0:
+                    return _HIDDEN
+            elif j != own:
+                listed = mark(room, listed, j, shows_before(world, own, front, place, j, far, direction))
+        node = next_over(world.bounds, node + 1, place, normal, direction, cosine, sine)
+    return put_all(world, listed, place, far, direction, True, room, count)
 
 
 @jitable
 def sky_irradiance(world: World, own: int, front: bool, place: Vector, normal: Vector, room: Room) -> float:
     """Irradiance of a place by a sky of radiance 1, pi where nothing hides it."""
-    count, cones = gather_sky(world, own, front, place, normal, room)
-    return open_irradiance(room, count, cones, normal)
+    count = gather_sky(world, own, front, place, normal, room)
+    return open_irradiance(world, room, place, count, normal)
 
 
 @jitable
@@ -278,8 +389,8 @@ def area_irradiance(
         if int(light.owner) != emitter:
             continue
         if light.kind == SPHERE:
-            count, cones = gather_sphere(world, own, front, lamp, place, normal, room)
+            count = gather_sphere(world, own, front, lamp, place, normal, room)
         else:
-            count, cones = gather_polygon(world, own, front, lamp, place, normal, room)
-        total += open_irradiance(room, count, cones, normal)
+            count = gather_polygon(world, own, front, lamp, place, normal, room)
+        total += open_irradiance(world, room, place, count, normal)
     return total

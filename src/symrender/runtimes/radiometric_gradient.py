@@ -15,7 +15,7 @@ from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import Seen, seen
+from symrender.radiometric.world import Seen, seen_all
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_gradient import prepare_box
 from symrender.runtimes.radiometric import check, lamps_on_gloss
@@ -48,7 +48,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
         return prepare_box(arrays, settings, wrt)
     width, height = settings.width, settings.height
     worlds = shaken(arrays)
-    views = [seen(each, width, height) for each in worlds]
+    views = seen_all(worlds, width, height)
     moving = {move[0]: [seen_moves(each, move, width, height) for each in worlds] for move in wrt}
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
