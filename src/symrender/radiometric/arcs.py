@@ -1,10 +1,4 @@
-"""Irradiance of uniform radiance from a region of directions, in closed form: arcs of circles bound it.
-
-The region is what a place sees of a light: one cone of directions, the light's, less other cones, those of what hides
-it. A cone is convex, the intersection of caps: a sphere is one cap, a plane a hemisphere, a polygon as many
-hemispheres as it has corners; a disk is the cone over its rim. Along each arc that bounds a cone it is counted, from
-crossing to crossing, which cones it is in; what lies in the light's and in no other bounds the region, and contributes
-``arc_flux`` or ``rim_flux``.
+"""Circles on the sphere of directions, in arcs: the caps that bound cones, and where one of them crosses another.
 
 Two circles take the places where they cross from one computation, so that one arc ends where the other begins even
 where both all but coincide: edges that shapes share, walls on a floor, spheres that touch the horizon. Which side of a
@@ -22,14 +16,10 @@ import numpy as np
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Record, Table, Three, table
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.bounds import held_by, inside_of, next_beside
 from symrender.radiometric.vectors import Array, Vector, cross, dot, vector
-from symrender.radiometric.world import World
 
 TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-12
-_CLEAR: Final = 1e-9
-"""Sine beyond which a direction is outside of a hemisphere, whatever was rounded."""
 _NOTHING: Final = 1e-30
 """Square of the sine below which two great circles are taken to cross at the first direction of one of them."""
 
@@ -54,6 +44,7 @@ class Arc(Record):
     rim: float
     inner: float
     beside: float
+    edge: float
 
 
 class Crossing(Record):
@@ -67,11 +58,12 @@ class Crossing(Record):
 class Room(NamedTuple):
     """Scratch of one place.
 
-    Cone 0 is the light's, cone 1 + j that of piece j. ``arcs`` are those of all cones, those of a cone one after
-    another from its ``begin`` to its ``stop``, which are equal where it is not listed. ``side`` says of a listed piece
-    whether its normal shows to the place (1 or -1), else it is 0; the pieces with one are in ``listed``. ``crossings``
-    are those of one arc, ``caps`` how many caps each cone has and ``within`` how many of them the arc is in; they hold
-    for the cones in ``touched``.
+    Cone 0 is the light's, cone 1 + j that of piece j. ``side`` says of a listed piece whether its normal shows to the
+    place (1 or -1), of others it is 0; the pieces with one are in ``listed``. ``arcs`` are those of all cones, ``used``
+    of them so far, those of a cone one after another from its ``begin`` to its ``stop``; a listed polygon all of whose
+    edges are inner ones has none before an arc comes near it. ``crossings`` are those of one arc, ``caps`` how many
+    caps each cone has and ``within`` how many of them the arc is in; they hold for the cones in ``touched``. ``nodes``
+    says of the bounds whether they hold a listed piece.
     """
 
     arcs: Table[Arc]
@@ -80,14 +72,17 @@ class Room(NamedTuple):
     stop: Array
     side: Array
     listed: Array
+    used: Array
     caps: Array
     within: Array
     touched: Array
+    nodes: Array
 
 
-def make_room(cones: int, arcs: int) -> Room:
-    """Room for so many cones and arcs."""
-    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *(np.zeros(cones) for _ in range(7)))
+def make_room(cones: int, arcs: int, nodes: int) -> Room:
+    """Room for so many cones, arcs and bounds."""
+    own = (np.zeros(cones) for _ in range(8))
+    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *own, np.zeros(nodes + 1))
 
 
 @jitable
@@ -103,7 +98,7 @@ def put_circle(room: Room, count: int, cone: int, axis: Vector, cosine: float, s
     arc.second[0], arc.second[1], arc.second[2] = cross(axis, f)
     arc.cosine, arc.sine, arc.end = cosine, sine, TURN
     arc.cone, arc.linked, arc.rim = 1.0 * cone, 0.0, 0.0
-    arc.inner, arc.beside = 0.0, -1.0
+    arc.inner, arc.beside, arc.edge = 0.0, -1.0, -1.0
     return count + 1
 
 
@@ -118,7 +113,7 @@ def put_rim(room: Room, count: int, cone: int, middle: Vector, way: Vector, firs
     arc.second[0], arc.second[1], arc.second[2] = radius * second[0], radius * second[1], radius * second[2]
     arc.cosine, arc.sine, arc.end = 0.0, 1.0, TURN
     arc.cone, arc.linked, arc.rim = 1.0 * cone, 0.0, 1.0
-    arc.inner, arc.beside = 0.0, -1.0
+    arc.inner, arc.beside, arc.edge = 0.0, -1.0, -1.0
     return count + 1
 
 
@@ -134,7 +129,7 @@ def put_edge(room: Room, count: int, cone: int, start: Vector, edge: Vector) -> 
     arc.cosine, arc.sine = 0.0, 1.0
     arc.end = leaves.angle_on(*stop, fx, fy, fz, sx, sy, sz)
     arc.cone, arc.linked, arc.rim = 1.0 * cone, 1.0, 0.0
-    arc.inner, arc.beside = 0.0, -1.0
+    arc.inner, arc.beside, arc.edge = 0.0, -1.0, -1.0
     return count + 1
 
 
@@ -241,158 +236,3 @@ def put_crossing(room: Room, count: int, angle: float, step: float, cone: float)
         i -= 1
     room.crossings[i].angle, room.crossings[i].step, room.crossings[i].cone = angle, step, cone
     return count + 1
-
-
-@inlined
-def touch(room: Room, cone: int, touched: int) -> int:
-    """Begin to count the caps of a cone; returns how many cones are counted."""
-    room.caps[cone], room.within[cone], room.touched[touched] = 0.0, 0.0, 1.0 * cone
-    return touched + 1
-
-
-@jitable
-def cross_cone(room: Room, i: int, cone: int, found: int) -> int:
-    """List where arc i crosses the caps of a cone, and count these and the ones the arc begins in."""
-    arc = room.arcs[i]
-    for k in range(int(room.begin[cone]), int(room.stop[cone])):
-        other = room.arcs[k]
-        if k == i or (int(arc.cone) == cone and other.linked != 0.0 and arc.linked != 0.0):
-            continue
-        room.caps[cone] += 1.0
-        begin, span = stretch(arc, other, i < k)
-        if span == 0.0:
-            continue
-        if span == TURN:
-            room.within[cone] += 1.0
-            continue
-        if begin < 0.0:
-            begin = begin + TURN
-        leave = begin + span
-        if leave >= TURN:
-            room.within[cone] += 1.0
-            leave = leave - TURN
-        if begin < arc.end:
-            found = put_crossing(room, found, begin, 1.0, other.cone)
-        if leave < arc.end:
-            found = put_crossing(room, found, leave, -1.0, other.cone)
-    return found
-
-
-@jitable
-def reach_of(arc: Arc) -> tuple[Vector, Vector, Vector, float, float]:
-    """(normal of the plane of an arc, end, middle, cosine and sine of half of it): bounds of its directions.
-
-    The normal is zero where there is no plane through the place, the cosine -1 where no narrow cone holds the arc.
-    """
-    none = (0.0, 0.0, 0.0)
-    if arc.rim != 0.0:
-        return none, none, none, -1.0, 0.0
-    if arc.cosine != 0.0:
-        return none, none, vector(arc.axis), arc.cosine, arc.sine
-    if arc.linked == 0.0:
-        return vector(arc.axis), none, none, -1.0, 0.0
-    half = 0.5 * arc.end
-    c, s = math.cos(half), math.sin(half)
-    f, g = vector(arc.first), vector(arc.second)
-    middle = (c * f[0] + s * g[0], c * f[1] + s * g[1], c * f[2] + s * g[2])
-    c2, s2 = c * c - s * s, 2.0 * s * c
-    return vector(arc.axis), (c2 * f[0] + s2 * g[0], c2 * f[1] + s2 * g[1], c2 * f[2] + s2 * g[2]), middle, c, s
-
-
-@jitable
-def avoids(room: Room, i: int, end: Vector, cone: int) -> bool:
-    """Whether an edge of a polygon is outside of a cone, by more than roundings: both of its ends are of one cap."""
-    arc = room.arcs[i]
-    if arc.linked == 0.0:
-        return False
-    start = vector(arc.first)
-    for k in range(int(room.begin[cone]), int(room.stop[cone])):
-        other = room.arcs[k]
-        axis = vector(other.axis)
-        if other.linked != 0.0 and dot(axis, start) < -_CLEAR and dot(axis, end) < -_CLEAR:
-            return True
-    return False
-
-
-@jitable
-def gather_crossings(world: World, room: Room, place: Vector, i: int) -> tuple[int, int]:
-    """List where arc i crosses the caps of all cones it may be in; returns how many crossings and how many cones."""
-    arc = room.arcs[i]
-    own, beside = int(arc.cone), int(arc.beside)
-    touched = touch(room, 0, 0)
-    found = cross_cone(room, i, 0, 0)
-    if own != 0:
-        touched = touch(room, own, touched)
-        found = cross_cone(room, i, own, found)
-    plane, end, middle, cosine, sine = reach_of(arc)
-    node = next_beside(world.bounds, 0, place, plane, middle, cosine, sine)
-    while node < world.bounds.shape[0]:
-        for m in range(inside_of(world.bounds, node)):
-            cone = 1 + held_by(world.bounds, node, m)
-            if room.begin[cone] == room.stop[cone] or cone == own or cone == beside or avoids(room, i, end, cone):
-                continue
-            touched = touch(room, cone, touched)
-            found = cross_cone(room, i, cone, found)
-        node = next_beside(world.bounds, node + 1, place, plane, middle, cosine, sine)
-    return found, touched
-
-
-@jitable
-def add_arc(arc: Arc, begin: float, end: float, sign: float, flux: Vector) -> Vector:
-    """``flux`` and that of a stretch of an arc, of the sign given."""
-    if arc.rim != 0.0:
-        x, y, z = leaves.rim_flux(*vector(arc.middle), *vector(arc.first), *vector(arc.second), begin, end)
-    else:
-        x, y, z = leaves.arc_flux(
-            *vector(arc.axis), *vector(arc.first), *vector(arc.second), arc.cosine, arc.sine, begin, end
-        )
-    return (flux[0] + sign * x, flux[1] + sign * y, flux[2] + sign * z)
-
-
-@jitable
-def wrong_cones(room: Room, touched: int, own: int) -> int:
-    """How many cones are in the way of an arc of cone ``own``: in others it must not be, in its own and the light's."""
-    wrong = 0
-    for k in range(touched):
-        c = int(room.touched[k])
-        inside = room.within[c] == room.caps[c]
-        if inside != (c == own or c == 0):
-            wrong += 1
-    return wrong
-
-
-@jitable
-def arc_part(world: World, room: Room, place: Vector, i: int, flux: Vector) -> Vector:
-    """``flux`` and that of what of arc i bounds the region."""
-    arc = room.arcs[i]
-    own = int(arc.cone)
-    found, touched = gather_crossings(world, room, place, i)
-    wrong = wrong_cones(room, touched, own)
-    sign = 1.0 if own == 0 else -1.0
-    begin = 0.0
-    for k in range(found):
-        crossing = room.crossings[k]
-        if wrong == 0 and crossing.angle > begin:
-            flux = add_arc(arc, begin, crossing.angle, sign, flux)
-        begin = crossing.angle
-        c = int(crossing.cone)
-        before = room.within[c] == room.caps[c]
-        room.within[c] += crossing.step
-        after = room.within[c] == room.caps[c]
-        if before != after:
-            wrong += 1 if after != (c == own or c == 0) else -1
-    if wrong == 0 and arc.end > begin:
-        flux = add_arc(arc, begin, arc.end, sign, flux)
-    return flux
-
-
-@jitable
-def open_irradiance(world: World, room: Room, place: Vector, count: int, normal: Vector) -> float:
-    """Irradiance by radiance 1 from cone 0 less all others, bounded by ``count`` arcs; 0 of a negative count."""
-    if count < 0:
-        return 0.0
-    flux = (0.0, 0.0, 0.0)
-    for i in range(count):
-        if room.arcs[i].inner == 0.0:
-            flux = arc_part(world, room, place, i, flux)
-    return max(0.0, 0.5 * dot(normal, flux))

@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Annotated, Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.marks import inlined, jitable
@@ -20,6 +21,8 @@ from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import BOX, DISK, MESH, RECTANGLE, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.records import Facet, Shape
 from symrender.scene.records import Frame
+
+Ints = npt.NDArray[np.int64]
 
 # kinds of a piece, beside PLANE, SPHERE and DISK
 POLYGON: Final = 3
@@ -35,7 +38,8 @@ class Piece(Record):
     ``place`` is the origin of the texture, of a sphere and a disk the centre; ``up``, ``east`` and ``north`` are the
     unit axes of what is flat. The ``count`` corners of a polygon, three numbers each, go counter-clockwise about up.
     ``beside`` is, of the edge that leaves each of them, the one polygon that has the same edge the other way round, -1
-    if there is none or several. Of a face of a box ``solid`` is 1 and ``face`` its number.
+    if there is none or several. Of a face of a box ``solid`` is 1 and ``face`` its number. Of a face of a closed mesh
+    the whole mesh lies within ``reach`` of ``middle``; of other pieces the reach is 0.
     """
 
     kind: float
@@ -51,6 +55,8 @@ class Piece(Record):
     beside: Annotated[Array, 4]
     solid: float
     face: float
+    middle: Three
+    reach: float
 
 
 def piece_count(shapes: Table[Shape]) -> int:
@@ -71,7 +77,20 @@ def laid_pieces(arrays: RadiometricArrays) -> Table[Piece]:
     pieces = table(Piece, piece_count(arrays.shapes))
     _kernel()(arrays.shapes, arrays.facets, arrays.frames, pieces)
     _join(pieces)
+    for j, shape in enumerate(arrays.shapes):
+        if shape.kind == MESH:
+            _enclose(pieces, np.nonzero(owners(pieces) == j)[0])
     return pieces
+
+
+def _enclose(pieces: Table[Piece], own: Ints) -> None:
+    """Write about what the faces ``own`` of a mesh lie, if it is closed: each of their edges is that of two of them."""
+    if not np.isin(np.asarray(pieces["beside"])[own, :3], own).all():
+        return
+    corners = np.asarray(pieces["corners"])[own].reshape(len(own), CORNERS, 3)[:, :3]
+    middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
+    np.asarray(pieces["middle"])[own] = middle
+    np.asarray(pieces["reach"])[own] = np.sqrt(((corners - middle) ** 2).sum(axis=2).max())
 
 
 def _join(pieces: Table[Piece]) -> None:
@@ -117,6 +136,12 @@ def put_corner(corners: Array, k: int, v: Vector) -> None:
 def corner(piece: Piece, k: int) -> Vector:
     """A corner of a polygon."""
     return (piece.corners[3 * k], piece.corners[3 * k + 1], piece.corners[3 * k + 2])
+
+
+@inlined
+def same(a: Vector, b: Vector) -> bool:
+    """Whether two vertices are one."""
+    return a[0] == b[0] and a[1] == b[1] and a[2] == b[2]
 
 
 @jitable
@@ -208,6 +233,6 @@ def lay_pieces(
             k += 1
 
 
-def owners(pieces: Table[Piece]) -> np.ndarray[Any, np.dtype[np.int64]]:
+def owners(pieces: Table[Piece]) -> Ints:
     """The shape that every piece belongs to."""
     return np.asarray(pieces["owner"]).astype(np.int64)

@@ -13,92 +13,28 @@ from typing import Final
 
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.arcs import Room, make_room, open_irradiance, put_circle, put_edge, put_rim
-from symrender.radiometric.bounds import held_by, inside_of, next_over
-from symrender.radiometric.pieces import CORNERS, FACES, POLYGON, Piece, corner
+from symrender.radiometric.arcs import Room, make_room, put_circle
+from symrender.radiometric.bounds import held_by, inside_of, is_listed, next_over, outside_before
+from symrender.radiometric.cones import bounds_nothing, edge_on, put_nearer, put_polygon, toward_plane
+from symrender.radiometric.pieces import CORNERS, FACES, POLYGON, Piece, corner, same
+from symrender.radiometric.region import open_irradiance
 from symrender.radiometric.sight import height_over, turned_away
 from symrender.radiometric.vectors import Vector, cross, dot, minus, minus_of, vector
 from symrender.radiometric.world import World
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import DISK, SPHERE
 
+_CLEAR: Final = 1e-9
+"""Sine below the horizon beyond which a direction is below it, whatever was rounded."""
 _HIDDEN: Final = -1
 """What stands for the count of arcs where nothing is seen."""
-_EDGE_ON: Final = 1e-15
-"""Height over a polygon's plane, in parts of the distance, below which it is seen edge on and hides nothing."""
 
 
 def sky_room(world: World) -> Room:
     """Room for what a place sees of a light."""
     polygons = sum(1 for piece in world.pieces if piece.kind == POLYGON)
     count = len(world.pieces) + 1
-    return make_room(count, 2 * count + CORNERS * (polygons + 1))
-
-
-@jitable
-def edge_on(piece: Piece, place: Vector) -> bool:
-    """Whether a polygon or a disk is seen from its own plane."""
-    far = piece.radius
-    if piece.kind == DISK:
-        v = minus(vector(piece.place), place)
-        far = max(far, abs(v[0]), max(abs(v[1]), abs(v[2])))
-    for k in range(int(piece.count)):
-        v = minus(corner(piece, k), place)
-        far = max(far, abs(v[0]), max(abs(v[1]), abs(v[2])))
-    return abs(height_over(piece, place)) <= _EDGE_ON * far
-
-
-@jitable
-def put_polygon(room: Room, count: int, cone: int, piece: Piece, place: Vector) -> int:
-    """Add the edges of a polygon, or the rim of a disk, to a cone; returns how many arcs there are."""
-    if piece.kind == DISK:
-        _, way = toward_plane(piece, place)
-        return put_rim(room, count, cone, minus(vector(piece.place), place), way, vector(piece.east), piece.radius)
-    above = height_over(piece, place) > 0.0
-    corners = int(piece.count)
-    for k in range(corners):
-        here, other = corner(piece, k), corner(piece, (k + 1) % corners)
-        # from above, corners that go counter-clockwise about the normal go clockwise
-        if above:
-            here, other = other, here
-        count = put_edge(room, count, cone, minus(here, place), minus(other, here))
-        if cone > 0 and piece.beside[k] >= 0.0:
-            join(room, count - 1, cone, int(piece.beside[k]))
-    return count
-
-
-@jitable
-def join(room: Room, arc: int, cone: int, beside: int) -> None:
-    """Note of the edge between a listed polygon and one that may be listed what it bounds.
-
-    Between two that show the same side it bounds nothing. Of two that are folded over each other the one that shows its
-    front has the edge.
-    """
-    own, other = room.side[cone], room.side[1 + beside]
-    if other != 0.0 and (own == other or own < 0.0):
-        room.arcs[arc].inner = 1.0
-    elif other != 0.0:
-        room.arcs[arc].beside = 1.0 + beside
-
-
-@jitable
-def put_nearer(
-    room: Room, count: int, cone: int, near: float, way: Vector, far: float, direction: Vector
-) -> int:  # fmt: skip
-    """Add to a cone the hemisphere that meets the plane ``near`` along ``way`` before that ``far`` along another."""
-    x, y, z = leaves.nearer(near, *way, far, *direction)
-    size = math.sqrt(x * x + y * y + z * z)
-    if size == 0.0:
-        return count
-    return put_circle(room, count, cone, (x / size, y / size, z / size), 0.0, 1.0)
-
-
-@jitable
-def toward_plane(piece: Piece, place: Vector) -> tuple[float, Vector]:
-    """(distance, unit direction) from a place to the plane of a flat piece."""
-    height = height_over(piece, place)
-    up = vector(piece.up)
-    return abs(height), (minus_of(up) if height >= 0.0 else up)
+    return make_room(count, 2 * count + CORNERS * (polygons + 1), len(world.bounds))
 
 
 @jitable
@@ -117,10 +53,34 @@ def faces_away(world: World, own: int, front: bool, place: Vector, j: int) -> bo
 
 
 @jitable
-def shows(world: World, own: int, front: bool, place: Vector, j: int) -> int:
-    """Which side of flat piece j shows to a place, 1 that of its normal and -1 the other; 0 where it hides nothing."""
+def sunk(world: World, own: int, place: Vector, normal: Vector, piece: Piece) -> bool:
+    """Whether a polygon is below the horizon but for vertices that it shares with the polygon ``own``."""
+    left = world.pieces[own]
+    for k in range(int(piece.count)):
+        there, shared = corner(piece, k), False
+        for m in range(int(left.count)):
+            shared = shared or same(there, corner(left, m))
+        at = minus(there, place)
+        if not (shared or dot(normal, at) < -_CLEAR * (abs(at[0]) + abs(at[1]) + abs(at[2]))):
+            return False
+    return piece.count > 0.0
+
+
+@jitable
+def shows(
+    world: World, own: int, front: bool, place: Vector, normal: Vector, j: int, far: float, direction: Vector
+) -> int:  # fmt: skip
+    """Which side of flat piece j shows to a place, 1 that of its normal and -1 the other; 0 where it hides nothing.
+
+    What lies in, or on, the plane ``far`` along ``direction`` is what may be hidden.
+    """
     piece = world.pieces[j]
-    if piece.kind != PLANE and (edge_on(piece, place) or faces_away(world, own, front, place, j)):
+    if piece.kind != PLANE and (
+        (height_over(piece, place) < 0.0 and outside_before(piece, place, far, direction))
+        or sunk(world, own, place, normal, piece)
+        or edge_on(piece, place)
+        or faces_away(world, own, front, place, j)
+    ):
         return 0
     return 1 if height_over(piece, place) > 0.0 else -1
 
@@ -131,6 +91,16 @@ def begin_listing(room: Room, count: int) -> None:
     for c in range(room.side.shape[0]):
         room.side[c], room.begin[c], room.stop[c] = 0.0, 0.0, 0.0
     room.stop[0] = 1.0 * count
+
+
+@jitable
+def end_listing(world: World, room: Room, count: int) -> None:
+    """Note how many arcs there are, and which bounds hold listed pieces."""
+    room.used[0] = 1.0 * count
+    last = world.bounds.shape[0] - 1
+    for back in range(last + 1):
+        k = last - back
+        room.nodes[k] = 1.0 if is_listed(world.bounds, k, room.side, room.nodes) else 0.0
 
 
 @inlined
@@ -163,7 +133,7 @@ def gather_sky(world: World, own: int, front: bool, place: Vector, normal: Vecto
     """
     count, listed, none = put_circle(room, 0, 0, normal, 0.0, 1.0), 0, (0.0, 0.0, 0.0)
     begin_listing(room, count)
-    node = next_over(world.bounds, 0, place, normal, none, -1.0, 0.0)
+    node = next_over(world.pieces, world.bounds, 0, place, normal, none, -1.0, 0.0, math.inf, none)
     while node < world.bounds.shape[0]:
         for m in range(inside_of(world.bounds, node)):
             j = held_by(world.bounds, node, m)
@@ -177,13 +147,15 @@ def gather_sky(world: World, own: int, front: bool, place: Vector, normal: Vecto
                     return _HIDDEN
                 listed = mark(room, listed, j, 1)
             elif j != own:
-                listed = mark(room, listed, j, shows(world, own, front, place, j))
-        node = next_over(world.bounds, node + 1, place, normal, none, -1.0, 0.0)
+                listed = mark(room, listed, j, shows(world, own, front, place, normal, j, math.inf, none))
+        node = next_over(world.pieces, world.bounds, node + 1, place, normal, none, -1.0, 0.0, math.inf, none)
     for k in range(listed):
         j = int(room.listed[k])
-        room.begin[1 + j] = 1.0 * count
-        count = put_piece(world, j, place, room, count)
-        room.stop[1 + j] = 1.0 * count
+        if not bounds_nothing(room, j, world.pieces[j]):
+            room.begin[1 + j] = 1.0 * count
+            count = put_piece(world, j, place, room, count)
+            room.stop[1 + j] = 1.0 * count
+    end_listing(world, room, count)
     return count
 
 
@@ -206,7 +178,7 @@ def sides(piece: Piece, place: Vector, direction: Vector, far: float) -> tuple[b
 
 @jitable
 def shows_before(
-    world: World, own: int, front: bool, place: Vector, j: int, far: float, direction: Vector
+    world: World, own: int, front: bool, place: Vector, normal: Vector, j: int, far: float, direction: Vector
 ) -> int:  # fmt: skip
     """``shows`` of what flat piece j hides of what lies in, or on, the plane ``far`` along a unit ``direction``."""
     piece = world.pieces[j]
@@ -214,7 +186,7 @@ def shows_before(
         before, _ = sides(piece, place, direction, far)
         if not before:
             return 0
-    return shows(world, own, front, place, j)
+    return shows(world, own, front, place, normal, j, far, direction)
 
 
 @jitable
@@ -251,9 +223,14 @@ def put_all(
     """Add the arcs of all listed pieces; returns how many arcs there are."""
     for k in range(listed):
         j = int(room.listed[k])
+        if bounds_nothing(room, j, world.pieces[j]):
+            _, beyond = sides(world.pieces[j], place, direction, far)
+            if not beyond:
+                continue
         room.begin[1 + j] = 1.0 * count
         count = put_before(world, j, place, far, direction, ball, room, count)
         room.stop[1 + j] = 1.0 * count
+    end_listing(world, room, count)
     return count
 
 
@@ -306,7 +283,7 @@ def gather_polygon(
         count = put_circle(room, count, 0, normal, 0.0, 1.0)
     begin_listing(room, count)
     axis, cosine, sine = cone_of(light, place)
-    node = next_over(world.bounds, 0, place, normal, axis, cosine, sine)
+    node = next_over(world.pieces, world.bounds, 0, place, normal, axis, cosine, sine, far, direction)
     while node < world.bounds.shape[0]:
         for m in range(inside_of(world.bounds, node)):
             j = held_by(world.bounds, node, m)
@@ -321,8 +298,8 @@ def gather_polygon(
                 if j != own and not encloses and dot(offset, direction) - far < piece.radius:
                     listed = mark(room, listed, j, 1)
             elif j != own and piece.owner != light.owner:
-                listed = mark(room, listed, j, shows_before(world, own, front, place, j, far, direction))
-        node = next_over(world.bounds, node + 1, place, normal, axis, cosine, sine)
+                listed = mark(room, listed, j, shows_before(world, own, front, place, normal, j, far, direction))
+        node = next_over(world.pieces, world.bounds, node + 1, place, normal, axis, cosine, sine, far, direction)
     return put_all(world, listed, place, far, direction, False, room, count)
 
 
@@ -346,7 +323,7 @@ def gather_sphere(
     count, listed = put_circle(room, 0, 0, normal, 0.0, 1.0), 0
     count = put_circle(room, count, 0, direction, cosine, sine)
     begin_listing(room, count)
-    node = next_over(world.bounds, 0, place, normal, direction, cosine, sine)
+    node = next_over(world.pieces, world.bounds, 0, place, normal, direction, cosine, sine, far, direction)
     while node < world.bounds.shape[0]:
         for m in range(inside_of(world.bounds, node)):
             j = held_by(world.bounds, node, m)
@@ -366,8 +343,8 @@ def gather_sphere(
                 if height_over(piece, place) * height_over(piece, vector(light.place)) < 0.0:
                     return _HIDDEN
             elif j != own:
-                listed = mark(room, listed, j, shows_before(world, own, front, place, j, far, direction))
-        node = next_over(world.bounds, node + 1, place, normal, direction, cosine, sine)
+                listed = mark(room, listed, j, shows_before(world, own, front, place, normal, j, far, direction))
+        node = next_over(world.pieces, world.bounds, node + 1, place, normal, direction, cosine, sine, far, direction)
     return put_all(world, listed, place, far, direction, True, room, count)
 
 

@@ -44,7 +44,13 @@ def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -
     lights, directions = table(Light, len(arrays.lights)), np.zeros_like(arrays.directions)
     camera = record(Camera)
     facets = table(Facet, len(arrays.facets))
-    parts = {"materials": flat(materials), "shapes": flat(shapes), "facets": flat(facets), "lights": flat(lights), "camera": flat(camera)}
+    parts = {
+        "materials": flat(materials),
+        "shapes": flat(shapes),
+        "facets": flat(facets),
+        "lights": flat(lights),
+        "camera": flat(camera),
+    }
     for name, index in move[1]:
         (parts | {"directions": directions})[name][index] = 1.0
     places = table(Frame, len(shapes))
