@@ -81,8 +81,8 @@ class Room(NamedTuple):
 
 def make_room(cones: int, arcs: int, nodes: int) -> Room:
     """Room for so many cones, arcs and bounds."""
-    own = (np.zeros(cones) for _ in range(8))
-    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *own, np.zeros(nodes + 1))
+    lengths = (*[cones] * 8, nodes + 1)
+    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *map(np.zeros, lengths))
 
 
 @jitable

@@ -194,11 +194,11 @@ def is_listed(bounds: Table[Bound], k: int, side: Array, listed: Array) -> bool:
     """Whether a node holds a piece of which ``side`` is not 0; ``listed`` says so of the nodes that follow."""
     bound = bounds[k]
     if bound.count == 0.0:
-        return listed[k + 1] != 0.0 or listed[int(bounds[k + 1].skip)] != 0.0
+        return bool(listed[k + 1] != 0.0 or listed[int(bounds[k + 1].skip)] != 0.0)
+    found = False
     for m in range(int(bound.count)):
-        if side[1 + int(bound.held[m])] != 0.0:
-            return True
-    return False
+        found = found or side[1 + int(bound.held[m])] != 0.0
+    return found
 
 
 @inlined

@@ -46,10 +46,10 @@ def faces_away(world: World, own: int, front: bool, place: Vector, j: int) -> bo
     if piece.solid == 0.0 or height_over(piece, place) >= 0.0:
         return False
     first = j - int(piece.face)
+    before = False
     for k in range(first, first + FACES):
-        if k != own and height_over(world.pieces[k], place) > 0.0:
-            return True
-    return False
+        before = before or (k != own and height_over(world.pieces[k], place) > 0.0)
+    return before
 
 
 @jitable

@@ -59,7 +59,8 @@ _ROOTS: Final[Mapping[str, type[Scene] | type[RadiometricScene]]] = {"series": S
 def parse_any(text: str, origin: str, suffix: str = ".yaml", opener: Opener | None = None) -> AnyScene:
     """The scene in ``text``, of either units, read as the file ending ``suffix`` says.
 
-    ``origin`` is what messages call it, ``opener`` opens files of meshes; without it they lie in the current folder. Raises SceneError, one line per problem, the first of them complete in itself.
+    ``origin`` is what messages call it, ``opener`` opens files of meshes; without it they lie in the current folder.
+    Raises SceneError, one line per problem, the first of them complete in itself.
     """
     language, parser = _PARSERS[suffix]
     try:

@@ -24,7 +24,7 @@ def read_ply(data: bytes) -> Net:
     """Vertices and faces of a PLY file; BadMesh with the line of its header, or the row of its element."""
     _check_header(data)
     try:
-        import plyfile
+        import plyfile  # type: ignore[import-untyped]
     except ImportError:
         raise SceneError(f"a mesh in PLY is read by plyfile, which is not installed; {remedy('mesh')}") from None
     try:

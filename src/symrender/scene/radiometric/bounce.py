@@ -75,7 +75,7 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
     if any(light.kind == AREA for light in arrays.lights):
         return "an area light"
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
-        return "a rectangle, a triangle, a disk or a box"
+        return "a rectangle, a triangle, a disk, a box or a mesh"
     planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
     if any(material.texture in (STRIPES, MARBLE) for material in planes):
         return "stripes or marble on a plane"
@@ -113,7 +113,7 @@ def lamp_refusal(arrays: RadiometricArrays) -> str:
     """What keeps the light of lamps on what is glossy from being integrated, as words; empty if nothing does."""
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
-        return "a rectangle, a triangle, a disk or a box"
+        return "a rectangle, a triangle, a disk, a box or a mesh"
     if any(material.kind == CONDUCTOR and material.walter for material in used):
         return "a conductor of g1: walter"
     if sum(shape.kind == PLANE for shape in arrays.shapes) > MAX_PLANES:

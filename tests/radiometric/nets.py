@@ -1,0 +1,73 @@
+"""Meshes for the tests: spheres of triangles, open and bent ones, and the same faces as triangles of their own."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from tests.radiometric.flats import Scene, triangle
+
+Net = tuple[list[list[float]], list[list[int]]]
+
+
+def ball(rings: int, around: int) -> Net:
+    """A closed mesh of 2 ``around`` (``rings`` - 1) triangles with vertices on the unit sphere."""
+    vertices = [[0.0, 0.0, 1.0]]
+    for i in range(1, rings):
+        t = math.pi * i / rings
+        for j in range(around):
+            p = 2 * math.pi * (j + 0.5 * (i % 2)) / around
+            vertices.append([math.sin(t) * math.cos(p), math.sin(t) * math.sin(p), math.cos(t)])
+    vertices.append([0.0, 0.0, -1.0])
+    last = len(vertices) - 1
+    faces = []
+    for j in range(around):
+        k = (j + 1) % around
+        faces += [[0, 1 + j, 1 + k], [last, last - around + k, last - around + j]]
+        for i in range(rings - 2):
+            a, b, c, d = (1 + (i + r) * around + s for r, s in ((0, j), (1, j), (1, k), (0, k)))
+            # rows are shifted by half a step in turn
+            faces += [[a, b, c], [a, c, d]] if i % 2 else [[a, b, d], [b, c, d]]
+    return vertices, faces
+
+
+def bent(net: Net, rng: np.random.Generator, by: float) -> Net:
+    """The same with vertices moved at random, so that it has dents."""
+    vertices, faces = net
+    return (np.array(vertices) * (1.0 + by * rng.uniform(-1, 1, (len(vertices), 1)))).tolist(), faces
+
+
+def opened(net: Net, rng: np.random.Generator) -> Net:
+    """The same without some faces, and some turned over."""
+    vertices, faces = net
+    kept = [face[::-1] if rng.random() < 0.2 else face for face in faces if rng.random() < 0.7]
+    return vertices, kept or faces
+
+
+def heap(rng: np.random.Generator) -> Net:
+    """Boxes of halves that touch in faces and edges, as one mesh: coplanar faces, edges of four, vertices of many."""
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
+    for _ in range(int(rng.integers(1, 4))):
+        low = rng.choice([-1.0, -0.5, 0.0], 3)
+        low[2] = rng.choice([0.0, 0.5, 1.0])
+        size = rng.choice([0.5, 1.0], 3)
+        first = len(vertices)
+        vertices += [(low + size * [k & 1, k >> 1 & 1, k >> 2]).tolist() for k in range(8)]
+        quads = ((1, 3, 7, 5), (2, 0, 4, 6), (3, 2, 6, 7), (0, 1, 5, 4), (4, 5, 7, 6), (1, 0, 2, 3))
+        faces += [[first + q[k] for k in part] for q in quads for part in ((0, 1, 2), (0, 2, 3))]
+    return vertices, faces
+
+
+def mesh(name: str, net: Net, material: str = "white", **more: Any) -> Scene:
+    shape = {"type": "mesh", "name": name, "vertices": net[0], "faces": net[1], "material": material}
+    return shape | {"position": [0.0, 0.0, 0.0], "scale": 1.0, "rotation": 0.0} | more
+
+
+def taken_apart(shape: Scene) -> list[Scene]:
+    """The faces of a mesh as triangles of their own, all with its name."""
+    t = math.radians(shape["rotation"])
+    rows = np.array([[math.cos(t), -math.sin(t), 0], [math.sin(t), math.cos(t), 0], [0, 0, 1]])
+    places = np.array(shape["position"]) + shape["scale"] * (np.array(shape["vertices"]) @ rows.T)
+    return [triangle(shape["name"], places[list(face)], shape["material"]) for face in shape["faces"]]
