@@ -62,7 +62,7 @@ class _Node:
 
     center: Array
     radius: float
-    slab: tuple[Array, float, float]
+    plate: tuple[Array, float, float]
     turn: tuple[float, float, float]
     own: Ints
     skip: int
@@ -90,9 +90,9 @@ class _Tree:
         center = 0.5 * (low + high)
         apart = np.sqrt(((corners - center) ** 2).sum(axis=2)) + radii[:, None]
         leaf = len(own) <= self.held
-        slab = self.slab(own, center)
+        plate = self.plate(own, center)
         held = own if leaf else own[:0]
-        node = _Node(center, float(apart.max()) + self.padding, slab, self.turn(own, slab[0]), held, 0)
+        node = _Node(center, float(apart.max()) + self.padding, plate, self.turn(own, plate[0]), held, 0)
         self.nodes.append(node)
         if not leaf:
             middles = corners.mean(axis=1)
@@ -104,7 +104,7 @@ class _Tree:
             self.split(order[half:])
         node.skip = len(self.nodes)
 
-    def slab(self, own: Ints, center: Array) -> tuple[Array, float, float]:
+    def plate(self, own: Ints, center: Array) -> tuple[Array, float, float]:
         """(up, lift, thick) of polygons that face about the same way."""
         up = self.ups[own].sum(axis=0)
         size = float(np.sqrt(up @ up))
@@ -138,7 +138,7 @@ def laid_bounds(pieces: Table[Piece], held: int = HELD) -> Table[Bound]:
     bounds = table(Bound, len(tree.nodes))
     for bound, node in zip(bounds, tree.nodes, strict=True):
         bound.center[:], bound.radius, bound.skip, bound.count = node.center, node.radius, node.skip, len(node.own)
-        bound.up[:], bound.lift, bound.thick = node.slab
+        bound.up[:], bound.lift, bound.thick = node.plate
         bound.closed, bound.cosine, bound.sine = node.turn
         bound.held[: len(node.own)] = node.own
     return bounds
@@ -216,10 +216,10 @@ def beyond_cone(offset: Vector, radius: float, axis: Vector, cosine: float, sine
 
 
 @inlined
-def over_slab(bound: Bound, height: float, plane: Vector, radius: float) -> bool:
-    """Whether a plane through the place, over which the centre is at ``height``, passes by a node's slab."""
+def over_plate(bound: Bound, height: float, plane: Vector, radius: float) -> bool:
+    """Whether a plane through the place, over which the centre is at ``height``, passes by a node's plate."""
     slope = dot(vector(bound.up), plane)
-    # what lies in the slab is nowhere farther from its middle along the plane's normal
+    # what lies in the plate is nowhere farther from its middle along the plane's normal
     more = abs(height + bound.lift * slope) - bound.thick * abs(slope)
     return more > 0.0 and more * more > radius * radius * (1.0 - slope * slope + _SLANT)
 
@@ -242,7 +242,7 @@ def next_beside(
         radius, height = padded(bound, offset), dot(offset, plane)
         if (
             abs(height) > radius
-            or over_slab(bound, height, plane, radius)
+            or over_plate(bound, height, plane, radius)
             or beyond_cone(offset, radius, axis, cosine, sine)
         ):
             k = int(bound.skip)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import re
+import warnings
 from typing import Any, Final
 
 from symrender.errors import SceneError, remedy
@@ -28,8 +29,11 @@ def read_ply(data: bytes) -> Net:
     except ImportError:
         raise SceneError(f"a mesh in PLY is read by plyfile, which is not installed; {remedy('mesh')}") from None
     try:
-        file = plyfile.PlyData.read(io.BytesIO(data))
-    except (plyfile.PlyParseError, ValueError, TypeError, OverflowError) as error:
+        with warnings.catch_warnings():
+            # what it only warns of, rows without numbers, is no mesh either
+            warnings.simplefilter("error")
+            file = plyfile.PlyData.read(io.BytesIO(data))
+    except (plyfile.PlyParseError, ValueError, TypeError, OverflowError, Warning) as error:
         raise BadMesh(printable(str(error), 200)) from None
     elements = {element.name: element for element in file.elements}
     net = Net()
