@@ -209,3 +209,25 @@ def test_what_is_not_had_is_refused_by_name() -> None:
         sr.truth(made.replace({"bounces": 1}), size=2)
     with pytest.raises(SceneError, match=r"lights\[0\].shape: must name .* got the mesh 'M'"):
         made.replace({"lights": [flats.area("M")]})
+
+
+def test_closed_meshes_hide_from_both_sides() -> None:
+    """A place inside a mesh, and a lamp inside one whose normals point inward: nothing is seen of the light."""
+    vertices, faces_ = nets.ball(5, 6)
+    tent = nets.mesh("M", (vertices, faces_), scale=1.5)
+    turned = [face[::-1] for face in faces_]
+    lamp = flats.rectangle("lamp", [-0.2, -0.2, 2.0], [0, 0.4, 0], [0.4, 0, 0])
+    shell = {"position": [0.0, 0.0, 2.0], "scale": 0.9}
+    place = (np.array([0.1, 0.2, 1e-3]), np.array([0.0, 0.0, -1.0]))
+    for around, lights in (
+        ([tent], [flats.SKY]),
+        ([tent, lamp], [flats.area("lamp")]),
+        ([nets.mesh("M", (vertices, turned), **shell), lamp], [flats.area("lamp")]),
+        ([nets.mesh("M", (vertices, faces_), **shell), lamp], [flats.area("lamp")]),
+    ):
+        dark = sr.probe(flats.world(FLOOR, *around, lights=lights), rays=place, tol=1e-6)
+        light = sr.probe(flats.world(FLOOR, *around[1:], lights=lights), rays=place, tol=1e-6)
+        assert dark.shape == ("shapes.floor",) and dark.direct.max() < 1e-15 and light.direct.max() > 0.01
+    beyond = nets.mesh("M", (vertices, turned), position=[0.0, 0.0, 4.0], scale=0.5)
+    far = flats.world(FLOOR, beyond, lamp, lights=[flats.area("lamp")])
+    assert sr.probe(far, rays=place, tol=1e-6).direct == pytest.approx(light.direct, rel=1e-14)
