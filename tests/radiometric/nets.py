@@ -11,8 +11,11 @@ from tests.radiometric.flats import Scene, triangle
 Net = tuple[list[list[float]], list[list[int]]]
 
 
-def ball(rings: int, around: int) -> Net:
-    """A closed mesh of 2 ``around`` (``rings`` - 1) triangles with vertices on the unit sphere."""
+def ball(rings: int, around: int, folded: bool = False) -> Net:
+    """A closed mesh of 2 ``around`` (``rings`` - 1) triangles with vertices on the unit sphere.
+
+    ``folded`` it has the other diagonals, so that faces lie over each other, many of them in one plane.
+    """
     vertices = [[0.0, 0.0, 1.0]]
     for i in range(1, rings):
         t = math.pi * i / rings
@@ -28,7 +31,7 @@ def ball(rings: int, around: int) -> Net:
         for i in range(rings - 2):
             a, b, c, d = (1 + (i + r) * around + s for r, s in ((0, j), (1, j), (1, k), (0, k)))
             # rows are shifted by half a step in turn
-            faces += [[a, b, c], [a, c, d]] if i % 2 else [[a, b, d], [b, c, d]]
+            faces += [[a, b, d], [b, c, d]] if (i % 2 == 1) != folded else [[a, b, c], [a, c, d]]
     return vertices, faces
 
 
@@ -43,6 +46,30 @@ def opened(net: Net, rng: np.random.Generator) -> Net:
     vertices, faces = net
     kept = [face[::-1] if rng.random() < 0.2 else face for face in faces if rng.random() < 0.7]
     return vertices, kept or faces
+
+
+def walls(rng: np.random.Generator) -> Net:
+    """A floor of two triangles in any position, and walls upright on it, one behind the other from most places.
+
+    Some begin where others do, with a corner of the floor in the same place.
+    """
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    vertices = [*([*p, 0.0] for p in rng.uniform(-2, 2, (4, 2)))]
+    faces = [[0, 1, 2], [0, 2, 3]]
+    for _ in range(int(rng.integers(2, 7))):
+        a, b = rng.uniform(-1.5, 1.5, (2, 2))
+        if rng.random() < 0.7:
+            a = vertices[int(rng.integers(4))][:2]
+        if rng.random() < 0.3:
+            b = vertices[int(rng.integers(4))][:2]
+        if np.hypot(*np.subtract(a, b)) < 0.1:
+            continue
+        first = len(vertices)
+        high = rng.uniform(0.1, 1.5)
+        vertices += [[*a, 0.0], [*b, 0.0], [*b, high], [*a, high]]
+        faces += [[first, first + 1, first + 2], [first, first + 2, first + 3]]
+    return (np.array(vertices) @ turn.T).tolist(), faces
 
 
 def heap(rng: np.random.Generator) -> Net:

@@ -118,6 +118,25 @@ def test_values_do_not_depend_on_the_hierarchy() -> None:
     assert hits > 200 and lit > 300 and apart > 0
 
 
+def test_circles_that_all_but_coincide_have_one_order() -> None:
+    """Faces over each other in one plane, with more faces on their edges: several edges in the horizon at once.
+
+    Whichever is listed first, what is seen is the same, which it was not while two circles alone were put in order.
+    """
+    net = nets.bent(nets.ball(3, 3, folded=True), np.random.default_rng(12), 0.05)
+    shapes = [flats.plane("floor", [0, 0, 0], [0, 0, 1]), nets.mesh("M", net, position=[0, 0, 1.2], rotation=17.0)]
+    world = make_world(radiometric_arrays(sr.load(flats.world(*shapes, lights=[flats.SKY]))))
+    targets = np.array([0, 0, 1.2]) + np.random.default_rng(0).uniform(-0.9, 0.9, (6000, 3)) - [0, -6, 3]
+    directions = targets / np.linalg.norm(targets, axis=1, keepdims=True)
+    found = []
+    for each in (world, without_bounds(world)):
+        one = (np.zeros((6000, 3)), np.zeros((6000, 3)), np.zeros(6000))
+        _kernel("fill_rays")(each, np.tile([0.0, -6.0, 3.0], (6000, 1)), directions, sky_room(each), *one)
+        found.append(one)
+    assert (found[0][2] == 2).sum() > 2000 and (found[0][2] == found[1][2]).all()
+    assert np.abs(found[0][1] - found[1][1]).max() < 1e-13
+
+
 def test_both_pipelines_see_the_same_mesh() -> None:
     net = nets.bent(nets.ball(8, 12), np.random.default_rng(1), 0.25)
     texture = {"type": "checker", "bright": 0.9, "dark": [0.1, 0.2, 0.3], "cell": 0.07}

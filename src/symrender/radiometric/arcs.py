@@ -20,8 +20,6 @@ from symrender.radiometric.vectors import Array, Vector, cross, dot, vector
 
 TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-12
-_NOTHING: Final = 1e-30
-"""Square of the sine below which two great circles are taken to cross at the first direction of one of them."""
 
 
 class Arc(Record):
@@ -142,16 +140,39 @@ def level_about(c: Arc, o: Arc) -> tuple[float, float, float]:
 
 
 @jitable
+def pivot(a: Vector) -> Vector:
+    """A direction across a unit vector, the same for its opposite."""
+    x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
+    largest = a[0] if x >= y and x >= z else (a[1] if y >= z else a[2])
+    sign = 1.0 if largest > 0.0 else -1.0
+    beside = (0.0, 0.0, sign) if z <= min(x, y) else ((0.0, sign, 0.0) if y <= x else (sign, 0.0, 0.0))
+    return cross(a, beside)
+
+
+@jitable
+def between(a: Vector, b: Vector) -> Vector:
+    """Where two great circles with these axes cross: a x b, however little they differ, to a part of itself.
+
+    Any number of circles that all but coincide so have crossings of one picture. Circles that are the same are taken
+    to be turned about ``pivot``, each by a little more than those before it.
+    """
+    if dot(a, b) > 0.0:
+        # a difference of near numbers is exact
+        x = cross((a[0] - b[0], a[1] - b[1], a[2] - b[2]), b)
+        if x[0] == 0.0 and x[1] == 0.0 and x[2] == 0.0:
+            x = pivot(a)
+    else:
+        x = cross((a[0] + b[0], a[1] + b[1], a[2] + b[2]), b)
+        if x[0] == 0.0 and x[1] == 0.0 and x[2] == 0.0:
+            u = pivot(a)
+            x = (-u[0], -u[1], -u[2])
+    return x
+
+
+@jitable
 def great_crossing(c: Arc, o: Arc, first: bool) -> float:
     """Angle along great circle c at which it enters the cap of great circle o; c is the ``first`` of both in order."""
-    a, b = vector(c.axis), vector(o.axis)
-    if not first:
-        a, b = b, a
-    x = cross(a, b)
-    out = dot(x, a)
-    x = (x[0] - out * a[0], x[1] - out * a[1], x[2] - out * a[2])
-    if dot(x, x) < _NOTHING:
-        x = vector(c.first) if first else vector(o.first)
+    x = between(vector(c.axis), vector(o.axis)) if first else between(vector(o.axis), vector(c.axis))
     at = leaves.angle_on(*x, *vector(c.first), *vector(c.second))
     return at - math.pi if first else at
 
