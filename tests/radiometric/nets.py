@@ -84,7 +84,9 @@ def heap(rng: np.random.Generator) -> Net:
         vertices += [(low + size * [k & 1, k >> 1 & 1, k >> 2]).tolist() for k in range(8)]
         quads = ((1, 3, 7, 5), (2, 0, 4, 6), (3, 2, 6, 7), (0, 1, 5, 4), (4, 5, 7, 6), (1, 0, 2, 3))
         faces += [[first + q[k] for k in part] for q in quads for part in ((0, 1, 2), (0, 2, 3))]
-    return vertices, faces
+    # faces of two boxes that are the same are none of either
+    once = {frozenset(tuple(vertices[k]) for k in face): face for face in faces}
+    return vertices, list(once.values())
 
 
 def mesh(name: str, net: Net, material: str = "white", **more: Any) -> Scene:

@@ -137,6 +137,28 @@ def test_circles_that_all_but_coincide_have_one_order() -> None:
     assert np.abs(found[0][1] - found[1][1]).max() < 1e-13
 
 
+def test_dents_of_any_depth_hide_what_their_faces_hide() -> None:
+    """Bounds that know which way their faces show, of meshes whose faces show every way: none is left out."""
+    lit = 0
+    for seed in range(40):
+        rng = np.random.default_rng([seed, 9])
+        net = nets.bent(nets.ball(int(rng.integers(3, 7)), int(rng.integers(4, 8))), rng, 0.6)
+        lamp = flats.rectangle("lamp", [-0.5, -0.5, 2.5], [0, 1, 0], [1, 0, 0])
+        shapes = [FLOOR, nets.mesh("M", net, position=[0, 0, 1.0], scale=0.5), lamp]
+        world = make_world(radiometric_arrays(sr.load(flats.world(*shapes, lights=[flats.SKY, flats.area("lamp")]))))
+        found = []
+        targets = np.c_[rng.uniform(-1.5, 1.5, (100, 2)), np.zeros(100)]
+        directions = targets - [0, -6, 3]
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        for each in (world, without_bounds(world)):
+            one = (np.zeros((100, 3)), np.zeros((100, 3)), np.zeros(100))
+            _kernel("fill_rays")(each, np.tile([0.0, -6.0, 3.0], (100, 1)), directions, sky_room(each), *one)
+            found.append(one[1])
+        assert np.abs(found[0] - found[1]).max() < 1e-12, seed
+        lit += int((found[0] > 1e-3).any(axis=1).sum())
+    assert lit > 2000
+
+
 def test_both_pipelines_see_the_same_mesh() -> None:
     net = nets.bent(nets.ball(8, 12), np.random.default_rng(1), 0.25)
     texture = {"type": "checker", "bright": 0.9, "dark": [0.1, 0.2, 0.3], "cell": 0.07}

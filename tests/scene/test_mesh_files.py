@@ -134,6 +134,8 @@ def test_files_that_are_none_are_told_so(tmp_path: Path) -> None:
         load_any(scene())
     with pytest.raises(SceneError, match=r"faces\[0\]\[2\]: must be a whole number from 0, got 1.5"):
         load_any(scene(vertices=VERTICES, faces=[[0, 1, 1.5]]))
+    with pytest.raises(SceneError, match=r"faces\[1\]: lies in faces\[0\], and which of them is seen"):
+        load_any(scene(vertices=VERTICES, faces=[[0, 1, 2], [2, 1, 0]]))
     with pytest.raises(SceneError, match=r"faces\[1\]: there are 4 vertices, from 0, got 4"):
         load_any(scene(vertices=VERTICES, faces=[[0, 1, 2], [0, 1, 4]]))
 
@@ -147,6 +149,8 @@ def test_without_plyfile_the_line_that_installs_it_is_told(tmp_path: Path, monke
 
 def test_all_triangles_of_a_scene_are_counted() -> None:
     half = MAX_TRIANGLES // 2 + 1
-    one = {"type": "mesh", "material": "white", "vertices": VERTICES[:3], "faces": [[0, 1, 2]] * half}
+    arc = [[k * 1e-3, (k * 1e-3) ** 2, 0.0] for k in range(half + 1)]
+    fan = [[0, k, k + 1] for k in range(1, half)]
+    one = {"type": "mesh", "material": "white", "vertices": [*arc, [0.0, 0.0, 1.0]], "faces": [*fan, [0, 1, half + 1]]}
     with pytest.raises(SceneError, match=r"shapes\[1\].faces: meshes may have at most 5000 triangles together"):
         sr.load(scene() | {"shapes": [one | {"name": "A"}, one | {"name": "B"}]})

@@ -119,6 +119,9 @@ class _Tree:
         if self.meshes[own[0]] < 0 or (self.meshes[own] != self.meshes[own[0]]).any() or not up.any():
             return 0.0, 0.0, 1.0
         cosine = float((self.ups[own] @ up).min()) - _WIDER + 1.0
+        if cosine <= 0.0:
+            # some normal is then farther from the mean one than any that ``turns_away`` reasons of
+            return 0.0, 0.0, 1.0
         return 1.0 + float(own[0]), cosine, math.sqrt(max(0.0, 1.0 - cosine * cosine))
 
 

@@ -166,10 +166,18 @@ class Mesh(Part):
             raise wrong("is read where a scene is loaded; a Mesh holds vertices and faces", "file")
         if not self.faces:
             raise wrong("must hold at least one face, or be read from a file", "faces")
+        known: dict[frozenset[Triple], int] = {}
         for index, face in enumerate(self.faces):
             if max(face) >= len(self.vertices):
                 raise wrong(f"there are {len(self.vertices)} vertices, from 0, got {max(face)}", "faces", index)
-            _check_face([self.vertices[k] for k in face], index)
+            corners = [self.vertices[k] for k in face]
+            _check_face(corners, index)
+            other = known.setdefault(frozenset(corners), index)
+            if other != index:
+                raise wrong(
+                    f"lies in faces[{other}], and which of them is seen is not decided; two_sided shows both sides",
+                    "faces", index,
+                )  # fmt: skip
         return self
 
 
