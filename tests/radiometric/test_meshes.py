@@ -100,7 +100,7 @@ def test_values_do_not_depend_on_the_hierarchy() -> None:
     for seed in range(12):
         scene, rng = scene_of(seed)
         made = sr.load(scene | {"lights": [*scene["lights"], POINT]})
-        origins, directions = rng.uniform(-2, 2, (60, 3)) + [0, 0, 2.5], rng.normal(size=(60, 3)) * 0.4
+        origins, directions = rng.uniform((-2, -2, 0.5), (2, 2, 4.5), (60, 3)), rng.normal(size=(60, 3)) * 0.4
         directions -= origins - [0, 0, 0.6]
         directions /= np.linalg.norm(directions, axis=1, keepdims=True)
         world = make_world(radiometric_arrays(made))
@@ -166,7 +166,7 @@ def test_both_pipelines_see_the_same_mesh() -> None:
     shapes = [FLOOR, nets.mesh("M", net, "both", position=[0.1, 0.2, 1.1], rotation=33.0, scale=0.9)]
     made = sr.load(flats.world(*shapes, lights=[POINT], materials=materials))
     rng = np.random.default_rng(4)
-    origins = rng.uniform(-2, 2, (4000, 3)) + [0, 0, 2]
+    origins = rng.uniform((-2, -2, 0), (2, 2, 4), (4000, 3))
     directions = np.array([0.1, 0.2, 1.1]) + 0.5 * rng.normal(size=(4000, 3)) - origins
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     true = sr.probe(made, rays=(origins, directions), tol=1e-6)
@@ -182,7 +182,7 @@ def test_the_path_tracer_finds_the_same_under_a_sky_and_a_lamp() -> None:
     for seed in range(4):
         scene, rng = scene_of(seed)
         made = sr.load(scene)
-        origins, directions = rng.uniform(-2, 2, (60, 3)) + [0, 0, 2.5], rng.normal(size=(60, 3)) * 0.4
+        origins, directions = rng.uniform((-2, -2, 0.5), (2, 2, 4.5), (60, 3)), rng.normal(size=(60, 3)) * 0.4
         directions -= origins - [0, 0, 0.6]
         directions /= np.linalg.norm(directions, axis=1, keepdims=True)
         true = sr.probe(made, rays=(origins, directions), tol=1e-6)

@@ -23,12 +23,14 @@ HEAD = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty floa
 LIST = "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
 ROWS = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
 PLY = f"{HEAD}{LIST}{ROWS}3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"
-OBJ = "# a corner\nv 0 0 0\nv 1 0 0 1.0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nf 1/2/3 3 2\nf -4 -3 \\\n -1\nf 2 3 4\nf 1//1 4//1 3//1\n"
+OBJ = "# a corner\nv 0 0 0\nv 1 0 0 1.0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\n"
+OBJ += "f 1/2/3 3 2\nf -4 -3 \\\n -1\nf 2 3 4\nf 1//1 4//1 3//1\n"
 
 
 def scene(**shape: Any) -> dict[str, Any]:
     return {
-        "units": "radiometric", "name": "m", "bounces": 0, "materials": {"white": {"type": "diffuse", "reflectance": 1}},
+        "units": "radiometric", "name": "m", "bounces": 0,
+        "materials": {"white": {"type": "diffuse", "reflectance": 1}},
         "camera": {"type": "look_at", "eye": [0, -6, 3], "target": [0, 0, 0.5]},
         "shapes": [{"type": "mesh", "name": "M", "material": "white"} | shape], "lights": [],
     }  # fmt: skip

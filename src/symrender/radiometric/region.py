@@ -16,9 +16,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from symrender.chambers.caps import Arc
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.arcs import TURN, Arc, Room, put_crossing, stretch
+from symrender.radiometric.arcs import TURN, Room, put_crossing, stretch
 from symrender.radiometric.bounds import held_by, inside_of, next_beside
 from symrender.radiometric.cones import put_polygon
 from symrender.radiometric.pieces import Piece, corner, same
@@ -202,11 +203,10 @@ def wrong_cones(room: Room, touched: int, own: int) -> int:
 
 
 @jitable
-def arc_part(world: World, room: Room, place: Vector, i: int, flux: Vector) -> Vector:
-    """``flux`` and that of what of arc i bounds the region."""
+def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> Vector:
+    """``flux`` and that of what of arc i bounds the region, its crossings and cones being listed."""
     arc = room.arcs[i]
     own = int(arc.cone)
-    found, touched = gather_crossings(world, room, place, i)
     wrong = wrong_cones(room, touched, own)
     sign = 1.0 if own == 0 else -1.0
     begin = 0.0
@@ -234,5 +234,28 @@ def open_irradiance(world: World, room: Room, place: Vector, count: int, normal:
     flux = (0.0, 0.0, 0.0)
     for i in range(count):
         if room.arcs[i].inner == 0.0:
-            flux = arc_part(world, room, place, i, flux)
+            found, touched = gather_crossings(world, room, place, i)
+            flux = add_bounding(room, i, found, touched, flux)
+    return max(0.0, 0.5 * dot(normal, flux))
+
+
+@jitable
+def few_irradiance(room: Room, count: int, cones: int, normal: Vector) -> float:
+    """``open_irradiance`` of a few arcs, those of a cone one after another, every one of them against all others."""
+    if count < 0:
+        return 0.0
+    for c in range(cones):
+        room.begin[c], room.stop[c] = 0.0, 0.0
+    for i in range(count):
+        c = int(room.arcs[i].cone)
+        if room.stop[c] == 0.0:
+            room.begin[c] = 1.0 * i
+        room.stop[c] = 1.0 * i + 1.0
+    flux = (0.0, 0.0, 0.0)
+    for i in range(count):
+        found = 0
+        for c in range(cones):
+            touch(room, c, c)
+            found = cross_cone(room, i, c, found)
+        flux = add_bounding(room, i, found, cones, flux)
     return max(0.0, 0.5 * dot(normal, flux))
