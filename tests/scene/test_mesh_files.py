@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -156,3 +157,14 @@ def test_all_triangles_of_a_scene_are_counted() -> None:
     one = {"type": "mesh", "material": "white", "vertices": [*arc, [0.0, 0.0, 1.0]], "faces": [*fan, [0, 1, half + 1]]}
     with pytest.raises(SceneError, match=r"shapes\[1\].faces: meshes may have at most 5000 triangles together"):
         sr.load(scene() | {"shapes": [one | {"name": "A"}, one | {"name": "B"}]})
+
+
+def test_the_gallery_has_the_meshes_its_program_writes() -> None:
+    root = Path(__file__).resolve().parents[2]
+    done = subprocess.run(
+        [sys.executable, str(root / "docs" / "make_meshes.py"), "--check"], capture_output=True, text=True
+    )
+    assert done.returncode == 0 and done.stdout.strip() == "", done.stdout + done.stderr
+    made = load_any("mesh")
+    faces = {shape.name: len(shape.faces) for shape in made.shapes if isinstance(shape, Mesh)}
+    assert faces == {"vase": 360, "ball": 320, "pebble": 320}
