@@ -16,7 +16,7 @@ import numpy as np
 
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Record, Table, Three, table
-from symrender.radiometric.pieces import POLYGON, Ints, Piece, owners
+from symrender.radiometric.pieces import CORNERS, POLYGON, Ints, Piece, owners
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.scene.arrays import PLANE
 
@@ -149,7 +149,7 @@ def laid_bounds(pieces: Table[Piece], held: int = HELD) -> Table[Bound]:
 
 def _extents(pieces: Table[Piece]) -> tuple[Array, Array]:
     """(pieces, 4, 3) places and (pieces,) how far about them a piece reaches."""
-    corners = np.array(pieces["corners"]).reshape(len(pieces), -1, 3)
+    corners = np.array(pieces["corners"]).reshape(len(pieces), CORNERS, 3)
     polygon = np.asarray(pieces["kind"]) == POLYGON
     triangle = polygon & (np.asarray(pieces["count"]) == 3.0)
     corners[triangle, 3] = corners[triangle, 0]
