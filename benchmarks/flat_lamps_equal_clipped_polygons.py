@@ -3,8 +3,9 @@
     python benchmarks/flat_lamps_equal_clipped_polygons.py [--quick] [SEED [COUNT]]
 
 Rooms with boxes on their floors, soups of shapes that cross, stacks and tiles that touch along edges and faces,
-needles, shapes on a grid of halves; scales over seven orders, places as far as 10,000 sizes from the origin. The judge
-is ``tests/radiometric/clipped.py``, to some 1e-11 of the sky. It needs shapely.
+needles, shapes on a grid of halves, meshes that are closed, dented, folded and open, heaps of boxes as one mesh; scales
+over seven orders, places as far as 10,000 sizes from the origin. The judge is ``tests/radiometric/clipped.py``, to some
+1e-11 of the sky. It needs shapely.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from measure import Report
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from tests.radiometric import nets
 from tests.radiometric.clipped import faces, irradiance, normal
 from tests.radiometric.flats import SKY, area, box, rectangle, triangle, world
 
@@ -30,7 +32,7 @@ JUDGE = 2e-11
 DOUBTED = 1e-10
 """What clipping twice may differ by and still judge."""
 LOOSEST = 1.5
-FAMILIES = ("room", "soup", "stack", "needle", "tiles", "halves")
+FAMILIES = ("room", "soup", "stack", "needle", "tiles", "halves", "mesh")
 Scene = dict[str, Any]
 
 
@@ -108,13 +110,35 @@ def tiles(rng: np.random.Generator) -> list[Scene]:
     return [*shapes, rectangle("lamp", [-0.5, -0.5, rng.choice([1.0, 1.5, 2.0])], [0, 1, 0], [1, 0, 0])]
 
 
+def net(rng: np.random.Generator) -> nets.Net:
+    if rng.random() < 0.2:
+        return nets.heap(rng) if rng.random() < 0.5 else nets.walls(rng)
+    found = nets.ball(int(rng.integers(3, 6)), int(rng.integers(3, 8)), bool(rng.random() < 0.2))
+    if rng.random() < 0.8:
+        found = nets.bent(found, rng, float(rng.choice([0.05, 0.3, 0.7])))
+    return nets.opened(found, rng) if rng.random() < 0.2 else found
+
+
+def meshes(rng: np.random.Generator) -> list[Scene]:
+    shapes = [rectangle("floor", [-2, -2, 0], [4, 0, 0], [0, 4, 0], side(rng))]
+    for k in range(int(rng.integers(1, 3))):
+        place = {"position": [*np.round(2 * rng.uniform(-1, 1, 2)) / 2, float(rng.choice([0.0, 0.5, 1.0]))]}
+        place |= {"scale": float(rng.choice([0.5, 1.0])), "rotation": float(rng.choice([0.0, 17.0, 90.0]))}
+        shapes.append(nets.mesh(f"m{k}", net(rng), side(rng), **place))
+    if rng.random() < 0.3:
+        shapes.append(box("b", [*rng.uniform(-1, 1, 2), 0.25], [0.5, 0.5, 0.5], 0.0, side(rng)))
+    return [*shapes, rectangle("lamp", [-0.5, -0.5, rng.choice([1.0, 1.5, 3.0])], [0, 1, 0], [1, 0, 0])]
+
+
 def moved(shape: Scene, scale: float, by: np.ndarray) -> Scene:
     row = dict(shape)
-    for key in {"corner", "center"} & row.keys():
+    for key in {"corner", "center", "position"} & row.keys():
         row[key] = (scale * np.array(row[key]) + by).tolist()
     for key in {"edge_u", "edge_v", "size"} & row.keys():
         row[key] = (scale * np.array(row[key])).tolist()
-    if "vertices" in row:
+    if "scale" in row:
+        row["scale"] = scale * row["scale"]
+    elif "vertices" in row:
         row["vertices"] = (scale * np.array(row["vertices"]) + by).tolist()
     return row
 
@@ -122,7 +146,7 @@ def moved(shape: Scene, scale: float, by: np.ndarray) -> Scene:
 def drawn(rng: np.random.Generator) -> tuple[str, Scene, float]:
     """(family, scene, its scale)."""
     family = FAMILIES[int(rng.integers(len(FAMILIES)))]
-    made = {"room": room, "stack": stack, "tiles": tiles}
+    made = {"room": room, "stack": stack, "tiles": tiles, "mesh": meshes}
     shapes = made[family](rng) if family in made else soup(rng, family)
     lights = ([area("lamp")], [SKY], [area("lamp"), SKY])[int(rng.choice(3, p=[0.6, 0.2, 0.2]))]
     scale = 10.0 ** rng.uniform(-4, 3) if rng.random() < 0.4 else 1.0

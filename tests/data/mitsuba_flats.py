@@ -82,7 +82,7 @@ def _reach(scene: dict[str, Any], origin: np.ndarray, way: np.ndarray) -> float:
     from symrender.scene.radiometric.arrays import radiometric_arrays
 
     world = make_world(radiometric_arrays(sr.load(scene)))
-    return float(first_hit(world, tuple(map(float, origin)), tuple(map(float, way)), -1, False).distance)
+    return float(first_hit(world, tuple(map(float, origin)), tuple(map(float, way)), -1, -1, False).distance)
 
 
 def exports(row: dict[str, Any]) -> dict[str, Any]:

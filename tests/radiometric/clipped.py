@@ -26,15 +26,18 @@ SHORT = 1e-9
 
 
 def faces(shape: Scene) -> list[Array]:
-    """Vertices (n, 3) of the faces of a rectangle, triangle or box, counter-clockwise about their normals."""
+    """Vertices (n, 3) of the faces of a rectangle, triangle, box or mesh, counter-clockwise about their normals."""
     if shape["type"] == "rectangle":
         c, u, v = (np.array(shape[key], float) for key in ("corner", "edge_u", "edge_v"))
         return [np.array([c, c + u, c + u + v, c + v])]
     if shape["type"] == "triangle":
         return [np.array(shape["vertices"], float)]
-    assert shape["type"] == "box"
     turn = math.radians(shape.get("rotation", 0.0))
     turned = np.array([[math.cos(turn), -math.sin(turn), 0], [math.sin(turn), math.cos(turn), 0], [0, 0, 1]])
+    if shape["type"] == "mesh":
+        places = shape["position"] + shape["scale"] * (np.array(shape["vertices"], float) @ turned.T)
+        return [places[list(face)] for face in shape["faces"]]
+    assert shape["type"] == "box"
     half = turned * (np.array(shape["size"], float) / 2)
     found = []
     for axis in range(3):

@@ -71,9 +71,9 @@ def value_and_slope(view: Seen, moves: Seen) -> tuple[list[Any], int, list[Any]]
         return zeros(1, 1, 3), zeros(1, 1, 3), zeros(1, 1)
 
     def room() -> Room:
-        arcs, crossings, caps, within = sky_room(view.world)
+        arcs, crossings, *numbers = sky_room(view.world)
         rows = [_Rows(_record(row) for row in part) for part in (arcs, crossings)]
-        return Room(*rows, _exact(caps), _exact(within))  # type: ignore[arg-type]
+        return Room(*rows, *map(_exact, numbers))  # type: ignore[arg-type]
 
     values, slopes = layers(), layers()
     _KERNEL.fill_tile_dot(

@@ -15,7 +15,7 @@ from symrender.images.output import check_target, make_folder, write_bytes
 from symrender.scene.mitsuba.flats import AGREE
 from symrender.scene.radiometric.materials import Checker
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Triangle
+from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Triangle
 from symrender.settings import image_size
 from symrender.version import VERSION
 
@@ -80,7 +80,7 @@ def prepare(
         raise OptionError(f"rays: must be box or centre, got {rays!r}")
     for shape in scene.shapes:
         textured = isinstance(scene.materials[shape.material].reflectance, Checker)
-        if textured and (isinstance(shape, Disk | Box | Triangle) or not _square(shape)):
+        if textured and (isinstance(shape, Disk | Box | Triangle | Mesh) or not _square(shape)):
             raise Unsupported(
                 f"shapes.{shape.name}: {to}: a checker is exported on planes, spheres and rectangles with right angles"
             )

@@ -6,6 +6,7 @@ What Mitsuba means by each plugin was checked against its version 3.9.1 along si
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from importlib import resources
 from typing import Final, Literal, assert_never
 
@@ -14,12 +15,12 @@ import numpy as np
 from symrender.bridge.carried import Carried, Rays, prepare
 from symrender.bridge.moved import Triple, ball_of, extent
 from symrender.errors import Unsupported
-from symrender.scene.mitsuba.flats import matrix_of, said_flat
+from symrender.scene.mitsuba.flats import matrix_of, mesh_places, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell, square
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
 
 _FACET: Final = "Mitsuba's roughconductor has"
 _CLIP: Final = 0.01
@@ -63,7 +64,9 @@ def mitsuba(
     for shape in there.shapes:
         lamp = _emitter(shining[shape.name]) if shape.name in shining else []
         if isinstance(shape, Triangle):
-            meshes[f"{shape.name}.ply"] = _ply(shape)
+            meshes[f"{shape.name}.ply"] = _ply(shape.vertices, [(0, 1, 2)])
+        if isinstance(shape, Mesh):
+            meshes[f"{shape.name}.ply"] = _ply(mesh_places(shape), shape.faces)
         body += _shape(shape, there.materials[shape.material], halves.get(shape.name, 0.0), lamp)
     for light in there.lights:
         body += [] if isinstance(light, lights.Area) else _emitter(light)
@@ -212,20 +215,22 @@ def _apart(shape: Shape, eye: Triple) -> float:
     return apart
 
 
-def _ply(shape: Triangle) -> str:
-    """A mesh of one triangle; Mitsuba's files of scenes hold none."""
-    head = ["ply", "format ascii 1.0", "element vertex 3", *(f"property float {axis}" for axis in "xyz")]
-    rows = [" ".join(repr(float(x)) for x in vertex) for vertex in shape.vertices]
-    return "\n".join(
-        [*head, "element face 1", "property list uchar int vertex_index", "end_header", *rows, "3 0 1 2", ""]
-    )
+def _ply(vertices: Sequence[Triple], faces: Sequence[tuple[int, int, int]]) -> str:
+    """A mesh; Mitsuba's files of scenes hold none."""
+    head = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}", *(f"property float {axis}" for axis in "xyz")]
+    rows = [" ".join(repr(float(x)) for x in vertex) for vertex in vertices]
+    rows += [" ".join(map(str, (3, *face))) for face in faces]
+    listed = [f"element face {len(faces)}", "property list uchar int vertex_index", "end_header"]
+    return "\n".join([*head, *listed, *rows, ""])
 
 
-def _finite(shape: Rectangle | Disk | Box | Triangle) -> tuple[str, list[str]]:
-    """Kind and properties of a flat shape that ends."""
+def _finite(shape: Rectangle | Disk | Box | Triangle | Mesh) -> tuple[str, list[str]]:
+    """Kind and properties of a shape with flat faces that ends."""
+    lines = [f'<string name="filename" value="{shape.name}.ply"/>', '<boolean name="face_normals" value="true"/>']
+    if isinstance(shape, Mesh):
+        return "ply", lines
     inner = [f"<!-- {said_flat(shape)} -->"]
     if isinstance(shape, Triangle):
-        lines = [f'<string name="filename" value="{shape.name}.ply"/>', '<boolean name="face_normals" value="true"/>']
         return "ply", inner + lines
     matrix = " ".join(repr(float(x)) for x in matrix_of(shape).ravel())
     kind = "cube" if isinstance(shape, Box) else shape.type

@@ -10,7 +10,7 @@ from symrender.scene.load import load_any
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Diffuse, Marble, Material, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
 
 Triple = tuple[float, float, float]
 
@@ -63,6 +63,8 @@ def moved(scene: RadiometricScene, scale: float, center: Triple) -> RadiometricS
                 row["center"], row["radius"] = place(shape.center), scale * shape.radius
             case Box():
                 row["center"], row["size"] = place(shape.center), way(shape.size)
+            case Mesh():
+                row["position"], row["scale"] = place(shape.position), scale * shape.scale
         reflectance = data["materials"][shape.material]["reflectance"]
         if "cell" in reflectance and scale != 1.0:
             if shape.material in on_spheres:
@@ -108,6 +110,10 @@ def ball_of(shape: Shape) -> tuple[Triple, float] | None:
         case Triangle():
             x, y, z = (sum(p) / 3.0 for p in zip(*shape.vertices, strict=True))
             return (x, y, z), max(math.dist((x, y, z), v) for v in shape.vertices)
+        case Mesh():
+            # a turn about z leaves distances from the position as they are
+            far = max(math.hypot(*vertex) for vertex in shape.vertices)
+            return shape.position, shape.scale * far
 
 
 def extent(scene: RadiometricScene, about: Triple) -> float:

@@ -15,14 +15,14 @@ from typing import Final, Literal, assert_never
 import numpy as np
 
 from symrender.bridge.carried import Carried, Prepared, Rays, prepare
-from symrender.bridge.moved import Triple
+from symrender.bridge.moved import Triple, ball_of
 from symrender.errors import Unsupported
-from symrender.scene.mitsuba.flats import corners_of, disk_axes, matrix_of, mesh_indices, said_flat
+from symrender.scene.mitsuba.flats import corners_of, disk_axes, matrix_of, mesh_indices, mesh_places, said_flat
 from symrender.scene.mitsuba.plane import frame_of, said, said_cell
 from symrender.scene.radiometric import lights
 from symrender.scene.radiometric.materials import Checker, Conductor, Marble, Material, Phong, Stripes
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Sphere, Triangle
+from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle
 
 COLORS: Final = ("red", "green", "blue")
 SMOOTHEST: Final = 1e-3
@@ -100,7 +100,7 @@ def _refuse_backs(scene: RadiometricScene) -> None:
     for shape in scene.shapes:
         if scene.materials[shape.material].two_sided:
             continue
-        if isinstance(shape, Rectangle | Triangle | Disk) and scene.bounces != 0:
+        if isinstance(shape, Rectangle | Triangle | Disk | Mesh) and scene.bounces != 0:
             raise Unsupported(
                 f"shapes.{shape.name}: pbrt: reflects on both sides, and bounced light may reach the back of a "
                 f"{shape.type}; give materials.{shape.material} two_sided: true"
@@ -116,10 +116,16 @@ def _refuse_backs(scene: RadiometricScene) -> None:
             )
 
 
-def _behind(shape: Plane | Rectangle | Triangle | Disk | Box, eye: Triple) -> bool:
-    """Whether the eye is behind a flat shape, or in a box."""
+def _behind(shape: Plane | Rectangle | Triangle | Disk | Box | Mesh, eye: Triple) -> bool:
+    """Whether the eye is behind a flat shape, or in a box, or may see a mesh from behind: it is open or near."""
     place = np.array(eye)
     match shape:
+        case Mesh():
+            edges = [(face[k], face[(k + 1) % 3]) for face in shape.faces for k in range(3)]
+            known = set(edges)
+            closed = len(known) == len(edges) and all((b, a) in known for a, b in edges)
+            about = ball_of(shape)
+            return not closed or about is None or math.dist(eye, about[0]) <= about[1]
         case Plane():
             return sum(n * (e - p) for n, e, p in zip(frame_of(shape)[2], eye, shape.point, strict=True)) < 0.0
         case Triangle():
@@ -132,8 +138,13 @@ def _behind(shape: Plane | Rectangle | Triangle | Disk | Box, eye: Triple) -> bo
     return bool((place - matrix[:3, 3]) @ matrix[:3, 2] < 0.0)
 
 
-def _finite(shape: Rectangle | Triangle | Disk | Box, material: Material) -> list[str]:
-    """A flat shape that ends: a disk, or a mesh whose corners go around the normal."""
+def _finite(shape: Rectangle | Triangle | Disk | Box | Mesh, material: Material) -> list[str]:
+    """A shape with flat faces that ends: a disk, or a mesh whose corners go around the normal."""
+    if isinstance(shape, Mesh):
+        around = " ".join(str(index) for face in shape.faces for index in face)
+        flat = [x for place in mesh_places(shape) for x in place]
+        shape_line = f'Shape "trianglemesh" "integer indices" [ {around} ]'
+        return [f"# shapes.{shape.name}", shape_line, f'  "point3 P" [ {_numbers(flat)} ]']
     lines = [f"# shapes.{shape.name}", f"# {said_flat(shape)}"]
     if isinstance(shape, Disk):
         columns = " ".join(repr(float(x)) for x in disk_axes(shape).T.ravel())

@@ -12,7 +12,9 @@ class Arc(Record):
 
     ``cosine`` and ``sine`` are those of the circle's angle. Arcs of one cone that are ``linked`` end at each other's
     ends, the others where they leave it. Where ``rim`` is 1 it is the rim of a disk, seen about ``middle``, and the
-    directions across are as long as its radius; the axis is the way to its plane.
+    directions across are as long as its radius; the axis is the way to its plane. An ``inner`` arc bounds no region:
+    what lies on both of its sides is hidden, or another arc is the same. Cone ``beside``, if not -1, is the one on the
+    other side of the edge, folded back over it. ``edge`` is the number of the edge of a listed polygon, else -1.
     """
 
     axis: Three
@@ -25,6 +27,9 @@ class Arc(Record):
     linked: float
     middle: Three
     rim: float
+    inner: float
+    beside: float
+    edge: float
 
 
 class Crossing(Record):

@@ -126,8 +126,11 @@ class Work(NamedTuple):
     poles: Array
     arcs: Table[Arc]
     crossings: Table[Crossing]
+    begin: Array
+    stop: Array
     caps: Array
     within: Array
+    touched: Array
 
 
 @inlined
@@ -282,6 +285,9 @@ def work_arrays(spheres: int, points: int) -> Work:
         # as many circles as spheres, planes and the horizon
         arcs=table(Arc, spheres + MAX_PLANES + 2),
         crossings=table(Crossing, 2 * (spheres + MAX_PLANES + 2)),
+        begin=np.zeros(spheres + MAX_PLANES + 2),
+        stop=np.zeros(spheres + MAX_PLANES + 2),
         caps=np.zeros(spheres + MAX_PLANES + 2),
         within=np.zeros(spheres + MAX_PLANES + 2),
+        touched=np.zeros(spheres + MAX_PLANES + 2),
     )

@@ -14,7 +14,8 @@ from symrender.chambers.work import View, Work
 from symrender.jit.marks import jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.arcs import Room, open_irradiance, put_circle
+from symrender.radiometric.arcs import Room, put_circle
+from symrender.radiometric.region import few_irradiance
 from symrender.radiometric.vectors import Vector, minus, vector
 from symrender.scene.radiometric.records import Glow
 
@@ -95,7 +96,11 @@ def add_glows(pieces: int, view: View, work: Work, glows: Table[Glow] | None) ->
     if work.chart.shape_index < 0 and work.chart.side < 0.0:
         return
     b = work.nodes
-    room = Room(work.arcs, work.crossings, work.caps, work.within)
+    # nothing is listed by pieces here, so that four of its arrays are never looked at
+    none = work.touched
+    room = Room(
+        work.arcs, work.crossings, work.begin, work.stop, none, none, none, work.caps, work.within, work.touched, none
+    )  # fmt: skip
     for piece in range(pieces):
         first = work.pieces[piece].first
         for q in range(first, first + work.pieces[piece].count):
@@ -103,6 +108,6 @@ def add_glows(pieces: int, view: View, work: Work, glows: Table[Glow] | None) ->
             normal = (b.normal[0, q], b.normal[1, q], b.normal[2, q])
             for g in range(glows.shape[0]):
                 count, cones = gather_glow(int(glows[g].sphere), place, normal, view, work, room)
-                seen = open_irradiance(room, count, cones, normal)
+                seen = few_irradiance(room, count, cones, normal)
                 for a in range(3):
                     b.radiance[a, q] += b.factor[a, q] * seen * glows[g].radiance[a]

@@ -1,10 +1,4 @@
-"""Irradiance of uniform radiance from a region of directions, in closed form: arcs of circles bound it.
-
-The region is what a place sees of a light: one cone of directions, the light's, less other cones, those of what hides
-it. A cone is convex, the intersection of caps: a sphere is one cap, a plane a hemisphere, a polygon as many
-hemispheres as it has corners; a disk is the cone over its rim. Along each arc that bounds a cone it is counted, from
-crossing to crossing, which cones it is in; what lies in the light's and in no other bounds the region, and contributes
-``arc_flux`` or ``rim_flux``.
+"""Circles on the sphere of directions, in arcs: the caps that bound cones, and where one of them crosses another.
 
 Two circles take the places where they cross from one computation, so that one arc ends where the other begins even
 where both all but coincide: edges that shapes share, walls on a floor, spheres that touch the horizon. Which side of a
@@ -27,22 +21,36 @@ from symrender.radiometric.vectors import Array, Vector, cross, dot, vector
 
 TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-12
-_NOTHING: Final = 1e-30
-"""Square of the sine below which two great circles are taken to cross at the first direction of one of them."""
 
 
 class Room(NamedTuple):
-    """Scratch of one place: the arcs of all cones, the crossings of one arc, caps of each cone and those it is in."""
+    """Scratch of one place.
+
+    Cone 0 is the light's, cone 1 + j that of piece j. ``side`` says of a listed piece whether its normal shows to the
+    place (1 or -1), of others it is 0; the pieces with one are in ``listed``. ``arcs`` are those of all cones, ``used``
+    of them so far, those of a cone one after another from its ``begin`` to its ``stop``; a listed polygon all of whose
+    edges are inner ones has none before an arc comes near it. ``crossings`` are those of one arc, ``caps`` how many
+    caps each cone has and ``within`` how many of them the arc is in; they hold for the cones in ``touched``. ``nodes``
+    says of the bounds whether they hold a listed piece.
+    """
 
     arcs: Table[Arc]
     crossings: Table[Crossing]
+    begin: Array
+    stop: Array
+    side: Array
+    listed: Array
+    used: Array
     caps: Array
     within: Array
+    touched: Array
+    nodes: Array
 
 
-def make_room(cones: int, arcs: int) -> Room:
-    """Room for so many cones and arcs."""
-    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), np.zeros(cones), np.zeros(cones))
+def make_room(cones: int, arcs: int, nodes: int) -> Room:
+    """Room for so many cones, arcs and bounds."""
+    lengths = (*[cones] * 8, nodes + 1)
+    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *map(np.zeros, lengths))
 
 
 @jitable
@@ -58,6 +66,7 @@ def put_circle(room: Room, count: int, cone: int, axis: Vector, cosine: float, s
     arc.second[0], arc.second[1], arc.second[2] = cross(axis, f)
     arc.cosine, arc.sine, arc.end = cosine, sine, TURN
     arc.cone, arc.linked, arc.rim = 1.0 * cone, 0.0, 0.0
+    arc.inner, arc.beside, arc.edge = 0.0, -1.0, -1.0
     return count + 1
 
 
@@ -72,6 +81,7 @@ def put_rim(room: Room, count: int, cone: int, middle: Vector, way: Vector, firs
     arc.second[0], arc.second[1], arc.second[2] = radius * second[0], radius * second[1], radius * second[2]
     arc.cosine, arc.sine, arc.end = 0.0, 1.0, TURN
     arc.cone, arc.linked, arc.rim = 1.0 * cone, 0.0, 1.0
+    arc.inner, arc.beside, arc.edge = 0.0, -1.0, -1.0
     return count + 1
 
 
@@ -87,6 +97,7 @@ def put_edge(room: Room, count: int, cone: int, start: Vector, edge: Vector) -> 
     arc.cosine, arc.sine = 0.0, 1.0
     arc.end = leaves.angle_on(*stop, fx, fy, fz, sx, sy, sz)
     arc.cone, arc.linked, arc.rim = 1.0 * cone, 1.0, 0.0
+    arc.inner, arc.beside, arc.edge = 0.0, -1.0, -1.0
     return count + 1
 
 
@@ -99,16 +110,39 @@ def level_about(c: Arc, o: Arc) -> tuple[float, float, float]:
 
 
 @jitable
+def pivot(a: Vector) -> Vector:
+    """A direction across a unit vector, the same for its opposite."""
+    x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
+    largest = a[0] if x >= y and x >= z else (a[1] if y >= z else a[2])
+    sign = 1.0 if largest > 0.0 else -1.0
+    beside = (0.0, 0.0, sign) if z <= min(x, y) else ((0.0, sign, 0.0) if y <= x else (sign, 0.0, 0.0))
+    return cross(a, beside)
+
+
+@jitable
+def between(a: Vector, b: Vector) -> Vector:
+    """Where two great circles with these axes cross: a x b, however little they differ, to a part of itself.
+
+    Any number of circles that all but coincide so have crossings of one picture. Circles that are the same are taken
+    to be turned about ``pivot``, each by a little more than those before it.
+    """
+    if dot(a, b) > 0.0:
+        # a difference of near numbers is exact
+        x = cross((a[0] - b[0], a[1] - b[1], a[2] - b[2]), b)
+        if x[0] == 0.0 and x[1] == 0.0 and x[2] == 0.0:
+            x = pivot(a)
+    else:
+        x = cross((a[0] + b[0], a[1] + b[1], a[2] + b[2]), b)
+        if x[0] == 0.0 and x[1] == 0.0 and x[2] == 0.0:
+            u = pivot(a)
+            x = (-u[0], -u[1], -u[2])
+    return x
+
+
+@jitable
 def great_crossing(c: Arc, o: Arc, first: bool) -> float:
     """Angle along great circle c at which it enters the cap of great circle o; c is the ``first`` of both in order."""
-    a, b = vector(c.axis), vector(o.axis)
-    if not first:
-        a, b = b, a
-    x = cross(a, b)
-    out = dot(x, a)
-    x = (x[0] - out * a[0], x[1] - out * a[1], x[2] - out * a[2])
-    if dot(x, x) < _NOTHING:
-        x = vector(c.first) if first else vector(o.first)
+    x = between(vector(c.axis), vector(o.axis)) if first else between(vector(o.axis), vector(c.axis))
     at = leaves.angle_on(*x, *vector(c.first), *vector(c.second))
     return at - math.pi if first else at
 
@@ -193,87 +227,3 @@ def put_crossing(room: Room, count: int, angle: float, step: float, cone: float)
         i -= 1
     room.crossings[i].angle, room.crossings[i].step, room.crossings[i].cone = angle, step, cone
     return count + 1
-
-
-@jitable
-def gather_crossings(room: Room, count: int, i: int) -> int:
-    """List where arc i crosses the caps of other arcs, and the caps each cone has and those the arc begins in."""
-    arc = room.arcs[i]
-    found = 0
-    for k in range(count):
-        other = room.arcs[k]
-        if k == i or (other.cone == arc.cone and other.linked != 0.0 and arc.linked != 0.0):
-            continue
-        cone = int(other.cone)
-        room.caps[cone] += 1.0
-        begin, span = stretch(arc, other, i < k)
-        if span == 0.0:
-            continue
-        if span == TURN:
-            room.within[cone] += 1.0
-            continue
-        if begin < 0.0:
-            begin = begin + TURN
-        leave = begin + span
-        if leave >= TURN:
-            room.within[cone] += 1.0
-            leave = leave - TURN
-        if begin < arc.end:
-            found = put_crossing(room, found, begin, 1.0, other.cone)
-        if leave < arc.end:
-            found = put_crossing(room, found, leave, -1.0, other.cone)
-    return found
-
-
-@jitable
-def add_arc(arc: Arc, begin: float, end: float, sign: float, flux: Vector) -> Vector:
-    """``flux`` and that of a stretch of an arc, of the sign given."""
-    if arc.rim != 0.0:
-        x, y, z = leaves.rim_flux(*vector(arc.middle), *vector(arc.first), *vector(arc.second), begin, end)
-    else:
-        x, y, z = leaves.arc_flux(
-            *vector(arc.axis), *vector(arc.first), *vector(arc.second), arc.cosine, arc.sine, begin, end
-        )
-    return (flux[0] + sign * x, flux[1] + sign * y, flux[2] + sign * z)
-
-
-@jitable
-def wrong_cones(room: Room, cones: int, own: int) -> int:
-    """How many cones are in the way of an arc of cone ``own``: in others it must not be, in its own and the light's."""
-    wrong = 0
-    for c in range(cones):
-        inside = room.within[c] == room.caps[c]
-        if inside != (c == own or c == 0):
-            wrong += 1
-    return wrong
-
-
-@jitable
-def open_irradiance(room: Room, count: int, cones: int, normal: Vector) -> float:
-    """Irradiance by radiance 1 from cone 0 less all others, bounded by ``count`` arcs; 0 of a negative count."""
-    if count < 0:
-        return 0.0
-    flux = (0.0, 0.0, 0.0)
-    for i in range(count):
-        arc = room.arcs[i]
-        own = int(arc.cone)
-        for c in range(cones):
-            room.caps[c], room.within[c] = 0.0, 0.0
-        found = gather_crossings(room, count, i)
-        wrong = wrong_cones(room, cones, own)
-        sign = 1.0 if own == 0 else -1.0
-        begin = 0.0
-        for k in range(found):
-            crossing = room.crossings[k]
-            if wrong == 0 and crossing.angle > begin:
-                flux = add_arc(arc, begin, crossing.angle, sign, flux)
-            begin = crossing.angle
-            c = int(crossing.cone)
-            before = room.within[c] == room.caps[c]
-            room.within[c] += crossing.step
-            after = room.within[c] == room.caps[c]
-            if before != after:
-                wrong += 1 if after != (c == own or c == 0) else -1
-        if wrong == 0 and arc.end > begin:
-            flux = add_arc(arc, begin, arc.end, sign, flux)
-    return max(0.0, 0.5 * dot(normal, flux))

@@ -12,7 +12,7 @@ from symrender.scene.radiometric.arrays import DISK, SPHERE, RadiometricArrays
 
 def crossed(arrays: RadiometricArrays, emitter: int) -> int:
     """A shape that shape ``emitter`` crosses, touches or holds, one of both a sphere; -1 if there is none."""
-    pieces = laid_pieces(arrays.shapes, arrays.frames)
+    pieces = laid_pieces(arrays)
     lamps = [piece for piece in pieces if int(piece.owner) == emitter]
     for piece in pieces:
         if int(piece.owner) != emitter and any(_cross(lamp, piece) for lamp in lamps):

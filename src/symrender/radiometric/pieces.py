@@ -1,7 +1,7 @@
-"""What the shapes of a scene are made of: planes, spheres, polygons and disks, a box of six polygons.
+"""What the shapes of a scene are made of: planes, spheres, polygons and disks, a box of six polygons, a mesh of many.
 
-Kernels see pieces alone. A piece of a flat shape knows its frame and its corners; neighbouring faces of a box have
-corners of the same bits, so that a ray between them meets one of both.
+Kernels see pieces alone. A piece of a flat shape knows its frame and its corners; neighbouring faces of a box or a mesh
+have corners of the same bits, so that a ray between them meets one of both.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Annotated, Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.marks import inlined, jitable
@@ -17,9 +18,11 @@ from symrender.jit.records import Record, Table, Three, table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.vectors import Array, Vector, minus, vector
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import BOX, DISK, RECTANGLE, SPHERE
-from symrender.scene.radiometric.records import Shape
+from symrender.scene.radiometric.arrays import BOX, DISK, MESH, RECTANGLE, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.records import Facet, Shape
 from symrender.scene.records import Frame
+
+Ints = npt.NDArray[np.int64]
 
 # kinds of a piece, beside PLANE, SPHERE and DISK
 POLYGON: Final = 3
@@ -34,6 +37,9 @@ class Piece(Record):
 
     ``place`` is the origin of the texture, of a sphere and a disk the centre; ``up``, ``east`` and ``north`` are the
     unit axes of what is flat. The ``count`` corners of a polygon, three numbers each, go counter-clockwise about up.
+    ``beside`` is, of the edge that leaves each of them, the one polygon that has the same edge the other way round, -1
+    if there is none or several. Of a face of a box ``solid`` is 1 and ``face`` its number. Of a face of a closed mesh
+    the whole mesh lies within ``reach`` of ``middle``; of other pieces the reach is 0.
     """
 
     kind: float
@@ -46,18 +52,66 @@ class Piece(Record):
     radius: float
     count: float
     corners: Annotated[Array, 12]
+    beside: Annotated[Array, 4]
+    solid: float
+    face: float
+    middle: Three
+    reach: float
 
 
 def piece_count(shapes: Table[Shape]) -> int:
     """How many pieces shapes are made of."""
-    return sum(FACES if shape.kind == BOX else 1 for shape in shapes)
+    return sum(pieces_of(shape) for shape in shapes)
 
 
-def laid_pieces(shapes: Table[Shape], frames: Table[Frame]) -> Table[Piece]:
-    """The pieces of shapes, in their order; row j of ``frames`` says where a plane or a disk lies."""
-    pieces = table(Piece, piece_count(shapes))
-    _kernel()(shapes, frames, pieces)
+@jitable
+def pieces_of(shape: Shape) -> int:
+    """How many pieces a shape is made of."""
+    if shape.kind == MESH:
+        return int(shape.faces)
+    return FACES if shape.kind == BOX else 1
+
+
+def laid_pieces(arrays: RadiometricArrays) -> Table[Piece]:
+    """The pieces of the shapes of a scene, in their order."""
+    pieces = table(Piece, piece_count(arrays.shapes))
+    _kernel()(arrays.shapes, arrays.facets, arrays.frames, pieces)
+    _join(pieces)
+    for j, shape in enumerate(arrays.shapes):
+        if shape.kind == MESH:
+            _enclose(pieces, np.nonzero(owners(pieces) == j)[0])
     return pieces
+
+
+def _enclose(pieces: Table[Piece], own: Ints) -> None:
+    """Write about what the faces ``own`` of a mesh lie, if it is closed: each of their edges is that of two of them."""
+    if not np.isin(np.asarray(pieces["beside"])[own, :3], own).all():
+        return
+    corners = np.asarray(pieces["corners"])[own].reshape(len(own), CORNERS, 3)[:, :3]
+    middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
+    np.asarray(pieces["middle"])[own] = middle
+    np.asarray(pieces["reach"])[own] = np.sqrt(((corners - middle) ** 2).sum(axis=2).max())
+
+
+def _join(pieces: Table[Piece]) -> None:
+    """Write which polygons lie beside the edges of each."""
+    beside, counts = np.asarray(pieces["beside"]), np.asarray(pieces["count"]).astype(np.int64)
+    beside[:] = -1.0
+    polygons = np.asarray(pieces["kind"]) == POLYGON
+    corners = np.asarray(pieces["corners"]).reshape(-1, 3)
+    # equal places, zeros of both signs too, are one vertex
+    names = np.unique(corners + 0.0, axis=0, return_inverse=True)[1].reshape(-1, CORNERS)
+    k = np.arange(CORNERS)
+    edges = polygons[:, None] & (k < counts[:, None])
+    following = np.take_along_axis(names, np.where(k + 1 < counts[:, None], k + 1, 0), axis=1)
+    span = int(names.max(initial=0)) + 1
+    forth, back = (names * span + following)[edges], (following * span + names)[edges]
+    known, first, times = np.unique(forth, return_index=True, return_counts=True)
+    at = np.minimum(np.searchsorted(known, back), max(len(known) - 1, 0))
+    own = np.searchsorted(known, forth)
+    single = (known[at] == back) & (times[at] == 1) & (times[own] == 1) if len(known) else np.zeros(0, np.bool_)
+    owners_of = np.nonzero(edges)[0]
+    beside[edges] = np.where(single, owners_of[first[at]], -1) if len(known) else beside[edges]
 
 
 @lru_cache(maxsize=1)
@@ -82,6 +136,12 @@ def put_corner(corners: Array, k: int, v: Vector) -> None:
 def corner(piece: Piece, k: int) -> Vector:
     """A corner of a polygon."""
     return (piece.corners[3 * k], piece.corners[3 * k + 1], piece.corners[3 * k + 2])
+
+
+@inlined
+def same(a: Vector, b: Vector) -> bool:
+    """Whether two vertices are one."""
+    return a[0] == b[0] and a[1] == b[1] and a[2] == b[2]
 
 
 @jitable
@@ -117,12 +177,27 @@ def lay_face(shape: Shape, face: int, piece: Piece) -> None:
     lay_frame(piece)
 
 
-def lay_pieces(shapes: Table[Shape], frames: Table[Frame], pieces: Table[Piece]) -> None:
-    """Write the pieces of all shapes."""
+@jitable
+def lay_facet(shape: Shape, facet: Facet, piece: Piece) -> None:
+    """Write a triangle of a mesh."""
+    ax, ay, az, bx, by, bz = leaves.box_axes(shape.rotation)
+    size = (shape.radius, shape.radius, shape.radius)
+    piece.count = 3.0
+    for k in range(3):
+        at = (facet.corners[3 * k], facet.corners[3 * k + 1], facet.corners[3 * k + 2])
+        x, y, z = leaves.box_corner(*vector(shape.place), *size, ax, ay, az, bx, by, bz, *at)
+        put_corner(piece.corners, k, (x, y, z))
+    lay_frame(piece)
+
+
+def lay_pieces(
+    shapes: Table[Shape], facets: Table[Facet], frames: Table[Frame], pieces: Table[Piece]
+) -> None:  # fmt: skip
+    """Write the pieces of all shapes; row j of ``frames`` says where a plane or a disk lies."""
     k = 0
     for j in range(shapes.shape[0]):
         shape = shapes[j]
-        for face in range(FACES if shape.kind == BOX else 1):
+        for face in range(pieces_of(shape)):
             piece = pieces[k]
             piece.owner, piece.material = 1.0 * j, shape.material
             if shape.kind == SPHERE:
@@ -138,7 +213,10 @@ def lay_pieces(shapes: Table[Shape], frames: Table[Frame], pieces: Table[Piece])
             else:
                 piece.kind = POLYGON
                 a, b, c = vector(shape.place), vector(shape.second), vector(shape.third)
-                if shape.kind == BOX:
+                if shape.kind == MESH:
+                    lay_facet(shape, facets[int(shape.start) + face], piece)
+                elif shape.kind == BOX:
+                    piece.solid, piece.face = 1.0, 1.0 * face
                     lay_face(shape, face, piece)
                 else:
                     put_corner(piece.corners, 0, a)
@@ -155,6 +233,6 @@ def lay_pieces(shapes: Table[Shape], frames: Table[Frame], pieces: Table[Piece])
             k += 1
 
 
-def owners(pieces: Table[Piece]) -> np.ndarray[Any, np.dtype[np.int64]]:
+def owners(pieces: Table[Piece]) -> Ints:
     """The shape that every piece belongs to."""
     return np.asarray(pieces["owner"]).astype(np.int64)

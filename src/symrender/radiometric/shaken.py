@@ -14,7 +14,7 @@ import numpy as np
 
 from symrender.jit.records import copied, flat, record
 from symrender.radiometric.vectors import Array
-from symrender.scene.radiometric.arrays import RadiometricArrays, laid_out
+from symrender.scene.radiometric.arrays import MESH, RadiometricArrays, laid_out
 from symrender.scene.records import Camera
 
 SHAKE: Final = 2.0**-46
@@ -59,6 +59,10 @@ def _extent(arrays: RadiometricArrays) -> float:
     places = [
         np.abs(shape.place).max() + np.abs(shape.second).max() + np.abs(shape.third).max() for shape in arrays.shapes
     ]
+    for mesh in arrays.shapes:
+        if mesh.kind == MESH:
+            own = flat(arrays.facets)[int(mesh.start) : int(mesh.start + mesh.faces)]
+            places.append(np.abs(mesh.place).max() + 2.0 * mesh.radius * np.abs(own).max())
     return float(max([1e-300, np.abs(camera.eye).max(), np.abs(camera.target).max(), *places]))
 
 
@@ -98,4 +102,9 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
     camera.eye[:], camera.target[:] = moved(camera.eye, size), moved(camera.target, size)
     camera.up[:] = moved(camera.up, float(np.abs(camera.up).max()))
     camera.fov = scaled(camera.fov)
-    return laid_out(materials, shapes, lights, directions, camera, arrays.bounces)
+    facets = copied(arrays.facets)
+    # a vertex moves alike in all facets that share it
+    vertices, which = np.unique(flat(facets).reshape(-1, 3), axis=0, return_inverse=True)
+    reach = float(np.abs(vertices).max(initial=0.0))
+    flat(facets)[:] = moved(vertices, reach)[which.ravel()].reshape(-1, 9)
+    return laid_out(materials, shapes, facets, lights, directions, camera, arrays.bounces)

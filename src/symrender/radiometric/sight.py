@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
+from symrender.radiometric.bounds import held_by, inside_of, next_met
 from symrender.radiometric.pieces import Piece, corner
 from symrender.radiometric.vectors import Vector, dot, minus, vector
 from symrender.radiometric.world import World
@@ -47,87 +48,109 @@ def passes(piece: Piece, height: float, slope: float, origin: Vector, d: Vector)
     return True
 
 
+@inlined
+def is_nearer(reach: float, j: int, distance: float, best: int) -> bool:
+    """Whether piece j is met before the best one, the first of both in order where both are as far."""
+    return reach < distance or (reach == distance and j < best)
+
+
 @jitable
 def nearest(world: World, origin: Vector, d: Vector) -> tuple[int, float, Vector, Vector, bool]:
     """(piece or -1, distance, place, unit normal towards the ray, whether the piece's own normal shows to the ray)."""
     best, distance = -1, math.inf
     place, facing, front = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), True
-    for j in range(world.pieces.shape[0]):
-        piece = world.pieces[j]
-        if piece.kind == SPHERE:
-            offset = minus(vector(piece.place), origin)
-            outside = leaves.sphere_power(*offset, piece.radius) > 0.0
-            if leaves.sphere_level(*offset, *d, piece.radius) < 0.0 or (outside and dot(offset, d) <= 0.0):
-                continue
-            side = 1.0 if outside else -1.0
-            reach, x, y, z = leaves.sphere_entry(*offset, *d, piece.radius, side)
-            if reach < distance:
-                best, distance, facing, front = j, reach, (x, y, z), outside
-                out = side * piece.radius
-                place = (piece.place[0] + out * x, piece.place[1] + out * y, piece.place[2] + out * z)
-        else:
-            up = vector(piece.up)
-            slope = dot(up, d)
-            if slope == 0.0:
-                continue
-            height = height_over(piece, origin)
-            reach = leaves.plane_reach(height, *up, *d)
-            if 0.0 < reach < min(distance, _FARTHEST) and passes(piece, height, slope, origin, d):
-                best, distance, front = j, reach, slope < 0.0
-                facing = up if front else (-up[0], -up[1], -up[2])
-                place = (origin[0] + reach * d[0], origin[1] + reach * d[1], origin[2] + reach * d[2])
+    k = next_met(world.bounds, 0, origin, d, math.inf)
+    while k < world.bounds.shape[0]:
+        for m in range(inside_of(world.bounds, k)):
+            j = held_by(world.bounds, k, m)
+            piece = world.pieces[j]
+            if piece.kind == SPHERE:
+                offset = minus(vector(piece.place), origin)
+                outside = leaves.sphere_power(*offset, piece.radius) > 0.0
+                if leaves.sphere_level(*offset, *d, piece.radius) < 0.0 or (outside and dot(offset, d) <= 0.0):
+                    continue
+                side = 1.0 if outside else -1.0
+                reach, x, y, z = leaves.sphere_entry(*offset, *d, piece.radius, side)
+                if is_nearer(reach, j, distance, best):
+                    best, distance, facing, front = j, reach, (x, y, z), outside
+                    out = side * piece.radius
+                    place = (piece.place[0] + out * x, piece.place[1] + out * y, piece.place[2] + out * z)
+            else:
+                up = vector(piece.up)
+                slope = dot(up, d)
+                if slope == 0.0:
+                    continue
+                height = height_over(piece, origin)
+                reach = leaves.plane_reach(height, *up, *d)
+                if (
+                    0.0 < reach < _FARTHEST
+                    and is_nearer(reach, j, distance, best)
+                    and passes(piece, height, slope, origin, d)
+                ):
+                    best, distance, front = j, reach, slope < 0.0
+                    facing = up if front else (-up[0], -up[1], -up[2])
+                    place = (origin[0] + reach * d[0], origin[1] + reach * d[1], origin[2] + reach * d[2])
+        k = next_met(world.bounds, k + 1, origin, d, distance)
     return best, distance, place, facing, front
 
 
 @jitable
 def turned_away(world: World, own: int, front: bool, j: int) -> bool:
     """Whether piece j is a face of the box that ``own`` is a face of, which hides nothing from outside."""
-    return front and world.pieces[j].owner == world.pieces[own].owner
+    return front and world.pieces[j].solid != 0.0 and world.pieces[j].owner == world.pieces[own].owner
 
 
 @jitable
 def hidden_point(world: World, own: int, front: bool, place: Vector, light: Vector) -> bool:
     """Whether a piece lies between a place of piece ``own`` and a light on the lit side of its normal."""
     segment = minus(light, place)
-    for j in range(world.pieces.shape[0]):
-        piece = world.pieces[j]
-        if piece.kind == SPHERE:
-            ahead = leaves.sphere_power(*minus(vector(piece.place), light), piece.radius)
-            if j == own:
-                # from inside a sphere all of its inside is seen, and nothing else
-                if not front and ahead > 0.0:
+    k = next_met(world.bounds, 0, place, segment, 1.0)
+    while k < world.bounds.shape[0]:
+        for m in range(inside_of(world.bounds, k)):
+            j = held_by(world.bounds, k, m)
+            piece = world.pieces[j]
+            if piece.kind == SPHERE:
+                ahead = leaves.sphere_power(*minus(vector(piece.place), light), piece.radius)
+                if j == own:
+                    # from inside a sphere all of its inside is seen, and nothing else
+                    if not front and ahead > 0.0:
+                        return True
+                    continue
+                offset = minus(vector(piece.place), place)
+                here = leaves.sphere_power(*offset, piece.radius)
+                along, whole, level = leaves.segment_pass(*offset, *segment, piece.radius)
+                between = here >= 0.0 and ahead >= 0.0 and 0.0 < along < whole and level >= 0.0
+                if between or here * ahead < 0.0:
                     return True
-                continue
-            offset = minus(vector(piece.place), place)
-            here = leaves.sphere_power(*offset, piece.radius)
-            along, whole, level = leaves.segment_pass(*offset, *segment, piece.radius)
-            between = here >= 0.0 and ahead >= 0.0 and 0.0 < along < whole and level >= 0.0
-            if between or here * ahead < 0.0:
-                return True
-        elif j != own and not turned_away(world, own, front, j):
-            here, ahead = height_over(piece, place), height_over(piece, light)
-            if here * ahead < 0.0 and passes(piece, here, ahead - here, place, segment):
-                return True
+            elif j != own and not turned_away(world, own, front, j):
+                here, ahead = height_over(piece, place), height_over(piece, light)
+                if here * ahead < 0.0 and passes(piece, here, ahead - here, place, segment):
+                    return True
+        k = next_met(world.bounds, k + 1, place, segment, 1.0)
     return False
 
 
 @jitable
 def hidden_direction(world: World, own: int, front: bool, place: Vector, toward: Vector) -> bool:
     """Whether a piece is met from a place of piece ``own`` in a unit direction on the lit side of its normal."""
-    for j in range(world.pieces.shape[0]):
-        piece = world.pieces[j]
-        if piece.kind == SPHERE:
-            if j == own:
-                if not front:
+    k = next_met(world.bounds, 0, place, toward, math.inf)
+    while k < world.bounds.shape[0]:
+        for m in range(inside_of(world.bounds, k)):
+            j = held_by(world.bounds, k, m)
+            piece = world.pieces[j]
+            if piece.kind == SPHERE:
+                if j == own:
+                    if not front:
+                        return True
+                    continue
+                offset = minus(vector(piece.place), place)
+                if leaves.sphere_power(*offset, piece.radius) < 0.0:
                     return True
-                continue
-            offset = minus(vector(piece.place), place)
-            if leaves.sphere_power(*offset, piece.radius) < 0.0:
-                return True
-            if dot(offset, toward) > 0.0 and leaves.sphere_level(*offset, *toward, piece.radius) >= 0.0:
-                return True
-        elif j != own and not turned_away(world, own, front, j):
-            here, slope = height_over(piece, place), dot(vector(piece.up), toward)
-            if here * slope < 0.0 and passes(piece, here, slope, place, toward):
-                return True
+                if dot(offset, toward) > 0.0 and leaves.sphere_level(*offset, *toward, piece.radius) >= 0.0:
+                    return True
+            elif j != own and not turned_away(world, own, front, j):
+                here, slope = height_over(piece, place), dot(vector(piece.up), toward)
+                if here * slope < 0.0 and passes(piece, here, slope, place, toward):
+                    return True
+        k = next_met(world.bounds, k + 1, place, toward, math.inf)
     return False

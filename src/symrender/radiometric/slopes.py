@@ -14,6 +14,7 @@ from symrender.jit.generated import load_module
 from symrender.jit.records import flat, grid, record, table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric import pieces, tile
+from symrender.radiometric.bounds import Bound, laid_bounds
 from symrender.radiometric.pieces import Piece, piece_count
 from symrender.radiometric.pushforward import pushed
 from symrender.radiometric.vectors import Array
@@ -22,7 +23,7 @@ from symrender.scene.arrays import PLANE
 from symrender.scene.frames import frame_moves, turned
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import DIRECTIONAL, DISK, SPOT, RadiometricArrays, plane_record
-from symrender.scene.radiometric.records import Light, Material, Shape
+from symrender.scene.radiometric.records import Facet, Light, Material, Shape
 from symrender.scene.records import Camera, Frame, Plane
 
 
@@ -42,7 +43,14 @@ def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
     materials, shapes = table(Material, len(arrays.materials)), table(Shape, len(arrays.shapes))
     lights, directions = table(Light, len(arrays.lights)), np.zeros_like(arrays.directions)
     camera = record(Camera)
-    parts = {"materials": flat(materials), "shapes": flat(shapes), "lights": flat(lights), "camera": flat(camera)}
+    facets = table(Facet, len(arrays.facets))
+    parts = {
+        "materials": flat(materials),
+        "shapes": flat(shapes),
+        "facets": flat(facets),
+        "lights": flat(lights),
+        "camera": flat(camera),
+    }
     for name, index in move[1]:
         (parts | {"directions": directions})[name][index] = 1.0
     places = table(Frame, len(shapes))
@@ -56,7 +64,7 @@ def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
             lights[i].place[:] = turned(arrays.directions[i], directions[i])
         if light.kind == SPOT:
             lights[i].axis[:] = turned(arrays.directions[i], directions[i])
-    return RadiometricArrays(materials, shapes, places, lights, directions, camera, arrays.bounces)
+    return RadiometricArrays(materials, shapes, facets, places, lights, directions, camera, arrays.bounces)
 
 
 def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -> Seen:
@@ -69,8 +77,9 @@ def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -
 def world_moves(arrays: RadiometricArrays, moves: RadiometricArrays) -> World:
     """How the world of a scene moves with its records."""
     laid, moved = (table(Piece, piece_count(arrays.shapes)) for _ in range(2))
-    _pieces_kernel()(arrays.shapes, arrays.frames, laid, moves.shapes, moves.frames, moved)
-    return World(moves.materials, moved, moves.lights)
+    _pieces_kernel()(arrays.shapes, arrays.facets, arrays.frames, laid, moves.shapes, moves.facets, moves.frames, moved)
+    # where bounds lie has no part in a value: they stand still
+    return World(moves.materials, moved, moves.lights, table(Bound, len(laid_bounds(laid))))
 
 
 @lru_cache(maxsize=1)

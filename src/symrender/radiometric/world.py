@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
+from symrender.radiometric.bounds import Bound, laid_bounds
 from symrender.radiometric.pieces import Piece, laid_pieces
 from symrender.radiometric.vectors import Array
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -17,16 +19,24 @@ from symrender.scene.records import Camera
 
 
 class World(NamedTuple):
-    """The records of a scene, its shapes as what they are made of."""
+    """The records of a scene, its shapes as what they are made of, and the hierarchy of bounds over these."""
 
     materials: Table[Material]
     pieces: Table[Piece]
     lights: Table[Light]
+    bounds: Table[Bound]
 
 
-def make_world(arrays: RadiometricArrays) -> World:
-    """World of a scene."""
-    return World(arrays.materials, laid_pieces(arrays.shapes, arrays.frames), arrays.lights)
+def make_world(arrays: RadiometricArrays, like: World | None = None) -> World:
+    """World of a scene; its bounds are those of the same scene before it was shaken, if that is given as ``like``."""
+    pieces = laid_pieces(arrays)
+    return World(arrays.materials, pieces, arrays.lights, like.bounds if like else laid_bounds(pieces))
+
+
+def make_worlds(scenes: Sequence[RadiometricArrays]) -> list[World]:
+    """Worlds of a scene and of the same scene shaken."""
+    first = make_world(scenes[0])
+    return [first, *(make_world(each, first) for each in scenes[1:])]
 
 
 class Seen(NamedTuple):
@@ -37,10 +47,15 @@ class Seen(NamedTuple):
     window: Array
 
 
-def seen(arrays: RadiometricArrays, width: int, height: int) -> Seen:
-    """A scene as its kernel takes it."""
+def seen(arrays: RadiometricArrays, width: int, height: int, world: World | None = None) -> Seen:
+    """A scene as its kernel takes it; its ``world``, if there is one already."""
     eye = np.ascontiguousarray(arrays.camera.eye)
-    return Seen(make_world(arrays), eye, camera_window(arrays.camera, width, height))
+    return Seen(world or make_world(arrays), eye, camera_window(arrays.camera, width, height))
+
+
+def seen_all(scenes: Sequence[RadiometricArrays], width: int, height: int) -> list[Seen]:
+    """The same of a scene and of the same scene shaken."""
+    return [seen(each, width, height, world) for each, world in zip(scenes, make_worlds(scenes), strict=True)]
 
 
 def camera_window(camera: Camera, width: int, height: int) -> Array:

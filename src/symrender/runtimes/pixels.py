@@ -27,6 +27,7 @@ from symrender.scene.radiometric.arrays import (
     BECKMANN,
     CONDUCTOR,
     DIFFUSE,
+    MESH,
     PHONG,
     POINT,
     SKY,
@@ -60,6 +61,8 @@ def check_pixels(arrays: RadiometricArrays) -> None:
                 f"filter: box has no walls yet for a sky or an area light beside polygons and disks (shapes[{index}]); "
                 "for points, spots and directions it has, and centre needs none"
             )
+        if shape.kind == MESH:
+            raise Unsupported(f"filter: box has no walls yet for a mesh (shapes[{index}]); centre needs none")
         material = arrays.materials[int(shape.material)]
         edge = ""
         if extended and material.kind != DIFFUSE:
@@ -101,7 +104,7 @@ def mean_world(world: World) -> World:
     for piece in pieces:
         if piece.kind != SPHERE:
             piece.material += count
-    return World(materials, pieces, world.lights)
+    return World(materials, pieces, world.lights, world.bounds)
 
 
 def delicate(arrays: RadiometricArrays) -> bool:

@@ -19,7 +19,7 @@ from symrender.radiometric.crossed import crossed
 from symrender.radiometric.shaken import doubt, shaken, shaken_rays
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import make_world, seen
+from symrender.radiometric.world import make_world, make_worlds, seen, seen_all
 from symrender.radiosity.coincident import coincident
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.image import TileKernel
@@ -49,7 +49,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     if settings.filter == "box":
         return _prepare_box(arrays, settings)
     width, height = settings.width, settings.height
-    views = [seen(each, width, height) for each in shaken(arrays)]
+    views = seen_all(shaken(arrays), width, height)
     own, integrated = threading.local(), _integrated(arrays)
     if arrays.bounces and is_flat(arrays):
         table_of(arrays, settings.tol, settings.threads)
@@ -146,8 +146,7 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
     check(arrays)
     count, sent = len(origins), shaken_rays(arrays, origins, directions)
     found = []
-    for each, pair in zip(shaken(arrays), sent, strict=True):
-        world = make_world(each)
+    for world, pair in zip(make_worlds(shaken(arrays)), sent, strict=True):
         one = (np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count))
         _kernel("fill_rays")(world, *pair, sky_room(world), *one)
         found.append(one)

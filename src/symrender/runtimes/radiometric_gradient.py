@@ -17,7 +17,7 @@ from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import Seen, seen
+from symrender.radiometric.world import Seen, seen_all
 from symrender.runtimes.bounce_moves import check_moves
 from symrender.runtimes.bounce_slopes import BouncedSlopes, SlopeBouncer, moving_rays
 from symrender.runtimes.image import TileKernel
@@ -74,7 +74,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
         return prepare_box(arrays, settings, wrt)
     width, height = settings.width, settings.height
     worlds = shaken(arrays)
-    views = [seen(each, width, height) for each in worlds]
+    views = seen_all(worlds, width, height)
     moving = {move[0]: [seen_moves(each, move, width, height) for each in worlds] for move in wrt}
 
     own = threading.local()

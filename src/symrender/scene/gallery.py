@@ -33,5 +33,10 @@ def text(name: str) -> str:
     return (folder / f"{name}.yaml").read_text(encoding="utf-8")
 
 
+def mesh(name: str, most: int) -> bytes:
+    """The first ``most`` bytes of a mesh's file in the gallery."""
+    return (_folder() / "radiometric" / name).read_bytes()[:most]
+
+
 def _listed(folder: Traversable) -> tuple[str, ...]:
     return tuple(sorted(f.name.removesuffix(".yaml") for f in folder.iterdir() if f.name.endswith(".yaml")))

@@ -95,6 +95,11 @@ def _accepts(info: FieldInfo) -> str:
     if bounds is not None:
         return _range(info)
     count, inner = length(info), item(info)
+    if count is None and inner is not None and length(inner) is not None:
+        number = item(inner)
+        whole = number is not None and number.annotation is int
+        what = "whole numbers, ≥ 0" if whole or number is None else f"numbers, {_range(number)}"
+        return f"a list of lists of {length(inner)} {what}"
     if count is not None and inner is not None:
         if (inner_count := length(inner)) is not None and (number := item(inner)) is not None:
             return f"{count} lists of {inner_count} numbers, {_range(number)}"

@@ -11,6 +11,7 @@ from typing import Any, Final
 from symrender.errors import SceneError, Unsupported
 from symrender.scene import gallery
 from symrender.scene.document import Document, Malformed, Mark, Problem, failure
+from symrender.scene.meshes.files import Opener, beside, with_meshes
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.parse_json import parse_json
 from symrender.scene.parse_toml import parse_toml
@@ -55,10 +56,11 @@ Source = Scene | RadiometricScene | str | os.PathLike[str] | Mapping[str, Any]
 _ROOTS: Final[Mapping[str, type[Scene] | type[RadiometricScene]]] = {"series": Scene, "radiometric": RadiometricScene}
 
 
-def parse_any(text: str, origin: str, suffix: str = ".yaml") -> AnyScene:
+def parse_any(text: str, origin: str, suffix: str = ".yaml", opener: Opener | None = None) -> AnyScene:
     """The scene in ``text``, of either units, read as the file ending ``suffix`` says.
 
-    ``origin`` is what messages call it. Raises SceneError, one line per problem, the first of them complete in itself.
+    ``origin`` is what messages call it, ``opener`` opens files of meshes; without it they lie in the current folder.
+    Raises SceneError, one line per problem, the first of them complete in itself.
     """
     language, parser = _PARSERS[suffix]
     try:
@@ -70,7 +72,7 @@ def parse_any(text: str, origin: str, suffix: str = ".yaml") -> AnyScene:
         read = "nothing" if data in (None, {}) else shown(data)
         wanted = f"must be a mapping with a camera, spheres and lights, got {read} (read as {language})"
         raise failure(Document(None, origin), [Problem((), wanted, document.marks.get((), Mark(1, 1)))])
-    return _scene_of(document)
+    return _scene_of(document, opener or beside(""))
 
 
 def parse(text: str, origin: str, suffix: str = ".yaml", verb: str = "") -> Scene:
@@ -78,8 +80,11 @@ def parse(text: str, origin: str, suffix: str = ".yaml", verb: str = "") -> Scen
     return in_series(parse_any(text, origin, suffix), verb)
 
 
-def _scene_of(document: Document) -> AnyScene:
-    """The scene a document describes, as its ``units`` say: series, which need not be said, or radiometric."""
+def _scene_of(document: Document, opener: Opener) -> AnyScene:
+    """The scene a document describes, as its ``units`` say: series, which need not be said, or radiometric.
+
+    ``opener`` opens the files that it names.
+    """
     units = document.data.get("units", "series")
     root = _ROOTS.get(units) if isinstance(units, str) else None
     if root is None:
@@ -87,6 +92,9 @@ def _scene_of(document: Document) -> AnyScene:
     if root is Scene and "units" in document.data:
         data = {key: value for key, value in document.data.items() if key != "units"}
         document = dataclasses.replace(document, data=data)
+    document, problems = with_meshes(document, opener)
+    if problems:
+        raise failure(document, problems)
     return validated(root, document)
 
 
@@ -97,7 +105,7 @@ def _load_file(path: str) -> AnyScene:
         guess = did_you_mean(path, known) or f", known are {', '.join(known)}"
         endings = ", ".join(_PARSERS)
         raise SceneError(f"{printable(path, 100)}: neither a file ending in {endings} nor a gallery scene{guess}")
-    return parse_any(read_file(path), path, suffix)
+    return parse_any(read_file(path), path, suffix, beside(path))
 
 
 def load_any(source: Source) -> AnyScene:
@@ -115,10 +123,10 @@ def load_any(source: Source) -> AnyScene:
     if isinstance(source, Scene | RadiometricScene):
         return source
     if isinstance(source, Mapping):
-        return _scene_of(Document(plain(source)))
+        return _scene_of(Document(plain(source)), beside(""))
     if isinstance(source, str):
         if source in gallery.all_names():
-            return parse_any(gallery.text(source), source)
+            return parse_any(gallery.text(source), source, opener=gallery.mesh)
         return parse_any(read_stdin(), "stdin") if source == "-" else _load_file(source)
     if isinstance(source, os.PathLike):
         path = os.fspath(source)

@@ -59,6 +59,9 @@ def _walk(prefix: str, info: FieldInfo | None, value: Any, description: str) -> 
         for index, part in enumerate(value):
             if isinstance(part, tuple):
                 name = f"{prefix}[{index}]"
+            elif isinstance(part, int):
+                # which vertices a face has is no real number
+                continue
             else:
                 name = f"{prefix}.{axes[index] if axes else part.name}"
             yield from _walk(name, item(info, index), part, description)

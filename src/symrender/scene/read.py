@@ -14,9 +14,10 @@ from symrender.scene.printable import printable
 _SHOWN = 100
 
 
-def _decode(data: bytes, origin: str) -> str:
-    if len(data) > MAX_FILE_BYTES:
-        raise SceneError(f"{origin}: a scene file may hold at most {MAX_FILE_BYTES} bytes")
+def decoded(data: bytes, origin: str, most: int = MAX_FILE_BYTES, what: str = "a scene file") -> str:
+    """Text of a file's bytes, at most ``most`` of them; SceneError names ``what`` it is and where it is none."""
+    if len(data) > most:
+        raise SceneError(f"{origin}: {what} may hold at most {most} bytes")
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise SceneError(f"{origin}: must be UTF-8, got UTF-16 or UTF-32")
     try:
@@ -34,6 +35,11 @@ def _decode(data: bytes, origin: str) -> str:
 
 def read_file(path: str) -> str:
     """Text of the file at ``path``, a leading byte order mark removed; never blocks on what is not a regular file."""
+    return decoded(read_bytes(path, MAX_FILE_BYTES + 1), printable(path, _SHOWN))
+
+
+def read_bytes(path: str, most: int) -> bytes:
+    """The first ``most`` bytes of the file at ``path``; never blocks on what is not a regular file."""
     origin = printable(path, _SHOWN)
     try:
         # O_NONBLOCK: opening a FIFO for reading waits for a writer otherwise
@@ -48,14 +54,14 @@ def read_file(path: str) -> str:
             kind = "a directory" if stat.S_ISDIR(mode) else "a device, pipe or socket"
             raise SceneError(f"{origin}: must be a regular file, got {kind}")
         with os.fdopen(handle, "rb", closefd=False) as file:
-            data = file.read(MAX_FILE_BYTES + 1)
+            data = file.read(most)
     except OSError as error:
         raise SceneError(f"{origin}: cannot be read: {error.strerror}") from None
     finally:
         os.close(handle)
-    return _decode(data, origin)
+    return data
 
 
 def read_stdin() -> str:
     """Text of standard input, under the same rules as a file."""
-    return _decode(sys.stdin.buffer.read(MAX_FILE_BYTES + 1), "stdin")
+    return decoded(sys.stdin.buffer.read(MAX_FILE_BYTES + 1), "stdin")

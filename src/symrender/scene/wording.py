@@ -49,10 +49,14 @@ def expected(info: FieldInfo, value: Any, name: str | int = "") -> str:
         return _range_text(bounds, value, name) if type(value) in (int, float) else "must be a number"
     if (size := length(info)) is not None:
         inner = item(info)
+        if inner is not None and inner.annotation is int:
+            return f"must be a list of {size} whole numbers"
         parts = "lists of numbers" if inner is not None and length(inner) is not None else "numbers"
         return f"must be a list of {size} {parts}"
     if info.annotation is bool:
         return "must be true or false"
+    if info.annotation is int:
+        return "must be a whole number from 0"
     if info.annotation is str:
         return "must be text"
     if names := choices(info):

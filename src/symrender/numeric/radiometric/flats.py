@@ -46,17 +46,22 @@ def corner_normal(shape: Shape) -> Vector:
 @jitable
 def corner_distance(shape: Shape, origin: Vector, d: Vector) -> float:
     """Distance along a unit ray to a rectangle or a triangle, inf where it is not met."""
-    u, v = edges(shape)
+    return edges_distance(triple(shape.place), *edges(shape), shape.kind == RECTANGLE, origin, d)
+
+
+@jitable
+def edges_distance(corner: Vector, u: Vector, v: Vector, four: bool, origin: Vector, d: Vector) -> float:
+    """Distance along a unit ray to what edges u and v span from a corner, with three corners or ``four``, or inf."""
     p = cross(d, v)
     volume = dot(u, p)
     if volume == 0.0:
         return math.inf
-    s = minus(origin, triple(shape.place))
+    s = minus(origin, corner)
     a = dot(s, p) / volume
     q = cross(s, u)
     b = dot(d, q) / volume
     reach = dot(v, q) / volume
-    end = max(a, b) if shape.kind == RECTANGLE else a + b
+    end = max(a, b) if four else a + b
     return reach if a >= 0.0 and b >= 0.0 and end <= 1.0 and reach > 0.0 else math.inf
 
 

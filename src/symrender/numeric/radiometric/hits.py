@@ -17,23 +17,27 @@ from symrender.numeric.radiometric.flats import (
     corner_normal,
     corner_place,
     disk_distance,
+    edges_distance,
     triple,
 )
+from symrender.numeric.radiometric.meshes import face_normal, face_place, passes_by, sides
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.rays import floor_distance, sphere_offset, sphere_roots
 from symrender.numeric.vectors import Vector, along, dot, minus
 from symrender.scene.arrays import CHECKER, MARBLE, PLANE, SOLID
-from symrender.scene.radiometric.arrays import BOX, DISK, RECTANGLE, SPHERE, TRIANGLE
+from symrender.scene.radiometric.arrays import BOX, DISK, MESH, RECTANGLE, SPHERE, TRIANGLE
 from symrender.scene.records import Frame
 
 
 class Hit(NamedTuple):
     """A place of shape ``own`` (-1: none) at ``distance``; ``outward`` is the shape's normal there.
 
-    ``behind`` says that the ray came from the side the normal points away from.
+    ``face`` is the face of a mesh, -1 of others. ``behind`` says that the ray came from the side the normal points away
+    from.
     """
 
     own: int
+    face: int
     distance: float
     place: Vector
     outward: Vector
@@ -47,9 +51,30 @@ def level(frame: Frame, p: Vector, d: Vector) -> float:
 
 
 @jitable
-def first_hit(world: World, origin: Vector, d: Vector, left: int, inside: bool) -> Hit:
-    """What the unit ray meets first; shape ``left``, which it starts from, only from its ``inside``."""
-    best, distance, far = -1, math.inf, False
+def nearest_face(world: World, origin: Vector, d: Vector, left: int) -> tuple[int, int, float]:
+    """(mesh, face, distance) of the face that a unit ray meets first, not of the face ``left``; -1, -1, inf if none."""
+    own, best, distance = -1, -1, math.inf
+    for g in range(world.groups.shape[0]):
+        group = world.groups[g]
+        if passes_by(group, origin, d, distance):
+            continue
+        for k in range(int(group.begin), int(group.stop)):
+            if k == left:
+                continue
+            reach = edges_distance(*sides(world.faces[k]), False, origin, d)
+            if reach < distance:
+                own, best, distance = int(group.owner), k, reach
+    return own, best, distance
+
+
+@jitable
+def first_hit(world: World, origin: Vector, d: Vector, left: int, face: int, inside: bool) -> Hit:
+    """What the unit ray meets first; shape ``left``, which it starts from, only from its ``inside``.
+
+    Of a mesh it starts from a ``face``, which it does not meet again.
+    """
+    best, part, distance = nearest_face(world, origin, d, face)
+    far = False
     for j in range(world.shapes.shape[0]):
         shape = world.shapes[j]
         if shape.kind == SPHERE:
@@ -71,7 +96,7 @@ def first_hit(world: World, origin: Vector, d: Vector, left: int, inside: bool) 
                 reach, from_within = box_distance(shape, origin, d, j == left)
                 if reach < distance:
                     best, distance, far = j, reach, from_within
-        elif j != left:
+        elif j != left and shape.kind != MESH:
             if shape.kind == PLANE:
                 reach = level(world.frames[j], origin, d)
             elif shape.kind == DISK:
@@ -81,26 +106,29 @@ def first_hit(world: World, origin: Vector, d: Vector, left: int, inside: bool) 
             if reach < distance:
                 best, distance, far = j, reach, False
     if best < 0:
-        return Hit(-1, math.inf, origin, d, False)
+        return Hit(-1, -1, math.inf, origin, d, False)
     shape, frame = world.shapes[best], world.frames[best]
+    if shape.kind == MESH:
+        n = face_normal(world.faces[part])
+        return Hit(best, part, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
     if shape.kind == BOX:
         p = along(origin, distance, d)
         n = box_normal(shape, p)
-        return Hit(best, distance, p, n, far)
+        return Hit(best, -1, distance, p, n, far)
     if shape.kind == RECTANGLE or shape.kind == TRIANGLE:
         n = corner_normal(shape)
-        return Hit(best, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
+        return Hit(best, -1, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
     if shape.kind == SPHERE:
         n = sphere_offset(minus(origin, triple(shape.place)), d, shape.radius, far)
-        return Hit(best, distance, along(triple(shape.place), shape.radius, n), n, far)
+        return Hit(best, -1, distance, along(triple(shape.place), shape.radius, n), n, far)
     n = triple(frame.up)
-    return Hit(best, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
+    return Hit(best, -1, distance, along(origin, distance, d), n, dot(n, d) > 0.0)
 
 
 @jitable
 def reaches(world: World, hit: Hit, toward: Vector, limit: float) -> bool:
     """Whether nothing is met before ``limit`` along a unit direction on the side of a hit that the ray came from."""
-    return first_hit(world, hit.place, toward, hit.own, hit.behind).distance >= limit
+    return first_hit(world, hit.place, toward, hit.own, hit.face, hit.behind).distance >= limit
 
 
 @inlined
@@ -113,6 +141,8 @@ def odd_field(x: float) -> bool:
 def flat_place(world: World, hit: Hit) -> tuple[float, float]:
     """(x, y) of the texture of a flat shape at a hit."""
     shape = world.shapes[hit.own]
+    if shape.kind == MESH:
+        return face_place(world.faces[hit.face], hit.place)
     if shape.kind == BOX:
         return box_place(shape, hit.place, hit.outward)
     if shape.kind == RECTANGLE or shape.kind == TRIANGLE:

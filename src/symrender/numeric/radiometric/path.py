@@ -149,7 +149,7 @@ def from_emitters(world: World, at: Surface, a: float, b: float) -> Vector:
         share = reflected(material, at.reflectance, at.wo, wi)
         if max(share[0], share[1], share[2]) <= 0.0:
             continue
-        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.behind)
+        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, at.hit.behind)
         if hit.own == emitter and not hit.behind:
             chance = chance_of(world, hit, at.hit.place, d) + density(material, at.wo, wi)
             total = plus(total, scaled(share, triple(light.emitted), 1.0 / chance))
@@ -191,7 +191,7 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
         if max(share[0], share[1], share[2]) <= 0.0 or chance <= 0.0:
             break
         d = unit(outside(at, wi))
-        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.behind)
+        hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, at.hit.behind)
         spent += 1
         if hit.own < 0:
             if world.sky >= 0:

@@ -29,7 +29,7 @@ Sight = tuple[int, Vector, Vector, Vector, int]
 def along_ray(world: World, eye: Vector, d: Vector, sampler: int, order: int, key: Key) -> Sight:
     """What comes back along a unit ray, the mean of order x order paths where chance has a part in it."""
     black = (0.0, 0.0, 0.0)
-    hit = first_hit(world, eye, d, -1, False)
+    hit = first_hit(world, eye, d, -1, -1, False)
     if hit.own < 0:
         return 0, triple(world.lights[world.sky].emitted) if world.sky >= 0 else black, black, black, 1
     emitted = shining(world, hit)
@@ -66,7 +66,7 @@ def through_box(
             stratum = (index + shift) % count
             a, b = (stratum // order + a) / order, (stratum % order + b) / order
         d = unit(window_direction(frame, 2.0 * (i + a) / width - 1.0, 1.0 - 2.0 * (j + b) / height))
-        hit = first_hit(world, eye, d, -1, False)
+        hit = first_hit(world, eye, d, -1, -1, False)
         spent += 1
         if hit.own < 0:
             if world.sky >= 0:
@@ -81,7 +81,7 @@ def through_box(
             near, later, rays = path(world, at, sampler, order, key, index)
             direct, indirect, spent = plus(direct, near), plus(indirect, later), spent + rays
     d = unit(window_direction(frame, 2.0 * (i + 0.5) / width - 1.0, 1.0 - 2.0 * (j + 0.5) / height))
-    own = first_hit(world, eye, d, -1, False).own
+    own = first_hit(world, eye, d, -1, -1, False).own
     share = (1.0 / count, 1.0 / count, 1.0 / count)
     return (
         FIRST_SHAPE + own if own >= 0 else 0,

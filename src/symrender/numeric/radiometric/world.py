@@ -5,13 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from symrender.jit.records import Table
+from symrender.numeric.radiometric.meshes import Face, Group, laid_meshes
 from symrender.scene.radiometric.arrays import AREA, SKY, RadiometricArrays
 from symrender.scene.radiometric.records import Light, Material, Shape
 from symrender.scene.records import Frame
 
 
 class World(NamedTuple):
-    """The records of a scene; row j of ``frames`` says where shape j lies, if it is a plane.
+    """The records of a scene; row j of ``frames`` says where shape j lies, if it is a plane or a disk.
+
+    ``faces`` are those of meshes, in ``groups``.
 
     ``sky`` is the index of the sky among the lights, -1 if there is none; ``extended`` says whether a light is a sky or
     a sphere, which a direction may meet; ``bounces`` how many reflections follow the
@@ -21,6 +24,8 @@ class World(NamedTuple):
     materials: Table[Material]
     shapes: Table[Shape]
     frames: Table[Frame]
+    faces: Table[Face]
+    groups: Table[Group]
     lights: Table[Light]
     sky: int
     extended: bool
@@ -32,4 +37,5 @@ def make_world(arrays: RadiometricArrays) -> World:
     skies = [index for index, light in enumerate(arrays.lights) if light.kind == SKY]
     extended = any(light.kind in (SKY, AREA) for light in arrays.lights)
     sky = skies[0] if skies else -1
-    return World(arrays.materials, arrays.shapes, arrays.frames, arrays.lights, sky, extended, arrays.bounces)
+    meshes = laid_meshes(arrays)
+    return World(arrays.materials, arrays.shapes, arrays.frames, *meshes, arrays.lights, sky, extended, arrays.bounces)

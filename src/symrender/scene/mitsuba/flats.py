@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.scene.mitsuba.plane import frame_of
-from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Triangle
+from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Triangle
 
 Array = npt.NDArray[np.float64]
 Flat = Rectangle | Disk | Box
@@ -118,6 +118,15 @@ def corners_of(shape: Rectangle | Triangle | Box) -> list[tuple[float, float, fl
         x, y, z = (float(c) for c in matrix[:3, :3] @ signs + matrix[:3, 3])
         found.append((x, y, z))
     return found
+
+
+def mesh_places(shape: Mesh) -> list[tuple[float, float, float]]:
+    """The vertices of a mesh in the world."""
+    turn = math.radians(shape.rotation)
+    c, s = math.cos(turn), math.sin(turn)
+    rows = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    places = np.array(shape.position) + shape.scale * (np.array(shape.vertices) @ rows.T)
+    return [(float(x), float(y), float(z)) for x, y, z in places]
 
 
 def mesh_indices(corners: int) -> tuple[int, ...]:

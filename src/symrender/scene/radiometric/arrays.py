@@ -8,13 +8,13 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.jit.records import Table, copied, record, table
+from symrender.jit.records import Table, copied, flat, record, table
 from symrender.scene.arrays import CHECKER, LOOK_AT, MARBLE, PLANE, SOLID, STRIPES
 from symrender.scene.frames import frames
 from symrender.scene.radiometric import lights, shapes
 from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Phong, Reflectance, Solid
 from symrender.scene.radiometric.materials import Material as MaterialPart
-from symrender.scene.radiometric.records import Light, Material, Shape
+from symrender.scene.radiometric.records import Facet, Light, Material, Shape
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Shape as ShapePart
 from symrender.scene.records import Camera, Frame
@@ -37,6 +37,7 @@ RECTANGLE: Final = 3
 TRIANGLE: Final = 4
 DISK: Final = 5
 BOX: Final = 6
+MESH: Final = 7
 
 # kinds of a light; a point is POINT
 POINT: Final = 0
@@ -57,11 +58,12 @@ class RadiometricArrays:
     """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes and disks lie.
 
     ``directions`` (lights, 3) are those of directional lights and spots, of any length: ``place`` of the first and
-    ``axis`` of the others is its unit vector.
+    ``axis`` of the others is its unit vector. ``facets`` are those of all meshes.
     """
 
     materials: Table[Material]
     shapes: Table[Shape]
+    facets: Table[Facet]
     frames: Table[Frame]
     lights: Table[Light]
     directions: Array
@@ -80,6 +82,7 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
         row = rows[j]
         row.material = names[shape.material]
         _lay_shape(shape, row)
+    facets = _lay_facets(scene.shapes, rows)
     lit = table(Light, len(scene.lights))
     directions = np.zeros((len(scene.lights), 3))
     places = {shape.name: j for j, shape in enumerate(scene.shapes)}
@@ -106,12 +109,13 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     camera = record(Camera)
     camera.kind, camera.fov = LOOK_AT, scene.camera.fov
     camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
-    return laid_out(materials, rows, lit, directions, camera, ALL if scene.bounces == "all" else scene.bounces)
+    bounces = ALL if scene.bounces == "all" else scene.bounces
+    return laid_out(materials, rows, facets, lit, directions, camera, bounces)
 
 
 def laid_out(
-    materials: Table[Material], shapes: Table[Shape], lights: Table[Light], directions: Array, camera: Camera,
-    bounces: int,
+    materials: Table[Material], shapes: Table[Shape], facets: Table[Facet], lights: Table[Light], directions: Array,
+    camera: Camera, bounces: int,
 ) -> RadiometricArrays:  # fmt: skip
     """The records of a scene, and what follows: frames of planes and disks, unit vectors of lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
@@ -123,7 +127,7 @@ def laid_out(
             direction = directions[i] / np.abs(directions[i]).max()
             unit = light.place if light.kind == DIRECTIONAL else light.axis
             unit[:] = direction / np.sqrt(direction @ direction)
-    return RadiometricArrays(materials, shapes, places, lit, directions, camera, bounces)
+    return RadiometricArrays(materials, shapes, facets, places, lit, directions, camera, bounces)
 
 
 def plane_record(shape: Shape) -> Table[PlaneRecord]:
@@ -153,6 +157,23 @@ def _lay_shape(shape: ShapePart, row: Shape) -> None:
         case shapes.Box():
             row.kind, row.rotation = BOX, shape.rotation
             row.place[:], row.second[:] = shape.center, shape.size
+        case shapes.Mesh():
+            row.kind, row.radius, row.rotation = MESH, shape.scale, shape.rotation
+            row.place[:] = shape.position
+
+
+def _lay_facets(parts: tuple[ShapePart, ...], rows: Table[Shape]) -> Table[Facet]:
+    """The facets of all meshes, and in their rows where each mesh's begin and how many they are."""
+    corners = [np.zeros((0, 9))]
+    start = 0
+    for shape, row in zip(parts, rows, strict=True):
+        if isinstance(shape, shapes.Mesh):
+            corners.append(np.array(shape.vertices)[np.array(shape.faces)].reshape(-1, 9))
+            row.start, row.faces = start, len(shape.faces)
+            start += len(shape.faces)
+    facets = table(Facet, start)
+    flat(facets)[:] = np.concatenate(corners)
+    return facets
 
 
 def _lay_material(material: MaterialPart, row: Material) -> None:

@@ -80,7 +80,7 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
     ):
         return f"{words[0]} over a texture of a plane"
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
-        return "a rectangle, a triangle, a disk or a box"
+        return "a rectangle, a triangle, a disk, a box or a mesh"
     planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
     if any(material.texture in (STRIPES, MARBLE) for material in planes):
         return "stripes or marble on a plane"
@@ -119,7 +119,7 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
 def lamp_refusal(arrays: RadiometricArrays) -> str:
     """What keeps the light of lamps and the sky on what is glossy from being integrated, as words; empty if nothing."""
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
-        return "a rectangle, a triangle, a disk or a box"
+        return "a rectangle, a triangle, a disk, a box or a mesh"
     if sum(shape.kind == PLANE for shape in arrays.shapes) > MAX_PLANES:
         return f"more than {MAX_PLANES} planes"
     return ""

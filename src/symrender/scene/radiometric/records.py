@@ -5,7 +5,9 @@ All fields are float64; kinds are whole numbers, named in ``scene/radiometric/ar
 
 from __future__ import annotations
 
-from symrender.jit.records import Record, Three
+from typing import Annotated
+
+from symrender.jit.records import Array, Record, Three
 
 
 class Material(Record):
@@ -35,7 +37,8 @@ class Shape(Record):
     A PLANE is ``place``, ``normal`` and ``along``, of any length; a SPHERE ``place`` (its centre) and ``radius``; a
     DISK all of these. A RECTANGLE is ``place`` (its corner) and the edges ``second`` and ``third``; a TRIANGLE the
     vertices ``place``, ``second`` and ``third``; a BOX ``place`` (its centre), its size ``second`` and ``rotation``
-    in degrees.
+    in degrees. A MESH stands at ``place``, its lengths times ``radius``, turned by ``rotation``; it has ``faces``
+    facets from ``start`` on.
     """
 
     kind: float
@@ -47,6 +50,14 @@ class Shape(Record):
     second: Three
     third: Three
     rotation: float
+    start: float
+    faces: float
+
+
+class Facet(Record):
+    """A triangle of a mesh, in the mesh's coordinates: its ``corners``, three numbers each."""
+
+    corners: Annotated[Array, 9]
 
 
 class Light(Record):

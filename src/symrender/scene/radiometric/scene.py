@@ -8,12 +8,12 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from symrender.limits import MAX_LIGHTS, MAX_SHAPES
+from symrender.limits import MAX_LIGHTS, MAX_SHAPES, MAX_TRIANGLES
 from symrender.scene.camera import LookAtCamera
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.materials import Material
-from symrender.scene.radiometric.shapes import Plane, Shape
+from symrender.scene.radiometric.shapes import Mesh, Plane, Shape
 from symrender.scene.root import Root, check_names, wrong
 from symrender.scene.values import Held, PartName, at_most
 
@@ -63,6 +63,11 @@ class RadiometricScene(Root):
         for index, shape in enumerate(self.shapes):
             if shape.material not in self.materials:
                 raise wrong(_unknown("material", shape.material, self.materials), "shapes", index, "material")
+        triangles = 0
+        for index, shape in enumerate(self.shapes):
+            triangles += len(shape.faces) if isinstance(shape, Mesh) else 0
+            if triangles > MAX_TRIANGLES:
+                raise wrong(f"meshes may have at most {MAX_TRIANGLES} triangles together", "shapes", index, "faces")
         skies = [index for index, light in enumerate(self.lights) if isinstance(light, Sky)]
         if len(skies) > 1:
             raise wrong(f"at most one light is a sky, lights[{skies[0]}] is one too", "lights", skies[1], "type")
@@ -78,9 +83,10 @@ class RadiometricScene(Root):
             shape, where = shapes.get(light.shape), ("lights", index, "shape")
             if shape is None:
                 raise wrong(_unknown("shape", light.shape, shapes), *where)
-            if isinstance(shape, Plane):
+            if isinstance(shape, Plane | Mesh):
                 raise wrong(
-                    f"must name a sphere, rectangle, triangle, disk or box, got the plane '{light.shape}'", *where
+                    f"must name a sphere, rectangle, triangle, disk or box, got the {shape.type} '{light.shape}'",
+                    *where,
                 )
             if light.shape in emitters:
                 raise wrong(f"'{light.shape}' is the shape of lights[{emitters[light.shape]}] already", *where)

@@ -7,9 +7,11 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from symrender.limits import MAX_TRIANGLES
 from symrender.scene.directions import Triple, along, check_frame, coincide
-from symrender.scene.radiometric.values import Rotation, Size3
-from symrender.scene.values import Length, Part, PartName, Point3, listed
+from symrender.scene.radiometric.values import Corners, Rotation, Size3
+from symrender.scene.root import wrong
+from symrender.scene.values import Length, Part, PartName, Point3, at_most, listed
 
 _AXES: Final = 3
 
@@ -130,6 +132,64 @@ class Box(Part):
     material: Annotated[PartName, Field(description="name of one of the materials")]
 
 
+class Mesh(Part):
+    """Triangles that share vertices, counter-clockwise about their normals; opaque from both sides.
+
+    A file of the ending .obj or .ply is read when the scene is loaded, beside which it lies: the scene then holds its
+    vertices and faces. A vertex v stands at ``position`` + ``scale`` v, turned about z. Each face has a texture of its
+    own, from its first vertex along its first edge.
+    """
+
+    type: Literal["mesh"] = "mesh"
+    name: Annotated[PartName, Field(description="its part in dotted names: shapes.NAME")]
+    file: Annotated[
+        str, Field(exclude=True, description="OBJ or PLY file that holds vertices and faces, beside the scene's")
+    ] = ""
+    vertices: Annotated[
+        tuple[Point3, ...],
+        Field(description="the vertices, in the mesh's own coordinates"),
+        BeforeValidator(at_most(MAX_TRIANGLES)),
+    ] = ()
+    faces: Annotated[
+        tuple[Corners, ...],
+        Field(description="three vertices each by their places in the list, from 0, counter-clockwise from outside"),
+        BeforeValidator(at_most(MAX_TRIANGLES)),
+    ] = ()
+    position: Annotated[Point3, Field(description="where the mesh's origin stands")] = (0.0, 0.0, 0.0)
+    scale: Annotated[Length, Field(description="factor of its lengths")] = 1.0
+    rotation: Annotated[Rotation, Field(description="by how much it is turned about z, counter-clockwise")] = 0.0
+    material: Annotated[PartName, Field(description="name of one of the materials")]
+
+    @model_validator(mode="after")
+    def _is_made_of_triangles(self) -> Self:
+        if self.file:
+            raise wrong("is read where a scene is loaded; a Mesh holds vertices and faces", "file")
+        if not self.faces:
+            raise wrong("must hold at least one face, or be read from a file", "faces")
+        known: dict[frozenset[Triple], int] = {}
+        for index, face in enumerate(self.faces):
+            if max(face) >= len(self.vertices):
+                raise wrong(f"there are {len(self.vertices)} vertices, from 0, got {max(face)}", "faces", index)
+            corners = [self.vertices[k] for k in face]
+            _check_face(corners, index)
+            other = known.setdefault(frozenset(corners), index)
+            if other != index:
+                raise wrong(
+                    f"lies in faces[{other}], and which of them is seen is not decided; two_sided shows both sides",
+                    "faces", index,
+                )  # fmt: skip
+        return self
+
+
+def _check_face(vertices: list[Triple], index: int) -> None:
+    """Raise PydanticCustomError where a face of a mesh has no area."""
+    a, b, c = vertices
+    zero = (0.0, 0.0, 0.0)
+    u, v, w = _difference(b, a), _difference(c, a), _difference(c, b)
+    if any(coincide(edge, zero) for edge in (u, v, w)) or along(u, v) or along(w, u):
+        raise wrong("its vertices lie on one line: it has no area", "faces", index)
+
+
 def _difference(a: Triple, b: Triple) -> Triple:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
@@ -143,4 +203,4 @@ def _check_edges(u: Triple, v: Triple, first: str, second: str) -> None:
         raise PydanticCustomError("scene", f"{first} must not be parallel to {second}: the shape would have no area")
 
 
-Shape = Annotated[Plane | Sphere | Rectangle | Triangle | Disk | Box, Field(discriminator="type")]
+Shape = Annotated[Plane | Sphere | Rectangle | Triangle | Disk | Box | Mesh, Field(discriminator="type")]

@@ -31,6 +31,8 @@ _Radiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"un
 Angle = Annotated[float, Field(ge=0, le=180, json_schema_extra={"unit": "degree"})]
 Rotation = Annotated[float, Field(ge=-360, le=360, json_schema_extra={"unit": "degree"})]
 Size3 = Annotated[tuple[Length, Length, Length], BeforeValidator(listed)]
+_Place = Annotated[int, Field(ge=0)]
+Corners = Annotated[tuple[_Place, _Place, _Place], BeforeValidator(listed)]
 Shares = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple)]
 Indices = Annotated[tuple[Index, Index, Index], BeforeValidator(triple)]
 Extinctions = Annotated[tuple[Extinction, Extinction, Extinction], BeforeValidator(triple)]

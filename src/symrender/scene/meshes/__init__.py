@@ -1,0 +1,1 @@
+"""Meshes from files: OBJ and PLY as vertices and faces, and where a scene names them."""

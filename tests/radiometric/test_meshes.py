@@ -1,0 +1,274 @@
+"""Meshes: skies, lamps and points against clipped polygons, the other pipeline, differences, and no hierarchy."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.radiometric import flats, nets
+from tests.radiometric.clipped import faces, irradiance, normal
+
+import symrender as sr
+from symrender.errors import SceneError, Unsupported
+from symrender.jit.records import table
+from symrender.numeric.radiometric.pipeline import rays as numeric_rays
+from symrender.radiometric.bounds import HELD, Bound
+from symrender.radiometric.sky import sky_room
+from symrender.radiometric.world import World, make_world
+from symrender.runtimes.radiometric import _kernel
+from symrender.scene.parameters import get
+from symrender.scene.radiometric.arrays import radiometric_arrays
+
+FLOOR = flats.rectangle("floor", [-2, -2, 0], [4, 0, 0], [0, 4, 0], "both")
+POINT: dict[str, Any] = {"type": "point", "name": "P", "position": [1.2, -1.5, 3.0], "intensity": 10.0}
+
+
+def scene_of(seed: int) -> tuple[flats.Scene, np.random.Generator]:
+    """A closed, a dented, an open mesh or a heap of boxes on a floor, under a lamp, a sky or both."""
+    rng = np.random.default_rng([seed, 6])
+    smooth = nets.ball(4, 6)
+    net = (
+        nets.ball(int(rng.integers(3, 6)), int(rng.integers(3, 8))),
+        nets.bent(smooth, rng, 0.5),
+        nets.opened(nets.bent(smooth, rng, 0.3), rng),
+        nets.heap(rng),
+    )[seed % 4]
+    at = [0, 0, 0] if seed % 4 == 3 else [0, 0, float(rng.choice([0.5, 1.0, 1.5]))]
+    place = {"position": at, "scale": float(rng.choice([0.5, 1.0])), "rotation": float(rng.choice([0, 17, 90]))}
+    shapes = [FLOOR, nets.mesh("M", net, str(rng.choice(["both", "white"])), **place)]
+    if rng.random() < 0.4:
+        shapes.append(flats.one_of(rng, str(rng.choice(["rectangle", "triangle", "box"])), "O", "both", 1.0))
+    lights = [flats.SKY]
+    if rng.random() < 0.6:
+        height = float(rng.choice([1.0, 1.5, 2.0, 3.0]))
+        shapes.append(flats.rectangle("lamp", [-0.5, -0.5, height], [0, 1, 0], [1, 0, 0]))
+        lights = [flats.area("lamp"), *(lights if rng.random() < 0.3 else [])]
+    return flats.world(*shapes, lights=lights), rng
+
+
+def rays_to(scene: flats.Scene, rng: np.random.Generator, count: int) -> list[tuple[tuple[int, int], Any, Any, Any]]:
+    """(shape and face, origin, direction, normal) of rays at faces of the first two shapes, not beside their edges."""
+    found = []
+    for q in range(count):
+        j = q % 2
+        pieces = faces(scene["shapes"][j])
+        k = int(rng.integers(len(pieces)))
+        n = normal(pieces[k])
+        place = (0.98 * rng.dirichlet(np.ones(len(pieces[k]))) + 0.02 / len(pieces[k])) @ pieces[k]
+        if q == 0:
+            place = np.array([*rng.choice([-1, -0.5, 0, 0.25, 0.5, 1], 2), 0.0])
+        d = -(n + 0.3 * rng.uniform(-1, 1, 3))
+        d /= np.linalg.norm(d)
+        found.append(((j, k), place - 1e-4 * d, d, n))
+    return found
+
+
+def test_skies_and_lamps_are_what_clipping_leaves() -> None:
+    judged = lit = met = 0
+    for seed in range(16):
+        scene, rng = scene_of(seed)
+        sent = rays_to(scene, rng, 4)
+        found = sr.probe(scene, rays=(np.array([x[1] for x in sent]), np.array([x[2] for x in sent])), tol=1e-6)
+        for i, ((j, k), origin, d, n) in enumerate(sent):
+            if found.shape[i] != f"shapes.{scene['shapes'][j]['name']}":
+                continue
+            face = faces(scene["shapes"][j])[k]
+            place = origin + d * ((face[0] - origin) @ n) / (d @ n)
+            true, doubt = (x / math.pi for x in irradiance(scene, (j, k), place, n))
+            if doubt > 1e-10 or found.status[i] != 0:
+                continue
+            assert abs(found.direct[i, 0] - true) <= 1.5 * found.error[i] + 2e-11, (seed, i)
+            judged, lit, met = judged + 1, lit + (true > 1e-6), met + (found.error[i] < 1e-11)
+    assert judged > 50 and lit > 35 and met > 40
+
+
+def without_bounds(world: World) -> World:
+    """The same world, all of its pieces in leaves that nothing passes by."""
+    count = len(world.pieces)
+    bounds = table(Bound, -(-count // HELD))
+    for k, bound in enumerate(bounds):
+        held = range(HELD * k, min(count, HELD * k + HELD))
+        bound.radius, bound.skip, bound.count, bound.sine = math.inf, k + 1, len(held), 1.0
+        bound.held[: len(held)] = held
+    return World(world.materials, world.pieces, world.lights, bounds)
+
+
+def test_values_do_not_depend_on_the_hierarchy() -> None:
+    hits = lit = apart = 0
+    for seed in range(12):
+        scene, rng = scene_of(seed)
+        made = sr.load(scene | {"lights": [*scene["lights"], POINT]})
+        origins, directions = rng.uniform((-2, -2, 0.5), (2, 2, 4.5), (60, 3)), rng.normal(size=(60, 3)) * 0.4
+        directions -= origins - [0, 0, 0.6]
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        world = make_world(radiometric_arrays(made))
+        found = []
+        for each in (world, without_bounds(world)):
+            one = (np.zeros((60, 3)), np.zeros((60, 3)), np.zeros(60))
+            _kernel("fill_rays")(each, origins, directions, sky_room(each), *one)
+            found.append(one)
+        stated = sr.probe(made, rays=(origins, directions), tol=1e-6).error
+        assert (found[0][2] == found[1][2]).all()
+        off = np.abs(found[0][1] - found[1][1]).max(axis=1)
+        assert (off <= stated).all() and off.max() < 1e-12, seed
+        hits, lit = hits + int((found[0][2] == 2).sum()), lit + int((found[0][1] > 1e-3).any(axis=1).sum())
+        apart += int((off > 0.0).sum())
+    assert hits > 200 and lit > 300 and apart > 0
+
+
+def test_circles_that_all_but_coincide_have_one_order() -> None:
+    """Faces over each other in one plane, with more faces on their edges: several edges in the horizon at once.
+
+    Whichever is listed first, what is seen is the same, which it was not while two circles alone were put in order.
+    """
+    net = nets.bent(nets.ball(3, 3, folded=True), np.random.default_rng(12), 0.05)
+    shapes = [flats.plane("floor", [0, 0, 0], [0, 0, 1]), nets.mesh("M", net, position=[0, 0, 1.2], rotation=17.0)]
+    world = make_world(radiometric_arrays(sr.load(flats.world(*shapes, lights=[flats.SKY]))))
+    targets = np.array([0, 0, 1.2]) + np.random.default_rng(0).uniform(-0.9, 0.9, (6000, 3)) - [0, -6, 3]
+    directions = targets / np.linalg.norm(targets, axis=1, keepdims=True)
+    found = []
+    for each in (world, without_bounds(world)):
+        one = (np.zeros((6000, 3)), np.zeros((6000, 3)), np.zeros(6000))
+        _kernel("fill_rays")(each, np.tile([0.0, -6.0, 3.0], (6000, 1)), directions, sky_room(each), *one)
+        found.append(one)
+    assert (found[0][2] == 2).sum() > 2000 and (found[0][2] == found[1][2]).all()
+    assert np.abs(found[0][1] - found[1][1]).max() < 1e-13
+
+
+def test_dents_of_any_depth_hide_what_their_faces_hide() -> None:
+    """Bounds that know which way their faces show, of meshes whose faces show every way: none is left out."""
+    lit = 0
+    for seed in range(40):
+        rng = np.random.default_rng([seed, 9])
+        net = nets.bent(nets.ball(int(rng.integers(3, 7)), int(rng.integers(4, 8))), rng, 0.6)
+        lamp = flats.rectangle("lamp", [-0.5, -0.5, 2.5], [0, 1, 0], [1, 0, 0])
+        shapes = [FLOOR, nets.mesh("M", net, position=[0, 0, 1.0], scale=0.5), lamp]
+        world = make_world(radiometric_arrays(sr.load(flats.world(*shapes, lights=[flats.SKY, flats.area("lamp")]))))
+        found = []
+        targets = np.c_[rng.uniform(-1.5, 1.5, (100, 2)), np.zeros(100)]
+        directions = targets - [0, -6, 3]
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        for each in (world, without_bounds(world)):
+            one = (np.zeros((100, 3)), np.zeros((100, 3)), np.zeros(100))
+            _kernel("fill_rays")(each, np.tile([0.0, -6.0, 3.0], (100, 1)), directions, sky_room(each), *one)
+            found.append(one[1])
+        assert np.abs(found[0] - found[1]).max() < 1e-12, seed
+        lit += int((found[0] > 1e-3).any(axis=1).sum())
+    assert lit > 2000
+
+
+def test_both_pipelines_see_the_same_mesh() -> None:
+    net = nets.bent(nets.ball(8, 12), np.random.default_rng(1), 0.25)
+    texture = {"type": "checker", "bright": 0.9, "dark": [0.1, 0.2, 0.3], "cell": 0.07}
+    materials = {"white": flats.WHITE, "both": {"type": "diffuse", "reflectance": texture, "two_sided": True}}
+    shapes = [FLOOR, nets.mesh("M", net, "both", position=[0.1, 0.2, 1.1], rotation=33.0, scale=0.9)]
+    made = sr.load(flats.world(*shapes, lights=[POINT], materials=materials))
+    rng = np.random.default_rng(4)
+    origins = rng.uniform((-2, -2, 0), (2, 2, 4), (4000, 3))
+    directions = np.array([0.1, 0.2, 1.1]) + 0.5 * rng.normal(size=(4000, 3)) - origins
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    true = sr.probe(made, rays=(origins, directions), tol=1e-6)
+    _, direct, _, hit_class = numeric_rays(radiometric_arrays(made), origins, directions)
+    seen = np.array([{"shapes.floor": 1, "shapes.M": 2}.get(name, 0) for name in true.shape])
+    assert (seen == 2).sum() > 1500 and (direct[seen == 2] > 1e-3).all(axis=1).sum() > 400
+    assert (seen == hit_class).all()
+    assert (np.abs(direct - true.direct).max(axis=1) <= 1e-12 + true.error).all()
+
+
+def test_the_path_tracer_finds_the_same_under_a_sky_and_a_lamp() -> None:
+    z = []
+    for seed in range(4):
+        scene, rng = scene_of(seed)
+        made = sr.load(scene)
+        origins, directions = rng.uniform((-2, -2, 0.5), (2, 2, 4.5), (60, 3)), rng.normal(size=(60, 3)) * 0.4
+        directions -= origins - [0, 0, 0.6]
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        true = sr.probe(made, rays=(origins, directions), tol=1e-6)
+        arrays = radiometric_arrays(made)
+        seeds = [numeric_rays(arrays, origins, directions, order=20, seed=s)[1][:, 0] for s in range(8)]
+        error = np.std(seeds, axis=0, ddof=1) / math.sqrt(8)
+        off, noisy = np.mean(seeds, axis=0) - true.direct[:, 0], error > 1e-6
+        assert (np.abs(off) < 7 * error + 1e-3).all(), seed
+        z += list(off[noisy] / error[noisy])
+    assert len(z) > 100 and abs(float(np.mean(z))) < 0.4 and float(np.std(z)) < 1.5
+
+
+def test_faces_without_gaps_let_no_ray_through() -> None:
+    """Rays at edges and vertices of a closed mesh, from within: none leaves it."""
+    net = nets.bent(nets.ball(8, 12), np.random.default_rng(2), 0.2)
+    made = sr.load(flats.world(nets.mesh("M", net, "both", scale=0.7, rotation=11.0), lights=[POINT]))
+    (shape,) = made.model_dump()["shapes"]
+    vertices = np.array([face[0] for face in (faces(shape))])
+    ends = np.array([face[1] for face in faces(shape)])
+    rng = np.random.default_rng(3)
+    targets = np.concatenate([vertices, *(vertices + t * (ends - vertices) for t in rng.uniform(0, 1, (40, 1, 1)))])
+    directions = targets / np.linalg.norm(targets, axis=1, keepdims=True)
+    found = sr.probe(made, rays=(np.zeros_like(directions), directions), tol=1e-6)
+    assert len(targets) > 5000 and set(found.shape) == {"shapes.M"}
+
+
+MOVED = ("position.x", "position.z", "scale", "rotation", "vertices[7].x", "vertices[9].z")
+
+
+def test_derivatives_are_those_of_differences() -> None:
+    acting: set[str] = set()
+    checked = 0
+    for seed, light in enumerate((flats.SKY, flats.area("lamp"), POINT)):
+        net = nets.bent(nets.ball(3, 5), np.random.default_rng(seed), 0.3)
+        lamp = flats.rectangle("lamp", [-1, -1, 3.5], [0.2, 2, 0], [2, 0, 0.3])
+        shape = nets.mesh("M", net, "both", position=[0.1, 0.0, 1.2], rotation=5.0)
+        camera = {"type": "look_at", "eye": [0, -5, 3], "target": [0, 0, 0.7]}
+        scene = sr.load(flats.world(FLOOR, shape, lamp, lights=[light], camera=camera))
+        names = [f"shapes.M.{name}" for name in MOVED]
+        slopes = sr.gradient(scene, names, size=(6, 5))
+        for name in names:
+            slope = slopes[name].layer("direct")
+            value, step = float(get(scene, name)), 1e-5
+            images = [sr.truth(scene.replace({name: value + k * step}), size=(6, 5)) for k in (2, 1, -1, -2)]
+            a, b, c, d = (image.layer("direct") for image in images)
+            difference = (8.0 * (b - c) - (a - d)) / (12.0 * step)
+            classes = [image.layer("hit_class") for image in images]
+            steady = np.all([np.equal(one, classes[0]) for one in classes], axis=0)
+            steady &= slopes[name].layer("status") == 0
+            # where an outline passes a vertex as the mesh moves, the difference itself is not known
+            steady &= np.abs((b - c) / (2 * step) - (a - d) / (4 * step)).max(axis=2) < 1e-6
+            assert (np.abs(difference - slope).max(axis=2)[steady] < 1e-7 * max(1.0, np.abs(slope).max())).all(), name
+            strong = steady & (np.abs(slope).max(axis=2) > 1e-4)
+            checked += int(strong.sum())
+            if strong.any():
+                acting.add(name)
+    assert checked > 120 and len(acting) == len(MOVED), (checked, acting)
+
+
+def test_what_is_not_had_is_refused_by_name() -> None:
+    made = sr.load(flats.world(FLOOR, nets.mesh("M", nets.ball(3, 4)), lights=[POINT]))
+    with pytest.raises(Unsupported, match=r"filter: box has no walls yet for a mesh \(shapes\[1\]\)"):
+        sr.truth(made, size=2, filter="box")
+    with pytest.raises(Unsupported, match="a box or a mesh"):
+        sr.truth(made.replace({"bounces": 1}), size=2)
+    with pytest.raises(SceneError, match=r"lights\[0\].shape: must name .* got the mesh 'M'"):
+        made.replace({"lights": [flats.area("M")]})
+
+
+def test_closed_meshes_hide_from_both_sides() -> None:
+    """A place inside a mesh, and a lamp inside one whose normals point inward: nothing is seen of the light."""
+    vertices, faces_ = nets.ball(5, 6)
+    tent = nets.mesh("M", (vertices, faces_), scale=1.5)
+    turned = [face[::-1] for face in faces_]
+    lamp = flats.rectangle("lamp", [-0.2, -0.2, 2.0], [0, 0.4, 0], [0.4, 0, 0])
+    shell = {"position": [0.0, 0.0, 2.0], "scale": 0.9}
+    place = (np.array([0.1, 0.2, 1e-3]), np.array([0.0, 0.0, -1.0]))
+    for around, lights in (
+        ([tent], [flats.SKY]),
+        ([tent, lamp], [flats.area("lamp")]),
+        ([nets.mesh("M", (vertices, turned), **shell), lamp], [flats.area("lamp")]),
+        ([nets.mesh("M", (vertices, faces_), **shell), lamp], [flats.area("lamp")]),
+    ):
+        dark = sr.probe(flats.world(FLOOR, *around, lights=lights), rays=place, tol=1e-6)
+        light = sr.probe(flats.world(FLOOR, *around[1:], lights=lights), rays=place, tol=1e-6)
+        assert dark.shape == ("shapes.floor",) and dark.direct.max() < 1e-15 and light.direct.max() > 0.01
+    beyond = nets.mesh("M", (vertices, turned), position=[0.0, 0.0, 4.0], scale=0.5)
+    far = flats.world(FLOOR, beyond, lamp, lights=[flats.area("lamp")])
+    assert sr.probe(far, rays=place, tol=1e-6).direct == pytest.approx(light.direct, rel=1e-14)
