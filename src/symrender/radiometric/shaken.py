@@ -98,4 +98,4 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
     camera.eye[:], camera.target[:] = moved(camera.eye, size), moved(camera.target, size)
     camera.up[:] = moved(camera.up, float(np.abs(camera.up).max()))
     camera.fov = scaled(camera.fov)
-    return laid_out(materials, shapes, lights, directions, camera, arrays.bounces)
+    return laid_out(materials, shapes, lights, directions, camera, arrays.bounces, arrays.first_gloss)

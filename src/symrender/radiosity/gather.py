@@ -2,7 +2,8 @@
 
 Form factors are closed forms. The average is taken with the weights cos cos'/r^2 by two rules of one set of nodes,
 exact for polynomials of degrees 5 and 2; where they differ by too much a part is halved. So what is constant is
-gathered to rounding, however near a face is.
+gathered to rounding, however near a face is. What is seen beside the circle of a sphere, and all that a glossy place
+gathers, is integrated by rules that tell of each other.
 """
 
 from __future__ import annotations
@@ -13,25 +14,38 @@ from typing import Final
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
+from symrender.leaves import values
 from symrender.radiometric.sight import height_over, turned_away
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
 from symrender.radiosity.hidden import gather_occluders, overlaps
-from symrender.radiosity.parts import cut, longest_way, part_corner, part_share, range_over
-from symrender.radiosity.places import facing
-from symrender.radiosity.records import CHANNELS, MOST, SPACES, TERMS, Cell, Ints, Scratch
+from symrender.radiosity.lobes import cone_of, is_tame, lobe_range, most_sent, over_triangles
+from symrender.radiosity.parts import cut, longest_way, part_corner, part_share, range_over, sends
+from symrender.radiosity.records import (
+    BOUND,
+    CHANNELS,
+    FREE,
+    MANY,
+    MOST,
+    NEAR,
+    RULE,
+    SPACES,
+    TERMS,
+    WORK,
+    Cell,
+    Ints,
+    Receiver,
+    Scratch,
+)
+from symrender.radiosity.rings import beside_ring, put_rings, surround
+from symrender.scene.radiometric.arrays import DIFFUSE, PHONG
+from symrender.scene.radiometric.records import Material
 
-BOUND: Final = 3
-"""Where a gather adds up what cells doubt, after the channels."""
-RULE: Final = 4
-"""Where it adds up what its own rule may be off."""
-WORK: Final = 5
-"""Where it counts nodes."""
-NEAR: Final = 6
-"""Where the inverse of its least height over a face is kept."""
-SUMS: Final = 7
 SMALL: Final = 1.0 / 512.0
 """Share of the hemisphere below which errors are judged as of this share."""
+
+ENOUGH: Final = 4e6
+"""Nodes of one place from which on parts are taken as they are, and their bounds stated."""
 
 _A: Final = 0.470142064105115
 _B: Final = 0.101286507323456
@@ -44,17 +58,6 @@ _CENTER2: Final = 1.0 - 1.0 / (36.0 * (1.0 / 3.0 - _B) ** 2)
 _OUTER2: Final = (1.0 - _CENTER2) / 3.0
 
 
-@inlined
-def sends(cell: Cell, c: int, u: float, v: float) -> float:
-    """What a cell sends in a channel at its variables."""
-    t, k = cell.terms, TERMS * c
-    found: float = (
-        t[k] + u * (t[k + 1] + u * (t[k + 3] + u * t[k + 6] + v * t[k + 7]) + v * (t[k + 4] + v * t[k + 8]))
-        + v * (t[k + 2] + v * (t[k + 5] + v * t[k + 9]))
-    )  # fmt: skip
-    return found
-
-
 @jitable
 def largest_share(cell: Cell, height: float, place: Vector, normal: Vector) -> float:
     """A bound of the form factor of a cell."""
@@ -65,6 +68,21 @@ def largest_share(cell: Cell, height: float, place: Vector, normal: Vector) -> f
     rise = dot(normal, w) + cell.reach
     bound: float = cell.area * height * max(rise, 0.0) / (math.pi * near * near * near * near)
     return min(1.0, bound)
+
+
+@jitable
+def largest_mass(material: Material, cell: Cell, height: float, at: Receiver) -> float:
+    """A bound of the integral of a place's lobe over a cell, of a diffuse place its form factor."""
+    if material.kind == DIFFUSE:
+        return largest_share(cell, height, at.place, at.normal)
+    w = minus(vector(cell.middle), at.place)
+    far: float = math.sqrt(dot(w, w))
+    near = far - cell.reach
+    if near <= 0.0:
+        return 1.0
+    axis = (w[0] / far, w[1] / far, w[2] / far)
+    high, _ = lobe_range(material, at, axis, math.asin(min(1.0, cell.reach / far)))
+    return min(1.0, high * cell.area * height / (near * near * near))
 
 
 @jitable
@@ -152,29 +170,71 @@ def add_part(
     sums[2] += share * blue
     sums[BOUND] += share * cell.doubt
     sums[RULE] += share * min(off, 2.0 * cell.spread)
-    if scratch.sizes[part] == MOST:
-        # it may have had more corners than were kept
-        sums[RULE] += math.inf
     return True
 
 
 @jitable
-def add_cell(
-    cell: Cell, occluders: int, clear: bool, height: float, place: Vector, normal: Vector, fine: float,
-    scratch: Scratch, sums: Array,
-) -> None:  # fmt: skip
-    """Add what the visible parts of a cell send."""
-    way = minus(place, vector(cell.middle))
-    for i in range(cell.count):
-        for c in range(CHANNELS):
-            scratch.corners[0, 3 * i + c] = cell.corners[3 * i + c] - place[c]
-    scratch.sizes[0], scratch.done[0] = cell.count, occluders if clear else 0
+def add_lobe(
+    scratch: Scratch, part: int, material: Material, at: Receiver, cell: Cell, way: Vector, fine: float, last: bool,
+    sums: Array,
+) -> bool:  # fmt: skip
+    """The same of a place that is glossy, or of a part through which the circle of a sphere may pass."""
+    axis, angle, solid = cone_of(scratch, part)
+    high, ratio = lobe_range(material, at, axis, angle)
+    most, ring = most_sent(cell), scratch.rings[part]
+    if high * solid * most <= fine * SMALL:
+        sums[RULE] += high * solid * most
+        sums[BOUND] += high * solid * cell.doubt
+        sums[WORK] += 1.0
+        return True
+    if ring == MANY or (material.kind != DIFFUSE and not is_tame(ratio, angle)):
+        if not last:
+            return False
+        sums[RULE] += high * solid * most
+        sums[BOUND] += high * solid * cell.doubt
+        return True
+    if ring == FREE:
+        found, mass, off = over_triangles(scratch, part, material, at, cell, way, sums)
+    else:
+        found, mass, off = beside_ring(scratch, part, scratch.circles[ring], material, at, cell, way, fine * SMALL, sums)
+    if off > fine * (mass + SMALL) and not last:
+        return False
+    sums[0] += found[0]
+    sums[1] += found[1]
+    sums[2] += found[2]
+    sums[BOUND] += mass * cell.doubt
+    sums[RULE] += off
+    return True
+
+
+@jitable
+def keep_above(scratch: Scratch, normal: Vector) -> None:
+    """Cut the first part at a plane through the place."""
     low, _ = range_over(scratch, 0, normal, 0.0)
     if low < 0.0:
         scratch.sizes[1] = cut(scratch, 0, 1, normal, 0.0, 1.0)
         scratch.sizes[0] = scratch.sizes[1]
         for i in range(3 * scratch.sizes[1]):
             scratch.corners[0, i] = scratch.corners[1, i]
+
+
+@jitable
+def add_cell(
+    material: Material, cell: Cell, occluders: int, rings: int, clear: bool, height: float, at: Receiver, fine: float,
+    scratch: Scratch, sums: Array,
+) -> None:  # fmt: skip
+    """Add what the visible parts of a cell send; the circles of ``rings`` spheres may hide some of it."""
+    place, hidden = at.place, occluders + rings
+    way = minus(place, vector(cell.middle))
+    for i in range(cell.count):
+        for c in range(CHANNELS):
+            scratch.corners[0, 3 * i + c] = cell.corners[3 * i + c] - place[c]
+    scratch.sizes[0], scratch.done[0], scratch.rings[0] = cell.count, occluders if clear else 0, FREE
+    keep_above(scratch, at.normal)
+    if material.kind == PHONG and scratch.sizes[0] > 2:
+        # beyond a right angle from the mirror direction cos^n ends
+        v = at.view
+        keep_above(scratch, values.mirror_direction(-v[0], -v[1], -v[2], *at.normal))
     waiting = 1
     while waiting > 0:
         part = waiting - 1
@@ -182,11 +242,21 @@ def add_cell(
             waiting -= 1
             continue
         b = scratch.done[part]
-        full = waiting + SPACES + 2 >= scratch.sizes.shape[0]
+        full = waiting + SPACES + 2 >= scratch.sizes.shape[0] or sums[WORK] > ENOUGH
         if b < occluders:
             waiting = subtract(scratch, part, b)
             continue
-        if add_part(scratch, part, cell, height, normal, way, fine, full, sums):
+        if b < hidden:
+            waiting = surround(scratch, part, b, b - occluders)
+            continue
+        if scratch.sizes[part] == MOST:
+            # it may have had more corners than were kept
+            sums[RULE] += math.inf
+        if material.kind == DIFFUSE and scratch.rings[part] == FREE:
+            added = add_part(scratch, part, cell, height, at.normal, way, fine, full, sums)
+        else:
+            added = add_lobe(scratch, part, material, at, cell, way, fine, full, sums)
+        if added:
             waiting -= 1
             continue
         # the upper half is written beside, the lower one in a spare place and back
@@ -197,7 +267,9 @@ def add_cell(
         for i in range(3 * scratch.sizes[spare]):
             scratch.corners[part, i] = scratch.corners[spare, i]
         scratch.sizes[part] = scratch.sizes[spare]
-        scratch.done[upper] = occluders
+        # a circle may pass through one half alone
+        scratch.done[upper] = scratch.done[part] = occluders
+        scratch.rings[upper] = scratch.rings[part] = FREE
         waiting += 1
 
 
@@ -228,7 +300,7 @@ def subtract(scratch: Scratch, part: int, b: int) -> int:
         scratch.sizes[outside] = cut(scratch, rest, outside, n, space.level, -1.0)
         for i in range(3 * scratch.sizes[outside]):
             scratch.corners[rest, i] = scratch.corners[outside, i]
-        scratch.sizes[rest], scratch.done[rest] = scratch.sizes[outside], b + 1
+        scratch.sizes[rest], scratch.done[rest], scratch.rings[rest] = scratch.sizes[outside], b + 1, FREE
         rest = inside
         if scratch.sizes[rest] < 3:
             break
@@ -237,15 +309,16 @@ def subtract(scratch: Scratch, part: int, b: int) -> int:
 
 @jitable
 def gather_face(
-    world: World, cells: Table[Cell], root: int, own: int, front: bool, place: Vector, normal: Vector, fine: float,
-    scratch: Scratch, sums: Array,
-) -> None:  # fmt: skip
-    """Add what the cells under ``root`` send to a place of piece ``own``, whose unit normal is ``normal``."""
+    world: World, cells: Table[Cell], root: int, at: Receiver, rings: int, fine: float, scratch: Scratch, sums: Array
+) -> None:
+    """Add what the cells under ``root`` send to a place, before which are the spheres of ``rings`` circles."""
     top = cells[root]
+    place, normal = at.place, at.normal
     height = top.side * height_over(world.pieces[top.face], place)
-    if height <= 0.0 or top.face == own or turned_away(world, own, front, top.face):
+    if height <= 0.0 or top.face == at.own or turned_away(world, at.own, at.front, top.face):
         return
-    occluders = gather_occluders(world, own, front, top, height, place, normal, scratch)
+    material = world.materials[int(world.pieces[at.own].material)]
+    occluders = gather_occluders(world, at, top, height, scratch)
     sums[NEAR] = max(sums[NEAR], 1.0 / height)
     waiting = 1
     scratch.waiting[0] = 2 * root + (1 if occluders == 0 else 0)
@@ -265,23 +338,27 @@ def gather_face(
         if hidden:
             continue
         if cell.first >= 0:
-            share = largest_share(cell, height, place, normal)
-            if cell.doubt * share > fine * (share + SMALL):
+            mass = largest_mass(material, cell, height, at)
+            if cell.doubt * mass > fine * (mass + SMALL):
                 scratch.waiting[waiting] = 2 * cell.first + (1 if clear else 0)
                 scratch.waiting[waiting + 1] = 2 * cell.second + (1 if clear else 0)
                 waiting += 2
                 continue
-        add_cell(cell, occluders, clear, height, place, normal, fine, scratch, sums)
+        add_cell(material, cell, occluders, rings, clear, height, at, fine, scratch, sums)
 
 
 def gather_places(
-    world: World, cells: Table[Cell], roots: Ints, owns: Ints, fronts: Ints, places: Array, fine: float,
-    scratch: Scratch, sums: Array,
+    world: World, cells: Table[Cell], roots: Ints, owns: Ints, fronts: Ints, places: Array, normals: Array,
+    views: Array, fine: float, scratch: Scratch, sums: Array,
 ) -> None:  # fmt: skip
-    """Add to the rows of ``sums`` what places of pieces ``owns`` gather, each on the front or the back of its piece."""
+    """Add to the rows of ``sums`` what places of pieces ``owns`` gather, each on the front or the back of its piece.
+
+    ``normals`` are unit, ``views`` unit ways to who looks.
+    """
     for i in range(places.shape[0]):
-        own, front = owns[i], fronts[i] != 0
-        normal = facing(world, own, front)
         place = (places[i, 0], places[i, 1], places[i, 2])
+        normal = (normals[i, 0], normals[i, 1], normals[i, 2])
+        at = Receiver(owns[i], fronts[i] != 0, place, normal, (views[i, 0], views[i, 1], views[i, 2]))
+        rings = put_rings(world, at, scratch)
         for r in range(roots.shape[0]):
-            gather_face(world, cells, roots[r], own, front, place, normal, fine, scratch, sums[i])
+            gather_face(world, cells, roots[r], at, rings, fine, scratch, sums[i])

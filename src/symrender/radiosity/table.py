@@ -29,10 +29,11 @@ from symrender.radiometric.world import World
 from symrender.radiosity.breaks import contacts, shadow_edges
 from symrender.radiosity.cells import NODES, Frames, Quads, monomials, sampled_places
 from symrender.radiosity.forest import Forest, Limits, grown, put_terms, root_cells, sampled
-from symrender.radiosity.gather import BOUND, RULE, SUMS, gather_places
-from symrender.radiosity.near import lamps, polygons
+from symrender.radiosity.gather import gather_places
+from symrender.radiosity.near import lamps, pieces_of
 from symrender.radiosity.places import fill_lit
-from symrender.radiosity.records import CHANNELS, Ints, make_scratch
+from symrender.radiosity.records import BOUND, CHANNELS, RULE, SUMS, Ints, make_scratch
+from symrender.scene.radiometric.arrays import DIFFUSE
 
 MOST_LIT: Final = 12_000
 MOST_GATHERED: Final = 3_000
@@ -57,11 +58,11 @@ class Faces:
 
 
 def reflecting(world: World) -> Faces:
-    """The sides of polygons that reflect anything."""
+    """The sides of diffuse polygons that reflect anything."""
     face, side, albedo = [], [], []
     for j, piece in enumerate(world.pieces):
         material = world.materials[int(piece.material)]
-        if piece.kind != POLYGON or not material.bright.any():
+        if piece.kind != POLYGON or material.kind != DIFFUSE or not material.bright.any():
             continue
         for s in (1.0, -1.0) if material.two_sided else (1.0,):
             face.append(j)
@@ -82,22 +83,49 @@ class Sendings:
         """(N, SUMS): what places of pieces gather, the bound, the rule's error and how many nodes it took."""
         return gather(self.world, self.forests, owns, fronts, places, self.fine, threads)
 
+    def reflected(self, at: Places, fine: float) -> Array:
+        """The same of places as they are seen, whose lobes weigh what they gather."""
+        return gather_at(self.world, self.forests, at, fine)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places that gather: pieces ``own`` and whether their ``front`` (N,), then (N, 3) arrays.
+
+    ``normal`` and the way to who looks, ``view``, are unit.
+    """
+
+    own: Ints
+    front: Ints
+    place: Array
+    normal: Array
+    view: Array
+
+    def some(self, which: Ints) -> Places:
+        """Those of ``which``."""
+        return Places(self.own[which], self.front[which], self.place[which], self.normal[which], self.view[which])
+
 
 def gather(
     world: World, forests: tuple[Forest, ...], owns: Ints, fronts: Ints, places: Array, fine: float, threads: int = 1
 ) -> Array:  # fmt: skip
+    """(N, SUMS) of ``gather_places`` for places of flat pieces, over all forests."""
+    normals = np.asarray(world.pieces["up"])[owns] * np.where(fronts > 0, 1.0, -1.0)[:, None]
+    return gather_at(world, forests, Places(owns, fronts, places, normals, normals), fine, threads)
+
+
+def gather_at(world: World, forests: tuple[Forest, ...], at: Places, fine: float, threads: int = 1) -> Array:
     """(N, SUMS) of ``gather_places``, over all forests."""
-    sums = np.zeros((len(places), SUMS))
+    sums = np.zeros((len(at.own), SUMS))
 
     def run(begin: int) -> None:
-        part = slice(begin, min(begin + _CHUNK, len(places)))
+        part = slice(begin, min(begin + _CHUNK, len(at.own)))
+        some = (at.own[part], at.front[part], at.place[part], at.normal[part], at.view[part])
         for forest in forests:
             scratch = make_scratch(len(world.pieces), len(forest.cells))
-            _gather_kernel()(
-                world, forest.cells, forest.roots, owns[part], fronts[part], places[part], fine, scratch, sums[part]
-            )
+            _gather_kernel()(world, forest.cells, forest.roots, *some, fine, scratch, sums[part])
 
-    in_parts(run, len(places), threads)
+    in_parts(run, len(at.own), threads)
     return sums
 
 
@@ -150,7 +178,7 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
         first = grown(world, roots, cuts, lit, Limits(target, MOST_LIT, lamps(world)))
         made = Sendings(world, (first,), fine)
         if bounces:
-            second = grown(world, roots, edges, indirect, Limits(target, MOST_GATHERED, polygons(world)))
+            second = grown(world, roots, edges, indirect, Limits(target, MOST_GATHERED, pieces_of(world)))
             _iterate(world, first, second, reflect, most, fine, target, threads)
             made = Sendings(world, (first, second), fine)
         stated = most * np.quantile(_stated(made, roots, threads), _SHARE_MET)

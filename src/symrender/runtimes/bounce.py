@@ -95,7 +95,7 @@ class Bouncer:
         self._shaken = shaken(arrays)
         self._classes, _ = shape_classes(arrays)
         used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
-        self._highlights = max([1.0, *(float(_sharpness(m, np.ones(1))[0]) for m in used)])
+        self._highlights = max([1.0, *(float(sharpness(m, np.ones(1))[0]) for m in used)])
         self._scenes: dict[bytes, Bounce] = {}
         self._scratch: SplitWork | None = None
 
@@ -236,7 +236,7 @@ class Bouncer:
         found.indirect[some], found.incoming[some] = albedo * total, total
         light = found.indirect[some].max(axis=1)
         astray = SLACK * ULP * np.maximum(_closeness(bounce.parts[0], place), self._nearness(own, place))
-        astray *= _sharpness(material, -(travel * normal).sum(axis=1)) + self._highlights
+        astray *= sharpness(material, -(travel * normal).sum(axis=1)) + self._highlights
         found.error[some] = albedo.max(axis=1) * missed + astray * light
 
 
@@ -257,7 +257,7 @@ def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
     return rows if (rows["kind"] != LAMBERT).any() else None
 
 
-def _sharpness(material: Material, cosine: Array) -> Array:
+def sharpness(material: Material, cosine: Array) -> Array:
     """(N,) largest slope of the logarithm of what a material reflects, seen at these cosines, in the directions."""
     if material.kind == DIFFUSE:
         return np.ones(len(cosine))

@@ -15,7 +15,7 @@ class World(NamedTuple):
 
     ``sky`` is the index of the sky among the lights, -1 if there is none; ``extended`` says whether a light is a sky or
     a sphere, which a direction may meet; ``bounces`` how many reflections follow the
-    direct light.
+    direct light; with ``first_gloss`` what is not diffuse reflects at the first hit alone.
     """
 
     materials: Table[Material]
@@ -25,6 +25,7 @@ class World(NamedTuple):
     sky: int
     extended: bool
     bounces: int
+    first_gloss: bool
 
 
 def make_world(arrays: RadiometricArrays) -> World:
@@ -32,4 +33,6 @@ def make_world(arrays: RadiometricArrays) -> World:
     skies = [index for index, light in enumerate(arrays.lights) if light.kind == SKY]
     extended = any(light.kind in (SKY, AREA) for light in arrays.lights)
     sky = skies[0] if skies else -1
-    return World(arrays.materials, arrays.shapes, arrays.frames, arrays.lights, sky, extended, arrays.bounces)
+    return World(
+        arrays.materials, arrays.shapes, arrays.frames, arrays.lights, sky, extended, arrays.bounces, arrays.first_gloss
+    )

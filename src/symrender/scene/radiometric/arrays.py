@@ -67,6 +67,8 @@ class RadiometricArrays:
     directions: Array
     camera: Camera
     bounces: int
+    first_gloss: bool = False
+    """Whether conductors and phong materials reflect at the first hit alone, and are black to other surfaces."""
 
 
 def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
@@ -106,12 +108,13 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     camera = record(Camera)
     camera.kind, camera.fov = LOOK_AT, scene.camera.fov
     camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
-    return laid_out(materials, rows, lit, directions, camera, ALL if scene.bounces == "all" else scene.bounces)
+    bounces = ALL if scene.bounces == "all" else scene.bounces
+    return laid_out(materials, rows, lit, directions, camera, bounces, scene.gloss == "first_hit")
 
 
 def laid_out(
     materials: Table[Material], shapes: Table[Shape], lights: Table[Light], directions: Array, camera: Camera,
-    bounces: int,
+    bounces: int, first_gloss: bool,
 ) -> RadiometricArrays:  # fmt: skip
     """The records of a scene, and what follows: frames of planes and disks, unit vectors of lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
@@ -123,7 +126,7 @@ def laid_out(
             direction = directions[i] / np.abs(directions[i]).max()
             unit = light.place if light.kind == DIRECTIONAL else light.axis
             unit[:] = direction / np.sqrt(direction @ direction)
-    return RadiometricArrays(materials, shapes, places, lit, directions, camera, bounces)
+    return RadiometricArrays(materials, shapes, places, lit, directions, camera, bounces, first_gloss)
 
 
 def plane_record(shape: Shape) -> Table[PlaneRecord]:

@@ -27,6 +27,7 @@ from symrender.scene.radiometric.arrays import (
     AREA,
     CONDUCTOR,
     DIFFUSE,
+    DISK,
     PHONG,
     POINT,
     SKY,
@@ -112,8 +113,8 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
 def lamp_refusal(arrays: RadiometricArrays) -> str:
     """What keeps the light of lamps on what is glossy from being integrated, as words; empty if nothing does."""
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
-    if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
-        return "a rectangle, a triangle, a disk or a box"
+    if any(shape.kind == DISK for shape in arrays.shapes):
+        return "a disk"
     if any(material.kind == CONDUCTOR and material.walter for material in used):
         return "a conductor of g1: walter"
     if sum(shape.kind == PLANE for shape in arrays.shapes) > MAX_PLANES:
