@@ -80,12 +80,13 @@ def root_cells(world: World, faces: Ints, sides: Array) -> Quads:
 class Limits:
     """A cell is halved while its largest deviation, times the root of its share of its face, is over ``target``.
 
-    It is while it is too large for one of the ``things`` near it, too; but only while there are fewer than ``most``.
+    With ``anywhere`` the share has no part in it: what is glossy may see one cell alone. It is while it is too large for one of the ``things`` near it, too; but only while there are fewer than ``most``.
     """
 
     target: float
     most: int
     things: list[Thing]
+    anywhere: bool = False
 
 
 def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
@@ -111,7 +112,7 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
         leaf = np.array([growing.first[row] == NONE for row in fresh], dtype=bool)
         share = frames.area / np.array([face_area[f] for f in some.face.tolist()])
         large, covered = too_large(limits.things, some, frames)
-        urgency = missed * np.sqrt(share) / max(limits.target, 1e-300) + large
+        urgency = missed * (1.0 if limits.anywhere else np.sqrt(share)) / max(limits.target, 1e-300) + large
         room = (limits.most - len(quads)) // 2
         chosen = np.flatnonzero(leaf & ((urgency > 1.0) | large) & (share > SMALLEST))
         if len(chosen) > room:

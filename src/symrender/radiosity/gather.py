@@ -37,7 +37,7 @@ from symrender.radiosity.records import (
     Receiver,
     Scratch,
 )
-from symrender.radiosity.rings import beside_ring, put_rings, surround
+from symrender.radiosity.rings import beside_ring, is_near, put_rings, surround
 from symrender.scene.radiometric.arrays import DIFFUSE, PHONG
 from symrender.scene.radiometric.records import Material
 
@@ -187,7 +187,8 @@ def add_lobe(
         sums[BOUND] += high * solid * cell.doubt
         sums[WORK] += 1.0
         return True
-    if ring == MANY or (material.kind != DIFFUSE and not is_tame(ratio, angle)):
+    wild = material.kind != DIFFUSE and not is_tame(ratio, angle)
+    if ring == MANY or wild or (ring != FREE and is_near(scratch, part, scratch.circles[ring])):
         if not last:
             return False
         sums[RULE] += high * solid * most
@@ -268,8 +269,8 @@ def add_cell(
             scratch.corners[part, i] = scratch.corners[spare, i]
         scratch.sizes[part] = scratch.sizes[spare]
         # a circle may pass through one half alone
-        scratch.done[upper] = scratch.done[part] = occluders
-        scratch.rings[upper] = scratch.rings[part] = FREE
+        scratch.done[upper], scratch.done[part] = occluders, occluders
+        scratch.rings[upper], scratch.rings[part] = FREE, FREE
         waiting += 1
 
 

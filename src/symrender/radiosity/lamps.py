@@ -86,7 +86,7 @@ def lay_square(cell: Cell, ring: Ring, at: Receiver, sent: Vector) -> None:
     ))  # fmt: skip
     cell.count, cell.reach, cell.spread, cell.doubt = 4, 2.0 * half, 0.0, 0.0
     for c in range(CHANNELS):
-        cell.across[c] = cell.along[c] = 0.0
+        cell.across[c], cell.along[c] = 0.0, 0.0
         for t in range(TERMS):
             cell.terms[TERMS * c + t] = sent[c] if t == 0 else 0.0
 

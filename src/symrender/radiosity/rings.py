@@ -17,6 +17,7 @@ from symrender.radiometric.pieces import put
 from symrender.radiometric.reflection import reflected
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
+from symrender.radiosity.lobes import angle_between
 from symrender.radiosity.parts import cut, part_corner, range_over, sends
 from symrender.radiosity.records import FREE, MANY, WORK, Cell, Receiver, Ring, Scratch
 from symrender.scene.radiometric.arrays import DIFFUSE, SPHERE
@@ -25,6 +26,12 @@ from symrender.scene.radiometric.records import Material
 TURN: Final = 2.0 * math.pi
 _FLAT: Final = 1e-12
 """Distance from the plane of a circle, in parts of its own, within which a corner lies in it."""
+_POINT: Final = 3e-9
+"""Angle between corners up to which they are one."""
+_THROUGH: Final = 1e-13
+"""Angle from an axis up to which an edge passes through it."""
+_REACH: Final = 12.0
+"""Ratio of the largest and the least angle of an edge from an axis up to which rules see it."""
 _ONE: Final = (1.0, 1.0, 1.0)
 _FEW = np.stack(np.polynomial.legendre.leggauss(3), axis=1)
 _MORE = np.stack(np.polynomial.legendre.leggauss(5), axis=1)
@@ -65,28 +72,79 @@ def put_rings(world: World, at: Receiver, scratch: Scratch) -> int:
 
 
 @jitable
+def is_point(a: Vector, b: Vector, crossed: float) -> bool:
+    """Whether two corners are one but for roundings: the plane through both is not told by them."""
+    return crossed <= _POINT * math.sqrt(dot(a, a) * dot(b, b))
+
+
+@jitable
 def lies_about(scratch: Scratch, part: int, ring: Ring) -> tuple[bool, bool]:
-    """Whether a part lies within a circle, and whether it may be apart from it: all of it outside."""
+    """Whether a part lies within a circle, and whether it is apart from it: all of it outside.
+
+    The cap of a circle is convex, so corners tell the first; the second is told by the nearest place of every edge.
+    """
     axis = vector(ring.axis)
     count = scratch.sizes[part]
-    within, middle = True, (0.0, 0.0, 0.0)
+    within, apart, middle = True, True, (0.0, 0.0, 0.0)
     for k in range(count):
         w = part_corner(scratch, part, k)
         if dot(axis, w) < ring.cosine * math.sqrt(dot(w, w)):
             within = False
+        else:
+            apart = False
         middle = (middle[0] + w[0], middle[1] + w[1], middle[2] + w[2])
-    if within:
-        return True, False
+    if within or not apart:
+        return within, False
+    holds = True
     last = part_corner(scratch, part, count - 1)
     for k in range(count):
         here = part_corner(scratch, part, k)
         p = cross(last, here)
         size = math.sqrt(dot(p, p))
-        sign = 1.0 if dot(p, middle) > 0.0 else -1.0
-        if sign * dot(p, axis) <= -ring.sine * size:
-            return False, True
+        if is_point(last, here, size):
+            last = here
+            continue
+        out = dot(p, axis) if dot(p, middle) > 0.0 else -dot(p, axis)
+        holds = holds and out > 0.0
+        if abs(out) <= ring.sine * size:
+            # the place of the edge's great circle nearest the axis, if it lies on the edge
+            toward = cross(cross(p, axis), p)
+            if dot(cross(last, toward), p) >= 0.0 and dot(cross(toward, here), p) >= 0.0:
+                return False, False
         last = here
-    return False, False
+    return False, not holds
+
+
+@jitable
+def is_near(scratch: Scratch, part: int, ring: Ring) -> bool:
+    """Whether an edge of a part passes much nearer the axis of a ring than it reaches away, within or beside the ring.
+
+    Where it does, rays meet it at angles that change within a small part of a turn, which no rule would see.
+    """
+    axis = vector(ring.axis)
+    count = scratch.sizes[part]
+    last = part_corner(scratch, part, count - 1)
+    far = math.sqrt(dot(last, last))
+    before = angle_between((last[0] / far, last[1] / far, last[2] / far), axis)
+    for k in range(count):
+        here = part_corner(scratch, part, k)
+        far = math.sqrt(dot(here, here))
+        after = angle_between((here[0] / far, here[1] / far, here[2] / far), axis)
+        low, high = min(before, after), max(before, after)
+        p = cross(last, here)
+        size = math.sqrt(dot(p, p))
+        if not is_point(last, here, size):
+            toward = cross(cross(p, axis), p)
+            if dot(cross(last, toward), p) >= 0.0 and dot(cross(toward, here), p) >= 0.0:
+                low = math.asin(min(1.0, abs(dot(p, axis)) / size))
+        if ring.inside != 0.0:
+            high = min(high, ring.angle)
+        else:
+            low = max(low, ring.angle)
+        if _THROUGH < low and _REACH * low < high:
+            return True
+        last, before = here, after
+    return False
 
 
 @jitable
@@ -124,10 +182,10 @@ def surround(scratch: Scratch, part: int, b: int, r: int) -> int:
 
 
 @jitable
-def put_levels(scratch: Scratch, part: int, ring: Ring) -> int:
+def put_levels(scratch: Scratch, part: int, ring: Ring) -> tuple[int, int]:
     """Write the planes of a part's edges in the frame of a ring, and the angles where rays turn; returns how many."""
     axis, first, second = vector(ring.axis), vector(ring.first), vector(ring.second)
-    count, found = scratch.sizes[part], 0
+    count, found, edges = scratch.sizes[part], 0, 0
     middle = (0.0, 0.0, 0.0)
     for k in range(count):
         w = part_corner(scratch, part, k)
@@ -135,11 +193,15 @@ def put_levels(scratch: Scratch, part: int, ring: Ring) -> int:
     last = part_corner(scratch, part, count - 1)
     for k in range(count):
         here = part_corner(scratch, part, k)
+        found = put_turn(scratch, found, math.atan2(dot(here, second), dot(here, first)))
         p = cross(last, here)
+        if is_point(last, here, math.sqrt(dot(p, p))):
+            last = here
+            continue
         sign = 1.0 if dot(p, middle) > 0.0 else -1.0
         out, across, along = sign * dot(p, axis), sign * dot(p, first), sign * dot(p, second)
-        scratch.levels[k, 0], scratch.levels[k, 1], scratch.levels[k, 2] = out, across, along
-        found = put_turn(scratch, found, math.atan2(dot(here, second), dot(here, first)))
+        scratch.levels[edges, 0], scratch.levels[edges, 1], scratch.levels[edges, 2] = out, across, along
+        edges += 1
         # where the edge crosses the circle: out cos a + (across cos t + along sin t) sin a = 0
         size, level = math.hypot(across, along) * ring.sine, -out * ring.cosine
         if abs(level) < size:
@@ -147,7 +209,7 @@ def put_levels(scratch: Scratch, part: int, ring: Ring) -> int:
             found = put_turn(scratch, found, middle_turn - half)
             found = put_turn(scratch, found, middle_turn + half)
         last = here
-    return found
+    return edges, found
 
 
 @jitable
@@ -281,8 +343,8 @@ def beside_ring(
 
     The form factor of a diffuse place is a closed form, and rules tell of what is sent on average alone.
     """
-    turns = put_levels(scratch, part, ring)
-    share = share_beside(scratch, scratch.sizes[part], turns, ring, at.normal) if material.kind == DIFFUSE else 0.0
+    count, turns = put_levels(scratch, part, ring)
+    share = share_beside(scratch, count, turns, ring, at.normal) if material.kind == DIFFUSE else 0.0
     if material.kind == DIFFUSE and share * cell.spread <= allowed:
         x = y = z = 0.0
         size = scratch.sizes[part]
@@ -294,7 +356,6 @@ def beside_ring(
         sent = (share * sends(cell, 0, u, v), share * sends(cell, 1, u, v), share * sends(cell, 2, u, v))
         sums[WORK] += 1.0 * turns
         return sent, share, share * cell.spread
-    count = scratch.sizes[part]
     level = dot(cross(vector(cell.across), vector(cell.along)), part_corner(scratch, part, 0))
     few, less = ring_sum(scratch, count, turns, ring, _FEW, material, at, cell, way, level)
     more, whole = ring_sum(scratch, count, turns, ring, _MORE, material, at, cell, way, level)

@@ -38,6 +38,10 @@ from symrender.scene.radiometric.arrays import DIFFUSE
 MOST_LIT: Final = 12_000
 MOST_GATHERED: Final = 3_000
 """Most cells of the forests of direct and of reflected light."""
+MOST_SHARP: Final = 40_000
+"""The same of direct light where some shape is glossy."""
+_SHARP: Final = 0.5
+"""Part of the tolerance that direct light may be off anywhere where some shape is glossy."""
 _CHUNK: Final = 256
 _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
@@ -173,9 +177,11 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
         return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
 
     cuts = [a + b for a, b in zip(edges, shadows, strict=True)]
-    target, limits = tol, (MOST_LIT, MOST_GATHERED)
+    glossy = any(world.materials[int(piece.material)].kind != DIFFUSE for piece in world.pieces)
+    target, limits = tol, (MOST_SHARP if glossy else MOST_LIT, MOST_GATHERED)
     for _ in range(_TRIES):
-        first = grown(world, roots, cuts, lit, Limits(target, MOST_LIT, lamps(world)))
+        aim = min(target, _SHARP * tol) if glossy else target
+        first = grown(world, roots, cuts, lit, Limits(aim, limits[0], lamps(world), glossy))
         made = Sendings(world, (first,), fine)
         if bounces:
             second = grown(world, roots, edges, indirect, Limits(target, MOST_GATHERED, pieces_of(world)))
