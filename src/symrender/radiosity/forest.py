@@ -80,7 +80,8 @@ def root_cells(world: World, faces: Ints, sides: Array) -> Quads:
 class Limits:
     """A cell is halved while its largest deviation, times the root of its share of its face, is over ``target``.
 
-    With ``anywhere`` the share has no part in it: what is glossy may see one cell alone. It is while it is too large for one of the ``things`` near it, too; but only while there are fewer than ``most``.
+    With ``anywhere`` the share has no part in it: what is glossy may see one cell alone. A cell is halved, too, while
+    it is too large for one of the ``things`` near it; but only while there are fewer than ``most``.
     """
 
     target: float

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.jit.marks import inlined, jitable
+from symrender.jit.marks import jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
@@ -197,7 +197,9 @@ def add_lobe(
     if ring == FREE:
         found, mass, off = over_triangles(scratch, part, material, at, cell, way, sums)
     else:
-        found, mass, off = beside_ring(scratch, part, scratch.circles[ring], material, at, cell, way, fine * SMALL, sums)
+        found, mass, off = beside_ring(
+            scratch, part, scratch.circles[ring], material, at, cell, way, fine * SMALL, sums
+        )
     if off > fine * (mass + SMALL) and not last:
         return False
     sums[0] += found[0]

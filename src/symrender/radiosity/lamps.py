@@ -6,8 +6,6 @@ that plane is before the sphere. What of the square lies within the circle is wh
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from symrender.jit.marks import jitable
@@ -22,7 +20,7 @@ from symrender.radiosity.forest import put_terms, root_cells
 from symrender.radiosity.gather import add_cell, gather_face
 from symrender.radiosity.hidden import overlaps, put_spaces
 from symrender.radiosity.records import CHANNELS, NONE, TERMS, Cell, Ints, Receiver, Ring, Scratch
-from symrender.radiosity.rings import put_ring, put_rings
+from symrender.radiosity.rings import put_rings
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SPHERE
 
@@ -92,7 +90,9 @@ def lay_square(cell: Cell, ring: Ring, at: Receiver, sent: Vector) -> None:
 
 
 @jitable
-def gather_ball(world: World, lamp: int, sent: Vector, at: Receiver, fine: float, scratch: Scratch, sums: Array) -> None:
+def gather_ball(
+    world: World, lamp: int, sent: Vector, at: Receiver, fine: float, scratch: Scratch, sums: Array
+) -> None:
     """Add what a glossy place makes of sphere ``lamp``, of radiance ``sent``."""
     light = world.pieces[lamp]
     offset = minus(vector(light.place), at.place)
@@ -100,10 +100,10 @@ def gather_ball(world: World, lamp: int, sent: Vector, at: Receiver, fine: float
         return
     for j in range(world.pieces.shape[0]):
         piece = world.pieces[j]
-        if piece.kind == SPHERE and j != lamp:
-            # a sphere that holds the lamp hides it from all that is outside
-            if leaves.sphere_power(*minus(vector(piece.place), vector(light.place)), piece.radius) < 0.0:
-                return
+        apart = minus(vector(piece.place), vector(light.place))
+        # a sphere that holds the lamp hides it from all that is outside
+        if piece.kind == SPHERE and j != lamp and leaves.sphere_power(*apart, piece.radius) < 0.0:
+            return
     rings = put_rings(world, at, scratch)
     own = -1
     for r in range(rings):

@@ -17,7 +17,7 @@ from symrender.leaves import values
 from symrender.radiometric.reflection import masking, reflected
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiosity.parts import part_corner, sends
-from symrender.radiosity.records import MOST, TERMS, WORK, Cell, Receiver, Scratch
+from symrender.radiosity.records import TERMS, WORK, Cell, Receiver, Scratch
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE
 from symrender.scene.radiometric.records import Material
 
@@ -187,7 +187,8 @@ def over_triangles(
 def most_sent(cell: Cell) -> float:
     """The most a cell may send in any channel, what it doubts aside."""
     t = cell.terms
-    return max(abs(t[0]), abs(t[TERMS]), abs(t[2 * TERMS])) + cell.spread
+    most: float = max(abs(t[0]), abs(t[TERMS]), abs(t[2 * TERMS])) + cell.spread
+    return most
 
 
 @jitable

@@ -74,7 +74,7 @@ class Ring(Record):
     """The circle about the unit ``axis`` in which a place sees a sphere: its ``angle``, and the sphere's distance.
 
     ``far`` is that of the plane of the circle; what lies within the circle and beyond the plane is hidden. Of a lamp
-    it is what is seen, and ``inside`` is 1. ``first`` and ``second`` are unit, across the axis. ``piece`` is the sphere.
+    it is what is seen, and ``inside`` is 1. ``first`` and ``second`` are unit, across the axis. ``piece`` is a sphere.
     """
 
     axis: Three

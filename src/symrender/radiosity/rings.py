@@ -141,7 +141,7 @@ def is_near(scratch: Scratch, part: int, ring: Ring) -> bool:
             high = min(high, ring.angle)
         else:
             low = max(low, ring.angle)
-        if _THROUGH < low and _REACH * low < high:
+        if low > _THROUGH and _REACH * low < high:
             return True
         last, before = here, after
     return False

@@ -186,8 +186,8 @@ def check(arrays: RadiometricArrays) -> None:
     pair = buried(arrays) if flat and arrays.bounces else None
     if pair:
         raise Unsupported(
-            f"bounces: {asked} is not yet integrated where shapes[{pair[0]}] and shapes[{pair[1]}] cross, one of both a "
-            "sphere; apart or touching it is"
+            f"bounces: {asked} is not yet integrated where shapes[{pair[0]}] and shapes[{pair[1]}] cross, one of both "
+            "a sphere; apart or touching it is"
         )
     pair = coincident(arrays, make_world(arrays)) if flat and arrays.bounces else None
     if pair:
