@@ -88,7 +88,7 @@ def compare(report: Report, scene: AnyScene, python: str, folder: Path, size: tu
     noise = float(np.sqrt(np.maximum(square - mean**2, 0.0).mean())) / scale
     gap = float(np.sqrt(((mean - exact) ** 2).mean())) / scale
     report.say(
-        f"bounces {bounces}: {found[1]}, {size[0]} x {size[1]} rays; RMS {scale:.4g}, the black image has relative RMSE 1. "
+        f"bounces {bounces}: {found[1]}, {size[0]} x {size[1]} rays; RMS {scale:.4g}, of the black image 1 relative. "
         f"The reference is symrender's to {FINEST[bounces]:g}, stated error {float(np.median(best.error)):.2g} in the "
         f"median and {float(best.error.max()):.2g} at most. Mitsuba after {count} samples is {gap:.3g} from it, of "
         f"which {noise / count**0.5:.3g} is noise."

@@ -34,9 +34,9 @@ def test_the_record_is_of_todays_texts(monkeypatch: pytest.MonkeyPatch) -> None:
         assert made.digest(made.exports(row)["files"]) == row["sha256"], row["scene"]["name"]
 
 
-@pytest.mark.parametrize(("name", "tol"), [(ALL, 0.01), (BALL, 0.02), (GOLD, 0.01)])
+@pytest.mark.parametrize(("name", "tol"), [(ALL, 0.01), (BALL, 0.05), (GOLD, 0.01)])
 def test_light_is_mitsubas_within_noise(name: str, tol: float) -> None:
-    """Values are many times better than what they state, so noise alone is held against them too, but for the roughest."""
+    """Values are much better than they state, so that noise alone is held against them too."""
     rows = of(name)
     scene = sr.load(rows[0]["scene"]).replace({"gloss": "first_hit"})
     seen = sr.probe(scene, rays=seen_from(rows), tol=tol)

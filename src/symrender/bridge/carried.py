@@ -82,8 +82,8 @@ def prepare(
     used = [shape.material for shape in scene.shapes if shape.material in glossy]
     if scene.gloss == "first_hit" and scene.bounces != 0 and used:
         raise Unsupported(
-            f"gloss: {to}: materials.{used[0]} reflects at every hit there, and at the first alone here; with bounces: 0, "
-            "or of diffuse pixels with a black material in its place, both are one"
+            f"gloss: {to}: materials.{used[0]} reflects at every hit there, at the first alone here; with bounces: 0 "
+            "both are one, and so are diffuse pixels with a black material in its place"
         )
     for shape in scene.shapes:
         textured = isinstance(scene.materials[shape.material].reflectance, Checker)

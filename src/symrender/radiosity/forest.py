@@ -131,7 +131,7 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
     doubt = np.concatenate([off for _, off in held])
     # what no sample may have met changes a cell by no more than the most that anything sends
     missing = np.concatenate(unseen) * float(np.abs(terms[:, :, 0]).max(initial=0.0))
-    return _laid(world, growing, quads, len(roots), terms, doubt + missing, missing)
+    return _laid(world, growing, quads, len(roots), terms, doubt, missing)
 
 
 def sampled(quads: Quads, places: Array, evaluate: Evaluate) -> tuple[Array, Array]:
@@ -196,10 +196,13 @@ def _laid(
         cell.area = sum(cells["area"][child] for child in (growing.first[row], growing.second[row]))
         # what it would send itself is never used
         doubt[row] = _NEVER
+    drift = unseen.copy()
     for row in range(len(quads) - 1, -1, -1):
         if growing.first[row] != NONE:
-            doubt[row] = max(doubt[row], doubt[growing.first[row]], doubt[growing.second[row]])
-    cells["doubt"][:] = doubt
+            halves_of = (growing.first[row], growing.second[row])
+            doubt[row] = max(doubt[row], *(doubt[half] for half in halves_of))
+            drift[row] = max(drift[row], *(drift[half] for half in halves_of))
+    cells["doubt"][:], cells["drift"][:] = doubt, drift
     put_terms(cells, np.arange(len(quads)), terms)
     leaves = np.flatnonzero(np.array(growing.first) == NONE)
     return Forest(cells, np.arange(roots), leaves, quads, frames, unseen)

@@ -37,13 +37,15 @@ from symrender.radiosity.records import (
     Receiver,
     Scratch,
 )
-from symrender.radiosity.rings import beside_ring, is_near, put_rings, surround
+from symrender.radiosity.rings import beside_ring, is_near, lies_about, put_rings, surround
 from symrender.scene.radiometric.arrays import DIFFUSE, PHONG
 from symrender.scene.radiometric.records import Material
 
 SMALL: Final = 1.0 / 512.0
 """Share of the hemisphere below which errors are judged as of this share."""
 
+EVEN: Final = 0.25
+"""The mean of what a cell is off, in parts of the largest, where it is seen as a whole."""
 ENOUGH: Final = 4e6
 """Nodes of one place from which on parts are taken as they are, and their bounds stated."""
 
@@ -144,10 +146,13 @@ def average(
 
 @jitable
 def add_part(
-    scratch: Scratch, part: int, cell: Cell, height: float, normal: Vector, way: Vector, fine: float, last: bool,
-    sums: Array,
+    scratch: Scratch, part: int, cell: Cell, height: float, normal: Vector, way: Vector, fine: float, doubt: float,
+    last: bool, sums: Array,
 ) -> bool:  # fmt: skip
-    """Add what a visible part sends and return True, unless it should be halved first, and fits (``last`` is false)."""
+    """Add what a visible part sends and return True, unless it should be halved first, and fits (``last`` is false).
+
+    ``doubt`` is what the cell may be off on the mean that the place takes.
+    """
     share = part_share(scratch, part, normal)
     allowed = fine * (share + SMALL)
     if share * cell.spread <= allowed:
@@ -168,7 +173,7 @@ def add_part(
     sums[0] += share * red
     sums[1] += share * green
     sums[2] += share * blue
-    sums[BOUND] += share * cell.doubt
+    sums[BOUND] += share * doubt
     sums[RULE] += share * min(off, 2.0 * cell.spread)
     return True
 
@@ -184,7 +189,7 @@ def add_lobe(
     most, ring = most_sent(cell), scratch.rings[part]
     if high * solid * most <= fine * SMALL:
         sums[RULE] += high * solid * most
-        sums[BOUND] += high * solid * cell.doubt
+        sums[BOUND] += high * solid * (cell.doubt + cell.drift)
         sums[WORK] += 1.0
         return True
     wild = material.kind != DIFFUSE and not is_tame(ratio, angle)
@@ -192,7 +197,7 @@ def add_lobe(
         if not last:
             return False
         sums[RULE] += high * solid * most
-        sums[BOUND] += high * solid * cell.doubt
+        sums[BOUND] += high * solid * (cell.doubt + cell.drift)
         return True
     if ring == FREE:
         found, mass, off = over_triangles(scratch, part, material, at, cell, way, sums)
@@ -205,9 +210,40 @@ def add_lobe(
     sums[0] += found[0]
     sums[1] += found[1]
     sums[2] += found[2]
-    sums[BOUND] += mass * cell.doubt
+    sums[BOUND] += mass * (cell.doubt + cell.drift)
     sums[RULE] += off
     return True
+
+
+@jitable
+def is_open(scratch: Scratch, rings: int) -> bool:
+    """Whether the first part is apart from all circles of spheres before it."""
+    for r in range(rings):
+        _, apart = lies_about(scratch, 0, scratch.circles[r])
+        if not apart:
+            return False
+    return True
+
+
+@jitable
+def mean_doubt(scratch: Scratch, cell: Cell, height: float, normal: Vector) -> float:
+    """What a cell that is seen as a whole may be off on the mean that a diffuse place takes.
+
+    A cubic of least squares is off to both sides, and its mean deviation is no more than ``EVEN`` of the largest; what
+    the weights of the mean vary over the cell is added. They are told by the corners and the middle.
+    """
+    x = y = z = 0.0
+    low, high = math.inf, 0.0
+    count = scratch.sizes[0]
+    for k in range(count):
+        w = part_corner(scratch, 0, k)
+        x, y, z = x + w[0] / count, y + w[1] / count, z + w[2] / count
+        weight = leaves.exchange(height, *normal, *w)
+        low, high = min(low, weight), max(high, weight)
+    weight = leaves.exchange(height, *normal, x, y, z)
+    low, high = min(low, weight), max(high, weight)
+    uneven = (high - low) / max(high + low, 1e-300)
+    return cell.doubt * min(1.0, EVEN + uneven) + cell.drift
 
 
 @jitable
@@ -233,6 +269,10 @@ def add_cell(
         for c in range(CHANNELS):
             scratch.corners[0, 3 * i + c] = cell.corners[3 * i + c] - place[c]
     scratch.sizes[0], scratch.done[0], scratch.rings[0] = cell.count, occluders if clear else 0, FREE
+    doubt = cell.doubt + cell.drift
+    low, _ = range_over(scratch, 0, at.normal, 0.0)
+    if clear and low > 0.0 and material.kind == DIFFUSE and is_open(scratch, rings):
+        doubt = mean_doubt(scratch, cell, height, at.normal)
     keep_above(scratch, at.normal)
     if material.kind == PHONG and scratch.sizes[0] > 2:
         # beyond a right angle from the mirror direction cos^n ends
@@ -256,7 +296,7 @@ def add_cell(
             # it may have had more corners than were kept
             sums[RULE] += math.inf
         if material.kind == DIFFUSE and scratch.rings[part] == FREE:
-            added = add_part(scratch, part, cell, height, at.normal, way, fine, full, sums)
+            added = add_part(scratch, part, cell, height, at.normal, way, fine, doubt, full, sums)
         else:
             added = add_lobe(scratch, part, material, at, cell, way, fine, full, sums)
         if added:
@@ -342,7 +382,7 @@ def gather_face(
             continue
         if cell.first >= 0:
             mass = largest_mass(material, cell, height, at)
-            if cell.doubt * mass > fine * (mass + SMALL):
+            if (cell.doubt + cell.drift) * mass > fine * (mass + SMALL):
                 scratch.waiting[waiting] = 2 * cell.first + (1 if clear else 0)
                 scratch.waiting[waiting + 1] = 2 * cell.second + (1 if clear else 0)
                 waiting += 2

@@ -36,7 +36,7 @@ class Cell(Record):
     halves it is cut into, ``NONE`` of a leaf. Its variables are ``across`` and ``along`` times the way from ``middle``,
     within -1 and 1; no place of it is farther from there than ``reach``. ``terms`` are the coefficients of 1, u, v, uu,
     uv, vv, uuu, uuv, uvv, vvv, channel by channel; ``spread`` bounds all but the first. ``doubt`` is the largest
-    deviation it expects of them.
+    deviation of them that it expects, which has both signs; ``drift`` is what it may be off beside, anywhere and alike.
     """
 
     face: int
@@ -53,6 +53,7 @@ class Cell(Record):
     terms: Annotated[Array, 30]
     spread: float
     doubt: float
+    drift: float
 
 
 class HalfSpace(Record):

@@ -231,8 +231,7 @@ def _iterate(
     # rows with halves are never used: what they would send is not kept
     inner = np.setdiff1d(np.arange(len(second.cells)), rows)
     second.cells["doubt"][inner] = 1e300
-    doubt = second.cells["doubt"][rows].copy()
-    second.cells["doubt"][rows] = 0.0
+    second.cells["doubt"][rows], second.cells["drift"][rows] = 0.0, 0.0
     term = np.asarray(second.cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).copy()
     total = term.copy()
     solver = np.linalg.pinv(powers[:, :NODES], rcond=1e-9)
@@ -256,17 +255,16 @@ def _iterate(
             total += term * (ratio / (1.0 - ratio))[None, :, None]
             break
     put_terms(second.cells, rows, total)
-    # the residual: what is gathered of both forests, less what the second holds
-    second.cells["doubt"][rows] = doubt
 
+    # the residual: what is gathered of both forests, less what the second holds
     def both(face: Ints, side: Array, at: Array) -> tuple[Array, Array]:
         sums = gather(world, (first, second), face, (side > 0).astype(np.int64), at, fine, threads)
         return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
 
     values, off = sampled(quads, places, both)
     held = powers @ total.transpose(0, 2, 1)
-    doubt = np.abs(held - values).max(axis=(1, 2), initial=0.0) + off + second.unseen[rows]
-    second.cells["doubt"][rows] = doubt
+    second.cells["doubt"][rows] = np.abs(held - values).max(axis=(1, 2), initial=0.0)
+    second.cells["drift"][rows] = off + second.unseen[rows]
     _bound(world, first, second, quads, places, most, fine, threads)
 
 
@@ -277,26 +275,34 @@ def _bound(
     rows = second.leaves
     few = np.ascontiguousarray(places[:, [0, 3, 12, 15, NODES + 4]])
     face, fronts = np.repeat(quads.face, few.shape[1]), np.repeat((quads.side > 0).astype(np.int64), few.shape[1])
-    own = second.cells["doubt"][rows].copy()
+    own, drift = second.cells["doubt"][rows].copy(), second.cells["drift"][rows].copy()
     # bounds alone are gathered: what varies within a cell asks for no finer rule
     spreads = [forest.cells["spread"].copy() for forest in (first, second)]
     for forest in (first, second):
         forest.cells["spread"][:] = 0.0
-    grows = np.zeros(len(rows))
+    grows = np.zeros((len(rows), few.shape[1]))
+    # a cell sends on what it gathers by its own reflectance
+    faces = reflecting(world)
+    each = {(int(f), float(s)): a.max() for f, s, a in zip(faces.face, faces.side, faces.albedo, strict=True)}
+    reflects = np.array([each[int(f), float(s)] for f, s in zip(quads.face, quads.side, strict=True)])[:, None]
     forests: tuple[Forest, ...] = (first, second)
     for _ in range(_MOST_TERMS):
         sums = gather(world, forests, face, fronts, few.reshape(-1, 3), fine, threads)
         forests = (second,)
-        more = most * sums[:, BOUND].reshape(-1, few.shape[1]).max(axis=1, initial=0.0)
+        more = reflects * sums[:, BOUND].reshape(-1, few.shape[1])
         grows += more
-        second.cells["doubt"][rows] = more
+        # what is more than the mean of a cell counts as its deviations do
+        mean = more.mean(axis=1)
+        second.cells["doubt"][rows], second.cells["drift"][rows] = more.max(axis=1, initial=0.0) - mean, mean
         largest = float(more.max(initial=0.0)) * most / (1.0 - most)
         if largest <= 0.05 * float(grows.max(initial=0.0)):
             grows += largest
             break
     for forest, spread in zip((first, second), spreads, strict=True):
         forest.cells["spread"][:] = spread
-    second.cells["doubt"][rows] = own + grows
+    mean = grows.mean(axis=1)
+    second.cells["doubt"][rows] = own + grows.max(axis=1, initial=0.0) - mean
+    second.cells["drift"][rows] = drift + mean
 
 
 def _some(forest: Forest, rows: Ints) -> Frames:
