@@ -31,7 +31,9 @@ def check_gradient(arrays: RadiometricArrays) -> None:
         raise Unsupported(f"gradient: knows radiometric scenes with bounces: 0, got bounces: {asked}")
     check(arrays)
     if lamps_on_gloss(arrays):
-        raise Unsupported("gradient: of an area light over a conductor or a phong material it is not yet integrated")
+        raise Unsupported(
+            "gradient: of a sky or an area light over a conductor or a phong material it is not yet integrated"
+        )
 
 
 def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:
