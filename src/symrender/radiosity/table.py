@@ -36,7 +36,7 @@ from symrender.radiosity.records import BOUND, CHANNELS, RULE, SUMS, Ints, make_
 from symrender.scene.radiometric.arrays import DIFFUSE
 
 MOST_LIT: Final = 12_000
-MOST_GATHERED: Final = 3_000
+MOST_GATHERED: Final = 6_000
 """Most cells of the forests of direct and of reflected light."""
 MOST_SHARP: Final = 40_000
 """The same of direct light where some shape is glossy."""
@@ -47,7 +47,7 @@ _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
 _MOST_TERMS: Final = 400
 _TRIES: Final = 3
-_AIM: Final = 0.6
+_AIM: Final = 0.45
 """Part of the tolerance that is stated at ``_SHARE_MET`` of places, where the forests can be made fine enough."""
 _SHARE_MET: Final = 0.9
 
