@@ -241,3 +241,7 @@ def test_what_is_not_had_is_refused_by_name() -> None:
     refused(r"shapes\[7\] and shapes\[9\] cross", room, shapes=held)
     shining = [*room["lights"], lamp(room["shapes"][7])]
     refused("a sphere that emits", room, lights=shining)
+    plain = {"ggx": GLOSSY["ggx"], "smooth": GLOSSY["ggx"], "coal": GLOSSY["coal"]}
+    for form in ("mitsuba", "pbrt"):
+        with pytest.raises(Unsupported, match=f"gloss: {form}: materials.ggx reflects at every hit there"):
+            sr.export(room | {"materials": MATERIALS | plain}, form)  # type: ignore[call-overload]

@@ -47,7 +47,7 @@ _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
 _MOST_TERMS: Final = 400
 _TRIES: Final = 3
-_AIM: Final = 0.45
+_AIM: Final = 0.5
 """Part of the tolerance that is stated at ``_SHARE_MET`` of places, where the forests can be made fine enough."""
 _SHARE_MET: Final = 0.9
 
