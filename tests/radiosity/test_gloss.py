@@ -245,3 +245,8 @@ def test_what_is_not_had_is_refused_by_name() -> None:
     for form in ("mitsuba", "pbrt"):
         with pytest.raises(Unsupported, match=f"gloss: {form}: materials.ggx reflects at every hit there"):
             sr.export(room | {"materials": MATERIALS | plain}, form)  # type: ignore[call-overload]
+    plates = world(
+        *closed(material="coal"), ball("B", [0.5, 0.5, 0.5], 0.2, "walter"), lights=[lamp(closed()[1])],
+        materials=GLOSSY | {"walter": walter}, bounces=0,
+    )  # fmt: skip
+    refused("a box, and a conductor of g1: walter", plates)
