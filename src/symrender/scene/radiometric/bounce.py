@@ -25,6 +25,7 @@ from symrender.scene import arrays as series
 from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
 from symrender.scene.radiometric.arrays import (
     AREA,
+    CONDUCTOR,
     DIFFUSE,
     DIRECTIONAL,
     DISK,
