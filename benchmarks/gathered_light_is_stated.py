@@ -53,11 +53,11 @@ def main() -> None:
             refused += 1
             continue
         small = make_world(radiometric_arrays(sr.load(scene)))
-        owns, fronts, places, albedo = met(small, origins, directions)
+        at, albedo = met(small, origins, directions)
         for i in np.flatnonzero(albedo.max(axis=1) > 0.0).tolist():
-            normal = np.array(small.pieces[int(owns[i])].up) * (1.0 if fronts[i] else -1.0)
+            normal = np.array(small.pieces[int(at.own[i])].up) * (1.0 if at.front[i] else -1.0)
             for rays in (RAYS, AGAIN * RAYS):
-                mean, wide = reflected_once(scene, places[i], normal, rays, seed)
+                mean, wide = reflected_once(scene, at.place[i], normal, rays, seed)
                 off = np.abs(albedo[i] * mean - seen.indirect[i])
                 fine = bool((off <= LOOSEST * seen.error[i] + SURE * albedo[i] * wide + 1e-12).all())
                 if fine:

@@ -27,9 +27,10 @@ def base() -> dict[str, Any]:
 
 
 def test_a_gallery_scene_is_read_and_written_bit_for_bit() -> None:
-    assert gallery.radiometric_names() == ("cornell", "furnace_radiometric", "interreflection", "metal") and set(
-        gallery.names()
-    ).isdisjoint(gallery.radiometric_names())
+    assert gallery.radiometric_names() == (
+        "cornell", "cornell_gloss", "furnace_radiometric", "interreflection", "metal", "veach",
+    )  # fmt: skip
+    assert set(gallery.names()).isdisjoint(gallery.radiometric_names())
     scene = sr.load("metal")
     assert isinstance(scene, RadiometricScene) and len(scene.shapes) == 6 and len(scene.lights) == 3
     assert parse_any(to_yaml(scene), "x") == scene and parse_any(to_json(scene), "x", ".json") == scene

@@ -100,12 +100,12 @@ def test_hostile_rooms_state_what_they_are_off() -> None:
         origins, directions = inside(4, (0.52 * scale, 0.48 * scale, 0.71 * scale), seed)
         seen = sr.probe(scene, rays=(origins, directions), tol=2e-3)
         small = make_world(arrays)
-        owns, fronts, places, albedo = met(small, origins, directions)
-        for i in range(len(owns)):
+        at, albedo = met(small, origins, directions)
+        for i in range(len(at.own)):
             if albedo[i].max() == 0.0:
                 continue
-            normal = np.array(small.pieces[int(owns[i])].up) * (1.0 if fronts[i] else -1.0)
-            mean, wide = reflected_once(scene, places[i], normal, 4000, 7 * seed + i)
+            normal = np.array(small.pieces[int(at.own[i])].up) * (1.0 if at.front[i] else -1.0)
+            mean, wide = reflected_once(scene, at.place[i], normal, 4000, 7 * seed + i)
             off = np.abs(albedo[i] * mean - seen.indirect[i])
             assert (off <= 1.5 * seen.error[i] + 6.0 * albedo[i] * wide + 1e-12).all(), (seed, i, off, seen.error[i])
             judged += 1

@@ -13,7 +13,7 @@ from symrender.bridge.moved import Triple, extent, half_side, lost, middle, move
 from symrender.errors import OptionError, Unsupported
 from symrender.images.output import check_target, make_folder, write_bytes
 from symrender.scene.mitsuba.flats import AGREE
-from symrender.scene.radiometric.materials import Checker
+from symrender.scene.radiometric.materials import Checker, Diffuse
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Triangle
 from symrender.settings import image_size
@@ -72,12 +72,19 @@ def prepare(
     """``scene`` moved for the renderer ``to``, whose version ``checked`` its conventions are known of.
 
     Raises OptionError for an option out of its range, Unsupported for a plane no square can stand for,
-    and for a checker on other shapes.
+    for a checker on other shapes, and for gloss at the first hit alone.
     """
     if not 1 <= samples <= 1 << 30:
         raise OptionError(f"samples: must be from 1 to {1 << 30}, got {samples}")
     if rays not in ("box", "centre"):
         raise OptionError(f"rays: must be box or centre, got {rays!r}")
+    glossy = [name for name, material in scene.materials.items() if not isinstance(material, Diffuse)]
+    used = [shape.material for shape in scene.shapes if shape.material in glossy]
+    if scene.gloss == "first_hit" and scene.bounces != 0 and used:
+        raise Unsupported(
+            f"gloss: {to}: materials.{used[0]} reflects at every hit there, at the first alone here; with bounces: 0 "
+            "both are one, and so are diffuse pixels with a black material in its place"
+        )
     for shape in scene.shapes:
         textured = isinstance(scene.materials[shape.material].reflectance, Checker)
         if textured and (isinstance(shape, Disk | Box | Triangle | Mesh) or not _square(shape)):

@@ -37,7 +37,7 @@ def sent_by(scene: RadiometricScene, settings: Settings) -> str:
         return "means over pixels cut at their edges"
     if scene.bounces == 0:
         return "closed forms"
-    if all(isinstance(shape, Rectangle | Triangle | Box) for shape in scene.shapes):
+    if any(isinstance(shape, Rectangle | Triangle | Box) for shape in scene.shapes):
         return f"closed forms, bounces ({scene.bounces}) gathered from the cells of faces"
     return f"closed forms, one bounce split at the walls, budget {settings.budget}"
 
@@ -51,6 +51,7 @@ def _conventions(scene: RadiometricScene, settings: Settings) -> dict[str, str]:
     said = {
         "bounces": scene.bounces,
         "filter": settings.filter,
+        "gloss": scene.gloss,
         "lights": "point intensity/r^2, directional irradiance, sky and area radiance",
         "materials": {
             name: material.model_dump(include={"type", "distribution", "masking", "g1", "two_sided"})

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from symrender.radiometric.pieces import Piece, laid_pieces
 from symrender.radiometric.vectors import Array
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import DISK, SPHERE, RadiometricArrays
+
+_TOUCH: Final = 1e-10
+"""Depth, in parts of a sphere's radius, up to which it touches what it crosses."""
 
 
 def crossed(arrays: RadiometricArrays, emitter: int) -> int:
@@ -18,6 +23,20 @@ def crossed(arrays: RadiometricArrays, emitter: int) -> int:
         if int(piece.owner) != emitter and any(_cross(lamp, piece) for lamp in lamps):
             return int(piece.owner)
     return -1
+
+
+def buried(arrays: RadiometricArrays) -> tuple[int, int] | None:
+    """A sphere and a shape it crosses, holds or lies in; None if there is none. What touches does not cross."""
+    pieces = laid_pieces(arrays)
+    for ball in pieces:
+        for piece in pieces if ball.kind == SPHERE else ():
+            if int(piece.owner) == int(ball.owner):
+                continue
+            nearest, farthest = _reach(piece, ball.place)
+            apart = piece.kind != SPHERE or farthest >= 2.0 * piece.radius * (1.0 - _TOUCH) + ball.radius
+            if nearest < ball.radius * (1.0 - _TOUCH) or farthest <= ball.radius or not apart:
+                return int(ball.owner), int(piece.owner)
+    return None
 
 
 def _cross(lamp: Piece, other: Piece) -> bool:

@@ -107,4 +107,4 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
     vertices, which = np.unique(flat(facets).reshape(-1, 3), axis=0, return_inverse=True)
     reach = float(np.abs(vertices).max(initial=0.0))
     flat(facets)[:] = moved(vertices, reach)[which.ravel()].reshape(-1, 9)
-    return laid_out(materials, shapes, facets, lights, directions, camera, arrays.bounces)
+    return laid_out(materials, shapes, facets, lights, directions, camera, arrays.bounces, arrays.first_gloss)

@@ -14,19 +14,22 @@ import numpy as np
 from symrender.radiometric.pieces import Piece
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
-from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, POINT
+from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, POINT, SPHERE
 from symrender.scene.radiometric.records import Light
 
 TOUCH: Final = 1e-12
 """Height, in parts of the scene's coordinates, up to which a corner lies in a plane."""
 _BELOW: Final = 1.0 - 1e-6
 """Part of a light's height up to which what is between it and a face is projected."""
+_CUBE: Final = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _FAR: Final = 1e7
 """Length of what stands for an endless segment, in parts of the scene's coordinates."""
 
 
 def corners_of(piece: Piece) -> Array:
-    """(n, 3)"""
+    """(n, 3); of a sphere those of a cube about it, beyond whose hull it changes nothing."""
+    if piece.kind == SPHERE:
+        return np.asarray(piece.place) + piece.radius * _CUBE
     return np.asarray(piece.corners).reshape(-1, 3)[: int(piece.count)].copy()
 
 
@@ -35,7 +38,7 @@ def contacts(world: World, own: int) -> list[Array]:
     face = world.pieces[own]
     found = []
     for j, piece in enumerate(world.pieces):
-        if j == own:
+        if j == own or piece.kind == SPHERE:
             continue
         corners = corners_of(piece)
         heights = (corners - face.place) @ face.up

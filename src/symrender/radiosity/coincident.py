@@ -10,7 +10,7 @@ from symrender.radiometric.pieces import POLYGON, Piece
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import TOUCH, corners_of
-from symrender.scene.radiometric.arrays import BOX, RadiometricArrays
+from symrender.scene.radiometric.arrays import BOX, SPHERE, RadiometricArrays
 
 _LEAST: Final = 1e-9
 """Area, in parts of the smaller face's, up to which faces do not overlap."""
@@ -46,8 +46,14 @@ def _in_one_plane(a: Piece, b: Piece) -> bool:
 
 def _is_seen_behind(world: World, face: Piece) -> bool:
     """Whether a corner of any piece is behind a face."""
-    heights = [(corners_of(piece) - face.place) @ face.up for piece in world.pieces]
-    return any(h.min() < -TOUCH * _size(face, piece) for h, piece in zip(heights, world.pieces, strict=True))
+    for piece in world.pieces:
+        if piece.kind == SPHERE:
+            low, size = float((piece.place - face.place) @ face.up) - piece.radius, np.abs(piece.place).max()
+        else:
+            low, size = float(((corners_of(piece) - face.place) @ face.up).min()), _size(face, piece)
+        if low < -TOUCH * size:
+            return True
+    return False
 
 
 def _overlap(a: Piece, b: Piece) -> bool:

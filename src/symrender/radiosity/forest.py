@@ -80,12 +80,14 @@ def root_cells(world: World, faces: Ints, sides: Array) -> Quads:
 class Limits:
     """A cell is halved while its largest deviation, times the root of its share of its face, is over ``target``.
 
-    It is while it is too large for one of the ``things`` near it, too; but only while there are fewer than ``most``.
+    With ``anywhere`` the share has no part in it: what is glossy may see one cell alone. A cell is halved, too, while
+    it is too large for one of the ``things`` near it; but only while there are fewer than ``most``.
     """
 
     target: float
     most: int
     things: list[Thing]
+    anywhere: bool = False
 
 
 def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
@@ -111,7 +113,7 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
         leaf = np.array([growing.first[row] == NONE for row in fresh], dtype=bool)
         share = frames.area / np.array([face_area[f] for f in some.face.tolist()])
         large, covered = too_large(limits.things, some, frames)
-        urgency = missed * np.sqrt(share) / max(limits.target, 1e-300) + large
+        urgency = missed * (1.0 if limits.anywhere else np.sqrt(share)) / max(limits.target, 1e-300) + large
         room = (limits.most - len(quads)) // 2
         chosen = np.flatnonzero(leaf & ((urgency > 1.0) | large) & (share > SMALLEST))
         if len(chosen) > room:
@@ -129,7 +131,7 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
     doubt = np.concatenate([off for _, off in held])
     # what no sample may have met changes a cell by no more than the most that anything sends
     missing = np.concatenate(unseen) * float(np.abs(terms[:, :, 0]).max(initial=0.0))
-    return _laid(world, growing, quads, len(roots), terms, doubt + missing, missing)
+    return _laid(world, growing, quads, len(roots), terms, doubt, missing)
 
 
 def sampled(quads: Quads, places: Array, evaluate: Evaluate) -> tuple[Array, Array]:
@@ -194,10 +196,13 @@ def _laid(
         cell.area = sum(cells["area"][child] for child in (growing.first[row], growing.second[row]))
         # what it would send itself is never used
         doubt[row] = _NEVER
+    drift = unseen.copy()
     for row in range(len(quads) - 1, -1, -1):
         if growing.first[row] != NONE:
-            doubt[row] = max(doubt[row], doubt[growing.first[row]], doubt[growing.second[row]])
-    cells["doubt"][:] = doubt
+            halves_of = (growing.first[row], growing.second[row])
+            doubt[row] = max(doubt[row], *(doubt[half] for half in halves_of))
+            drift[row] = max(drift[row], *(drift[half] for half in halves_of))
+    cells["doubt"][:], cells["drift"][:] = doubt, drift
     put_terms(cells, np.arange(len(quads)), terms)
     leaves = np.flatnonzero(np.array(growing.first) == NONE)
     return Forest(cells, np.arange(roots), leaves, quads, frames, unseen)

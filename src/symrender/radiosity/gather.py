@@ -1,8 +1,7 @@
 """What a place gathers of what faces send: the form factor of every visible part times what it sends on average.
 
-Form factors are closed forms. The average is taken with the weights cos cos'/r^2 by two rules of one set of nodes,
-exact for polynomials of degrees 5 and 2; where they differ by too much a part is halved. So what is constant is
-gathered to rounding, however near a face is.
+What hides a cell is cut off it as convex parts, and what is added of each is in ``adding.py``. What is seen beside the
+circle of a sphere, and all that a glossy place gathers, is integrated by rules that tell of each other.
 """
 
 from __future__ import annotations
@@ -10,171 +9,78 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from symrender.jit.marks import inlined, jitable
+from symrender.jit.marks import jitable
 from symrender.jit.records import Table
-from symrender.leaves import radiometric as leaves
+from symrender.leaves import values
 from symrender.radiometric.sight import height_over, turned_away
-from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
+from symrender.radiometric.vectors import Array, Vector, dot, minus, vector
 from symrender.radiometric.world import World
+from symrender.radiosity.adding import SMALL, add_lobe, add_part, largest_mass, mean_doubt
 from symrender.radiosity.hidden import gather_occluders, overlaps
-from symrender.radiosity.parts import cut, longest_way, part_corner, part_share, range_over
-from symrender.radiosity.places import facing
-from symrender.radiosity.records import CHANNELS, MOST, SPACES, TERMS, Cell, Ints, Scratch
+from symrender.radiosity.parts import cut, longest_way, range_over
+from symrender.radiosity.records import (
+    CHANNELS,
+    FREE,
+    MOST,
+    NEAR,
+    RULE,
+    SPACES,
+    WORK,
+    Cell,
+    Ints,
+    Receiver,
+    Scratch,
+)
+from symrender.radiosity.rings import lies_about, put_rings, surround
+from symrender.scene.radiometric.arrays import DIFFUSE, PHONG
+from symrender.scene.radiometric.records import Material
 
-BOUND: Final = 3
-"""Where a gather adds up what cells doubt, after the channels."""
-RULE: Final = 4
-"""Where it adds up what its own rule may be off."""
-WORK: Final = 5
-"""Where it counts nodes."""
-NEAR: Final = 6
-"""Where the inverse of its least height over a face is kept."""
-SUMS: Final = 7
-SMALL: Final = 1.0 / 512.0
-"""Share of the hemisphere below which errors are judged as of this share."""
-
-_A: Final = 0.470142064105115
-_B: Final = 0.101286507323456
-# Radon's rule of degree 5: the centre and two orbits of three
-_CENTER: Final = 9.0 / 40.0
-_INNER: Final = 0.132394152788506
-_OUTER: Final = 0.125939180544827
-# of degree 2 with the centre and the outer orbit alone
-_CENTER2: Final = 1.0 - 1.0 / (36.0 * (1.0 / 3.0 - _B) ** 2)
-_OUTER2: Final = (1.0 - _CENTER2) / 3.0
-
-
-@inlined
-def sends(cell: Cell, c: int, u: float, v: float) -> float:
-    """What a cell sends in a channel at its variables."""
-    t, k = cell.terms, TERMS * c
-    found: float = (
-        t[k] + u * (t[k + 1] + u * (t[k + 3] + u * t[k + 6] + v * t[k + 7]) + v * (t[k + 4] + v * t[k + 8]))
-        + v * (t[k + 2] + v * (t[k + 5] + v * t[k + 9]))
-    )  # fmt: skip
-    return found
+ENOUGH: Final = 4e6
+"""Nodes of one place from which on parts are taken as they are, and their bounds stated."""
 
 
 @jitable
-def largest_share(cell: Cell, height: float, place: Vector, normal: Vector) -> float:
-    """A bound of the form factor of a cell."""
-    w = minus(vector(cell.middle), place)
-    near: float = math.sqrt(dot(w, w)) - cell.reach
-    if near <= 0.0:
-        return 1.0
-    rise = dot(normal, w) + cell.reach
-    bound: float = cell.area * height * max(rise, 0.0) / (math.pi * near * near * near * near)
-    return min(1.0, bound)
-
-
-@jitable
-def average(
-    scratch: Scratch, part: int, cell: Cell, height: float, normal: Vector, way: Vector, share: float, sums: Array
-) -> tuple[float, float, float, float]:
-    """(three channels, what they may be off) of the weighted average of what a cell sends over a part.
-
-    ``way`` leads from the cell's middle to the place. Where one node has all the weight two rules agree, and both are
-    wrong: so by how much their sum misses the form factor ``share`` counts too, times what the cell varies.
-    """
-    across, along = vector(cell.across), vector(cell.along)
-    a = part_corner(scratch, part, 0)
-    whole = less = 0.0
-    red = green = blue = 0.0
-    low_red = low_green = low_blue = 0.0
-    dark = (math.inf, math.inf, math.inf)
-    bright = (-math.inf, -math.inf, -math.inf)
-    for k in range(1, scratch.sizes[part] - 1):
-        b, c = part_corner(scratch, part, k), part_corner(scratch, part, k + 1)
-        x = cross(minus(b, a), minus(c, a))
-        area = math.sqrt(dot(x, x))
-        for i in range(7):
-            if i == 0:
-                p = q = r = 1.0 / 3.0
-                much, little = _CENTER, _CENTER2
-            else:
-                s = _A if i < 4 else _B
-                much, little = (_INNER, 0.0) if i < 4 else (_OUTER, _OUTER2)
-                p = 1.0 - 2.0 * s if i % 3 == 0 else s
-                q = 1.0 - 2.0 * s if i % 3 == 1 else s
-                r = 1.0 - 2.0 * s if i % 3 == 2 else s
-            w = (p * a[0] + q * b[0] + r * c[0], p * a[1] + q * b[1] + r * c[1], p * a[2] + q * b[2] + r * c[2])
-            weight = area * leaves.exchange(height, *normal, *w)
-            o = (w[0] + way[0], w[1] + way[1], w[2] + way[2])
-            u, v = dot(across, o), dot(along, o)
-            f, g, h = sends(cell, 0, u, v), sends(cell, 1, u, v), sends(cell, 2, u, v)
-            dark = (min(dark[0], f), min(dark[1], g), min(dark[2], h))
-            bright = (max(bright[0], f), max(bright[1], g), max(bright[2], h))
-            m, n = weight * much, weight * little
-            whole += m
-            less += n
-            red += m * f
-            green += m * g
-            blue += m * h
-            low_red += n * f
-            low_green += n * g
-            low_blue += n * h
-        sums[WORK] += 7.0
-    if whole <= 0.0 or less <= 0.0 or share <= 0.0:
-        t = cell.terms
-        return t[0], t[TERMS], t[2 * TERMS], cell.spread
-    red, green, blue = red / whole, green / whole, blue / whole
-    off = max(abs(red - low_red / less), abs(green - low_green / less), abs(blue - low_blue / less))
-    varies = max(bright[0] - dark[0], bright[1] - dark[1], bright[2] - dark[2])
-    missed = abs(whole / (2.0 * math.pi * share) - 1.0)
-    return red, green, blue, max(off, min(2.0 * varies * missed, cell.spread))
-
-
-@jitable
-def add_part(
-    scratch: Scratch, part: int, cell: Cell, height: float, normal: Vector, way: Vector, fine: float, last: bool,
-    sums: Array,
-) -> bool:  # fmt: skip
-    """Add what a visible part sends and return True, unless it should be halved first, and fits (``last`` is false)."""
-    share = part_share(scratch, part, normal)
-    allowed = fine * (share + SMALL)
-    if share * cell.spread <= allowed:
-        # its value at the middle of its corners
-        x = y = z = 0.0
-        size = scratch.sizes[part]
-        for k in range(size):
-            w = part_corner(scratch, part, k)
-            x, y, z = x + w[0], y + w[1], z + w[2]
-        o = (x / size + way[0], y / size + way[1], z / size + way[2])
-        u, v = dot(vector(cell.across), o), dot(vector(cell.along), o)
-        red, green, blue, off = sends(cell, 0, u, v), sends(cell, 1, u, v), sends(cell, 2, u, v), cell.spread
-        sums[WORK] += 1.0
-    else:
-        red, green, blue, off = average(scratch, part, cell, height, normal, way, share, sums)
-        if share * off > allowed and not last:
+def is_open(scratch: Scratch, rings: int) -> bool:
+    """Whether the first part is apart from all circles of spheres before it."""
+    for r in range(rings):
+        _, apart = lies_about(scratch, 0, scratch.circles[r])
+        if not apart:
             return False
-    sums[0] += share * red
-    sums[1] += share * green
-    sums[2] += share * blue
-    sums[BOUND] += share * cell.doubt
-    sums[RULE] += share * min(off, 2.0 * cell.spread)
-    if scratch.sizes[part] == MOST:
-        # it may have had more corners than were kept
-        sums[RULE] += math.inf
     return True
 
 
 @jitable
-def add_cell(
-    cell: Cell, occluders: int, clear: bool, height: float, place: Vector, normal: Vector, fine: float,
-    scratch: Scratch, sums: Array,
-) -> None:  # fmt: skip
-    """Add what the visible parts of a cell send."""
-    way = minus(place, vector(cell.middle))
-    for i in range(cell.count):
-        for c in range(CHANNELS):
-            scratch.corners[0, 3 * i + c] = cell.corners[3 * i + c] - place[c]
-    scratch.sizes[0], scratch.done[0] = cell.count, occluders if clear else 0
+def keep_above(scratch: Scratch, normal: Vector) -> None:
+    """Cut the first part at a plane through the place."""
     low, _ = range_over(scratch, 0, normal, 0.0)
     if low < 0.0:
         scratch.sizes[1] = cut(scratch, 0, 1, normal, 0.0, 1.0)
         scratch.sizes[0] = scratch.sizes[1]
         for i in range(3 * scratch.sizes[1]):
             scratch.corners[0, i] = scratch.corners[1, i]
+
+
+@jitable
+def add_cell(
+    material: Material, cell: Cell, occluders: int, rings: int, clear: bool, height: float, at: Receiver, fine: float,
+    scratch: Scratch, sums: Array,
+) -> None:  # fmt: skip
+    """Add what the visible parts of a cell send; the circles of ``rings`` spheres may hide some of it."""
+    place, hidden = at.place, occluders + rings
+    way = minus(place, vector(cell.middle))
+    for i in range(cell.count):
+        for c in range(CHANNELS):
+            scratch.corners[0, 3 * i + c] = cell.corners[3 * i + c] - place[c]
+    scratch.sizes[0], scratch.done[0], scratch.rings[0] = cell.count, occluders if clear else 0, FREE
+    doubt = cell.doubt + cell.drift
+    low, _ = range_over(scratch, 0, at.normal, 0.0)
+    if clear and low > 0.0 and material.kind == DIFFUSE and is_open(scratch, rings):
+        doubt = mean_doubt(scratch, cell, height, at.normal)
+    keep_above(scratch, at.normal)
+    if material.kind == PHONG and scratch.sizes[0] > 2:
+        # beyond a right angle from the mirror direction cos^n ends
+        v = at.view
+        keep_above(scratch, values.mirror_direction(-v[0], -v[1], -v[2], *at.normal))
     waiting = 1
     while waiting > 0:
         part = waiting - 1
@@ -182,11 +88,21 @@ def add_cell(
             waiting -= 1
             continue
         b = scratch.done[part]
-        full = waiting + SPACES + 2 >= scratch.sizes.shape[0]
+        full = waiting + SPACES + 2 >= scratch.sizes.shape[0] or sums[WORK] > ENOUGH
         if b < occluders:
             waiting = subtract(scratch, part, b)
             continue
-        if add_part(scratch, part, cell, height, normal, way, fine, full, sums):
+        if b < hidden:
+            waiting = surround(scratch, part, b, b - occluders)
+            continue
+        if scratch.sizes[part] == MOST:
+            # it may have had more corners than were kept
+            sums[RULE] += math.inf
+        if material.kind == DIFFUSE and scratch.rings[part] == FREE:
+            added = add_part(scratch, part, cell, height, at.normal, way, fine, doubt, full, sums)
+        else:
+            added = add_lobe(scratch, part, material, at, cell, way, fine, full, sums)
+        if added:
             waiting -= 1
             continue
         # the upper half is written beside, the lower one in a spare place and back
@@ -197,7 +113,9 @@ def add_cell(
         for i in range(3 * scratch.sizes[spare]):
             scratch.corners[part, i] = scratch.corners[spare, i]
         scratch.sizes[part] = scratch.sizes[spare]
-        scratch.done[upper] = occluders
+        # a circle may pass through one half alone
+        scratch.done[upper], scratch.done[part] = occluders, occluders
+        scratch.rings[upper], scratch.rings[part] = FREE, FREE
         waiting += 1
 
 
@@ -228,7 +146,7 @@ def subtract(scratch: Scratch, part: int, b: int) -> int:
         scratch.sizes[outside] = cut(scratch, rest, outside, n, space.level, -1.0)
         for i in range(3 * scratch.sizes[outside]):
             scratch.corners[rest, i] = scratch.corners[outside, i]
-        scratch.sizes[rest], scratch.done[rest] = scratch.sizes[outside], b + 1
+        scratch.sizes[rest], scratch.done[rest], scratch.rings[rest] = scratch.sizes[outside], b + 1, FREE
         rest = inside
         if scratch.sizes[rest] < 3:
             break
@@ -237,15 +155,16 @@ def subtract(scratch: Scratch, part: int, b: int) -> int:
 
 @jitable
 def gather_face(
-    world: World, cells: Table[Cell], root: int, own: int, front: bool, place: Vector, normal: Vector, fine: float,
-    scratch: Scratch, sums: Array,
-) -> None:  # fmt: skip
-    """Add what the cells under ``root`` send to a place of piece ``own``, whose unit normal is ``normal``."""
+    world: World, cells: Table[Cell], root: int, at: Receiver, rings: int, fine: float, scratch: Scratch, sums: Array
+) -> None:
+    """Add what the cells under ``root`` send to a place, before which are the spheres of ``rings`` circles."""
     top = cells[root]
+    place, normal = at.place, at.normal
     height = top.side * height_over(world.pieces[top.face], place)
-    if height <= 0.0 or top.face == own or turned_away(world, own, front, top.face):
+    if height <= 0.0 or top.face == at.own or turned_away(world, at.own, at.front, top.face):
         return
-    occluders = gather_occluders(world, own, front, top, height, place, normal, scratch)
+    material = world.materials[int(world.pieces[at.own].material)]
+    occluders = gather_occluders(world, at, top, height, scratch)
     sums[NEAR] = max(sums[NEAR], 1.0 / height)
     waiting = 1
     scratch.waiting[0] = 2 * root + (1 if occluders == 0 else 0)
@@ -265,23 +184,27 @@ def gather_face(
         if hidden:
             continue
         if cell.first >= 0:
-            share = largest_share(cell, height, place, normal)
-            if cell.doubt * share > fine * (share + SMALL):
+            mass = largest_mass(material, cell, height, at)
+            if (cell.doubt + cell.drift) * mass > fine * (mass + SMALL):
                 scratch.waiting[waiting] = 2 * cell.first + (1 if clear else 0)
                 scratch.waiting[waiting + 1] = 2 * cell.second + (1 if clear else 0)
                 waiting += 2
                 continue
-        add_cell(cell, occluders, clear, height, place, normal, fine, scratch, sums)
+        add_cell(material, cell, occluders, rings, clear, height, at, fine, scratch, sums)
 
 
 def gather_places(
-    world: World, cells: Table[Cell], roots: Ints, owns: Ints, fronts: Ints, places: Array, fine: float,
-    scratch: Scratch, sums: Array,
+    world: World, cells: Table[Cell], roots: Ints, owns: Ints, fronts: Ints, places: Array, normals: Array,
+    views: Array, fine: float, scratch: Scratch, sums: Array,
 ) -> None:  # fmt: skip
-    """Add to the rows of ``sums`` what places of pieces ``owns`` gather, each on the front or the back of its piece."""
+    """Add to the rows of ``sums`` what places of pieces ``owns`` gather, each on the front or the back of its piece.
+
+    ``normals`` are unit, ``views`` unit ways to who looks.
+    """
     for i in range(places.shape[0]):
-        own, front = owns[i], fronts[i] != 0
-        normal = facing(world, own, front)
         place = (places[i, 0], places[i, 1], places[i, 2])
+        normal = (normals[i, 0], normals[i, 1], normals[i, 2])
+        at = Receiver(owns[i], fronts[i] != 0, place, normal, (views[i, 0], views[i, 1], views[i, 2]))
+        rings = put_rings(world, at, scratch)
         for r in range(roots.shape[0]):
-            gather_face(world, cells, roots[r], own, front, place, normal, fine, scratch, sums[i])
+            gather_face(world, cells, roots[r], at, rings, fine, scratch, sums[i])

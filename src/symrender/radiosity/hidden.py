@@ -1,4 +1,4 @@
-"""What hides a face from a place: every other face as an intersection of half spaces."""
+"""What hides a face from a place: every other face, or plane, as an intersection of half spaces."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from symrender.radiometric.sight import height_over
 from symrender.radiometric.sky import faces_away
 from symrender.radiometric.vectors import Vector, dot, minus, vector
 from symrender.radiometric.world import World
-from symrender.radiosity.records import SPACES, Cell, Scratch
+from symrender.radiosity.records import SPACES, Cell, Receiver, Scratch
+from symrender.scene.arrays import PLANE
 
 FLAT: Final = 1e-13
 """Height over a face, in parts of the coordinates, up to which another lies in its plane and hides none of it."""
@@ -21,6 +22,8 @@ FLAT: Final = 1e-13
 @jitable
 def may_hide(piece: Piece, face: Piece, side: float, place: Vector, normal: Vector, height: float) -> bool:
     """Whether some of a piece lies above the horizon of a place, and between it and the plane of a face."""
+    if piece.kind == PLANE:
+        return True
     above, between, behind = False, False, True
     size = max(abs(place[0]), abs(place[1]), abs(place[2]))
     for k in range(int(piece.count)):
@@ -76,24 +79,22 @@ def overlaps(scratch: Scratch, b: int, cell: Cell, place: Vector) -> tuple[bool,
 
 
 @jitable
-def gather_occluders(
-    world: World, own: int, front: bool, cell: Cell, height: float, place: Vector, normal: Vector, scratch: Scratch
-) -> int:
-    """List what may hide some of a face, whose root is ``cell``, from a place of piece ``own``; returns how many.
+def gather_occluders(world: World, at: Receiver, cell: Cell, height: float, scratch: Scratch) -> int:
+    """List what may hide some of a face, whose root is ``cell``, from a place; returns how many.
 
     Faces of a box that show their back are left out: what they hide its other faces hide.
     """
     found = 0
-    face = world.pieces[cell.face]
+    face, place = world.pieces[cell.face], at.place
     for j in range(world.pieces.shape[0]):
         piece = world.pieces[j]
-        if j == own or j == cell.face or piece.kind != POLYGON:
+        if j == at.own or j == cell.face or (piece.kind != POLYGON and piece.kind != PLANE):
             continue
         if cell.side > 0.0 and piece.owner == face.owner:
             continue
-        if edge_on(piece, place) or faces_away(world, own, front, place, j):
+        if edge_on(piece, place) or faces_away(world, at.own, at.front, place, j):
             continue
-        if not may_hide(piece, face, cell.side, place, normal, height):
+        if not may_hide(piece, face, cell.side, place, at.normal, height):
             continue
         scratch.counts[found] = put_spaces(scratch, found, piece, place)
         some, _ = overlaps(scratch, found, cell, place)

@@ -12,11 +12,12 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.radiometric.pieces import Piece
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import corners_of
 from symrender.radiosity.cells import Frames, Quads
-from symrender.scene.radiometric.arrays import AREA, POINT
+from symrender.scene.radiometric.arrays import AREA, POINT, SPHERE
 
 _LARGE: Final = 1.5
 """Reach of a cell, in parts of what is near it, from which it is too large."""
@@ -24,17 +25,21 @@ _LARGE: Final = 1.5
 
 @dataclass(frozen=True)
 class Thing:
-    """A polygon or a point that lights or darkens: its corners, its width and its area; ``piece`` or -1."""
+    """A polygon, a point or a sphere that lights or darkens: its corners, width and area; ``piece`` or -1.
+
+    A sphere is its centre and its ``radius``.
+    """
 
     corners: Array
     width: float
     area: float
     piece: int
+    radius: float = 0.0
 
 
-def polygons(world: World) -> list[Thing]:
+def pieces_of(world: World) -> list[Thing]:
     """All pieces."""
-    return [_thing(corners_of(piece), j) for j, piece in enumerate(world.pieces)]
+    return [_thing(piece, j) for j, piece in enumerate(world.pieces)]
 
 
 def lamps(world: World) -> list[Thing]:
@@ -46,15 +51,19 @@ def lamps(world: World) -> list[Thing]:
             found.append(Thing(np.array([light.place]), 0.0, 0.0, -1))
         elif light.kind == AREA:
             shining = np.flatnonzero(owners == int(light.emitter)).tolist()
-            found += [_thing(corners_of(world.pieces[j]), j) for j in shining]
+            found += [_thing(world.pieces[j], j) for j in shining]
     return found
 
 
-def _thing(corners: Array, piece: int) -> Thing:
+def _thing(piece: Piece, index: int) -> Thing:
+    if piece.kind == SPHERE:
+        size = float(piece.radius)
+        return Thing(np.array([piece.place]), 2.0 * size, float(np.pi) * size * size, index, size)
+    corners = corners_of(piece)
     fan = np.cross(corners[1:-1] - corners[0], corners[2:] - corners[0]).sum(axis=0)
     area = 0.5 * float(np.sqrt(fan @ fan))
     longest = max(float(np.sqrt(((corners - corner) ** 2).sum(axis=1)).max()) for corner in corners)
-    return Thing(corners, area / longest, area, piece)
+    return Thing(corners, area / longest, area, index)
 
 
 def distances(places: Array, corners: Array) -> Array:
@@ -78,7 +87,7 @@ def too_large(things: list[Thing], quads: Quads, frames: Frames) -> tuple[npt.ND
     """(whether a cell is too large for a thing near it, the part of its area that such things may cover) (N,)."""
     large, covered = np.zeros(len(quads), dtype=bool), np.zeros(len(quads))
     for thing in things:
-        gap = np.maximum(distances(frames.middle, thing.corners) - frames.reach, 0.0)
+        gap = np.maximum(distances(frames.middle, thing.corners) - thing.radius - frames.reach, 0.0)
         some = (frames.reach > _LARGE * np.maximum(thing.width, gap)) & (quads.face != thing.piece)
         large |= some
         # within its own size of a thing light changes by as much as there is

@@ -1,11 +1,11 @@
-"""Convex parts of a cell: cut by half spaces, and their share of what a place sees."""
+"""Convex parts of a cell: cut by half spaces, what they send, and their share of what a place sees."""
 
 from __future__ import annotations
 
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.vectors import Vector, dot, minus, vector
-from symrender.radiosity.records import MOST, HalfSpace, Scratch
+from symrender.radiosity.records import MOST, TERMS, Cell, HalfSpace, Scratch
 
 
 @inlined
@@ -24,6 +24,17 @@ def put_corner(scratch: Scratch, part: int, k: int, w: Vector) -> None:
 def level_of(space: HalfSpace, w: Vector) -> float:
     """Height over the boundary of a half space."""
     return dot(vector(space.normal), w) + space.level
+
+
+@inlined
+def sends(cell: Cell, c: int, u: float, v: float) -> float:
+    """What a cell sends in a channel at its variables."""
+    t, k = cell.terms, TERMS * c
+    found: float = (
+        t[k] + u * (t[k + 1] + u * (t[k + 3] + u * t[k + 6] + v * t[k + 7]) + v * (t[k + 4] + v * t[k + 8]))
+        + v * (t[k + 2] + v * (t[k + 5] + v * t[k + 9]))
+    )  # fmt: skip
+    return found
 
 
 @jitable

@@ -29,17 +29,21 @@ def fill_lit(world: World, owns: Ints, fronts: Ints, places: Array, room: Room, 
 
 
 def fill_met(
-    world: World, origins: Array, directions: Array, owns: Ints, fronts: Ints, places: Array, albedo: Array
+    world: World, origins: Array, directions: Array, owns: Ints, fronts: Ints, places: Array, normals: Array,
+    albedo: Array,
 ) -> None:  # fmt: skip
-    """Write which piece every ray meets first, -1 for none, whether its front, where, and how that side reflects."""
+    """Write which piece every ray meets first, -1 for none, whether its front, where, and how that side reflects.
+
+    ``normals`` are unit, towards the ray.
+    """
     for i in range(origins.shape[0]):
         origin = (origins[i, 0], origins[i, 1], origins[i, 2])
-        own, _, at, _, front = nearest(world, origin, (directions[i, 0], directions[i, 1], directions[i, 2]))
+        own, _, at, facing_ray, front = nearest(world, origin, (directions[i, 0], directions[i, 1], directions[i, 2]))
         owns[i], fronts[i] = own, 1 if front else 0
         if own < 0:
             continue
         shows = front or world.materials[int(world.pieces[own].material)].two_sided != 0.0
         reflects = reflectance(world, own, at)
         for c in range(3):
-            places[i, c] = at[c]
+            places[i, c], normals[i, c] = at[c], facing_ray[c]
             albedo[i, c] = reflects[c] if shows else 0.0

@@ -9,13 +9,22 @@ import numpy.typing as npt
 
 from symrender.jit.records import Record, Table, Three, table
 from symrender.radiometric.pieces import CORNERS
-from symrender.radiometric.vectors import Array
+from symrender.radiometric.vectors import Array, Vector
 
 Ints = npt.NDArray[np.int64]
 
 TERMS: Final = 10
 """Terms of a cubic in two variables."""
 CHANNELS: Final = 3
+BOUND: Final = 3
+"""Where a gather adds up what cells doubt, after the channels."""
+RULE: Final = 4
+"""Where it adds up what its own rule may be off."""
+WORK: Final = 5
+"""Where it counts nodes."""
+NEAR: Final = 6
+"""Where the inverse of its least height over a face is kept."""
+SUMS: Final = 7
 NONE: Final = -1
 """What stands for a cell that is not there."""
 
@@ -27,7 +36,7 @@ class Cell(Record):
     halves it is cut into, ``NONE`` of a leaf. Its variables are ``across`` and ``along`` times the way from ``middle``,
     within -1 and 1; no place of it is farther from there than ``reach``. ``terms`` are the coefficients of 1, u, v, uu,
     uv, vv, uuu, uuv, uvv, vvv, channel by channel; ``spread`` bounds all but the first. ``doubt`` is the largest
-    deviation it expects of them.
+    deviation of them that it expects, which has both signs; ``drift`` is what it may be off beside, anywhere and alike.
     """
 
     face: int
@@ -44,6 +53,7 @@ class Cell(Record):
     terms: Annotated[Array, 30]
     spread: float
     doubt: float
+    drift: float
 
 
 class HalfSpace(Record):
@@ -61,11 +71,48 @@ SPARE: Final = 64
 """Parts of a cell that may wait beside those that occluders leave."""
 
 
+class Ring(Record):
+    """The circle about the unit ``axis`` in which a place sees a sphere: its ``angle``, and the sphere's distance.
+
+    ``far`` is that of the plane of the circle; what lies within the circle and beyond the plane is hidden. Of a lamp
+    it is what is seen, and ``inside`` is 1. ``first`` and ``second`` are unit, across the axis. ``piece`` is a sphere.
+    """
+
+    axis: Three
+    first: Three
+    second: Three
+    angle: float
+    cosine: float
+    sine: float
+    far: float
+    inside: float
+    piece: float
+
+
+class Receiver(NamedTuple):
+    """A place that gathers: of a piece, on its front or back, its unit normal and the unit way to who looks."""
+
+    own: int
+    front: bool
+    place: Vector
+    normal: Vector
+    view: Vector
+
+
+FREE: Final = -1
+"""What stands for the ring of a part that no circle may pass through."""
+MANY: Final = -2
+"""What stands for it where several circles may."""
+TURNS: Final = 3 * MOST
+"""Most angles at which a ray from the middle of a ring meets another edge of a part."""
+
+
 class Scratch(NamedTuple):
     """What a gather works in: half spaces of occluders, cells that wait, parts of a cell that wait.
 
     Occluder b has ``counts[b]`` half spaces, from ``spaces[SPACES b]``. A part has ``sizes`` corners, relative to the
-    place that gathers, and is free of the first ``done`` occluders.
+    place that gathers, and is free of the first ``done`` occluders, of which the last are ``circles``; the one that
+    may pass through it is ``rings``. ``levels`` and ``turns`` are those of the edges of one part.
     """
 
     spaces: Table[HalfSpace]
@@ -75,6 +122,11 @@ class Scratch(NamedTuple):
     sizes: Ints
     done: Ints
     kept: Array
+    rings: Ints
+    circles: Table[Ring]
+    levels: Array
+    turns: Array
+    lamp: Table[Cell]
 
 
 def make_scratch(pieces: int, cells: int) -> Scratch:
@@ -83,4 +135,5 @@ def make_scratch(pieces: int, cells: int) -> Scratch:
     return Scratch(
         table(HalfSpace, SPACES * (pieces + 1)), np.zeros(pieces + 1, np.int64), np.zeros(cells + 2, np.int64),
         np.zeros((parts, 3 * MOST)), np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(2 * MOST),
+        np.zeros(parts, np.int64), table(Ring, pieces + 1), np.zeros((MOST, 3)), np.zeros(TURNS + 1), table(Cell, 1),
     )  # fmt: skip

@@ -29,20 +29,25 @@ from symrender.radiometric.world import World
 from symrender.radiosity.breaks import contacts, shadow_edges
 from symrender.radiosity.cells import NODES, Frames, Quads, monomials, sampled_places
 from symrender.radiosity.forest import Forest, Limits, grown, put_terms, root_cells, sampled
-from symrender.radiosity.gather import BOUND, RULE, SUMS, gather_places
-from symrender.radiosity.near import lamps, polygons
+from symrender.radiosity.gather import gather_places
+from symrender.radiosity.near import lamps, pieces_of
 from symrender.radiosity.places import fill_lit
-from symrender.radiosity.records import CHANNELS, Ints, make_scratch
+from symrender.radiosity.records import BOUND, CHANNELS, RULE, SUMS, Ints, make_scratch
+from symrender.scene.radiometric.arrays import DIFFUSE
 
 MOST_LIT: Final = 12_000
-MOST_GATHERED: Final = 3_000
+MOST_GATHERED: Final = 6_000
 """Most cells of the forests of direct and of reflected light."""
+MOST_SHARP: Final = 40_000
+"""The same of direct light where some shape is glossy."""
+_SHARP: Final = 0.5
+"""Part of the tolerance that direct light may be off anywhere where some shape is glossy."""
 _CHUNK: Final = 256
 _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
 _MOST_TERMS: Final = 400
 _TRIES: Final = 3
-_AIM: Final = 0.6
+_AIM: Final = 0.5
 """Part of the tolerance that is stated at ``_SHARE_MET`` of places, where the forests can be made fine enough."""
 _SHARE_MET: Final = 0.9
 
@@ -57,11 +62,11 @@ class Faces:
 
 
 def reflecting(world: World) -> Faces:
-    """The sides of polygons that reflect anything."""
+    """The sides of diffuse polygons that reflect anything."""
     face, side, albedo = [], [], []
     for j, piece in enumerate(world.pieces):
         material = world.materials[int(piece.material)]
-        if piece.kind != POLYGON or not material.bright.any():
+        if piece.kind != POLYGON or material.kind != DIFFUSE or not material.bright.any():
             continue
         for s in (1.0, -1.0) if material.two_sided else (1.0,):
             face.append(j)
@@ -82,22 +87,49 @@ class Sendings:
         """(N, SUMS): what places of pieces gather, the bound, the rule's error and how many nodes it took."""
         return gather(self.world, self.forests, owns, fronts, places, self.fine, threads)
 
+    def reflected(self, at: Places, fine: float) -> Array:
+        """The same of places as they are seen, whose lobes weigh what they gather."""
+        return gather_at(self.world, self.forests, at, fine)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places that gather: pieces ``own`` and whether their ``front`` (N,), then (N, 3) arrays.
+
+    ``normal`` and the way to who looks, ``view``, are unit.
+    """
+
+    own: Ints
+    front: Ints
+    place: Array
+    normal: Array
+    view: Array
+
+    def some(self, which: Ints) -> Places:
+        """Those of ``which``."""
+        return Places(self.own[which], self.front[which], self.place[which], self.normal[which], self.view[which])
+
 
 def gather(
     world: World, forests: tuple[Forest, ...], owns: Ints, fronts: Ints, places: Array, fine: float, threads: int = 1
 ) -> Array:  # fmt: skip
+    """(N, SUMS) of ``gather_places`` for places of flat pieces, over all forests."""
+    normals = np.asarray(world.pieces["up"])[owns] * np.where(fronts > 0, 1.0, -1.0)[:, None]
+    return gather_at(world, forests, Places(owns, fronts, places, normals, normals), fine, threads)
+
+
+def gather_at(world: World, forests: tuple[Forest, ...], at: Places, fine: float, threads: int = 1) -> Array:
     """(N, SUMS) of ``gather_places``, over all forests."""
-    sums = np.zeros((len(places), SUMS))
+    sums = np.zeros((len(at.own), SUMS))
 
     def run(begin: int) -> None:
-        part = slice(begin, min(begin + _CHUNK, len(places)))
+        part = slice(begin, min(begin + _CHUNK, len(at.own)))
+        some = (at.own[part], at.front[part], at.place[part], at.normal[part], at.view[part])
         for forest in forests:
             scratch = make_scratch(len(world.pieces), len(forest.cells))
-            _gather_kernel()(
-                world, forest.cells, forest.roots, owns[part], fronts[part], places[part], fine, scratch, sums[part]
-            )
+            _gather_kernel()(world, forest.cells, forest.roots, *some, fine, scratch, sums[part])
 
-    in_parts(run, len(places), threads)
+    in_parts(run, len(at.own), threads)
     return sums
 
 
@@ -145,12 +177,14 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
         return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
 
     cuts = [a + b for a, b in zip(edges, shadows, strict=True)]
-    target, limits = tol, (MOST_LIT, MOST_GATHERED)
+    glossy = any(world.materials[int(piece.material)].kind != DIFFUSE for piece in world.pieces)
+    target, limits = tol, (MOST_SHARP if glossy else MOST_LIT, MOST_GATHERED)
     for _ in range(_TRIES):
-        first = grown(world, roots, cuts, lit, Limits(target, MOST_LIT, lamps(world)))
+        aim = min(target, _SHARP * tol) if glossy else target
+        first = grown(world, roots, cuts, lit, Limits(aim, limits[0], lamps(world), glossy))
         made = Sendings(world, (first,), fine)
         if bounces:
-            second = grown(world, roots, edges, indirect, Limits(target, MOST_GATHERED, polygons(world)))
+            second = grown(world, roots, edges, indirect, Limits(target, MOST_GATHERED, pieces_of(world)))
             _iterate(world, first, second, reflect, most, fine, target, threads)
             made = Sendings(world, (first, second), fine)
         stated = most * np.quantile(_stated(made, roots, threads), _SHARE_MET)
@@ -197,8 +231,7 @@ def _iterate(
     # rows with halves are never used: what they would send is not kept
     inner = np.setdiff1d(np.arange(len(second.cells)), rows)
     second.cells["doubt"][inner] = 1e300
-    doubt = second.cells["doubt"][rows].copy()
-    second.cells["doubt"][rows] = 0.0
+    second.cells["doubt"][rows], second.cells["drift"][rows] = 0.0, 0.0
     term = np.asarray(second.cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).copy()
     total = term.copy()
     solver = np.linalg.pinv(powers[:, :NODES], rcond=1e-9)
@@ -222,17 +255,16 @@ def _iterate(
             total += term * (ratio / (1.0 - ratio))[None, :, None]
             break
     put_terms(second.cells, rows, total)
-    # the residual: what is gathered of both forests, less what the second holds
-    second.cells["doubt"][rows] = doubt
 
+    # the residual: what is gathered of both forests, less what the second holds
     def both(face: Ints, side: Array, at: Array) -> tuple[Array, Array]:
         sums = gather(world, (first, second), face, (side > 0).astype(np.int64), at, fine, threads)
         return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
 
     values, off = sampled(quads, places, both)
     held = powers @ total.transpose(0, 2, 1)
-    doubt = np.abs(held - values).max(axis=(1, 2), initial=0.0) + off + second.unseen[rows]
-    second.cells["doubt"][rows] = doubt
+    second.cells["doubt"][rows] = np.abs(held - values).max(axis=(1, 2), initial=0.0)
+    second.cells["drift"][rows] = off + second.unseen[rows]
     _bound(world, first, second, quads, places, most, fine, threads)
 
 
@@ -243,26 +275,34 @@ def _bound(
     rows = second.leaves
     few = np.ascontiguousarray(places[:, [0, 3, 12, 15, NODES + 4]])
     face, fronts = np.repeat(quads.face, few.shape[1]), np.repeat((quads.side > 0).astype(np.int64), few.shape[1])
-    own = second.cells["doubt"][rows].copy()
+    own, drift = second.cells["doubt"][rows].copy(), second.cells["drift"][rows].copy()
     # bounds alone are gathered: what varies within a cell asks for no finer rule
     spreads = [forest.cells["spread"].copy() for forest in (first, second)]
     for forest in (first, second):
         forest.cells["spread"][:] = 0.0
-    grows = np.zeros(len(rows))
+    grows = np.zeros((len(rows), few.shape[1]))
+    # a cell sends on what it gathers by its own reflectance
+    faces = reflecting(world)
+    each = {(int(f), float(s)): a.max() for f, s, a in zip(faces.face, faces.side, faces.albedo, strict=True)}
+    reflects = np.array([each[int(f), float(s)] for f, s in zip(quads.face, quads.side, strict=True)])[:, None]
     forests: tuple[Forest, ...] = (first, second)
     for _ in range(_MOST_TERMS):
         sums = gather(world, forests, face, fronts, few.reshape(-1, 3), fine, threads)
         forests = (second,)
-        more = most * sums[:, BOUND].reshape(-1, few.shape[1]).max(axis=1, initial=0.0)
+        more = reflects * sums[:, BOUND].reshape(-1, few.shape[1])
         grows += more
-        second.cells["doubt"][rows] = more
+        # what is more than the mean of a cell counts as its deviations do
+        mean = more.mean(axis=1)
+        second.cells["doubt"][rows], second.cells["drift"][rows] = more.max(axis=1, initial=0.0) - mean, mean
         largest = float(more.max(initial=0.0)) * most / (1.0 - most)
         if largest <= 0.05 * float(grows.max(initial=0.0)):
             grows += largest
             break
     for forest, spread in zip((first, second), spreads, strict=True):
         forest.cells["spread"][:] = spread
-    second.cells["doubt"][rows] = own + grows
+    mean = grows.mean(axis=1)
+    second.cells["doubt"][rows] = own + grows.max(axis=1, initial=0.0) - mean
+    second.cells["drift"][rows] = drift + mean
 
 
 def _some(forest: Forest, rows: Ints) -> Frames:

@@ -15,7 +15,7 @@ from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.radiometric import tile
-from symrender.radiometric.crossed import crossed
+from symrender.radiometric.crossed import buried, crossed
 from symrender.radiometric.shaken import doubt, shaken, shaken_rays
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
@@ -28,7 +28,7 @@ from symrender.runtimes.radiosity import Gatherer, table_of
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DISK, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal
 from symrender.scene.radiometric.due import refuse_bounces
-from symrender.scene.radiometric.flat import flat_refusal, is_flat
+from symrender.scene.radiometric.flat import flat_refusal, is_flat, is_round
 from symrender.settings import Settings
 
 Ints = npt.NDArray[np.int64]
@@ -120,6 +120,8 @@ def _bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | Gat
     """Who integrates what a layer has beside closed forms, to ``tol``."""
     if layer == "indirect" and is_flat(arrays):
         return Gatherer(arrays, tol, 1)
+    if layer == "direct" and not is_round(arrays):
+        return Gatherer(arrays, tol, 1, lamps=True)
     return Bouncer(arrays, layer == "direct")
 
 
@@ -180,6 +182,12 @@ def check(arrays: RadiometricArrays) -> None:
     asked = arrays.bounces if arrays.bounces <= 1 else "all"
     flat = is_flat(arrays)
     refuse_bounces(asked, flat_refusal(arrays) if flat else bounce_refusal(arrays), flat)
+    pair = buried(arrays) if flat and arrays.bounces else None
+    if pair:
+        raise Unsupported(
+            f"bounces: {asked} is not yet integrated where shapes[{pair[0]}] and shapes[{pair[1]}] cross, one of both "
+            "a sphere; apart or touching it is"
+        )
     pair = coincident(arrays, make_world(arrays)) if flat and arrays.bounces else None
     if pair:
         raise Unsupported(

@@ -1,4 +1,4 @@
-"""Diffuse light of flat scenes at the places rays meet: gathered from a table that is made once a scene."""
+"""Light of flat scenes at the places rays meet: gathered of a table that is made once a scene, or of lamps."""
 
 from __future__ import annotations
 
@@ -11,22 +11,24 @@ import numpy as np
 
 from symrender.jit.compiled import compiled
 from symrender.jit.records import flat
-from symrender.quadrature.split_setup import CAPPED, MET
+from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_world
-from symrender.radiosity.gather import BOUND, NEAR, RULE, WORK
+from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
-from symrender.radiosity.records import CHANNELS
-from symrender.radiosity.table import Sendings, sendings
-from symrender.runtimes.bounce import Bounced, Ints
-from symrender.scene.radiometric.arrays import ALL, RadiometricArrays
+from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
+from symrender.radiosity.table import Places, Sendings, sendings
+from symrender.runtimes.bounce import Bounced, Ints, sharpness
+from symrender.scene.radiometric.arrays import ALL, AREA, DIFFUSE, SPHERE, RadiometricArrays
 
 KEPT: Final = 4
 """Tables that are kept in memory."""
 SLACK: Final = 64.0
 """Roundings a term goes through."""
 ULP: Final = 2.0**-52
+FINE: Final = 0.05
+"""Part of the tolerance that rules of one lobe may take."""
 
 _tables: OrderedDict[tuple[bytes, float], Sendings] = OrderedDict()
 _lock = threading.Lock()
@@ -46,14 +48,26 @@ def table_of(arrays: RadiometricArrays, tol: float, threads: int = 1) -> Sending
 
 
 class Gatherer:
-    """A scene of flat diffuse faces; ``sent`` answers for rays, as ``Bouncer`` does for spheres and planes."""
+    """A scene of flat diffuse faces and glossy shapes; ``sent`` answers for rays, as ``Bouncer`` does for others.
 
-    def __init__(self, arrays: RadiometricArrays, tol: float, threads: int = 1) -> None:
-        self._sendings = table_of(arrays, tol, threads)
+    With ``lamps`` for the light of shapes that emit on what is glossy, else for what faces reflect.
+    """
+
+    def __init__(self, arrays: RadiometricArrays, tol: float, threads: int = 1, lamps: bool = False) -> None:
+        self._arrays, self._lamps, self._tol = arrays, lamps, tol
         self._worlds = [make_world(each) for each in shaken(arrays)]
-        cells = [forest.cells for forest in self._sendings.forests]
-        self._brightest = sum(float(np.abs(each["terms"]).sum(axis=1).max(initial=0.0)) for each in cells)
-        self._extent = float(np.abs(np.asarray(self._sendings.world.pieces["corners"])).max(initial=0.0))
+        world = self._worlds[0]
+        if lamps:
+            self._cells, _ = lamp_cells(world)
+            self._scratch = make_scratch(len(world.pieces), len(self._cells))
+            self._brightest = float(max(light.emitted.max() for light in world.lights if light.kind == AREA))
+        else:
+            self._sendings = table_of(arrays, tol, threads)
+            cells = [forest.cells for forest in self._sendings.forests]
+            self._brightest = sum(float(np.abs(each["terms"]).sum(axis=1).max(initial=0.0)) for each in cells)
+        corners = float(np.abs(np.asarray(world.pieces["corners"])).max(initial=0.0))
+        places = np.abs(np.asarray(world.pieces["place"])).max(axis=1, initial=0.0) + np.asarray(world.pieces["radius"])
+        self._extent = max(corners, float(places.max(initial=0.0)))
 
     def sent(self, rays: list[tuple[Array, Array]], tol: float, _budget: int) -> Bounced:
         """Reflected light along rays; ``rays`` are as ``Bouncer.sent`` takes them.
@@ -61,46 +75,73 @@ class Gatherer:
         ``tol`` is absolute, and decides the status alone: the table was made for it.
         """
         first, *others = (met(world, *pair) for world, pair in zip(self._worlds, rays, strict=True))
-        found = self._light(first)
-        for owns, fronts, places, albedo in others:
-            elsewhere = np.flatnonzero((owns != first[0]) | (fronts != first[1]))
+        found = self._light(*first)
+        for at, albedo in others:
+            elsewhere = np.flatnonzero((at.own != first[0].own) | (at.front != first[0].front))
             if len(elsewhere):
-                again = self._light((owns[elsewhere], fronts[elsewhere], places[elsewhere], albedo[elsewhere]))
+                again = self._light(at.some(elsewhere), albedo[elsewhere])
                 off = np.abs(again.indirect - found.indirect[elsewhere]).max(axis=1) + again.error
                 found.error[elsewhere] = np.maximum(found.error[elsewhere], off)
                 found.evaluations[elsewhere] += again.evaluations
-        found.status[:] = np.where(found.error > tol, CAPPED, MET)
+        found.status[:] = np.where(found.error > tol, np.maximum(found.status, CAPPED), MET)
         return found
 
-    def _light(self, at: tuple[Ints, Ints, Array, Array]) -> Bounced:
-        owns, fronts, places, albedo = at
-        count = len(owns)
+    def _light(self, at: Places, albedo: Array) -> Bounced:
+        count = len(at.own)
         found = Bounced(
             np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count), np.full(count, MET), np.zeros(count, np.int64)
         )
-        lit = np.flatnonzero((owns >= 0) & (albedo.max(axis=1, initial=0.0) > 0.0))
-        sums = self._sendings.gathered(owns[lit], fronts[lit], places[lit])
-        most = albedo[lit].max(axis=1, initial=0.0)
-        found.incoming[lit] = sums[:, :CHANNELS]
-        found.indirect[lit] = albedo[lit] * found.incoming[lit]
-        size = self._extent + np.abs(places[lit]).max(axis=1, initial=0.0)
-        # within roundings of another face a place may see any of it
-        astray = self._brightest * np.minimum(1.0, SLACK * ULP * (1.0 + size * sums[:, NEAR]))
-        found.error[lit] = most * (sums[:, BOUND] + sums[:, RULE] + astray)
-        found.evaluations[lit] = sums[:, WORK].astype(np.int64)
+        world = self._worlds[0]
+        materials = np.asarray(world.pieces["material"]).astype(int)[at.own]
+        kinds = np.asarray(world.materials["kind"])[materials]
+        inside = (np.asarray(world.pieces["kind"])[at.own] == SPHERE) & (at.front == 0)
+        lit = (at.own >= 0) & (albedo.max(axis=1, initial=0.0) > 0.0)
+        if self._lamps:
+            lit &= kinds != DIFFUSE
+        found.status[lit & inside], found.error[lit & inside] = UNSUPPORTED, np.inf
+        for m in np.unique(materials[lit & ~inside]).tolist():
+            self._of_material(np.flatnonzero(lit & ~inside & (materials == m)), m, at, albedo, found)
         return found
 
+    def _of_material(self, some: Ints, m: int, at: Places, albedo: Array, found: Bounced) -> None:
+        """Fill ``found`` at places ``some``, of material ``m``."""
+        world, some_at = self._worlds[0], at.some(some)
+        material = world.materials[m]
+        most = albedo[some].max(axis=1, initial=0.0)
+        if self._lamps:
+            sums = np.zeros((len(some), SUMS))
+            one = (some_at.own, some_at.front, some_at.place, some_at.normal, some_at.view)
+            _lamps_kernel()(world, self._cells, *one, FINE * self._tol / most.max(), self._scratch, sums)
+        elif material.kind == DIFFUSE:
+            sums = self._sendings.reflected(some_at, self._sendings.fine)
+        else:
+            sums = self._sendings.reflected(some_at, FINE * self._tol / most.max())
+        found.incoming[some] = sums[:, :CHANNELS]
+        found.indirect[some] = albedo[some] * found.incoming[some]
+        size = self._extent + np.abs(some_at.place).max(axis=1, initial=0.0)
+        # within roundings of another face a place may see any of it
+        astray = self._brightest * np.minimum(1.0, SLACK * ULP * (1.0 + size * sums[:, NEAR]))
+        cosine = (some_at.view * some_at.normal).sum(axis=1)
+        astray *= sharpness(material, cosine)
+        found.error[some] = most * (sums[:, BOUND] + sums[:, RULE] + astray)
+        found.evaluations[some] = sums[:, WORK].astype(np.int64)
 
-def met(world: World, origins: Array, directions: Array) -> tuple[Ints, Ints, Array, Array]:
-    """(piece or -1, 1 if its front (N,), place, albedo (N, 3)) where unit rays meet faces."""
+
+def met(world: World, origins: Array, directions: Array) -> tuple[Places, Array]:
+    """(places, their pieces -1 where there are none, albedo (N, 3)) where unit rays meet shapes."""
     count = len(origins)
     owns, fronts = np.zeros(count, np.int64), np.zeros(count, np.int64)
-    places, albedo = np.zeros((count, 3)), np.zeros((count, 3))
-    _met_kernel()(world, origins, directions, owns, fronts, places, albedo)
-    return owns, fronts, places, albedo
+    places, normals, albedo = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
+    _met_kernel()(world, origins, directions, owns, fronts, places, normals, albedo)
+    return Places(owns, fronts, places, normals, -directions), albedo
 
 
 @lru_cache(maxsize=1)
 def _met_kernel() -> Any:
-    # the kernel only borrows arrays
+    # the kernels only borrow arrays
     return compiled(fill_met, _nrt=False)
+
+
+@lru_cache(maxsize=1)
+def _lamps_kernel() -> Any:
+    return compiled(gather_lamps, _nrt=False)

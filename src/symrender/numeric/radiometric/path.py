@@ -14,7 +14,7 @@ from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, uniforms
 from symrender.numeric.samplers import IMPORTANCE, square_point
 from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
-from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, SKY, SPOT
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DIRECTIONAL, SKY, SPOT
 from symrender.scene.radiometric.records import Light
 
 ROULETTE: Final = 3
@@ -203,6 +203,8 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
         direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
         depth += 1
         if depth > world.bounces or not shows(world, hit):
+            break
+        if world.first_gloss and world.materials[int(world.shapes[hit.own].material)].kind != DIFFUSE:
             break
         through = scaled(through, share, 1.0 / chance)
         if depth > ROULETTE:

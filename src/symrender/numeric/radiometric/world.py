@@ -18,7 +18,7 @@ class World(NamedTuple):
 
     ``sky`` is the index of the sky among the lights, -1 if there is none; ``extended`` says whether a light is a sky or
     a sphere, which a direction may meet; ``bounces`` how many reflections follow the
-    direct light.
+    direct light; with ``first_gloss`` what is not diffuse reflects at the first hit alone.
     """
 
     materials: Table[Material]
@@ -30,6 +30,7 @@ class World(NamedTuple):
     sky: int
     extended: bool
     bounces: int
+    first_gloss: bool
 
 
 def make_world(arrays: RadiometricArrays) -> World:
@@ -38,4 +39,7 @@ def make_world(arrays: RadiometricArrays) -> World:
     extended = any(light.kind in (SKY, AREA) for light in arrays.lights)
     sky = skies[0] if skies else -1
     meshes = laid_meshes(arrays)
-    return World(arrays.materials, arrays.shapes, arrays.frames, *meshes, arrays.lights, sky, extended, arrays.bounces)
+    return World(
+        arrays.materials, arrays.shapes, arrays.frames, *meshes, arrays.lights, sky, extended, arrays.bounces,
+        arrays.first_gloss,
+    )  # fmt: skip

@@ -69,6 +69,8 @@ class RadiometricArrays:
     directions: Array
     camera: Camera
     bounces: int
+    first_gloss: bool = False
+    """Whether conductors and phong materials reflect at the first hit alone, and are black to other surfaces."""
 
 
 def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
@@ -110,12 +112,12 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     camera.kind, camera.fov = LOOK_AT, scene.camera.fov
     camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
     bounces = ALL if scene.bounces == "all" else scene.bounces
-    return laid_out(materials, rows, facets, lit, directions, camera, bounces)
+    return laid_out(materials, rows, facets, lit, directions, camera, bounces, scene.gloss == "first_hit")
 
 
 def laid_out(
     materials: Table[Material], shapes: Table[Shape], facets: Table[Facet], lights: Table[Light], directions: Array,
-    camera: Camera, bounces: int,
+    camera: Camera, bounces: int, first_gloss: bool,
 ) -> RadiometricArrays:  # fmt: skip
     """The records of a scene, and what follows: frames of planes and disks, unit vectors of lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
@@ -127,7 +129,7 @@ def laid_out(
             direction = directions[i] / np.abs(directions[i]).max()
             unit = light.place if light.kind == DIRECTIONAL else light.axis
             unit[:] = direction / np.sqrt(direction @ direction)
-    return RadiometricArrays(materials, shapes, facets, places, lit, directions, camera, bounces)
+    return RadiometricArrays(materials, shapes, facets, places, lit, directions, camera, bounces, first_gloss)
 
 
 def plane_record(shape: Shape) -> Table[PlaneRecord]:

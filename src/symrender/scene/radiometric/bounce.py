@@ -25,8 +25,11 @@ from symrender.scene import arrays as series
 from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
 from symrender.scene.radiometric.arrays import (
     AREA,
+    CONDUCTOR,
     DIFFUSE,
     DIRECTIONAL,
+    DISK,
+    MESH,
     PHONG,
     POINT,
     SKY,
@@ -118,8 +121,15 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
 
 def lamp_refusal(arrays: RadiometricArrays) -> str:
     """What keeps the light of lamps and the sky on what is glossy from being integrated, as words; empty if nothing."""
+    for kind, words in ((DISK, "a disk"), (MESH, "a mesh")):
+        if any(shape.kind == kind for shape in arrays.shapes):
+            return words
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
-        return "a rectangle, a triangle, a disk, a box or a mesh"
+        if any(light.kind == SKY for light in arrays.lights):
+            return "a rectangle, a triangle or a box, and a sky"
+        used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
+        if any(material.kind == CONDUCTOR and material.walter for material in used):
+            return "a rectangle, a triangle or a box, and a conductor of g1: walter"
     if sum(shape.kind == PLANE for shape in arrays.shapes) > MAX_PLANES:
         return f"more than {MAX_PLANES} planes"
     return ""

@@ -34,7 +34,8 @@ def _unknown(what: str, name: str, known: Iterable[str]) -> str:
 class RadiometricScene(Root):
     """A camera, materials by name, shapes and lights; lengths in metres, powers in watts, rgb channel by channel.
 
-    ``bounces`` 0 is emission and direct light, 1 adds one more reflection at the first hit, ``all`` all of them.
+    ``bounces`` 0 is emission and direct light, 1 adds one more reflection at the first hit, ``all`` all of them. With
+    ``gloss: first_hit`` conductors and phong materials reflect where they are seen, and are black to other surfaces.
     """
 
     units: Annotated[Literal["radiometric"], Field(description="tells these scenes from those in units: series")]
@@ -42,6 +43,10 @@ class RadiometricScene(Root):
         Literal[0, 1, "all"], Field(description="reflections beyond the direct light"), BeforeValidator(_no_truth)
     ]
     camera: Annotated[LookAtCamera, Field(description="who looks")]
+    gloss: Annotated[
+        Literal["every_hit", "first_hit"],
+        Field(description="where conductors and phong materials reflect; after the first hit, black or not"),
+    ] = "every_hit"
     materials: Annotated[
         dict[PartName, Material], AfterValidator(Held), Field(description="what surfaces are made of, by name")
     ]
