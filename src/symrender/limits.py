@@ -53,6 +53,8 @@ MIN_INDEX: Final = 1e-3
 """Smallest real part of a conductor's index of refraction; below it Fresnel's formula loses digits."""
 MAX_INDEX: Final = 1e3
 """Largest real or imaginary part of a conductor's index of refraction."""
+MAX_TIME: Final = 1e6
+"""Farthest the shutter opens and closes from time 0, seconds."""
 MAX_TEXTURE_FREQUENCY: Final = 4096
 """Largest number of texture half-periods around a sphere."""
 MAX_THREADS: Final = 1024

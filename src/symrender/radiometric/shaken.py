@@ -8,6 +8,7 @@ roundings of a wall is on its other side in one of the two.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -98,4 +99,6 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
     camera.eye[:], camera.target[:] = moved(camera.eye, size), moved(camera.target, size)
     camera.up[:] = moved(camera.up, float(np.abs(camera.up).max()))
     camera.fov = scaled(camera.fov)
-    return laid_out(materials, shapes, lights, directions, camera, arrays.bounces)
+    still = arrays.exposure
+    exposure = replace(still, aperture=scaled(still.aperture), focus=scaled(still.focus))
+    return laid_out(materials, shapes, lights, directions, camera, arrays.bounces, exposure)

@@ -15,7 +15,7 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, copied, joined, table
 from symrender.radiometric import tile
 from symrender.radiometric.pixels import pixel, walls
-from symrender.radiometric.pixels.pixel import Eye
+from symrender.radiometric.pixels.cells import BOX, Eye
 from symrender.radiometric.pixels.records import Family, Wall, make_room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
@@ -128,7 +128,7 @@ def eye_of(arrays: RadiometricArrays, view: Seen) -> Eye:
     bright = brightest(view)
     place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
     peak = bright * steepest(arrays)
-    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, peak, delicate(arrays))
+    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, peak, delicate(arrays), BOX)
 
 
 def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:

@@ -13,7 +13,8 @@ from typing import Final, NamedTuple
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.radiometric.pixels.curves import put_level
-from symrender.radiometric.pixels.pixel import Cell, Eye, begin, cell_at, pixel_mean
+from symrender.radiometric.pixels.cells import Cell, Eye, cell_at, weight_of
+from symrender.radiometric.pixels.pixel import begin, pixel_mean
 from symrender.radiometric.pixels.records import COARSE, CUT, LOGGED, SMOOTH, Family, Ints, Room, Wall
 from symrender.radiometric.pixels.rules import (
     GAUSS,
@@ -126,7 +127,7 @@ def sweep_line(
                 place, slope = mapped(u, not hard, not free)
                 x, y = place_of(mode, start + (stop - start) * place, s)
                 clear(room, 0)
-                add_light(eye.world, eye.place, cell.v, cell.vx, cell.vy, x, y, 1.0, 0, room)
+                add_light(eye, eye.world, cell, x, y, 1.0, 0, room)
                 share = weight * (stop - start) * slope * GAUSS[1, order, i]
                 put_node(sweep, cx + half * x, cy + half * y, share, coarser)
                 for c in range(6):
@@ -224,7 +225,7 @@ def sweep_pixel(
         if log[2] == SMOOTH:
             sweep_smooth(cell, half, cx, cy, sweep, int(log[3]))
         elif log[2] == CUT and log[4] >= 0:
-            limit = put_reach(eye.world, eye.place, cell.v, cell.vx, cell.vy, room)
+            limit = put_reach(eye, cell, room)
             if begin(eye, cell, room, candidates, count, limit):
                 sweep_cut(eye, cell, half, cx, cy, room, sweep, int(log[3]), int(log[4]), limit)
             else:

@@ -6,11 +6,12 @@ import math
 
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
+from symrender.radiometric.pieces import Piece
+from symrender.radiometric.pixels.cells import DISK, Cell, Eye
 from symrender.radiometric.pixels.curves import put_form
 from symrender.radiometric.pixels.records import TERMS, Room
 from symrender.radiometric.sight import height_over
 from symrender.radiometric.vectors import Array, Vector, dot, minus, vector
-from symrender.radiometric.world import World
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import SPHERE
 
@@ -75,18 +76,48 @@ def plane_depths(up: Vector, height: float, v: Vector, vx: Vector, vy: Vector) -
 
 
 @jitable
-def put_reach(world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, room: Room) -> float:
+def lens_depths(piece: Piece, at: Vector, v: Vector, vx: Vector, vy: Vector, work: Array) -> tuple[float, float]:
+    """(nearest, farthest) q at which rays at + (q - 1) v of a lens meet a piece, that of a flat one its plane.
+
+    They begin at q = 0, so that what lies before ``at`` is met too, and is said to be met at 0 or beyond.
+    """
+    if piece.kind == SPHERE:
+        c = minus(vector(piece.place), at)
+        near, far = sphere_reach(c, piece.radius, v, vx, vy, work)
+        low, _ = linear_range(c, v, vx, vy)
+        if near < math.inf and (low > 0.0 or leaves.sphere_power(*c, piece.radius) <= 0.0):
+            return near + 1.0 if near > 0.0 else 0.0, far + 1.0
+        if low <= 0.0:
+            # it may lie between the lens and ``at``
+            return 0.0, math.inf
+        return math.inf, math.inf
+    up, height = vector(piece.up), height_over(piece, at)
+    low, high = linear_range(up, v, vx, vy)
+    if low <= 0.0 <= high:
+        return 0.0, math.inf
+    first, last = 1.0 - height / low, 1.0 - height / high
+    first, last = min(first, last), max(first, last)
+    if last <= 0.0:
+        return math.inf, math.inf
+    return (first, last) if first > 0.0 else (0.0, math.inf)
+
+
+@jitable
+def put_reach(eye: Eye, cell: Cell, room: Room) -> float:
     """Where every shape may be met in a cell, in ``room.reach``; returns the depth behind which nothing is seen."""
     limit = math.inf
-    for j in range(world.pieces.shape[0]):
-        piece = world.pieces[j]
-        if piece.kind == SPHERE:
-            c = minus(vector(piece.place), eye)
+    v, vx, vy = cell.v, cell.vx, cell.vy
+    for j in range(eye.world.pieces.shape[0]):
+        piece = eye.world.pieces[j]
+        if eye.domain == DISK:
+            near, far = lens_depths(piece, eye.place, v, vx, vy, room.work)
+        elif piece.kind == SPHERE:
+            c = minus(vector(piece.place), eye.place)
             near, far = sphere_reach(c, piece.radius, v, vx, vy, room.work)
         else:
-            near, far = plane_depths(vector(piece.up), height_over(piece, eye), v, vx, vy)
-            if piece.kind != PLANE:
-                far = math.inf
+            near, far = plane_depths(vector(piece.up), height_over(piece, eye.place), v, vx, vy)
+        if piece.kind not in (SPHERE, PLANE):
+            far = math.inf
         room.reach[j, 0], room.reach[j, 1] = near, far
         limit = min(limit, far)
     return limit * (1.0 + _MARGIN)

@@ -12,6 +12,7 @@ from symrender.jit.records import Table, copied, record, table
 from symrender.scene.arrays import CHECKER, LOOK_AT, MARBLE, PLANE, SOLID, STRIPES
 from symrender.scene.frames import frames
 from symrender.scene.radiometric import lights, shapes
+from symrender.scene.radiometric.exposure import Exposure, exposure_of
 from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Phong, Reflectance, Solid
 from symrender.scene.radiometric.materials import Material as MaterialPart
 from symrender.scene.radiometric.records import Light, Material, Shape
@@ -57,7 +58,8 @@ class RadiometricArrays:
     """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes and disks lie.
 
     ``directions`` (lights, 3) are those of directional lights and spots, of any length: ``place`` of the first and
-    ``axis`` of the others is its unit vector.
+    ``axis`` of the others is its unit vector. Places are those of the time at which the shutter opens; ``exposure`` is
+    what an image is the mean over beside its pixels.
     """
 
     materials: Table[Material]
@@ -67,6 +69,7 @@ class RadiometricArrays:
     directions: Array
     camera: Camera
     bounces: int
+    exposure: Exposure
 
 
 def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
@@ -106,12 +109,25 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     camera = record(Camera)
     camera.kind, camera.fov = LOOK_AT, scene.camera.fov
     camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
-    return laid_out(materials, rows, lit, directions, camera, ALL if scene.bounces == "all" else scene.bounces)
+    bounces, exposure = ALL if scene.bounces == "all" else scene.bounces, exposure_of(scene)
+    _carry(rows, lit, camera, exposure)
+    return laid_out(materials, rows, lit, directions, camera, bounces, exposure)
+
+
+def _carry(shapes: Table[Shape], lights: Table[Light], camera: Camera, exposure: Exposure) -> None:
+    """Move all to where it is when the shutter opens."""
+    for shape, velocity in zip(shapes, exposure.shapes * exposure.opens, strict=True):
+        for vertex in (shape.place, shape.second, shape.third) if shape.kind == TRIANGLE else (shape.place,):
+            vertex[:] += velocity
+    for light, velocity in zip(lights, exposure.lights * exposure.opens, strict=True):
+        light.place[:] += velocity
+    for place in (camera.eye, camera.target):
+        place[:] += exposure.camera * exposure.opens
 
 
 def laid_out(
     materials: Table[Material], shapes: Table[Shape], lights: Table[Light], directions: Array, camera: Camera,
-    bounces: int,
+    bounces: int, exposure: Exposure,
 ) -> RadiometricArrays:  # fmt: skip
     """The records of a scene, and what follows: frames of planes and disks, unit vectors of lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
@@ -123,7 +139,7 @@ def laid_out(
             direction = directions[i] / np.abs(directions[i]).max()
             unit = light.place if light.kind == DIRECTIONAL else light.axis
             unit[:] = direction / np.sqrt(direction @ direction)
-    return RadiometricArrays(materials, shapes, places, lit, directions, camera, bounces)
+    return RadiometricArrays(materials, shapes, places, lit, directions, camera, bounces, exposure)
 
 
 def plane_record(shape: Shape) -> Table[PlaneRecord]:
