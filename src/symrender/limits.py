@@ -33,6 +33,10 @@ MAX_PIXELS: Final = 1 << 28
 """Most pixels in an image, unless ``max_pixels`` says otherwise."""
 MAX_SILHOUETTES: Final = 8
 """Largest K of the K x K points of a pixel beside another shape."""
+MIN_FILTER_RADIUS: Final = 0.5
+"""Least half width of a filter's support, pixels."""
+MAX_FILTER_RADIUS: Final = 2.0
+"""Largest half width of a filter's support, pixels."""
 MAX_LOBE: Final = 4096
 """Largest K of the K x K lobe strata."""
 MAX_DISK: Final = 256

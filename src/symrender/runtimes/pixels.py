@@ -51,13 +51,13 @@ Means = Callable[[int, int, int, int], tuple[Array, Array, Array, int]]
 """(emitted, direct, error, evaluations) of a tile."""
 
 
-def check_pixels(arrays: RadiometricArrays) -> None:
+def check_pixels(arrays: RadiometricArrays, asked: str = "filter: box") -> None:
     """Raise ``Unsupported`` where a pixel would be cut at something whose walls are not known."""
     extended = any(light.kind in (SKY, AREA) for light in arrays.lights)
     for index, shape in enumerate(arrays.shapes):
         if extended and shape.kind not in (PLANE, SPHERE):
             raise Unsupported(
-                f"filter: box has no walls yet for a sky or an area light beside polygons and disks (shapes[{index}]); "
+                f"{asked} has no walls yet for a sky or an area light beside polygons and disks (shapes[{index}]); "
                 "for points, spots and directions it has, and centre needs none"
             )
         material = arrays.materials[int(shape.material)]
@@ -73,7 +73,7 @@ def check_pixels(arrays: RadiometricArrays) -> None:
             edge = f"more than {MOST_TURNS} fields about a sphere"
         if edge:
             raise Unsupported(
-                f"filter: box has no walls yet for {edge} (the material of shapes[{index}]); centre needs none"
+                f"{asked} has no walls yet for {edge} (the material of shapes[{index}]); centre needs none"
             )
 
 
@@ -155,7 +155,7 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
         for x, y in _NODES:
             columns: Array = x + np.arange(x0, x1, dtype=np.float64)
             rows: Array = y + np.arange(y0, y1, dtype=np.float64)
-            sent = (_rays(view, _directions(view, columns, rows, width, height)) for view in views)
+            sent = (rays_from(view.world, view.eye, _directions(view, columns, rows, width, height)) for view in views)
             closed = [each.reshape(*shape, 3) for each in sent]
             error += doubt(closed[0], closed[1:]) / len(_NODES)
         return emitted, direct, error, int(spent)
@@ -172,11 +172,11 @@ def _directions(view: Seen, columns: Array, rows: Array, width: int, height: int
     return np.ascontiguousarray(found)
 
 
-def _rays(view: Seen, directions: Array) -> Array:
-    """(N, 3) radiance along rays from the eye."""
+def rays_from(world: World, eye: Array, directions: Array) -> Array:
+    """(N, 3) radiance along unit rays from a place."""
     count = len(directions)
     room = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
-    _kernel("fill_rays")(view.world, np.tile(view.eye, (count, 1)), directions, sky_room(view.world), *room)
+    _kernel("fill_rays")(world, np.tile(eye, (count, 1)), directions, sky_room(world), *room)
     return np.asarray(room[0] + room[1])
 
 
@@ -191,7 +191,7 @@ def brightest(view: Seen) -> float:
     shape, place = np.zeros(count), np.zeros((count, 3))
     unused = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
     _kernel("fill_hits")(view.world, np.tile(view.eye, (count, 1)), directions, shape, place, *unused)
-    met, found = place[shape >= 0], [_rays(view, directions)]
+    met, found = place[shape >= 0], [rays_from(view.world, view.eye, directions)]
     for light in view.world.lights:
         share = np.ones((1, 1))
         if light.kind in (POINT, SPOT) and len(met):
