@@ -20,7 +20,7 @@ from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
-from symrender.runtimes.pixels import check_pixels
+from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric_gradient import check_gradient
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
@@ -50,6 +50,7 @@ def gradient(
     aa: Antialias = "analytic",
     budget: int = 1_000_000,
     filter: Filter = "centre",
+    filter_radius: float = 0.0,
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -102,8 +103,7 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
         raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
     if isinstance(scene, RadiometricScene):
         check_gradient(radiometric_arrays(scene))
-        if settings.filter == "box":
-            check_pixels(radiometric_arrays(scene))
+        check_means(radiometric_arrays(scene), settings)
         return Job.of("radiometric_gradient", scene, settings, radiometric_moves(scene, wrt))
     refuse_filter(settings)
     return Job.of("gradient", scene, settings, moves(scene, wrt))

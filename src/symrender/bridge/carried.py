@@ -13,6 +13,7 @@ from symrender.bridge.moved import Triple, extent, half_side, lost, middle, move
 from symrender.errors import OptionError, Unsupported
 from symrender.images.output import check_target, make_folder, write_bytes
 from symrender.scene.mitsuba.flats import AGREE
+from symrender.scene.radiometric.exposure import exposure_of
 from symrender.scene.radiometric.materials import Checker
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Disk, Plane, Rectangle, Shape, Triangle
@@ -78,6 +79,10 @@ def prepare(
         raise OptionError(f"samples: must be from 1 to {1 << 30}, got {samples}")
     if rays not in ("box", "centre"):
         raise OptionError(f"rays: must be box or centre, got {rays!r}")
+    exposure = exposure_of(scene)
+    if exposure.aperture > 0.0 or exposure.moves:
+        what = "camera.aperture" if exposure.aperture > 0.0 else "shutter"
+        raise Unsupported(f"{what}: {to}: lenses and motion are not exported yet")
     for shape in scene.shapes:
         textured = isinstance(scene.materials[shape.material].reflectance, Checker)
         if textured and (isinstance(shape, Disk | Box | Triangle) or not _square(shape)):

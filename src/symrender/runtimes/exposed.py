@@ -14,7 +14,7 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import copied, table
 from symrender.radiometric.pieces import POLYGON, owners
 from symrender.radiometric.pixels import lens, outer
-from symrender.radiometric.pixels.cells import BOX, DISK, GAUSSIAN, MITCHELL, TENT, Eye
+from symrender.radiometric.pixels.cells import BOX, DISK, Eye
 from symrender.radiometric.pixels.exposed import Box, Exposed, Waiting
 from symrender.radiometric.pixels.instants import LOOKS, MOST_INSTANTS, Motion, Watch
 from symrender.radiometric.pixels.lens import Lens
@@ -23,6 +23,7 @@ from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, World, seen
 from symrender.runtimes.pixels import (
+    DOMAINS,
     MOST_WALLS,
     Means,
     brightest,
@@ -37,8 +38,6 @@ from symrender.scene.arrays import CHECKER, SOLID
 from symrender.scene.radiometric.arrays import AREA, POINT, SKY, SPHERE, SPOT, RadiometricArrays
 from symrender.settings import Settings
 
-DOMAINS: Final = {"centre": BOX, "box": BOX, "tent": TENT, "gaussian": GAUSSIAN, "mitchell": MITCHELL}
-"""What places of a pixel weigh, by the filter's name."""
 _LOOKS: Final = ((0.2113248654051871, 0.3, 0.4, 0.7886751345948129), (0.7886751345948129, -0.5, -0.2, 0.29))
 """Time, places of the lens, and place of the pixel at which roundings are looked at."""
 
@@ -48,10 +47,15 @@ def is_exposed(arrays: RadiometricArrays) -> bool:
     return arrays.exposure.aperture > 0.0 or arrays.exposure.moves
 
 
-def check_exposed(arrays: RadiometricArrays, settings: Settings) -> None:
-    """Raise ``Unsupported`` where what is asked of lens and shutter is not had."""
-    if not is_exposed(arrays):
-        return
+def check_means(arrays: RadiometricArrays, settings: Settings) -> None:
+    """Raise ``Unsupported`` where what is asked of filter, lens and shutter is not had."""
+    if is_exposed(arrays):
+        _check_exposed(arrays, settings)
+    elif settings.filter != "centre":
+        check_pixels(arrays, f"filter: {settings.filter}")
+
+
+def _check_exposed(arrays: RadiometricArrays, settings: Settings) -> None:
     exposure = arrays.exposure
     what = "camera.aperture" if exposure.aperture > 0.0 else "shutter"
     if arrays.bounces:
@@ -147,9 +151,7 @@ class _Scratch:
             np.zeros((LOOKS, watched)), np.zeros((LOOKS, watched), np.int64), np.zeros(LOOKS, np.int64),
             np.zeros(MOST_INSTANTS), np.zeros(MOST_INSTANTS),
         )  # fmt: skip
-        self.waiting = Waiting(
-            table(Box, outer.BOXES), np.zeros(27), np.zeros((3, 6)), np.zeros(7), np.zeros(2), watch
-        )
+        self.waiting = Waiting(table(Box, outer.BOXES), np.zeros(27), np.zeros((3, 6)), np.zeros(7), np.zeros(2), watch)
 
 
 def _triple(v: Array) -> tuple[float, float, float]:
@@ -161,7 +163,6 @@ def prepare_exposed(arrays: RadiometricArrays, settings: Settings) -> Means:
 
     The error is what the rules state and what roundings do to single rays of the pixel.
     """
-    check_exposed(arrays, settings)
     width, height = settings.width, settings.height
     moved = shaken(arrays)
     views = [seen(each, width, height) for each in moved]

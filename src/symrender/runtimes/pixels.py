@@ -15,7 +15,7 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, copied, joined, table
 from symrender.radiometric import tile
 from symrender.radiometric.pixels import pixel, walls
-from symrender.radiometric.pixels.cells import BOX, Eye
+from symrender.radiometric.pixels.cells import BOX, GAUSSIAN, MITCHELL, TENT, Eye
 from symrender.radiometric.pixels.records import Family, Wall, make_room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
@@ -37,6 +37,8 @@ from symrender.scene.radiometric.arrays import (
 from symrender.scene.radiometric.records import Material
 from symrender.settings import Settings
 
+DOMAINS: Final = {"centre": BOX, "box": BOX, "tent": TENT, "gaussian": GAUSSIAN, "mitchell": MITCHELL}
+"""What places of a pixel weigh, by the filter's name."""
 MOST_WALLS: Final = 100_000
 """Walls of a scene that pixels are cut at, at most."""
 MOST_TURNS: Final = 256
@@ -122,24 +124,24 @@ def steepest(arrays: RadiometricArrays) -> float:
     return 1.0 + 1.0 / min(widths) ** 2
 
 
-def eye_of(arrays: RadiometricArrays, view: Seen) -> Eye:
-    """What is the same for all pixels of a view."""
+def eye_of(arrays: RadiometricArrays, view: Seen, domain: int) -> Eye:
+    """What is the same for all pixels of a view; ``domain`` is what their places weigh."""
     found, coordinates = wall_tables(view)
     bright = brightest(view)
     place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
     peak = bright * steepest(arrays)
-    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, peak, delicate(arrays), BOX)
+    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, peak, delicate(arrays), domain)
 
 
 def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
-    """What fills tiles with means over pixels, all of them equally weighted (``filter: box``).
+    """What fills tiles with means over pixels, weighed as ``filter`` says.
 
     The error is what the rules state and what roundings do to single rays of the pixel.
     """
-    check_pixels(arrays)
+    check_pixels(arrays, f"filter: {settings.filter}")
     width, height = settings.width, settings.height
     views = [seen(each, width, height) for each in shaken(arrays)]
-    eye = eye_of(arrays, views[0])
+    eye = eye_of(arrays, views[0], DOMAINS[settings.filter])
     kernel = _kernel("fill_pixels")
     own = threading.local()
 
@@ -149,8 +151,8 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
         shape = (y1 - y0, x1 - x0)
         emitted, direct, error = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape)
         spent = kernel(
-            eye, views[0].window, width, height, x0, y0, x1, y1, *own.room, settings.tol, settings.budget, emitted,
-            direct, error,
+            eye, views[0].window, width, height, settings.reach, x0, y0, x1, y1, *own.room, settings.tol,
+            settings.budget, emitted, direct, error,
         )  # fmt: skip
         for x, y in _NODES:
             columns: Array = x + np.arange(x0, x1, dtype=np.float64)

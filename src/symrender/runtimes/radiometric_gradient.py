@@ -16,6 +16,7 @@ from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen
+from symrender.runtimes.exposed import is_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_gradient import prepare_box
 from symrender.runtimes.radiometric import check, lamps_on_gloss
@@ -29,6 +30,9 @@ def check_gradient(arrays: RadiometricArrays) -> None:
     if arrays.bounces:
         asked = arrays.bounces if arrays.bounces == 1 else "all"
         raise Unsupported(f"gradient: knows radiometric scenes with bounces: 0, got bounces: {asked}")
+    if is_exposed(arrays):
+        what = "camera.aperture" if arrays.exposure.aperture > 0.0 else "shutter"
+        raise Unsupported(f"gradient: {what}: derivatives of means over a lens or over time are not yet had")
     check(arrays)
     if lamps_on_gloss(arrays):
         raise Unsupported("gradient: of an area light over a conductor or a phong material it is not yet integrated")
@@ -44,7 +48,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
     sphere, is ``unsupported``.
     """
     check_gradient(arrays)
-    if settings.filter == "box":
+    if settings.filter != "centre":
         return prepare_box(arrays, settings, wrt)
     width, height = settings.width, settings.height
     worlds = shaken(arrays)

@@ -47,7 +47,7 @@ class Eye(NamedTuple):
 class Cell(NamedTuple):
     """Rays v + x vx + y vy, x and y from -1 to 1, of a level and a share of the whole; what may be missed in it.
 
-    It is the part of the whole about (``x``, ``y``) that reaches ``half`` to every side; the whole reaches from -1 to 1.
+    It is the part of the whole about (``x``, ``y``) that reaches ``half`` to every side; the whole goes from -1 to 1.
     """
 
     v: Vector

@@ -18,15 +18,15 @@ from symrender.radiometric.pixels.pixel import stated_mean
 from symrender.radiometric.pixels.records import Ints, Room, Six
 from symrender.radiometric.pixels.sight import put_reach
 from symrender.radiometric.pixels.walls import put_families, put_walls
-from symrender.radiometric.vectors import Array, Vector
+from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 
 
 class Exposed(NamedTuple):
     """A scene at the opening of the shutter, what moves, and how a pixel is asked for.
 
-    World, walls and families of ``eye`` are written anew at every instant and place. ``filter`` is the domain of pixels,
-    ``radius`` half the width of its support in pixels.
+    World, walls and families of ``eye`` are written anew at every instant and place. ``filter`` is the domain of
+    pixels, ``radius`` half the width of its support in pixels.
     """
 
     still: World

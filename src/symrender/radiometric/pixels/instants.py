@@ -120,7 +120,7 @@ def state_of(
     put_families(eye.world, at, eye.families)
     if count > walls.shape[0]:
         return -1
-    origin, d = ray_of(eye, v)
+    _, d = ray_of(eye, v)
     own, _, _, _, _ = nearest(eye.world, at, d)
     found, layout = own + 2, count
     for k in range(count):
@@ -137,7 +137,7 @@ def state_of(
         family = eye.families[f]
         if int(family.own) == own and family.cuts != 0.0:
             x = dot(vector(family.numerator), v) / dot(vector(family.denominator), v)
-            found = (found * 1009 + int(math.floor(x)) % 100003) % 2305843009213693951
+            found = (found * 1009 + math.floor(x) % 100003) % 2305843009213693951
     if row >= 0:
         watch.layouts[row] = layout
     return found
@@ -177,7 +177,7 @@ def look_closer(
     fa, fb, fc = watch.levels[k - 1, wall], watch.levels[k, wall], watch.levels[k + 1, wall]
     for _ in range(_REFINED):
         t, least = vertex(a, b, c, fa, fb, fc)
-        if not a < t < c or abs(least) > _NEAR * abs(fb) and least * fb > 0.0 or t == b:
+        if not a < t < c or (abs(least) > _NEAR * abs(fb) and least * fb > 0.0) or t == b:
             return count
         count = add_time(watch, count, t)
         put_instant(still, motion, t, eye.world, eye.mean)

@@ -15,7 +15,7 @@ from symrender.radiometric.pixels.cells import Cell, Eye
 from symrender.radiometric.pixels.pixel import stated_mean
 from symrender.radiometric.pixels.records import Ints, Room
 from symrender.radiometric.pixels.walls import put_families, put_lens_walls, put_walls
-from symrender.radiometric.vectors import Array, Vector
+from symrender.radiometric.vectors import Array
 
 
 class Lens(NamedTuple):

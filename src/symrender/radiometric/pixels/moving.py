@@ -12,8 +12,8 @@ from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
+from symrender.radiometric.pixels.cells import Cell, Eye, cell_at, heaviest, weight_of
 from symrender.radiometric.pixels.curves import put_level
-from symrender.radiometric.pixels.cells import Cell, Eye, cell_at, weight_of
 from symrender.radiometric.pixels.pixel import begin, pixel_mean
 from symrender.radiometric.pixels.records import COARSE, CUT, LOGGED, SMOOTH, Family, Ints, Room, Wall
 from symrender.radiometric.pixels.rules import (
@@ -129,6 +129,7 @@ def sweep_line(
                 clear(room, 0)
                 add_light(eye, eye.world, cell, x, y, 1.0, 0, room)
                 share = weight * (stop - start) * slope * GAUSS[1, order, i]
+                share *= weight_of(eye.domain, cx + half * x, cy + half * y)
                 put_node(sweep, cx + half * x, cy + half * y, share, coarser)
                 for c in range(6):
                     ends[1, c] += end_weight(order, i, 0.0) * room.sums[0, c]
@@ -183,7 +184,7 @@ def sweep_cut(
 
 
 @jitable
-def sweep_smooth(cell: Cell, half: float, cx: float, cy: float, sweep: Sweep, order: int) -> None:
+def sweep_smooth(eye: Eye, cell: Cell, half: float, cx: float, cy: float, sweep: Sweep, order: int) -> None:
     """Add the nodes of a cell without walls, by the rule it was taken with and by the one before."""
     for rule in range(2):
         nodes = order if rule == 0 else (3 if order == 5 else 2)
@@ -191,6 +192,7 @@ def sweep_smooth(cell: Cell, half: float, cx: float, cy: float, sweep: Sweep, or
             for j in range(nodes):
                 x, y = 2.0 * GAUSS[0, nodes, i] - 1.0, 2.0 * GAUSS[0, nodes, j] - 1.0
                 weight = cell.area * GAUSS[1, nodes, i] * GAUSS[1, nodes, j]
+                weight *= weight_of(eye.domain, cx + half * x, cy + half * y)
                 put_node(sweep, cx + half * x, cy + half * y, weight, rule == 1)
 
 
@@ -221,9 +223,9 @@ def sweep_pixel(
             cx += half if room.path[k] % 2 == 1 else -half
             cy += half if room.path[k] >= 2 else -half
         if log[2] == COARSE or log[4] < 0:
-            coarse += half
+            coarse += half * heaviest(eye.domain, cell)
         if log[2] == SMOOTH:
-            sweep_smooth(cell, half, cx, cy, sweep, int(log[3]))
+            sweep_smooth(eye, cell, half, cx, cy, sweep, int(log[3]))
         elif log[2] == CUT and log[4] >= 0:
             limit = put_reach(eye, cell, room)
             if begin(eye, cell, room, candidates, count, limit):
@@ -231,7 +233,7 @@ def sweep_pixel(
             else:
                 sweep.counts[2] = 1
         else:
-            sweep_smooth(cell, half, cx, cy, sweep, 3)
+            sweep_smooth(eye, cell, half, cx, cy, sweep, 3)
     return coarse
 
 

@@ -105,12 +105,12 @@ def box_rule(
                 z = low[2] + (high[2] - low[2]) * GAUSS[0, n2, d]
                 weight = share * GAUSS[1, n0, a] * GAUSS[1, n1, b] * GAUSS[1, n2, d]
                 if inner == LENS:
-                    if n1 > 1 or order == 1 and high[1] > low[1]:
+                    if n1 > 1 or (order == 1 and high[1] > low[1]):
                         weight *= 1.0 * weight_of(ex.filter, 2.0 * y - 1.0, 2.0 * z - 1.0)
                     spent += lens_at(ex, i, j, 2.0 * y - 1.0, 2.0 * z - 1.0, t, room, candidates, tol, budget)
                 else:
                     turn, radius = 2.0 * math.pi * z, y
-                    if n1 > 1 or order == 1 and high[1] > low[1]:
+                    if n1 > 1 or (order == 1 and high[1] > low[1]):
                         weight *= 2.0 * radius
                     x1, x2 = radius * math.cos(turn), radius * math.sin(turn)
                     spent += pixel_at(ex, i, j, x1, x2, t, room, candidates, tol, budget)
@@ -216,7 +216,7 @@ def look_at_box(
 @inlined
 def swing(ex: Exposed, waiting: Waiting) -> float:
     """What radiance may differ by where nothing has looked."""
-    return max(ex.eye.bright, waiting.span[1] - waiting.span[0])
+    return float(max(ex.eye.bright, waiting.span[1] - waiting.span[0]))
 
 
 @jitable

@@ -342,21 +342,27 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
 
 
 def fill_pixels(
-    eye: Eye, window: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, room: Room,
+    eye: Eye, window: Array, width: int, height: int, reach: float, x0: int, y0: int, x1: int, y1: int, room: Room,
     candidates: Ints, tol: float, budget: int, emitted: Array, direct: Array, error: Array,
 ) -> int:  # fmt: skip
     """Fill the means of columns x0:x1 of rows y0:y1; returns the evaluations. Many arguments because a kernel's are.
 
-    Blocks lie at multiples of ``BLOCK`` of the image, so that no tile changes a byte.
+    The support of a pixel's filter reaches ``reach`` pixels from its middle to every side. Blocks lie
+    at multiples of ``BLOCK`` of the image, so that no tile changes a byte.
     """
     spent = 0.0
     for top in range(y0 - y0 % BLOCK, y1, BLOCK):
         for left in range(x0 - x0 % BLOCK, x1, BLOCK):
-            block = window_cell(window, width, height, left, top, left + BLOCK, top + BLOCK, tol)
+            beyond = reach - 0.5
+            block = window_cell(
+                window, width, height, left - beyond, top - beyond, left + BLOCK + beyond, top + BLOCK + beyond, tol
+            )
             count = block_walls(eye, block, room, candidates)
             for j in range(max(top, y0), min(top + BLOCK, y1)):
                 for i in range(max(left, x0), min(left + BLOCK, x1)):
-                    whole = window_cell(window, width, height, i, j, i + 1, j + 1, tol)
+                    whole = window_cell(
+                        window, width, height, i - beyond, j - beyond, i + 1 + beyond, j + 1 + beyond, tol
+                    )
                     spent += stated_mean(eye, whole, room, candidates, count, tol, budget)
                     error[j - y0, i - x0] = room.best[6]
                     for c in range(3):

@@ -53,8 +53,8 @@ class Wall(Record):
     """Where radiance breaks, as the eye at the origin sees it.
 
     A LINE is n.v = 0; a CONIC v.M v = 0 with M ``form``; a QUARTIC is where the sphere about ``center`` is cut by the
-    quadric of ``form``, ``linear`` and ``rest``; the RIM of a lens has no numbers. ``own`` and ``other`` are the pieces it is seen on, ``other`` -1 where
-    it is one, ``own`` too where it is none. ``soft`` is 0, ``LIMB`` or ``TOUCH``.
+    quadric of ``form``, ``linear`` and ``rest``; the RIM of a lens has no numbers. ``own`` and ``other`` are the pieces
+    it is seen on, ``other`` -1 where it is one, ``own`` too where it is none. ``soft`` is 0, ``LIMB`` or ``TOUCH``.
     """
 
     kind: float

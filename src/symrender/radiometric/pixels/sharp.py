@@ -105,9 +105,9 @@ def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
             continue
         for i in range(world.lights.shape[0]):
             lamp = world.lights[i]
-            if lamp.kind in (POINT, SPOT):
-                if plane_spreads(world, j, eye.place, vector(lamp.place), cell.v, cell.vx, cell.vy):
-                    return True
+            point = lamp.kind in (POINT, SPOT)
+            if point and plane_spreads(world, j, eye.place, vector(lamp.place), cell.v, cell.vx, cell.vy):
+                return True
     origin, ray = ray_of(eye, cell.v)
     own, _, place, normal, _ = nearest(world, origin, ray)
     for corner in range(4):
