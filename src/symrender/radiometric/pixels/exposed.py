@@ -14,7 +14,7 @@ from symrender.jit.records import Record, Table, Three
 from symrender.radiometric.pixels.cells import BOX, DISK, Cell, Eye
 from symrender.radiometric.pixels.instants import Motion, Watch, place_at, put_instant
 from symrender.radiometric.pixels.lens import Lens, lens_mean
-from symrender.radiometric.pixels.pixel import stated_mean
+from symrender.radiometric.pixels.pixel import stated_mean, walls_in
 from symrender.radiometric.pixels.records import Ints, Room, Six
 from symrender.radiometric.pixels.sight import put_reach
 from symrender.radiometric.pixels.walls import put_families, put_walls
@@ -73,8 +73,11 @@ class Waiting(NamedTuple):
 @jitable
 def pixel_at(
     ex: Exposed, i: int, j: int, x: float, y: float, t: float, room: Room, candidates: Ints, tol: float, budget: int
-) -> float:  # fmt: skip
-    """Leave the mean of a pixel as the place (x, y) of the lens sees it, in radii; returns the evaluations."""
+) -> tuple[float, int]:  # fmt: skip
+    """Leave the mean of a pixel as the place (x, y) of the lens sees it, in radii.
+
+    Returns the evaluations, and a number that tells the walls in it.
+    """
     eye, lens = ex.eye, ex.lens
     f, r, u = lens.window[0], lens.window[1], lens.window[2]
     across, above = lens.axes[0], lens.axes[1]
@@ -99,20 +102,21 @@ def pixel_at(
     put_families(eye.world, at, eye.families)
     if count > eye.walls.shape[0]:
         room.best[6] = 1e308
-        return 0.0
+        return 0.0, 0
     for k in range(count):
         candidates[k] = k
     seen = Eye(
         eye.world, eye.mean, at, eye.walls, eye.families, eye.bright, eye.peak, eye.delicate, ex.filter
     )  # fmt: skip
-    return stated_mean(seen, whole, room, candidates, count, tol, budget)
+    spent = stated_mean(seen, whole, room, candidates, count, tol, budget)
+    return spent, walls_in(seen, whole, room)
 
 
 @jitable
 def lens_at(
     ex: Exposed, i: int, j: int, x: float, y: float, t: float, room: Room, candidates: Ints, tol: float, budget: int
-) -> float:  # fmt: skip
-    """Leave the mean of the lens at a place of a pixel's support, from -1 to 1; returns the evaluations."""
+) -> tuple[float, int]:  # fmt: skip
+    """Leave the mean of the lens at a place of a pixel's support, from -1 to 1; returns the same."""
     eye = ex.eye
     a = (2.0 * i + 1.0 + 2.0 * ex.radius * x) / ex.width - 1.0
     b = 1.0 - (2.0 * j + 1.0 - 2.0 * ex.radius * y) / ex.height

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from symrender.jit.marks import jitable
 from symrender.radiometric.pixels.cells import Cell, Eye
-from symrender.radiometric.pixels.pixel import stated_mean
+from symrender.radiometric.pixels.pixel import stated_mean, walls_in
 from symrender.radiometric.pixels.records import Ints, Room
 from symrender.radiometric.pixels.walls import put_families, put_lens_walls, put_walls
 from symrender.radiometric.vectors import Array
@@ -31,8 +31,10 @@ class Lens(NamedTuple):
 @jitable
 def lens_mean(
     eye: Eye, lens: Lens, a: float, b: float, room: Room, candidates: Ints, tol: float, budget: int
-) -> float:  # fmt: skip
-    """Leave the mean over a lens at the place (a, b) of the window in ``room.best``; returns the evaluations.
+) -> tuple[float, int]:  # fmt: skip
+    """Leave the mean over a lens at the place (a, b) of the window in ``room.best``.
+
+    Returns the evaluations, and a number that tells the walls in it.
 
     ``eye.place`` is the middle of the lens; the walls and families of ``eye`` are written anew. Where there is no room
     for all walls the error is infinite.
@@ -52,13 +54,14 @@ def lens_mean(
     put_families(eye.world, at, eye.families)
     room.best[6] = 1e308
     if count > walls.shape[0]:
-        return 0.0
+        return 0.0, 0
     for k in range(count):
         candidates[k] = k
     seen = Eye(
         eye.world, eye.mean, at, walls, eye.families, eye.bright, eye.peak, eye.delicate, eye.domain
     )  # fmt: skip
-    return stated_mean(seen, whole, room, candidates, count, tol, budget)
+    spent = stated_mean(seen, whole, room, candidates, count, tol, budget)
+    return spent, walls_in(seen, whole, room)
 
 
 def fill_lenses(
@@ -73,7 +76,8 @@ def fill_lenses(
     for j in range(y0, y1):
         for i in range(x0, x1):
             a, b = (2.0 * i + 1.0) / width - 1.0, 1.0 - (2.0 * j + 1.0) / height
-            spent += lens_mean(eye, lens, a, b, room, candidates, tol, budget)
+            used, _ = lens_mean(eye, lens, a, b, room, candidates, tol, budget)
+            spent += used
             error[j - y0, i - x0] = room.best[6]
             for c in range(3):
                 emitted[j - y0, i - x0, c] = room.best[c]

@@ -52,18 +52,10 @@ _LEAST: Final = 2000
 """Evaluations of an inner mean, at least."""
 _DOUBT: Final = 0.02
 _FIRST: Final = 4.0
-"""What the difference of the first rules is taken times."""
-_PARTED: Final = 2.0
-"""The same where nodes have different walls."""
-
-
-@jitable
-def signature(room: Room) -> int:
-    """A number that tells which walls enter the inner domain."""
-    found = 0
-    for k in range(int(room.counts[0])):
-        found = (found * 1009 + int(room.which[0, k]) + 1) % 2305843009213693951
-    return found
+"""What the difference of two rules is taken times."""
+_PARTED: Final = 0.5
+"""Part of the difference before that it is trusted to fall by, at most, where nodes have different walls: the mean has
+a kink there, and two rules may agree by chance."""
 
 
 @inlined
@@ -107,13 +99,14 @@ def box_rule(
                 if inner == LENS:
                     if n1 > 1 or (order == 1 and high[1] > low[1]):
                         weight *= 1.0 * weight_of(ex.filter, 2.0 * y - 1.0, 2.0 * z - 1.0)
-                    spent += lens_at(ex, i, j, 2.0 * y - 1.0, 2.0 * z - 1.0, t, room, candidates, tol, budget)
+                    used, mark = lens_at(ex, i, j, 2.0 * y - 1.0, 2.0 * z - 1.0, t, room, candidates, tol, budget)
                 else:
                     turn, radius = 2.0 * math.pi * z, y
                     if n1 > 1 or (order == 1 and high[1] > low[1]):
                         weight *= 2.0 * radius
                     x1, x2 = radius * math.cos(turn), radius * math.sin(turn)
-                    spent += pixel_at(ex, i, j, x1, x2, t, room, candidates, tol, budget)
+                    used, mark = pixel_at(ex, i, j, x1, x2, t, room, candidates, tol, budget)
+                spent += used
                 whole, best = 0.0, room.best
                 for c in range(6):
                     sums[row, c] += weight * best[c]
@@ -125,7 +118,6 @@ def box_rule(
                 k = (a * n1 + b) * n2 + d
                 if k < _NODES:
                     waiting.light[k] = whole
-                mark = signature(room)
                 same = same and (first < 0 or mark == first)
                 first = mark
     return stated, spent, same
@@ -195,9 +187,9 @@ def look_at_box(
     _, used, _ = box_rule(ex, inner, i, j, box, 1, 0, room, candidates, waiting, inside, rest)
     _, more, first = box_rule(ex, inner, i, j, box, 2, 1, room, candidates, waiting, inside, rest)
     stated, most, second = box_rule(ex, inner, i, j, box, 3, 2, room, candidates, waiting, inside, rest)
-    row, factor = 2, 1.0 if first and second else _PARTED
+    row, doubt = 2, _DOUBT if first and second else _PARTED
     before, error = differ(waiting, 0, 1), differ(waiting, 1, 2)
-    error = factor * max(_FIRST * error, _DOUBT * before)
+    error = max(_FIRST * error, doubt * before)
     box.axis = most_bent(box, waiting)
     spent, allowed = used + more + most, tol * (0.5 * size_of(box) + _PART)
     whole = axis_nodes(box, 0, 2) * axis_nodes(box, 1, 2) * axis_nodes(box, 2, 2) == 8
@@ -205,8 +197,8 @@ def look_at_box(
         last = differ(waiting, 1, 2)
         stated, used, third = box_rule(ex, inner, i, j, box, 5, 0, room, candidates, waiting, inside, rest)
         spent += used
-        row = 0
-        error = factor * (1.0 if third else _PARTED) * max(differ(waiting, 0, 2), _DOUBT * last)
+        row, doubt = 0, doubt if third else _PARTED
+        error = max(_FIRST * differ(waiting, 0, 2), doubt * last)
     box.error, box.inside = error, stated
     for c in range(6):
         box.light[c] = waiting.sums[row, c]

@@ -15,6 +15,7 @@ from symrender.jit.marks import inlined, jitable
 from symrender.radiometric.pixels.cells import (
     BOX,
     DISK,
+    GAUSSIAN,
     Cell,
     Eye,
     cell_at,
@@ -55,8 +56,11 @@ _STRICTER: Final = 0.2
 _LOOSER: Final = 32.0
 _DOUBT: Final = 0.02
 """Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
+_HOPE: Final = 1000.0
+"""Times what a cell may take that a rule of 5 x 5 nodes may miss for one of 8 x 8 to be tried: of a Gaussian, which no
+polynomial of low degree is."""
 _LITTLE: Final = 0.005
-"""The same of rules between walls, which are far apart in order."""
+"""``_DOUBT`` of rules between walls, which are far apart in order."""
 
 
 @jitable
@@ -141,6 +145,13 @@ def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
     if error <= cell.allowed:
         take(room, 1, error, cell.level, SMOOTH, 5, 0)
         return True
+    if eye.domain == GAUSSIAN and error <= _HOPE * cell.allowed:
+        before = gap(room, 1, 2)
+        tensor_rule(eye, world, cell, 8, 2, room)
+        error = max(gap(room, 1, 2), _DOUBT * before)
+        if error <= cell.allowed:
+            take(room, 2, error, cell.level, SMOOTH, 8, 0)
+            return True
     return False
 
 
@@ -339,6 +350,19 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
                 break
             share /= _LOOSER
     return spent
+
+
+@jitable
+def walls_in(eye: Eye, whole: Cell, room: Room) -> int:
+    """A number that tells which walls and lines of textures enter the whole, after its mean was made."""
+    found = 0
+    for k in range(int(room.counts[0])):
+        found = (found * 1009 + int(room.which[0, k]) + 1) % 2305843009213693951
+    limit = put_reach(eye, whole, room)
+    lines = put_lines(eye.families, whole.v, whole.vx, whole.vy, room, limit)
+    for k in range(lines):
+        found = (found * 1009 + 31 * int(room.numbers[k, 0]) + int(room.numbers[k, 1]) % 100003) % 2305843009213693951
+    return found * 4 + (1 if lines < 0 else 2)
 
 
 def fill_pixels(
