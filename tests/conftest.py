@@ -103,7 +103,7 @@ CLOCK: Final = Clock()
 
 @pytest.fixture(scope="session", autouse=True)
 def compiling_takes_no_time() -> Iterator[None]:
-    """Neither ours nor, for the tests whose evaluator it compiles, Numba's."""
+    """Our own compiling."""
     translate = Kernel._compile
 
     def untimed(kernel: Kernel, *types: Any) -> Any:
@@ -111,18 +111,24 @@ def compiling_takes_no_time() -> Iterator[None]:
             return translate(kernel, *types)
 
     Kernel._compile = untimed  # type: ignore[method-assign]
-    if "numba" in sys.modules:
-        from numba.core import event
-
-        class Listener(event.Listener):  # type: ignore[misc]
-            def on_start(self, event: Any) -> None:
-                CLOCK.stop()
-
-            def on_end(self, event: Any) -> None:
-                CLOCK.go_on()
-
-        with event.install_listener("numba:compile", Listener()):
-            yield
-    else:
-        yield
+    yield
     Kernel._compile = translate  # type: ignore[method-assign]
+
+
+@pytest.fixture(autouse=True)
+def numba_takes_no_time() -> Iterator[None]:
+    """Numba's, in tests that begin when some test has imported it."""
+    if "numba" not in sys.modules:
+        yield
+        return
+    from numba.core import event
+
+    class Listener(event.Listener):  # type: ignore[misc]
+        def on_start(self, event: Any) -> None:
+            CLOCK.stop()
+
+        def on_end(self, event: Any) -> None:
+            CLOCK.go_on()
+
+    with event.install_listener("numba:compile", Listener()):
+        yield

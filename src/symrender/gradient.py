@@ -27,6 +27,7 @@ from symrender.scene.moves import moves
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.moves import radiometric_moves
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.undecided import check_decided
 from symrender.settings import Antialias, Filter, Settings, refuse_filter, split_settings
 
 STATUS: Final = {MET: "met", CAPPED: "capped", UNSUPPORTED: "unsupported", EVENT: "one-sided"}
@@ -106,6 +107,7 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
         check_means(radiometric_arrays(scene), settings)
         return Job.of("radiometric_gradient", scene, settings, radiometric_moves(scene, wrt))
     refuse_filter(settings)
+    check_decided(scene)
     return Job.of("gradient", scene, settings, moves(scene, wrt))
 
 

@@ -26,6 +26,7 @@ from symrender.scene.nearest import did_you_mean
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.scene import Scene
 from symrender.scene.shape import Plane, Sphere
+from symrender.scene.undecided import check_decided
 from symrender.settings import Settings
 
 if TYPE_CHECKING:
@@ -131,6 +132,7 @@ def probe(
     loaded, given = _at_points(load_any(scene), points)
     settings = Settings(tol=float(tol), disk=disk, budget=budget, threads=threads)
     arrays = scene_arrays(loaded)
+    check_decided(loaded)
     place, normal, hit_class = _places(loaded, given, surface)
     away = place - arrays.camera.eye
     length = np.linalg.norm(away, axis=1, keepdims=True)

@@ -49,6 +49,7 @@ from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.lights import Area, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.undecided import check_decided
 from symrender.settings import (
     Antialias,
     Filter,
@@ -184,6 +185,8 @@ def plan(scene: AnyScene, settings: Settings) -> tuple[Job, ...]:
         raise OptionError("numeric, symbolic: at least one must not be 'none'")
     if not isinstance(scene, RadiometricScene):
         refuse_filter(settings)
+        if "truth" in kinds:
+            check_decided(scene)
     elif "radiometric" in kinds:
         check(radiometric_arrays(scene))
         check_means(radiometric_arrays(scene), settings)

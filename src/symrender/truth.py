@@ -26,6 +26,7 @@ from symrender.runtimes.radiometric import check
 from symrender.scene.load import AnyScene, Source, in_series, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.undecided import check_decided
 from symrender.settings import Antialias, Filter, Settings, refuse_filter, split_settings
 from symrender.verify import check_share, verified
 
@@ -108,6 +109,7 @@ def truth_job(scene: AnyScene, settings: Settings) -> Job:
         check_means(radiometric_arrays(scene), settings)
         return Job.of("radiometric", scene, settings)
     refuse_filter(settings)
+    check_decided(scene)
     return Job.of("truth", scene, settings)
 
 

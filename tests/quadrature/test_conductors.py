@@ -14,7 +14,9 @@ from symrender.chambers.lobes.record import CORRELATED, SEPARABLE, Conductor
 from symrender.errors import Unsupported
 from symrender.jit.records import Table, table
 from symrender.leaves import radiometric, values
-from symrender.quadrature.split_point import SplitResult, gloss_points
+from symrender.quadrature.background import directional_albedo
+from symrender.quadrature.light_points import light_rows
+from symrender.quadrature.split_point import SplitResult, gloss_points, split_work
 from symrender.radiometric.slopes import pushed_module
 from symrender.scene.arrays import SceneArrays, scene_arrays
 
@@ -203,6 +205,26 @@ def test_reflectance_keeps_its_digits_where_hardly_anything_is_absorbed() -> Non
     assert sum(each > 1e-10 for each in lost) > 50 and max(lost) > 1e-9
 
 
+def test_a_background_is_what_nothing_hides_of_the_directional_albedo() -> None:
+    background = np.array([0.4, 0.2, 0.1])
+    arrays = scene_arrays(sr.load("gloss").replace({"background": tuple(background.tolist())}))
+    points = np.array([[0.3, -1.0, 0.0], [1.0, -0.6, 0.0], [-1.5, 0.4, 0.0]])
+    incoming = points - arrays.camera.eye
+    incoming /= np.linalg.norm(incoming, axis=1)[:, None]
+    up, rough = np.array([0.0, 0.0, 1.0]), Rough(0.3, True, GOLD.eta, GOLD.k)
+    rows = conductors(arrays, rough, 1)
+    less = gloss_points(arrays, points, np.tile(up, (3, 1)), incoming, np.ones(3, np.int64), 1e-7, conductors=rows)
+    whole = directional_albedo(rows[1], -incoming[:, 2], 1e-8, 10**6, split_work(arrays, light_rows(arrays, 2)))
+    assert (less.status == 0).all() and (whole.status == 0).all() and (whole.error <= 1e-8).all()
+    for i in range(3):
+        assert np.abs(whole.gloss[i] - albedo(rough, float(-incoming[i, 2]))).max() < 1e-8
+        one, other = (reflected(arrays, points[i], up, incoming[i], -1, rough, n, n / 1e6) for n in (120_000, 80_000))
+        apart, value = np.abs(one - other).max(), less.gloss[i] + background * whole.gloss[i]
+        assert value.max() > 0.02 and np.abs(background * whole.gloss[i] - value).max() > 0.01
+        # lattices know edges to N^-3/4, and two of them may agree by chance
+        assert np.abs(one - value).max() <= 4.0 * apart + 1.5e-4
+
+
 def test_slope_of_reflectance_at_total_reflection() -> None:
     """By cosine and eta nothing changes while all is reflected; a first trace of absorption is felt at once."""
     slope = pushed_module().conductor_fresnel_dot
@@ -225,9 +247,6 @@ def test_what_is_not_integrated_is_refused_by_name() -> None:
     wrong[1].alpha = -0.1
     with pytest.raises(ValueError, match=r"conductors: alpha must be in \[0, 1\]"):
         gloss_points(*args, conductors=wrong)
-    arrays.shading.background[:] = 0.1
-    with pytest.raises(Unsupported, match="background: what a conductor reflects"):
-        gloss_points(*args, conductors=conductors(arrays, rough, case.surface))
-    arrays.shading.background[:], arrays.shading.units = 0.0, 1.0
+    arrays.shading.units = 1.0
     with pytest.raises(Unsupported, match="brdf_normalised says nothing of a conductor"):
         gloss_points(*args, conductors=conductors(arrays, rough, case.surface))

@@ -22,7 +22,8 @@ NEAR = 1e-11
 class World(NamedTuple):
     """``shapes`` (S, 26): kind, center or point, radius, normal, x and y of a plane, bright, dark, cell, both sides.
 
-    ``lights`` (L, 7): whether it is directional, place or direction towards it, three channels.
+    ``lights`` (L, 13): whether it is directional, place or direction towards it, three channels; of a spot its unit
+    direction, its two angles and 1 where it falls off linearly, 2 smoothly.
     """
 
     shapes: Array
@@ -31,7 +32,7 @@ class World(NamedTuple):
 
 def world(scene: dict[str, Any]) -> World:
     """The numbers of a scene as written, texts of files and defaults aside."""
-    shapes, lights = np.zeros((len(scene["shapes"]), 26)), np.zeros((len(scene["lights"]), 7))
+    shapes, lights = np.zeros((len(scene["shapes"]), 26)), np.zeros((len(scene["lights"]), 13))
     for row, shape in zip(shapes, scene["shapes"], strict=True):
         material = scene["materials"][shape["material"]]
         reflectance = material["reflectance"]
@@ -52,6 +53,11 @@ def world(scene: dict[str, Any]) -> World:
     for row, light in zip(lights, scene["lights"], strict=True):
         if light["type"] == "point":
             row[1:4], row[4:7] = light["position"], light["intensity"]
+        elif light["type"] == "spot":
+            axis = np.array(light["direction"], float)
+            row[1:4], row[4:7], row[7:10] = light["position"], light["intensity"], axis / np.linalg.norm(axis)
+            row[10:12] = np.radians([light["beam"], light["cutoff"]])
+            row[12] = 2.0 if light.get("falloff") == "smooth" else 1.0
         else:
             travel = np.array(light["direction"], float)
             row[0], row[1:4], row[4:7] = 1.0, -travel / np.linalg.norm(travel), light["irradiance"]
@@ -118,6 +124,20 @@ def _albedo(q: Array, n: Array, j: int, shapes: Array, out: Array) -> None:
 
 
 @numba.njit(cache=False)
+def _beam(light: Array, d: Array) -> float:
+    """Share of its intensity that a light sends against the unit vector ``d`` towards it: 1 but of a spot."""
+    if light[12] == 0.0:
+        return 1.0
+    along = -(light[7] * d[0] + light[8] * d[1] + light[9] * d[2])
+    if light[12] == 2.0:
+        t = (along - math.cos(light[11])) / (math.cos(light[10]) - math.cos(light[11]))
+        t = min(1.0, max(0.0, t))
+        return t * t * (3.0 - 2.0 * t)
+    angle = math.acos(min(1.0, max(-1.0, along)))
+    return min(1.0, max(0.0, (light[11] - angle) / (light[11] - light[10])))
+
+
+@numba.njit(cache=False)
 def _direct(q: Array, n: Array, j: int, w: World, out: Array) -> None:
     """Irradiance at a place of shape ``j`` on the side to which ``n`` points."""
     out[:] = 0.0
@@ -137,7 +157,7 @@ def _direct(q: Array, n: Array, j: int, w: World, out: Array) -> None:
         t, _ = _hit(q, d, j, w.shapes)
         if t < far * (1.0 - NEAR):
             continue
-        share = cosine if light[0] == 1.0 else cosine / (far * far)
+        share = cosine if light[0] == 1.0 else cosine * _beam(light, d) / (far * far)
         for a in range(3):
             out[a] += light[4 + a] * share
 

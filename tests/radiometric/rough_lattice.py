@@ -3,7 +3,8 @@
 As ``lattice.py``, with materials in forms of their own: densities of tangents, Smith's Lambda, complex amplitudes of
 Fresnel. Directions are of several kinds, weighed by the mean of their densities: such as the place reflects, such as a
 cosine weighs, and towards every highlight of a rough surface that the place sees: about the direction in which the
-half vector is the normal, found by fixed points and mirror images, as wide as the half vector turns.
+half vector is the normal, found by fixed points and mirror images, as wide as the half vector turns; and towards the
+bright place under every lamp that stands near a surface.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ POINTS, GENERATOR = 2584, 1597
 SHIFTS = 8
 STEP = 1e-6
 WALTER = 1.6
+BROAD = 0.3
+"""Width of the bright place under a lamp from which on other directions meet it often enough."""
 
 
 class World(NamedTuple):
@@ -134,7 +137,7 @@ def _direct(q: Array, n: Array, j: int, seen: Array, w: World, out: Array) -> No
         if t < far * (1.0 - lattice.NEAR):
             continue
         _scattered(w.materials[j], n, seen, d, f)
-        share = cosine if light[0] == 1.0 else cosine / (far * far)
+        share = cosine if light[0] == 1.0 else cosine * lattice._beam(light, d) / (far * far)
         for a in range(3):
             out[a] += light[4 + a] * share * f[a]
 
@@ -238,6 +241,37 @@ def _highlights(p: Array, n: Array, own: int, w: World, out: Array) -> int:
 
 
 @numba.njit(cache=False)
+def _feet(p: Array, n: Array, own: int, w: World, count: int, out: Array) -> int:
+    """Rows as of ``_highlights`` towards the places that lamps are nearest to, as wide as they are near."""
+    foot = np.empty(3)
+    for j in range(w.materials.shape[0]):
+        s = w.known.shapes[j]
+        if j == own and s[0] == 1.0:
+            continue
+        for i in range(w.known.lights.shape[0]):
+            light = w.known.lights[i]
+            if light[0] == 1.0 or count == out.shape[0]:
+                continue
+            off = light[1:4] - s[1:4]
+            if s[0] == 1.0:
+                foot[:] = light[1:4] - (off @ s[5:8]) * s[5:8]
+            else:
+                foot[:] = s[1:4] + s[4] * off / max(1e-300, math.sqrt(off @ off))
+            near, d = math.sqrt(((light[1:4] - foot) ** 2).sum()), foot - p
+            far = math.sqrt(d @ d)
+            if far == 0.0 or near > BROAD * far or d @ n < -0.2 * far:
+                continue
+            row = out[count]
+            row[0:3] = d / far
+            x, y = _frame(row[0:3].copy())
+            row[3:6], row[6:9] = x, y
+            row[9] = row[11] = far / max(near, 1e-9 * far)
+            row[10] = 0.0
+            count += 1
+    return count
+
+
+@numba.njit(cache=False)
 def _density(d: Array, n: Array, seen: Array, m: Array, rows: Array, count: int) -> float:
     """Mean of the densities of all kinds of directions."""
     up = n @ d
@@ -305,7 +339,7 @@ def _sums(
     shapes, mine = w.known.shapes, w.materials[own]
     x, y = _frame(n)
     rows = np.zeros((shifts.shape[0] - 2, 12))
-    count = _highlights(q, n, own, w, rows)
+    count = _feet(q, n, own, w, _highlights(q, n, own, w, rows), rows)
     d, place, light, shade, f = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     total[:] = 0.0
     for kind in range(2 + count):
@@ -352,10 +386,8 @@ def bounced(
         if known.shapes[j, 21] == 0.0:
             return lattice.Seen(j, np.zeros(3), np.zeros(3), math.inf)
         n = -n
-    sums, kinds = np.empty((SHIFTS, 3)), 2 + len(known.shapes) * len(known.lights)
+    sums, kinds = np.empty((SHIFTS, 3)), 2 + 2 * len(known.shapes) * len(known.lights)
     for row in sums:
         _sums(q, n, j, -d, w, rng.uniform(size=(kinds, 2)), points, step, row)
     sigma = sums.std(axis=0, ddof=1) / math.sqrt(SHIFTS)
-    return lattice.Seen(
-        j, shade * sums.mean(axis=0), shade * sigma, lattice.glare(known, q, j) * points / lattice.POINTS
-    )
+    return lattice.Seen(j, shade * sums.mean(axis=0), shade * sigma, math.inf)

@@ -229,8 +229,3 @@ def test_a_lamp_that_crosses_a_shape_is_refused(other: dict[str, Any]) -> None:
     with pytest.raises(Unsupported, match=r"lights\[0\]: its sphere, shapes\[0\], crosses shapes\[1\]"):
         sr.truth(world, size=2)
     assert sr.render(world, size=4, lobe=2, symbolic="none").numeric is not None
-
-
-def test_one_bounce_under_a_lamp_is_refused_by_name() -> None:
-    with pytest.raises(Unsupported, match="an area light"):
-        sr.truth(lit(FLOOR, ball("lamp", [0, 0, 2], 0.5), bounces=1), size=2)

@@ -164,12 +164,14 @@ def test_what_cannot_be_stated_is_not_stated() -> None:
 
 
 STRIPES = {"type": "diffuse", "reflectance": {"type": "stripes"}}
+CHECKER = {"type": "diffuse", "reflectance": {"type": "checker"}}
+SKY = {"type": "sky", "name": "sky", "radiance": 1}
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"lights": [{"type": "sky", "name": "sky", "radiance": 1}]}, "a sky"),
+        ({"lights": [SKY], "materials.wall": CHECKER}, "a sky over a texture of a plane"),
         ({"materials.wall": STRIPES}, "stripes or marble on a plane"),
     ],
 )

@@ -92,12 +92,14 @@ def test_an_image_has_it_in_its_direct_layer_beside_what_is_diffuse() -> None:
 
 def test_what_is_not_integrated_is_refused_by_name() -> None:
     made = scene(METAL)
-    with pytest.raises(Unsupported, match="gradient: of an area light over a conductor"):
+    with pytest.raises(Unsupported, match="gradient: of a sky or an area light over a conductor"):
         sr.gradient(made, ["materials.gloss.alpha"], size=4)
     with pytest.raises(Unsupported, match="in a scene with an area light"):
         sr.truth(made | {"bounces": 1}, size=4)
     with pytest.raises(Unsupported, match=r"an area light over .* in a scene with a conductor of g1: walter"):
         sr.truth(scene(METAL | {"distribution": "beckmann", "g1": "walter"}), size=4)
-    made["lights"].append({"type": "sky", "name": "sky", "radiance": 1})
-    with pytest.raises(Unsupported, match="a sky over a conductor or a phong material is not yet integrated"):
+    made["lights"] = [{"type": "sky", "name": "sky", "radiance": 1}]
+    made["shapes"].append({"type": "disk", "name": "coin", "center": [2, 0, 1], "normal": [0, 0, 1], "radius": 0.2,
+                           "material": "dull"})  # fmt: skip
+    with pytest.raises(Unsupported, match=r"a sky over a conductor .* in a scene with a rectangle, a triangle, a disk"):
         sr.truth(made, size=4)

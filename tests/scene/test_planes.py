@@ -29,10 +29,13 @@ def _room(**changes: Any) -> Any:
         ({"lights__fill__position": (0.9, 3.0, 1.2)}, "lights.fill is behind planes.rear"),
         ({"lights__fill__position": (0.9, 2.2, 1.2)}, "lights.fill lies in planes.rear"),
         ({"spheres__B__center": (-1.2, 3.0, 1.25)}, "spheres.B lies behind planes.rear"),
-        ({"planes__rear__point": (0, 0, 0), "planes__rear__normal": (0, 0, -3)}, "planes.rear lies in the floor"),
+        (
+            {"planes__rear__point": (0, 0, 0), "planes__rear__normal": (0, 0, -3)},
+            "the floor and planes.rear are one surface",
+        ),
         (
             {"planes__west__point": (3, 2.2, 9), "planes__west__normal": (0, 2, 0), "planes__west__along": (1, 0, 0)},
-            "planes.west lies in planes.rear",
+            "planes.west and planes.rear are one surface",
         ),
         ({"planes__glass__lobe__weight": 0.0}, "planes.glass.lobe.weight is 0"),
     ],

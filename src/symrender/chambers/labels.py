@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.penumbra import CLEAR, COVERS, cover
+from symrender.chambers.records import LightPoint
 from symrender.chambers.rooms import disk_over, height, is_walled_off, planes_hide
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
@@ -162,6 +163,13 @@ def disk_state(
 
 
 @inlined
+def beyond_cutoff(p: LightPoint, lx: float, ly: float, lz: float) -> bool:
+    """Whether a spot at this offset sends nothing back along it."""
+    along = -(lx * p.axis[0] + ly * p.axis[1] + lz * p.axis[2])
+    return bool(along <= math.cos(p.cutoff * (math.pi / 180.0)) * math.sqrt(lx * lx + ly * ly + lz * lz))
+
+
+@inlined
 def light_state(
     i: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, view: View, work: Work
 ) -> int:
@@ -173,6 +181,8 @@ def light_state(
     if planes_hide(ax, ay, az, qx, qy, qz, view, work):
         return DARK
     lx, ly, lz = ax - qx, ay - qy, az - qz
+    if view.points[i].spot != 0.0 and beyond_cutoff(view.points[i], lx, ly, lz):
+        return DARK
     state = LIT
     if not lx * nx + ly * ny + lz * nz > 0.0:
         if view.shading.terminator == CUT or view.shading.ks == 0.0:

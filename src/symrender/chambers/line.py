@@ -228,6 +228,9 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
                     same = False
                     for l in range(lights):
                         lit[cells, l] = lit[cells - 1, l]
+                        if view.points[l].spot != 0.0:
+                            # but where it is the cone of a spot
+                            lit[cells, l] = light_state(l, qx, qy, qz, nx, ny, nz, view, work)
                 elif changed == TEXTURE_EDGE:
                     side = texture_side(view.spheres, j, nx, ny, nz)
                     same = side == before

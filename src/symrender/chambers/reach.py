@@ -10,7 +10,7 @@ import math
 
 from symrender.chambers.listed import ROUNDED_UP, SLACK, shadow_disc
 from symrender.chambers.records import Wall
-from symrender.chambers.walls import BALL, DIRECTION, PENUMBRA, SHADOW
+from symrender.chambers.walls import BALL, DIRECTION, HIGHLIGHT, PENUMBRA, SHADOW
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 
@@ -45,7 +45,7 @@ def note_reach(view: View, work: Work) -> None:
                 row.middle = math.atan2(row.axis[2], row.axis[1])
                 row.opening = math.asin(ROUNDED_UP * row.sin / across) + SLACK
             row.nearest, row.farthest = away - wide - SLACK, away + wide + SLACK
-        elif row.kind in (SHADOW, PENUMBRA):
+        elif row.kind in (SHADOW, PENUMBRA) and row.tag != HIGHLIGHT:
             x, y, radius = shadow_disc(view.points[row.light], view.spheres[row.shape_index])
             if radius < math.inf:
                 x, y = x - chart.point[0], y - chart.point[1]

@@ -10,6 +10,9 @@ from symrender.jit.records import Array, Record, Three, Two
 INVERSE_SQUARE: Final = 1.0
 DISTANT: Final = 2.0
 """Kinds of ``LightPoint.fall``."""
+LINEAR: Final = 1.0
+SMOOTH: Final = 2.0
+"""Kinds of ``LightPoint.spot``: how it falls off between its two angles."""
 
 
 class LightPoint(Record):
@@ -17,7 +20,9 @@ class LightPoint(Record):
 
     ``color`` is the light's times the point's share, ``sign`` that in the embedded rule; ``e1``, ``e2`` and ``axis``
     are the disk's frame. ``fall`` is ``INVERSE_SQUARE`` for a point whose light falls off with the square of its
-    distance, ``DISTANT`` for one so far away that it stands in one direction, else 0. All fields are float64.
+    distance, ``DISTANT`` for one so far away that it stands in one direction, else 0. ``spot`` is ``LINEAR`` or
+    ``SMOOTH`` for one that shines along ``axis``, all of it up to the angle ``beam``, in degrees, and nothing from
+    ``cutoff`` on. All fields are float64.
     """
 
     position: Three
@@ -28,6 +33,9 @@ class LightPoint(Record):
     e2: Three
     axis: Three
     fall: float
+    beam: float
+    cutoff: float
+    spot: float
 
 
 class LightMove(Record):
@@ -319,7 +327,7 @@ class Piece(Record):
     wary: int
     """1 where the rule is at least that which successive steps compare."""
     soft: int
-    """1 where a disk light ends at one of the cell's walls."""
+    """At which ends light begins like a power of the distance: 0, or as ``quadrature/split_line.py`` names it."""
     line: int
     """In a square, the number of its line."""
     doubt: float

@@ -12,9 +12,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.caps import Cone
 from symrender.chambers.records import Chart, LightPoint, Side
 from symrender.chambers.work import Frames, View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
 
@@ -85,6 +87,13 @@ def disk_over(p: LightPoint, side: Side) -> tuple[float, float]:
 @jitable
 def frame_view(k: int, view: View, frames: Frames) -> View:
     """The scene in the coordinates of plane ``k``, in which it is the floor."""
+    if frames.cones is None:
+        return _frame_view(k, view, frames, None)
+    return _frame_view(k, view, frames, frames.cones[k])
+
+
+@inlined
+def _frame_view(k: int, view: View, frames: Frames, cones: Table[Cone] | None) -> View:
     return View(
         spheres=frames.spheres[k],
         floor=frames.floors[k],
@@ -95,6 +104,8 @@ def frame_view(k: int, view: View, frames: Frames) -> View:
         conductors=view.conductors,
         senders=view.senders,
         emitted=view.emitted,
+        cones=cones,
+        glows=view.glows,
     )
 
 

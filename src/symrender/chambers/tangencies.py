@@ -16,6 +16,7 @@ from symrender.chambers.records import DISTANT, Chart, Event, LightPoint, Wall
 from symrender.chambers.walls import (
     BALL,
     GLEAM_EDGE,
+    HIGHLIGHT,
     PENUMBRA,
     SHADOW,
     SHADOW_EDGE,
@@ -262,6 +263,21 @@ def sphere_tangencies(
 
 
 @jitable
+def cone_tangencies(
+    c: int, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
+) -> int:  # fmt: skip
+    """Azimuths at which a scan line of the charted sphere touches a cone: either half, where it enters and leaves."""
+    if view.cones is None:
+        return n
+    cone = view.cones[c]
+    for side in range(2):
+        n = sphere_tangencies(cone.apex, cone.ball, side == 1, work.chart, work.frame, events, n, low, high)
+        if cone.apex.fall != DISTANT:
+            n = sphere_tangencies(cone.apex, cone.twin, side == 1, work.chart, work.frame, events, n, low, high)
+    return n
+
+
+@jitable
 def gleam_tangencies(row: Wall, work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
     """Azimuths at which a scan line begins or ceases to meet the end of a highlight: no closed form.
 
@@ -306,4 +322,6 @@ def tangencies(view: View, work: Work, events: Table[Event], n: int, low: float,
                     view.points[row.light], view.spheres[row.shape_index], side == 1, chart, work.frame, events, n,
                     low, high,
                 )  # fmt: skip
+        elif kind == SHADOW and row.tag == HIGHLIGHT:
+            n = cone_tangencies(row.light, view, work, events, n, low, high)
     return n

@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.caps import Arc, Cone, Crossing
 from symrender.chambers.lobes.record import Conductor, Sender
 from symrender.chambers.records import (
     NODES,
@@ -29,6 +30,7 @@ from symrender.jit.records import Grid, Table, copied, joined, one, stacked, tab
 from symrender.limits import MAX_PLANES
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.frames import floor_of, frames
+from symrender.scene.radiometric.records import Glow
 from symrender.scene.records import Floor, Frame, Shading, Sphere
 
 Array = npt.NDArray[np.float64]
@@ -51,7 +53,9 @@ class View(NamedTuple):
     In the coordinates of a plane that plane is the floor z = 0, and ``floor`` what it is made of. ``sides`` are all
     planes of the scene, the floor first. ``conductors`` are those of all hit classes, which a point may reflect by;
     ``senders`` those by which shapes send light on, a row a sphere, then a row a plane; ``emitted`` (spheres, 3) is the
-    radiance of spheres that emit. Each is None in a scene without any: kernels are compiled for each.
+    radiance of spheres that emit. ``cones`` are those across which light is not smooth, of spots and where what is seen
+    of ``glows`` breaks: of a sky and of spheres that emit, as they shine on what is diffuse. Each is None in a scene
+    without any: kernels are compiled for each.
     """
 
     spheres: Table[Sphere]
@@ -63,6 +67,8 @@ class View(NamedTuple):
     conductors: Table[Conductor] | None = None
     senders: Table[Sender] | None = None
     emitted: Array | None = None
+    cones: Table[Cone] | None = None
+    glows: Table[Glow] | None = None
 
 
 class Frames(NamedTuple):
@@ -78,6 +84,7 @@ class Frames(NamedTuple):
     eyes: Array
     sides: Grid[Side]
     homes: Ints
+    cones: Grid[Cone] | None = None
 
 
 class Work(NamedTuple):
@@ -117,6 +124,10 @@ class Work(NamedTuple):
     room: Array
     felt: Ints
     poles: Array
+    arcs: Table[Arc]
+    crossings: Table[Crossing]
+    caps: Array
+    within: Array
 
 
 @inlined
@@ -136,7 +147,8 @@ def begin_counts(limit: int, work: Work) -> None:
 
 def scene_view(
     arrays: SceneArrays, points: Table[LightPoint], conductors: Table[Conductor] | None = None,
-    senders: Table[Sender] | None = None, emitted: Array | None = None,
+    senders: Table[Sender] | None = None, emitted: Array | None = None, cones: Table[Cone] | None = None,
+    glows: Table[Glow] | None = None,
 ) -> View:  # fmt: skip
     """What kernels read of a scene whose lights are ``points`` (see ``light_rows``); its memory, but for the eye."""
     return View(
@@ -149,10 +161,12 @@ def scene_view(
         conductors=conductors,
         senders=senders,
         emitted=emitted,
+        cones=cones,
+        glows=glows,
     )
 
 
-def scene_frames(arrays: SceneArrays, points: Table[LightPoint]) -> Frames:
+def scene_frames(arrays: SceneArrays, points: Table[LightPoint], cones: Table[Cone] | None = None) -> Frames:
     """A scene whose lights are ``points``, in the coordinates of each of its planes."""
     axes = _axes(arrays)
     sides = _sides(axes)
@@ -168,6 +182,7 @@ def scene_frames(arrays: SceneArrays, points: Table[LightPoint]) -> Frames:
         eyes=np.array([_turn(frame) @ (arrays.camera.eye - frame.origin) for frame in axes]).reshape(-1, 3),
         sides=stacked(Side, [_sides_in(frame, k, sides) for k, frame in enumerate(axes)], len(sides)),
         homes=homes,
+        cones=None if cones is None else stacked(Cone, [_cones_in(frame, cones) for frame in axes], len(cones)),
     )
 
 
@@ -178,6 +193,14 @@ def _turn(frame: Frame) -> Array:
 def _spheres_in(frame: Frame, spheres: Table[Sphere]) -> Table[Sphere]:
     rows = copied(spheres)
     rows["center"][:] = (spheres["center"] - frame.origin) @ _turn(frame).T
+    return rows
+
+
+def _cones_in(frame: Frame, cones: Table[Cone]) -> Table[Cone]:
+    rows = copied(cones)
+    for row in rows:
+        for place in (row.apex.position, row.ball.center, row.twin.center):
+            place[:] = _turn(frame) @ (place - frame.origin)
     return rows
 
 
@@ -250,4 +273,9 @@ def work_arrays(spheres: int, points: int) -> Work:
         room=np.zeros(MAX_PLANES + 1),
         felt=np.zeros(64 + 192 * points, np.int64),
         poles=np.zeros((4 * points + 4, 2)),
+        # as many circles as spheres, planes and the horizon
+        arcs=table(Arc, spheres + MAX_PLANES + 2),
+        crossings=table(Crossing, 2 * (spheres + MAX_PLANES + 2)),
+        caps=np.zeros(spheres + MAX_PLANES + 2),
+        within=np.zeros(spheres + MAX_PLANES + 2),
     )

@@ -117,6 +117,9 @@ def truth(
 
         for warning in warnings(chosen):
             typer.echo(f"WARNING {warning}", err=True)
+    from symrender.truth import truth_job
+
+    job = truth_job(chosen, settings)
     folder = make_folder(out)
     journal = folder / "truth.journal"
     force = force or (resume and journal.exists())
@@ -137,10 +140,9 @@ def truth(
     from symrender.execution.first_use import first_use
     from symrender.images.image import Image
     from symrender.images.views import false_color
-    from symrender.truth import true_image, truth_job, verdict
+    from symrender.truth import true_image, verdict
     from symrender.verify import verify as brute_force
 
-    job = truth_job(chosen, settings)
     with (
         ended_by_signals(),
         progress(progress_mode, quiet=quiet) as advance,

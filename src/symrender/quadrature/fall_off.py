@@ -10,10 +10,12 @@ import numpy.typing as npt
 
 from symrender.chambers.events import line_range
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
-from symrender.chambers.senders import sender_of, sent_bound
+from symrender.chambers.senders import sender_albedo, sender_of, sent_bound
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.scene.arrays import CUT
+from symrender.jit.records import Table
+from symrender.scene.arrays import CUT, SceneArrays
+from symrender.scene.radiometric.records import Glow
 
 Array = npt.NDArray[np.float64]
 
@@ -100,9 +102,21 @@ def most_emitted(sphere: int, emitted: Array) -> float:
     return float(max(emitted[sphere, 0], emitted[sphere, 1], emitted[sphere, 2])) if sphere >= 0 else 0.0
 
 
+@jitable
+def most_glow(glows: Table[Glow]) -> float:
+    """No place gets more irradiance from skies and lamps together."""
+    most = 0.0
+    for g in range(glows.shape[0]):
+        light = glows[g].radiance
+        most += math.pi * max(light[0], light[1], light[2])
+    return float(most)
+
+
 @inlined
 def chart_bound(diffuse: float, view: View, work: Work) -> float:
     """``diffuse``, what bounds the radiance of the charted shape, or what does where it is a conductor."""
+    if view.glows is not None:
+        return diffuse + sender_albedo(view, work.chart) * most_glow(view.glows)
     if view.emitted is not None:
         return diffuse + most_emitted(work.chart.shape_index, view.emitted)
     sender = sender_of(view, work.chart)
@@ -121,3 +135,13 @@ def most_floor_light(view: View) -> float:
         if not (view.points[i].fall == INVERSE_SQUARE and height <= 0.0):
             light += most_light(view.points[i], height * height)
     return light
+
+
+def glow_bound(arrays: SceneArrays, glows: Table[Glow] | None) -> float:
+    """No place sends more radiance of skies and lamps on."""
+    if glows is None:
+        return 0.0
+    colors = [sphere.color for sphere in arrays.spheres]
+    colors += [color for plane in arrays.planes for color in (plane.bright, plane.dark)]
+    albedo = max((float(np.abs(color).max()) for color in colors), default=0.0)
+    return float(arrays.shading.kd) * albedo * most_glow(glows)

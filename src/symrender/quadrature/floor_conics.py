@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.caps import Cone
 from symrender.chambers.penumbra_walls import edge_search
 from symrender.chambers.records import DISTANT, Chart, Wall
 from symrender.chambers.rooms import height
@@ -62,6 +63,25 @@ def is_edge(k: int, view: View, chart: Chart) -> bool:
     return bool(k != chart.plane and k != chart.home and (up[0] != 0.0 or up[1] != 0.0))
 
 
+@jitable
+def cone_conics(n: int, cones: Table[Cone], px: float, py: float, conics: Table[Conic]) -> int:
+    """Append those of the cones of spots; new count."""
+    for c in range(cones.shape[0]):
+        at, ball = cones[c].apex.position, cones[c].ball
+        ex, ey, ez = ball.center[0] - at[0], ball.center[1] - at[1], ball.center[2] - at[2]
+        x, y = at[0] - px, at[1] - py
+        if 1.0 - ball.radius * ball.radius > CONTACT:
+            n = add_cone(conics, n, ex, ey, ez, ball.radius * ball.radius, x, y, at[2])
+            continue
+        # an angle of 90 degrees: a plane
+        if n < conics.shape[0]:
+            row = conics[n]
+            row.xx, row.xy, row.yy, row.x, row.y, row.soft = 0.0, 0.0, 0.0, 0.5 * ex, 0.5 * ey, 0
+            row.free = -(ex * x + ey * y + ez * at[2])
+        n += 1
+    return n
+
+
 @inlined
 def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Conic]) -> int:
     """All conics of the floor chart about the point's foot; their number."""
@@ -96,6 +116,8 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
             row.xx, row.xy, row.yy, row.x, row.y, row.soft = 1.0, 0.0, 1.0, -sx, -sy, 0
             row.free = sx * sx + sy * sy - (r - sz) * (r + sz)
             n += 1
+    if view.cones is not None:
+        n = cone_conics(n, view.cones, px, py, conics)
     for i in range(work.counts.casters):
         light, k = work.casters[i].light, work.casters[i].ball
         lx, ly, lz = (

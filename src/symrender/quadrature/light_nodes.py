@@ -42,6 +42,7 @@ from symrender.quadrature.disk_points import clear_sums, highlights
 from symrender.quadrature.disk_refined import may_shine
 from symrender.quadrature.disk_term import disk_log, highlight_lean, served
 from symrender.quadrature.gauss import DISK_STARTS, FALLS, NODE_GAP, disk_level
+from symrender.quadrature.glow_nodes import fade
 from symrender.quadrature.node_rows import whole_vectors
 from symrender.scene.arrays import OPEN, PHONG
 
@@ -378,6 +379,8 @@ def light_nodes(pieces: int, step: int, ks: float, view: View, work: Work, gauss
             disk_light(i, pieces, step, ks, view, work, gauss)
         else:
             start, stop = mark_states(pieces, i, work)
+            if view.points[i].spot != 0.0:
+                fade(start, stop, view.points[i], work.nodes)
             if sender >= 0:
                 sent_light(start, stop, work.nodes, view.points[i], sender, view.senders)
             elif start < stop:

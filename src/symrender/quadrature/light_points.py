@@ -11,10 +11,12 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.records import DISTANT, INVERSE_SQUARE, LightPoint
+from symrender.chambers.records import DISTANT, INVERSE_SQUARE, LINEAR, SMOOTH, LightPoint
 from symrender.jit.records import Table, joined, table
 from symrender.scene import arrays as at
 from symrender.scene.arrays import DISK, SceneArrays
+from symrender.scene.radiometric.arrays import SPOT
+from symrender.scene.radiometric.records import Light as Beam
 from symrender.scene.records import Light
 from symrender.settings import EXACT_DISK
 
@@ -31,14 +33,20 @@ def disk_frame(position: Array, target: Array) -> tuple[Array, Array]:
     return e1, np.cross(w, e1)
 
 
-def light_rows(arrays: SceneArrays, order: int) -> Table[LightPoint]:
+def light_rows(arrays: SceneArrays, order: int, spots: Table[Beam] | None = None) -> Table[LightPoint]:
     """Position and colour of every light point, then of exact disks radius and frame too.
 
-    The points of a K x K disk (``order`` K) share its colour; the fields of a disk are zero elsewhere.
+    The points of a K x K disk (``order`` K) share its colour; the fields of a disk are zero elsewhere. ``spots``, a row
+    a light where none is a disk, say which of them shine into a cone.
     """
     disks = [light for light in arrays.lights if light.kind == DISK and order == EXACT_DISK]
     rows = [_points(light, order) for light in arrays.lights if light.kind != DISK or order != EXACT_DISK]
-    return joined(LightPoint, [*rows, *map(_whole, disks)])
+    points = joined(LightPoint, [*rows, *map(_whole, disks)])
+    for point, spot in zip(points, spots if spots is not None else (), strict=spots is not None):
+        if spot.kind == SPOT:
+            point.axis[:], point.beam, point.cutoff = spot.axis, spot.beam, spot.cutoff
+            point.spot = SMOOTH if spot.smooth else LINEAR
+    return points
 
 
 def _whole(light: Light) -> Table[LightPoint]:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.cones import is_touch
 from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.leaf_rows import eye_view_rows
 from symrender.chambers.lobes.density import facing_of, facing_share
@@ -23,6 +24,7 @@ from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
+from symrender.quadrature.glow_nodes import add_glows
 from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.line_poles import cell_log, find_poles
 from symrender.quadrature.node_rows import begin_sums, shine, sines, whole_vectors
@@ -45,6 +47,11 @@ ONE_POINT = 0.15
 """Error of a rule of one point over what it holds, at least; stated is some times as much."""
 AT_HORIZON = 0.5 * math.pi * (1.0 - 1e-12)
 """Inner coordinate from which on a piece of the floor ends at its horizon."""
+DISK_ENDS = 1
+FIRST_TOUCHES = 2
+LAST_TOUCHES = 3
+BOTH_TOUCH = 4
+"""What ``soft`` of a piece says of its ends: a disk light begins there, or what is seen of a sky or a lamp touches."""
 SOFT_LOG = 1.5
 """log rho, in the mapped coordinate, of a cell in which a disk light is partly hidden."""
 
@@ -157,6 +164,26 @@ def nodes_to_end(cell: int, view: View, work: Work) -> int:
 
 
 @inlined
+def cell_soft(cell: int, lights: int, view: View, work: Work) -> int:
+    """At which ends of a cell light begins like a power of the distance, as a row's ``soft`` says it."""
+    if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
+        for i in range(lights):
+            if work.lit[cell, i] >= PARTLY:
+                return DISK_ENDS
+    first, last = is_touch(work.cell_wall[cell], view, work), is_touch(work.cell_wall[cell + 1], view, work)
+    return BOTH_TOUCH if first and last else FIRST_TOUCHES if first else LAST_TOUCHES if last else 0
+
+
+@inlined
+def half_soft(soft: int, second: bool) -> int:
+    """``soft`` of the first or the second half of a piece."""
+    if soft <= DISK_ENDS:
+        return soft
+    end = LAST_TOUCHES if second else FIRST_TOUCHES
+    return end if soft in (end, BOTH_TOUCH) else 0
+
+
+@inlined
 def stack_piece(
     top: int, cell: int, start: float, stop: float, halvings: int, wary: int, soft: int, work: Work
 ) -> int:  # fmt: skip
@@ -182,7 +209,18 @@ def place_nodes(
         b.factor[0, m + q] = factor * color[0]
         b.factor[1, m + q] = factor * color[1]
         b.factor[2, m + q] = factor * color[2]
-    if row.soft != 0.0:
+    if row.soft > DISK_ENDS:
+        # light that begins with the power 3/2 of the distance from an end is smooth in the root of it
+        for q in range(n):
+            u = gauss[0, base + q]
+            at, slope = u * u, 2.0 * u
+            if row.soft == LAST_TOUCHES:
+                at, slope = u * (2.0 - u), 2.0 - 2.0 * u
+            elif row.soft == BOTH_TOUCH:
+                at, slope = at * (3.0 - slope), 6.0 * u * (1.0 - u)
+            b.inner[m + q] = row.start + length * at
+            b.weight[m + q] = gauss[1, base + q] * (length * slope)
+    elif row.soft != 0.0:
         # a loop of its own: in the other sine and cosine would be taken of every node
         for q in range(n):
             # a disk's light ends with the power 3/2 of the distance from a wall
@@ -260,6 +298,7 @@ def shade_nodes(m: int, pieces: int, step: int, view: View, work: Work, gauss: A
             for a in range(3):
                 b.factor[a, i] *= vein
     light_nodes(pieces, step, shading.ks, view, work, gauss)
+    add_glows(pieces, view, work, view.glows)
     tint(m, work.chart.lobe, b, view.conductors)
 
 
@@ -346,11 +385,7 @@ def integrate_cells(
         while top > 0 or cell < work.counts.cells:
             if top == 0:
                 if work.cell_side[cell] != HIDDEN:
-                    soft = 0
-                    if disk_edge(work.cell_wall[cell], work) or disk_edge(work.cell_wall[cell + 1], work):
-                        for i in range(lights):
-                            if work.lit[cell, i] >= PARTLY:
-                                soft = 1
+                    soft = cell_soft(cell, lights, view, work)
                     top = stack_piece(0, cell, work.cell_from[cell], work.cell_to[cell], 0, 0, soft, work)
                 cell += 1
                 continue
@@ -363,8 +398,9 @@ def integrate_cells(
                 n = max(n + (n + 1) // 2, least)
             if n > MAX_ORDER and top < PENDING and not is_spent(work):
                 middle = start + 0.5 * (stop - start)
-                row.start = middle
-                top = stack_piece(top, row.cell, start, middle, row.halvings, row.wary, row.soft, work)
+                soft = row.soft
+                row.start, row.soft = middle, half_soft(soft, True)
+                top = stack_piece(top, row.cell, start, middle, row.halvings, row.wary, half_soft(soft, False), work)
                 continue
             n = min(n, MAX_ORDER)
             if m + n > NODES:
@@ -400,8 +436,9 @@ def integrate_cells(
                     continue
                 if n > max(step, 4) and row.halvings < MAX_HALVINGS:
                     middle, deeper = start + 0.5 * (stop - start), row.halvings + 1
-                    top = stack_piece(top, row.cell, middle, stop, deeper, row.wary, row.soft, work)
-                    top = stack_piece(top, row.cell, start, middle, deeper, row.wary, row.soft, work)
+                    second, head = half_soft(row.soft, True), half_soft(row.soft, False)
+                    top = stack_piece(top, row.cell, middle, stop, deeper, row.wary, second, work)
+                    top = stack_piece(top, row.cell, start, middle, deeper, row.wary, head, work)
                     continue
             for i in range(row.first, row.first + n):
                 red += b.radiance[0, i]

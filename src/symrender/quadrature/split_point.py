@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
+from symrender.chambers.cones import put_cones, scene_cones
 from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
@@ -34,7 +35,7 @@ from symrender.chambers.work import (
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
-from symrender.quadrature.fall_off import TOUCHING, chart_bound, is_radiometric, plane_bound, sphere_bound
+from symrender.quadrature.fall_off import TOUCHING, chart_bound, glow_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.grid_tail import MOST_REMAINDERS
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
@@ -63,6 +64,8 @@ from symrender.scene.arrays import (
     lobes_of,
 )
 from symrender.scene.frames import frames
+from symrender.scene.radiometric.records import Glow
+from symrender.scene.radiometric.records import Light as Beam
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -102,7 +105,7 @@ def gloss_kernel(
     chart = work.chart
     # a rounded base errs by so much more as its power is higher
     powers = ROUNDED * view.shading.shininess if view.shading.ks > 0.0 else 0.0
-    falling = is_radiometric(view)
+    falling = is_radiometric(view) or view.glows is not None
     # what planes send is then bounded by their lights
     shown = falling or view.emitted is not None
     for i in range(points.shape[0]):
@@ -138,7 +141,10 @@ def gloss_kernel(
         # the background fills what the surface can see of the lobe; every shape then adds its difference from it
         sky = max(view.shading.background[0], view.shading.background[1], view.shading.background[2])
         share = 1.0
-        if sky > 0.0:
+        if conductor:
+            # of it the result is the difference alone: see ``directional_albedo``
+            share = 0.0
+        elif sky > 0.0:
             tilt = tilt_of(lobe, normals[i])
             if brdf:
                 share = facing_mass(n, theta_max, tilt, gauss)
@@ -169,6 +175,7 @@ def gloss_kernel(
             if gap < 1.5 and most < 0.1 * tol:
                 total += most
                 continue
+            put_cones(view, work)
             sphere_strips(j, view, work)
             chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
             e, b = split_chart(
@@ -197,6 +204,7 @@ def gloss_kernel(
                 continue
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
+            put_cones(framed, work)
             floor_strips(framed, work)
             chart.bright = chart_bound(plane_bound(framed) if shown else bound, framed, work)
             e, b = split_chart(
@@ -275,7 +283,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=table(Event, 2048),
         scratch=np.zeros(64),
-        conics=table(Conic, 2 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres)),
+        conics=table(Conic, 2 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres) + 2 * len(points)),
         remainders=table(Remainder, MOST_REMAINDERS),
         states=np.zeros(max(1, len(points))),
         grid_stack=np.zeros((256, 256)),
@@ -318,8 +326,6 @@ def refuse_conductors(arrays: SceneArrays, conductors: Table[Conductor], surface
         return
     if is_brdf(arrays):
         raise Unsupported("shading.lobe_units: brdf_normalised says nothing of a conductor; choose lobe_average")
-    if arrays.shading.background.max() > 0.0:
-        raise Unsupported("background: what a conductor reflects of it is not integrated; choose black")
 
 
 def gloss_points(
@@ -336,6 +342,8 @@ def gloss_points(
     conductors: Table[Conductor] | None = None,
     senders: Table[Sender] | None = None,
     emitted: Array | None = None,
+    spots: Table[Beam] | None = None,
+    glows: Table[Glow] | None = None,
 ) -> SplitResult:
     """gloss(P) = (1/W) int_cone f(P, w) cos^n theta dw at every point, by quadrature that splits at the walls.
 
@@ -349,17 +357,21 @@ def gloss_points(
     an error is wanted with the value, or more than two digits. Points inside a sphere are ``UNSUPPORTED``.
 
     ``conductors``, a row a hit class, are what surfaces of ``alpha`` > 0 reflect by in place of their lobe: of them the
-    result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere. Raises ``Unsupported`` with a background, or
-    in BRDF units. ``senders``, a row a sphere and then a row a plane, are what shapes send light on by in place
-    of Lambert's term: their colour times kd times pi D F G/(4 cos_o), or (n + 2)/2 N.l cos^n, of what arrives. Such a
-    plane is of one colour, and n is no smaller than ``FELT_END``: its highlight's end is no wall.
-    ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect. Arguments are many because the tables
-    that only some scenes hold are apart from their records.
+    result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere, f less the background, of which they reflect
+    their ``directional_albedo``. Raises ``Unsupported`` in BRDF units. ``senders``, a row a sphere and then a row a
+    plane, are what shapes send light on by in place of Lambert's term: their colour times kd times pi D F G/(4 cos_o),
+    or (n + 2)/2 N.l cos^n, of what arrives. Such a plane is of one colour, and n is no smaller than ``FELT_END``: its
+    highlight's end is no wall. ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect. ``spots``,
+    a row a light, say which of them shine into a cone. ``glows`` are skies and spheres whose light diffuse shapes send
+    on. Arguments are many because the tables that only some scenes hold are apart from their records.
     """
-    lights = light_rows(arrays, disk_order)
+    lights = light_rows(arrays, disk_order, spots)
+    cones = None
+    if glows is not None or (lights["spot"] != 0.0).any():
+        cones = scene_cones(arrays.spheres, lights, glows is not None)
     if conductors is not None:
         refuse_conductors(arrays, conductors, np.asarray(surface))
-    view = scene_view(arrays, lights, conductors, senders, emitted)
+    view = scene_view(arrays, lights, conductors, senders, emitted, cones, glows)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
@@ -372,7 +384,8 @@ def gloss_points(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights, senders, emitted), int(max_evaluations), bool(walled), gloss, error, *counts,
-        s.conics, s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights),
+        radiance_bound(arrays, lights, senders, emitted) + glow_bound(arrays, glows), int(max_evaluations),
+        bool(walled), gloss, error, *counts,
+        s.conics, s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights, cones),
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

@@ -19,8 +19,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from symrender.chambers.caps import Arc, Crossing
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.records import Record, Table, Three, table
+from symrender.jit.records import Table, table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.vectors import Array, Vector, cross, dot, vector
 
@@ -28,34 +29,6 @@ TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-12
 _NOTHING: Final = 1e-30
 """Square of the sine below which two great circles are taken to cross at the first direction of one of them."""
-
-
-class Arc(Record):
-    """An arc of the circle about ``axis`` from ``first`` counter-clockwise by ``end``; it bounds cone ``cone``.
-
-    ``cosine`` and ``sine`` are those of the circle's angle. Arcs of one cone that are ``linked`` end at each other's
-    ends, the others where they leave it. Where ``rim`` is 1 it is the rim of a disk, seen about ``middle``, and the
-    directions across are as long as its radius; the axis is the way to its plane.
-    """
-
-    axis: Three
-    first: Three
-    second: Three
-    cosine: float
-    sine: float
-    end: float
-    cone: float
-    linked: float
-    middle: Three
-    rim: float
-
-
-class Crossing(Record):
-    """Where an arc enters (``step`` 1) or leaves (-1) a cap of cone ``cone``."""
-
-    angle: float
-    step: float
-    cone: float
 
 
 class Room(NamedTuple):

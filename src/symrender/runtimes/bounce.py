@@ -15,8 +15,9 @@ from symrender.chambers.lobes.record import CORRELATED, LAMBERT, POWER, SEPARABL
 from symrender.chambers.records import INVERSE_SQUARE
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
+from symrender.quadrature.background import directional_albedo
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import SplitWork, gloss_points, nearest_squares, split_work
+from symrender.quadrature.split_point import SplitResult, SplitWork, gloss_points, nearest_squares, split_work
 from symrender.quadrature.split_setup import MET, UNSUPPORTED
 from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
@@ -87,7 +88,7 @@ class Bounced:
 class Bouncer:
     """A scene with the scratch of one thread; ``sent`` answers for rays.
 
-    With ``lamps`` for the light of spheres that emit on what is glossy, else for that of one bounce.
+    With ``lamps`` for the light of the sky and of spheres that emit on what is glossy, else for that of one bounce.
     """
 
     def __init__(self, arrays: RadiometricArrays, lamps: bool = False) -> None:
@@ -223,21 +224,39 @@ class Bouncer:
                 self._scratch = split_work(part, light_rows(part, RULE))
             surface = np.full(len(some), bounce.classes[own])
             share = SHARE * tol / (most * len(bounce.parts))
+            sky = part.shading.background
+            under = float(sky.max())
+            if conductors is not None and material.kind == CONDUCTOR and under > 0.0:
+                # one half of the tolerance is for what shapes take from the sky, the other for the whole of it
+                share *= 0.5
+                whole = directional_albedo(
+                    conductors[int(bounce.classes[own])], -(travel * normal).sum(axis=1), share / under, budget,
+                    self._scratch,
+                )  # fmt: skip
+                self._add(some, whole, sky, total, missed, found)
             seen = gloss_points(
                 part, place, normal, -normal if material.kind == DIFFUSE else travel, surface, share, RULE, budget,
                 self._scratch, conductors=conductors,
-                senders=None if self._lamps else senders, emitted=bounce.emitted,
+                senders=None if self._lamps else senders, emitted=bounce.emitted, spots=bounce.beams,
+                glows=bounce.glows,
             )  # fmt: skip
-            total += seen.gloss
-            missed += seen.error
-            found.status[some] = np.maximum(found.status[some], seen.status)
-            found.evaluations[some] += seen.evaluations
+            self._add(some, seen, np.ones(3), total, missed, found)
         albedo = hits.albedo[some]
         found.indirect[some], found.incoming[some] = albedo * total, total
         light = found.indirect[some].max(axis=1)
+        # what is left of the sky is a difference
+        light = np.maximum(light, most * max(float(part.shading.background.max()) for part in bounce.parts))
         astray = SLACK * ULP * np.maximum(_closeness(bounce.parts[0], place), self._nearness(own, place))
         astray *= _sharpness(material, -(travel * normal).sum(axis=1)) + self._highlights
         found.error[some] = albedo.max(axis=1) * missed + astray * light
+
+    @staticmethod
+    def _add(some: Ints, seen: SplitResult, color: Array, total: Array, missed: Array, found: Bounced) -> None:
+        """Add integrals of places ``some``, times ``color``, to ``total``, what they miss too, note what they say."""
+        total += color * seen.gloss
+        missed += float(color.max()) * seen.error
+        found.status[some] = np.maximum(found.status[some], seen.status)
+        found.evaluations[some] += seen.evaluations
 
 
 def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:

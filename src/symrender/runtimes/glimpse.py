@@ -29,7 +29,9 @@ def direct_rows(arrays: RadiometricArrays, width: int, height: int) -> Rows:
     """Direct light through the centres of pixels; ``Unsupported`` where an image of the scene is."""
     check(arrays)
     if lamps_on_gloss(arrays):
-        raise Unsupported("regions: of an area light over a conductor or a phong material they are not yet known")
+        raise Unsupported(
+            "regions: of a sky or an area light over a conductor or a phong material they are not yet known"
+        )
     view = seen(arrays, width, height)
 
     def rows(y0: int, y1: int, layer: Array) -> None:

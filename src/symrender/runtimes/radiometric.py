@@ -173,18 +173,18 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
 
 
 def _integrated(arrays: RadiometricArrays) -> tuple[str, ...]:
-    """The layers of which the split rule has a part: of lamps over what is glossy, and of a bounce."""
+    """The layers of which the split rule has a part: of sky and lamps over what is glossy, and of a bounce."""
     return (*(["direct"] if lamps_on_gloss(arrays) else []), *(["indirect"] if arrays.bounces else []))
 
 
 def lamps_on_gloss(arrays: RadiometricArrays) -> bool:
-    """Whether a shape that emits may shine on a conductor or a phong material."""
+    """Whether a sky or a shape that emits may shine on a conductor or a phong material."""
     glossy = any(arrays.materials[int(shape.material)].kind != DIFFUSE for shape in arrays.shapes)
-    return glossy and any(light.kind == AREA for light in arrays.lights)
+    return glossy and any(light.kind in (SKY, AREA) for light in arrays.lights)
 
 
 def check(arrays: RadiometricArrays) -> None:
-    """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of a sky on what is glossy."""
+    """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of lights on what is glossy."""
     asked = arrays.bounces if arrays.bounces <= 1 else "all"
     flat = is_flat(arrays)
     refuse_bounces(asked, flat_refusal(arrays) if flat else bounce_refusal(arrays), flat)
@@ -197,13 +197,13 @@ def check(arrays: RadiometricArrays) -> None:
     used = {int(shape.material) for shape in arrays.shapes}
     glossy = any(arrays.materials[m].kind != DIFFUSE for m in used)
     extended = {SKY: "a sky", AREA: "an area light"}
-    for light in arrays.lights if glossy else ():
-        reason = lamp_refusal(arrays)
-        if light.kind == SKY or (light.kind == AREA and reason):
-            words = f" in a scene with {reason}" if light.kind == AREA else ""
+    reason = lamp_refusal(arrays) if glossy else ""
+    for light in arrays.lights if reason else ():
+        if light.kind in extended:
             raise Unsupported(
-                f"lights: {extended[int(light.kind)]} over a conductor or a phong material is not yet integrated"
-                f"{words}, which takes its lobe; over diffuse ones it is, and the numeric pipeline samples any"
+                f"lights: {extended[int(light.kind)]} over a conductor or a phong material is not yet integrated in a "
+                f"scene with {reason}, which takes its lobe; over diffuse ones it is, and the numeric pipeline samples "
+                "any"
             )
     for index, light in enumerate(arrays.lights):
         other = crossed(arrays, int(light.emitter)) if light.kind == AREA else -1

@@ -35,7 +35,9 @@ def check_gradient(arrays: RadiometricArrays) -> None:
         raise Unsupported(f"gradient: {what}: derivatives of means over a lens or over time are not yet had")
     check(arrays)
     if lamps_on_gloss(arrays):
-        raise Unsupported("gradient: of an area light over a conductor or a phong material it is not yet integrated")
+        raise Unsupported(
+            "gradient: of a sky or an area light over a conductor or a phong material it is not yet integrated"
+        )
 
 
 def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from symrender.scene.directions import along
 from symrender.scene.load import AnyScene
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.warnings import radiometric_warnings
@@ -13,8 +12,6 @@ from symrender.scene.scene import Scene
 from symrender.scene.shape import Plane, Sphere
 
 _Point = tuple[float, float, float]
-_SAME = 1e-12
-"""Largest share of the distance between two points of planes by which one may lie off the other's plane."""
 
 
 def _holding(point: _Point, spheres: tuple[Sphere, ...]) -> Iterator[str]:
@@ -78,7 +75,7 @@ def _shapes(scene: Scene) -> Iterator[str]:
         for plane in scene.planes:
             if _height(plane, sphere.center) + sphere.radius <= 0:
                 yield f"spheres.{sphere.name} lies behind planes.{plane.name}: it cannot be seen from in front"
-    yield from _same_planes(scene)
+    yield from _undecided(scene)
     surfaces = [(f"spheres.{sphere.name}", sphere.lobe) for sphere in scene.spheres]
     surfaces += [(f"planes.{plane.name}", plane.lobe) for plane in scene.planes]
     for name, lobe in [*surfaces, ("floor", scene.floor.lobe if scene.floor else None)]:
@@ -86,15 +83,11 @@ def _shapes(scene: Scene) -> Iterator[str]:
             yield f"{name}.lobe.weight is 0: the lobe has no effect"
 
 
-def _same_planes(scene: Scene) -> Iterator[str]:
-    """Planes in which another plane or the floor lies too: which is seen there is decided by rounding."""
-    for k, plane in enumerate(scene.planes):
-        others = [(f"planes.{other.name}", other.point, other.normal) for other in scene.planes[:k]]
-        if scene.floor is not None:
-            others.append(("the floor", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
-        for name, point, normal in others:
-            if along(plane.normal, normal) and abs(_height(plane, point)) <= _SAME * math.dist(point, plane.point):
-                yield f"planes.{plane.name} lies in {name}: rounding decides which of them is seen"
+def _undecided(scene: Scene) -> Iterator[str]:
+    from symrender.scene.undecided import undecided  # needs NumPy, which loading does not
+
+    if words := undecided(scene):
+        yield words
 
 
 def warnings(scene: AnyScene) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.jit.records import Table, record, table
+from symrender.jit.records import Table, chosen, record, table
 from symrender.limits import MAX_PLANES
 from symrender.scene import arrays as series
 from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
@@ -27,6 +27,7 @@ from symrender.scene.radiometric.arrays import (
     AREA,
     CONDUCTOR,
     DIFFUSE,
+    DIRECTIONAL,
     PHONG,
     POINT,
     SKY,
@@ -34,7 +35,8 @@ from symrender.scene.radiometric.arrays import (
     SPOT,
     RadiometricArrays,
 )
-from symrender.scene.radiometric.records import Material, Shape
+from symrender.scene.radiometric.records import Glow, Material, Shape
+from symrender.scene.radiometric.records import Light as Beam
 from symrender.scene.records import Floor, Light, Plane, Shading, Sphere
 
 Array = npt.NDArray[np.float64]
@@ -61,6 +63,10 @@ class Bounce:
     shapes: tuple[int, ...]
     emitted: Array | None = None
     """(spheres, 3) radiance of spheres, where what they emit is asked."""
+    beams: Table[Beam] | None = None
+    """The lights along rays, in the order of those of ``parts``, where some of them are spots."""
+    glows: Table[Glow] | None = None
+    """A sky and spheres that emit, by their place among those of ``parts``, where diffuse shapes send their light."""
 
 
 def bounce_refusal(arrays: RadiometricArrays) -> str:
@@ -68,12 +74,14 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
     if any(material.kind == CONDUCTOR and material.walter for material in used):
         return "a conductor of g1: walter"
-    if any(light.kind == SKY for light in arrays.lights):
-        return "a sky"
-    if any(light.kind == SPOT for light in arrays.lights):
-        return "a spot"
-    if any(light.kind == AREA for light in arrays.lights):
-        return "an area light"
+    extended = {SKY: "a sky", AREA: "an area light"}
+    words = [extended[int(light.kind)] for light in arrays.lights if light.kind in extended]
+    if words and any(material.kind != DIFFUSE for material in used):
+        return f"{words[0]} beside a conductor or a phong material"
+    if words and any(
+        material.texture != SOLID for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind == PLANE
+    ):
+        return f"{words[0]} over a texture of a plane"
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
         return "a rectangle, a triangle, a disk or a box"
     planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
@@ -92,6 +100,7 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
     spheres = [j for j in kept if arrays.shapes[j].kind == SPHERE]
     planes = [j for j in kept if arrays.shapes[j].kind != SPHERE]
     textured = [j for j in spheres if _material(arrays, j).texture != SOLID]
+    rays = chosen(arrays.lights, np.isin(arrays.lights["kind"], (POINT, SPOT, DIRECTIONAL)))
     veined = any(_material(arrays, j).texture == MARBLE for j in textured)
     scale = SPARE if veined else 1.0
     parts = []
@@ -105,12 +114,13 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
         shading = record(Shading)
         shading.kd = scale / math.pi
         shading.units = BRDF_NORMALISED if _material(arrays, own).kind == PHONG else LOBE_AVERAGE
-        parts.append(SceneArrays(rows, record(Floor), _lights(arrays), shading, arrays.camera, sides))
-    return Bounce(tuple(parts), classes, (*spheres, *planes))
+        parts.append(SceneArrays(rows, record(Floor), _lights(rays), shading, arrays.camera, sides))
+    beams = rays if any(light.kind == SPOT for light in rays) else None
+    return Bounce(tuple(parts), classes, (*spheres, *planes), None, beams, _glows(arrays, classes))
 
 
 def lamp_refusal(arrays: RadiometricArrays) -> str:
-    """What keeps the light of lamps on what is glossy from being integrated, as words; empty if nothing does."""
+    """What keeps the light of lamps and the sky on what is glossy from being integrated, as words; empty if nothing."""
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
         return "a rectangle, a triangle, a disk or a box"
@@ -122,7 +132,7 @@ def lamp_refusal(arrays: RadiometricArrays) -> str:
 
 
 def lamp_scene(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
-    """The scene in which spheres that emit are as bright as they are, and all else is black."""
+    """The scene in which the sky and spheres that emit are as bright as they are, and all else is black."""
     classes, kept = shape_classes(arrays)
     spheres = [j for j in kept if arrays.shapes[j].kind == SPHERE]
     planes = [j for j in kept if arrays.shapes[j].kind == PLANE]
@@ -139,6 +149,7 @@ def lamp_scene(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
         side.kind = SOLID
     shading = record(Shading)
     shading.units = BRDF_NORMALISED if _material(arrays, own).kind == PHONG else LOBE_AVERAGE
+    shading.background[:] = sum((light.emitted for light in arrays.lights if light.kind == SKY), np.zeros(3))
     dark = SceneArrays(rows, record(Floor), table(Light, 0), shading, arrays.camera, sides)
     return Bounce((dark,), classes, (*spheres, *planes), emitted)
 
@@ -198,11 +209,20 @@ def _exponent(material: Material) -> float:
     return float(material.exponent) if material.kind == PHONG else 1.0
 
 
-def _lights(arrays: RadiometricArrays) -> Table[Light]:
-    rows = table(Light, len(arrays.lights))
-    for row, light in zip(rows, arrays.lights, strict=True):
+def _glows(arrays: RadiometricArrays, classes: Ints) -> Table[Glow] | None:
+    lights = [light for light in arrays.lights if light.kind in (SKY, AREA)]
+    rows = table(Glow, len(lights))
+    for row, light in zip(rows, lights, strict=True):
+        row.radiance[:] = light.emitted
+        row.sphere = -1.0 if light.kind == SKY else float(classes[int(light.emitter)] - series.FIRST_SPHERE)
+    return rows if lights else None
+
+
+def _lights(rays: Table[Beam]) -> Table[Light]:
+    rows = table(Light, len(rays))
+    for row, light in zip(rows, rays, strict=True):
         row.color[:] = light.emitted
-        if light.kind == POINT:
+        if light.kind in (POINT, SPOT):
             row.kind = series.FALLING
             row.position[:] = light.place
         else:

@@ -16,6 +16,7 @@ def refuse_bounces(bounces: int | str, reason: str, flat: bool) -> None:
     words = f" in a scene with {reason}" if reason and (flat or bounces == 1) else ""
     raise Unsupported(
         f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between diffuse, "
-        "conductor and phong spheres and planes under point and directional lights, 1 and all are between diffuse "
-        "rectangles, triangles and boxes under these and lights of such shapes, and the numeric pipeline samples any"
+        "conductor and phong spheres and planes under points, spots and directional lights, and between diffuse ones "
+        "under a sky and spheres that emit, 1 and all are between diffuse rectangles, triangles and boxes under points "
+        "and directional lights and lights of such shapes, and the numeric pipeline samples any"
     )

@@ -65,3 +65,10 @@ class Light(Record):
     beam: float
     cutoff: float
     smooth: float
+
+
+class Glow(Record):
+    """A light with an extent over diffuse shapes: a sphere that emits, by its place in a list, or -1, the sky."""
+
+    sphere: float
+    radiance: Three
