@@ -105,6 +105,55 @@ def test_an_edge_that_moves_over_a_pixel_is_seen_for_its_time() -> None:
     assert abs(found[0] - expected) <= 1.5 * error
 
 
+def test_edges_that_enter_or_leave_a_pixel_at_any_time_are_stated() -> None:
+    rng, half = np.random.default_rng(3), 4 * math.tan(math.radians(15.0))
+
+    def swept(x: float) -> float:
+        """Integral of what lies beyond an edge, over the edge's places up to x, but for a constant."""
+        inside = min(max(x, -half), half)
+        return min(x, -half) + (half * inside - inside**2 / 2) / (2 * half)
+
+    met = kinks = 0
+    for _ in range(60):
+        speed, start, tol = rng.uniform(0.3, 4), rng.uniform(-1.5, 1.5) * half, float(10 ** rng.uniform(-5, -2))
+        scene = halves(float(start), floor={"velocity": [float(speed), 0.0, 0.0]}, shutter=[0.0, 1.0])
+        image = sr.truth(scene, size=1, tol=tol, filter="box", threads=1)
+        expected = (swept(start + speed) - swept(start)) / speed
+        met += int(image.layer("status")[0, 0] == 0)
+        kinks += start < -half < start + speed or start < half < start + speed
+        assert abs(image.radiance[0, 0, 0] - expected) <= 1.5 * image.layer("error")[0, 0] + 1e-13
+    assert met > 40 and kinks > 20
+
+
+@pytest.mark.parametrize(("aperture", "focus"), [(0.05, 3.0), (0.4, 2.0), (0.9, 1.0), (0.2, 40.0)])
+def test_pixel_and_lens_spread_an_edge_together(aperture: float, focus: float) -> None:
+    # blurred over a sixtieth of the pixel to two and a half of it, so that either is the inner mean
+    half, spread = 4 * math.tan(math.radians(15.0)), aperture * abs(1 - 4 / focus)
+    for place in (-0.83, 0.1, 0.97):
+        edge = place * (half + spread)
+
+        def share(x: float, edge: float = edge) -> float:
+            return segment(min(1.0, max(-1.0, (edge - x) / spread)))
+
+        ends = sorted({-half, half, *(min(half, max(-half, edge + side * spread)) for side in (-1, 0, 1))})
+        expected = sum(quad(share, a, b, epsabs=1e-12)[0] for a, b in itertools.pairwise(ends)) / (2 * half)
+        scene = halves(edge, camera={"aperture": aperture, "focus": focus})
+        found, error = value(scene, 1e-4, "box")
+        assert abs(found[0] - expected) <= 1.5 * error + 1e-10
+
+
+def test_the_path_tracer_draws_a_lens_of_its_radius() -> None:
+    values = []
+    for seed in range(8):
+        scene = halves(0.05, camera={"aperture": 0.3, "focus": 3.0})
+        image = sr.render(scene, size=1, lobe=48, symbolic="none", seed=seed, threads=1).numeric
+        assert image is not None
+        values.append(float(image.radiance[0, 0, 0]))
+    mean, spread = np.mean(values), np.std(values, ddof=1) / math.sqrt(8)
+    assert spread < 2e-3 and segment(0.5) < 0.25
+    assert abs(mean - segment(0.5)) <= 6 * spread + 1e-4
+
+
 def test_the_camera_moves_as_the_world_moves_against_it() -> None:
     still = world([plane("stripes", velocity=[0.5, 0.2, 0]), ball("A", [0.4, 0, 1], 0.3) | {"velocity": [0.5, 0.2, 0]}],
                   [GREY], materials=HALVES, camera=CAMERA, shutter=[-1.0, 0.5])  # fmt: skip

@@ -10,7 +10,7 @@ from symrender.jit.records import Table
 from symrender.radiometric.pieces import Piece
 from symrender.radiometric.pixels.cells import Eye, ray_of
 from symrender.radiometric.pixels.curves import put_level
-from symrender.radiometric.pixels.records import CONIC, LINE, Ints, Room, Wall
+from symrender.radiometric.pixels.records import CONIC, LINE, MARKS, Ints, Room, Wall
 from symrender.radiometric.pixels.walls import put_families, put_walls, sight_walls
 from symrender.radiometric.sight import nearest
 from symrender.radiometric.vectors import Array, Vector, dot, vector
@@ -132,12 +132,12 @@ def state_of(
             watch.levels[row, k], watch.seen[row, k] = level, 1 if matters else 0
         if matters:
             side = 1 if level > 0.0 else (2 if level < 0.0 else 3)
-            found = (found * 1009 + side * (k + 1)) % 2305843009213693951
+            found = (found * 1009 + side * (k + 1)) % MARKS
     for f in range(eye.families.shape[0]):
         family = eye.families[f]
         if int(family.own) == own and family.cuts != 0.0:
             x = dot(vector(family.numerator), v) / dot(vector(family.denominator), v)
-            found = (found * 1009 + math.floor(x) % 100003) % 2305843009213693951
+            found = (found * 1009 + math.floor(x) % 100003) % MARKS
     if row >= 0:
         watch.layouts[row] = layout
     return found

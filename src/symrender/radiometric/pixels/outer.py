@@ -12,6 +12,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import numpy as np
+
 from symrender.jit.marks import inlined, jitable
 from symrender.radiometric.direct import along_ray
 from symrender.radiometric.pixels.cells import BOX, GAUSSIAN, MITCHELL, TENT, Cell, ray_of, weight_of, window_cell
@@ -35,6 +37,19 @@ from symrender.radiometric.vectors import Array, vector
 PIXEL: Final = 1
 LENS: Final = 2
 
+
+def _closed() -> Array:
+    """(2, n, n): nodes and weights on [0, 1] of the middle, and of Lobatto's rules, which have nodes at both ends."""
+    found = np.zeros((2, 6, 6))
+    found[0, 1, 0], found[1, 1, 0] = 0.5, 1.0
+    for n in range(2, 6):
+        last = np.polynomial.legendre.Legendre.basis(n - 1)
+        x = np.concatenate([[-1.0], np.sort(last.deriv().roots().real), [1.0]])
+        found[0, n, :n], found[1, n, :n] = 0.5 * (x + 1.0), 1.0 / (n * (n - 1) * last(x) ** 2)
+    return found
+
+
+CLOSED: Final = _closed()
 BOXES: Final = 2048
 """Most boxes of a pixel."""
 MOST_PARTS: Final = 48
@@ -51,6 +66,8 @@ _SHARE: Final = 8
 _LEAST: Final = 2000
 """Evaluations of an inner mean, at least."""
 _DOUBT: Final = 0.02
+_HOPE: Final = 1000.0
+"""Times what a box may take that a rule of 3 nodes an axis may miss for one of more to be tried."""
 _FIRST: Final = 4.0
 """What the difference of two rules is taken times."""
 _PARTED: Final = 0.5
@@ -88,14 +105,14 @@ def box_rule(
     n0, n1, n2 = axis_nodes(box, 0, order), axis_nodes(box, 1, order), axis_nodes(box, 2, order)
     share = size_of(box)
     for a in range(n0):
-        t = low[0] + (high[0] - low[0]) * GAUSS[0, n0, a]
+        t = low[0] + (high[0] - low[0]) * CLOSED[0, n0, a]
         if ex.moves:
             put_instant(ex.still, ex.motion, t, ex.eye.world, ex.eye.mean)
         for b in range(n1):
-            y = low[1] + (high[1] - low[1]) * GAUSS[0, n1, b]
+            y = low[1] + (high[1] - low[1]) * CLOSED[0, n1, b]
             for d in range(n2):
-                z = low[2] + (high[2] - low[2]) * GAUSS[0, n2, d]
-                weight = share * GAUSS[1, n0, a] * GAUSS[1, n1, b] * GAUSS[1, n2, d]
+                z = low[2] + (high[2] - low[2]) * CLOSED[0, n2, d]
+                weight = share * CLOSED[1, n0, a] * CLOSED[1, n1, b] * CLOSED[1, n2, d]
                 if inner == LENS:
                     if n1 > 1 or (order == 1 and high[1] > low[1]):
                         weight *= 1.0 * weight_of(ex.filter, 2.0 * y - 1.0, 2.0 * z - 1.0)
@@ -193,9 +210,9 @@ def look_at_box(
     box.axis = most_bent(box, waiting)
     spent, allowed = used + more + most, tol * (0.5 * size_of(box) + _PART)
     whole = axis_nodes(box, 0, 2) * axis_nodes(box, 1, 2) * axis_nodes(box, 2, 2) == 8
-    if not whole and allowed < error < 60.0 * allowed:
-        last = differ(waiting, 1, 2)
-        stated, used, third = box_rule(ex, inner, i, j, box, 5, 0, room, candidates, waiting, inside, rest)
+    if allowed < error < _HOPE * allowed:
+        last, order = differ(waiting, 1, 2), 4 if whole else 5
+        stated, used, third = box_rule(ex, inner, i, j, box, order, 0, room, candidates, waiting, inside, rest)
         spent += used
         row, doubt = 0, doubt if third else _PARTED
         error = max(_FIRST * differ(waiting, 0, 2), doubt * last)

@@ -30,6 +30,7 @@ from symrender.radiometric.pixels.records import (
     CUT,
     LEVELS,
     LOGGED,
+    MARKS,
     MOST_CUTS,
     ROOM,
     SMOOTH,
@@ -357,11 +358,11 @@ def walls_in(eye: Eye, whole: Cell, room: Room) -> int:
     """A number that tells which walls and lines of textures enter the whole, after its mean was made."""
     found = 0
     for k in range(int(room.counts[0])):
-        found = (found * 1009 + int(room.which[0, k]) + 1) % 2305843009213693951
+        found = (found * 1009 + int(room.which[0, k]) + 1) % MARKS
     limit = put_reach(eye, whole, room)
     lines = put_lines(eye.families, whole.v, whole.vx, whole.vy, room, limit)
     for k in range(lines):
-        found = (found * 1009 + 31 * int(room.numbers[k, 0]) + int(room.numbers[k, 1]) % 100003) % 2305843009213693951
+        found = (found * 1009 + 31 * int(room.numbers[k, 0]) + int(room.numbers[k, 1]) % 100003 + 1) % MARKS
     return found * 4 + (1 if lines < 0 else 2)
 
 

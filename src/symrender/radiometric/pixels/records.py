@@ -40,6 +40,9 @@ MOST_LINES: Final = 6
 LOGGED: Final = 20_000
 """Cells of a pixel whose derivative is asked for, at most."""
 
+MARKS: Final = (1 << 50) - 27
+"""Numbers that tell lists of walls apart are below it, so that their products are whole numbers of a kernel."""
+
 # kinds of a cell in the log
 SMOOTH: Final = 0
 CUT: Final = 1
