@@ -7,11 +7,11 @@ How far apart depths are blurred, and how far anything moves, says how close out
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Record, Table, Three
-from symrender.radiometric.pixels.cells import BOX, DISK, Cell, Eye
+from symrender.radiometric.pixels.cells import BOX, DISK, GAUSSIAN, MITCHELL, TENT, Cell, Eye
 from symrender.radiometric.pixels.instants import Motion, Watch, place_at, put_instant
 from symrender.radiometric.pixels.lens import Lens, lens_mean
 from symrender.radiometric.pixels.pixel import stated_mean, walls_in
@@ -20,6 +20,13 @@ from symrender.radiometric.pixels.sight import put_reach
 from symrender.radiometric.pixels.walls import put_families, put_walls
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
+
+# what is inside: the mean of a pixel from a place of the lens, or the mean of the lens
+PIXEL: Final = 1
+LENS: Final = 2
+
+MOST_PARTS: Final = 48
+"""Parts of an axis to begin with, at most; where more are due nothing is stated."""
 
 
 class Exposed(NamedTuple):
@@ -199,3 +206,46 @@ def fastest(motion: Motion) -> float:
             way += moved * moved
         most = max(most, way)
     return math.sqrt(most)
+
+
+@inlined
+def parts_of(width: float) -> int:
+    """Parts of an axis so many inner domains wide."""
+    return max(1, math.ceil(width - 1e-9))
+
+
+@jitable
+def plan(ex: Exposed, i: int, j: int, pixels: bool, room: Room) -> tuple[int, int, int, int, bool]:
+    """(what is inside, boxes of time, of two places of pixel or lens to begin with, whether these are enough).
+
+    Of the two orders of pixel and lens it is the one of fewer boxes.
+    """
+    way = fastest(ex.motion) if ex.moves else 0.0
+    near, far = depths_seen(ex, i, j, 0.0, room)
+    if ex.moves:
+        for k in range(1, 5):
+            other, beyond = depths_seen(ex, i, j, 0.25 * k, room)
+            near, far = min(near, other), max(far, beyond)
+        # between two of these instants
+        near, far = max(near - 0.125 * way / ex.lens.focus, 1e-6), far + 0.125 * way / ex.lens.focus
+    travel = way / (max(near, 1e-6) * ex.lens.focus * pixel_size(ex)) if near < math.inf else 0.0
+    # a filter weighs its middle most
+    wide = 1.0 if ex.filter == BOX else ex.radius
+    time = parts_of(travel / wide) if ex.moves else 0
+    if ex.lens.aperture == 0.0:
+        return PIXEL, min(time, MOST_PARTS), 0, 0, time <= MOST_PARTS
+    first, last = blur(ex, near), blur(ex, far)
+    least, most = 0.0 if near <= 1.0 <= far else min(first, last), max(first, last)
+    if near == math.inf:
+        least = most = 2.0 * ex.radius + 1.0
+    seconds = parts_of(travel / max(least, 1e-9)) if ex.moves else 0
+    if not pixels:
+        return LENS, min(seconds, MOST_PARTS), 0, 0, seconds <= MOST_PARTS
+    own = 2 if ex.filter in (TENT, GAUSSIAN) else (4 if ex.filter == MITCHELL else 1)
+    across = own * parts_of(2.0 * ex.radius / max(least, 1e-9) / own)
+    ring, turn = parts_of(0.5 * most / wide), max(2, parts_of(math.pi * most / wide))
+    if max(1, seconds) * across * across <= max(1, time) * ring * turn:
+        enough = across <= MOST_PARTS and seconds <= MOST_PARTS
+        return LENS, min(seconds, MOST_PARTS), min(across, MOST_PARTS), min(across, MOST_PARTS), enough
+    enough = max(ring, turn) <= MOST_PARTS and time <= MOST_PARTS
+    return PIXEL, min(time, MOST_PARTS), min(ring, MOST_PARTS), min(turn, MOST_PARTS), enough

@@ -16,26 +16,20 @@ import numpy as np
 
 from symrender.jit.marks import inlined, jitable
 from symrender.radiometric.direct import along_ray
-from symrender.radiometric.pixels.cells import BOX, GAUSSIAN, MITCHELL, TENT, Cell, ray_of, weight_of, window_cell
+from symrender.radiometric.pixels.cells import Cell, ray_of, weight_of, window_cell
 from symrender.radiometric.pixels.exposed import (
+    LENS,
     Box,
     Exposed,
     Waiting,
-    blur,
-    depths_seen,
-    fastest,
     lens_at,
     pixel_at,
-    pixel_size,
+    plan,
 )
 from symrender.radiometric.pixels.instants import place_at, put_events, put_instant
 from symrender.radiometric.pixels.records import Ints, Room
 from symrender.radiometric.pixels.rules import GAUSS
 from symrender.radiometric.vectors import Array, vector
-
-# what is inside: the mean of a pixel from a place of the lens, or the mean of the lens
-PIXEL: Final = 1
-LENS: Final = 2
 
 
 def _closed() -> Array:
@@ -52,8 +46,6 @@ def _closed() -> Array:
 CLOSED: Final = _closed()
 BOXES: Final = 2048
 """Most boxes of a pixel."""
-MOST_PARTS: Final = 48
-"""Parts of an axis to begin with, at most; where more are due nothing is stated."""
 _FEW: Final = 2
 """Parts of an axis where those that are due are too many."""
 _PART: Final = 0.002
@@ -169,12 +161,6 @@ def most_bent(box: Box, waiting: Waiting) -> int:
     return best
 
 
-@inlined
-def parts_of(width: float) -> int:
-    """Parts of an axis so many inner domains wide."""
-    return max(1, math.ceil(width - 1e-9))
-
-
 @jitable
 def begin_boxes(waiting: Waiting, dims: tuple[int, int, int]) -> int:
     """Write the first boxes, so many along every axis, 0 where it has no extent; returns how many."""
@@ -267,43 +253,6 @@ def over_boxes(
         count += 1
         spent += look_at_box(ex, inner, i, j, one, room, candidates, waiting, tol, budget // _SHARE)
         spent += look_at_box(ex, inner, i, j, other, room, candidates, waiting, tol, budget // _SHARE)
-
-
-@jitable
-def plan(ex: Exposed, i: int, j: int, pixels: bool, room: Room) -> tuple[int, int, int, int, bool]:
-    """(what is inside, boxes of time, of two places of pixel or lens to begin with, whether these are enough).
-
-    Of the two orders of pixel and lens it is the one of fewer boxes.
-    """
-    way = fastest(ex.motion) if ex.moves else 0.0
-    near, far = depths_seen(ex, i, j, 0.0, room)
-    if ex.moves:
-        for k in range(1, 5):
-            other, beyond = depths_seen(ex, i, j, 0.25 * k, room)
-            near, far = min(near, other), max(far, beyond)
-        # between two of these instants
-        near, far = max(near - 0.125 * way / ex.lens.focus, 1e-6), far + 0.125 * way / ex.lens.focus
-    travel = way / (max(near, 1e-6) * ex.lens.focus * pixel_size(ex)) if near < math.inf else 0.0
-    # a filter weighs its middle most
-    wide = 1.0 if ex.filter == BOX else ex.radius
-    time = parts_of(travel / wide) if ex.moves else 0
-    if ex.lens.aperture == 0.0:
-        return PIXEL, min(time, MOST_PARTS), 0, 0, time <= MOST_PARTS
-    first, last = blur(ex, near), blur(ex, far)
-    least, most = 0.0 if near <= 1.0 <= far else min(first, last), max(first, last)
-    if near == math.inf:
-        least = most = 2.0 * ex.radius + 1.0
-    seconds = parts_of(travel / max(least, 1e-9)) if ex.moves else 0
-    if not pixels:
-        return LENS, min(seconds, MOST_PARTS), 0, 0, seconds <= MOST_PARTS
-    own = 2 if ex.filter in (TENT, GAUSSIAN) else (4 if ex.filter == MITCHELL else 1)
-    across = own * parts_of(2.0 * ex.radius / max(least, 1e-9) / own)
-    ring, turn = parts_of(0.5 * most / wide), max(2, parts_of(math.pi * most / wide))
-    if max(1, seconds) * across * across <= max(1, time) * ring * turn:
-        enough = across <= MOST_PARTS and seconds <= MOST_PARTS
-        return LENS, min(seconds, MOST_PARTS), min(across, MOST_PARTS), min(across, MOST_PARTS), enough
-    enough = max(ring, turn) <= MOST_PARTS and time <= MOST_PARTS
-    return PIXEL, min(time, MOST_PARTS), min(ring, MOST_PARTS), min(turn, MOST_PARTS), enough
 
 
 @jitable
