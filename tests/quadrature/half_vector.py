@@ -37,6 +37,7 @@ class Rough:
     eta: Array
     k: Array
     beckmann: bool = False
+    walter: bool = False
 
 
 def fresnel(cosine: Array, eta: Array, k: Array) -> Array:
@@ -61,9 +62,15 @@ def smooth_tail(cosine: Array, alpha: float) -> Array:
     return np.asarray(0.5 * (np.exp(-a * a) / (a * math.sqrt(math.pi)) - np.vectorize(math.erfc)(a)))
 
 
+def fitted_tail(cosine: Array, alpha: float) -> Array:
+    """1/G1 - 1 of Walter's fit to it, of ratios that are whole in thousandths."""
+    a = cosine / (alpha * np.sqrt((1.0 - cosine) * (1.0 + cosine)))
+    return np.asarray(np.where(a < 1.6, (1000 + 2276 * a + 2577 * a**2) / (3535 * a + 2181 * a**2) - 1.0, 0.0))
+
+
 def masking(incident: Array, seen: float, rough: Rough) -> Array:
     """G of both cosines."""
-    kind = smooth_tail if rough.beckmann else tail
+    kind = fitted_tail if rough.walter else smooth_tail if rough.beckmann else tail
     one, other = kind(incident, rough.alpha), kind(np.array(seen), rough.alpha)
     if rough.correlated:
         return np.asarray(1.0 / (1.0 + one + other))
@@ -101,9 +108,12 @@ def reflected(a: SceneArrays, origin: Array, normal: Array, incoming: Array, own
 def albedo(rough: Rough, cos_view: float, order: int = 600) -> Array:
     """int f cos dw over the hemisphere by Gauss rules about the mirror direction's azimuth, from the half vector."""
     x, w = np.polynomial.legendre.leggauss(order)
-    t = 0.5 * (x + 1.0)
-    # the cosine to the normal, denser near the horizon; the azimuth, denser near the mirror direction
-    cosine, by = t * t, w * t
+    # the cosine to the normal, denser near the horizon, cut where the fit jumps
+    slope = 1.6 * rough.alpha
+    cut = (slope / math.sqrt(1.0 + slope * slope)) ** 0.5 if rough.walter else 0.5
+    t = np.concatenate([0.5 * cut * (x + 1.0), cut + 0.5 * (1.0 - cut) * (x + 1.0)])
+    cosine, by = t * t, 2.0 * t * np.concatenate([0.5 * cut * w, 0.5 * (1.0 - cut) * w])
+    # the azimuth, denser near the mirror direction
     sinh = math.asinh(math.pi / rough.alpha)
     phi, along = rough.alpha * np.sinh(sinh * x), w * sinh * rough.alpha * np.cosh(sinh * x)
     sine, seen = np.sqrt(1.0 - cosine**2), math.sqrt(1.0 - cos_view**2)

@@ -129,6 +129,14 @@ def test_a_world_of_lamps_as_bright_as_the_sky_is_lit_alike() -> None:
     assert (np.abs(seen.indirect - RHO * alone.direct).max(axis=1) <= seen.error + 1e-12).all()
 
 
+def test_a_lamp_inside_a_ball_lights_nothing() -> None:
+    balls = [ball("A", [-0.5, 0.2, 0.6], 0.5), ball("C", [-0.6, 0.1, 0.6], 0.1), ball("B", [0.7, -0.2, 0.4], 0.4)]
+    aims = np.array([[0.1, 0.1, 0.0], [-0.5, -0.2, 0.8], [0.7, -0.4, 0.6]])
+    seen = sr.probe(scene([FLOOR, *balls], [LAMP]), rays=(EYE, aims - EYE), tol=1e-6)
+    assert set(seen.shape) == {"shapes.floor", "shapes.A", "shapes.B"} and (seen.status == 0).all()
+    assert seen.indirect.max() == 0.0 and (seen.evaluations > 50).all()
+
+
 LIGHTS = {
     "spot": ([SPOT], "tiles", "metal"),
     "cone": ([SPOT | {"beam": 0, "falloff": "smooth"}], "metal", "dull"),

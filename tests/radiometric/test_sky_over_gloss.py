@@ -17,6 +17,7 @@ from .test_glossy_bounce import ETA, K, phong_albedo
 
 METAL = {"type": "conductor", "eta": ETA, "k": K}
 KINDS = [METAL | {"alpha": 0.3}, METAL | {"alpha": 0.2, "distribution": "beckmann", "masking": "correlated"},
+         METAL | {"alpha": 0.4, "distribution": "beckmann", "g1": "walter"},
          {"type": "phong", "exponent": 30, "reflectance": 1}]  # fmt: skip
 SKY = np.array([0.5, 1.0, 2.0])
 EYE = np.array([0.2, -4.0, 2.5])
@@ -66,7 +67,7 @@ AIMS = np.array(
 )
 
 
-@pytest.mark.parametrize("material", KINDS, ids=["ggx", "beckmann", "phong"])
+@pytest.mark.parametrize("material", KINDS, ids=["ggx", "beckmann", "walter", "phong"])
 def test_nothing_but_sky_gives_the_directional_albedo(material: dict[str, Any]) -> None:
     made = scene(material, [])
     top = np.array([0.0, 0.0, 1.1])
@@ -75,9 +76,8 @@ def test_nothing_but_sky_gives_the_directional_albedo(material: dict[str, Any]) 
         if material["type"] == "phong":
             known = np.full(3, phong_albedo(30.0, cosine))
         else:
-            rough = Rough(
-                material["alpha"], "masking" in material, np.array(ETA), np.array(K), "distribution" in material
-            )
+            kind = [key in material for key in ("distribution", "g1")]
+            rough = Rough(material["alpha"], "masking" in material, np.array(ETA), np.array(K), *kind)
             known = albedo(rough, cosine, 320)
         seen = sr.probe(made, rays=(top + 3 * way, -way), tol=1e-9)
         assert known.min() > 0.15 and known.max() <= 1.0
@@ -85,7 +85,7 @@ def test_nothing_but_sky_gives_the_directional_albedo(material: dict[str, Any]) 
         assert np.abs(seen.direct[0] - SKY * known).max() < 2e-9
 
 
-@pytest.mark.parametrize("material", KINDS, ids=["ggx", "beckmann", "phong"])
+@pytest.mark.parametrize("material", KINDS, ids=["ggx", "beckmann", "walter", "phong"])
 def test_lamps_as_bright_as_the_sky_are_not_seen_before_it(material: dict[str, Any]) -> None:
     places = [((0.45, -0.2, 1.9), 0.3), ((0.1, 0.3, 1.9), 0.25), ((-0.1, 0.7, 2.6), 0.45), ((0.9, 0.3, 1.7), 0.2)]
     lamps = [sphere(f"lamp{k}", center, radius) for k, (center, radius) in enumerate(places)]
@@ -98,7 +98,7 @@ def test_lamps_as_bright_as_the_sky_are_not_seen_before_it(material: dict[str, A
     assert (alone.direct - black.direct).max() > 0.1
 
 
-@pytest.mark.parametrize("material", KINDS, ids=["ggx", "beckmann", "phong"])
+@pytest.mark.parametrize("material", KINDS, ids=["ggx", "beckmann", "walter", "phong"])
 def test_the_path_tracer_finds_the_same(material: dict[str, Any]) -> None:
     made = sr.load(scene(material, AMONG, 3.0))
     origins, directions = np.tile(EYE, (len(AIMS), 1)), AIMS - EYE

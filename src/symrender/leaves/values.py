@@ -498,6 +498,12 @@ def seen_area(cosine: float, alpha: float) -> float:
 
 
 @inlined
+def joint_masking(inward: float, outward: float, correlated: float) -> float:
+    """G over G1(o), of G1(i) and G1(o): G1(i), or of height-correlated masking over their sum less their product."""
+    return inward / (1.0 + correlated * (inward + outward - inward * outward - 1.0))
+
+
+@inlined
 def beckmann_lobe(
     square: float, along: float, alpha: float, cos_view: float, outward: float, correlated: float,
 ) -> tuple[float, float]:

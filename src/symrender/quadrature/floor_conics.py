@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.caps import Cone
+from symrender.chambers.lobes.fit import jump_cosine
+from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.penumbra_walls import edge_search
 from symrender.chambers.records import DISTANT, Chart, Wall
 from symrender.chambers.rooms import height
@@ -116,6 +118,9 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
             row.xx, row.xy, row.yy, row.x, row.y, row.soft = 1.0, 0.0, 1.0, -sx, -sy, 0
             row.free = sx * sx + sy * sy - (r - sz) * (r + sz)
             n += 1
+    if view.conductors is not None and chart.lobe.kind == CONDUCTOR and chart.lobe.walter == 1:
+        up, cosine = chart.normal, jump_cosine(chart.lobe.alpha)
+        n = add_cone(conics, n, up[0], up[1], up[2], (1.0 - cosine) * (1.0 + cosine), 0.0, 0.0, h)
     if view.cones is not None:
         n = cone_conics(n, view.cones, px, py, conics)
     for i in range(work.counts.casters):

@@ -54,14 +54,22 @@ def gather_glow(lamp: int, place: Vector, normal: Vector, view: View, work: Work
         x, y, z, cosine, sine = leaves.sphere_cap(*offset, view.spheres[lamp].radius)
         count = put_circle(room, count, 0, (x, y, z), cosine, sine)
     for i in range(view.spheres.shape[0]):
-        if i == chart.shape_index or i == lamp:
+        if i == lamp:
             continue
-        offset = minus(vector(view.spheres[i].center), place)
-        power = leaves.sphere_power(*offset, view.spheres[i].radius)
+        ball = view.spheres[i]
+        if lamp >= 0:
+            apart = minus(vector(ball.center), vector(view.spheres[lamp].center))
+            if leaves.sphere_power(*apart, ball.radius) < 0.0:
+                # the lamp is inside of it, and the place is not
+                return HIDDEN, 0
+        if i == chart.shape_index:
+            continue
+        offset = minus(vector(ball.center), place)
+        power = leaves.sphere_power(*offset, ball.radius)
         if power <= 0.0:
             return HIDDEN, 0
         if power < whole:
-            x, y, z, cosine, sine = leaves.sphere_cap(*offset, view.spheres[i].radius)
+            x, y, z, cosine, sine = leaves.sphere_cap(*offset, ball.radius)
             count = put_circle(room, count, cones, (x, y, z), cosine, sine)
             cones += 1
     for k in range(view.sides.shape[0]):

@@ -12,8 +12,10 @@ from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.leaf_rows import eye_view_rows
 from symrender.chambers.lobes.density import facing_of, facing_share
 from symrender.chambers.lobes.rows import densities, lean_line, least_error, tint
+from symrender.chambers.lobes.sending import end_power
 from symrender.chambers.lobes.width import BLUNT, broken_rim
 from symrender.chambers.records import NODES, Chart, Nodes, Piece
+from symrender.chambers.senders import sender_of
 from symrender.chambers.walls import (
     GLEAM_EDGE,
     PENUMBRA,
@@ -134,6 +136,13 @@ def kinked(view: View) -> bool:
 
 
 @inlined
+def ends_bluntly(view: View, chart: Chart) -> bool:
+    """The same of the charted shape, where it is of phong's material."""
+    power = end_power(sender_of(view, chart), view.senders)
+    return bool(0.0 < power < BLUNT and power != math.floor(power))
+
+
+@inlined
 def faint_horizon(view: View, chart: Chart) -> bool:
     """Whether highlights end at the floor's horizon, where light and viewer are level, with a power that is not whole.
 
@@ -159,7 +168,8 @@ def nodes_to_end(cell: int, view: View, work: Work) -> int:
     for side in range(2):
         wall = work.cell_wall[cell + side]
         if wall >= 0 and work.walls[wall // 4].kind == GLEAM_EDGE:
-            ends = 1 + math.ceil(0.5 * view.shading.shininess)
+            power = max(view.shading.shininess, end_power(sender_of(view, work.chart), view.senders))
+            ends = 1 + math.ceil(0.5 * power)
     return ends
 
 
@@ -374,6 +384,7 @@ def integrate_cells(
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart.lobe), SMALL
+    blunt = blunt or ends_bluntly(view, chart)
     faint, idle = faint_horizon(view, chart), least_error(chart, view.conductors)
     if has_disk(view):
         small = 1.0

@@ -33,7 +33,7 @@ from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, NODE_GAP, order
 from symrender.quadrature.records import Panel, Span
-from symrender.quadrature.split_line import across_error, has_disk, integrate_cells, kinked
+from symrender.quadrature.split_line import across_error, ends_bluntly, has_disk, integrate_cells, kinked
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -527,7 +527,7 @@ def evaluate_panel(
         known = max(top * math.exp(-(n + 1) * p.log_rho), WEAK * top * math.exp(-(n + 1) * p.slow))
         # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
         known = max(known, p.share * size * math.exp(-2.0 * n * p.slow) / (2.0 * n * math.sqrt(2.0 * n)))
-        if kinked(view) or broken_rim(work.chart.lobe):
+        if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
             known = max(known, last, 0.5 * before)
         error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
         if p.glare > 0 and top > UNFALLEN * size:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.cones import put_cones, scene_cones
+from symrender.chambers.jumps import put_jumps
 from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
@@ -176,6 +177,7 @@ def gloss_kernel(
                 total += most
                 continue
             put_cones(view, work)
+            put_jumps(view, work)
             sphere_strips(j, view, work)
             chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
             e, b = split_chart(
@@ -205,6 +207,7 @@ def gloss_kernel(
             framed = frame_view(k, view, frames)
             floor_chart(k, own, axis, framed, work)
             put_cones(framed, work)
+            put_jumps(framed, work)
             floor_strips(framed, work)
             chart.bright = chart_bound(plane_bound(framed) if shown else bound, framed, work)
             e, b = split_chart(
@@ -283,7 +286,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=table(Event, 2048),
         scratch=np.zeros(64),
-        conics=table(Conic, 2 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres) + 2 * len(points)),
+        conics=table(Conic, 3 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres) + 2 * len(points)),
         remainders=table(Remainder, MOST_REMAINDERS),
         states=np.zeros(max(1, len(points))),
         grid_stack=np.zeros((256, 256)),
@@ -360,10 +363,10 @@ def gloss_points(
     result is the integral of f(P, w) D F G/(4 cos_o) over the hemisphere, f less the background, of which they reflect
     their ``directional_albedo``. Raises ``Unsupported`` in BRDF units. ``senders``, a row a sphere and then a row a
     plane, are what shapes send light on by in place of Lambert's term: their colour times kd times pi D F G/(4 cos_o),
-    or (n + 2)/2 N.l cos^n, of what arrives. Such a plane is of one colour, and n is no smaller than ``FELT_END``: its
-    highlight's end is no wall. ``emitted`` (spheres, 3) is the radiance of spheres beside what they reflect. ``spots``,
-    a row a light, say which of them shine into a cone. ``glows`` are skies and spheres whose light diffuse shapes send
-    on. Arguments are many because the tables that only some scenes hold are apart from their records.
+    or (n + 2)/2 N.l cos^n, of what arrives. Such a plane is of one colour. ``emitted`` (spheres, 3) is the radiance of
+    spheres beside what they reflect. ``spots``, a row a light, say which of them shine into a cone. ``glows`` are skies
+    and spheres whose light diffuse shapes send on. Arguments are many because the tables that only some scenes hold are
+    apart from their records.
     """
     lights = light_rows(arrays, disk_order, spots)
     cones = None

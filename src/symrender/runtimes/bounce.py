@@ -9,7 +9,6 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.chart import FELT_END
 from symrender.chambers.lobes.record import CONDUCTOR as ROUGH
 from symrender.chambers.lobes.record import CORRELATED, LAMBERT, POWER, SEPARABLE, Conductor, Sender
 from symrender.chambers.records import INVERSE_SQUARE
@@ -142,8 +141,6 @@ class Bouncer:
             met &= np.array([materials[int(shape.material)].kind != DIFFUSE for shape in shapes])[hits.shape]
         black = met & (hits.behind != 0.0) & ~two_sided[hits.shape]
         undone = met & ~black & (((hits.behind != 0.0) & ~is_plane[hits.shape]) | self._in_a_plane(hits))
-        if not self._lamps:
-            undone |= met & ~black & self._may_see_an_end(hits)
         found.status[undone], found.error[undone] = UNSUPPORTED, np.inf
         work = np.flatnonzero(met & ~black & ~undone & (hits.albedo.max(axis=1) > 0.0))
         turned = np.zeros((len(work), len(shapes)), dtype=bool)
@@ -169,20 +166,6 @@ class Bouncer:
             size = np.abs(hits.place).max(axis=1) + np.abs(frame.origin).max()
             inside |= (np.abs(offset @ frame.up) <= 4.0 * ULP * size) & (self._classes[hits.shape] != self._classes[j])
         return inside
-
-    def _may_see_an_end(self, hits: Hits) -> npt.NDArray[np.bool_]:
-        """Whether some of a shape of phong with an exponent below ``FELT_END`` is above the horizon of the places."""
-        above = np.zeros(len(hits.shape), dtype=bool)
-        for j, shape in enumerate(self._arrays.shapes):
-            material = self._arrays.materials[int(shape.material)]
-            if material.kind != PHONG or material.exponent >= FELT_END:
-                continue
-            other = self._classes[hits.shape] != self._classes[j]
-            if shape.kind == SPHERE:
-                above |= other & (((shape.place - hits.place) * hits.normal).sum(axis=1) > -shape.radius)
-            else:
-                above |= other
-        return above
 
     def _nearness(self, own: int, place: Array) -> Array:
         """(N,) size of coordinates over the distance to the nearest other shape, or over the radius of their own."""
@@ -273,6 +256,7 @@ def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
             rough.masking = CORRELATED if material.correlated else SEPARABLE
             rough.eta[:], rough.k[:] = material.eta, material.k
             rough.beckmann = 1.0 if material.density == BECKMANN else 0.0
+            rough.walter = material.walter
     return rows if (rows["kind"] != LAMBERT).any() else None
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from symrender.chambers.lobes.fit import FIT_OVER
 from symrender.chambers.lobes.record import CONDUCTOR, Lobe
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
@@ -17,7 +18,8 @@ def largest_density(square: float, lobe: Lobe) -> float:
     """
     if lobe.kind == CONDUCTOR and lobe.beckmann == 1:
         # G is at most G1(o)
-        return values.beckmann_most(square, lobe.alpha) * lobe.outward / (4.0 * math.pi * lobe.cos_view)
+        most = values.beckmann_most(square, lobe.alpha) * lobe.outward / (4.0 * math.pi * lobe.cos_view)
+        return most * FIT_OVER if lobe.walter == 1 else most
     if lobe.kind == CONDUCTOR:
         return values.ggx_most(square, lobe.alpha, lobe.by_cosine, lobe.by_root)
     return values.lobe_density(square, lobe.exponent, lobe.log_normaliser)

@@ -48,6 +48,8 @@ class Lobe(Record):
     """1 where its normals are Beckmann's; then G1(o), and 1 where masking is height-correlated."""
     outward: float
     correlated: float
+    walter: int
+    """1 where G1 is Walter's fit to Beckmann's."""
 
 
 class Conductor(Record):
@@ -63,6 +65,8 @@ class Conductor(Record):
     k: Three
     beckmann: float
     """1 where normals are Beckmann's and G1 Smith's, 0 of GGX."""
+    walter: float
+    """1 where G1 of Beckmann's normals is Walter's fit, which jumps."""
 
 
 class Sender(Record):

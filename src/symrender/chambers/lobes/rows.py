@@ -9,11 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.leaf_rows import beckmann_lobe_rows, conductor_fresnels_rows, ggx_lobe_rows, lobe_density_rows
+from symrender.chambers.lobes.fit import fit_over_exact
 from symrender.chambers.lobes.record import CONDUCTOR, Conductor, Lobe
 from symrender.chambers.records import NODES, Chart, Nodes
 from symrender.chambers.row_powers import powers
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
+from symrender.leaves.values import seen_area
 
 Array = npt.NDArray[np.float64]
 
@@ -33,6 +35,14 @@ def conductor_densities(m: int, nodes: Nodes, lobe: Lobe, conductors: Table[Cond
     if lobe.kind != CONDUCTOR:
         return False
     if lobe.beckmann == 1:
+        if lobe.walter == 1:
+            exact = lobe.cos_view / seen_area(lobe.cos_view, lobe.alpha)
+            beckmann_lobe_rows(0, m, lobe.alpha, lobe.cos_view, exact, lobe.correlated, nodes)
+            for i in range(m):
+                share = fit_over_exact(lobe.cos_view + nodes.near[i], lobe.cos_view, lobe.alpha, lobe.correlated)
+                nodes.power[i] *= share
+                nodes.weight[i] *= share
+            return True
         beckmann_lobe_rows(0, m, lobe.alpha, lobe.cos_view, lobe.outward, lobe.correlated, nodes)
         return True
     ggx_lobe_rows(0, m, lobe.alpha, lobe.cos_view, lobe.by_cosine, lobe.by_root, nodes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from symrender.chambers.leaf_rows import lit_beckmann_rows, lit_conductor_rows, lit_phong_rows
+from symrender.chambers.lobes.fit import FIT_OVER, fit_over_exact
 from symrender.chambers.lobes.record import CONDUCTOR, LAMBERT, POWER, Sender
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes
 from symrender.chambers.row_powers import powers
@@ -27,7 +28,8 @@ def most_sent(square: float, tilt: float, facing: float, row: int, senders: Tabl
         return float(0.5 * (sender.exponent + 2.0) * min(1.0, max(0.0, facing)) * base**sender.exponent)
     rough = sender.conductor
     if rough.beckmann != 0.0:
-        return float(lit_beckmann_most(min(2.0, square), min(1.0, max(0.0, tilt)), rough.alpha))
+        most = lit_beckmann_most(min(2.0, square), min(1.0, max(0.0, tilt)), rough.alpha)
+        return float(most * FIT_OVER if rough.walter != 0.0 else most)
     return float(lit_conductor_most(min(2.0, square), max(0.0, tilt), rough.alpha))
 
 
@@ -50,6 +52,16 @@ def is_phong(row: int, senders: Table[Sender] | None) -> bool:
     if senders is None:
         return False
     return bool(senders[row].kind == POWER)
+
+
+@jitable
+def end_power(row: int, senders: Table[Sender] | None) -> float:
+    """With which power of the distance the highlight of a phong material ends, 0 of what has no end."""
+    if senders is None:
+        return 0.0
+    if row < 0:
+        return 0.0
+    return float(senders[row].exponent) if senders[row].kind == POWER else 0.0
 
 
 @jitable
@@ -82,6 +94,16 @@ def sent_shares(start: int, stop: int, b: Nodes, p: LightPoint, row: int, sender
         lit_beckmann_rows(
             start, stop, x, y, z, falling, rough.alpha, rough.masking, eta[0], eta[1], eta[2], k[0], k[1], k[2], b
         )
+        if rough.walter != 0.0:
+            for i in range(start, stop):
+                lx, ly, lz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
+                inward = lx * b.normal[0, i] + ly * b.normal[1, i] + lz * b.normal[2, i]
+                inward /= math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
+                outward = b.toward[0, i] * b.normal[0, i] + b.toward[1, i] * b.normal[1, i]
+                outward += b.toward[2, i] * b.normal[2, i]
+                share = fit_over_exact(inward, outward, rough.alpha, rough.masking)
+                for a in range(3):
+                    b.shares[a, i] *= share
         return
     lit_conductor_rows(
         start, stop, x, y, z, falling, rough.alpha, rough.masking, eta[0], eta[1], eta[2], k[0], k[1], k[2], b

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from symrender.chambers.lobes.record import CONDUCTOR, CORRELATED, NO_RIM, POWER, Conductor, Lobe
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
+from symrender.leaves.radiometric import walter_masking
 from symrender.leaves.values import log_normaliser, log_rim, seen_area, smith_root
 
 Array = npt.NDArray[np.float64]
@@ -85,6 +86,9 @@ def conductor_setup(surface: int, axis: Array, normal: Array, conductors: Table[
     cosine = axis[0] * normal[0] + axis[1] * normal[1] + axis[2] * normal[2]
     lobe.beckmann, lobe.correlated = int(conductor.beckmann), conductor.masking
     lobe.outward = cosine / seen_area(cosine, conductor.alpha)
+    lobe.walter = int(conductor.walter)
+    if lobe.walter == 1:
+        lobe.outward = walter_masking(cosine, conductor.alpha)
     root = smith_root(cosine, conductor.alpha)
     lobe.cos_view = cosine
     lobe.by_cosine = lobe.by_root = cosine + root

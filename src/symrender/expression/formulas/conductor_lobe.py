@@ -164,6 +164,7 @@ LEAVES: Final = (
          rows=Rows((("place", "place"), ("normal", "normal"), ("view", "toward")), (("shares", "shares", "set"),))),
     Leaf(lit_conductor_most, ("most",)),
     Leaf(seen_area, ("area",)),
+    Leaf(joint_masking, ("share",)),
     Leaf(beckmann_lobe, ("density", "cosine2"),
          rows=Rows((("square", "chord"), ("along", "near")),
                    (("density", "power", "set"), ("density", "weight", "scale"), ("cosine2", "chord", "set")))),

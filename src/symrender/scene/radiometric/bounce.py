@@ -25,7 +25,6 @@ from symrender.scene import arrays as series
 from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
 from symrender.scene.radiometric.arrays import (
     AREA,
-    CONDUCTOR,
     DIFFUSE,
     DIRECTIONAL,
     PHONG,
@@ -72,8 +71,6 @@ class Bounce:
 def bounce_refusal(arrays: RadiometricArrays) -> str:
     """What of a scene keeps its bounced light from being integrated, as words for a message; empty if nothing does."""
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
-    if any(material.kind == CONDUCTOR and material.walter for material in used):
-        return "a conductor of g1: walter"
     extended = {SKY: "a sky", AREA: "an area light"}
     words = [extended[int(light.kind)] for light in arrays.lights if light.kind in extended]
     if words and any(material.kind != DIFFUSE for material in used):
@@ -121,11 +118,8 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
 
 def lamp_refusal(arrays: RadiometricArrays) -> str:
     """What keeps the light of lamps and the sky on what is glossy from being integrated, as words; empty if nothing."""
-    used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
         return "a rectangle, a triangle, a disk or a box"
-    if any(material.kind == CONDUCTOR and material.walter for material in used):
-        return "a conductor of g1: walter"
     if sum(shape.kind == PLANE for shape in arrays.shapes) > MAX_PLANES:
         return f"more than {MAX_PLANES} planes"
     return ""
