@@ -12,15 +12,19 @@ from collections.abc import Sequence
 from html import escape
 from typing import Final
 
-from symrender.adjoint.point import EVENT
 from symrender.errors import OptionError
 from symrender.execution.fill import Crew, Means
 from symrender.execution.jobs import KINDS, Job
 from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
+<<<<<<< HEAD
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.runtimes.exposed import check_means
+=======
+from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
+from symrender.runtimes.pixels import check_pixels
+>>>>>>> main
 from symrender.runtimes.radiometric_gradient import check_gradient
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
@@ -66,9 +70,10 @@ def gradient(
     ``tol`` is absolute in them. The value of a pixel is that of the ray through its centre: where that ray itself
     passes from one shape, one shadow or one field of a texture to the next, the image jumps, and the derivative is
     that of the side it is on. All edges inside a lobe contribute.
-    Of a radiometric scene with ``bounces: 0`` the layers are ``emitted``, ``direct``, ``indirect`` (zero),
+    Of a radiometric scene the layers are ``emitted``, ``direct``, ``indirect`` (zero with ``bounces: 0``),
     ``radiance``, ``error`` and ``status``. Values are functions of what the ray through the pixel's centre meets, and
-    so are their derivatives: no edge inside the pixel contributes. ``error`` is how far roundings could have moved one.
+    so are their derivatives: no edge inside the pixel contributes, all edges that bounced light sees do. ``error`` is
+    how far roundings could have moved one, and with ``bounces: 1`` what the rules of bounced light may miss.
     With ``filter="box"`` they are those of the means over pixels, silhouettes, shadows and textures that move across
     them included, and ``error`` is the difference of two rules.
     Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
@@ -103,9 +108,17 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
     if isinstance(wrt, str) or not wrt:
         raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
     if isinstance(scene, RadiometricScene):
+<<<<<<< HEAD
         check_gradient(radiometric_arrays(scene))
         check_means(radiometric_arrays(scene), settings)
         return Job.of("radiometric_gradient", scene, settings, radiometric_moves(scene, wrt))
+=======
+        arrays, moved = radiometric_arrays(scene), radiometric_moves(scene, wrt)
+        check_gradient(arrays, moved, settings.filter)
+        if settings.filter == "box":
+            check_pixels(arrays)
+        return Job.of("radiometric_gradient", scene, settings, moved)
+>>>>>>> main
     refuse_filter(settings)
     check_decided(scene)
     return Job.of("gradient", scene, settings, moves(scene, wrt))

@@ -218,7 +218,7 @@ def test_what_is_not_integrated_is_refused_by_name() -> None:
         sr.truth(over_a_plain(WHITE, GOLD | {"alpha": 0.3, "reflectance": checker}, 0.5), size=4)
 
 
-@pytest.mark.parametrize("exponent", [1.0, 2.5, 3.0, 6.0, 9.0])
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 2.5, 3.0, 6.0, 9.0])
 def test_a_highlight_that_ends_with_a_low_power_is_integrated(exponent: float) -> None:
     blunt = {"type": "phong", "exponent": exponent, "reflectance": [0.9, 0.5, 0.0]}
     for cosine in (0.9, 0.4):

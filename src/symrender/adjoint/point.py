@@ -73,6 +73,7 @@ from symrender.quadrature.split_panel import split_chart
 from symrender.quadrature.split_point import SplitWork, radiance_bound, split_work
 from symrender.quadrature.split_setup import (
     CAPPED,
+    EVENT,
     MET,
     UNSUPPORTED,
     floor_strips,
@@ -93,9 +94,6 @@ ROUNDED_ELLIPSE: Final = 2e-13
 """Error of a mean over a narrow rim's ellipse on the floor, over the square of its distance over its half-width."""
 ROUNDED_ROOT: Final = 1e-8
 """That of an integral along the ellipse, over its distance over its half-width."""
-
-EVENT: Final = 4
-"""The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
 
 BUDGET: Final = 4
 """Evaluations a derivative may take over those of its value: a value's rule, then two orders of every panel of it."""

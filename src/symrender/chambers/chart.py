@@ -142,7 +142,7 @@ def add_gleam_edge(i: int, blinn: bool, view: View, work: Work) -> None:
     if n >= work.walls.shape[0]:
         return
     row = work.walls[n]
-    row.kind, row.tag, row.shape_index, row.met = GLEAM_EDGE, HIGHLIGHT, i, 0
+    row.kind, row.tag, row.shape_index, row.met, row.parted = GLEAM_EDGE, HIGHLIGHT, i, 0, 0
     for a in range(3):
         row.lit_from[a] = view.points[i].position[a]
         row.seen_from[a] = view.eye[a] if shading.highlight_view == EYE else work.chart.point[a]
@@ -321,7 +321,7 @@ def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> No
         )  # fmt: skip
         if abs(s.center[2]) < s.radius and work.counts.walls < work.walls.shape[0]:
             row = work.walls[work.counts.walls]
-            row.kind, row.tag, row.shape_index, row.met = BALL, SILHOUETTE, i, 0
+            row.kind, row.tag, row.shape_index, row.met, row.parted = BALL, SILHOUETTE, i, 0, 0
             row.foot[0] = ox * chart.e1[0] + oy * chart.e1[1]
             row.foot[1] = ox * chart.e2[0] + oy * chart.e2[1]
             row.power = ox * ox + oy * oy - (s.radius - s.center[2]) * (s.radius + s.center[2])

@@ -21,6 +21,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -35,6 +36,14 @@ AT_LIMB = 1e-12
 """How far beyond the limb a circle may touch a line and still be taken to do so on it."""
 
 
+@inlined
+def merge_event(event: Event, phi: float, kind: float) -> None:
+    """Let an event be one of this kind too, and move as the stronger of them."""
+    if moves(phi) and kind > event.kind:
+        event.azimuth = moved(held(event.azimuth), tangent(phi))
+    event.kind = max(event.kind, kind)
+
+
 @jitable
 def add_event(events: Table[Event], n: int, phi: float, low: float, high: float, kind: float) -> int:
     """Insert an azimuth, reduced to (low, high), in order; equal ones merge and keep the stronger kind."""
@@ -47,10 +56,10 @@ def add_event(events: Table[Event], n: int, phi: float, low: float, high: float,
         k -= 1
     close = 1e-12
     if k > 0 and phi - events[k - 1].azimuth < close:
-        events[k - 1].kind = max(events[k - 1].kind, kind)
+        merge_event(events[k - 1], phi, kind)
         return n
     if k < n and events[k].azimuth - phi < close:
-        events[k].kind = max(events[k].kind, kind)
+        merge_event(events[k], phi, kind)
         return n
     for i in range(n, k, -1):
         events[i].azimuth, events[i].kind = events[i - 1].azimuth, events[i - 1].kind
@@ -242,4 +251,5 @@ def crossing(one: int, other: int, left: float, right: float, work: Work, scratc
         b, fb = phi, f
         if f == 0.0 or step < 1e-13 * (1.0 + abs(phi)):
             break
-    return b
+    # panels may end beside a crossing that moves: the line integral is continuous there
+    return held(b)

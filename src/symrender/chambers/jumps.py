@@ -15,7 +15,7 @@ import math
 from symrender.chambers.chart import FELT_END, add_direction, add_normal
 from symrender.chambers.lobes.fit import jump_cosine
 from symrender.chambers.lobes.record import CONDUCTOR
-from symrender.chambers.lobes.sending import end_power
+from symrender.chambers.lobes.sending import end_power, is_phong
 from symrender.chambers.reach import note_reach
 from symrender.chambers.records import DISTANT
 from symrender.chambers.senders import sender_of
@@ -37,7 +37,7 @@ def put_jumps(view: View, work: Work) -> None:
         rough = view.senders[sender].conductor
         if view.senders[sender].kind == CONDUCTOR and rough.walter != 0.0:
             put_sent_jumps(jump_cosine(rough.alpha), view, work)
-        if 0.0 < end_power(sender, view.senders) < FELT_END:
+        if is_phong(sender, view.senders) and end_power(sender, view.senders) < FELT_END:
             put_ends(view, work)
     if counts.walls > before:
         note_reach(view, work)

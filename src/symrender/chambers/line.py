@@ -18,6 +18,7 @@ from symrender.chambers.walls import (
     FLOOR_CUT,
     HIGHLIGHT,
     NORMAL,
+    PARTED,
     PENUMBRA,
     SEVERAL,
     SHADOW,
@@ -28,6 +29,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import moves, tangent
 
 Array = npt.NDArray[np.float64]
 
@@ -38,6 +40,8 @@ LIMB = -4
 NOTHING = -1
 THIN = 1e-14
 """A stretch of a line shorter than this has no label."""
+NEAR = 1e-11
+"""Length of a stretch of a line below which the walls at its ends are taken to coincide where they move."""
 HALF_PI = 0.5 * math.pi
 
 
@@ -157,6 +161,22 @@ def wall_roots(i: int, c: float, s: float, low: float, high: float, work: Work, 
     return n
 
 
+@inlined
+def move_apart(start: float, end: float) -> bool:
+    """Whether two walls that all but coincide on a line move apart."""
+    return abs(tangent(end) - tangent(start)) > PARTED * (abs(tangent(end)) + abs(tangent(start)))
+
+
+@jitable
+def note_parted(cells: int, work: Work) -> None:
+    """Note whether a cell that is seen ends on a wall that another one parts from."""
+    for i in range(cells + 1):
+        wall = work.cell_wall[i]
+        seen = (i < cells and work.cell_side[i] != HIDDEN) or (i > 0 and work.cell_side[i - 1] != HIDDEN)
+        if wall >= 0 and seen and work.walls[wall // 4].parted != 0:
+            work.counts.parted = 1
+
+
 @jitable
 def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     """Cells of the line phi = const inside the lobe; returns the line's signature, equal for equal structure.
@@ -216,6 +236,8 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     side = HIDDEN
     for i in range(n + 1):
         end = high if i == n else work.root_x[i]
+        if moves(start) and i < n and end - start < NEAR and move_apart(start, end):
+            work.walls[work.root_id[i] // 4].parted = 1
         if end - start > THIN:
             same = True
             if side == HIDDEN and changed < SEVERAL and changed > SILHOUETTE and changed != FLOOR_CUT:
@@ -280,6 +302,8 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
             changed = SEVERAL
     work.cell_wall[cells] = last
     work.counts.cells = cells
+    if moves(start):
+        note_parted(cells, work)
     seen = False
     signature = 1469598103934665603
     for i in range(cells):

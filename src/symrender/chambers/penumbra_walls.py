@@ -57,7 +57,7 @@ def add_band(i: int, sphere: Sphere, view: View, work: Work) -> None:
     if n >= work.walls.shape[0]:
         return
     row = work.walls[n]
-    row.kind, row.tag, row.shape_index, row.met = SHADOW, TERMINATOR, i, 0
+    row.kind, row.tag, row.shape_index, row.met, row.parted = SHADOW, TERMINATOR, i, 0, 0
     for a in range(3):
         along = chart.pole if a == 0 else chart.e1 if a == 1 else chart.e2
         x, y, z = along[0], along[1], along[2]

@@ -148,6 +148,8 @@ class Wall(Record):
     """The light point of a shadow's edge."""
     met: int
     """1 once a scan line met the wall inside the lobe."""
+    parted: int
+    """Where numbers move: 1 if another wall coincides with it and moves otherwise."""
     inner: int
     """1 for the inner edge of a penumbra."""
     disk: LightPoint
@@ -174,6 +176,8 @@ class Counts(Record):
     highlights: int
     felt: int
     poles: int
+    parted: int
+    """Where numbers move: 1 from where walls that coincide move apart on, as the derivative is then one of a side."""
     limit: int
     """The most evaluations, and the most labour; whatever refines asks ``is_spent``."""
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 
 Array = npt.NDArray[np.float64]
 
@@ -89,6 +90,15 @@ def bernstein_value(p: Array, x: float) -> float:
 
 
 @jitable
+def moving_root(p: Array, x: float) -> float:
+    """A root x of the quartic ``p``, which moves with its coefficients by the implicit function theorem."""
+    still = held(x)
+    shift = tangent(bernstein_value(p, still))
+    slope = tangent(bernstein_value(p, moved(still, 1.0))) - shift
+    return moved(still, -shift / slope)
+
+
+@jitable
 def bernstein_variations(p: Array) -> int:
     """Sign changes of the coefficients: an upper bound, of equal parity, for the roots in (0, 1)."""
     changes = 0
@@ -152,6 +162,8 @@ def quartic_roots(p: Array, stack: Array, out: Array) -> int:
                         break
             if found < out.shape[0]:
                 out[found] = lo + (hi - lo) * x
+                if moves(p[0]):
+                    out[found] = moving_root(p, out[found])
                 found += 1
             continue
         if hi - lo < 1e-10 or top + 2 > stack.shape[0]:

@@ -23,6 +23,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moves
 from symrender.jit.records import Table
 from symrender.scene.arrays import CUT
 from symrender.scene.records import Sphere
@@ -255,6 +256,9 @@ def sphere_tangencies(
                 if f == 0.0 or moved < 1e-9:
                     break
             if f == f and faces:
+                if moves(x):
+                    # the azimuth is stationary: it moves as at a place of the edge that stands still
+                    _, x, y, z, _ = edge_turn(held(right), light, caster, beyond, chart, frame)
                 phi = math.atan2(y, x)
                 if within_lobe(phi, math.atan2(math.sqrt(x * x + y * y), z), chart):
                     n = add_event(events, n, phi, low, high, ROOT)

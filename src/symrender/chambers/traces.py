@@ -31,6 +31,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held
 from symrender.jit.records import Table
 from symrender.scene.arrays import CUT
 
@@ -247,7 +248,8 @@ def solve_trace(
         right, fb = psi, f
         if f == 0.0 or moved < 1e-14:
             break
-    return note_trace(psi, row, other, beyond, hides, view, work, events, n, low, high)
+    # where walls cross the line integral is continuous: its panels may end beside a crossing that moves
+    return note_trace(held(psi), row, other, beyond, hides, view, work, events, n, low, high)
 
 
 @inlined

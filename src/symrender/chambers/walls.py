@@ -22,7 +22,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import Chart, Wall
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import moves, tangent
 from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -56,6 +57,8 @@ SEVERAL: Final = 8
 # chart: the numbers of one (point, shape) pair
 UNBOUNDED: Final = 1e30
 
+PARTED: Final = 1e-9
+"""Share of their speeds by which walls that coincide must differ in it to move apart."""
 CONTACT: Final = 1e-13
 """A light whose squared distance from a ball's centre differs from the squared radius by less, relative to it, stands
 on the ball: what the ball hides of it ends at a plane, and no more at the two branches of a double cone."""
@@ -80,6 +83,18 @@ def tangent_lines(a1: float, a2: float, sine: float) -> tuple[float, float, floa
     if ratio >= 1.0:
         return middle, 0.5 * math.pi, math.log(ratio + math.sqrt(ratio * ratio - 1.0))
     return middle, math.asin(ratio), 0.0
+
+
+@inlined
+def part_ways(row: Wall, a0: float, a1: float, a2: float, cosine: float, sign: float) -> bool:
+    """Whether a circle that coincides with that of ``row``, of the opposite axis where ``sign`` is -1, moves off it."""
+    apart, size = 0.0, abs(tangent(row.cos)) + abs(tangent(cosine))
+    apart += abs(tangent(row.cos) - sign * tangent(cosine))
+    for i in range(3):
+        other = a0 if i == 0 else a1 if i == 1 else a2
+        apart += abs(tangent(row.axis[i]) - sign * tangent(other))
+        size += abs(tangent(row.axis[i])) + abs(tangent(other))
+    return apart > PARTED * size
 
 
 @jitable
@@ -108,6 +123,8 @@ def add_circle(
             if min(same, flipped) < 1e-11:
                 if walls[i].tag != tag or walls[i].shape_index != shape:
                     walls[i].tag = SEVERAL
+                if moves(cosine) and part_ways(walls[i], a0, a1, a2, cosine, 1.0 if same <= flipped else -1.0):
+                    walls[i].parted = 1
                 return count
     if count < walls.shape[0]:
         walls[count].kind = kind
@@ -118,7 +135,7 @@ def add_circle(
         walls[count].sin = sine
         walls[count].tag = tag
         walls[count].shape_index = shape
-        walls[count].met = 0
+        walls[count].met = walls[count].parted = 0
     return count + 1
 
 
@@ -199,7 +216,7 @@ def add_shadow(
     row.tag = SHADOW_EDGE
     row.shape_index = shape
     row.light = light
-    row.met = 0
+    row.met = row.parted = 0
     for i in range(3):
         along = chart.pole if i == 0 else chart.e1 if i == 1 else chart.e2
         px, py, pz = along[0], along[1], along[2]

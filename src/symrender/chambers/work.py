@@ -142,7 +142,7 @@ def begin_counts(limit: int, work: Work) -> None:
     counts = work.counts
     counts.walls = counts.occluders = counts.casters = counts.cells = counts.labour = counts.evaluations = 0
     counts.chambers = counts.crossings = counts.spots = counts.highlights = 0
-    counts.limit = limit
+    counts.parted, counts.limit = 0, limit
 
 
 def scene_view(
@@ -157,7 +157,7 @@ def scene_view(
         points=points,
         shading=arrays.shading,
         eye=np.ascontiguousarray(arrays.camera.eye),
-        sides=_sides(_axes(arrays)),
+        sides=sides_of(scene_axes(arrays)),
         conductors=conductors,
         senders=senders,
         emitted=emitted,
@@ -166,10 +166,15 @@ def scene_view(
     )
 
 
-def scene_frames(arrays: SceneArrays, points: Table[LightPoint], cones: Table[Cone] | None = None) -> Frames:
-    """A scene whose lights are ``points``, in the coordinates of each of its planes."""
-    axes = _axes(arrays)
-    sides = _sides(axes)
+def scene_frames(
+    arrays: SceneArrays, points: Table[LightPoint], cones: Table[Cone] | None = None, axes: Table[Frame] | None = None
+) -> Frames:  # fmt: skip
+    """A scene whose lights are ``points``, in the coordinates of each of its planes: a polynomial of second degree.
+
+    ``axes`` are the planes' frames, by default ``scene_axes``.
+    """
+    axes = scene_axes(arrays) if axes is None else axes
+    sides = sides_of(axes)
     first, spheres = len(axes) - len(arrays.planes), len(arrays.spheres)
     # nothing, the floor, spheres, planes
     homes = np.array([-1, first - 1, *[-1] * spheres, *range(first, len(axes))])
@@ -221,7 +226,7 @@ def _sides_in(frame: Frame, own: int, sides: Table[Side]) -> Table[Side]:
     return rows
 
 
-def _axes(arrays: SceneArrays) -> Table[Frame]:
+def scene_axes(arrays: SceneArrays) -> Table[Frame]:
     """The frame of every plane, the floor's first."""
     floor = table(Frame, 1 if arrays.floor.present else 0)
     for row in floor:
@@ -229,7 +234,8 @@ def _axes(arrays: SceneArrays) -> Table[Frame]:
     return joined(Frame, [floor, frames(arrays.planes)])
 
 
-def _sides(axes: Table[Frame]) -> Table[Side]:
+def sides_of(axes: Table[Frame]) -> Table[Side]:
+    """Normals and levels of planes that lie in these frames."""
     rows = table(Side, len(axes))
     rows["up"][:] = axes["up"]
     rows["level"][:] = (axes["up"] * axes["origin"]).sum(axis=1)

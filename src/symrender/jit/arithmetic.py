@@ -9,8 +9,9 @@ from __future__ import annotations
 import ast
 from typing import Final
 
-from symrender.jit.body import Body, double, whole
-from symrender.jit.types import B1, F8, I8, U8, Array, Element, Scalar, Tuple, Type, Value, join, shown
+from symrender.jit.body import double, whole
+from symrender.jit.tangents import Tangents
+from symrender.jit.types import B1, F8, I8, M8, U8, Array, Element, Scalar, Tuple, Type, Value, join, shown
 
 TRUE: Final = Value(B1, ("true",))
 FALSE: Final = Value(B1, ("false",))
@@ -34,7 +35,7 @@ def literal(number: bool | int | float) -> Value:
     return Value(F8, (double(number),))
 
 
-class Arithmetic(Body):
+class Arithmetic(Tangents):
     """What is done with numbers."""
 
     def number(self, value: Value) -> Value:
@@ -67,8 +68,15 @@ class Arithmetic(Body):
         raise NotImplementedError
 
     def _scalar(self, value: Value, type: Scalar) -> Value:
-        (operand,) = value.parts
+        operand = value.parts[0]
         known = whole(operand)
+        if type == M8:
+            number = operand if value.type == F8 else self._scalar(value, F8).parts[0]
+            return Value(M8, (number, double(0.0)))
+        if value.type == M8:
+            if type == F8:
+                raise self.refuse("a number with a tangent where none has room")
+            return self._scalar(self.still(value), type)
         match value.type, type:
             case _, _ if value.type == B1 and operand in ("true", "false"):
                 return self._scalar(literal(int(operand == "true")), type)
@@ -88,6 +96,7 @@ class Arithmetic(Body):
 
     def truth(self, value: Value) -> Value:
         """Whether a number is not 0."""
+        value = self.still(value)
         (operand,) = value.parts or ("",)
         if value.type == B1:
             return value
@@ -100,6 +109,8 @@ class Arithmetic(Body):
     def alike(self, a: Value, b: Value) -> tuple[Value, Value]:
         """Both as numbers of the wider type."""
         a, b = self.number(a), self.number(b)
+        if U8 in (a.type, b.type) and M8 in (a.type, b.type):
+            return self.convert(a, M8), self.convert(b, M8)
         if {a.type, b.type} == {U8, F8}:
             return self.convert(a, F8), self.convert(b, F8)
         if a.type != b.type and U8 in (a.type, b.type):
@@ -114,6 +125,8 @@ class Arithmetic(Body):
             return self.power(a, b)
         if kind in _BITS:
             return self._bitwise(kind, a, b)
+        if M8 in (a.type, b.type):
+            return self.moving_binary(kind, self.number(a), self.number(b))
         a, b = self.alike(a, b)
         if kind is ast.Div:
             a, b = self.convert(a, F8), self.convert(b, F8)
@@ -134,7 +147,7 @@ class Arithmetic(Body):
         if a.type == b.type == B1 and kind in (ast.BitAnd, ast.BitOr, ast.BitXor):
             return Value(B1, (self.op(f"{name} i1 {a.parts[0]}, {b.parts[0]}"),))
         a, b = self.alike(a, b)
-        if a.type == F8:
+        if a.type in (F8, M8):
             raise self.refuse("bits of a float")
         if a.type == U8 and kind is ast.RShift:
             name = "lshr"
@@ -164,7 +177,10 @@ class Arithmetic(Body):
         a, b = self.number(a), self.number(b)
         exponent = whole(b.parts[0]) if b.type == I8 else None
         if exponent is not None and abs(exponent) <= _MOST_SQUARED:
-            return self._whole_power(a, exponent)
+            return self._moving_whole_power(a, exponent) if a.type == M8 else self._whole_power(a, exponent)
+        if M8 in (a.type, b.type):
+            a, b = (value if value.type == M8 else self.convert(value, F8) for value in (a, b))
+            return self.moving_power(a, b)
         if a.type == F8 and b.type == I8:
             name = self.module.runtime("float_power")
             return Value(F8, (self.op(f"call double {name}(double {a.parts[0]}, i64 {b.parts[0]})"),))
@@ -190,12 +206,20 @@ class Arithmetic(Body):
             result = self.op(f"fdiv double 1.0, {result}")
         return Value(a.type, (result,))
 
+    def _moving_whole_power(self, a: Value, exponent: int) -> Value:
+        """The value by squaring as without a tangent; the slope is n a^(n - 1) times the tangent."""
+        value, lower = self._whole_power(self.still(a), exponent), self._whole_power(self.still(a), exponent - 1)
+        if exponent == 0:
+            return value
+        slope = self.binary(ast.Mult(), literal(float(exponent)), lower)
+        return Value(M8, (value.parts[0], self.op(f"fmul double {slope.parts[0]}, {a.parts[1]}")))
+
     def compare(self, op: ast.cmpop, a: Value, b: Value) -> Value:
         """``a op b`` of numbers, a truth value."""
         if type(op) not in _COMPARE:
             raise self.refuse(f"comparison {type(op).__name__} is outside the subset")
         by_float, by_int = _COMPARE[type(op)]
-        a, b = self.alike(a, b)
+        a, b = self.alike(self.still(a), self.still(b))
         if a.type == F8:
             return Value(B1, (self.op(f"fcmp {by_float} double {a.parts[0]}, {b.parts[0]}"),))
         if by_int not in ("eq", "ne"):
@@ -205,6 +229,8 @@ class Arithmetic(Body):
     def negative(self, value: Value) -> Value:
         """``-value``."""
         value = self.number(value)
+        if value.type == M8:
+            return Value(M8, tuple(self.op(f"fneg double {part}") for part in value.parts))
         (operand,) = value.parts
         if value.type == F8:
             return Value(F8, (self.op(f"fneg double {operand}"),))
@@ -219,14 +245,14 @@ class Arithmetic(Body):
         for value in values[1:]:
             best, value = self.alike(best, value)
             (beyond,) = self.compare(op, value, best).parts
-            assert isinstance(best.type, Scalar)
-            kind = best.type.llvm
-            best = Value(best.type, (self.op(f"select i1 {beyond}, {kind} {value.parts[0]}, {kind} {best.parts[0]}"),))
+            best = self.chosen(beyond, value, best)
         return best
 
     def absolute(self, value: Value) -> Value:
         """``abs(value)``."""
         value = self.number(value)
+        if value.type == M8:
+            return self.moving_call("llvm.fabs.f64", [value])
         (operand,) = value.parts
         if value.type == F8:
             return Value(F8, (self.op(f"call double {self.module.runtime('llvm.fabs.f64')}(double {operand})"),))
@@ -236,6 +262,9 @@ class Arithmetic(Body):
 
     def read_number(self, element: Element, address: str, remark: str = "") -> Value:
         """The number at an address."""
+        if element.scalar == M8:
+            other = self.op(f"getelementptr inbounds double, ptr {address}, i64 1")
+            return Value(M8, tuple(self.op(f"load double, ptr {place}{remark}") for place in (address, other)))
         raw = self.op(f"load {element.llvm}, ptr {address}{remark}")
         if element.scalar == B1:
             return Value(B1, (self.op(f"icmp ne i8 {raw}, 0"),))
@@ -248,6 +277,12 @@ class Arithmetic(Body):
         """Store a number, converted as an assignment to an array's element converts it."""
         if not isinstance(value.type, Scalar):
             raise self.refuse(f"{shown(value.type)} stored in an array of {element.name}")
+        if element.scalar == M8:
+            number, slope = self.convert(value, M8).parts
+            other = self.op(f"getelementptr inbounds double, ptr {address}, i64 1")
+            self.do(f"store double {number}, ptr {address}")
+            self.do(f"store double {slope}, ptr {other}")
+            return
         (operand,) = self.convert(value, element.scalar).parts
         if element.scalar == B1:
             operand = self.op(f"zext i1 {operand} to i8")

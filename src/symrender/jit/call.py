@@ -10,7 +10,7 @@ import numpy as np
 
 from symrender.jit.program import Site
 from symrender.jit.refused import Refused
-from symrender.jit.types import B1, F8, U8, Bundle, Nothing, Scalar, Tuple, Type, parts_of
+from symrender.jit.types import B1, F8, M8, U8, Bundle, Nothing, Scalar, Tuple, Type, parts_of
 
 
 class Loaded:
@@ -44,6 +44,8 @@ class Loaded:
 
 def _codes(type: Type) -> list[str]:
     match type:
+        case Scalar() if type == M8:
+            return ["d", "d"]
         case Scalar():
             return ["d" if type == F8 else "Q" if type == U8 else "q"]
         case Tuple(items=items) | Bundle(items=items):
@@ -72,6 +74,9 @@ def flatten(value: Any, key: list[Any], given: list[Any]) -> None:
         key.append(value.dtype)
         # an array of its bytes tells the address ten times faster than the record does
         given.append(np.frombuffer(value, np.uint8).__array_interface__["data"][0])
+    elif isinstance(value, complex):
+        key.append(kind)
+        given += (value.real, value.imag)
     else:
         key.append(kind)
         if value is not None:
@@ -86,6 +91,8 @@ def _result(type: Type, slots: Any) -> tuple[Any, Any]:
         case Scalar():
             if type == F8:
                 return float(slots[:1].view(np.float64)[0]), slots[1:]
+            if type == M8:
+                return complex(*slots[:2].view(np.float64)), slots[2:]
             if type == U8:
                 return np.uint64(slots[:1].view(np.uint64)[0]), slots[1:]
             return (bool(slots[0]) if type == B1 else int(slots[0])), slots[1:]

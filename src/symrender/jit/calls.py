@@ -11,8 +11,9 @@ from typing import Any, Final
 import numpy as np
 
 from symrender.jit.arithmetic import literal
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.places import Places
-from symrender.jit.types import B1, F8, I8, U8, Array, Bundle, Scalar, Static, Tuple, Value, shown
+from symrender.jit.types import B1, F8, I8, M8, U8, Array, Bundle, Scalar, Static, Tuple, Value, shown
 
 _UNARY: Final[dict[object, str]] = {
     math.sqrt: "llvm.sqrt.f64", math.exp: "llvm.exp.f64", math.log: "llvm.log.f64", math.log10: "llvm.log10.f64",
@@ -39,6 +40,8 @@ class Calls(Places):
 
     def call(self, callee: Any, values: list[Value], names: dict[str, Value]) -> Value:
         """``callee(*values, **names)``."""
+        if callee in (moves, held, tangent, moved):
+            return self._of_tangents(callee, values)
         if isinstance(callee, FunctionType):
             return self.call_function(callee, values, names)
         if isinstance(callee, type) and issubclass(callee, tuple) and hasattr(callee, "_fields"):
@@ -46,6 +49,18 @@ class Calls(Places):
         if names:
             raise self.refuse(f"a named argument of {callee!r}")
         return self._call_known(callee, values)
+
+    def _of_tangents(self, callee: Any, values: list[Value]) -> Value:
+        """The functions of ``moving.py``."""
+        value = self.number(values[0])
+        if callee is moves:
+            return literal(value.type == M8)
+        if callee is moved:
+            numbers = [self.convert(self.still(self.number(each)), F8) for each in values]
+            return Value(M8, (numbers[0].parts[0], numbers[1].parts[0]))
+        if callee is held:
+            return self.still(value)
+        return Value(F8, (value.parts[1],)) if value.type == M8 else literal(0.0)
 
     def call_function(self, callee: FunctionType, values: list[Value], names: dict[str, Value]) -> Value:
         """Call of a function that is translated too."""
@@ -66,7 +81,8 @@ class Calls(Places):
                 value = self.number(values[0])
                 return value if value.type == I8 else self.convert(self._external(_ROUNDED[callee], [value]), I8)
             case _ if callee in _CONVERTED and count == 1:
-                return self.convert(self._scalar_only(values[0]), _CONVERTED[callee])
+                value, wanted = self._scalar_only(values[0]), _CONVERTED[callee]
+                return value if value.type == M8 and wanted == F8 else self.convert(value, wanted)
             case builtins.max | builtins.min:
                 if count == 1 and isinstance(values[0].type, Tuple):
                     values = self.items(values[0])
@@ -82,13 +98,13 @@ class Calls(Places):
     def _call_rare(self, callee: Any, values: list[Value]) -> Value:
         match callee, values:
             case math.isnan, [value]:
-                (x,) = self.convert(self.number(value), F8).parts
+                (x,) = self.convert(self.number(self.still(value)), F8).parts
                 return Value(B1, (self.op(f"fcmp uno double {x}, {x}"),))
             case ((math.isinf | math.isfinite), [value]):
-                (x,) = self.absolute(self.convert(self.number(value), F8)).parts
+                (x,) = self.absolute(self.convert(self.number(self.still(value)), F8)).parts
                 kind = "oeq" if callee is math.isinf else "olt"
                 return Value(B1, (self.op(f"fcmp {kind} double {x}, {literal(math.inf).parts[0]}"),))
-            case math.ldexp, [value, exponent]:
+            case math.ldexp, [value, exponent] if value.type != M8:
                 (x,) = self.convert(self.number(value), F8).parts
                 (n,) = self._scalar_only(exponent).parts
                 if exponent.type != I8:
@@ -100,9 +116,12 @@ class Calls(Places):
         raise self.refuse(f"a call of {module}.{name} with {len(values)} arguments is outside the subset")
 
     def _external(self, name: str, values: list[Value]) -> Value:
-        operands = [self.convert(self.number(value), F8).parts[0] for value in values]
-        listed = ", ".join(f"double {operand}" for operand in operands)
-        return Value(F8, (self.op(f"call double {self.module.runtime(name)}({listed})"),))
+        numbers = [value if value.type == M8 else self.convert(self.number(value), F8) for value in values]
+        if M8 in (value.type for value in numbers):
+            if name == "llvm.pow.f64":
+                return self.moving_power(*numbers)
+            return self.moving_call(name, numbers)
+        return Value(F8, (self.external(name, *(value.parts[0] for value in numbers)),))
 
     def _scalar_only(self, value: Value) -> Value:
         if not isinstance(value.type, Scalar):

@@ -13,6 +13,7 @@ from symrender.jit.places import Index, Span
 from symrender.jit.refused import Refused
 from symrender.jit.types import (
     B1,
+    M8,
     NOTHING,
     Bundle,
     Record,
@@ -219,6 +220,8 @@ class Expressions(Calls):
             if not -len(items) <= int(operand) < len(items):
                 raise self.refuse(f"item {operand} of {len(items)}")
             return items[int(operand)]
+        if any(item.type == M8 for item in items):
+            return self._moving_item(items, operand)
         if not isinstance(index.type, Scalar) or not items or any(item.type != items[0].type for item in items):
             raise self.refuse(f"{shown(value.type)} has no item at {shown(index.type)}")
         kind = items[0].type
@@ -231,6 +234,14 @@ class Expressions(Calls):
             table = self.stack(kind, [item.parts[0] for item in items])
         address = self.op(f"getelementptr inbounds {kind.llvm}, ptr {table}, i64 {operand}")
         return Value(kind, (self.op(f"load {kind.llvm}, ptr {address}"),))
+
+    def _moving_item(self, items: list[Value], operand: str) -> Value:
+        """One of several numbers of which some have a tangent."""
+        found = self.convert(self.number(items[0]), M8)
+        for k, item in enumerate(items[1:], 1):
+            here = self.op(f"icmp eq i64 {operand}, {k}")
+            found = self.chosen(here, self.convert(self.number(item), M8), found)
+        return found
 
     def stack(self, kind: Scalar, operands: list[str]) -> str:
         """Numbers side by side on the stack."""

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from types import FunctionType
 from typing import Any, Final
 
+from symrender.errors import Unsupported
 from symrender.jit.call import Loaded, flatten
 from symrender.jit.closure import closure_texts
 from symrender.jit.machine import loaded, machine_code
@@ -19,7 +20,7 @@ from symrender.jit.refused import Refused
 from symrender.jit.shelf import own_shelf, package_shelves
 from symrender.jit.shipped import ship
 from symrender.jit.told import about_to_compile
-from symrender.jit.types import Type, result_of, type_of
+from symrender.jit.types import Type, moves_in, result_of, type_of
 
 MODES: Final = ("auto", "llvm", "numba", "checked")
 """Values of ``SYMRENDER_COMPILER``: translated, and by Numba where that is refused; translated or an error; Numba; as
@@ -73,7 +74,7 @@ class Kernel:
     def _make(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         chosen = mode()
         if chosen == "numba" or self.options.get("fastmath"):
-            return self._fallback(None)
+            return self._fallback(None, arguments)
         checked = chosen == "checked"
         try:
             types = tuple(map(type_of, arguments))
@@ -84,10 +85,14 @@ class Kernel:
         except Refused as error:
             if chosen != "auto":
                 raise
-            return self._fallback(error)
+            return self._fallback(error, arguments)
 
-    def _fallback(self, error: Exception | None) -> Callable[..., Any]:
+    def _fallback(self, error: Exception | None, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         from symrender.jit.fallback import dispatcher
+
+        if any(moves_in(type_of(argument)) for argument in arguments):
+            # to Numba they would be complex numbers
+            raise error or Unsupported("SYMRENDER_COMPILER: numba knows no numbers with a tangent; choose auto or llvm")
 
         if error is not None:
             _log.warning("kernel %s is left to Numba, which takes minutes: %s", self.function.__name__, error)

@@ -26,10 +26,12 @@ class Scalar:
 
 
 F8: Final = Scalar("float64", "double")
+M8: Final = Scalar("moving64", "double")
+"""A float64 that moves with a parameter: its value, then its tangent."""
 I8: Final = Scalar("int64", "i64")
 U8: Final = Scalar("uint64", "i64")
 B1: Final = Scalar("bool", "i1")
-_RANK: Final = {B1: 0, I8: 1, F8: 2}
+_RANK: Final = {B1: 0, I8: 1, F8: 2, M8: 3}
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,7 @@ class Element:
 
 _ELEMENTS: Final = {
     "<f8": Element("float64", "double", 8, F8),
+    "<c16": Element("moving64", "[2 x double]", 16, M8),
     "<i8": Element("int64", "i64", 8, I8),
     "<u8": Element("uint64", "i64", 8, U8),
     "<i4": Element("int32", "i32", 4, I8),
@@ -122,11 +125,27 @@ class Value:
     parts: tuple[str, ...] = ()
 
 
+def moves_in(type: Type | Element | Block) -> bool:
+    """Whether a number with a tangent lies in what is of this type."""
+    match type:
+        case Scalar():
+            return type == M8
+        case Element(scalar=scalar):
+            return scalar == M8
+        case Array(element=element) | Block(element=element):
+            return moves_in(element)
+        case Record(fields=fields):
+            return any(moves_in(kind) for _, _, kind in fields)
+        case Tuple(items=items) | Bundle(items=items):
+            return any(map(moves_in, items))
+    return False
+
+
 def parts_of(type: Type) -> tuple[str, ...]:
     """LLVM types of the parts of a value."""
     match type:
         case Scalar():
-            return (type.llvm,)
+            return (type.llvm,) * (2 if type == M8 else 1)
         case Array():
             return ("ptr", *("i64",) * (type.ndim if type.contiguous else 2 * type.ndim))
         case Tuple():
@@ -205,6 +224,8 @@ def type_of(value: Any) -> Type:
     match value:
         case float():
             return F8
+        case complex():
+            return M8
         case np.ndarray():
             if not value.flags.aligned:
                 raise Refused("an array is not aligned")
@@ -254,4 +275,4 @@ def result_of(named: Any) -> Type:
         return NOTHING
     if isinstance(named, list):
         return Tuple(tuple(map(result_of, named)))
-    return {each.name: each for each in (F8, I8, U8, B1)}[named]
+    return {each.name: each for each in (F8, M8, I8, U8, B1)}[named]

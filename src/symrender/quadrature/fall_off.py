@@ -137,6 +137,21 @@ def most_floor_light(view: View) -> float:
     return light
 
 
+@inlined
+def light_beyond(distance: float, view: View, chart: Chart) -> float:
+    """No floor point so far from the foot gets more from all lights together."""
+    light = 0.0
+    for i in range(view.points.shape[0]):
+        p = view.points[i]
+        rise = max(0.0, p.position[2] + p.radius)
+        x, y = p.position[0] - chart.point[0], p.position[1] - chart.point[1]
+        apart = max(0.0, distance - math.sqrt(x * x + y * y) - p.radius)
+        if rise > 0.0:
+            square = rise * rise + apart * apart
+            light += most_light(p, square) * rise / math.sqrt(square)
+    return light
+
+
 def glow_bound(arrays: SceneArrays, glows: Table[Glow] | None) -> float:
     """No place sends more radiance of skies and lamps on."""
     if glows is None:

@@ -26,6 +26,7 @@ from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.roots import quadratic_roots, quartic_roots
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.leaves import slopes
 from symrender.quadrature.fall_off import most_floor_light, most_light
@@ -346,9 +347,14 @@ def remainders_of(
 
 
 @inlined
-def tail_of_squares(rows: Table[Remainder], n: int) -> float:
-    """Estimate of what ``n`` places leave of the deviation, in units of its value."""
+def tail_of_squares(rows: Table[Remainder], n: int, foot: float = 0.0) -> float:
+    """Estimate of what ``n`` places leave of the deviation, in its units; ``foot``: how fast the point's foot moves."""
     total = 0.0
     for k in range(n):
-        total += rows[k].left
+        if moves(rows[k].left):
+            # a wave turns as its place runs over the checker
+            speed = abs(tangent(rows[k].x)) + abs(tangent(rows[k].y)) + foot
+            total += moved(held(rows[k].left), speed * held(rows[k].swing))
+        else:
+            total += rows[k].left
     return REST * total

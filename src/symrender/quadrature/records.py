@@ -28,6 +28,8 @@ class Panel(Record):
     """Azimuth of a line of another structure than the first line's, or NaN."""
     settled: int
     """1 for a panel that no cut can improve."""
+    blind: float
+    """Where numbers move: part of the panel's tangent that may lie in the sliver by an end found by halving."""
     bound: float
     """What the panel can hold at most."""
     per_radian: float

@@ -24,13 +24,14 @@ from symrender.chambers.lobes.width import width_at
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
-from symrender.quadrature.fall_off import most_floor_light, most_light
+from symrender.quadrature.fall_off import light_beyond, most_floor_light, most_light
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
 from symrender.quadrature.records import Conic, Remainder
-from symrender.quadrature.split_line import tail_error
+from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
 from symrender.quadrature.split_square import cut_square, floor_nodes, seen
 
 Array = npt.NDArray[np.float64]
@@ -48,21 +49,6 @@ SMALLEST = 1e-6
 """Side of the smallest part of a square, in squares."""
 SMALLEST_CUT = 0.05
 """The same where walls cross it: they are cut in closed form, and quarters help little."""
-
-
-@inlined
-def light_beyond(distance: float, view: View, chart: Chart) -> float:
-    """No floor point so far from the foot gets more from all lights together."""
-    light = 0.0
-    for i in range(view.points.shape[0]):
-        p = view.points[i]
-        rise = max(0.0, p.position[2] + p.radius)
-        x, y = p.position[0] - chart.point[0], p.position[1] - chart.point[1]
-        apart = max(0.0, distance - math.sqrt(x * x + y * y) - p.radius)
-        if rise > 0.0:
-            square = rise * rise + apart * apart
-            light += most_light(p, square) * rise / math.sqrt(square)
-    return light
 
 
 @jitable
@@ -207,6 +193,7 @@ def smooth_block(
     floor_nodes(n * n, 1, step, reach, lobe, view, work, gauss)
     whole, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0
     middle_x, middle_y, lower_y = 0.0, 0.0, 0.0
+    steep, steep_last, steep_before, steep_middle = 0.0, 0.0, 0.0, 0.0
     for t in range(9):
         out[t] = 0.0
     for q in range(n):
@@ -234,17 +221,25 @@ def smooth_block(
         last_x += abs(last)
         before_x += abs(before)
         middle_x += max(abs(middle), abs(lower))
+        steep += abs(tangent(line))
+        steep_last += abs(tangent(last))
+        steep_before += abs(tangent(before))
+        steep_middle += max(abs(tangent(middle)), abs(tangent(lower)))
         last_y += line * gauss[2, base + q]
         before_y += line * gauss[3, base + q]
         middle_y += line * gauss[MIDDLE, base + q]
         lower_y += line * gauss[MIDDLE + 1, base + q]
-    if level == 0:
-        middle_y = max(abs(middle_y), abs(lower_y))
-        along = tail_error(n, last_x, before_x, middle_x, whole, log_rho)
-        return float(along + tail_error(n, last_y, before_y, middle_y, whole, log_rho))
-    # the rule leaves out what the next coefficients hold, times the mean of the signs times their polynomial
-    top_x, top_y = max(last_x, 0.5 * before_x), max(abs(last_y), 0.5 * abs(before_y))
-    return 2.0 * (top_x + top_y) * 2.0**-level * math.exp(-0.5 * log_rho)
+    miss = block_error(
+        n, level, last_x, before_x, middle_x, abs(last_y), abs(before_y), max(abs(middle_y), abs(lower_y)), whole,
+        log_rho,
+    )  # fmt: skip
+    if moves(miss):
+        missed = block_error(
+            n, level, steep_last, steep_before, steep_middle, abs(tangent(last_y)), abs(tangent(before_y)),
+            max(abs(tangent(middle_y)), abs(tangent(lower_y))), steep, held(log_rho),
+        )  # fmt: skip
+        return moved(held(miss), missed)
+    return miss
 
 
 @jitable
@@ -272,6 +267,7 @@ def grid_once(
         x, y, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
         half = 0.5 * side
         bound, span, near = block_bound(x, y, side, reach, light, lobe, view.points, chart)
+        bound = held(bound)
         if bound <= aim / (1.0 + near / cell):
             error += bound
             continue
@@ -346,6 +342,8 @@ def split_grid(
     if count > conics.shape[0]:
         return math.inf
     whole, reach, far, east, north, beyond = grid_reach(FIRST_REACH, lobe, view, work)
+    if moves(reach):
+        note_parted_lines(conics, count, view, work)
     px, py = chart.point[0] - view.floor.offset[0], chart.point[1] - view.floor.offset[1]
     ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     out, best = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]
@@ -360,10 +358,11 @@ def split_grid(
         )  # fmt: skip
         change, tail = 0.0, 0.0
         if not whole:
-            for t in range(3):
-                change = max(change, 3.0 * abs(out[t] - out[3 + t]), 6.0 * abs(out[t] - out[6 + t]))
+            change = taper_change(out)
             tail = tail_of_squares(
-                remainders, remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders)
+                remainders,
+                remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders),
+                abs(tangent(px)) + abs(tangent(py)),
             )
         out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if out_of_budget and change > 0.3 * tol:
@@ -386,4 +385,4 @@ def split_grid(
     sign = 1.0 if (ci + cj) % 2 == 0 else -1.0
     for t in range(3):
         value[t] += sign * best[t]
-    return found + beyond
+    return found + held(beyond)

@@ -24,6 +24,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.leaves import values
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, nodes, order
 from symrender.quadrature.glow_nodes import add_glows
@@ -332,7 +333,7 @@ def piece_error(row: Piece, b: Nodes, blunt: bool, gauss: Array) -> tuple[float,
     """Integral of the largest magnitude over a piece, and the error of its rule by its Legendre coefficients.
 
     Magnitudes are taken channel by channel: beside a background brighter than it in one of them, the sum of all three
-    may be nothing where each holds much.
+    may be nothing where each holds much. Where numbers move, the tangents of both are the same of their tangents.
     """
     n, first = row.count, row.first
     base = n * (n - 1) // 2
@@ -347,6 +348,8 @@ def piece_error(row: Piece, b: Nodes, blunt: bool, gauss: Array) -> tuple[float,
         x1, y1, z1 = x1 + red * top, y1 + green * top, z1 + blue * top
         x2, y2, z2 = x2 + red * second, y2 + green * second, z2 + blue * second
     last, before = abs(x1) + abs(y1) + abs(z1), abs(x2) + abs(y2) + abs(z2)
+    last_slope, before_slope = slope_sum(x1, y1, z1), slope_sum(x2, y2, z2)
+    middle_slope = 0.0
     if n >= 6:
         x1 = y1 = z1 = x2 = y2 = z2 = 0.0
         for q in range(n):
@@ -355,13 +358,35 @@ def piece_error(row: Piece, b: Nodes, blunt: bool, gauss: Array) -> tuple[float,
             x1, y1, z1 = x1 + red * half, y1 + green * half, z1 + blue * half
             x2, y2, z2 = x2 + red * under, y2 + green * under, z2 + blue * under
         middle = max(abs(x1) + abs(y1) + abs(z1), abs(x2) + abs(y2) + abs(z2))
-    miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, row.log_rho)
+        middle_slope = max(slope_sum(x1, y1, z1), slope_sum(x2, y2, z2))
+    miss = fallen_error(n, last, before, middle, whole, row.log_rho, blunt)
+    if moves(miss):
+        steep = 0.0
+        for q in range(first, first + n):
+            steep += max(abs(tangent(b.radiance[0, q])), abs(tangent(b.radiance[1, q])), abs(tangent(b.radiance[2, q])))
+        missed = fallen_error(n, last_slope, before_slope, middle_slope, steep, held(row.log_rho), blunt)
+        return moved(held(whole), steep), moved(held(miss), missed)
+    return whole, miss
+
+
+@inlined
+def slope_sum(x: float, y: float, z: float) -> float:
+    """Sum of the magnitudes of three tangents."""
+    return abs(tangent(x)) + abs(tangent(y)) + abs(tangent(z))
+
+
+@inlined
+def fallen_error(
+    n: int, last: float, before: float, middle: float, whole: float, log_rho: float, blunt: bool
+) -> float:  # fmt: skip
+    """Error of the rule of a piece by its coefficients, each the sum of three channels' magnitudes."""
+    miss = tail_error(n, 0.5 * last, 0.5 * before, 0.5 * middle, whole, log_rho)
     if n > 2:
         # the last coefficients may be small by chance, but from there on they fall as the nearest singularity lets them
-        miss = max(miss, 0.5 * max(last, 0.5 * before) * math.exp(-(n + 1) * row.log_rho))
+        miss = max(miss, 0.5 * max(last, 0.5 * before) * math.exp(-(n + 1) * log_rho))
     if blunt and n > 1:
         miss = max(miss, 0.5 * last, 0.25 * before)
-    return whole, miss
+    return miss
 
 
 @inlined
@@ -437,9 +462,9 @@ def integrate_cells(
         for piece in range(pieces):
             row = table[piece]
             n, start, stop = row.count, row.start, row.stop
-            held, miss = piece_error(row, b, blunt or (faint and stop > AT_HORIZON), gauss)
-            miss += row.unseen
-            tame = miss <= promise * (held + small * (size + whole)) + idle
+            holds, miss = piece_error(row, b, blunt or (faint and stop > AT_HORIZON), gauss)
+            miss += held(row.unseen)
+            tame = miss <= promise * (holds + small * (size + whole)) + idle
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
                 if n <= max(step, 4) and row.wary == 0.0:
@@ -455,6 +480,6 @@ def integrate_cells(
                 red += b.radiance[0, i]
                 green += b.radiance[1, i]
                 blue += b.radiance[2, i]
-            size += held
-            error += miss + row.doubt
+            size += holds
+            error += miss + held(row.doubt)
     out[0], out[1], out[2], out[3], out[4], out[5] = red, green, blue, size, error, peak

@@ -30,6 +30,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, NODE_GAP, order
 from symrender.quadrature.records import Panel, Span
@@ -44,6 +45,8 @@ PANEL = 40
 """Where the sums of a line and of a panel lie in the scratch array."""
 MAX_FIRST = 3
 """Most lines of a panel's first estimate."""
+NARROW = 1e-13
+"""Share of a span in which an event is found by halving where numbers move."""
 MUCH = 40.0
 """How many times its share a panel with events inside may hold and still be tried in one piece."""
 MAX_KINKED = 5
@@ -242,9 +245,9 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
     if n < panels.shape[0]:
         p = panels[n]
         p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.step = a, b, kind_a, kind_b, -1
-        p.roots[0] = p.roots[1] = 0.0
+        p.roots[0] = p.roots[1] = p.blind = 0.0
         p.value[0] = p.value[1] = p.value[2] = 0.0
-        p.bound = p.error = panel_bound(a, b, work.chart)
+        p.bound = p.error = held(panel_bound(a, b, work.chart))
         p.inside = p.settled = 0
         p.foreign = math.nan
         p.per_radian = 0.0
@@ -322,6 +325,7 @@ def split_span(
         right, right_signature = left, left_signature
     start, start_kind = a, kind_a
     start_signature = left_signature
+    first, sliver = n, 0.0
     while top > 0:
         top -= 1
         left, right = spans[top].left, spans[top].right
@@ -329,9 +333,9 @@ def split_span(
         if ls == rs:
             continue
         span = right - left
-        narrow = span < max(1e-8 * width, 1e-12)
+        narrow = span < (max(NARROW * width, 1e-14) if moves(span) else max(1e-8 * width, 1e-12))
         if narrow or top + 3 >= spans.shape[0] or n + top + SPARE >= panels.shape[0] or is_spent(work):
-            middle = 0.5 * (left + right)
+            middle = held(0.5 * (left + right))
             if not narrow and (ls == 0 or rs == 0):
                 # what was not looked at may be seen, whatever its ends see
                 if start_signature == 0:
@@ -343,6 +347,7 @@ def split_span(
                 continue
             if start_signature != 0:
                 n = add_panel(panels, n, start, middle, start_kind, ROOT, work)
+            sliver = max(sliver, held(span))
             start, start_kind, start_signature = middle, ROOT, rs
             continue
         phi = find_crossing(left, right, view, work, ids, scratch)
@@ -385,6 +390,10 @@ def split_span(
         top += 2
     if start_signature != 0:
         n = add_panel(panels, n, start, b, start_kind, kind_b, work)
+    if moves(width):
+        # of what opens there like a square root, a sliver holds so much of the tangent
+        for k in range(first, min(n, panels.shape[0])):
+            panels[k].blind = math.sqrt(sliver / max(held(panels[k].ends[1] - panels[k].ends[0]), 1e-300))
     return n
 
 
@@ -426,6 +435,48 @@ def panel_order(step: int, log_rho: float) -> int:
     if step == 0:
         return min(MAX_FIRST, order(0, log_rho))
     return min(MAX_ORDER, order(step, log_rho) + 1)
+
+
+@inlined
+def stretched(w: float) -> float:
+    """A weight, no smaller for what its panel grows by."""
+    if moves(w):
+        return moved(held(w), abs(tangent(w)))
+    return w
+
+
+@inlined
+def steepest(x: float, y: float, z: float) -> float:
+    """Largest magnitude of three tangents."""
+    return max(abs(tangent(x)), abs(tangent(y)), abs(tangent(z)))
+
+
+@inlined
+def rule_error(
+    p: Panel, n: int, step: int, last: float, before: float, middle: float, lower: float, size: float, bound: float,
+    thin: float, dense: float, uneven: bool, view: View, work: Work,
+) -> float:  # fmt: skip
+    """Error of a panel's rule of ``n`` lines by the last coefficients across them.
+
+    Of what the panel holds, and where numbers move of what that changes by: coefficients, ``size``, ``bound`` and
+    ``thin`` are then of the tangents. Arguments are many because they are asked of both.
+    """
+    if step == 0:
+        return max(bound, 10.0 * size * dense)
+    if uneven:
+        return 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
+    log_rho, slow, share = held(p.log_rho), held(p.slow), held(p.share)
+    top = max(last, 0.5 * before)
+    known = max(top * math.exp(-(n + 1) * log_rho), WEAK * top * math.exp(-(n + 1) * slow))
+    # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
+    known = max(known, share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n)))
+    if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
+        known = max(known, last, 0.5 * before)
+    error = 2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known)
+    if p.glare > 0 and top > UNFALLEN * size:
+        # what lies of a highlight between lines may be far brighter than on them
+        error = max(error, min(bound, FLANK * size))
+    return error
 
 
 @inlined
@@ -494,8 +545,9 @@ def evaluate_panel(
         w = gauss[1, base + q] * slope
         for i in range(3):
             out[i] += w * line[i]
-        out[4] += w * line[3]
-        inner += w * line[4]
+        grown = stretched(w)
+        out[4] += grown * line[3]
+        inner += grown * line[4]
         t = w * gauss[2, base + q]
         last0 += t * line[0]
         last1 += t * line[1]
@@ -516,23 +568,23 @@ def evaluate_panel(
     before = max(abs(before0), abs(before1), abs(before2))
     middle, lower = max(abs(middle0), abs(middle1), abs(middle2)), max(abs(lower0), abs(lower1), abs(lower2))
     size = out[4]
+    uneven = out[5] > 0.0 or foreign == foreign
+    dense = 1.0
     if step == 0:
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there: that a panel
         # holds little is believed of its bound only
-        error = max(p.bound, 10.0 * size * max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300)))
-    elif out[5] > 0.0 or foreign == foreign:
-        error = 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
-    else:
-        top = max(last, 0.5 * before)
-        known = max(top * math.exp(-(n + 1) * p.log_rho), WEAK * top * math.exp(-(n + 1) * p.slow))
-        # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
-        known = max(known, p.share * size * math.exp(-2.0 * n * p.slow) / (2.0 * n * math.sqrt(2.0 * n)))
-        if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
-            known = max(known, last, 0.5 * before)
-        error = 2.0 * max(across_error(n, last, before, middle, lower, size, p.log_rho), known)
-        if p.glare > 0 and top > UNFALLEN * size:
-            # what lies of a highlight between lines may be far brighter than on them
-            error = max(error, min(p.bound, FLANK * size))
+        dense = max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
+    error = rule_error(
+        p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work
+    )
+    if moves(error):
+        rate = tangent(size) / max(held(size), 1e-300)
+        missed = rule_error(
+            p, n, step, steepest(last0, last1, last2), steepest(before0, before1, before2),
+            steepest(middle0, middle1, middle2), steepest(lower0, lower1, lower2), tangent(size),
+            rate * held(p.bound), rate * held(thin), held(dense), uneven, view, work,
+        )  # fmt: skip
+        error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size
@@ -551,7 +603,7 @@ def rough_panel(p: Panel, view: View, work: Work, gauss: Array, scratch: Array) 
     integrate_cells(phi, 2, view, work, gauss, line)
     for i in range(3):
         p.value[i] = width * line[i]
-    p.error = width * line[3]
+    p.error = stretched(width) * line[3]
     p.step = 1
     p.settled = 1
 
@@ -577,7 +629,7 @@ def cut_panel(
     """
     start, stop, first_kind, last_kind = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
     left, right = start - p.roots[0], stop + p.roots[1]
-    mean, first = p.per_radian, n
+    mean, first, blind = p.per_radian, n, p.blind
     margin = 1e-9 * (stop - start)
     slot, begin = i, start
     for e in range(many + 1):
@@ -595,9 +647,9 @@ def cut_panel(
             panels[slot].roots[0] = near if kind == ROOT else 0.0
             panels[slot].roots[1] = far if end_kind == ROOT else 0.0
         slot, begin = n, phi
-    panels[i].per_radian = mean
+    panels[i].per_radian, panels[i].blind = mean, blind
     for k in range(first, min(n, panels.shape[0])):
-        panels[k].per_radian = mean
+        panels[k].per_radian, panels[k].blind = mean, blind
     return n
 
 
@@ -698,12 +750,12 @@ def split_chart(
                 bad += 1
                 continue
             need = step + 1
-            held = p.error if step > 0 else 10.0 * p.per_radian * width
-            if step < 0 and (p.inside > 0.0 or held > 3.0 * share or p.glare > MAX_FIRST):
+            holds = p.error if step > 0 else 10.0 * p.per_radian * width
+            if step < 0 and (p.inside > 0.0 or holds > 3.0 * share or p.glare > MAX_FIRST):
                 need = 1
             if p.inside == 0.0 and need > 0:
                 # a first estimate is ten times what the panel holds
-                aim = LEVELS[max(0, step)] + math.log(max(held, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
+                aim = LEVELS[max(0, step)] + math.log(max(holds, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
                 while need + 1 < len(LEVELS) and LEVELS[need] < aim:
                     need += 1
             if need >= len(LEVELS) or p.glare > MAX_ORDER or (step >= 0 and panel_order(need, p.log_rho) >= MAX_ORDER):
@@ -715,10 +767,11 @@ def split_chart(
                 middle = highlight_end(p.ends[0], p.ends[1], work)
                 right, kind = p.ends[1], p.kinds[1]
                 left, left_kind = p.ends[0], p.kinds[0]
-                near, far = p.roots[0], p.roots[1]
+                near, far, blind = p.roots[0], p.roots[1], p.blind
                 add_panel(panels, i, left, middle, left_kind, SMOOTH, work)
                 n = add_panel(panels, n, middle, right, SMOOTH, kind, work)
                 p.roots[0], panels[n - 1].roots[1] = near, far
+                p.blind = panels[n - 1].blind = blind
                 continue
             foreign = evaluate_panel(p, need, view, work, gauss, events, m, out, scratch)
             if out[3] == math.inf:
@@ -729,7 +782,9 @@ def split_chart(
             p.inside = out[5]
             p.foreign = foreign
             p.per_radian = out[4] / width
-    error = left_out + rounded_walls(work)
+            if moves(width):
+                p.per_radian = moved(held(p.per_radian), tangent(out[4]) / held(width))
+    error = held(left_out) + held(rounded_walls(work))
     for i in range(work.counts.walls):
         if work.walls[i].met != 0.0:
             work.counts.crossings += 1
@@ -739,4 +794,9 @@ def split_chart(
         value[1] += p.value[1]
         value[2] += p.value[2]
         error += SAFETY * p.error
+        if moves(error) and p.step >= 0:
+            width = held(p.ends[1] - p.ends[0])
+            scratch[62] += held(p.per_radian) * width
+            scratch[63] += tangent(p.per_radian) * width
+            scratch[64] += SAFETY * held(p.error) if p.step > 0 else 0.0
     return error, bad

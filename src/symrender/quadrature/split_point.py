@@ -35,6 +35,7 @@ from symrender.chambers.work import (
 )
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
+from symrender.jit.moving import held, moves
 from symrender.jit.records import Table, table
 from symrender.quadrature.fall_off import TOUCHING, chart_bound, glow_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.gauss import gauss_table
@@ -43,10 +44,12 @@ from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
 from symrender.quadrature.records import Conic, Panel, Remainder, Span
+from symrender.quadrature.rule_errors import slope_error
 from symrender.quadrature.split_grid import split_grid
-from symrender.quadrature.split_panel import split_chart
+from symrender.quadrature.split_panel import split_chart, stretched
 from symrender.quadrature.split_setup import (
     CAPPED,
+    EVENT,
     MET,
     NEAR_TANGENT,
     UNSUPPORTED,
@@ -129,7 +132,8 @@ def gloss_kernel(
             evaluations[i], chambers[i], crossings[i] = work.counts.evaluations, 1, 0
             status[i] = MET if error[i] <= tol else CAPPED
             continue
-        total = lobe_setup(n, theta_max, 0.0 if falling else tol, bound, chart.lobe) * bound
+        total = held(lobe_setup(n, theta_max, 0.0 if falling else tol, bound, chart.lobe) * bound)
+        scratch[62] = scratch[63] = scratch[64] = 0.0
         if falling:
             end_at_horizon(normals[i], lobe, chart.lobe)
         if conductor:
@@ -151,7 +155,7 @@ def gloss_kernel(
                 share = facing_mass(n, theta_max, tilt, gauss)
             else:
                 share = cap_share(n, theta_max, tilt, 0.5 * math.pi, gauss)
-            total += ROUNDED_SHARE * sky if share < 1.0 else 0.0
+            total += held(ROUNDED_SHARE * sky) if share < 1.0 else 0.0
         for a in range(3):
             value[a] = view.shading.background[a] * share
         bad = 0
@@ -166,7 +170,7 @@ def gloss_kernel(
                     bright = sphere_bound(j, view, chart)
                     e = lattice_sum(j, own, spare, mass, bright, max_evaluations, view, work, value)
                     if e >= 0.0:
-                        total += e
+                        total += held(e)
                         continue
             sphere_chart(j, own, lobe, view, work)
             k = chart.ratio
@@ -174,7 +178,7 @@ def gloss_kernel(
             gap = max(0.0, chart.lobe_beta - chart.beta_max)
             most = largest_density(4.0 * math.sin(0.5 * gap) ** 2, chart.lobe) * 2.0 * math.pi * k * k * bound
             if gap < 1.5 and most < 0.1 * tol:
-                total += most
+                total += held(most)
                 continue
             put_cones(view, work)
             put_jumps(view, work)
@@ -225,7 +229,7 @@ def gloss_kernel(
                 scratch[20 + a] = 0.0
                 contrast = max(contrast, abs(half))
             if contrast > 0.0:
-                total += contrast * split_grid(
+                total += stretched(contrast) * split_grid(
                     max(0.5 * (tol - total), 0.05 * tol) / contrast, own, axis, framed, work, conics, gauss,
                     states, grid_stack, remainders, max_evaluations, scratch[20:23],
                 )  # fmt: skip
@@ -241,8 +245,8 @@ def gloss_kernel(
                 value[a] = scratch[31 + a]
         # nothing in the scene is brighter than the bound, so no error is larger
         largest = max(abs(value[0]), abs(value[1]), abs(value[2]))
-        total = min(total + 1e-15 + (1e-15 + powers) * largest, bound + largest)
-        error[i] = total
+        total = min(total + held(1e-15 + (1e-15 + powers) * largest), bound + largest)
+        error[i] = total = slope_error(total, value, scratch) if moves(total) else total
         evaluations[i] = work.counts.evaluations
         chambers[i] = work.counts.chambers
         crossings[i] = work.counts.crossings
@@ -251,11 +255,13 @@ def gloss_kernel(
             # what is no number is no value either
             error[i] = total if total == total else math.inf
             status[i] = CAPPED if bad == 0 or is_spent(work) else NEAR_TANGENT
+        if moves(total) and work.counts.parted != 0:
+            status[i] = EVENT
 
 
 @functools.lru_cache(maxsize=1)
-def _kernel() -> Any:
-    # nothing is allocated inside, so reference counting would only cost: Numba's triples the time
+def gloss_compiled() -> Any:
+    """``gloss_kernel``, compiled; it allocates nothing, so counting references would only cost."""
     return compiled(gloss_kernel, _nrt=False)
 
 
@@ -285,7 +291,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
         spans=table(Span, 256),
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=table(Event, 2048),
-        scratch=np.zeros(64),
+        scratch=np.zeros(65),
         conics=table(Conic, 3 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres) + 2 * len(points)),
         remainders=table(Remainder, MOST_REMAINDERS),
         states=np.zeros(max(1, len(points))),
@@ -383,7 +389,7 @@ def gloss_points(
     largest = max(float(scales.max(initial=0.0)), 1e-300)
     gloss, error = np.zeros((n, 3)), np.zeros(n)
     counts = [np.zeros(n, np.int64) for _ in range(4)]
-    _kernel()(
+    gloss_compiled()(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,

@@ -31,6 +31,8 @@ NEAR_TANGENT: Final = 2
 """A piece too thin to be cut further stayed unresolved; the error estimate bounds it."""
 UNSUPPORTED: Final = 3
 """The point lies inside another sphere; no value is given and the error is infinite."""
+EVENT: Final = 4
+"""The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
 GRAZING: Final = 1.2
 """Secant of an angle: circles that come no nearer to the floor's horizon do not sweep over what is far away."""
 MEETING_STEPS: Final = 2

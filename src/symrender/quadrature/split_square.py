@@ -14,6 +14,7 @@ from symrender.chambers.lobes.rows import densities, lean_square, tint
 from symrender.chambers.records import NODES, Chart, Nodes, Wall
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, nodes
@@ -219,7 +220,7 @@ def change_of_rows(
     while True:
         middle = 0.5 * (low + high)
         if not low < middle < high or high - low < 1e-13 * (abs(low) + abs(high) + x1 - x0):
-            return middle
+            return held(middle)
         share = 1.0
         for i in range(1, many - 1):
             if far[i] < 0.0 < near[i]:
@@ -273,8 +274,15 @@ def add_pieces(
             second += value * gauss[3, start + e]
             half += value * gauss[MIDDLE, start + e]
             under += value * gauss[MIDDLE + 1, start + e]
-        sums[0] += abs(whole)
-        sums[1] += tail_error(n, top, second, max(abs(half), abs(under)), abs(whole), row.log_rho)
+        miss = tail_error(n, top, second, max(abs(half), abs(under)), abs(whole), row.log_rho)
+        if moves(whole):
+            steep, between = abs(tangent(whole)), max(abs(tangent(half)), abs(tangent(under)))
+            missed = tail_error(n, tangent(top), tangent(second), between, steep, held(row.log_rho))
+            sums[0] += moved(held(abs(whole)), steep)
+            sums[1] += moved(held(miss), missed)
+        else:
+            sums[0] += abs(whole)
+            sums[1] += miss
         sums[2] += whole * gauss[2, base + q]
         sums[3] += whole * gauss[3, base + q]
         sums[4] += whole * gauss[MIDDLE, base + q]
@@ -314,6 +322,15 @@ def nearest_branch(
                     continue
             best = min(best, ellipse_sum(y, depth, a, b, kind_a, kind_b))
     return math.log(best + math.sqrt(max(0.0, best * best - 1.0))) if best < math.inf else math.inf
+
+
+@inlined
+def lines_error(
+    n: int, last: float, before: float, middle: float, lower: float, size: float, log_rho: float, branch: float
+) -> float:  # fmt: skip
+    """Error of a strip's rule of ``n`` lines by the last coefficients across them."""
+    known = max(abs(last), 0.5 * abs(before)) * math.exp(-(n + 1) * branch)
+    return 2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known)
 
 
 @inlined
@@ -379,11 +396,16 @@ def strip_integral(
     if m > 0:
         add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
     x = span / (b - a)
-    along_y = across_error(n, sums[2], sums[3], sums[4], sums[5], sums[0], math.log(x + math.sqrt(1.0 + x * x)))
-    known = max(abs(sums[2]), 0.5 * abs(sums[3])) * math.exp(
-        -(n + 1) * nearest_branch(a, b, kind_a, kind_b, pieces, crossing, conics, work)
-    )
-    out[9] = sums[1] + 2.0 * max(along_y, known)
+    log_rho = math.log(x + math.sqrt(1.0 + x * x))
+    branch = nearest_branch(a, b, kind_a, kind_b, pieces, crossing, conics, work)
+    miss = lines_error(n, sums[2], sums[3], sums[4], sums[5], sums[0], log_rho, branch)
+    out[9] = sums[1] + miss
+    if moves(miss):
+        missed = lines_error(
+            n, tangent(sums[2]), tangent(sums[3]), tangent(sums[4]), tangent(sums[5]), tangent(sums[0]), held(log_rho),
+            held(branch),
+        )  # fmt: skip
+        out[9] = moved(held(out[9]), tangent(sums[1]) + missed)
     return math.nan
 
 
@@ -438,7 +460,7 @@ def cut_square(
         if foreign == foreign:
             if b - a < 1e-9 * size or not room_left or strips > MAX_STRIPS or is_spent(work):
                 # too thin to matter, or walls that rounding moves about: all it can hold is its error
-                error += bound * (b - a) / size
+                error += held(bound * (b - a) / size)
                 continue
             cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)
             beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)

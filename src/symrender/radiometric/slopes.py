@@ -37,8 +37,8 @@ def pushed_module() -> ModuleType:
     return load_module(pushed_text())
 
 
-def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -> Seen:
-    """How that moves with the parameter of ``move``."""
+def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
+    """How the records of a scene move with the parameter of ``move``: records of the same kinds."""
     materials, shapes = table(Material, len(arrays.materials)), table(Shape, len(arrays.shapes))
     lights, directions = table(Light, len(arrays.lights)), np.zeros_like(arrays.directions)
     camera = record(Camera)
@@ -56,10 +56,21 @@ def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -
             lights[i].place[:] = turned(arrays.directions[i], directions[i])
         if light.kind == SPOT:
             lights[i].axis[:] = turned(arrays.directions[i], directions[i])
-    window = _window_moves(arrays.camera, camera, width, height)
+    return RadiometricArrays(materials, shapes, places, lights, directions, camera, arrays.bounces)
+
+
+def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -> Seen:
+    """How a world and its camera move with the parameter of ``move``."""
+    moves = record_moves(arrays, move)
+    window = _window_moves(arrays.camera, moves.camera, width, height)
+    return Seen(world_moves(arrays, moves), np.ascontiguousarray(moves.camera.eye), window)
+
+
+def world_moves(arrays: RadiometricArrays, moves: RadiometricArrays) -> World:
+    """How the world of a scene moves with its records."""
     laid, moved = (table(Piece, piece_count(arrays.shapes)) for _ in range(2))
-    _pieces_kernel()(arrays.shapes, arrays.frames, laid, shapes, places, moved)
-    return Seen(World(materials, moved, lights), np.ascontiguousarray(camera.eye), window)
+    _pieces_kernel()(arrays.shapes, arrays.frames, laid, moves.shapes, moves.frames, moved)
+    return World(moves.materials, moved, moves.lights)
 
 
 @lru_cache(maxsize=1)

@@ -95,7 +95,7 @@ class Bouncer:
         self._shaken = shaken(arrays)
         self._classes, _ = shape_classes(arrays)
         used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
-        self._highlights = max([1.0, *(float(_sharpness(m, np.ones(1))[0]) for m in used)])
+        self._highlights = max([1.0, *(float(sharpness(m, np.ones(1))[0]) for m in used)])
         self._scenes: dict[bytes, Bounce] = {}
         self._scratch: SplitWork | None = None
 
@@ -193,12 +193,8 @@ class Bouncer:
         if key not in self._scenes:
             self._scenes[key] = (lamp_scene if self._lamps else bounce_scenes)(self._arrays, turned, own)
         bounce = self._scenes[key]
-        senders = _senders(self._arrays, bounce)
-        conductors = None
-        if senders is not None:
-            conductors = table(Conductor, FIRST_SPHERE + len(senders))
-            for k, sender in enumerate(senders):
-                conductors[FIRST_SPHERE + k] = sender.conductor
+        senders = sender_rows(self._arrays, bounce)
+        conductors = conductor_rows(senders)
         most = float(max(material.bright.max(), material.dark.max()))
         place, normal, travel = hits.place[some], hits.normal[some], hits.travel[some]
         total, missed = np.zeros((len(some), 3)), np.zeros(len(some))
@@ -229,8 +225,8 @@ class Bouncer:
         light = found.indirect[some].max(axis=1)
         # what is left of the sky is a difference
         light = np.maximum(light, most * max(float(part.shading.background.max()) for part in bounce.parts))
-        astray = SLACK * ULP * np.maximum(_closeness(bounce.parts[0], place), self._nearness(own, place))
-        astray *= _sharpness(material, -(travel * normal).sum(axis=1)) + self._highlights
+        astray = SLACK * ULP * np.maximum(closeness(bounce.parts[0], place), self._nearness(own, place))
+        astray *= sharpness(material, -(travel * normal).sum(axis=1)) + self._highlights
         found.error[some] = albedo.max(axis=1) * missed + astray * light
 
     @staticmethod
@@ -242,7 +238,17 @@ class Bouncer:
         found.evaluations[some] += seen.evaluations
 
 
-def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
+def conductor_rows(senders: Table[Sender] | None) -> Table[Conductor] | None:
+    """The conductors of all hit classes of a scene whose shapes send light on so."""
+    if senders is None:
+        return None
+    rows = table(Conductor, FIRST_SPHERE + len(senders))
+    for k, sender in enumerate(senders):
+        rows[FIRST_SPHERE + k] = sender.conductor
+    return rows
+
+
+def sender_rows(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
     """How the shapes of ``bounce`` send light on; None if all are diffuse."""
     rows = table(Sender, len(bounce.shapes))
     for row, j in zip(rows, bounce.shapes, strict=True):
@@ -260,7 +266,7 @@ def _senders(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
     return rows if (rows["kind"] != LAMBERT).any() else None
 
 
-def _sharpness(material: Material, cosine: Array) -> Array:
+def sharpness(material: Material, cosine: Array) -> Array:
     """(N,) largest slope of the logarithm of what a material reflects, seen at these cosines, in the directions."""
     if material.kind == DIFFUSE:
         return np.ones(len(cosine))
@@ -273,7 +279,7 @@ def _sharpness(material: Material, cosine: Array) -> Array:
     return np.asarray(1.0 + 2.0 / material.alpha + 1.0 / np.maximum(cosine, 1e-300))
 
 
-def _closeness(part: SceneArrays, place: Array) -> Array:
+def closeness(part: SceneArrays, place: Array) -> Array:
     """(N,) by how much the roundings of places are magnified in light that falls off, at the least."""
     lights = light_rows(part, RULE)
     if not len(lights):

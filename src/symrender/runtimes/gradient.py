@@ -11,13 +11,13 @@ import numpy.typing as npt
 
 from symrender.adjoint.direct import direct_gradients
 from symrender.adjoint.lights import light_point_tangents, lights_leaving
-from symrender.adjoint.point import BUDGET, EVENT, gloss_gradients, refuse_unknown, tangents_of
+from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import scene_frames
 from symrender.jit.records import Table, copied
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
-from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
+from symrender.quadrature.split_setup import CAPPED, EVENT, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.truth import DIRECT_SHARE, lobe_weights, showing

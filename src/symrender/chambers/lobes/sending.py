@@ -86,7 +86,12 @@ def sent_shares(start: int, stop: int, b: Nodes, p: LightPoint, row: int, sender
     falling = 1.0 if p.fall == INVERSE_SQUARE else 0.0
     if senders[row].kind == POWER:
         lit_phong_rows(start, stop, x, y, z, falling, exponent, b)
-        powers(start, stop, b, exponent)
+        if exponent == 0.0:
+            # nothing is reflected below the plane across the mirror image
+            for i in range(start, stop):
+                b.power[i] = 1.0 if b.radix[i] > 0.0 else 0.0
+        else:
+            powers(start, stop, b, exponent)
         for i in range(start, stop):
             b.shares[0, i] = b.shares[1, i] = b.shares[2, i] = b.power[i]
         return

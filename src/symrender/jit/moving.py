@@ -1,0 +1,34 @@
+"""What a kernel may ask of numbers that move with a parameter, and what it says of them.
+
+A kernel given complex arrays where it has float64 ones carries a tangent beside every number: the real part is the
+value, the imaginary part its derivative along a move (``tangents.py``). Decisions are those of the values. These four
+functions are translated as they stand here where numbers do not move, and cost nothing then.
+"""
+
+from __future__ import annotations
+
+from symrender.jit.marks import inlined
+
+
+@inlined
+def moves(x: float) -> bool:
+    """Whether ``x`` has a tangent; known while translating, so that what stands under it is left out if not."""
+    return False
+
+
+@inlined
+def held(x: float) -> float:
+    """The value of ``x`` alone."""
+    return x
+
+
+@inlined
+def tangent(x: float) -> float:
+    """The tangent of ``x``, itself a number that stands still; 0 where it has none."""
+    return 0.0
+
+
+@inlined
+def moved(x: float, slope: float) -> float:
+    """The value of ``x`` with the value of ``slope`` as its tangent; stands under ``moves`` only."""
+    return x
