@@ -18,13 +18,8 @@ from symrender.execution.jobs import KINDS, Job
 from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
-<<<<<<< HEAD
-from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
-from symrender.runtimes.exposed import check_means
-=======
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
-from symrender.runtimes.pixels import check_pixels
->>>>>>> main
+from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric_gradient import check_gradient
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
@@ -108,17 +103,10 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
     if isinstance(wrt, str) or not wrt:
         raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
     if isinstance(scene, RadiometricScene):
-<<<<<<< HEAD
-        check_gradient(radiometric_arrays(scene))
-        check_means(radiometric_arrays(scene), settings)
-        return Job.of("radiometric_gradient", scene, settings, radiometric_moves(scene, wrt))
-=======
         arrays, moved = radiometric_arrays(scene), radiometric_moves(scene, wrt)
         check_gradient(arrays, moved, settings.filter)
-        if settings.filter == "box":
-            check_pixels(arrays)
+        check_means(arrays, settings)
         return Job.of("radiometric_gradient", scene, settings, moved)
->>>>>>> main
     refuse_filter(settings)
     check_decided(scene)
     return Job.of("gradient", scene, settings, moves(scene, wrt))

@@ -56,7 +56,7 @@ def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
             lights[i].place[:] = turned(arrays.directions[i], directions[i])
         if light.kind == SPOT:
             lights[i].axis[:] = turned(arrays.directions[i], directions[i])
-    return RadiometricArrays(materials, shapes, places, lights, directions, camera, arrays.bounces)
+    return RadiometricArrays(materials, shapes, places, lights, directions, camera, arrays.bounces, arrays.exposure)
 
 
 def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -> Seen:
