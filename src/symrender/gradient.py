@@ -19,7 +19,7 @@ from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
-from symrender.runtimes.pixels import check_pixels
+from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric_gradient import check_gradient
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
@@ -50,6 +50,7 @@ def gradient(
     aa: Antialias = "analytic",
     budget: int = 1_000_000,
     filter: Filter = "centre",
+    filter_radius: float = 0.0,
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -104,8 +105,7 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
     if isinstance(scene, RadiometricScene):
         arrays, moved = radiometric_arrays(scene), radiometric_moves(scene, wrt)
         check_gradient(arrays, moved, settings.filter)
-        if settings.filter == "box":
-            check_pixels(arrays)
+        check_means(arrays, settings)
         return Job.of("radiometric_gradient", scene, settings, moved)
     refuse_filter(settings)
     check_decided(scene)

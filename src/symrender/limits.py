@@ -37,6 +37,10 @@ MAX_PIXELS: Final = 1 << 28
 """Most pixels in an image, unless ``max_pixels`` says otherwise."""
 MAX_SILHOUETTES: Final = 8
 """Largest K of the K x K points of a pixel beside another shape."""
+MIN_FILTER_RADIUS: Final = 0.5
+"""Least half width of a filter's support, pixels."""
+MAX_FILTER_RADIUS: Final = 2.0
+"""Largest half width of a filter's support, pixels."""
 MAX_LOBE: Final = 4096
 """Largest K of the K x K lobe strata."""
 MAX_DISK: Final = 256
@@ -57,6 +61,8 @@ MIN_INDEX: Final = 1e-3
 """Smallest real part of a conductor's index of refraction; below it Fresnel's formula loses digits."""
 MAX_INDEX: Final = 1e3
 """Largest real or imaginary part of a conductor's index of refraction."""
+MAX_TIME: Final = 1e6
+"""Farthest the shutter opens and closes from time 0, seconds."""
 MAX_TEXTURE_FREQUENCY: Final = 4096
 """Largest number of texture half-periods around a sphere."""
 MAX_THREADS: Final = 1024

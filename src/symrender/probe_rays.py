@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from symrender.errors import OptionError
+from symrender.errors import OptionError, Unsupported
 from symrender.execution.finite import hit_names
 from symrender.ledger.tables import html_table
 from symrender.runtimes.radiometric import BUDGET, Sent, check, rays
@@ -70,6 +70,8 @@ def probe_rays(
     origins, directions = _checked(given)
     arrays = radiometric_arrays(scene)
     check(arrays)
+    if arrays.exposure.moves:
+        raise Unsupported("shutter: single rays are answered at an instant; probe a scene with shutter: [t, t]")
     # a part without rays stands in for none
     parts = [rays(arrays, origins[:0], directions[:0], tol, budget)]
     parts += in_batches(lambda part: rays(arrays, origins[part], directions[part], tol, budget), len(origins))

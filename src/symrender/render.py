@@ -43,7 +43,7 @@ from symrender.execution.tiles import Progress
 from symrender.execution.warm import second_beside
 from symrender.images.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
-from symrender.runtimes.pixels import check_pixels
+from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric import check
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -107,6 +107,7 @@ def render(
     budget: int = 1_000_000,
     silhouettes: int = 1,
     filter: Filter = "centre",
+    filter_radius: float = 0.0,
     seed: int = 7,
     threads: int = 0,
     tile: int = 0,
@@ -130,8 +131,7 @@ def render(
     one, nor on ``cluster``: ``tcp://host:port``, ``tls://host:port`` or ``local:N`` processes
     (``execution/cluster.py``). ``preview``: a PNG file that shows each image while it is made, or ``tev`` to see it
     there. ``silhouettes``: K of the K x K points whose mean a pixel beside another shape is, 1 for its centre alone.
-    ``filter``: what a pixel of a radiometric scene is, the ray through its ``centre`` or the mean over its ``box``, on
-    both sides.
+    ``filter``, ``filter_radius``: what a pixel of a radiometric scene is, as in ``truth``, on both sides.
 
     Images hold ``radiance`` = ``direct`` + (lobe weight) ``gloss`` in linear scene units, and ``hit_class``
     (0 nothing, 1 floor, 2 + j sphere j, then planes). Those of radiometric scenes have the layers of ``truth``: the
@@ -161,6 +161,7 @@ def render(
         budget=budget,
         silhouettes=silhouettes,
         filter=filter,
+        filter_radius=float(filter_radius),
         seed=seed,
         threads=threads,
         tile=tile,
@@ -188,8 +189,7 @@ def plan(scene: AnyScene, settings: Settings) -> tuple[Job, ...]:
             check_decided(scene)
     elif "radiometric" in kinds:
         check(radiometric_arrays(scene))
-        if settings.filter == "box":
-            check_pixels(radiometric_arrays(scene))
+        check_means(radiometric_arrays(scene), settings)
     return tuple(Job.of(kind, scene, settings) for kind in kinds)
 
 

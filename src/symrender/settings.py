@@ -8,7 +8,16 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, get_args
 
 from symrender.errors import OptionError, Unsupported
-from symrender.limits import MAX_DISK, MAX_LOBE, MAX_PIXELS, MAX_SILHOUETTES, MAX_THREADS, MIN_TOLERANCE
+from symrender.limits import (
+    MAX_DISK,
+    MAX_FILTER_RADIUS,
+    MAX_LOBE,
+    MAX_PIXELS,
+    MAX_SILHOUETTES,
+    MAX_THREADS,
+    MIN_FILTER_RADIUS,
+    MIN_TOLERANCE,
+)
 
 Sampler = Literal["jittered", "independent", "importance", "sobol", "none"]
 Symbolic = Literal["strata", "chambers", "none"]
@@ -16,10 +25,12 @@ Weights = Literal["exact", "midpoint"]
 Nodes = Literal["midpoint", "barycentre", "gauss"]
 Partition = Literal["equal_angle", "equal_solid_angle", "equal_weight"]
 Antialias = Literal["analytic", "none"]
-Filter = Literal["centre", "box"]
+Filter = Literal["centre", "box", "tent", "gaussian", "mitchell"]
 Estimators = Literal["best", "chapter"]
 Tonemap = Literal["clip", "reinhard", "aces"]
 
+RADII: Final[Mapping[Filter, float]] = {"centre": 0.0, "box": 0.5, "tent": 1.0, "gaussian": 2.0, "mitchell": 2.0}
+"""Half the width of a filter's support in pixels, unless said otherwise."""
 ESTIMATORS: Final[Mapping[Estimators, Mapping[str, Any]]] = {
     "best": {"numeric": "importance", "partition": "equal_weight", "nodes": "barycentre"},
     "chapter": {"numeric": "jittered", "partition": "equal_angle", "nodes": "midpoint"},
@@ -40,7 +51,8 @@ class Settings:
     evaluations it may make, a pixel; without ``counts`` it need not count what chambers it meets. ``threads`` 0 takes
     the processors this process may use, ``tile`` 0 measures a tile's side. ``silhouettes`` is K of the K x K points
     whose mean a pixel beside another shape is, 1 for its centre alone. ``filter`` is what a pixel is: the
-    radiance along the ray through its centre, or the mean over its area, ``box``.
+    radiance along the ray through its centre, the mean over its area, ``box``, or one weighed by a ``tent``, a
+    ``gaussian`` or ``mitchell`` over a square of ``filter_radius`` to every side, in pixels, 0 the filter's own.
     """
 
     width: int = 256
@@ -62,6 +74,7 @@ class Settings:
     counts: bool = True
     silhouettes: int = 1
     filter: Filter = "centre"
+    filter_radius: float = 0.0
     max_pixels: int = MAX_PIXELS
 
     def __post_init__(self) -> None:
@@ -107,7 +120,23 @@ class Settings:
             raise OptionError(f"tol: must be a number in (0, 1], got {self.tol!r}")
         if self.tol < MIN_TOLERANCE:
             raise OptionError(f"tol: {self.tol!r} is below double precision, the smallest is {MIN_TOLERANCE}")
-        _ = self.disk_order
+        _ = self.disk_order, self.reach
+
+    @property
+    def reach(self) -> float:
+        """Half the width of the filter's support in pixels."""
+        own, asked = RADII[self.filter], self.filter_radius
+        if type(asked) is not float or not math.isfinite(asked):
+            raise OptionError(f"filter_radius: must be a number, got {asked!r}")
+        if asked in (0.0, own):
+            return own
+        if self.filter in ("centre", "box"):
+            raise OptionError(f"filter_radius: filter: {self.filter} has none to choose, got {asked!r}")
+        if not MIN_FILTER_RADIUS <= asked <= MAX_FILTER_RADIUS:
+            raise OptionError(
+                f"filter_radius: must be from {MIN_FILTER_RADIUS} to {MAX_FILTER_RADIUS} pixels, got {asked!r}"
+            )
+        return asked
 
     @property
     def disk_order(self) -> int:
@@ -132,6 +161,7 @@ def split_settings(
     counts: bool = True,
     silhouettes: int = 1,
     filter: Filter = "centre",
+    filter_radius: float = 0.0,
     max_pixels: int = MAX_PIXELS,
 ) -> Settings:
     """Settings of an image of ``image_size(size)`` whose values, or derivatives, the split rule makes alone."""
@@ -150,6 +180,7 @@ def split_settings(
         counts=counts,
         silhouettes=silhouettes,
         filter=filter,
+        filter_radius=float(filter_radius),
         max_pixels=max_pixels,
     )
 

@@ -21,7 +21,7 @@ from symrender.execution.tev import watched
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
-from symrender.runtimes.pixels import check_pixels
+from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric import check
 from symrender.scene.load import AnyScene, Source, in_series, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -45,6 +45,7 @@ def truth(
     counts: bool = True,
     silhouettes: int = 1,
     filter: Filter = "centre",
+    filter_radius: float = 0.0,
     threads: int = 0,
     tile: int = 0,
     cluster: str = "",
@@ -71,7 +72,9 @@ def truth(
     (1 + j shape j), ``error`` and ``status``. With ``bounces: 0`` all is closed forms, ``indirect`` zero and ``error``
     what rounding may have done; ``bounces: 1`` is split at the walls like gloss. ``disk``, ``aa`` and ``counts`` have
     no say. ``filter``: ``centre``, the radiance along the ray through a pixel's centre, where textures are read too,
-    or ``box``, the mean over its area, cut at every edge in it (``docs/pixels.md``); ``hit_class`` is the centre's.
+    or ``box``, the mean over its area, cut at every edge in it (``docs/pixels.md``), ``tent``, ``gaussian`` or
+    ``mitchell`` one weighed over ``filter_radius`` pixels to every side, 0 the filter's own; ``hit_class`` is the
+    centre's. With an ``aperture`` of the camera or a ``shutter`` it is the mean over these too (``docs/exposure.md``).
     Choose truth whenever an image is to be
     trusted, ``render`` when it is to be quick. Keywords are many because each is an option of ``symrender truth``, by
     its name.
@@ -88,6 +91,7 @@ def truth(
         counts=counts,
         silhouettes=silhouettes,
         filter=filter,
+        filter_radius=float(filter_radius),
     )
     check_share(verify)
     judged = in_series(loaded, "verify") if verify else None
@@ -102,8 +106,7 @@ def truth_job(scene: AnyScene, settings: Settings) -> Job:
     """The job that makes the image."""
     if isinstance(scene, RadiometricScene):
         check(radiometric_arrays(scene))
-        if settings.filter == "box":
-            check_pixels(radiometric_arrays(scene))
+        check_means(radiometric_arrays(scene), settings)
         return Job.of("radiometric", scene, settings)
     refuse_filter(settings)
     check_decided(scene)

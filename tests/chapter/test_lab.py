@@ -15,7 +15,7 @@ from symrender.chapter.write_lab import text
 from symrender.cli import main
 from symrender.errors import CellError, OptionError
 
-NAMES = tuple(f"cell{k}" for k in range(1, 11))
+NAMES = tuple(f"cell{k}" for k in range(1, 13))
 LIBRARIES = {"symrender", "numpy", "matplotlib.pyplot", "time"}
 FAILING = """\
 # %% [markdown]
@@ -37,12 +37,12 @@ def trees(cell: lab.Cell) -> list[ast.Module]:
     return [ast.parse(part.text) for part in cell.parts if part.kind == "code"]
 
 
-def test_the_cells_are_ten_in_order() -> None:
+def test_the_cells_are_twelve_in_order() -> None:
     assert lab.names() == NAMES
     titles = [lab.load(name).title for name in NAMES]
-    assert len(set(titles)) == 10 and all(5 < len(title) < 80 for title in titles)
-    with pytest.raises(OptionError, match=r"cell: must be one of cell1, .*, cell10, got 'cell11'"):
-        lab.load("cell11")
+    assert len(set(titles)) == 12 and all(5 < len(title) < 80 for title in titles)
+    with pytest.raises(OptionError, match=r"cell: must be one of cell1, .*, cell12, got 'cell13'"):
+        lab.load("cell13")
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -12,9 +12,7 @@ from tests.radiometric.clipped import faces, irradiance, normal
 
 import symrender as sr
 from symrender.errors import SceneError, Unsupported
-from symrender.jit.records import table
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
-from symrender.radiometric.bounds import HELD, Bound
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.world import World, make_world
 from symrender.runtimes.radiometric import _kernel
@@ -86,13 +84,7 @@ def test_skies_and_lamps_are_what_clipping_leaves() -> None:
 
 def without_bounds(world: World) -> World:
     """The same world, all of its pieces in leaves that nothing passes by."""
-    count = len(world.pieces)
-    bounds = table(Bound, -(-count // HELD))
-    for k, bound in enumerate(bounds):
-        held = range(HELD * k, min(count, HELD * k + HELD))
-        bound.radius, bound.skip, bound.count, bound.sine = math.inf, k + 1, len(held), 1.0
-        bound.held[: len(held)] = held
-    return World(world.materials, world.pieces, world.lights, bounds)
+    return World(world.materials, world.pieces, world.lights, loose_bounds(len(world.pieces)))
 
 
 def test_values_do_not_depend_on_the_hierarchy() -> None:

@@ -115,7 +115,9 @@ SKY = {"type": "sky", "name": "a", "radiance": 1}
         ({"materials": []}, "materials: must be a mapping of names to mappings, got a list of 0"),
         ({"materials": {"a": METAL}}, "shapes[0].material: unknown material 'tiles', known are a"),
         ({"camera": {"type": "plane", "eye": [0, 0, 1]}}, "camera.type: must be look_at, got the text 'plane'"),
-        ({"shutter": [0, 1]}, "unknown key 'shutter'"),
+        ({"shutter": [1, 0]}, "shutter: must close no sooner than it opens, got [1.0, 0.0]"),
+        ({"shutter": 1}, "shutter: must be a list of 2 numbers"),
+        ({"shutter": [0, 2e6]}, "shutter[1]: must be from -1e06 to 1e06, got 2000000.0"),
     ],
 )
 def test_what_is_wrong_is_said(change: dict[str, Any], words: str) -> None:

@@ -32,7 +32,8 @@ PARTS = {
 
 
 def section(heading: str) -> list[tuple[str, str, str, str]]:
-    (found,) = [part for part in key_tables().split("### ") if part.startswith(f"`{heading}")]
+    # scenes in units of the series stand first
+    found, *_ = [part for part in key_tables().split("### ") if part.startswith(f"`{heading}")]
     return ROW.findall(found)
 
 

@@ -21,10 +21,12 @@ from symrender.errors import ImageError, OptionError
 from symrender.gradient import gradient
 from symrender.images.image import Image, read_image
 from symrender.limits import MAX_AUDIT_PIXELS
+from symrender.runtimes.exposed import is_exposed
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
+from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.settings import Filter
+from symrender.settings import RADII, Filter
 from symrender.truth import STATUS, truth
 
 Array = npt.NDArray[np.float64]
@@ -91,7 +93,12 @@ def filter_of(given: Image | str | os.PathLike[str]) -> Filter:
     """What a pixel of a truth is, as its metadata say."""
     image = given if isinstance(given, Image) else read_image(str(Path(given)), max_pixels=MAX_AUDIT_PIXELS)
     said = json.loads(image.meta.get("conventions", "{}"))
-    return "box" if said.get("filter") == "box" else "centre"
+    return next((name for name in RADII if name == said.get("filter")), "centre")
+
+
+def _exposed(scene: AnyScene) -> bool:
+    """Whether images of a scene are means over a lens or over time."""
+    return isinstance(scene, RadiometricScene) and is_exposed(radiometric_arrays(scene))
 
 
 class Auditor:
@@ -138,7 +145,7 @@ class Auditor:
             layers = dict(true.layers)
             loose = max(4.0 * self._tolerance(found), _EXPLAINED * float(np.abs(found.mean).mean()))
             # what explains is known of centre rays; of means over pixels factors of the image are tried alone
-            scene = None if self.derivative or self.filter != "centre" else self.scene
+            scene = None if self.derivative or self.filter != "centre" or _exposed(self.scene) else self.scene
             why = attribution(seen, self._regions, scene, layers, self.wrt, loose)
         return Verdict(
             passed, level, self.scene.name, self.scene.hash, found.source, found.samples, (true.width, true.height),
@@ -192,7 +199,7 @@ class Auditor:
         notes = []
         if "" in seen.measured.receipts:
             notes.append("unverified scene: the render carries no receipt, so it may be of another scene")
-        if self.filter == "box":
+        if self.filter != "centre":
             notes.append("the truth is of means over pixels; a render of centre rays differs at every edge")
         elif isinstance(self.scene, RadiometricScene) or self.given is None:
             notes.append("the truth is of rays through pixel centres; a render with jitter differs at every edge")

@@ -13,6 +13,7 @@ from symrender.bridge.moved import Triple, extent, half_side, lost, middle, move
 from symrender.errors import OptionError, Unsupported
 from symrender.images.output import check_target, make_folder, write_bytes
 from symrender.scene.mitsuba.flats import AGREE
+from symrender.scene.radiometric.exposure import exposure_of
 from symrender.scene.radiometric.materials import Checker, Diffuse
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Plane, Rectangle, Shape, Triangle
@@ -85,6 +86,10 @@ def prepare(
             f"gloss: {to}: materials.{used[0]} reflects at every hit there, at the first alone here; with bounces: 0 "
             "both are one, and so are diffuse pixels with a black material in its place"
         )
+    exposure = exposure_of(scene)
+    if exposure.aperture > 0.0 or exposure.moves:
+        what = "camera.aperture" if exposure.aperture > 0.0 else "shutter"
+        raise Unsupported(f"{what}: {to}: lenses and motion are not exported yet")
     for shape in scene.shapes:
         textured = isinstance(scene.materials[shape.material].reflectance, Checker)
         if textured and (isinstance(shape, Disk | Box | Triangle | Mesh) or not _square(shape)):

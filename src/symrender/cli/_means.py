@@ -54,7 +54,14 @@ SilhouettesOption = Annotated[
 ]
 
 FilterOption = Annotated[
-    Filter, typer.Option("--filter", help="A pixel of a radiometric scene: its centre's ray, or the mean over its box.")
+    Filter,
+    typer.Option(
+        "--filter", help="A pixel of a radiometric scene: its centre's ray, the mean over its box, or weighed."
+    ),
+]
+FilterRadius = Annotated[
+    float,
+    typer.Option("--filter-radius", metavar="R", help="Half the filter's width in pixels, .5 to 2; 0: its own."),
 ]
 
 

@@ -11,6 +11,7 @@ from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
     FilterOption,
+    FilterRadius,
     InsecureCluster,
     Restart,
     Resume,
@@ -43,6 +44,7 @@ def gradient(
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
     aa: Annotated[Antialias, typer.Option(help="Antialiasing of the floor's checker.")] = "analytic",
     filter: FilterOption = "centre",
+    filter_radius: FilterRadius = 0.0,
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -84,6 +86,7 @@ def gradient(
         threads=threads,
         tile=tile,
         filter=filter,
+        filter_radius=filter_radius,
         max_pixels=max_pixels,
     )
     chosen = any_scene_with(scene, define)

@@ -16,6 +16,7 @@ from symrender.cli._console import Patient
 from symrender.cli._means import (
     Cluster,
     FilterOption,
+    FilterRadius,
     InsecureCluster,
     PreviewOption,
     Restart,
@@ -75,6 +76,7 @@ def render(
     seed: Annotated[int, typer.Option(help="Seed of the samplers.")] = 7,
     silhouettes: SilhouettesOption = 1,
     filter: FilterOption = "centre",
+    filter_radius: FilterRadius = 0.0,
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -115,8 +117,8 @@ def render(
     asked = {
         "width": width, "height": height, "lobe": lobe, "numeric": numeric, "normalised": normalised,
         "symbolic": symbolic, "weights": weights, "nodes": nodes, "partition": partition, "disk": disk, "aa": aa,
-        "tol": tol, "budget": budget, "silhouettes": silhouettes, "filter": filter, "seed": seed,
-        "threads": threads, "tile": tile, "max_pixels": max_pixels,
+        "tol": tol, "budget": budget, "silhouettes": silhouettes, "filter": filter, "filter_radius": filter_radius,
+        "seed": seed, "threads": threads, "tile": tile, "max_pixels": max_pixels,
     }  # fmt: skip
     settings = Settings(**as_made(asked, settings_of(scene), ctx))
     chosen = any_scene_with(scene, define)

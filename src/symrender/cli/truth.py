@@ -12,6 +12,7 @@ from symrender.cli._console import show_json
 from symrender.cli._means import (
     Cluster,
     FilterOption,
+    FilterRadius,
     InsecureCluster,
     PreviewOption,
     Restart,
@@ -68,6 +69,7 @@ def truth(
     ] = True,
     silhouettes: SilhouettesOption = 1,
     filter: FilterOption = "centre",
+    filter_radius: FilterRadius = 0.0,
     threads: Threads = 0,
     tile: Tile = 0,
     cluster: Cluster = "",
@@ -106,7 +108,7 @@ def truth(
     check_share(verify)
     settings = split_settings(
         parse_size(size), tol=tol, disk=disk, aa=aa, budget=budget, threads=threads, tile=tile, counts=counts,
-        silhouettes=silhouettes, filter=filter, max_pixels=max_pixels,
+        silhouettes=silhouettes, filter=filter, filter_radius=filter_radius, max_pixels=max_pixels,
     )  # fmt: skip
     chosen = any_scene_with(scene, define)
     _refuse_radiometric(chosen, wanted, verify)

@@ -33,7 +33,9 @@ def provenance(scene: AnyScene, settings: Settings, method: str, estimator: str)
 
 def sent_by(scene: RadiometricScene, settings: Settings) -> str:
     """How the noiseless image of a radiometric scene is made."""
-    if settings.filter == "box":
+    if scene.camera.aperture > 0.0 or scene.shutter[0] < scene.shutter[1]:
+        return "means over lens, shutter and pixel, cut at edges and halved"
+    if settings.filter != "centre":
         return "means over pixels cut at their edges"
     if scene.bounces == 0:
         return "closed forms"
@@ -52,6 +54,9 @@ def _conventions(scene: RadiometricScene, settings: Settings) -> dict[str, str]:
         "bounces": scene.bounces,
         "filter": settings.filter,
         "gloss": scene.gloss,
+        **({"filter_radius": settings.reach} if settings.filter not in ("centre", "box") else {}),
+        **({"lens": "thin, uniform disk"} if scene.camera.aperture > 0.0 else {}),
+        **({"shutter": "open all the time, positions linear"} if scene.shutter[0] < scene.shutter[1] else {}),
         "lights": "point intensity/r^2, directional irradiance, sky and area radiance",
         "materials": {
             name: material.model_dump(include={"type", "distribution", "masking", "g1", "two_sided"})

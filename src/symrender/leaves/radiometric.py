@@ -784,3 +784,30 @@ def form_product(
     t2 = t1 + xy * (first_x * second_y + first_y * second_x)
     t3 = t2 + xz * (first_x * second_z + first_z * second_x)
     return t3 + yz * (first_y * second_z + first_z * second_y)
+
+
+@inlined
+def tent_profile(x: float) -> float:
+    """2 (1 - x)"""
+    return 2.0 * (1.0 - x)
+
+
+@inlined
+def gaussian_profile(x: float) -> float:
+    """(exp(-8 x^2) - exp(-8))/m, of mean 1: a Gaussian whose support ends at four of its widths, where it is 0."""
+    return (math.exp(-8.0 * x * x) - 0.00033546262790251185) / 0.3129732246934046
+
+
+@inlined
+def mitchell_middle(x: float) -> float:
+    """Mitchell and Netravali's cubic of B = C = 1/3 up to half its support: (7 t^3 - 12 t^2 + 16/3) 4/6, t = 2 x."""
+    t = 2.0 * x
+    return (7.0 * t * t * t - 12.0 * t * t + 5.333333333333333) * 0.6666666666666666
+
+
+@inlined
+def mitchell_rim(x: float) -> float:
+    """The same beyond: (-7/3 t^3 + 12 t^2 - 20 t + 32/3) 4/6, t = 2 x."""
+    t = 2.0 * x
+    t1 = -2.3333333333333335 * t * t * t + 12.0 * t * t - 20.0 * t + 10.666666666666666
+    return t1 * 0.6666666666666666

@@ -147,6 +147,16 @@ def laid_bounds(pieces: Table[Piece], held: int = HELD) -> Table[Bound]:
     return bounds
 
 
+def loose_bounds(count: int) -> Table[Bound]:
+    """Bounds that leave out none of ``count`` pieces, wherever these move."""
+    bounds = table(Bound, -(-count // HELD))
+    for k, bound in enumerate(bounds):
+        held = range(HELD * k, min(count, HELD * k + HELD))
+        bound.radius, bound.skip, bound.count, bound.sine = math.inf, k + 1, len(held), 1.0
+        bound.held[: len(held)] = held
+    return bounds
+
+
 def _extents(pieces: Table[Piece]) -> tuple[Array, Array]:
     """(pieces, 4, 3) places and (pieces,) how far about them a piece reaches."""
     corners = np.array(pieces["corners"]).reshape(len(pieces), CORNERS, 3)

@@ -8,6 +8,7 @@ roundings of a wall is on its other side in one of the two.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -107,4 +108,8 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
     vertices, which = np.unique(flat(facets).reshape(-1, 3), axis=0, return_inverse=True)
     reach = float(np.abs(vertices).max(initial=0.0))
     flat(facets)[:] = moved(vertices, reach)[which.ravel()].reshape(-1, 9)
-    return laid_out(materials, shapes, facets, lights, directions, camera, arrays.bounces, arrays.first_gloss)
+    still = arrays.exposure
+    exposure = replace(still, aperture=scaled(still.aperture), focus=scaled(still.focus))
+    return laid_out(
+        materials, shapes, facets, lights, directions, camera, arrays.bounces, exposure, arrays.first_gloss
+    )  # fmt: skip

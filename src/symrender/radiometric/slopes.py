@@ -64,7 +64,9 @@ def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
             lights[i].place[:] = turned(arrays.directions[i], directions[i])
         if light.kind == SPOT:
             lights[i].axis[:] = turned(arrays.directions[i], directions[i])
-    return RadiometricArrays(materials, shapes, facets, places, lights, directions, camera, arrays.bounces)
+    return RadiometricArrays(
+        materials, shapes, facets, places, lights, directions, camera, arrays.bounces, arrays.exposure
+    )  # fmt: skip
 
 
 def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -> Seen:

@@ -15,7 +15,7 @@ from symrender.jit.generated import load_module
 from symrender.jit.records import table
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric import tile
-from symrender.radiometric.pixels import moving, pixel, walls
+from symrender.radiometric.pixels import cells, moving, pixel, walls
 from symrender.radiometric.pixels.moving import Sweep
 from symrender.radiometric.pixels.records import TERMS, Family, Wall, make_room
 from symrender.radiometric.pushforward import pushed
@@ -24,7 +24,7 @@ from symrender.radiometric.slopes import seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen
 from symrender.runtimes.image import TileKernel
-from symrender.runtimes.pixels import check_pixels, eye_of
+from symrender.runtimes.pixels import DOMAINS, check_pixels, eye_of
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
@@ -63,10 +63,10 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
     The error is the difference of two rules, and for cells that are not resolved their side times the span of radiance
     times the fastest wall of the pixel.
     """
-    check_pixels(arrays)
+    check_pixels(arrays, f"filter: {settings.filter}")
     width, height = settings.width, settings.height
     view = seen(arrays, width, height)
-    eye = eye_of(arrays, view)
+    eye = eye_of(arrays, view, DOMAINS[settings.filter])
     moving_worlds = {move[0]: seen_moves(arrays, move, width, height) for move in wrt}
     held = len(eye.walls), len(eye.families)
     speeds = {name: _wall_moves(view, moves, *held) for name, moves in moving_worlds.items()}
@@ -80,7 +80,9 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
         spent = 0
         for j in range(y0, y1):
             for i in range(x0, x1):
-                whole = pixel.window_cell(view.window, width, height, i, j, i + 1.0, j + 1.0, tol)
+                # a filter's support is wider than the pixel
+                low, high = 0.5 - settings.reach, 0.5 + settings.reach
+                whole = cells.window_cell(view.window, width, height, i + low, j + low, i + high, j + high, tol)
                 count = _kernel("block_walls")(eye, whole, room, candidates)
                 coarse = _kernel("sweep_pixel")(eye, whole, room, candidates, count, tol, settings.budget // 4, sweep)
                 span = float(max(0.0, (room.span[1] - room.span[0]).max()))
@@ -131,15 +133,15 @@ def _rays_of(view: Seen, moves: Seen, x: Array, y: Array, settings: Settings) ->
 
 
 def _moved(
-    found: _Pixel, view: Seen, moves: Seen, speeds: tuple[Any, Any], eye: pixel.Eye, at: tuple[int, int],
+    found: _Pixel, view: Seen, moves: Seen, speeds: tuple[Any, Any], eye: cells.Eye, at: tuple[int, int],
     settings: Settings,
 ) -> tuple[Array, float]:  # fmt: skip
     """(slope of emitted and direct light of a pixel, what it may be off by)."""
     if found.over:
         return np.zeros(6), np.inf
-    i, j = at
+    (i, j), reach = at, settings.reach
     nodes, edges = found.nodes, found.edges
-    rays, turns = _rays_of(view, moves, i + 0.5 + 0.5 * nodes[:, 0], j + 0.5 - 0.5 * nodes[:, 1], settings)
+    rays, turns = _rays_of(view, moves, i + 0.5 + reach * nodes[:, 0], j + 0.5 - reach * nodes[:, 1], settings)
     size = np.sqrt((rays**2).sum(axis=1, keepdims=True))
     rays, turns = rays / size, turns / size
     turns -= rays * (rays * turns).sum(axis=1, keepdims=True)
@@ -147,8 +149,8 @@ def _moved(
     values = nodes[:, 2] @ light, nodes[:, 3] @ light
     fastest = 0.0
     if len(edges):
-        rays, turns = _rays_of(view, moves, i + 0.5 + 0.5 * edges[:, 0], j + 0.5 - 0.5 * edges[:, 1], settings)
-        right, up = view.window[1] / settings.width, view.window[2] / settings.height
+        rays, turns = _rays_of(view, moves, i + 0.5 + reach * edges[:, 0], j + 0.5 - reach * edges[:, 1], settings)
+        right, up = 2.0 * reach * view.window[1] / settings.width, 2.0 * reach * view.window[2] / settings.height
         steps = np.ascontiguousarray(edges[:, 2:3] * right + edges[:, 3:4] * up)
         levels, slopes, rates = (np.zeros(len(edges)) for _ in range(3))
         work, out = np.zeros((8, TERMS)), np.zeros(TERMS)

@@ -15,7 +15,7 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, copied, joined, table
 from symrender.radiometric import tile
 from symrender.radiometric.pixels import pixel, walls
-from symrender.radiometric.pixels.pixel import Eye
+from symrender.radiometric.pixels.cells import BOX, GAUSSIAN, MITCHELL, TENT, Eye
 from symrender.radiometric.pixels.records import Family, Wall, make_room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
@@ -38,6 +38,8 @@ from symrender.scene.radiometric.arrays import (
 from symrender.scene.radiometric.records import Material
 from symrender.settings import Settings
 
+DOMAINS: Final = {"centre": BOX, "box": BOX, "tent": TENT, "gaussian": GAUSSIAN, "mitchell": MITCHELL}
+"""What places of a pixel weigh, by the filter's name."""
 MOST_WALLS: Final = 100_000
 """Walls of a scene that pixels are cut at, at most."""
 MOST_TURNS: Final = 256
@@ -52,13 +54,13 @@ Means = Callable[[int, int, int, int], tuple[Array, Array, Array, int]]
 """(emitted, direct, error, evaluations) of a tile."""
 
 
-def check_pixels(arrays: RadiometricArrays) -> None:
+def check_pixels(arrays: RadiometricArrays, asked: str = "filter: box") -> None:
     """Raise ``Unsupported`` where a pixel would be cut at something whose walls are not known."""
     extended = any(light.kind in (SKY, AREA) for light in arrays.lights)
     for index, shape in enumerate(arrays.shapes):
         if extended and shape.kind not in (PLANE, SPHERE):
             raise Unsupported(
-                f"filter: box has no walls yet for a sky or an area light beside polygons and disks (shapes[{index}]); "
+                f"{asked} has no walls yet for a sky or an area light beside polygons and disks (shapes[{index}]); "
                 "for points, spots and directions it has, and centre needs none"
             )
         if shape.kind == MESH:
@@ -76,7 +78,7 @@ def check_pixels(arrays: RadiometricArrays) -> None:
             edge = f"more than {MOST_TURNS} fields about a sphere"
         if edge:
             raise Unsupported(
-                f"filter: box has no walls yet for {edge} (the material of shapes[{index}]); centre needs none"
+                f"{asked} has no walls yet for {edge} (the material of shapes[{index}]); centre needs none"
             )
 
 
@@ -125,24 +127,24 @@ def steepest(arrays: RadiometricArrays) -> float:
     return 1.0 + 1.0 / min(widths) ** 2
 
 
-def eye_of(arrays: RadiometricArrays, view: Seen) -> Eye:
-    """What is the same for all pixels of a view."""
+def eye_of(arrays: RadiometricArrays, view: Seen, domain: int) -> Eye:
+    """What is the same for all pixels of a view; ``domain`` is what their places weigh."""
     found, coordinates = wall_tables(view)
     bright = brightest(view)
     place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
     peak = bright * steepest(arrays)
-    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, peak, delicate(arrays))
+    return Eye(view.world, mean_world(view.world), place, found, coordinates, bright, peak, delicate(arrays), domain)
 
 
 def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
-    """What fills tiles with means over pixels, all of them equally weighted (``filter: box``).
+    """What fills tiles with means over pixels, weighed as ``filter`` says.
 
     The error is what the rules state and what roundings do to single rays of the pixel.
     """
-    check_pixels(arrays)
+    check_pixels(arrays, f"filter: {settings.filter}")
     width, height = settings.width, settings.height
     views = [seen(each, width, height) for each in shaken(arrays)]
-    eye = eye_of(arrays, views[0])
+    eye = eye_of(arrays, views[0], DOMAINS[settings.filter])
     kernel = _kernel("fill_pixels")
     own = threading.local()
 
@@ -152,13 +154,13 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
         shape = (y1 - y0, x1 - x0)
         emitted, direct, error = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape)
         spent = kernel(
-            eye, views[0].window, width, height, x0, y0, x1, y1, *own.room, settings.tol, settings.budget, emitted,
-            direct, error,
+            eye, views[0].window, width, height, settings.reach, x0, y0, x1, y1, *own.room, settings.tol,
+            settings.budget, emitted, direct, error,
         )  # fmt: skip
         for x, y in _NODES:
             columns: Array = x + np.arange(x0, x1, dtype=np.float64)
             rows: Array = y + np.arange(y0, y1, dtype=np.float64)
-            sent = (_rays(view, _directions(view, columns, rows, width, height)) for view in views)
+            sent = (rays_from(view.world, view.eye, _directions(view, columns, rows, width, height)) for view in views)
             closed = [each.reshape(*shape, 3) for each in sent]
             error += doubt(closed[0], closed[1:]) / len(_NODES)
         return emitted, direct, error, int(spent)
@@ -175,11 +177,11 @@ def _directions(view: Seen, columns: Array, rows: Array, width: int, height: int
     return np.ascontiguousarray(found)
 
 
-def _rays(view: Seen, directions: Array) -> Array:
-    """(N, 3) radiance along rays from the eye."""
+def rays_from(world: World, eye: Array, directions: Array) -> Array:
+    """(N, 3) radiance along unit rays from a place."""
     count = len(directions)
     room = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
-    _kernel("fill_rays")(view.world, np.tile(view.eye, (count, 1)), directions, sky_room(view.world), *room)
+    _kernel("fill_rays")(world, np.tile(eye, (count, 1)), directions, sky_room(world), *room)
     return np.asarray(room[0] + room[1])
 
 
@@ -194,7 +196,7 @@ def brightest(view: Seen) -> float:
     shape, place = np.zeros(count), np.zeros((count, 3))
     unused = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
     _kernel("fill_hits")(view.world, np.tile(view.eye, (count, 1)), directions, shape, place, *unused)
-    met, found = place[shape >= 0], [_rays(view, directions)]
+    met, found = place[shape >= 0], [rays_from(view.world, view.eye, directions)]
     for light in view.world.lights:
         share = np.ones((1, 1))
         if light.kind in (POINT, SPOT) and len(met):

@@ -22,6 +22,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world, make_worlds, seen, seen_all
 from symrender.radiosity.coincident import coincident
 from symrender.runtimes.bounce import Bouncer
+from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixels import prepare_means
 from symrender.runtimes.radiosity import Gatherer, table_of
@@ -46,8 +47,8 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     Every pixel is a pure function of its place.
     """
     check(arrays)
-    if settings.filter == "box":
-        return _prepare_box(arrays, settings)
+    if settings.filter != "centre" or is_exposed(arrays):
+        return _prepare_means(arrays, settings)
     width, height = settings.width, settings.height
     views = seen_all(shaken(arrays), width, height)
     own, integrated = threading.local(), _integrated(arrays)
@@ -95,12 +96,18 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     return render
 
 
-def _prepare_box(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
-    """The same of means over pixels; ``hit_class`` is that of the ray through the centre."""
-    if arrays.bounces:
-        raise Unsupported("filter: box is not yet integrated with bounces; with bounces: 0 it is, and centre is")
+def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
+    """The same of means over pixels, lens and shutter.
+
+    ``hit_class`` is that of the ray from the middle of the lens through the centre as the shutter opens.
+    """
+    if arrays.bounces and not is_exposed(arrays):
+        raise Unsupported(
+            f"filter: {settings.filter} is not yet integrated with bounces; with bounces: 0 it is, and centre is"
+        )
     width, height = settings.width, settings.height
-    view, means = seen(arrays, width, height), prepare_means(arrays, settings)
+    view = seen(arrays, width, height)
+    means = (prepare_exposed if is_exposed(arrays) else prepare_means)(arrays, settings)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)

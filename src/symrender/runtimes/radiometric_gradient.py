@@ -20,6 +20,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen_all
 from symrender.runtimes.bounce_moves import check_moves
 from symrender.runtimes.bounce_slopes import BouncedSlopes, SlopeBouncer, moving_rays
+from symrender.runtimes.exposed import is_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_gradient import prepare_box
 from symrender.runtimes.radiometric import check, lamps_on_gloss
@@ -34,12 +35,17 @@ EXTENDED: Final = {SKY: "a sky", AREA: "an area light", SPOT: "a spot"}
 
 def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter: str = "centre") -> None:
     """Raise ``Unsupported`` for scenes and parameters of which no derivative is had."""
-    if arrays.bounces and filter == "box":
-        raise Unsupported("filter: box of radiometric scenes is not yet differentiated with bounces; with none it is")
+    if arrays.bounces and filter != "centre":
+        raise Unsupported(
+            f"filter: {filter} of radiometric scenes is not yet differentiated with bounces; with none it is"
+        )
     if arrays.bounces > 1:
         raise Unsupported("gradient: knows radiometric scenes with bounces: 0 and 1, got bounces: all")
     if arrays.bounces and is_flat(arrays):
         raise Unsupported("gradient: knows radiometric scenes of flat shapes with bounces: 0, got bounces: 1")
+    if is_exposed(arrays):
+        what = "camera.aperture" if arrays.exposure.aperture > 0.0 else "shutter"
+        raise Unsupported(f"gradient: {what}: derivatives of means over a lens or over time are not yet had")
     check(arrays)
     if arrays.bounces:
         for light in arrays.lights:
@@ -70,7 +76,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
     limb of a sphere, is ``unsupported``.
     """
     check_gradient(arrays, wrt, settings.filter)
-    if settings.filter == "box":
+    if settings.filter != "centre":
         return prepare_box(arrays, settings, wrt)
     width, height = settings.width, settings.height
     worlds = shaken(arrays)

@@ -9,6 +9,7 @@ from symrender.expression.formulas import (
     conics,
     disks,
     exchange,
+    filters,
     light_terms,
     lobes,
     microfacets,
@@ -28,6 +29,8 @@ LEAVES: Final = {
 """Leaf by name."""
 
 RADIOMETRIC: Final = {
-    leaf.name: leaf for module in (microfacets, polygons, exchange, radiometry, pixel_walls) for leaf in module.LEAVES
+    leaf.name: leaf
+    for module in (microfacets, polygons, exchange, radiometry, pixel_walls, filters)
+    for leaf in module.LEAVES
 }
 """Leaf by name, of what radiometric scenes alone need."""

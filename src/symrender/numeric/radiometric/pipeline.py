@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from symrender.errors import OptionError
 from symrender.jit.compiled import compiled
 from symrender.numeric.radiometric import tile
+from symrender.numeric.radiometric.shot import make_shot
 from symrender.numeric.radiometric.world import make_world
 from symrender.numeric.rays import camera_frame
 from symrender.numeric.samplers import CODES
@@ -24,7 +26,8 @@ TileKernel = Callable[[int, int, int, int, Mapping[str, Array]], int]
 def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     """Kernel that renders tiles of the image by paths, ``settings.lobe`` squared of them a pixel.
 
-    With ``filter: box`` every path goes through a place of the pixel of its own, else all through its centre.
+    With a filter, an aperture or a shutter every path has a place of the pixel, of the lens and an instant of its own,
+    else all go through the pixel's centre.
     It fills ``emitted``, ``direct``, ``indirect``, ``radiance`` (h, w, 3), their sum, and ``hit_class`` (h, w). Point
     and directional lights have no chance in them, so without a sky and bounces the image has none. Raises OptionError
     for the sampler ``none``.
@@ -35,11 +38,16 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     width, height = settings.width, settings.height
     frame = camera_frame(arrays.camera, width, height)
     kernel = _kernel("fill_tile")
-    chosen = (CODES[settings.numeric], settings.lobe, settings.seed, settings.filter == "box")
+    chosen = (CODES[settings.numeric], settings.lobe, settings.seed)
+    own = threading.local()
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+        if not hasattr(own, "shot"):
+            own.shot = make_shot(arrays, world, settings)
         names = ("emitted", "direct", "indirect", "hit_class")
-        spent = kernel(world, frame, width, height, x0, y0, x1, y1, *chosen, *(layers[name] for name in names))
+        spent = kernel(
+            world, own.shot, frame, width, height, x0, y0, x1, y1, *chosen, *(layers[name] for name in names)
+        )
         here = (slice(y0, y1), slice(x0, x1))
         layers["radiance"][here] = layers["emitted"][here] + layers["direct"][here] + layers["indirect"][here]
         return int(spent)

@@ -9,6 +9,7 @@ from symrender.numeric.radiometric.emitters import shining
 from symrender.numeric.radiometric.flats import triple
 from symrender.numeric.radiometric.hits import first_hit
 from symrender.numeric.radiometric.path import from_points, path, plus, scaled, shows, surface
+from symrender.numeric.radiometric.shot import CENTRE, Shot, lens_place, lens_ray, put_moved, tap
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, pixel_key, uniforms
 from symrender.numeric.rays import window_direction
@@ -19,6 +20,8 @@ from symrender.scene.radiometric.arrays import FIRST_SHAPE
 
 _SHIFT: Final = 1 << 30
 _PLACE: Final = _SHIFT + 1
+_LENS: Final = _SHIFT + 2
+_TIME: Final = _SHIFT + 3
 """Dimensions of random numbers that no path reaches."""
 
 Sight = tuple[int, Vector, Vector, Vector, int]
@@ -49,39 +52,56 @@ def along_ray(world: World, eye: Vector, d: Vector, sampler: int, order: int, ke
 
 
 @jitable
-def through_box(
-    world: World, frame: Array, width: int, height: int, i: int, j: int, sampler: int, order: int, key: Key
+def spread_out(
+    world: World, shot: Shot, frame: Array, width: int, height: int, i: int, j: int, sampler: int, order: int, key: Key
 ) -> Sight:  # fmt: skip
-    """The mean over a pixel's box: order x order paths, each through a stratum of it of its own.
+    """The mean over a pixel's filter, the lens and the shutter: order x order paths, each through strata of its own.
 
-    Strata of the pixel are shifted by chance against those of the paths' first choices, so that all pairs of both are
-    equally likely. The hit class is that of the centre.
+    Strata of pixel, lens and time are shifted by chance against each other and against those of the paths' first
+    choices, so that all of them meet equally often. The hit class is that of the centre as the shutter opens.
     """
-    eye, count = (frame[1], frame[2], frame[3]), order * order
-    shift = int(uniforms(key, 0, _SHIFT)[0] * count)
+    count = order * order
+    first, second = uniforms(key, 0, _SHIFT)
+    third, _ = uniforms(key, 1, _SHIFT)
     emitted, direct, indirect, spent = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1
     for index in range(count):
         a, b = uniforms(key, index, _PLACE)
+        p, q = uniforms(key, index, _LENS)
+        t, _ = uniforms(key, index, _TIME)
         if sampler != INDEPENDENT:
-            stratum = (index + shift) % count
+            stratum = (index + int(first * count)) % count
             a, b = (stratum // order + a) / order, (stratum % order + b) / order
-        d = unit(window_direction(frame, 2.0 * (i + a) / width - 1.0, 1.0 - 2.0 * (j + b) / height))
-        hit = first_hit(world, eye, d, -1, -1, False)
+            stratum = (index + int(second * count)) % count
+            p, q = (stratum % order + p) / order, (stratum // order + q) / order
+            t = ((index + int(third * count)) % count + t) / count
+        x, heavy = tap(shot.filter, shot.reach, a)
+        y, other = tap(shot.filter, shot.reach, b)
+        weight = heavy * other
+        here = world
+        if shot.moves:
+            put_moved(world, shot, t)
+            here = shot.world
+        u, v = lens_place(shot.aperture, p, q)
+        a, b = 2.0 * (i + 0.5 + x) / width - 1.0, 1.0 - 2.0 * (j + 0.5 + y) / height
+        eye, d = lens_ray(frame, shot, t, a, b, u, v)
+        hit = first_hit(here, eye, d, -1, -1, False)
         spent += 1
+        share = (weight, weight, weight)
         if hit.own < 0:
             if world.sky >= 0:
-                emitted = plus(emitted, triple(world.lights[world.sky].emitted))
+                emitted = plus(emitted, scaled(triple(world.lights[world.sky].emitted), share, 1.0))
             continue
-        emitted = plus(emitted, shining(world, hit))
-        if not shows(world, hit):
+        emitted = plus(emitted, scaled(shining(here, hit), share, 1.0))
+        if not shows(here, hit):
             continue
-        at = surface(world, hit, d)
-        direct = plus(direct, from_points(world, at))
+        at = surface(here, hit, d)
+        direct = plus(direct, scaled(from_points(here, at), share, 1.0))
         if world.extended or world.bounces > 0:
-            near, later, rays = path(world, at, sampler, order, key, index)
-            direct, indirect, spent = plus(direct, near), plus(indirect, later), spent + rays
+            near, later, rays = path(here, at, sampler, order, key, index)
+            direct, indirect = plus(direct, scaled(near, share, 1.0)), plus(indirect, scaled(later, share, 1.0))
+            spent += rays
     d = unit(window_direction(frame, 2.0 * (i + 0.5) / width - 1.0, 1.0 - 2.0 * (j + 0.5) / height))
-    own = first_hit(world, eye, d, -1, -1, False).own
+    own = first_hit(world, (frame[1], frame[2], frame[3]), d, -1, -1, False).own
     share = (1.0 / count, 1.0 / count, 1.0 / count)
     return (
         FIRST_SHAPE + own if own >= 0 else 0,
@@ -90,10 +110,10 @@ def through_box(
 
 
 def fill_tile(
-    world: World, frame: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, sampler: int, order: int,
-    seed: int, box: bool, emitted: Array, direct: Array, indirect: Array, hit_class: Array,
+    world: World, shot: Shot, frame: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, sampler: int,
+    order: int, seed: int, emitted: Array, direct: Array, indirect: Array, hit_class: Array,
 ) -> int:  # fmt: skip
-    """Fill columns x0:x1 of rows y0:y1 of the full-frame layers, ``box`` or centres; returns the rays that took.
+    """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; returns the rays that took.
 
     Arguments are many because a kernel takes numbers and arrays.
     """
@@ -102,8 +122,8 @@ def fill_tile(
     for j in range(y0, y1):
         for i in range(x0, x1):
             key = pixel_key(seed, i, j)
-            if box:
-                own, light, near, later, rays = through_box(world, frame, width, height, i, j, sampler, order, key)
+            if shot.filter != CENTRE or shot.moves or shot.aperture > 0.0:
+                own, light, near, later, rays = spread_out(world, shot, frame, width, height, i, j, sampler, order, key)
             else:
                 d = unit(window_direction(frame, 2.0 * (i + 0.5) / width - 1.0, 1.0 - 2.0 * (j + 0.5) / height))
                 own, light, near, later, rays = along_ray(world, eye, d, sampler, order, key)

@@ -8,7 +8,7 @@ import numpy as np
 
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.pixels.records import CONIC, LINE, TERMS, Wall
+from symrender.radiometric.pixels.records import CONIC, LINE, RIM, TERMS, Wall
 from symrender.radiometric.vectors import Array, Vector, dot, vector
 
 SLACK: Final = 1e-13
@@ -106,6 +106,11 @@ def put_level(wall: Wall, v: Vector, vx: Vector, vy: Vector, work: Array, out: A
         put_linear(vector(wall.normal), 0.0, v, vx, vy, out)
     elif wall.kind == CONIC:
         put_form(wall.form, v, vx, vy, out)
+    elif wall.kind == RIM:
+        # x^2 + y^2 - 1 of the whole lens, of whose cells curves are listed once
+        for k in range(TERMS):
+            out[k] = 0.0
+        out[0], out[10], out[2] = -1.0, 1.0, 1.0
     else:
         put_quartic(wall, v, vx, vy, work, out)
 

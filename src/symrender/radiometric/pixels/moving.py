@@ -12,8 +12,9 @@ from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
+from symrender.radiometric.pixels.cells import BOX, Cell, Eye, cell_at, heaviest, weight_of
 from symrender.radiometric.pixels.curves import put_level
-from symrender.radiometric.pixels.pixel import Cell, Eye, begin, cell_at, pixel_mean
+from symrender.radiometric.pixels.pixel import begin, pixel_mean
 from symrender.radiometric.pixels.records import COARSE, CUT, LOGGED, SMOOTH, Family, Ints, Room, Wall
 from symrender.radiometric.pixels.rules import (
     GAUSS,
@@ -83,7 +84,7 @@ def put_edge(
     row = sweep.edges[k]
     row[0], row[1], row[2], row[3] = x, y, tx, ty
     for c in range(6):
-        row[4 + c] = weight * (sweep.ends[0, c] - sweep.ends[1, c])
+        row[4 + c] = weight * weight_of(eye.domain, x, y) * (sweep.ends[0, c] - sweep.ends[1, c])
     row[10] = 1.0 if coarser else 0.0
     if curve < own:
         sweep.walls[k, 0], sweep.walls[k, 1] = room.which[level, curve], 0
@@ -109,6 +110,8 @@ def sweep_line(
 ) -> None:  # fmt: skip
     """Add the nodes of a line and what the walls that cross it sweep; many arguments because a cell's cut has them."""
     wide, ends = half_width(mode, s), sweep.ends
+    # weights of places are known exactly, so that radiance alone is extrapolated to walls
+    plain = Eye(eye.world, eye.mean, eye.place, eye.walls, eye.families, eye.bright, eye.peak, eye.delicate, BOX)
     locate(room, count, mode, s, 1)
     found = in_order(room, count)
     ox, oy = place_of(mode, 0.0, 0.0)
@@ -126,8 +129,9 @@ def sweep_line(
                 place, slope = mapped(u, not hard, not free)
                 x, y = place_of(mode, start + (stop - start) * place, s)
                 clear(room, 0)
-                add_light(eye.world, eye.place, cell.v, cell.vx, cell.vy, x, y, 1.0, 0, room)
+                add_light(plain, eye.world, cell, x, y, 1.0, 0, room)
                 share = weight * (stop - start) * slope * GAUSS[1, order, i]
+                share *= weight_of(eye.domain, cx + half * x, cy + half * y)
                 put_node(sweep, cx + half * x, cy + half * y, share, coarser)
                 for c in range(6):
                     ends[1, c] += end_weight(order, i, 0.0) * room.sums[0, c]
@@ -182,14 +186,15 @@ def sweep_cut(
 
 
 @jitable
-def sweep_smooth(cell: Cell, half: float, cx: float, cy: float, sweep: Sweep, order: int) -> None:
+def sweep_smooth(eye: Eye, cell: Cell, half: float, cx: float, cy: float, sweep: Sweep, order: int) -> None:
     """Add the nodes of a cell without walls, by the rule it was taken with and by the one before."""
     for rule in range(2):
-        nodes = order if rule == 0 else (3 if order == 5 else 2)
+        nodes = order if rule == 0 else (5 if order == 8 else (3 if order == 5 else 2))
         for i in range(nodes):
             for j in range(nodes):
                 x, y = 2.0 * GAUSS[0, nodes, i] - 1.0, 2.0 * GAUSS[0, nodes, j] - 1.0
                 weight = cell.area * GAUSS[1, nodes, i] * GAUSS[1, nodes, j]
+                weight *= weight_of(eye.domain, cx + half * x, cy + half * y)
                 put_node(sweep, cx + half * x, cy + half * y, weight, rule == 1)
 
 
@@ -220,17 +225,17 @@ def sweep_pixel(
             cx += half if room.path[k] % 2 == 1 else -half
             cy += half if room.path[k] >= 2 else -half
         if log[2] == COARSE or log[4] < 0:
-            coarse += half
+            coarse += half * heaviest(eye.domain, cell)
         if log[2] == SMOOTH:
-            sweep_smooth(cell, half, cx, cy, sweep, int(log[3]))
+            sweep_smooth(eye, cell, half, cx, cy, sweep, int(log[3]))
         elif log[2] == CUT and log[4] >= 0:
-            limit = put_reach(eye.world, eye.place, cell.v, cell.vx, cell.vy, room)
+            limit = put_reach(eye, cell, room)
             if begin(eye, cell, room, candidates, count, limit):
                 sweep_cut(eye, cell, half, cx, cy, room, sweep, int(log[3]), int(log[4]), limit)
             else:
                 sweep.counts[2] = 1
         else:
-            sweep_smooth(cell, half, cx, cy, sweep, 3)
+            sweep_smooth(eye, cell, half, cx, cy, sweep, 3)
     return coarse
 
 

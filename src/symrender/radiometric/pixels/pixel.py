@@ -9,30 +9,39 @@ in it or to be too small to matter is looked at more closely.
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Final
 
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.records import Table
+from symrender.radiometric.pixels.cells import (
+    BOX,
+    DISK,
+    GAUSSIAN,
+    Cell,
+    Eye,
+    cell_at,
+    heaviest,
+    kinks,
+    outside,
+    window_cell,
+)
 from symrender.radiometric.pixels.curves import misses, put_curve, put_quarter
 from symrender.radiometric.pixels.records import (
     COARSE,
     CUT,
     LEVELS,
     LOGGED,
+    MARKS,
     MOST_CUTS,
     ROOM,
     SMOOTH,
-    Family,
     Ints,
     Room,
-    Wall,
 )
-from symrender.radiometric.pixels.rules import clear, cut_rule, cutting_mode, gap, put_panels, tensor_rule
+from symrender.radiometric.pixels.rules import clear, cut_rule, cutting_mode, gap, put_panels, round_rule, tensor_rule
 from symrender.radiometric.pixels.sharp import too_sharp
 from symrender.radiometric.pixels.sight import may_show, put_reach
 from symrender.radiometric.pixels.textures import brightest, fields, mean_error, put_lines
-from symrender.radiometric.vectors import Array, Vector
-from symrender.radiometric.world import World
+from symrender.radiometric.vectors import Array
 
 BLOCK: Final = 8
 """Pixels of a side of the squares for which walls that pass outside are struck once."""
@@ -40,8 +49,6 @@ _TEXTURE_LEVELS: Final = 5
 """Halvings towards a horizon at which a texture shrinks without end."""
 _FIELD_COST: Final = 100.0
 """Evaluations a field takes, about."""
-_PART: Final = 0.004
-"""Part of a pixel's tolerance that any cell may take."""
 _RUNS: Final = 8
 """Most runs of a pixel."""
 _FIRST: Final = 60_000
@@ -50,46 +57,11 @@ _STRICTER: Final = 0.2
 _LOOSER: Final = 32.0
 _DOUBT: Final = 0.02
 """Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
+_HOPE: Final = 1000.0
+"""Times what a cell may take that a rule of 5 x 5 nodes may miss for one of 8 x 8 to be tried: of a Gaussian, which no
+polynomial of low degree is."""
 _LITTLE: Final = 0.005
-"""The same of rules between walls, which are far apart in order."""
-
-
-class Eye(NamedTuple):
-    """What is the same for all pixels: the world, the same with textures of planes replaced by their means.
-
-    ``bright`` is a radiance of the scene that what nodes have not seen is taken to have, ``peak`` that of the highest
-    highlight.
-    """
-
-    world: World
-    mean: World
-    place: Vector
-    walls: Table[Wall]
-    families: Table[Family]
-    bright: float
-    peak: float
-    delicate: bool
-
-
-class Cell(NamedTuple):
-    """Rays v + x vx + y vy, x and y from -1 to 1, of a level and a share of the pixel; what may be missed in it."""
-
-    v: Vector
-    vx: Vector
-    vy: Vector
-    level: int
-    area: float
-    allowed: float
-
-
-@inlined
-def step(v: Vector, a: float, vx: Vector, b: float, vy: Vector) -> Vector:
-    """v + a vx + b vy"""
-    return (
-        v[0] + a * vx[0] + b * vy[0],
-        v[1] + a * vx[1] + b * vy[1],
-        v[2] + a * vx[2] + b * vy[2],
-    )  # fmt: skip
+"""``_DOUBT`` of rules between walls, which are far apart in order."""
 
 
 @jitable
@@ -159,21 +131,46 @@ def spread(eye: Eye, room: Room) -> float:
 @jitable
 def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
     """Integrate a cell without curves; False where it is to be halved."""
-    world, at, v, vx, vy, area = eye.world, eye.place, cell.v, cell.vx, cell.vy, cell.area
-    tensor_rule(world, at, v, vx, vy, area, 1, 0, room)
-    tensor_rule(world, at, v, vx, vy, area, 2, 1, room)
-    tensor_rule(world, at, v, vx, vy, area, 3, 2, room)
+    world = eye.world
+    tensor_rule(eye, world, cell, 1, 0, room)
+    tensor_rule(eye, world, cell, 2, 1, room)
+    tensor_rule(eye, world, cell, 3, 2, room)
     before, error = gap(room, 0, 1), gap(room, 1, 2)
     error = max(error, _DOUBT * before)
     if error <= cell.allowed:
         take(room, 2, error, cell.level, SMOOTH, 3, 0)
         return True
     before = gap(room, 1, 2)
-    tensor_rule(world, at, v, vx, vy, area, 5, 1, room)
+    tensor_rule(eye, world, cell, 5, 1, room)
     error = max(gap(room, 1, 2), _DOUBT * before)
     if error <= cell.allowed:
         take(room, 1, error, cell.level, SMOOTH, 5, 0)
         return True
+    if eye.domain == GAUSSIAN and error <= _HOPE * cell.allowed:
+        before = gap(room, 1, 2)
+        tensor_rule(eye, world, cell, 8, 2, room)
+        error = max(gap(room, 1, 2), _DOUBT * before)
+        if error <= cell.allowed:
+            take(room, 2, error, cell.level, SMOOTH, 8, 0)
+            return True
+    return False
+
+
+@jitable
+def round_cell(eye: Eye, cell: Cell, room: Room) -> bool:
+    """Integrate a lens that its rim alone cuts; False where it is to be halved."""
+    before = math.inf
+    round_rule(eye, cell, 2, 0, room)
+    for trial in range(3):
+        round_rule(eye, cell, 3 if trial == 0 else (5 if trial == 1 else 8), 1, room)
+        error = gap(room, 0, 1)
+        error = max(error, _DOUBT * before) if trial > 0 else 2.0 * error
+        if error <= cell.allowed:
+            take(room, 1, error, cell.level, SMOOTH, 3, 0)
+            return True
+        before = gap(room, 0, 1)
+        for c in range(6):
+            room.sums[0, c] = room.sums[1, c]
     return False
 
 
@@ -190,22 +187,23 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
     for k in range(count):
         room.soft[k] = eye.walls[int(room.which[cell.level, k])].soft if k < own else 0.0
     panels, risk = put_panels(room, count, mode)
+    heavy = heaviest(eye.domain, cell)
     # the cell's own area is 4, t and s cover half of it where x, y = t + s, t - s
-    missed = cell.area * risk * (0.25 if mode < 2 else 0.5) * spread(eye, room)
+    missed = cell.area * risk * (0.25 if mode < 2 else 0.5) * spread(eye, room) * heavy
     if panels == 0 or missed > cell.allowed:
         return False
     world = eye.mean if blurred else eye.world
     before = math.inf
-    cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, 2, 0, count, mode, panels, room)
+    cut_rule(eye, world, cell, 2, 0, count, mode, panels, room)
     for trial in range(4):
         order = 3 if trial == 0 else (5 if trial == 1 else (8 if trial == 2 else 12))
         # drawn to the ends of panels where a piece beside a limb shrinks to nothing, from a third rule on
         way = mode if trial < 2 else mode + 4
-        cut_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, order, 1, count, way, panels, room)
+        cut_rule(eye, world, cell, order, 1, count, way, panels, room)
         error = gap(room, 0, 1)
         # the first pair of rules is trusted less
         error = max(error, _LITTLE * before) if trial > 0 else 8.0 * error
-        whole = error + missed + cell.area * beside * 1.5 * brightest(room.span)
+        whole = error + missed + cell.area * beside * 1.5 * brightest(room.span) * heavy
         if whole <= cell.allowed or (blurred and error + missed <= cell.allowed):
             take(room, 1, whole, cell.level, CUT, order, -1 if blurred else way)
             return True
@@ -221,9 +219,9 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
 def coarse_cell(eye: Eye, cell: Cell, room: Room, blurred: bool, sharp: bool) -> None:
     """Integrate a cell as if it were smooth and state its area times what radiance may differ by in it."""
     world = eye.mean if blurred else eye.world
-    tensor_rule(world, eye.place, cell.v, cell.vx, cell.vy, cell.area, 2, 0, room)
+    tensor_rule(eye, world, cell, 2, 0, room)
     swing = spread(eye, room) + (brightest(room.span) if blurred else 0.0)
-    error = cell.area * (max(swing, eye.peak) if sharp else swing)
+    error = cell.area * (max(swing, eye.peak) if sharp else swing) * heaviest(eye.domain, cell)
     take(room, 0, error, cell.level, COARSE, 2, -1 if blurred else 0)
 
 
@@ -231,10 +229,12 @@ def coarse_cell(eye: Eye, cell: Cell, room: Room, blurred: bool, sharp: bool) ->
 def blurred_cell(eye: Eye, cell: Cell, room: Room, limit: float, ends: bool, budget: int) -> int:
     """Integrate a cell of many fields with its texture's mean: 1 where that is done, 0 to halve it, -1 to end there."""
     own = int(room.counts[cell.level])
-    beside = mean_error(eye.families, cell.v, cell.vx, cell.vy, room, limit, own)
+    # a weight that changes along a line counts as a break more
+    breaks = own if eye.domain == BOX else own + 1
+    beside = mean_error(eye.families, cell.v, cell.vx, cell.vy, room, limit, breaks)
     held = fields(eye.families, cell.v, cell.vx, cell.vy, room, limit)
     hopeless = held * _FIELD_COST > budget - room.total[7]
-    off = cell.area * beside * 1.5 * brightest(room.span)
+    off = cell.area * beside * 1.5 * brightest(room.span) * heaviest(eye.domain, cell)
     if off <= cell.allowed or (hopeless and cell.level >= _TEXTURE_LEVELS) or ends:
         if cut_cell(eye, cell, room, own, 0, True, beside):
             return 1
@@ -246,14 +246,22 @@ def blurred_cell(eye: Eye, cell: Cell, room: Room, limit: float, ends: bool, bud
 @jitable
 def one_cell(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, budget: int) -> bool:
     """Integrate a cell, or say that it is to be halved."""
+    if outside(eye.domain, cell):
+        clear(room, 2)
+        take(room, 2, 0.0, cell.level, SMOOTH, 3, 0)
+        return True
+    if cell.level < kinks(eye.domain):
+        return False
     ends = cell.level >= LEVELS or room.total[7] > budget
     own = int(room.counts[cell.level])
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
     many = lines < 0
-    sharp = too_sharp(eye.world, eye.place, cell.v, cell.vx, cell.vy, room, limit, eye.delicate)
+    sharp = too_sharp(eye, cell, room, limit)
     if not ends and fits and not many and not sharp:
         if own + lines == 0:
             return smooth_cell(eye, cell, room)
+        if own + lines == 1 and cell.level == 0 and eye.domain == DISK and round_cell(eye, cell, room):
+            return True
         if own + lines <= MOST_CUTS and cut_cell(eye, cell, room, own, lines, False, 0.0):
             return True
     if many and fits and not sharp:
@@ -262,27 +270,10 @@ def one_cell(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, budget:
             return True
         ends = ends or done < 0
     swing = spread(eye, room) + (brightest(room.span) if many else 0.0)
-    if ends or (not sharp and cell.area * swing <= cell.allowed):
+    if ends or (not sharp and cell.area * swing * heaviest(eye.domain, cell) <= cell.allowed):
         coarse_cell(eye, cell, room, many, sharp)
         return True
     return False
-
-
-@jitable
-def cell_at(whole: Cell, room: Room, level: int, tol: float) -> Cell:
-    """The cell of a pixel that ``room.path`` says down to a level."""
-    v, vx, vy, area, half = whole.v, whole.vx, whole.vy, 1.0, 1.0
-    x, y = 0.0, 0.0
-    for k in range(1, level + 1):
-        half *= 0.5
-        area *= 0.25
-        quarter = int(room.path[k])
-        x += half if quarter % 2 == 1 else -half
-        y += half if quarter >= 2 else -half
-    return Cell(
-        step(v, x, vx, y, vy), (vx[0] * half, vx[1] * half, vx[2] * half), (vy[0] * half, vy[1] * half, vy[2] * half),
-        level, area, tol * (0.5 * area + _PART),
-    )  # fmt: skip
 
 
 @jitable
@@ -294,12 +285,12 @@ def pixel_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, 
     for c in range(3):
         room.span[0, c], room.span[1, c] = math.inf, -math.inf
     # every cell's first look at what radiance spans
-    tensor_rule(eye.world, eye.place, whole.v, whole.vx, whole.vy, 1.0, 3, 0, room)
+    tensor_rule(eye, eye.world, whole, 3, 0, room)
     clear(room, 0)
     level = 0
     while level >= 0:
         cell = cell_at(whole, room, level, tol)
-        limit = put_reach(eye.world, eye.place, cell.v, cell.vx, cell.vy, room)
+        limit = put_reach(eye, cell, room)
         if level == 0:
             fits = begin(eye, cell, room, candidates, count, limit)
         else:
@@ -313,18 +304,6 @@ def pixel_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, 
         if level == 0:
             break
         room.path[level] += 1
-
-
-@jitable
-def window_cell(
-    window: Array, width: int, height: int, x0: float, y0: float, x1: float, y1: float, tol: float
-) -> Cell:  # fmt: skip
-    """The part x0..x1, y0..y1 of an image, in pixels from its left and from its top; y grows upwards in it."""
-    f, r, u = window[0], window[1], window[2]
-    a, b = (x0 + x1) / width - 1.0, 1.0 - (y0 + y1) / height
-    p, q = (x1 - x0) / width, (y1 - y0) / height
-    v = (f[0] + a * r[0] + b * u[0], f[1] + a * r[1] + b * u[1], f[2] + a * r[2] + b * u[2])
-    return Cell(v, (p * r[0], p * r[1], p * r[2]), (q * u[0], q * u[1], q * u[2]), 0, 1.0, tol)
 
 
 @jitable
@@ -346,7 +325,7 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
     ones are made until one ends by itself, then stricter ones while what they are to take is left.
     """
     best, share, spent, tightens, loose = room.best, 1.0, 0.0, False, False
-    put_reach(eye.world, eye.place, whole.v, whole.vx, whole.vy, room)
+    put_reach(eye, whole, room)
     held = fields(eye.families, whole.v, whole.vx, whole.vy, room, math.inf)
     # where fields are too many to be cut at, a first run need not find it out at length
     limit = budget // 4 if held * _FIELD_COST <= budget // 4 else min(budget, max(_FIRST, budget // 64))
@@ -374,22 +353,41 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
     return spent
 
 
+@jitable
+def walls_in(eye: Eye, whole: Cell, room: Room) -> int:
+    """A number that tells which walls and lines of textures enter the whole, after its mean was made."""
+    found = 0
+    for k in range(int(room.counts[0])):
+        found = (found * 1009 + int(room.which[0, k]) + 1) % MARKS
+    limit = put_reach(eye, whole, room)
+    lines = put_lines(eye.families, whole.v, whole.vx, whole.vy, room, limit)
+    for k in range(lines):
+        found = (found * 1009 + 31 * int(room.numbers[k, 0]) + int(room.numbers[k, 1]) % 100003 + 1) % MARKS
+    return found * 4 + (1 if lines < 0 else 2)
+
+
 def fill_pixels(
-    eye: Eye, window: Array, width: int, height: int, x0: int, y0: int, x1: int, y1: int, room: Room,
+    eye: Eye, window: Array, width: int, height: int, reach: float, x0: int, y0: int, x1: int, y1: int, room: Room,
     candidates: Ints, tol: float, budget: int, emitted: Array, direct: Array, error: Array,
 ) -> int:  # fmt: skip
     """Fill the means of columns x0:x1 of rows y0:y1; returns the evaluations. Many arguments because a kernel's are.
 
-    Blocks lie at multiples of ``BLOCK`` of the image, so that no tile changes a byte.
+    The support of a pixel's filter reaches ``reach`` pixels from its middle to every side. Blocks lie
+    at multiples of ``BLOCK`` of the image, so that no tile changes a byte.
     """
     spent = 0.0
     for top in range(y0 - y0 % BLOCK, y1, BLOCK):
         for left in range(x0 - x0 % BLOCK, x1, BLOCK):
-            block = window_cell(window, width, height, left, top, left + BLOCK, top + BLOCK, tol)
+            beyond = reach - 0.5
+            block = window_cell(
+                window, width, height, left - beyond, top - beyond, left + BLOCK + beyond, top + BLOCK + beyond, tol
+            )
             count = block_walls(eye, block, room, candidates)
             for j in range(max(top, y0), min(top + BLOCK, y1)):
                 for i in range(max(left, x0), min(left + BLOCK, x1)):
-                    whole = window_cell(window, width, height, i, j, i + 1, j + 1, tol)
+                    whole = window_cell(
+                        window, width, height, i - beyond, j - beyond, i + 1 + beyond, j + 1 + beyond, tol
+                    )
                     spent += stated_mean(eye, whole, room, candidates, count, tol, budget)
                     error[j - y0, i - x0] = room.best[6]
                     for c in range(3):

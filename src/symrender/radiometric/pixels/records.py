@@ -19,6 +19,7 @@ Six = Annotated[Array, 6]
 LINE: Final = 0
 CONIC: Final = 1
 QUARTIC: Final = 2
+RIM: Final = 3
 
 # what radiance does beside a wall that is not smooth up to it: ``soft`` of a wall, else 0
 LIMB: Final = 1.0
@@ -39,6 +40,9 @@ MOST_LINES: Final = 6
 LOGGED: Final = 20_000
 """Cells of a pixel whose derivative is asked for, at most."""
 
+MARKS: Final = (1 << 50) - 27
+"""Numbers that tell lists of walls apart are below it, so that their products are whole numbers of a kernel."""
+
 # kinds of a cell in the log
 SMOOTH: Final = 0
 CUT: Final = 1
@@ -52,8 +56,8 @@ class Wall(Record):
     """Where radiance breaks, as the eye at the origin sees it.
 
     A LINE is n.v = 0; a CONIC v.M v = 0 with M ``form``; a QUARTIC is where the sphere about ``center`` is cut by the
-    quadric of ``form``, ``linear`` and ``rest``. ``own`` and ``other`` are the pieces it is seen on, ``other`` -1 where
-    it is one. ``soft`` is 0, ``LIMB`` or ``TOUCH``.
+    quadric of ``form``, ``linear`` and ``rest``; the RIM of a lens has no numbers. ``own`` and ``other`` are the pieces
+    it is seen on, ``other`` -1 where it is one, ``own`` too where it is none. ``soft`` is 0, ``LIMB`` or ``TOUCH``.
     """
 
     kind: float

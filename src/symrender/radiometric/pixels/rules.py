@@ -9,9 +9,10 @@ import numpy as np
 
 from symrender.jit.marks import inlined, jitable
 from symrender.radiometric.direct import along_ray
+from symrender.radiometric.pixels.cells import BOX, Cell, Eye, ray_of, step, weight_of
 from symrender.radiometric.pixels.curves import crossing, put_turned, slope_bounds
 from symrender.radiometric.pixels.records import MOST_CUTS, PANELS, TERMS, TOUCH, Room
-from symrender.radiometric.vectors import Array, Vector
+from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 
 MOST_NODES: Final = 12
@@ -34,13 +35,16 @@ _SAME: Final = 1e-11
 
 @jitable
 def add_light(
-    world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, x: float, y: float, weight: float, row: int,
-    room: Room,
+    eye: Eye, world: World, cell: Cell, x: float, y: float, weight: float, row: int, room: Room
 ) -> None:  # fmt: skip
-    """Add what comes back along the ray v + x vx + y vy, weighted, to a row of sums; it widens the span of radiance."""
-    d = (v[0] + x * vx[0] + y * vy[0], v[1] + x * vx[1] + y * vy[1], v[2] + x * vx[2] + y * vy[2])
-    size = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-    _, emitted, direct = along_ray(world, eye, (d[0] / size, d[1] / size, d[2] / size), room.sky)
+    """Add what comes back through the place (x, y) of a cell, weighted, to a row of sums; it widens the span of
+    radiance. ``world`` is that of the eye, or its mean."""
+    if eye.domain != BOX:
+        weight *= weight_of(eye.domain, cell.x + cell.half * x, cell.y + cell.half * y)
+        if weight == 0.0:
+            return
+    origin, d = ray_of(eye, step(cell.v, x, cell.vx, y, cell.vy))
+    _, emitted, direct = along_ray(world, origin, d, room.sky)
     sums, span = room.sums, room.span
     for c in range(3):
         sums[row, c] += weight * emitted[c]
@@ -69,16 +73,28 @@ def clear(room: Room, row: int) -> None:
 
 
 @jitable
-def tensor_rule(
-    world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, area: float, order: int, row: int, room: Room
-) -> None:  # fmt: skip
-    """Integrate over a cell of this share of the pixel by order x order nodes."""
+def tensor_rule(eye: Eye, world: World, cell: Cell, order: int, row: int, room: Room) -> None:
+    """Integrate over a cell by order x order nodes."""
     clear(room, row)
     for i in range(order):
         for j in range(order):
-            weight = area * GAUSS[1, order, i] * GAUSS[1, order, j]
+            weight = cell.area * GAUSS[1, order, i] * GAUSS[1, order, j]
             x, y = 2.0 * GAUSS[0, order, i] - 1.0, 2.0 * GAUSS[0, order, j] - 1.0
-            add_light(world, eye, v, vx, vy, x, y, weight, row, room)
+            add_light(eye, world, cell, x, y, weight, row, room)
+
+
+@jitable
+def round_rule(eye: Eye, cell: Cell, order: int, row: int, room: Room) -> None:
+    """Integrate over a whole lens by ``order`` rings of nodes, which is exact for polynomials of degree 2 order + 1."""
+    clear(room, row)
+    count = 2 * order + 2
+    for i in range(order):
+        radius = math.sqrt(GAUSS[0, order, i])
+        for k in range(count):
+            turn = 2.0 * math.pi * (k + 0.5 * (i % 2)) / count
+            # a place of the disk stands for its share of the square about it
+            weight = 0.25 * math.pi * GAUSS[1, order, i] / count
+            add_light(eye, eye.world, cell, radius * math.cos(turn), radius * math.sin(turn), weight, row, room)
 
 
 @inlined
@@ -278,8 +294,7 @@ def mapped(u: float, first: bool, last: bool) -> tuple[float, float]:
 
 @jitable
 def line_rule(
-    world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, weight: float, order: int, row: int, count: int,
-    mode: int, s: float, room: Room,
+    eye: Eye, world: World, cell: Cell, weight: float, order: int, row: int, count: int, mode: int, s: float, room: Room
 ) -> None:  # fmt: skip
     """Integrate along the line s, piece by piece between the curves."""
     half = half_width(mode, s)
@@ -297,16 +312,15 @@ def line_rule(
                 x = t if mode == 0 else (s if mode == 1 else t + s)
                 y = s if mode == 0 else (t if mode == 1 else (t - s if mode == 2 else s - t))
                 share = weight * (stop - start) * slope * GAUSS[1, order, i]
-                add_light(world, eye, v, vx, vy, x, y, share, row, room)
+                add_light(eye, world, cell, x, y, share, row, room)
         start, hard = stop, ends
 
 
 @jitable
 def cut_rule(
-    world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, area: float, order: int, row: int, count: int,
-    mode: int, panels: int, room: Room,
+    eye: Eye, world: World, cell: Cell, order: int, row: int, count: int, mode: int, panels: int, room: Room
 ) -> None:  # fmt: skip
-    """Integrate over a cell of this share of the pixel, line by line, in every panel between events.
+    """Integrate over a cell, line by line, in every panel between events.
 
     Four is added to the mode where lines are to be drawn to the ends of panels if a curve is soft.
     """
@@ -316,11 +330,11 @@ def cut_rule(
         soft = soft or (mode >= 4 and room.soft[k] != 0.0)
     mode = mode % 4
     # the cell's own area is 4; x, y = t + s, t - s covers twice that of t and s
-    scale = area * (0.25 if mode < 2 else 0.5)
+    scale = cell.area * (0.25 if mode < 2 else 0.5)
     for panel in range(panels):
         start, stop = room.panels[panel], room.panels[panel + 1]
         for i in range(order):
             place, slope = mapped(GAUSS[0, order, i], soft, soft)
             s = start + (stop - start) * place
             weight = scale * (stop - start) * slope * GAUSS[1, order, i]
-            line_rule(world, eye, v, vx, vy, weight, order, row, count, mode, s, room)
+            line_rule(eye, world, cell, weight, order, row, count, mode, s, room)

@@ -7,6 +7,7 @@ from typing import Final
 
 from symrender.jit.marks import jitable
 from symrender.leaves import values
+from symrender.radiometric.pixels.cells import Cell, Eye, ray_of, step
 from symrender.radiometric.pixels.records import Room
 from symrender.radiometric.pixels.sight import may_show
 from symrender.radiometric.sight import height_over, nearest
@@ -94,28 +95,25 @@ def place_spreads(
 
 
 @jitable
-def too_sharp(
-    world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, room: Room, limit: float, delicate: bool
-) -> bool:  # fmt: skip
-    """Whether nodes of a cell may miss what is sharp in it; ``delicate`` says whether the world has such things."""
-    if not delicate:
+def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
+    """Whether nodes of a cell may miss what is sharp in it."""
+    if not eye.delicate:
         return False
+    world = eye.world
     for j in range(world.pieces.shape[0]):
         if world.pieces[j].kind == SPHERE or not may_show(room, float(j), limit):
             continue
         for i in range(world.lights.shape[0]):
             lamp = world.lights[i]
-            if lamp.kind in (POINT, SPOT) and plane_spreads(world, j, eye, vector(lamp.place), v, vx, vy):
+            point = lamp.kind in (POINT, SPOT)
+            if point and plane_spreads(world, j, eye.place, vector(lamp.place), cell.v, cell.vx, cell.vy):
                 return True
-    size = math.sqrt(dot(v, v))
-    ray = (v[0] / size, v[1] / size, v[2] / size)
-    own, _, place, normal, _ = nearest(world, eye, ray)
+    origin, ray = ray_of(eye, cell.v)
+    own, _, place, normal, _ = nearest(world, origin, ray)
     for corner in range(4):
         a, b = 1.0 if corner % 2 == 1 else -1.0, 1.0 if corner >= 2 else -1.0
-        d = (v[0] + a * vx[0] + b * vy[0], v[1] + a * vx[1] + b * vy[1], v[2] + a * vx[2] + b * vy[2])
-        size = math.sqrt(dot(d, d))
-        d = (d[0] / size, d[1] / size, d[2] / size)
-        other, _, at, facing, _ = nearest(world, eye, d)
+        origin, d = ray_of(eye, step(cell.v, a, cell.vx, b, cell.vy))
+        other, _, at, facing, _ = nearest(world, origin, d)
         if own >= 0 and other == own:
             for i in range(world.lights.shape[0]):
                 if place_spreads(world, own, i, ray, place, normal, d, at, facing):

@@ -6,11 +6,12 @@ import math
 
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
+from symrender.radiometric.pieces import POLYGON, Piece, corner
+from symrender.radiometric.pixels.cells import DISK, Cell, Eye
 from symrender.radiometric.pixels.curves import put_form
 from symrender.radiometric.pixels.records import TERMS, Room
 from symrender.radiometric.sight import height_over
 from symrender.radiometric.vectors import Array, Vector, dot, minus, vector
-from symrender.radiometric.world import World
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import SPHERE
 
@@ -75,18 +76,79 @@ def plane_depths(up: Vector, height: float, v: Vector, vx: Vector, vy: Vector) -
 
 
 @jitable
-def put_reach(world: World, eye: Vector, v: Vector, vx: Vector, vy: Vector, room: Room) -> float:
+def least_depth(piece: Piece, at: Vector, v: Vector, vx: Vector, vy: Vector) -> float:
+    """Least q at which rays at + (q - 1) v may meet a piece, by how far from their beginnings it is; inf for never."""
+    longest = math.sqrt(dot(v, v)) + math.sqrt(dot(vx, vx)) + math.sqrt(dot(vy, vy))
+    if piece.kind == PLANE:
+        low, high = linear_range(vector(piece.up), v, vx, vy)
+        height = height_over(piece, at)
+        first, last = height - high, height - low
+        away = 0.0 if first <= 0.0 <= last else min(abs(first), abs(last))
+        return away / max(abs(low), abs(high)) if away > 0.0 else 0.0
+    center, radius = vector(piece.place), piece.radius
+    if piece.kind == POLYGON:
+        x, y, z = 0.0, 0.0, 0.0
+        for k in range(int(piece.count)):
+            a, b, c = corner(piece, k)
+            x, y, z = x + a / piece.count, y + b / piece.count, z + c / piece.count
+        center, radius = (x, y, z), 0.0
+        for k in range(int(piece.count)):
+            way = minus(corner(piece, k), center)
+            radius = max(radius, math.sqrt(dot(way, way)))
+    way = minus(center, at)
+    _, high = linear_range(way, v, vx, vy)
+    if high + longest * (longest + radius) <= 0.0:
+        # behind the lens
+        return math.inf
+    way = (way[0] + v[0], way[1] + v[1], way[2] + v[2])
+    wide = math.sqrt(dot(vx, vx)) + math.sqrt(dot(vy, vy))
+    return max(0.0, math.sqrt(dot(way, way)) - wide - radius) / longest
+
+
+@jitable
+def lens_depths(piece: Piece, at: Vector, v: Vector, vx: Vector, vy: Vector, work: Array) -> tuple[float, float]:
+    """(nearest, farthest) q at which rays at + (q - 1) v of a lens meet a piece, that of a flat one its plane.
+
+    They begin at q = 0, so that what lies before ``at`` is met too.
+    """
+    least = least_depth(piece, at, v, vx, vy)
+    if least == math.inf:
+        return math.inf, math.inf
+    if piece.kind == SPHERE:
+        c = minus(vector(piece.place), at)
+        near, far = sphere_reach(c, piece.radius, v, vx, vy, work)
+        low, _ = linear_range(c, v, vx, vy)
+        if near < math.inf and (low > 0.0 or leaves.sphere_power(*c, piece.radius) <= 0.0):
+            return max(least, near + 1.0 if near > 0.0 else 0.0), far + 1.0
+        # it may lie between the lens and ``at``, unless all of it is beyond
+        return least if low <= 0.0 else math.inf, math.inf
+    up, height = vector(piece.up), height_over(piece, at)
+    low, high = linear_range(up, v, vx, vy)
+    if low <= 0.0 <= high:
+        return least, math.inf
+    first, last = 1.0 - height / low, 1.0 - height / high
+    first, last = min(first, last), max(first, last)
+    if last <= 0.0:
+        return math.inf, math.inf
+    return (max(first, least), last) if first > 0.0 else (least, math.inf)
+
+
+@jitable
+def put_reach(eye: Eye, cell: Cell, room: Room) -> float:
     """Where every shape may be met in a cell, in ``room.reach``; returns the depth behind which nothing is seen."""
     limit = math.inf
-    for j in range(world.pieces.shape[0]):
-        piece = world.pieces[j]
-        if piece.kind == SPHERE:
-            c = minus(vector(piece.place), eye)
+    v, vx, vy = cell.v, cell.vx, cell.vy
+    for j in range(eye.world.pieces.shape[0]):
+        piece = eye.world.pieces[j]
+        if eye.domain == DISK:
+            near, far = lens_depths(piece, eye.place, v, vx, vy, room.work)
+        elif piece.kind == SPHERE:
+            c = minus(vector(piece.place), eye.place)
             near, far = sphere_reach(c, piece.radius, v, vx, vy, room.work)
         else:
-            near, far = plane_depths(vector(piece.up), height_over(piece, eye), v, vx, vy)
-            if piece.kind != PLANE:
-                far = math.inf
+            near, far = plane_depths(vector(piece.up), height_over(piece, eye.place), v, vx, vy)
+        if piece.kind not in (SPHERE, PLANE):
+            far = math.inf
         room.reach[j, 0], room.reach[j, 1] = near, far
         limit = min(limit, far)
     return limit * (1.0 + _MARGIN)

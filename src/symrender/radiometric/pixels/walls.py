@@ -15,7 +15,7 @@ from symrender.jit.marks import jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.pieces import POLYGON, Piece, corner
-from symrender.radiometric.pixels.records import CONIC, LIMB, LINE, QUARTIC, TOUCH, Family, Wall
+from symrender.radiometric.pixels.records import CONIC, LIMB, LINE, QUARTIC, RIM, TOUCH, Family, Wall
 from symrender.radiometric.sight import height_over
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
@@ -267,9 +267,9 @@ def cap_walls(world: World, eye: Vector, own: int, light: int, walls: Table[Wall
     return count
 
 
-def list_walls(world: World, eye: Array, walls: Table[Wall]) -> int:
+@jitable
+def put_walls(world: World, at: Vector, walls: Table[Wall]) -> int:
     """List all walls; returns how many there are, of which only those that fit into ``walls`` are written."""
-    at = (eye[0], eye[1], eye[2])
     count = texture_walls(world, at, walls, sight_walls(world, at, walls, 0))
     for own in range(world.pieces.shape[0]):
         for light in range(world.lights.shape[0]):
@@ -279,6 +279,11 @@ def list_walls(world: World, eye: Array, walls: Table[Wall]) -> int:
             elif kind in (SKY, AREA):
                 count = cap_walls(world, at, own, light, walls, count)
     return count
+
+
+def list_walls(world: World, eye: Array, walls: Table[Wall]) -> int:
+    """The same as a kernel."""
+    return put_walls(world, (eye[0], eye[1], eye[2]), walls)
 
 
 @jitable
@@ -297,9 +302,10 @@ def put_family(families: Table[Family], count: int, own: int, cuts: bool, piece:
     return count + 1
 
 
-def list_families(world: World, eye: Array, families: Table[Family]) -> int:
+@jitable
+def put_families(world: World, at: Vector, families: Table[Family]) -> int:
     """List the coordinates of all textured planes, x then y; returns how many there are."""
-    count, at = 0, (eye[0], eye[1], eye[2])
+    count = 0
     for j in range(world.pieces.shape[0]):
         piece = world.pieces[j]
         material = world.materials[int(piece.material)]
@@ -309,4 +315,26 @@ def list_families(world: World, eye: Array, families: Table[Family]) -> int:
         count = put_family(families, count, j, cuts, piece, vector(piece.east), at, material.cell)
         if material.texture != STRIPES:
             count = put_family(families, count, j, cuts, piece, vector(piece.north), at, material.cell)
+    return count
+
+
+def list_families(world: World, eye: Array, families: Table[Family]) -> int:
+    """The same as a kernel."""
+    return put_families(world, (eye[0], eye[1], eye[2]), families)
+
+
+@jitable
+def put_lens_walls(
+    world: World, at: Vector, forward: Vector, focus: float, walls: Table[Wall], count: int
+) -> int:  # fmt: skip
+    """List the rim of a lens, and where shapes cut it: rays on their two sides begin inside and outside.
+
+    The lens lies at right angles to ``forward``, ``focus`` before the place ``at`` that its rays meet in.
+    """
+    if count < walls.shape[0]:
+        wall = walls[count]
+        wall.kind, wall.own, wall.other, wall.soft = RIM, -1, -1, 0.0
+    count += 1
+    for j in range(world.pieces.shape[0]):
+        count = put_section(world, at, walls, count, j, -1, 0.0, forward, -focus)
     return count

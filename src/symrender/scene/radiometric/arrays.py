@@ -12,6 +12,7 @@ from symrender.jit.records import Table, copied, flat, record, table
 from symrender.scene.arrays import CHECKER, LOOK_AT, MARBLE, PLANE, SOLID, STRIPES
 from symrender.scene.frames import frames
 from symrender.scene.radiometric import lights, shapes
+from symrender.scene.radiometric.exposure import Exposure, exposure_of
 from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Phong, Reflectance, Solid
 from symrender.scene.radiometric.materials import Material as MaterialPart
 from symrender.scene.radiometric.records import Facet, Light, Material, Shape
@@ -58,7 +59,8 @@ class RadiometricArrays:
     """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes and disks lie.
 
     ``directions`` (lights, 3) are those of directional lights and spots, of any length: ``place`` of the first and
-    ``axis`` of the others is its unit vector. ``facets`` are those of all meshes.
+    ``axis`` of the others is its unit vector. ``facets`` are those of all meshes. Places are those of the time at which
+    the shutter opens; ``exposure`` is what an image is the mean over beside its pixels.
     """
 
     materials: Table[Material]
@@ -69,6 +71,7 @@ class RadiometricArrays:
     directions: Array
     camera: Camera
     bounces: int
+    exposure: Exposure
     first_gloss: bool = False
     """Whether conductors and phong materials reflect at the first hit alone, and are black to other surfaces."""
 
@@ -111,13 +114,25 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     camera = record(Camera)
     camera.kind, camera.fov = LOOK_AT, scene.camera.fov
     camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
-    bounces = ALL if scene.bounces == "all" else scene.bounces
-    return laid_out(materials, rows, facets, lit, directions, camera, bounces, scene.gloss == "first_hit")
+    bounces, exposure = ALL if scene.bounces == "all" else scene.bounces, exposure_of(scene)
+    _carry(rows, lit, camera, exposure)
+    return laid_out(materials, rows, facets, lit, directions, camera, bounces, exposure, scene.gloss == "first_hit")
+
+
+def _carry(shapes: Table[Shape], lights: Table[Light], camera: Camera, exposure: Exposure) -> None:
+    """Move all to where it is when the shutter opens."""
+    for shape, velocity in zip(shapes, exposure.shapes * exposure.opens, strict=True):
+        for vertex in (shape.place, shape.second, shape.third) if shape.kind == TRIANGLE else (shape.place,):
+            vertex[:] += velocity
+    for light, velocity in zip(lights, exposure.lights * exposure.opens, strict=True):
+        light.place[:] += velocity
+    for place in (camera.eye, camera.target):
+        place[:] += exposure.camera * exposure.opens
 
 
 def laid_out(
     materials: Table[Material], shapes: Table[Shape], facets: Table[Facet], lights: Table[Light], directions: Array,
-    camera: Camera, bounces: int, first_gloss: bool,
+    camera: Camera, bounces: int, exposure: Exposure, first_gloss: bool,
 ) -> RadiometricArrays:  # fmt: skip
     """The records of a scene, and what follows: frames of planes and disks, unit vectors of lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
@@ -129,7 +144,9 @@ def laid_out(
             direction = directions[i] / np.abs(directions[i]).max()
             unit = light.place if light.kind == DIRECTIONAL else light.axis
             unit[:] = direction / np.sqrt(direction @ direction)
-    return RadiometricArrays(materials, shapes, facets, places, lit, directions, camera, bounces, first_gloss)
+    return RadiometricArrays(
+        materials, shapes, facets, places, lit, directions, camera, bounces, exposure, first_gloss
+    )  # fmt: skip
 
 
 def plane_record(shape: Shape) -> Table[PlaneRecord]:

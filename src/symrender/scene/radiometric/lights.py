@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from symrender.scene.directions import coincide
-from symrender.scene.radiometric.values import Angle, Intensities, Irradiances, Radiances
+from symrender.scene.radiometric.values import Angle, Intensities, Irradiances, Radiances, Velocity
 from symrender.scene.values import Part, PartName, Point3
 
 LEAST_FALLOFF: Final = 1e-6
@@ -22,6 +22,7 @@ class Point(Part):
     name: Annotated[PartName, Field(description="its part in dotted names: lights.NAME")]
     position: Annotated[Point3, Field(description="where the light is")]
     intensity: Annotated[Intensities, Field(description="radiant intensity, a number or three")]
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
 
 
 class Directional(Part):
@@ -57,6 +58,7 @@ class Spot(Part):
     falloff: Annotated[
         Literal["linear", "smooth"], Field(description="between them: linear in the angle, or smooth in its cosine")
     ] = "linear"
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _narrows(self) -> Self:

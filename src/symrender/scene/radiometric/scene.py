@@ -9,11 +9,12 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from symrender.limits import MAX_LIGHTS, MAX_SHAPES, MAX_TRIANGLES
-from symrender.scene.camera import LookAtCamera
 from symrender.scene.nearest import did_you_mean
+from symrender.scene.radiometric.camera import LensCamera
 from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.materials import Material
 from symrender.scene.radiometric.shapes import Mesh, Plane, Shape
+from symrender.scene.radiometric.values import Times
 from symrender.scene.root import Root, check_names, wrong
 from symrender.scene.values import Held, PartName, at_most
 
@@ -36,17 +37,23 @@ class RadiometricScene(Root):
 
     ``bounces`` 0 is emission and direct light, 1 adds one more reflection at the first hit, ``all`` all of them. With
     ``gloss: first_hit`` conductors and phong materials reflect where they are seen, and are black to other surfaces.
+    What has a ``velocity`` is at its place at time 0, in seconds, and the image is the mean over the times of
+    ``shutter``.
     """
 
     units: Annotated[Literal["radiometric"], Field(description="tells these scenes from those in units: series")]
     bounces: Annotated[
         Literal[0, 1, "all"], Field(description="reflections beyond the direct light"), BeforeValidator(_no_truth)
     ]
-    camera: Annotated[LookAtCamera, Field(description="who looks")]
+    camera: Annotated[LensCamera, Field(description="who looks")]
     gloss: Annotated[
         Literal["every_hit", "first_hit"],
         Field(description="where conductors and phong materials reflect; after the first hit, black or not"),
     ] = "every_hit"
+    shutter: Annotated[Times, Field(description="when it opens and closes: the image is the mean over that time")] = (
+        0.0,
+        0.0,
+    )
     materials: Annotated[
         dict[PartName, Material], AfterValidator(Held), Field(description="what surfaces are made of, by name")
     ]
@@ -63,6 +70,8 @@ class RadiometricScene(Root):
 
     @model_validator(mode="after")
     def _hangs_together(self) -> Self:
+        if self.shutter[0] > self.shutter[1]:
+            raise wrong(f"must close no sooner than it opens, got {list(self.shutter)}", "shutter")
         for field, parts in (("shapes", self.shapes), ("lights", self.lights)):
             check_names(field, parts)
         for index, shape in enumerate(self.shapes):

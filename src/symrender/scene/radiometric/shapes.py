@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from symrender.limits import MAX_TRIANGLES
 from symrender.scene.directions import Triple, along, check_frame, coincide
-from symrender.scene.radiometric.values import Corners, Rotation, Size3
+from symrender.scene.radiometric.values import Corners, Rotation, Size3, Velocity
 from symrender.scene.root import wrong
 from symrender.scene.values import Length, Part, PartName, Point3, at_most, listed
 
@@ -29,6 +29,7 @@ class Plane(Part):
         0.0,
     )
     material: Annotated[PartName, Field(description="name of one of the materials")]
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _has_a_frame(self) -> Self:
@@ -44,6 +45,7 @@ class Sphere(Part):
     center: Annotated[Point3, Field(description="centre")]
     radius: Annotated[Length, Field(description="radius")]
     material: Annotated[PartName, Field(description="name of one of the materials")]
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
 
 
 class Rectangle(Part):
@@ -58,6 +60,7 @@ class Rectangle(Part):
     edge_u: Annotated[Point3, Field(description="edge from the corner, along the texture's x")]
     edge_v: Annotated[Point3, Field(description="the other edge from the corner; the normal is edge_u x edge_v")]
     material: Annotated[PartName, Field(description="name of one of the materials")]
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _has_an_area(self) -> Self:
@@ -76,6 +79,7 @@ class Triangle(Part):
         BeforeValidator(listed),
     ]
     material: Annotated[PartName, Field(description="name of one of the materials")]
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _has_an_area(self) -> Self:
@@ -100,6 +104,7 @@ class Disk(Part):
         0.0,
     )
     material: Annotated[PartName, Field(description="name of one of the materials")]
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
 
     @model_validator(mode="before")
     @classmethod
@@ -130,6 +135,7 @@ class Box(Part):
     size: Annotated[Size3, Field(description="lengths of its edges")]
     rotation: Annotated[Rotation, Field(description="by how much it is turned about z, counter-clockwise")] = 0.0
     material: Annotated[PartName, Field(description="name of one of the materials")]
+    velocity: Annotated[Velocity, Field(description="by how much it moves in a second")] = (0.0, 0.0, 0.0)
 
 
 class Mesh(Part):

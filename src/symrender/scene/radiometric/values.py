@@ -6,7 +6,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BeforeValidator, Field
 
-from symrender.limits import MAX_EXPONENT, MAX_INDEX, MAX_RADIANCE, MIN_ALPHA, MIN_INDEX
+from symrender.limits import MAX_COORDINATE, MAX_EXPONENT, MAX_INDEX, MAX_RADIANCE, MAX_TIME, MIN_ALPHA, MIN_INDEX
 from symrender.scene.values import Length, listed
 
 CHANNELS: Final = 3
@@ -28,6 +28,11 @@ _Intensity = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"u
 _Irradiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/m2"})]
 _Radiance = Annotated[float, Field(ge=0, le=MAX_RADIANCE, json_schema_extra={"unit": "W/m2/sr"})]
 
+_Speed = Annotated[float, Field(ge=-MAX_COORDINATE, le=MAX_COORDINATE, json_schema_extra={"unit": "length"})]
+_Time = Annotated[float, Field(ge=-MAX_TIME, le=MAX_TIME, json_schema_extra={"unit": "s"})]
+
+Velocity = Annotated[tuple[_Speed, _Speed, _Speed], BeforeValidator(listed)]
+Times = Annotated[tuple[_Time, _Time], BeforeValidator(listed)]
 Angle = Annotated[float, Field(ge=0, le=180, json_schema_extra={"unit": "degree"})]
 Rotation = Annotated[float, Field(ge=-360, le=360, json_schema_extra={"unit": "degree"})]
 Size3 = Annotated[tuple[Length, Length, Length], BeforeValidator(listed)]
