@@ -13,6 +13,7 @@ from tests.radiometric.clipped import faces, irradiance, normal
 import symrender as sr
 from symrender.errors import SceneError, Unsupported
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
+from symrender.radiometric.bounds import loose_bounds
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.world import World, make_world
 from symrender.runtimes.radiometric import _kernel
