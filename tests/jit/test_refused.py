@@ -180,4 +180,4 @@ def test_types_tell_layouts_apart() -> None:
     assert type_of(np.zeros(2, point_t)) == type_of(np.zeros(9, point_t)) != type_of(np.zeros(2, moved))
     assert type_of(3) == I8 and type_of(np.float64(3)) == F8
     with pytest.raises(Refused, match="outside the subset"):
-        type_of(np.zeros(2, np.complex128))
+        type_of(np.zeros(2, np.complex64))

@@ -187,9 +187,3 @@ def test_spots_go_to_pbrt_and_come_back(tmp_path: Path) -> None:
 def test_what_is_no_spot_is_refused(wrong: dict[str, Any], said: str) -> None:
     with pytest.raises(SceneError, match=said):
         sr.load(lit(DOWN | wrong))
-
-
-def test_bounced_light_of_a_spot_is_refused_by_name() -> None:
-    shapes = lit()["shapes"][:1]
-    with pytest.raises(Unsupported, match="a spot"):
-        sr.truth(lit(DOWN | {"beam": 10, "cutoff": 20}, shapes=shapes, bounces=1), size=4)
