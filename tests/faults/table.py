@@ -166,7 +166,7 @@ FAULTS = (
           "far squares looked for about the foot, not where the lobe is"),
     Fault("checker", "quadrature/split_grid.py", "change += tail", "change += 0.0", KNOWN,
           "places beyond the tapers, which all of them miss, left out"),
-    Fault("checker", "quadrature/split_square.py", "lower, size, log_rho), known)", "lower, size, log_rho), 0.0)", KNOWN,
+    Fault("checker", "quadrature/split_square.py", "size, log_rho), known)", "size, log_rho), 0.0)", KNOWN,
           "a wall that turns just outside of a square not known of"),
     Fault("panels", "quadrature/split_panel.py", "max(bound, 10.0 * size", "max(0.0, 10.0 * size",
           KNOWN, "three dark lines taken for a proof"),
