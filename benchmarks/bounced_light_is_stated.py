@@ -16,10 +16,13 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from measure import Report
+
+if TYPE_CHECKING:
+    from symrender.probe_rays import RayProbe
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -109,12 +112,27 @@ class Judged(NamedTuple):
     evaluations: int
 
 
+def answered(
+    seed: int, scene: Scene, ray: tuple[np.ndarray, np.ndarray], shape: int, light: float, tol: float, budget: int
+) -> RayProbe | Judged:
+    """What ``probe`` says of a ray that the judge saw meet ``shape``; or why there is no value to be judged."""
+    import symrender as sr
+    from symrender.errors import SymrenderError
+
+    try:
+        seen = sr.probe(scene, rays=ray, tol=tol, budget=budget)
+    except SymrenderError as reason:
+        return Judged(seed, f"refused: {str(reason)[:60]}", 0.0, 0.0, light, False, 0)
+    if seen.shape[0] != (f"shapes.{scene['shapes'][shape]['name']}" if shape >= 0 else "nothing"):
+        return Judged(seed, "another shape", 0.0, 0.0, light, False, 0)
+    if not np.isfinite(seen.error[0]):
+        return Judged(seed, "unsupported", 0.0, float(seen.error[0]), light, False, int(seen.evaluations[0]))
+    return seen
+
+
 def judged(seeds: range) -> list[Judged]:
     """Rays of these seeds."""
     from tests.radiometric import lattice
-
-    import symrender as sr
-    from symrender.errors import SymrenderError
 
     found = []
     for seed in seeds:
@@ -128,18 +146,11 @@ def judged(seeds: range) -> list[Judged]:
             if rng.random() < 0.8:
                 continue
         tol = float(rng.choice(TOLERANCES)) * (light or 1e-3)
-        try:
-            seen = sr.probe(scene, rays=(origin, direction), tol=tol, budget=BUDGET)
-        except SymrenderError as reason:
-            found.append(Judged(seed, f"refused: {str(reason)[:60]}", 0.0, 0.0, light, False, 0))
-            continue
-        if seen.shape[0] != (f"shapes.{scene['shapes'][known.shape]['name']}" if known.shape >= 0 else "nothing"):
-            found.append(Judged(seed, "another shape", 0.0, 0.0, light, False, 0))
+        seen = answered(seed, scene, (origin, direction), known.shape, light, tol, BUDGET)
+        if isinstance(seen, Judged):
+            found.append(seen)
             continue
         stated, spent = float(seen.error[0]), int(seen.evaluations[0])
-        if not np.isfinite(stated):
-            found.append(Judged(seed, "unsupported", 0.0, stated, light, False, spent))
-            continue
         off = float((np.abs(seen.indirect[0] - known.indirect) - SURE * known.sigma).max())
         if off > stated:
             again = [lattice.bounced(judge, origin, direction, rng) for _ in range(16)]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symrender as sr
-from symrender.errors import ImageError, OptionError
+from symrender.errors import ImageError, OptionError, Unsupported
 from symrender.execution.fill import Crew
 from symrender.execution.jobs import Job
 from symrender.images.image import Image
@@ -77,6 +77,22 @@ def test_where_light_bounces_a_moved_light_is_named_too(mutants: ModuleType, tru
         e for e in sr.audit(wrong, scene, truth=true, noise_free=True, wrt=[name]).attribution if e.name == name
     )
     assert found.how == "by its exact derivative"
+    assert found.current == 2.4 and found.value == pytest.approx(2.45, abs=0.01)
+
+
+def test_where_a_derivative_is_refused_a_difference_stands_for_it(truths: Truths) -> None:
+    scene, _ = truths("bounce")
+    dark = {"type": "spot", "name": "dark", "position": [0, 0, 3], "direction": [0, 0, -1]}
+    dark |= {"beam": 10, "cutoff": 20, "intensity": 0}
+    scene = sr.load(scene.model_dump() | {"lights": [*scene.model_dump()["lights"], dark]})
+    name = "lights.lamp.position.z"
+    with pytest.raises(Unsupported, match="a spot"):
+        sr.gradient(scene, [name], size=SIZE, tol=1e-3)
+    true, wrong = (sr.truth(s, size=SIZE, tol=1e-6) for s in (scene, scene.replace({name: 2.45})))
+    render = Image({"radiance": wrong.radiance})
+    named = sr.audit(render, scene, truth=true, noise_free=True, wrt=[name]).attribution
+    (found,) = (e for e in named if e.name == name)
+    assert found.how == "by a central difference of two truths"
     assert found.current == 2.4 and found.value == pytest.approx(2.45, abs=0.01)
 
 

@@ -14,7 +14,7 @@ from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiosity.lobes import cone_of, is_tame, lobe_range, most_sent, over_triangles
-from symrender.radiosity.parts import part_corner, part_share, sends
+from symrender.radiosity.parts import part_corner, part_share, sends, sent_from_middle
 from symrender.radiosity.records import (
     BOUND,
     FREE,
@@ -142,15 +142,8 @@ def add_part(
     share = part_share(scratch, part, normal)
     allowed = fine * (share + SMALL)
     if share * cell.spread <= allowed:
-        # its value at the middle of its corners
-        x = y = z = 0.0
-        size = scratch.sizes[part]
-        for k in range(size):
-            w = part_corner(scratch, part, k)
-            x, y, z = x + w[0], y + w[1], z + w[2]
-        o = (x / size + way[0], y / size + way[1], z / size + way[2])
-        u, v = dot(vector(cell.across), o), dot(vector(cell.along), o)
-        red, green, blue, off = sends(cell, 0, u, v), sends(cell, 1, u, v), sends(cell, 2, u, v), cell.spread
+        red, green, blue = sent_from_middle(scratch, part, cell, way)
+        off = cell.spread
         sums[WORK] += 1.0
     else:
         red, green, blue, off = average(scratch, part, cell, height, normal, way, share, sums)

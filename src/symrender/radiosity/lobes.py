@@ -16,7 +16,7 @@ from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
 from symrender.radiometric.reflection import masking, reflected
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
-from symrender.radiosity.parts import part_corner, sends
+from symrender.radiosity.parts import part_corner, with_sent
 from symrender.radiosity.records import TERMS, WORK, Cell, Receiver, Scratch
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE
 from symrender.scene.radiometric.records import Material
@@ -164,11 +164,7 @@ def triangles_sum(
             o = (w[0] + way[0], w[1] + way[1], w[2] + way[2])
             u, v = dot(across, o), dot(along, o)
             whole += weight * max(f[0], f[1], f[2])
-            total = (
-                total[0] + weight * f[0] * sends(cell, 0, u, v),
-                total[1] + weight * f[1] * sends(cell, 1, u, v),
-                total[2] + weight * f[2] * sends(cell, 2, u, v),
-            )
+            total = with_sent(total, weight, f, cell, u, v)
     return total, whole
 
 

@@ -37,6 +37,29 @@ def sends(cell: Cell, c: int, u: float, v: float) -> float:
     return found
 
 
+@inlined
+def with_sent(total: Vector, weight: float, lobe: Vector, cell: Cell, u: float, v: float) -> Vector:
+    """``total`` and, channel by channel, ``weight`` of a lobe times what the cell sends at its variables."""
+    return (
+        total[0] + weight * lobe[0] * sends(cell, 0, u, v),
+        total[1] + weight * lobe[1] * sends(cell, 1, u, v),
+        total[2] + weight * lobe[2] * sends(cell, 2, u, v),
+    )
+
+
+@jitable
+def sent_from_middle(scratch: Scratch, part: int, cell: Cell, way: Vector) -> Vector:
+    """What the cell sends at the mean of a part's corners; ``way`` leads from the cell's middle to the place."""
+    x = y = z = 0.0
+    size = scratch.sizes[part]
+    for k in range(size):
+        w = part_corner(scratch, part, k)
+        x, y, z = x + w[0], y + w[1], z + w[2]
+    o = (x / size + way[0], y / size + way[1], z / size + way[2])
+    u, v = dot(vector(cell.across), o), dot(vector(cell.along), o)
+    return sends(cell, 0, u, v), sends(cell, 1, u, v), sends(cell, 2, u, v)
+
+
 @jitable
 def cut(scratch: Scratch, part: int, into: int, normal: Vector, level: float, sign: float) -> int:
     """Write what of a part lies where ``sign`` (normal.w + level) is positive; returns how many corners, at most MOST.

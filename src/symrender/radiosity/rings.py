@@ -18,7 +18,7 @@ from symrender.radiometric.reflection import reflected
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
 from symrender.radiosity.lobes import angle_between
-from symrender.radiosity.parts import cut, part_corner, range_over, sends
+from symrender.radiosity.parts import cut, part_corner, range_over, sent_from_middle, with_sent
 from symrender.radiosity.records import FREE, MANY, WORK, Cell, Receiver, Ring, Scratch
 from symrender.scene.radiometric.arrays import DIFFUSE, SPHERE
 from symrender.scene.radiometric.records import Material
@@ -326,11 +326,7 @@ def ring_sum(
                     o = (t * w[0] + way[0], t * w[1] + way[1], t * w[2] + way[2])
                     u, v = dot(u_way, o), dot(v_way, o)
                 whole += weight * max(f[0], f[1], f[2])
-                total = (
-                    total[0] + weight * f[0] * sends(cell, 0, u, v),
-                    total[1] + weight * f[1] * sends(cell, 1, u, v),
-                    total[2] + weight * f[2] * sends(cell, 2, u, v),
-                )
+                total = with_sent(total, weight, f, cell, u, v)
     return total, whole
 
 
@@ -346,16 +342,9 @@ def beside_ring(
     count, turns = put_levels(scratch, part, ring)
     share = share_beside(scratch, count, turns, ring, at.normal) if material.kind == DIFFUSE else 0.0
     if material.kind == DIFFUSE and share * cell.spread <= allowed:
-        x = y = z = 0.0
-        size = scratch.sizes[part]
-        for k in range(size):
-            w = part_corner(scratch, part, k)
-            x, y, z = x + w[0], y + w[1], z + w[2]
-        o = (x / size + way[0], y / size + way[1], z / size + way[2])
-        u, v = dot(vector(cell.across), o), dot(vector(cell.along), o)
-        sent = (share * sends(cell, 0, u, v), share * sends(cell, 1, u, v), share * sends(cell, 2, u, v))
+        red, green, blue = sent_from_middle(scratch, part, cell, way)
         sums[WORK] += 1.0 * turns
-        return sent, share, share * cell.spread
+        return (share * red, share * green, share * blue), share, share * cell.spread
     level = dot(cross(vector(cell.across), vector(cell.along)), part_corner(scratch, part, 0))
     few, less = ring_sum(scratch, count, turns, ring, _FEW, material, at, cell, way, level)
     more, whole = ring_sum(scratch, count, turns, ring, _MORE, material, at, cell, way, level)

@@ -22,7 +22,7 @@ from symrender.radiometric.pixels.lens import Lens
 from symrender.radiometric.pixels.records import Family, Wall, make_room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import Seen, World, seen
+from symrender.radiometric.world import Seen, World, seen_all
 from symrender.runtimes.pixels import (
     DOMAINS,
     MOST_WALLS,
@@ -168,7 +168,7 @@ def prepare_exposed(arrays: RadiometricArrays, settings: Settings) -> Means:
     """
     width, height = settings.width, settings.height
     moved = shaken(arrays)
-    views = [seen(each, width, height) for each in moved]
+    views = seen_all(moved, width, height)
     count = most_walls(arrays, views[0].world.pieces)
     if count > MOST_WALLS:
         raise Unsupported(f"lens and shutter know {MOST_WALLS} walls at most, this scene may have {count}")

@@ -20,7 +20,7 @@ from symrender.radiometric.pixels.records import Family, Wall, make_room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import Seen, World, seen
+from symrender.radiometric.world import Seen, World, seen_all
 from symrender.scene.arrays import CHECKER, PLANE, SOLID, STRIPES
 from symrender.scene.radiometric.arrays import (
     AREA,
@@ -143,7 +143,7 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
     """
     check_pixels(arrays, f"filter: {settings.filter}")
     width, height = settings.width, settings.height
-    views = [seen(each, width, height) for each in shaken(arrays)]
+    views = seen_all(shaken(arrays), width, height)
     eye = eye_of(arrays, views[0], DOMAINS[settings.filter])
     kernel = _kernel("fill_pixels")
     own = threading.local()
