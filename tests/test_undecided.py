@@ -112,3 +112,58 @@ def test_what_is_let_through_is_the_shape_in_front() -> None:
     error = image.layer("error") + alone.layer("error")
     apart = np.abs(image.radiance - alone.radiance).max(axis=-1)
     assert (apart <= 1.5 * error + 1e-9)[met].all()
+
+
+def radiometric(second: dict[str, Any], bounces: int, metal: bool = False) -> dict[str, Any]:
+    """A floor, a ball and a second shape under a lamp, or a sky over metal."""
+    ball = {"type": "sphere", "name": "A", "center": BALL[0], "radius": BALL[1], "material": "b"}
+    floor = {"type": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "a"}
+    return {
+        "units": "radiometric",
+        "name": "near",
+        "bounces": bounces,
+        "camera": {"type": "look_at", "eye": [0.3, -6, 2], "target": [0, 0, 0.5], "fov": 30},
+        "materials": {
+            "a": {"type": "conductor", "alpha": 0.4, "eta": 1.5, "k": 3} if metal else {"type": "diffuse"},
+            "b": {"type": "diffuse", "reflectance": 0.9},
+        },
+        "shapes": [floor, ball, {"name": "B", "material": "a"} | second],
+        "lights": [{"type": "sky", "name": "sky", "radiance": 1}]
+        if metal
+        else [{"type": "point", "name": "key", "position": [-3, -4, 5], "intensity": 60}],
+    }
+
+
+NEAR = {"type": "sphere", "center": [0.1 + 2e-16, 0.07, 0.6], "radius": 0.6}
+BALL_AGAIN = {"type": "sphere", "center": BALL[0], "radius": BALL[1]}
+ALIKE = {"type": "plane", "point": [3, 1, 1e-16], "normal": [0, 0, 2]}
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (radiometric(NEAR, 1), r"shapes\[2\] and shapes\[1\] are one surface"),
+        (radiometric(ALIKE, 1), r"shapes\[2\] and shapes\[0\] are one surface"),
+        (radiometric(NEAR, 0, metal=True), r"shapes\[2\] and shapes\[1\] are one surface"),
+    ],
+)
+def test_lobes_of_radiometric_scenes_ask_the_same(made: dict[str, Any], said: str) -> None:
+    rays = ([[0.3, -6, 2]], [[0, 6, -1.5]])
+    for ask in (lambda: truth(made, size=4, tol=1e-2), lambda: probe(made, rays=rays)):
+        with pytest.raises(Unsupported, match=said):
+            ask()
+
+
+def test_closed_forms_state_what_roundings_decide() -> None:
+    image = truth(radiometric(NEAR, 0), size=24, tol=1e-6, threads=1)
+    ball = image.layer("hit_class") >= 2
+    assert ball.sum() > 20
+    assert (image.layer("error")[ball & (image.radiance.max(axis=-1) > 0.01)] > 0.01).any()
+
+
+def test_equal_shapes_bounce_as_one() -> None:
+    twice, once = (radiometric(BALL_AGAIN, 1), radiometric(BALL_AGAIN, 1))
+    once["shapes"] = once["shapes"][:2]
+    first, other = (truth(s, size=6, tol=1e-3, threads=1).layer("indirect") for s in (twice, once))
+    assert first.max() > 1e-3
+    np.testing.assert_array_equal(first, other)

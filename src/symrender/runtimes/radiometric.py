@@ -26,10 +26,12 @@ from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixels import prepare_means
 from symrender.runtimes.radiosity import Gatherer, table_of
+from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DISK, SKY, SPHERE, RadiometricArrays
-from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal
+from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal, shape_classes
 from symrender.scene.radiometric.due import refuse_bounces
 from symrender.scene.radiometric.flat import flat_refusal, is_flat, is_round
+from symrender.scene.undecided import one_but_for_roundings, one_surface
 from symrender.settings import Settings
 
 Ints = npt.NDArray[np.int64]
@@ -212,6 +214,8 @@ def check(arrays: RadiometricArrays) -> None:
                 f"scene with {reason}, which takes its lobe; over diffuse ones it is, and the numeric pipeline samples "
                 "any"
             )
+    if is_round(arrays) and _integrated(arrays):
+        _check_decided(arrays)
     for index, light in enumerate(arrays.lights):
         other = crossed(arrays, int(light.emitter)) if light.kind == AREA else -1
         if other >= 0:
@@ -229,6 +233,22 @@ def check(arrays: RadiometricArrays) -> None:
                 f"lights[{index}]: {extended[int(light.kind)]} in a scene with a disk, shapes[{disks[0]}], beside "
                 f"another disk or sphere, shapes[{round_[0]}], is not yet integrated; the numeric pipeline samples it"
             )
+
+
+def _check_decided(arrays: RadiometricArrays) -> None:
+    """Raise ``Unsupported`` where rounding decides which of two shapes a direction of a lobe meets."""
+    _, kept = shape_classes(arrays)
+    spheres = [j for j in kept if arrays.shapes[j].kind == SPHERE]
+    planes = [j for j in kept if arrays.shapes[j].kind == PLANE]
+    pair = one_surface(
+        np.array([arrays.shapes[j].place for j in spheres]).reshape(-1, 3),
+        np.array([arrays.shapes[j].radius for j in spheres]),
+        np.array([arrays.frames[j].origin for j in planes]).reshape(-1, 3),
+        np.array([arrays.frames[j].up for j in planes]).reshape(-1, 3), np.array(arrays.camera.eye),
+    )  # fmt: skip
+    if pair:
+        one, other = ((*spheres, *planes)[j] for j in pair)
+        raise Unsupported(one_but_for_roundings(f"shapes[{one}]", f"shapes[{other}]"))
 
 
 @lru_cache(maxsize=3)

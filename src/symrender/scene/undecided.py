@@ -28,38 +28,27 @@ PATCH: Final = 1e-3
 Array = npt.NDArray[np.float64]
 
 
-def undecided(scene: Scene) -> str:
-    """Which two shapes of a scene are one but for roundings, as words for a message; empty if none are."""
-    arrays = scene_arrays(scene)
-    spheres, planes = arrays.spheres, arrays.planes
-    centre = np.array([sphere.center for sphere in spheres]).reshape(-1, 3)
-    radius = np.array([sphere.radius for sphere in spheres])
-    there = radius > MIN_LENGTH
-    normal = np.array([plane.normal for plane in planes]).reshape(-1, 3)
-    point = np.array([plane.point for plane in planes]).reshape(-1, 3)
-    surfaces = [f"planes.{plane.name}" for plane in scene.planes]
-    if arrays.floor.present:
-        normal, point = np.vstack([normal, [0.0, 0.0, 1.0]]), np.vstack([point, np.zeros(3)])
-        surfaces.append("the floor")
+def one_surface(centre: Array, radius: Array, point: Array, normal: Array, eye: Array) -> tuple[int, int] | None:
+    """Two of the spheres and planes that are one but for roundings, by their places among both; None if none are.
+
+    ``centre`` (S, 3) and ``radius`` (S,) are of the spheres, ``point`` and ``normal`` (P, 3) of the planes after them.
+    """
+    count = len(radius)
     normal = normal / np.abs(normal).max(axis=1, keepdims=True, initial=0.0)
     normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    eye = np.array(arrays.camera.eye)
     away = np.linalg.norm(centre - eye, axis=1)
     unsure = ROUNDINGS * np.finfo(np.float64).eps * (np.abs(centre).max(axis=1, initial=0.0) + radius + away)
-    for j in range(len(radius)):
-        if not there[j]:
-            continue
-        name = f"spheres.{scene.spheres[j].name}"
+    for j in range(count):
         patch, place = _spheres_in_one(centre[:j], radius[:j], centre[j], radius[j], unsure[j])
         # a circle of crossing is somewhere on the sphere
         far = np.where(np.isfinite(place).all(axis=1), np.linalg.norm(place - eye, axis=1), abs(away[j] - radius[j]))
-        for i in np.flatnonzero(there[:j] & (patch > PATCH * far)):
-            return _words(name, f"spheres.{scene.spheres[i].name}")
+        for i in np.flatnonzero(patch > PATCH * far):
+            return j, int(i)
         height = ((centre[j] - point) * normal).sum(axis=1)
         far = np.linalg.norm(centre[j] - height[:, None] * normal - eye, axis=1)
         for i in np.flatnonzero(_ball_on_plane(np.abs(height), radius[j], unsure[j]) > PATCH * far):
-            return _words(name, surfaces[i])
-    for j in range(len(surfaces)):
+            return j, count + int(i)
+    for j in range(len(point)):
         for k in range(j):
             between = np.linalg.norm(point[j] - point[k])
             reach = np.abs(point[j]).max() + between + np.linalg.norm(point[j] - eye)
@@ -67,8 +56,29 @@ def undecided(scene: Scene) -> str:
             sine = np.linalg.norm(np.cross(normal[j], normal[k]))
             # crossing planes are apart by their angle times the distance from where they cross
             if sine * reach * PATCH <= doubt and abs((point[j] - point[k]) @ normal[k]) <= doubt + sine * between:
-                return _words(surfaces[j], surfaces[k])
-    return ""
+                return count + j, count + k
+    return None
+
+
+def undecided(scene: Scene) -> str:
+    """Which two shapes of a scene are one but for roundings, as words for a message; empty if none are."""
+    arrays = scene_arrays(scene)
+    there = [j for j, sphere in enumerate(arrays.spheres) if sphere.radius > MIN_LENGTH]
+    names = [f"spheres.{scene.spheres[j].name}" for j in there] + [f"planes.{plane.name}" for plane in scene.planes]
+    point, normal = ([list(getattr(plane, key)) for plane in arrays.planes] for key in ("point", "normal"))
+    if arrays.floor.present:
+        names, point, normal = [*names, "the floor"], [*point, [0.0, 0.0, 0.0]], [*normal, [0.0, 0.0, 1.0]]
+    pair = one_surface(
+        np.array([arrays.spheres[j].center for j in there]).reshape(-1, 3),
+        np.array([arrays.spheres[j].radius for j in there]),
+        np.array(point).reshape(-1, 3), np.array(normal).reshape(-1, 3), np.array(arrays.camera.eye),
+    )  # fmt: skip
+    return one_but_for_roundings(names[pair[0]], names[pair[1]]) if pair else ""
+
+
+def one_but_for_roundings(one: str, other: str) -> str:
+    """Words for two shapes that are one surface."""
+    return f"{one} and {other} are one surface but for roundings, which decide which is seen; move or remove one"
 
 
 def check_decided(scene: Scene) -> None:
@@ -76,10 +86,6 @@ def check_decided(scene: Scene) -> None:
     words = undecided(scene)
     if words:
         raise Unsupported(words)
-
-
-def _words(one: str, other: str) -> str:
-    return f"{one} and {other} are one surface but for roundings, which decide which is seen; move or remove one"
 
 
 def _spheres_in_one(centres: Array, radius: Array, centre: Array, own: float, unsure: float) -> tuple[Array, Array]:
