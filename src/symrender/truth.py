@@ -23,11 +23,13 @@ from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric import check
+from symrender.runtimes.series_refusals import check_series_pixels
+from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, in_series, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
-from symrender.settings import Antialias, Filter, Settings, refuse_filter, split_settings
+from symrender.settings import Antialias, Filter, Settings, split_settings
 from symrender.verify import check_share, verified
 
 STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}
@@ -108,7 +110,8 @@ def truth_job(scene: AnyScene, settings: Settings) -> Job:
         check(radiometric_arrays(scene))
         check_means(radiometric_arrays(scene), settings)
         return Job.of("radiometric", scene, settings)
-    refuse_filter(settings)
+    if settings.filter != "centre":
+        check_series_pixels(scene_arrays(scene), settings)
     check_decided(scene)
     return Job.of("truth", scene, settings)
 
