@@ -41,6 +41,8 @@ def world(floor: Any, **more: Any) -> RadiometricScene:
 
 SOLID = [0.8, 0.77, 0.7]
 TILES = {"type": "checker", "bright": 0.8, "dark": [0.1, 0, 0.3], "cell": 0.4}
+NARROW = {"type": "look_at", "eye": [0.3, -5.6, 2.5], "target": [0.15, -0.4, 0.6], "up": [0, 0, 1], "fov": 2.5}
+"""Where ball B ends before the floor."""
 SIZE, TOL = 12, 3e-3
 
 
@@ -66,34 +68,36 @@ def test_means_are_those_of_single_rays(floor: Any) -> None:
     assert (image.layer("status") == 0).mean() > 0.85
     assert (indirect.max(axis=2) > 5 * error).sum() > 40, "much of the image says something of what bounces"
     judged = cut = 0
-    for pixel in ((3, 5), (5, 5), (6, 8), (4, 8), (9, 9)):
+    brightest = np.argsort(-indirect.max(axis=2), axis=None)[:40:8]
+    for k in brightest.tolist():
+        pixel = k % SIZE, k // SIZE
         expected, sigma = on_a_grid(scene, pixel, 12)
         value = indirect[pixel[1], pixel[0]]
         assert np.abs(value - expected).max() <= 1.5 * error[pixel[1], pixel[0]] + 5 * sigma.max() + TOL / 10
         judged += expected.max() > 1e-2
         cut += sigma.max() > 3e-4
-    assert judged >= 3 and cut >= 2
+    assert judged >= 4 and cut >= 2
 
 
 @pytest.mark.parametrize("kind", ["tent", "mitchell"])
 def test_filters_agree_with_paths(kind: Any) -> None:
-    scene = world(SOLID)
-    image = sr.truth(scene, size=6, tol=1e-2, filter=kind, threads=1)
+    scene = world(SOLID, camera=NARROW)
+    image = sr.truth(scene, size=3, tol=3e-3, filter=kind, threads=1)
     runs = [
-        sr.render(scene, size=6, numeric="jittered", symbolic="none", lobe=24, filter=kind, seed=seed).numeric
+        sr.render(scene, size=3, numeric="jittered", symbolic="none", lobe=24, filter=kind, seed=seed).numeric
         for seed in range(6)
     ]
     found = np.array([run.layers["indirect"] for run in runs if run is not None])
     sigma = found.std(axis=0, ddof=1) / np.sqrt(len(found))
     off = np.abs(found.mean(axis=0) - image.layers["indirect"])
     assert image.layers["indirect"].max() > 0.05
-    # 108 values, and sigmas of six runs
+    # 27 values, and sigmas of six runs
     assert (off <= 1.5 * image.layer("error")[..., None] + 7 * sigma + 1e-9).all()
     assert np.median(sigma) < 2e-3
 
 
 def test_no_tile_changes_a_byte() -> None:
-    scene = world(TILES)
+    scene = world(TILES, camera=NARROW)
     one, other = (
         sr.truth(scene, size=6, tol=1e-2, filter="box", threads=threads, tile=tile)
         for threads, tile in ((1, 6), (2, 2))

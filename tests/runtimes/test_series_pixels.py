@@ -17,7 +17,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 SIZE = 8
 DULL = {"texture": {"type": "checker", "bright": [0.3, 0.3, 0.25], "dark": [0.01, 0.01, 0], "cell": 0.9}}
-NARROW = {"type": "look_at", "eye": [0.75, -6.8, 1.85], "target": [-0.1, -0.5, 0.3], "fov": 3.0}
+NARROW = {"type": "look_at", "eye": [0.75, -6.8, 1.85], "target": [-1.57, 0.0, 0.7], "fov": 3.0}
 """Where ball A ends over the floor that mirrors it."""
 
 
@@ -81,27 +81,30 @@ def test_direct_light_is_the_mean_of_the_conventional_tracers_rays() -> None:
         for i in range(SIZE):
             x, y = strata(rng, i, j, 48)
             expected, sigma = mean_of(trace(arrays, *rays(made, x, y), NOTHING)[0], 48)
+            if np.abs(direct[j, i] - expected).max() > 1.5 * error[j, i] + 6 * sigma.max() + 1e-9:
+                # few samples miss the corner of a field
+                x, y = strata(rng, i, j, 600)
+                expected, sigma = mean_of(trace(arrays, *rays(made, x, y), NOTHING)[0], 600)
             assert np.abs(direct[j, i] - expected).max() <= 1.5 * error[j, i] + 6 * sigma.max() + 1e-9, (i, j)
             lit += expected.max() > 0.05
             cut += sigma.max() > 1e-4
     assert lit > 30 and cut > 30
-    assert (image.layer("status") == 0).mean() > 0.8
+    # but where tiles shrink to the horizon
+    assert (image.layer("status") == 0).mean() > 0.75
 
 
 def test_gloss_is_the_mean_of_what_single_rays_gather() -> None:
     made, side = scene(camera=NARROW), 12
-    image = sr.truth(made, size=4, tol=1e-3, filter="box", threads=1)
+    image = sr.truth(made, size=4, tol=2e-4, filter="box", threads=1)
     assert np.abs(image.radiance - image.layers["direct"] - image.layers["gloss"]).max() < 1e-12
-    fine = sr.truth(made, size=4 * side, tol=1e-4, counts=False, aa="none", threads=1)
+    fine = sr.truth(made, size=4 * side, tol=2e-5, counts=False, aa="none", threads=1)
     weight = np.array([0.0, 0.85, 0.15, 0.0])[fine.layer("hit_class").astype(int)]
     single = (weight[..., None] * fine.layers["gloss"]).reshape(4, side, 4, side, 3)
     expected, spread = single.mean(axis=(1, 3)), single.std(axis=(1, 3)).max(axis=2)
     off, error = np.abs(image.layers["gloss"] - expected).max(axis=2), image.layer("error")
     # a grid misses what an edge leaves by no more than a row of it
-    assert (off <= 1.5 * error + 1e-4 + 2 * spread / side).all()
-    smooth = (spread < 5e-3) & (expected.max(axis=2) > 0.02)
-    assert smooth.sum() >= 4 and (spread > 0.02).sum() >= 2
-    assert (off <= 1.5 * error + 3e-4)[smooth].all()
+    assert (off <= 1.5 * error + 2e-5 + 2 * spread / side).all()
+    assert (expected.max(axis=2) > 20 * error).sum() >= 4 and (spread > 2e-3).sum() >= 2
 
 
 @pytest.mark.parametrize("kind", ["box", "gaussian"])
@@ -114,7 +117,7 @@ def test_samples_of_the_numeric_side_agree(kind: Any) -> None:
     found = np.array([each.numeric.radiance for each in (pair, *more) if each.numeric is not None])
     sigma = found.std(axis=0, ddof=1) / np.sqrt(len(found))
     off = np.abs(found.mean(axis=0) - pair.symbolic.radiance)
-    assert len(found) == 6 and pair.symbolic.radiance.max() > 0.2 and np.median(sigma) < 5e-3
+    assert len(found) == 6 and pair.symbolic.radiance.max() > 0.1 and np.median(sigma) < 5e-3
     assert (off <= 1.5 * pair.symbolic.layer("error")[..., None] + 8 * sigma + 1e-9).all()
 
 
