@@ -75,10 +75,13 @@ def cross(a: Place, b: Place) -> Place:
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
-def raised_normal(bump: dict[str, Any], place: Place, normal: Place, axes: tuple[Place, Place, Place] | None) -> Place:
+def raised_normal(
+    bump: dict[str, Any], place: Place, normal: Place, axes: tuple[Place, Place, Place] | None, size: Any = 1
+) -> Place:
     """Unit normal of the surface raised along the unit ``normal`` that it has at a place.
 
     ``axes`` are (origin, along x, along y) of coordinates that are not the world's; of a sphere's (centre, [], []).
+    Lengths are of the order of ``size``.
     """
     amplitude = mpmath.mpf(bump.get("amplitude", 1.0))
 
@@ -88,11 +91,12 @@ def raised_normal(bump: dict[str, Any], place: Place, normal: Place, axes: tuple
             p = [dot(offset, axes[1]), dot(offset, axes[2]), mpmath.mpf(0)] if axes[1] else offset
         return amplitude * value(bump["height"], p)
 
+    step = _STEP * size
     first = unit(cross(normal, exact([0.3, 0.5, -0.8])))
     second = cross(normal, first)
     tangents = []
     for t in (first, second):
-        ahead, behind = ([a + s * b for a, b in zip(place, t, strict=True)] for s in (_STEP, -_STEP))
-        rise = (height(ahead) - height(behind)) / (2 * _STEP)
+        ahead, behind = ([a + s * b for a, b in zip(place, t, strict=True)] for s in (step, -step))
+        rise = (height(ahead) - height(behind)) / (2 * step)
         tangents.append([a + rise * n for a, n in zip(t, normal, strict=True)])
     return unit(cross(*tangents))

@@ -121,7 +121,8 @@ def shifted(arrays: RadiometricArrays, moves: RadiometricArrays, by: float) -> R
     flat(materials)[:, column(Material, "cell")] = arrays.materials["cell"]
     return RadiometricArrays(
         materials, arrays.terms, _ahead(arrays.shapes, moves.shapes, by), arrays.facets,
-        _ahead(arrays.frames, moves.frames, by), _ahead(arrays.lights, moves.lights, by), arrays.directions, arrays.camera, arrays.bounces, arrays.exposure,
+        _ahead(arrays.frames, moves.frames, by), _ahead(arrays.lights, moves.lights, by), arrays.directions,
+        arrays.camera, arrays.bounces, arrays.exposure,
     )  # fmt: skip
 
 
