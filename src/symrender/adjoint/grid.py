@@ -404,7 +404,7 @@ def row_adjoint(
             continue
         lit = seen(left + 0.5 * (right - left), y, lobe, view, work, above)
         moves = i > 0 and what[int(which[i - 1]), 3] != 0
-        if moves and (lit or was_lit) and conics[int(which[i - 1])].soft == 0.0:
+        if moves and (lit or was_lit) and conics[int(which[i - 1])].soft <= 0.0:
             # the root between this piece and the last one moves; nothing jumps at a penumbra's edge
             density, _, _ = grid_density(left, y, lobe, chart)
             lit_sum(left, y, step, above, view, work, gauss, disk, here[0])
@@ -617,7 +617,7 @@ def replay_once(
                 continue
         ratio = span / side
         quarter = ratio < 0.8
-        sign = lowest * block_sign(x0 - low_x, y0 - low_y, side, cell)
+        sign = lowest * block_sign(x0 - low_x, y0 - low_y, side, view.floor)
         for p in range(moves.shape[0]):
             for c in range(4):
                 square[p, c] = 0.0

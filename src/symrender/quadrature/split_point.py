@@ -61,9 +61,9 @@ from symrender.quadrature.split_setup import (
 )
 from symrender.scene.arrays import (
     BRDF_NORMALISED,
-    CHECKER,
     FIRST_SPHERE,
     FLOOR,
+    SOLID,
     SceneArrays,
     lobes_of,
 )
@@ -220,7 +220,7 @@ def gloss_kernel(
             )  # fmt: skip
             total += e
             bad += b
-            if not front or framed.floor.kind != CHECKER:
+            if not front or framed.floor.kind == SOLID:
                 continue
             contrast = 0.0
             for a in range(3):
@@ -282,8 +282,10 @@ class SplitWork:
     grid_stack: Array
 
 
-def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
-    """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_rows``)."""
+def split_work(arrays: SceneArrays, points: Table[LightPoint], glowing: bool = False) -> SplitWork:
+    """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_rows``), with glows or not."""
+    balls, planes = len(arrays.spheres), len(arrays.planes)
+    conics = 3 + planes + (2 + len(points)) * balls + 2 * len(points)
     return SplitWork(
         work=work_arrays(len(arrays.spheres), len(points)),
         gauss=gauss_table(),
@@ -292,7 +294,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=table(Event, 2048),
         scratch=np.zeros(65),
-        conics=table(Conic, 3 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres) + 2 * len(points)),
+        conics=table(Conic, conics + (balls * (balls - 1) + 2 * balls * planes if glowing else 0)),
         remainders=table(Remainder, MOST_REMAINDERS),
         states=np.zeros(max(1, len(points))),
         grid_stack=np.zeros((256, 256)),
@@ -383,7 +385,7 @@ def gloss_points(
     view = scene_view(arrays, lights, conductors, senders, emitted, cones, glows)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
-    s = scratch or split_work(arrays, lights)
+    s = scratch or split_work(arrays, lights, glows is not None)
     n = len(points)
     scales = np.array([lobe_scale(arrays, exponent, theta_max) for exponent, theta_max in lobes.tolist()])[surface]
     largest = max(float(scales.max(initial=0.0)), 1e-300)
