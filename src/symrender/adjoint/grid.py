@@ -39,18 +39,10 @@ from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.fall_off import most_floor_light
 from symrender.quadrature.floor_conics import conic_roots, floor_conics, is_edge, may_cross, square_cuts
 from symrender.quadrature.gauss import MAX_ORDER, order, step_of
+from symrender.quadrature.grid_blocks import block_bound, block_level, block_sign, push_quarters
 from symrender.quadrature.grid_tail import REST, remainders_of
 from symrender.quadrature.records import Conic, Remainder
-from symrender.quadrature.split_grid import (
-    LEAVES,
-    MAX_BLOCK_ORDER,
-    SMALLEST,
-    block_bound,
-    block_level,
-    block_sign,
-    grid_reach,
-    push_quarters,
-)
+from symrender.quadrature.split_grid import LEAVES, MAX_BLOCK_ORDER, SMALLEST, grid_reach
 from symrender.quadrature.split_line import SOFT_LOG
 from symrender.quadrature.split_square import seen, taper
 from symrender.scene.records import Floor
@@ -601,7 +593,7 @@ def replay_once(
     while top > 0:
         top -= 1
         x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
-        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, view.points, chart)
+        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, view, chart)
         work.counts.labour += 1
         ran_out = max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if bound <= 0.01 * aim / (1.0 + near / cell) or ran_out:

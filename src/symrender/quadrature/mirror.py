@@ -22,11 +22,7 @@ from symrender.leaves.values import floor_phases
 from symrender.quadrature.gauss import LEVELS
 from symrender.quadrature.split_line import place_nodes, shade_nodes, shape_nodes
 from symrender.quadrature.split_setup import stand_in_frame
-from symrender.scene.arrays import (
-    BRDF_NORMALISED,
-    SOLID,
-    STRIPES,
-)
+from symrender.scene.arrays import BRDF_NORMALISED, SOLID, STRIPES
 
 Array = npt.NDArray[np.float64]
 

@@ -21,20 +21,19 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import width_at
-from symrender.chambers.records import INVERSE_SQUARE, Chart
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
-from symrender.quadrature.fall_off import glow_beyond, light_beyond, most_floor_light, most_light
+from symrender.quadrature.fall_off import light_beyond, most_floor_light
 from symrender.quadrature.floor_conics import floor_conics, is_felt, may_cross, touch_conics
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
+from symrender.quadrature.grid_blocks import block_bound, block_level, block_sign, push_quarters
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
 from symrender.quadrature.split_square import cut_square, floor_nodes, seen
 from symrender.scene.arrays import STRIPES
-from symrender.scene.records import Floor
 
 Array = npt.NDArray[np.float64]
 
@@ -99,88 +98,6 @@ def grid_reach(
         far = math.sqrt(h * h + begin * begin)
         beyond *= min(2.0 * math.pi * h / far, 3.0 * stretches * cell * h / (far * far))
     return False, reach, reach, 0.0, 0.0, beyond
-
-
-@jitable
-def block_level(squares: float) -> int:
-    """Level of the block about the foot that holds so many squares on every side."""
-    level = 1
-    while level + 1 < BLOCK_LEVELS and 2.0 ** (level - 1) < squares + 1.0:
-        level += 1
-    return level
-
-
-@jitable
-def block_sign(x: float, y: float, side: float, floor: Floor) -> float:
-    """Sign of a block at this offset from a block of even squares: that of its lowest square."""
-    inner = 0.5 * min(side, floor.cell)
-    odd = math.floor((x + inner) / floor.cell)
-    if floor.kind != STRIPES:
-        odd += math.floor((y + inner) / floor.cell)
-    return 1.0 if odd % 2 == 0 else -1.0
-
-
-@jitable
-def push_quarters(x: float, y: float, side: float, level: int, blocks: Array, top: int) -> int:
-    """Stack the quarters of a block as rows (x, y, side, level); new height."""
-    half = 0.5 * side
-    for a in range(2):
-        for b in range(2):
-            blocks[top, 0], blocks[top, 1] = x + a * half, y + b * half
-            blocks[top, 2], blocks[top, 3] = half, max(0, level - 1)
-            top += 1
-    return top
-
-
-@jitable
-def block_bound(
-    x: float, y: float, side: float, reach: float, light: float, lobe: Array, view: View, chart: Chart
-) -> tuple[float, float, float]:
-    """What a block can hold at most, the length over which its integrand is tame, and its distance from the foot."""
-    h = chart.height
-    half = 0.5 * side
-    xc, yc = x + half, y + half
-    away = math.sqrt(xc * xc + yc * yc)
-    d = math.sqrt(away * away + h * h)
-    foot = max(0.0, away - 1.4143 * half)
-    near = math.sqrt(foot * foot + h * h)
-    # no part of the block comes nearer to the lobe's axis than this
-    ratio = 1.4143 * half / d
-    dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
-    theta = math.acos(max(-1.0, min(1.0, dot))) - (math.asin(ratio) if ratio < 1.0 else math.pi)
-    if foot > reach or theta > math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos):
-        return 0.0, side, foot
-    chord = 2.0 * math.sin(0.5 * max(0.0, theta))
-    # and none is seen under more than its area at its nearest, or half a sphere
-    solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
-    span = 2.0 * near * min(0.6, width_at(theta, chart.lobe))
-    px, py = chart.point[0] + xc, chart.point[1] + yc
-    shine, falling, points = glow_beyond(px, py, 1.4143 * half, view), view.glows is not None, view.points
-    for i in range(view.spheres.shape[0] if view.glows is not None else 0):
-        # what is seen of a ball, or past it, is singular where the block would be on it
-        center, radius = view.spheres[i].center, view.spheres[i].radius
-        apart = max(0.0, math.hypot(center[0] - px, center[1] - py) - 1.4143 * half)
-        power = apart * apart + (center[2] - radius) * (center[2] + radius)
-        if center[2] >= radius:
-            span = min(span, 1.2 * math.sqrt(max(0.0, power)))
-    for i in range(points.shape[0]):
-        # light varies over its distance from the block, which its place on the floor bounds from below
-        lx, ly, lz = (
-            points[i].position[0] - chart.point[0] - xc,
-            points[i].position[1] - chart.point[1] - yc,
-            points[i].position[2],
-        )
-        if lz > 0.0:
-            apart = max(0.0, math.sqrt(lx * lx + ly * ly) - 1.4143 * half)
-            span = min(span, 1.2 * math.sqrt(apart * apart + lz * lz))
-            square = apart * apart + lz * lz
-            shine += most_light(points[i], square) * lz / math.sqrt(square)
-            falling = falling or points[i].fall == INVERSE_SQUARE
-    if falling:
-        light = min(light, shine)
-    if reach < math.inf and foot > 0.2 * reach:
-        span = min(span, 0.3 * reach)
-    return largest_density(chord * chord, chart.lobe) * solid * light, span, foot
 
 
 @inlined

@@ -59,14 +59,7 @@ from symrender.quadrature.split_setup import (
     sphere_strips,
     stand_in_frame,
 )
-from symrender.scene.arrays import (
-    BRDF_NORMALISED,
-    FIRST_SPHERE,
-    FLOOR,
-    SOLID,
-    SceneArrays,
-    lobes_of,
-)
+from symrender.scene.arrays import BRDF_NORMALISED, FIRST_SPHERE, FLOOR, SOLID, SceneArrays, lobes_of
 from symrender.scene.frames import frames
 from symrender.scene.radiometric.records import Glow
 from symrender.scene.radiometric.records import Light as Beam
@@ -285,7 +278,7 @@ class SplitWork:
 def split_work(arrays: SceneArrays, points: Table[LightPoint], glowing: bool = False) -> SplitWork:
     """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_rows``), with glows or not."""
     balls, planes = len(arrays.spheres), len(arrays.planes)
-    conics = 3 + planes + (2 + len(points)) * balls + 2 * len(points)
+    touching = balls * (balls - 1) + 2 * balls * planes if glowing else 0
     return SplitWork(
         work=work_arrays(len(arrays.spheres), len(points)),
         gauss=gauss_table(),
@@ -294,7 +287,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint], glowing: bool = F
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=table(Event, 2048),
         scratch=np.zeros(65),
-        conics=table(Conic, conics + (balls * (balls - 1) + 2 * balls * planes if glowing else 0)),
+        conics=table(Conic, 3 + planes + (2 + len(points)) * balls + 2 * len(points) + touching),
         remainders=table(Remainder, MOST_REMAINDERS),
         states=np.zeros(max(1, len(points))),
         grid_stack=np.zeros((256, 256)),
