@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from bounced_light_is_stated import SURE, TOLERANCES, Judged, Scene, answered, count_and_tell, drawn
-from glossy_bounces_are_stated import rough, spotted
+from glossy_bounces_are_stated import LEAST, rough, spotted
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -85,7 +85,7 @@ def judged(seeds: range) -> list[Judged]:
             found.append(Judged(seed, "dark", 0.0, 0.0, 0.0, False, 0))
             if rng.random() < 0.8:
                 continue
-        tol = float(rng.choice(TOLERANCES)) * (light or 1e-3)
+        tol = max(LEAST, float(rng.choice(TOLERANCES)) * (light or 1e-3))
         seen = answered(seed, scene, (origin, direction), known.shape, light, tol, BUDGET)
         if isinstance(seen, Judged):
             found.append(seen)

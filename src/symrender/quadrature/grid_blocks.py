@@ -35,10 +35,11 @@ def block_level(squares: float) -> int:
 @jitable
 def block_sign(x: float, y: float, side: float, floor: Floor) -> float:
     """Sign of a block at this offset from a block of even squares: that of its lowest square."""
-    inner = 0.5 * min(side, floor.cell)
-    odd = math.floor((x + inner) / floor.cell)
+    cell = floor.cell
+    inner = 0.5 * min(side, cell)
+    odd = math.floor((x + inner) / cell)
     if floor.kind != STRIPES:
-        odd += math.floor((y + inner) / floor.cell)
+        odd += math.floor((y + inner) / cell)
     return 1.0 if odd % 2 == 0 else -1.0
 
 

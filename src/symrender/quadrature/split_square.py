@@ -339,7 +339,8 @@ def lines_error(
 def begins_softly(end: int, crossing: Array, conics: Table[Conic], work: Work) -> bool:
     """Whether an end of pieces on the row at hand is one at which light begins like a power of the distance."""
     name = int(work.root_id[end])
-    return bool(name >= 0 and conics[int(crossing[name // BRANCHES])].soft < 0)
+    owner = name // BRANCHES
+    return bool(name >= 0 and conics[int(crossing[owner])].soft < 0)
 
 
 @inlined
