@@ -122,7 +122,7 @@ def test_samples_of_the_numeric_side_agree(kind: Any) -> None:
 
 
 def test_what_is_not_had_is_refused() -> None:
-    asked = {"size": 4, "filter": "box", "tol": 1e-2}
+    asked: Any = {"size": 4, "filter": "box", "tol": 1e-2}
     with pytest.raises(Unsupported, match="disk: exact"):
         sr.truth(scene(), disk="exact", **asked)
     with pytest.raises(Unsupported, match="mirrors"):

@@ -35,7 +35,7 @@ from symrender.scene.arrays import SceneArrays, lobes_of
 from symrender.scene.frames import frames
 from symrender.scene.radiometric.arrays import PHONG, POINT, SPHERE
 from symrender.scene.radiometric.records import Light as Lamp
-from symrender.scene.radiometric.records import Material
+from symrender.scene.radiometric.records import Material, Term
 from symrender.scene.records import Floor, Frame, Plane
 from symrender.settings import Settings
 
@@ -76,7 +76,7 @@ def series_world(arrays: SceneArrays, disk_order: int, exponents: Array) -> Worl
     lamps = table(Lamp, len(points))
     for lamp, point in zip(lamps, points, strict=True):
         lamp.kind, lamp.place[:] = POINT, point.position
-    return World(materials, pieces, lamps, laid_bounds(pieces))
+    return World(materials, table(Term, 0), pieces, lamps, laid_bounds(pieces))
 
 
 def sections_of(arrays: SceneArrays) -> Table[Section]:
