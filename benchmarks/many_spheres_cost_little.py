@@ -18,6 +18,8 @@ import numpy as np
 from measure import Report, arguments, cpu_seconds
 
 import symrender as sr
+from symrender.images.image import Image
+from symrender.scene.scene import Scene
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
@@ -71,11 +73,12 @@ def main() -> None:
         data = spread(count)
         scene = sr.load(data)
         sr.truth(scene, size=2, tol=TOL, threads=1)
-        images: list[sr.Image] = []
-        seconds = min(
-            cpu_seconds(lambda scene=scene: images.append(sr.truth(scene, size=SIZE, tol=TOL, threads=1)))  # type: ignore[misc]
-            for _ in range(1 if count > 64 else 2)
-        )
+        images: list[Image] = []
+
+        def drawn(scene: Scene = scene, images: list[Image] = images) -> None:
+            images.append(sr.truth(scene, size=SIZE, tol=TOL, threads=1))
+
+        seconds = min(cpu_seconds(drawn) for _ in range(1 if count > 64 else 2))
         image = images[0]
         unmet = int((image.layers["status"] != 0).sum())
         gloss = image.layers["gloss"]
