@@ -1,4 +1,4 @@
-"""Means over pixel, lens and shutter converge faster by cuts than by Sobol' points, at equal CPU time.
+"""Cuts beat Sobol' points at equal CPU time over pixel and shutter or pixel and lens; over all three they lose.
 
     python benchmarks/products_converge.py [--quick] [--plot FILE]
 
