@@ -193,7 +193,7 @@ def test_the_command_writes_an_index_and_refuses_to_replace(tmp_path, capsys) ->
     pytest.importorskip("nbformat")
     folder = tmp_path / "laboratory"
     assert main(["lab", "-o", str(folder)]) == 0
-    assert capsys.readouterr().out == f"wrote 13 files into {folder}\n"
+    assert capsys.readouterr().out == f"wrote 14 files into {folder}\n"
     files = {path.name: path.read_bytes() for path in folder.iterdir()}
     assert set(files) == {"README.md", *(f"{name}.ipynb" for name in NAMES)}
     assert all(f"({name}.ipynb)" in files["README.md"].decode() for name in NAMES)
