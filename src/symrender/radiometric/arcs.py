@@ -50,7 +50,7 @@ class Room(NamedTuple):
 def make_room(cones: int, arcs: int, nodes: int) -> Room:
     """Room for so many cones, arcs and bounds."""
     lengths = (*[cones] * 8, nodes + 1)
-    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *map(np.zeros, lengths))
+    return Room(table(Arc, arcs), table(Crossing, 4 * arcs), *map(np.zeros, lengths))
 
 
 @jitable
