@@ -96,10 +96,11 @@ def add_glows(pieces: int, view: View, work: Work, glows: Table[Glow] | None) ->
     if work.chart.shape_index < 0 and work.chart.side < 0.0:
         return
     b = work.nodes
-    # nothing is listed by pieces here, so that four of its arrays are never looked at
+    # nothing is listed by pieces here, so that five of its arrays are never looked at
     none = work.touched
     room = Room(
-        work.arcs, work.crossings, work.begin, work.stop, none, none, none, work.caps, work.within, work.touched, none
+        work.arcs, work.crossings, work.begin, work.stop, none, none, none, work.caps, work.within, work.touched, none,
+        none,
     )  # fmt: skip
     for piece in range(pieces):
         first = work.pieces[piece].first

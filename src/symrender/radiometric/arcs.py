@@ -17,6 +17,7 @@ from symrender.chambers.caps import Arc, Crossing
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table, table
 from symrender.leaves import radiometric as leaves
+from symrender.limits import MAX_TERMS
 from symrender.radiometric.vectors import Array, Vector, cross, dot, vector
 
 TURN: Final = 2.0 * math.pi
@@ -31,7 +32,8 @@ class Room(NamedTuple):
     of them so far, those of a cone one after another from its ``begin`` to its ``stop``; a listed polygon all of whose
     edges are inner ones has none before an arc comes near it. ``crossings`` are those of one arc, ``caps`` how many
     caps each cone has and ``within`` how many of them the arc is in; they hold for the cones in ``touched``. ``nodes``
-    says of the bounds whether they hold a listed piece.
+    says of the bounds whether they hold a listed piece. ``heights`` holds those of a bump and their gradients, a row a
+    term.
     """
 
     arcs: Table[Arc]
@@ -45,12 +47,13 @@ class Room(NamedTuple):
     within: Array
     touched: Array
     nodes: Array
+    heights: Array
 
 
 def make_room(cones: int, arcs: int, nodes: int) -> Room:
     """Room for so many cones, arcs and bounds."""
-    lengths = (*[cones] * 8, nodes + 1)
-    return Room(table(Arc, arcs), table(Crossing, 4 * arcs), *map(np.zeros, lengths))
+    shapes: list[int | tuple[int, int]] = [*[cones] * 8, nodes + 1, (MAX_TERMS, 4)]
+    return Room(table(Arc, arcs), table(Crossing, 4 * arcs), *map(np.zeros, shapes))
 
 
 @jitable
