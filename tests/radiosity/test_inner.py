@@ -112,6 +112,8 @@ def test_what_a_cubic_leaves_is_stated_on_the_mean() -> None:
         values = np.repeat(light(places)[..., None], 3, axis=2)
         fit = fitting(powers, node_weights(cell))
         made = fit @ values[:, :NODES]
+        moments = (node_weights(cell)[0] * (values - powers @ made)[0, :NODES, 0]) @ powers[0, :NODES]
+        assert np.abs(moments).max() < 1e-12, "by Gauss's rule what is left has no mean"
         most, bulk, even = deviations(powers, fit, values - powers @ made)
         fine, areas = over(cell)
         terms = monomials(frames, fine[None])[0]
