@@ -122,7 +122,7 @@ def shifted(arrays: RadiometricArrays, moves: RadiometricArrays, by: float) -> R
     return RadiometricArrays(
         materials, arrays.terms, _ahead(arrays.shapes, moves.shapes, by), arrays.facets,
         _ahead(arrays.frames, moves.frames, by), _ahead(arrays.lights, moves.lights, by), arrays.directions,
-        arrays.camera, arrays.bounces, arrays.exposure,
+        arrays.camera, arrays.bounces, arrays.exposure, arrays.first_gloss,
     )  # fmt: skip
 
 
