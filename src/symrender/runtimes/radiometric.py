@@ -28,7 +28,7 @@ from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixels import prepare_means
 from symrender.runtimes.radiosity import Gatherer, table_of
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DISK, SKY, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal, shape_classes
 from symrender.scene.radiometric.bumped import refuse_bumps
 from symrender.scene.radiometric.due import refuse_bounces
@@ -243,14 +243,6 @@ def check(arrays: RadiometricArrays) -> None:
             raise Unsupported(
                 f"lights[{index}]: its {its}, shapes[{int(light.emitter)}], crosses shapes[{other}], and what is seen "
                 "of it then is not yet integrated; apart it is, and the numeric pipeline samples any"
-            )
-    disks = [index for index, shape in enumerate(arrays.shapes) if shape.kind == DISK]
-    round_ = disks[1:] or [index for index, shape in enumerate(arrays.shapes) if shape.kind == SPHERE]
-    for index, light in enumerate(arrays.lights if disks and round_ else ()):
-        if light.kind in extended:
-            raise Unsupported(
-                f"lights[{index}]: {extended[int(light.kind)]} in a scene with a disk, shapes[{disks[0]}], beside "
-                f"another disk or sphere, shapes[{round_[0]}], is not yet integrated; the numeric pipeline samples it"
             )
 
 
