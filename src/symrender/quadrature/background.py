@@ -42,13 +42,11 @@ def directional_albedo(
 
 
 def albedo_slopes(
-    conductor: Any, cosines: Complex, tol: float, budget: int, scratch: SplitWork
+    conductors: Any, hit_class: int, cosines: Complex, tol: float, budget: int, scratch: SplitWork
 ) -> SlopeResult:  # fmt: skip
-    """The same with tangents, of a conductor and cosines that move."""
+    """The same with tangents, of cosines and the conductor of a hit class that move."""
     arrays = _under_a_ceiling()
     view = scene_view(arrays, table(LightPoint, 0), emitted=np.zeros((0, 3)))
-    rows = moving(table(Conductor, FIRST_SPHERE + 2))
-    rows[FIRST_SPHERE] = conductor
     count, cosine = len(cosines), cosines.real
     sine = np.sqrt(np.maximum(0.0, (1.0 - cosine) * (1.0 + cosine)))
     # at a right angle it is stationary
@@ -58,10 +56,10 @@ def albedo_slopes(
     normals = np.tile(np.array([0.0, 0.0, 1.0], np.complex128), (count, 1))
     lobes = np.zeros((FIRST_SPHERE + 2, 2), np.complex128)
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
+    seen = moving(view)._replace(conductors=np.take(conductors, [hit_class] * (FIRST_SPHERE + 2)))
     return gloss_slopes(
-        np.zeros((count, 3), np.complex128), normals, incoming, np.full(count, FIRST_SPHERE), lobes,
-        moving(view)._replace(conductors=rows), moving(scene_frames(arrays, view.points)),
-        radiance_bound(arrays, view.points), tol, budget, scratch,
+        np.zeros((count, 3), np.complex128), normals, incoming, np.full(count, FIRST_SPHERE), lobes, seen,
+        moving(scene_frames(arrays, view.points)), radiance_bound(arrays, view.points), tol, budget, scratch,
     )  # fmt: skip
 
 

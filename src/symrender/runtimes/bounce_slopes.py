@@ -204,7 +204,7 @@ class SlopeBouncer(Bouncer):
                 # as of the value: one half for what shapes take from the sky, the other for the whole of it
                 share *= 0.5
                 whole = albedo_slopes(
-                    view.conductors[int(surface[0])], -product(here.travel, here.normal).sum(axis=1),
+                    view.conductors, int(surface[0]), -product(here.travel, here.normal).sum(axis=1),
                     share / max(under, 1.0), budget, self._work,
                 )  # fmt: skip
                 sums.add(whole, np.tile(sky, (len(some), 1)))

@@ -18,14 +18,15 @@ from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen_all
 from symrender.runtimes.bounce_moves import check_moves
-from symrender.runtimes.bounce_slopes import BouncedSlopes, SlopeBouncer, moving_rays
+from symrender.runtimes.bounce_slopes import BouncedSlopes, moving_rays
+from symrender.runtimes.emission_slopes import bouncer_of, check_emission
 from symrender.runtimes.exposed import is_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_gradient import prepare_box
-from symrender.runtimes.radiometric import check, integrated_layers, lamps_on_gloss
+from symrender.runtimes.radiometric import check, integrated_layers
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
-from symrender.scene.radiometric.flat import is_flat, is_round
+from symrender.scene.radiometric.flat import is_round
 from symrender.settings import Settings
 
 
@@ -35,21 +36,12 @@ def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter
         raise Unsupported(
             f"filter: {filter} of radiometric scenes is not yet differentiated with bounces; with none it is"
         )
-    if arrays.bounces > 1:
-        raise Unsupported("gradient: knows radiometric scenes with bounces: 0 and 1, got bounces: all")
-    if arrays.bounces and is_flat(arrays):
-        raise Unsupported("gradient: knows radiometric scenes of flat shapes with bounces: 0, got bounces: 1")
     if is_exposed(arrays):
         what = "camera.aperture" if arrays.exposure.aperture > 0.0 else "shutter"
         raise Unsupported(f"gradient: {what}: derivatives of means over a lens or over time are not yet had")
     check(arrays)
-    if lamps_on_gloss(arrays) and not is_round(arrays):
-        raise Unsupported(
-            "gradient: of a sky or an area light over a conductor or a phong material it knows scenes of spheres and "
-            "planes"
-        )
     if integrated_layers(arrays):
-        check_moves(arrays, wrt)
+        (check_moves if is_round(arrays) else check_emission)(arrays, wrt)
 
 
 def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:
@@ -58,7 +50,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
     For every parameter of ``wrt`` it fills ``emitted:NAME``, ``direct:NAME``, ``indirect:NAME``, ``radiance:NAME``
     (h, w, 3), ``error:NAME`` and ``status:NAME`` (h, w), and once ``hit_class``. The error is the largest change of the
     derivative in the scenes of ``shaken``, which is no less where a pixel's ray comes within roundings of the edge of a
-    shape, a shadow or a field, and of bounced light what ``SlopeBouncer`` states. No finite derivative, as at the very
+    shape, a shadow or a field, and of bounced light what ``bouncer_of`` states. No finite derivative, as at the very
     limb of a sphere, is ``unsupported``.
     """
     check_gradient(arrays, wrt, settings.filter)
@@ -89,7 +81,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
         if not integrated:
             return count
         if not hasattr(own, "bouncers"):
-            own.bouncers = {layer: SlopeBouncer(arrays, wrt, layer == "direct") for layer in integrated}
+            own.bouncers = {layer: bouncer_of(arrays, wrt, layer, settings.tol) for layer in integrated}
         tile = (x0, y0, x1, y1)
         rays = [
             [moving_rays(*pair, width, height, tile) for pair in zip(views, moves, strict=True)]

@@ -18,7 +18,7 @@ from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import pushed_module, pushed_text, record_moves, world_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
-from symrender.runtimes.bounce_slopes import SlopeBouncer
+from symrender.runtimes.emission_slopes import bouncer_of
 from symrender.runtimes.radiometric import integrated_layers
 from symrender.runtimes.radiometric_gradient import check_gradient
 from symrender.scene.moves import Move
@@ -56,7 +56,7 @@ def ray_slopes(
             slopes = [_closed(*each) for each in zip(worlds, moves, sent, strict=True)]
             found.slopes[q], found.error[q] = slopes[0], doubt(slopes[0], slopes[1:])
         if integrated and not hasattr(own, "bouncers"):
-            own.bouncers = [SlopeBouncer(arrays, wrt, layer == "direct") for layer in integrated]
+            own.bouncers = [bouncer_of(arrays, wrt, layer, tol) for layer in integrated]
         still = [(origins_ + 0j, directions_ + 0j) for origins_, directions_ in sent]
         for bouncer in own.bouncers if integrated else ():
             light = bouncer.sloped([still] * len(wrt), tol, budget)
