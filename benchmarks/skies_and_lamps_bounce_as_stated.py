@@ -3,9 +3,10 @@
     python benchmarks/skies_and_lamps_bounce_as_stated.py [--quick] [SEED [COUNT]]
 
 The crowds of ``bounced_light_is_stated.py`` with planes of one colour, under a sky, or a ball that emits and crosses
-nothing, or both, beside the lamps that are there, some of them spots. The judge, ``tests/radiometric/seen_lattice.py``,
-has lattices of rays that are answered with direct light in closed form, of more and more points until their error
-is less than half of what is stated, or there are no more: then they tell nothing.
+nothing, or both, beside the lamps that are there, some of them spots. Seeds from 1,000,000 on keep the checkers of
+planes, make stripes of some textures, and let some surfaces be rough where they are met first. The judge,
+``tests/radiometric/seen_lattice.py``, has lattices of rays that are answered with direct light in closed form, of more
+and more points until their error is less than half of what is stated, or there are no more: then they tell nothing.
 """
 
 from __future__ import annotations
@@ -15,13 +16,26 @@ from pathlib import Path
 
 import numpy as np
 from bounced_light_is_stated import SURE, TOLERANCES, Judged, Scene, answered, count_and_tell, drawn
-from glossy_bounces_are_stated import spotted
+from glossy_bounces_are_stated import LEAST, rough, spotted
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 BUDGET = 1_000_000
+TEXTURED = 1_000_000
+"""First seed of scenes with textures on planes and rough surfaces."""
 LOOKS = ((2584, 1597), (10946, 6765), (46368, 28657))
 """Points of lattices and their generators by which one look after the other judges."""
+
+
+def dress(scene: Scene, rng: np.random.Generator) -> None:
+    """Make stripes of some textures, and rough of some materials, which reflect at the first hit alone."""
+    scene["gloss"] = "first_hit"
+    for name, material in scene["materials"].items():
+        reflectance = material["reflectance"]
+        if isinstance(reflectance, dict) and rng.random() < 0.4:
+            reflectance["type"] = "stripes"
+        if rng.random() < 0.3:
+            scene["materials"][name] = rough(rng) | {"reflectance": reflectance}
 
 
 def crowd(seed: int) -> tuple[Scene, np.ndarray, np.ndarray]:
@@ -33,6 +47,9 @@ def crowd(seed: int) -> tuple[Scene, np.ndarray, np.ndarray]:
     rng = np.random.default_rng([seed, 2])
     scene, origin, direction = drawn(rng)
     flat = {shape["material"] for shape in scene["shapes"] if shape["type"] == "plane"}
+    if seed >= TEXTURED:
+        flat = set()
+        dress(scene, np.random.default_rng([seed, 3]))
     for name in flat:
         if isinstance(scene["materials"][name]["reflectance"], dict):
             scene["materials"][name]["reflectance"] = scene["materials"][name]["reflectance"]["bright"]
@@ -68,7 +85,7 @@ def judged(seeds: range) -> list[Judged]:
             found.append(Judged(seed, "dark", 0.0, 0.0, 0.0, False, 0))
             if rng.random() < 0.8:
                 continue
-        tol = float(rng.choice(TOLERANCES)) * (light or 1e-3)
+        tol = max(LEAST, float(rng.choice(TOLERANCES)) * (light or 1e-3))
         seen = answered(seed, scene, (origin, direction), known.shape, light, tol, BUDGET)
         if isinstance(seen, Judged):
             found.append(seen)

@@ -88,7 +88,8 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
         "adjoint/walls.py": 2,
     },
     "floor phase": {
-        "quadrature/split_grid.py": 2,
+        "quadrature/grid_blocks.py": 2,
+        "quadrature/split_grid.py": 1,
         "adjoint/grid.py": 1,
     },
     "sphere place": {

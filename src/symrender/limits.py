@@ -65,6 +65,14 @@ MAX_TIME: Final = 1e6
 """Farthest the shutter opens and closes from time 0, seconds."""
 MAX_TEXTURE_FREQUENCY: Final = 4096
 """Largest number of texture half-periods around a sphere."""
+MAX_FORMULA_DEPTH: Final = 12
+"""Most operations of a height field's formula inside each other."""
+MAX_TERMS: Final = 64
+"""Most numbers, coordinates and operations of a height field's formula."""
+MAX_OPERANDS: Final = 16
+"""Most formulas in one sum or product."""
+MAX_FORMULA_POWER: Final = 16
+"""Largest power of a formula."""
 MAX_THREADS: Final = 1024
 """Most worker threads."""
 MIN_TOLERANCE: Final = 1e-13

@@ -20,7 +20,8 @@ NEAR = 1e-11
 
 
 class World(NamedTuple):
-    """``shapes`` (S, 26): kind, center or point, radius, normal, x and y of a plane, bright, dark, cell, both sides.
+    """``shapes`` (S, 26): kind, center or point, radius, normal, x and y of a plane, bright, dark, cell, both sides,
+    and whether a texture is of stripes, 1, or marble, 2.
 
     ``lights`` (L, 13): whether it is directional, place or direction towards it, three channels; of a spot its unit
     direction, its two angles and 1 where it falls off linearly, 2 smoothly.
@@ -47,6 +48,7 @@ def world(scene: dict[str, Any]) -> World:
             row[1:4], row[4] = shape["center"], shape["radius"]
         if isinstance(reflectance, dict):
             row[14:17], row[17:20], row[20] = reflectance["bright"], reflectance["dark"], reflectance["cell"]
+            row[22] = {"stripes": 1.0, "marble": 2.0}.get(reflectance["type"], 0.0)
         else:
             row[14:17] = row[17:20] = reflectance
         row[21] = float(material.get("two_sided", False))
@@ -109,7 +111,7 @@ def _normal(q: Array, j: int, shapes: Array) -> Array:
 @numba.njit(cache=False)
 def _albedo(q: Array, n: Array, j: int, shapes: Array, out: Array) -> None:
     s = shapes[j]
-    dark = False
+    share = 1.0
     if s[20] > 0.0:
         if s[0] == 1.0:
             x = y = 0.0
@@ -118,9 +120,14 @@ def _albedo(q: Array, n: Array, j: int, shapes: Array, out: Array) -> None:
                 y += (q[a] - s[1 + a]) * s[11 + a]
         else:
             x, y = (math.atan2(n[1], n[0]) + math.pi) / math.pi, math.acos(max(-1.0, min(1.0, n[2]))) / math.pi
-        dark = (math.floor(x / s[20]) + math.floor(y / s[20])) % 2 != 0
+        x, y = x / s[20], y / s[20]
+        if s[22] == 2.0:
+            share = 0.5 + 0.5 * math.sin(2.0 * math.pi * x + 0.7 * math.pi * math.sin(3.0 * math.pi * y))
+        else:
+            fields = math.floor(x) + (0 if s[22] == 1.0 else math.floor(y))
+            share = 1.0 if fields % 2 == 0 else 0.0
     for a in range(3):
-        out[a] = s[17 + a] if dark else s[14 + a]
+        out[a] = s[17 + a] + share * (s[14 + a] - s[17 + a])
 
 
 @numba.njit(cache=False)

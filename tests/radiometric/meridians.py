@@ -91,15 +91,17 @@ def pieces_of(shape: dict[str, Any], place: Array) -> list[Piece]:
 
 
 def irradiance(
-    shapes: list[dict[str, Any]], own: str, place: Array, normal: Array, lamp: str | None
+    shapes: list[dict[str, Any]], own: str, place: Array, normal: Array, lamp: str | None, above: Array | None = None
 ) -> tuple[float, float]:
     """Irradiance of a place of shape ``own`` by radiance 1 of shape ``lamp``, or of the sky where it is None, and the
-    error of it."""
+    error of it. Only what is ``above`` the horizon of another normal counts, if that is given."""
     pieces = [piece for shape in shapes if shape["name"] != own for piece in pieces_of(shape, place)]
     first = np.cross(normal, [0.0, 0.0, 1.0] if abs(normal[2]) < 0.7 else [1.0, 0.0, 0.0])
     first /= np.linalg.norm(first)
     second = np.cross(normal, first)
     circles, forms = _boundaries(pieces, lamp)
+    if above is not None:
+        circles.append(Circle(above / np.linalg.norm(above)))
     azimuths = _azimuths(circles, forms, normal, first, second)
     before = math.inf
     for half in NODES:
@@ -107,7 +109,7 @@ def irradiance(
         begin, end = azimuths[:-1, None], azimuths[1:, None]
         phi = (begin + (end - begin) * nodes).ravel()
         e = np.cos(phi)[:, None] * first + np.sin(phi)[:, None] * second
-        value = float(((end - begin) * weights).ravel() @ _meridians(pieces, circles, forms, e, normal, lamp))
+        value = float(((end - begin) * weights).ravel() @ _meridians(pieces, circles, forms, e, normal, lamp, above))
         if abs(value - before) < _AGREED or half == NODES[-1]:
             break
         before = value
@@ -115,8 +117,9 @@ def irradiance(
 
 
 def _meridians(
-    pieces: list[Piece], circles: list[Circle], forms: list[Array], e: Array, normal: Array, lamp: str | None
-) -> Array:
+    pieces: list[Piece], circles: list[Circle], forms: list[Array], e: Array, normal: Array, lamp: str | None,
+    above: Array | None,
+) -> Array:  # fmt: skip
     """What half circles towards directions ``e`` (N, 3) of the horizon add."""
     angles = _angles(circles, forms, e, normal)
     middle = 0.5 * (angles[:, :-1] + angles[:, 1:])
@@ -131,6 +134,8 @@ def _meridians(
             shows = np.zeros_like(shows)
         seen = np.where(ahead, shows & (piece.owner == lamp), seen)
         nearest = np.where(ahead, far, nearest)
+    if above is not None:
+        seen &= w @ above > 0.0
     # sin^2 b - sin^2 a, without cancelling
     share = np.sin(angles[:, 1:] - angles[:, :-1]) * np.sin(angles[:, 1:] + angles[:, :-1])
     return np.asarray(np.where(seen, 0.5 * share, 0.0).sum(axis=1))

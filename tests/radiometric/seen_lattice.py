@@ -37,7 +37,11 @@ class Seen(NamedTuple):
 
 
 def direct(scene: dict[str, Any], origins: Array, directions: Array) -> Array:
-    """(N, 3) direct light along unit rays."""
+    """(N, 3) direct light along unit rays; of what is glossy none if gloss reflects at the first hit alone."""
+    if scene.get("gloss") == "first_hit":
+        black = {"type": "diffuse", "reflectance": [0.0, 0.0, 0.0]}
+        materials = {name: m if m["type"] == "diffuse" else black for name, m in scene["materials"].items()}
+        scene = scene | {"materials": materials}
     world = make_world(radiometric_arrays(load_any(scene | {"bounces": 0})))
     emitted, found, met = np.zeros((len(origins), 3)), np.zeros((len(origins), 3)), np.zeros(len(origins))
     _kernel("fill_rays")(world, origins, directions, sky_room(world), emitted, found, met)

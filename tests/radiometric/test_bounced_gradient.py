@@ -106,6 +106,27 @@ def test_derivatives_are_those_of_extrapolated_differences(aim: str) -> None:
     assert acting >= 3 and met >= 2
 
 
+def test_stripes_and_gloss_at_the_first_hit_have_derivatives() -> None:
+    made = towards("B", gloss="first_hit")
+    tiles = made["materials"]["tiles"]
+    striped = tiles | {"reflectance": tiles["reflectance"] | {"type": "stripes"}}
+    made["materials"] = made["materials"] | {"tiles": striped}
+    names = ("materials.tiles.reflectance.cell", "shapes.floor.normal.y", "shapes.A.center.y", "materials.rough.eta.g",
+             "materials.metal.alpha")  # fmt: skip
+    slopes = sr.gradient(made, names, size=1, tol=1e-7, threads=1, tile=1)
+    acting = 0
+    for name in names[:-1]:
+        found, stated = slopes[name].layer("indirect")[0, 0], float(slopes[name].layer("error")[0, 0])
+        wanted, doubt = difference(made, name, 2.5e-4 * max(abs(float(get(sr.load(made), name))), 0.2))
+        size = float(np.abs(wanted).max())
+        assert doubt <= 1e-7 * size + 1e-9, (name, doubt, size)
+        assert float(np.abs(found - wanted).max()) <= stated + doubt + 2e-9, (name, found, wanted)
+        acting += size > 1e-5
+    assert acting == 4
+    # what is black to others changes nothing that is seen
+    assert np.abs(slopes[names[-1]].layer("indirect")).max() == 0.0
+
+
 def test_stated_errors_hold_where_little_is_asked() -> None:
     scene = towards("floor")
     sharp = sr.gradient(scene, NAMES, size=1, tol=1e-8, threads=1, tile=1)

@@ -43,6 +43,7 @@ CASES = {
     "touch": (crowd([SKY], GROUND), ["shapes.floor.normal.x", "lights.sky.radiance.r"]),
     "lamp": (crowd([LAMP], BALL), ["lights.lamp.radiance.r", "shapes.C.radius", "shapes.A.radius"]),
     "all": (crowd([LAMP, SKY, SPOT], OTHER), ["shapes.C.radius", "shapes.B.center.x", "lights.spot.position.z"]),
+    "gloss": (crowd([SKY], BALL, "metal") | {"gloss": "first_hit"}, ["materials.metal.alpha", "camera.target.x"]),
     "walter": (crowd([KEY], BALL, "walter"), ["materials.walter.alpha", "shapes.A.radius", "lights.key.position.x"]),
     "blunt": (crowd([KEY], GROUND, "blunt"), ["materials.blunt.exponent", "shapes.B.radius", "lights.key.position.x"]),
     "half": (crowd([KEY], GROUND, "half"), ["materials.half.exponent", "shapes.B.radius"]),

@@ -39,18 +39,10 @@ from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.fall_off import most_floor_light
 from symrender.quadrature.floor_conics import conic_roots, floor_conics, is_edge, may_cross, square_cuts
 from symrender.quadrature.gauss import MAX_ORDER, order, step_of
+from symrender.quadrature.grid_blocks import block_bound, block_level, block_sign, push_quarters
 from symrender.quadrature.grid_tail import REST, remainders_of
 from symrender.quadrature.records import Conic, Remainder
-from symrender.quadrature.split_grid import (
-    LEAVES,
-    MAX_BLOCK_ORDER,
-    SMALLEST,
-    block_bound,
-    block_level,
-    block_sign,
-    grid_reach,
-    push_quarters,
-)
+from symrender.quadrature.split_grid import LEAVES, MAX_BLOCK_ORDER, SMALLEST, grid_reach
 from symrender.quadrature.split_line import SOFT_LOG
 from symrender.quadrature.split_square import seen, taper
 from symrender.scene.records import Floor
@@ -404,7 +396,7 @@ def row_adjoint(
             continue
         lit = seen(left + 0.5 * (right - left), y, lobe, view, work, above)
         moves = i > 0 and what[int(which[i - 1]), 3] != 0
-        if moves and (lit or was_lit) and conics[int(which[i - 1])].soft == 0.0:
+        if moves and (lit or was_lit) and conics[int(which[i - 1])].soft <= 0.0:
             # the root between this piece and the last one moves; nothing jumps at a penumbra's edge
             density, _, _ = grid_density(left, y, lobe, chart)
             lit_sum(left, y, step, above, view, work, gauss, disk, here[0])
@@ -601,7 +593,7 @@ def replay_once(
     while top > 0:
         top -= 1
         x0, y0, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
-        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, view.points, chart)
+        bound, span, near = block_bound(x0, y0, side, reach, light, lobe, view, chart)
         work.counts.labour += 1
         ran_out = max(work.counts.evaluations, work.counts.labour) > max_evaluations
         if bound <= 0.01 * aim / (1.0 + near / cell) or ran_out:
@@ -617,7 +609,7 @@ def replay_once(
                 continue
         ratio = span / side
         quarter = ratio < 0.8
-        sign = lowest * block_sign(x0 - low_x, y0 - low_y, side, cell)
+        sign = lowest * block_sign(x0 - low_x, y0 - low_y, side, view.floor)
         for p in range(moves.shape[0]):
             for c in range(4):
                 square[p, c] = 0.0

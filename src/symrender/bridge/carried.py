@@ -91,6 +91,11 @@ def prepare(
         what = "camera.aperture" if exposure.aperture > 0.0 else "shutter"
         raise Unsupported(f"{what}: {to}: lenses and motion are not exported yet")
     for shape in scene.shapes:
+        if scene.materials[shape.material].bump is not None:
+            raise Unsupported(
+                f"materials.{shape.material}.bump: {to}: heights there are textures, and a formula is none; without a "
+                "bump the scene can be exported"
+            )
         textured = isinstance(scene.materials[shape.material].reflectance, Checker)
         if textured and (isinstance(shape, Disk | Box | Triangle | Mesh) or not _square(shape)):
             raise Unsupported(

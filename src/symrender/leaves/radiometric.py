@@ -811,3 +811,92 @@ def mitchell_rim(x: float) -> float:
     t = 2.0 * x
     t1 = -2.3333333333333335 * t * t * t + 12.0 * t * t - 20.0 * t + 10.666666666666666
     return t1 * 0.6666666666666666
+
+
+@inlined
+def turned_normal(
+    normal_x: float, normal_y: float, normal_z: float, slope_x: float, slope_y: float, slope_z: float,
+) -> tuple[float, float, float]:
+    """unit(N - grad h) with the part of the gradient along the surface: the normal of a bump."""
+    t1 = slope_x * normal_x + slope_y * normal_y + slope_z * normal_z
+    t2 = normal_x - (slope_x - normal_x * t1)
+    t3 = normal_y - (slope_y - normal_y * t1)
+    t4 = normal_z - (slope_z - normal_z * t1)
+    t5 = math.sqrt(t2 * t2 + t3 * t3 + t4 * t4)
+    return t2 / t5, t3 / t5, t4 / t5
+
+
+@inlined
+def sum_of_heights(
+    left: float, left_slope_x: float, left_slope_y: float, left_slope_z: float, right: float, right_slope_x: float,
+    right_slope_y: float, right_slope_z: float,
+) -> tuple[float, float, float, float]:
+    """a + b and its gradient."""
+    return left + right, left_slope_x + right_slope_x, left_slope_y + right_slope_y, left_slope_z + right_slope_z
+
+
+@inlined
+def difference_of_heights(
+    left: float, left_slope_x: float, left_slope_y: float, left_slope_z: float, right: float, right_slope_x: float,
+    right_slope_y: float, right_slope_z: float,
+) -> tuple[float, float, float, float]:
+    """a - b and its gradient."""
+    return left - right, left_slope_x - right_slope_x, left_slope_y - right_slope_y, left_slope_z - right_slope_z
+
+
+@inlined
+def product_of_heights(
+    left: float, left_slope_x: float, left_slope_y: float, left_slope_z: float, right: float, right_slope_x: float,
+    right_slope_y: float, right_slope_z: float,
+) -> tuple[float, float, float, float]:
+    """a b and its gradient."""
+    return (
+        left * right, left_slope_x * right + right_slope_x * left, left_slope_y * right + right_slope_y * left,
+        left_slope_z * right + right_slope_z * left,
+    )
+
+
+@inlined
+def sine_of_height(inner: float, slope_x: float, slope_y: float, slope_z: float) -> tuple[float, float, float, float]:
+    """sin a and its gradient."""
+    t1 = math.cos(inner)
+    return math.sin(inner), slope_x * t1, slope_y * t1, slope_z * t1
+
+
+@inlined
+def cosine_of_height(
+    inner: float, slope_x: float, slope_y: float, slope_z: float,
+) -> tuple[float, float, float, float]:
+    """cos a and its gradient."""
+    t1 = math.sin(inner)
+    return math.cos(inner), -(slope_x * t1), -(slope_y * t1), -(slope_z * t1)
+
+
+@inlined
+def exponential_of_height(
+    inner: float, slope_x: float, slope_y: float, slope_z: float,
+) -> tuple[float, float, float, float]:
+    """exp a and its gradient."""
+    grown = math.exp(inner)
+    return grown, slope_x * grown, slope_y * grown, slope_z * grown
+
+
+@inlined
+def power_of_height(
+    inner: float, slope_x: float, slope_y: float, slope_z: float, below: float, exponent: float,
+) -> tuple[float, float, float, float]:
+    """a^n and its gradient, ``below`` being a^(n - 1)."""
+    t1 = exponent * below
+    return below * inner, slope_x * t1, slope_y * t1, slope_z * t1
+
+
+@inlined
+def distance_height(
+    place_x: float, place_y: float, place_z: float, center_x: float, center_y: float, center_z: float,
+) -> tuple[float, float, float, float]:
+    """Distance from a centre and its gradient, which is 0 there."""
+    offset_x = place_x - center_x
+    offset_y = place_y - center_y
+    offset_z = place_z - center_z
+    far = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
+    return far, offset_x / far, offset_y / far, offset_z / far

@@ -112,6 +112,22 @@ def most_glow(glows: Table[Glow]) -> float:
     return float(most)
 
 
+@jitable
+def glow_beyond(x: float, y: float, reach: float, view: View) -> float:
+    """No place of the plane z = 0 within ``reach`` of (x, y) gets more of skies and lamps."""
+    most = 0.0
+    if view.glows is None:
+        return most
+    for g in range(view.glows.shape[0]):
+        light, lamp, share = view.glows[g].radiance, int(view.glows[g].sphere), 1.0
+        if lamp >= 0:
+            s = view.spheres[lamp]
+            apart = max(0.0, math.hypot(s.center[0] - x, s.center[1] - y) - reach)
+            share = min(1.0, s.radius * s.radius / max(TOUCHING, apart * apart + s.center[2] * s.center[2]))
+        most += math.pi * share * max(light[0], light[1], light[2])
+    return float(most)
+
+
 @inlined
 def chart_bound(diffuse: float, view: View, work: Work) -> float:
     """``diffuse``, what bounds the radiance of the charted shape, or what does where it is a conductor."""
@@ -130,6 +146,8 @@ def chart_bound(diffuse: float, view: View, work: Work) -> float:
 def most_floor_light(view: View) -> float:
     """No floor point gets more from all lights together."""
     light = 0.0
+    if view.glows is not None:
+        light = most_glow(view.glows)
     for i in range(view.points.shape[0]):
         height = view.points[i].position[2]
         if not (view.points[i].fall == INVERSE_SQUARE and height <= 0.0):
@@ -149,7 +167,7 @@ def light_beyond(distance: float, view: View, chart: Chart) -> float:
         if rise > 0.0:
             square = rise * rise + apart * apart
             light += most_light(p, square) * rise / math.sqrt(square)
-    return light
+    return light + (most_glow(view.glows) if view.glows is not None else 0.0)
 
 
 def glow_bound(arrays: SceneArrays, glows: Table[Glow] | None) -> float:

@@ -26,6 +26,10 @@ from symrender.quadrature.records import Conic
 
 Array = npt.NDArray[np.float64]
 
+ROUND = -1
+TOUCHES = -2
+"""``soft`` of the circle in which a ball meets the floor, and, less the number of the smaller ball, of a conic where
+circles touch: light begins there like a power of the distance."""
 PASSAGE = 0.0
 """Kind of a cut where a conic passes a side of the square."""
 TANGENT = 1.0
@@ -66,12 +70,19 @@ def is_edge(k: int, view: View, chart: Chart) -> bool:
 
 
 @jitable
-def cone_conics(n: int, cones: Table[Cone], px: float, py: float, conics: Table[Conic]) -> int:
-    """Append those of the cones of spots; new count."""
+def cone_conics(n: int, paired: bool, cones: Table[Cone], px: float, py: float, conics: Table[Conic]) -> int:
+    """Append those of the cones of spots, or ``paired`` those about two spheres; new count."""
     for c in range(cones.shape[0]):
         at, ball = cones[c].apex.position, cones[c].ball
+        if (cones[c].one >= 0.0) != paired:
+            continue
         ex, ey, ez = ball.center[0] - at[0], ball.center[1] - at[1], ball.center[2] - at[2]
         x, y = at[0] - px, at[1] - py
+        if cones[c].apex.fall == DISTANT:
+            far = math.sqrt(ex * ex + ey * ey + ez * ez)
+            x, y = ball.center[0] - px, ball.center[1] - py
+            n = add_cylinder(conics, n, ex / far, ey / far, ez / far, ball.radius, x, y, ball.center[2])
+            continue
         if 1.0 - ball.radius * ball.radius > CONTACT:
             n = add_cone(conics, n, ex, ey, ez, ball.radius * ball.radius, x, y, at[2])
             continue
@@ -84,9 +95,55 @@ def cone_conics(n: int, cones: Table[Cone], px: float, py: float, conics: Table[
     return n
 
 
+@jitable
+def add_cylinder(
+    conics: Table[Conic], n: int, ax: float, ay: float, az: float, radius: float, x: float, y: float, z: float
+) -> int:  # fmt: skip
+    """Append the cylinder of this radius along unit ``a`` about (x, y, z): a cone of angle 0 with its radius added."""
+    n = add_cone(conics, n, ax, ay, az, 0.0, x, y, z)
+    if n <= conics.shape[0]:
+        conics[n - 1].free += radius * radius
+    return n
+
+
+@inlined
+def touch_conics(n: int, view: View, work: Work, conics: Table[Conic]) -> int:
+    """Append where what is seen of a sky or a lamp touches: cones about two spheres, spheres at other planes."""
+    chart = work.chart
+    if view.glows is None or view.cones is None:
+        return n
+    px, py, pz = chart.point[0], chart.point[1], chart.point[2]
+    first = n
+    n = cone_conics(n, True, view.cones, px, py, conics)
+    for c in range(view.cones.shape[0]):
+        # cones of pairs are appended in their order
+        one, other = int(view.cones[c].one), int(view.cones[c].other)
+        if one >= 0:
+            if first < conics.shape[0]:
+                smaller = one if view.spheres[one].radius < view.spheres[other].radius else other
+                conics[first].soft = TOUCHES - smaller
+            first += 1
+    for i in range(view.spheres.shape[0]):
+        s = view.spheres[i]
+        for k in range(view.sides.shape[0]):
+            up = view.sides[k].up
+            if k == chart.plane or math.hypot(up[0], up[1]) == 0.0:
+                continue
+            above = height(view.sides[k], px, py, pz) - pz * up[2]
+            level = height(view.sides[k], s.center[0], s.center[1], s.center[2])
+            for side in range(2):
+                if n < conics.shape[0]:
+                    row = conics[n]
+                    row.xx, row.xy, row.yy, row.x, row.y = 0.0, 0.0, 0.0, 0.5 * up[0], 0.5 * up[1]
+                    row.soft = TOUCHES - i
+                    row.free = above - level + (s.radius if side == 0 else -s.radius)
+                n += 1
+    return n
+
+
 @inlined
 def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Conic]) -> int:
-    """All conics of the floor chart about the point's foot; their number."""
+    """All conics of the floor chart about the point's foot across which light jumps; their number."""
     chart = work.chart
     h = chart.height
     px, py, pz = chart.point[0], chart.point[1], chart.point[2]
@@ -115,14 +172,14 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         n = add_cone(conics, n, sx / far, sy / far, (sz - pz) / far, r * r / far2, 0.0, 0.0, h)
         if abs(sz) < r and n < conics.shape[0]:
             row = conics[n]
-            row.xx, row.xy, row.yy, row.x, row.y, row.soft = 1.0, 0.0, 1.0, -sx, -sy, 0
+            row.xx, row.xy, row.yy, row.x, row.y, row.soft = 1.0, 0.0, 1.0, -sx, -sy, ROUND
             row.free = sx * sx + sy * sy - (r - sz) * (r + sz)
             n += 1
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR and chart.lobe.walter == 1:
         up, cosine = chart.normal, jump_cosine(chart.lobe.alpha)
         n = add_cone(conics, n, up[0], up[1], up[2], (1.0 - cosine) * (1.0 + cosine), 0.0, 0.0, h)
     if view.cones is not None:
-        n = cone_conics(n, view.cones, px, py, conics)
+        n = cone_conics(n, False, view.cones, px, py, conics)
     for i in range(work.counts.casters):
         light, k = work.casters[i].light, work.casters[i].ball
         lx, ly, lz = (
@@ -138,11 +195,11 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         far2 = ex * ex + ey * ey + ez * ez
         far = math.sqrt(far2)
         if view.points[light].fall == DISTANT:
-            # the cylinder behind the ball: as a cone about its centre, of angle 0, which its radius is added to
+            # the cylinder behind the ball
             s = view.spheres[k]
-            n = add_cone(conics, n, ex / far, ey / far, ez / far, 0.0, s.center[0] - px, s.center[1] - py, s.center[2])
-            if n <= conics.shape[0]:
-                conics[n - 1].free += s.radius * s.radius
+            n = add_cylinder(
+                conics, n, ex / far, ey / far, ez / far, s.radius, s.center[0] - px, s.center[1] - py, s.center[2]
+            )
             continue
         rho = view.points[light].radius
         reach = view.spheres[k].radius + rho
@@ -164,6 +221,17 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
                 if edge.kind == PENUMBRA and edge.light == light and edge.shape_index == k and edge.inner == 0.0:
                     conics[n - 1].soft = 1 + wall
     return n
+
+
+@jitable
+def is_felt(row: Conic, x: float, y: float, half: float, least: float, view: View) -> bool:
+    """Whether what touches at a conic is more than a share ``least`` of what is seen from the square about (x, y)."""
+    if row.soft > TOUCHES:
+        return True
+    ball = view.spheres[TOUCHES - int(row.soft)]
+    dx, dy, dz = ball.center[0] - x, ball.center[1] - y, ball.center[2]
+    far = math.sqrt(dx * dx + dy * dy + dz * dz) - 1.4143 * half
+    return bool(far <= 0.0 or ball.radius * ball.radius > least * far * far)
 
 
 @jitable

@@ -11,7 +11,7 @@ import math
 from symrender.chambers.records import LINEAR, NODES, LightPoint, Nodes
 from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.arcs import Room, put_circle
@@ -88,6 +88,30 @@ def gather_glow(lamp: int, place: Vector, normal: Vector, view: View, work: Work
     return count, cones
 
 
+@inlined
+def glow_room(work: Work) -> Room:
+    """The scratch of one place; nothing is listed by pieces, so that five of its arrays are never looked at."""
+    none = work.touched
+    return Room(
+        work.arcs, work.crossings, work.begin, work.stop, none, none, none, work.caps, work.within, work.touched, none,
+        none,
+    )  # fmt: skip
+
+
+@jitable
+def glow_at(place: Vector, normal: Vector, view: View, work: Work, glows: Table[Glow] | None) -> float:
+    """What a place of the charted shape gets of skies and lamps; their largest channels, summed."""
+    total = 0.0
+    if glows is None:
+        return total
+    room = glow_room(work)
+    for g in range(glows.shape[0]):
+        count, cones = gather_glow(int(glows[g].sphere), place, normal, view, work, room)
+        light = glows[g].radiance
+        total += few_irradiance(room, count, cones, normal) * max(light[0], light[1], light[2])
+    return total
+
+
 @jitable
 def add_glows(pieces: int, view: View, work: Work, glows: Table[Glow] | None) -> None:
     """Add to ``radiance`` of the nodes that the first ``pieces`` pieces own what skies and lamps add."""
@@ -95,12 +119,7 @@ def add_glows(pieces: int, view: View, work: Work, glows: Table[Glow] | None) ->
         return
     if work.chart.shape_index < 0 and work.chart.side < 0.0:
         return
-    b = work.nodes
-    # nothing is listed by pieces here, so that four of its arrays are never looked at
-    none = work.touched
-    room = Room(
-        work.arcs, work.crossings, work.begin, work.stop, none, none, none, work.caps, work.within, work.touched, none
-    )  # fmt: skip
+    b, room = work.nodes, glow_room(work)
     for piece in range(pieces):
         first = work.pieces[piece].first
         for q in range(first, first + work.pieces[piece].count):

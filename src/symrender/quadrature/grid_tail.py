@@ -1,6 +1,7 @@
 """What a taper cannot see of endless squares: places beyond it where the checker's signs do not cancel.
 
-The checker is a sum of plane waves, +-(8 / pi^2) / (p q) cos(k.x) with k = (p, +-q) pi / cell, p and q odd. Integrated
+The checker is a sum of plane waves, +-(8 / pi^2) / (p q) cos(k.x) with k = (p, +-q) pi / cell, p and q odd; stripes are
+(4 / pi) / p sin(k.x) with q = 0. Integrated
 over one side of a wall each leaves an integral along the wall, which cancels but for two kinds of places: where the
 wall runs along the wave's crests, so that its sign does not change (stationary phase), and where two walls meet. Within
 reach of the taper both are integrated; two tapers that end before such a place agree, and say nothing about it. So the
@@ -30,8 +31,10 @@ from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.leaves import slopes
 from symrender.quadrature.fall_off import most_floor_light, most_light
+from symrender.quadrature.glow_nodes import glow_at
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.split_square import seen
+from symrender.scene.arrays import STRIPES
 
 Array = npt.NDArray[np.float64]
 
@@ -52,6 +55,18 @@ MOST_REMAINDERS: Final = 256
 """Places beyond a taper that are told apart."""
 FARTHEST: Final = 30.0
 """Reaches from the foot beyond which walls are not followed to where they meet: density falls as their cube."""
+
+
+@inlined
+def waves(most: int, view: View) -> tuple[int, int, int]:
+    """(first p, first q, end of q) of the waves of the floor's texture: stripes are those of q = 0."""
+    return (1, 0, 1) if view.floor.kind == STRIPES else (-most, 1, most + 1)
+
+
+@inlined
+def faintness(p: float, q: float) -> float:
+    """8/pi^2 over the amplitude of a wave: that of a checker, or, where q is 0, the 4/(pi p) of stripes."""
+    return abs(p * q) if q != 0.0 else 2.0 / math.pi * abs(p)
 
 
 @inlined
@@ -86,7 +101,7 @@ def lit_at(x: float, y: float, lobe: Array, view: View, work: Work, states: Arra
             lx, ly, lz = p.position[0] - chart.point[0] - x, p.position[1] - chart.point[1] - y, p.position[2]
             square = lx * lx + ly * ly + lz * lz
             total += most_light(p, square) * abs(lz) / math.sqrt(square)
-    return total
+    return total + glow_at((chart.point[0] + x, chart.point[1] + y, 0.0), (0.0, 0.0, 1.0), view, work, view.glows)
 
 
 @inlined
@@ -116,7 +131,7 @@ def along_wall(
     k = math.pi * math.sqrt(p * p + q * q) / cell
     curved = abs(2.0 * (row.xx * ny * ny - 2.0 * row.xy * nx * ny + row.yy * nx * nx)) / steep
     length = min(math.sqrt(2.0 * math.pi / (k * max(curved, 1e-300))), away)
-    swing = 8.0 / (math.pi**2 * abs(p * q)) * most_density(x, y, lobe, view, work) * jump * length
+    swing = 8.0 / (math.pi**2 * faintness(p, q)) * most_density(x, y, lobe, view, work) * jump * length
     return swing / k, swing
 
 
@@ -147,11 +162,12 @@ def at_corner(
         return 0.0, 0.0
     left, swing = 0.0, 0.0
     least = 1.0 / math.sqrt(x * x + y * y)
-    for p in range(-MODES, MODES + 1, 2):
-        for q in range(1, MODES + 1, 2):
+    first, low, high = waves(MODES, view)
+    for p in range(first, MODES + 1, 2):
+        for q in range(low, high, 2):
             kx, ky = math.pi * p / cell, math.pi * q / cell
             one, other = max(least, abs(kx * ax + ky * ay)), max(least, abs(kx * bx + ky * by))
-            wave = 1.0 / (abs(p * q) * one * other)
+            wave = 1.0 / (faintness(float(p), float(q)) * one * other)
             left += wave
             swing += wave * math.sqrt(kx * kx + ky * ky)
     sine = abs(ax * by - ay * bx)
@@ -261,11 +277,12 @@ def along_straight(
     # onto the conic itself
     x, y = x - level / steep * gx, y - level / steep * gy
     left, swing = 0.0, 0.0
-    for p in range(-STEEPEST, STEEPEST + 1, 2):
-        for q in range(1, STEEPEST + 1, 2):
+    first, low, high = waves(STEEPEST, view)
+    for p in range(first, STEEPEST + 1, 2):
+        for q in range(low, high, 2):
             turn = math.pi / cell * abs(p * tx + q * ty)
             if turn * begin < TURNS:
-                wave = 1.0 / (abs(p * q) * max(turn, 1.0 / begin))
+                wave = 1.0 / (faintness(float(p), float(q)) * max(turn, 1.0 / begin))
                 left += wave / (math.pi / cell * math.sqrt(float(p * p + q * q)))
                 swing += wave
     if left == 0.0:
@@ -316,11 +333,12 @@ def remainders_of(
     n = 0
     # what a wave with p q |(p, q)| = 1 can leave: density falls faster than the length grows along which it runs
     peak = 8.0 / math.pi**3 * view.floor.cell * begin * most_floor_light(view) * densest_beyond(begin, work)
+    first, low, high = waves(MODES, view)
     for i in range(count):
         row = conics[i]
-        for p in range(-MODES, MODES + 1, 2):
-            for q in range(1, MODES + 1, 2):
-                if peak < NEGLIGIBLE * tol * abs(p * q) * math.sqrt(float(p * p + q * q)):
+        for p in range(first, MODES + 1, 2):
+            for q in range(low, high, 2):
+                if peak < NEGLIGIBLE * tol * faintness(float(p), float(q)) * math.sqrt(float(p * p + q * q)):
                     continue
                 found, x0, y0, x1, y1 = point_of_wave(row, float(p), float(q))
                 for k in range(found):

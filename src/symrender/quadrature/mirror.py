@@ -22,10 +22,7 @@ from symrender.leaves.values import floor_phases
 from symrender.quadrature.gauss import LEVELS
 from symrender.quadrature.split_line import place_nodes, shade_nodes, shape_nodes
 from symrender.quadrature.split_setup import stand_in_frame
-from symrender.scene.arrays import (
-    BRDF_NORMALISED,
-    CHECKER,
-)
+from symrender.scene.arrays import BRDF_NORMALISED, SOLID, STRIPES
 
 Array = npt.NDArray[np.float64]
 
@@ -72,9 +69,9 @@ def first_hit(own: int, lobe: Array, view: View, chart: Chart) -> int:
 def floor_albedo(x: float, y: float, view: View, out: Array) -> None:
     """Albedo of the floor at (x, y) into ``out``."""
     bright = True
-    if view.floor.kind == CHECKER:
+    if view.floor.kind != SOLID:
         east, north = floor_phases(x, y, view.floor.cell, view.floor.offset[0], view.floor.offset[1])
-        bright = (math.floor(east) + math.floor(north)) % 2 == 0
+        bright = (math.floor(east) + (0 if view.floor.kind == STRIPES else math.floor(north))) % 2 == 0
     for a in range(3):
         out[a] = view.floor.bright[a] if bright else view.floor.dark[a]
 

@@ -57,7 +57,8 @@ class Conic(Record):
     y: float
     free: float
     soft: int
-    """Of the cone about a disk's penumbra 1 + the index of its outer edge in the wall table; 0 of other conics."""
+    """Of the cone about a disk's penumbra 1 + the index of its outer edge in the wall table; less than 0 where light of
+    a sky or a lamp begins like a power of the distance; 0 of other conics."""
 
 
 class Remainder(Record):

@@ -47,15 +47,18 @@ def slope_error(total: float, value: Array, scratch: Array) -> float:
 
 @inlined
 def block_error(
-    n: int, level: int, last_x: float, before_x: float, middle_x: float, last_y: float, before_y: float,
+    n: int, level: int, striped: bool, last_x: float, before_x: float, middle_x: float, last_y: float, before_y: float,
     middle_y: float, whole: float, log_rho: float,
 ) -> float:  # fmt: skip
-    """Error of a block's rule by the magnitudes of its coefficients along both axes."""
+    """Error of a block's rule by the magnitudes of its coefficients along both axes; along y stripes have no signs."""
     if level == 0:
         along = tail_error(n, last_x, before_x, middle_x, whole, log_rho)
         return float(along + tail_error(n, last_y, before_y, middle_y, whole, log_rho))
     # the rule leaves out what the next coefficients hold, times the mean of the signs times their polynomial
     top_x, top_y = max(last_x, 0.5 * before_x), max(last_y, 0.5 * before_y)
+    if striped:
+        across = 2.0 * top_x * 2.0**-level * math.exp(-0.5 * log_rho)
+        return float(across + tail_error(n, last_y, before_y, middle_y, whole, log_rho))
     return 2.0 * (top_x + top_y) * 2.0**-level * math.exp(-0.5 * log_rho)
 
 

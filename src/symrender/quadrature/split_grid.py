@@ -21,18 +21,19 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.width import width_at
-from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
-from symrender.quadrature.fall_off import light_beyond, most_floor_light, most_light
-from symrender.quadrature.floor_conics import floor_conics, may_cross
+from symrender.quadrature.fall_off import light_beyond, most_floor_light
+from symrender.quadrature.floor_conics import floor_conics, is_felt, may_cross, touch_conics
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
+from symrender.quadrature.grid_blocks import block_bound, block_level, block_sign, push_quarters
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
 from symrender.quadrature.split_square import cut_square, floor_nodes, seen
+from symrender.scene.arrays import STRIPES
 
 Array = npt.NDArray[np.float64]
 
@@ -45,6 +46,8 @@ MOST_SQUARES = 2.0 ** (BLOCK_LEVELS - 2) - 2.0
 """So many squares on every side are all that a block can hold."""
 LEAVES = 30.0
 """Blocks that share the tolerance; most err far less than their share."""
+UNFELT_TOUCH = 1.0
+"""Share of what a block may err by below which it is not cut where circles touch."""
 SMALLEST = 1e-6
 """Side of the smallest part of a square, in squares."""
 SMALLEST_CUT = 0.05
@@ -97,78 +100,6 @@ def grid_reach(
     return False, reach, reach, 0.0, 0.0, beyond
 
 
-@jitable
-def block_level(squares: float) -> int:
-    """Level of the block about the foot that holds so many squares on every side."""
-    level = 1
-    while level + 1 < BLOCK_LEVELS and 2.0 ** (level - 1) < squares + 1.0:
-        level += 1
-    return level
-
-
-@jitable
-def block_sign(x: float, y: float, side: float, cell: float) -> float:
-    """Sign of a block at this offset from a block of even squares: that of its lowest square."""
-    inner = 0.5 * min(side, cell)
-    odd = math.floor((x + inner) / cell) + math.floor((y + inner) / cell)
-    return 1.0 if odd % 2 == 0 else -1.0
-
-
-@jitable
-def push_quarters(x: float, y: float, side: float, level: int, blocks: Array, top: int) -> int:
-    """Stack the quarters of a block as rows (x, y, side, level); new height."""
-    half = 0.5 * side
-    for a in range(2):
-        for b in range(2):
-            blocks[top, 0], blocks[top, 1] = x + a * half, y + b * half
-            blocks[top, 2], blocks[top, 3] = half, max(0, level - 1)
-            top += 1
-    return top
-
-
-@jitable
-def block_bound(
-    x: float, y: float, side: float, reach: float, light: float, lobe: Array, points: Table[LightPoint], chart: Chart
-) -> tuple[float, float, float]:
-    """What a block can hold at most, the length over which its integrand is tame, and its distance from the foot."""
-    h = chart.height
-    half = 0.5 * side
-    xc, yc = x + half, y + half
-    away = math.sqrt(xc * xc + yc * yc)
-    d = math.sqrt(away * away + h * h)
-    foot = max(0.0, away - 1.4143 * half)
-    near = math.sqrt(foot * foot + h * h)
-    # no part of the block comes nearer to the lobe's axis than this
-    ratio = 1.4143 * half / d
-    dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
-    theta = math.acos(max(-1.0, min(1.0, dot))) - (math.asin(ratio) if ratio < 1.0 else math.pi)
-    if foot > reach or theta > math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos):
-        return 0.0, side, foot
-    chord = 2.0 * math.sin(0.5 * max(0.0, theta))
-    # and none is seen under more than its area at its nearest, or half a sphere
-    solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
-    span = 2.0 * near * min(0.6, width_at(theta, chart.lobe))
-    shine, falling = 0.0, False
-    for i in range(points.shape[0]):
-        # light varies over its distance from the block, which its place on the floor bounds from below
-        lx, ly, lz = (
-            points[i].position[0] - chart.point[0] - xc,
-            points[i].position[1] - chart.point[1] - yc,
-            points[i].position[2],
-        )
-        if lz > 0.0:
-            apart = max(0.0, math.sqrt(lx * lx + ly * ly) - 1.4143 * half)
-            span = min(span, 1.2 * math.sqrt(apart * apart + lz * lz))
-            square = apart * apart + lz * lz
-            shine += most_light(points[i], square) * lz / math.sqrt(square)
-            falling = falling or points[i].fall == INVERSE_SQUARE
-    if falling:
-        light = min(light, shine)
-    if reach < math.inf and foot > 0.2 * reach:
-        span = min(span, 0.3 * reach)
-    return largest_density(chord * chord, chart.lobe) * solid * light, span, foot
-
-
 @inlined
 def smooth_block(
     x0: float, y0: float, side: float, level: int, n: int, step: int, log_rho: float, reach: float, lobe: Array,
@@ -180,6 +111,9 @@ def smooth_block(
     """
     base = n * (n - 1) // 2
     weights = gauss[1] if level == 0 else gauss[3 + level]
+    # along stripes no sign changes
+    striped = view.floor.kind == STRIPES
+    down = gauss[1] if striped else weights
     work.counts.evaluations += n * n
     b, row = work.nodes, work.pieces[0]
     row.cell, row.first, row.count = 0, 0, n * n
@@ -201,7 +135,7 @@ def smooth_block(
         for e in range(n):
             i = n * q + e
             red, green, blue = b.radiance[0, i], b.radiance[1, i], b.radiance[2, i]
-            w, near, between = weights[base + q] * weights[base + e], b.near[i], b.between[i]
+            w, near, between = down[base + q] * weights[base + e], b.near[i], b.between[i]
             out[0] += w * red
             out[1] += w * green
             out[2] += w * blue
@@ -230,12 +164,12 @@ def smooth_block(
         middle_y += line * gauss[MIDDLE, base + q]
         lower_y += line * gauss[MIDDLE + 1, base + q]
     miss = block_error(
-        n, level, last_x, before_x, middle_x, abs(last_y), abs(before_y), max(abs(middle_y), abs(lower_y)), whole,
-        log_rho,
+        n, level, striped, last_x, before_x, middle_x, abs(last_y), abs(before_y), max(abs(middle_y), abs(lower_y)),
+        whole, log_rho,
     )  # fmt: skip
     if moves(miss):
         missed = block_error(
-            n, level, steep_last, steep_before, steep_middle, abs(tangent(last_y)), abs(tangent(before_y)),
+            n, level, striped, steep_last, steep_before, steep_middle, abs(tangent(last_y)), abs(tangent(before_y)),
             max(abs(tangent(middle_y)), abs(tangent(lower_y))), steep, held(log_rho),
         )  # fmt: skip
         return moved(held(miss), missed)
@@ -266,7 +200,7 @@ def grid_once(
         top -= 1
         x, y, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
         half = 0.5 * side
-        bound, span, near = block_bound(x, y, side, reach, light, lobe, view.points, chart)
+        bound, span, near = block_bound(x, y, side, reach, light, lobe, view, chart)
         bound = held(bound)
         if bound <= aim / (1.0 + near / cell):
             error += bound
@@ -283,7 +217,11 @@ def grid_once(
         if not quarter:
             log_rho = math.log(ratio + math.sqrt(1.0 + ratio * ratio))
             crossings = 0
+            least = UNFELT_TOUCH * aim / bound
+            mx, my = chart.point[0] + x + half, chart.point[1] + y + half
             for k in range(count):
+                if view.glows is not None and not is_felt(conics[k], mx, my, half, least, view):
+                    continue
                 if may_cross(conics[k], x + half, y + half, half) and crossings < crossing.shape[0]:
                     crossing[crossings] = k
                     crossings += 1
@@ -295,7 +233,7 @@ def grid_once(
                 if not seen(x + half, y + half, lobe, view, work, states):
                     continue
                 n = max(2, math.ceil(0.5 * fall / log_rho))
-                if level > 0:
+                if level > 0 and view.floor.kind != STRIPES:
                     n = max(2, math.ceil((fall - 0.693 * level) / log_rho))
                 quarter = n > MAX_BLOCK_ORDER
                 if not quarter:
@@ -321,7 +259,7 @@ def grid_once(
             top = push_quarters(x, y, side, level, blocks, top)
             continue
         error += miss
-        sign = block_sign(x - low_x, y - low_y, side, cell)
+        sign = block_sign(x - low_x, y - low_y, side, view.floor)
         for t in range(9):
             out[t] += sign * part[t]
     return error
@@ -338,7 +276,8 @@ def split_grid(
     """
     chart = work.chart
     cell = view.floor.cell
-    count = floor_conics(own, lobe, view, work, conics)
+    jumps = floor_conics(own, lobe, view, work, conics)
+    count = touch_conics(jumps, view, work, conics)
     if count > conics.shape[0]:
         return math.inf
     whole, reach, far, east, north, beyond = grid_reach(FIRST_REACH, lobe, view, work)
@@ -361,7 +300,7 @@ def split_grid(
             change = taper_change(out)
             tail = tail_of_squares(
                 remainders,
-                remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders),
+                remainders_of(tol, reach, lobe, view, work, conics, jumps, states, places, remainders),
                 abs(tangent(px)) + abs(tangent(py)),
             )
         out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > max_evaluations
@@ -382,7 +321,7 @@ def split_grid(
         else:
             break
     # the sign of the lowest square of all
-    sign = 1.0 if (ci + cj) % 2 == 0 else -1.0
+    sign = 1.0 if (ci + (0 if view.floor.kind == STRIPES else cj)) % 2 == 0 else -1.0
     for t in range(3):
         value[t] += sign * best[t]
     return found + held(beyond)

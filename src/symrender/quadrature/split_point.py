@@ -59,14 +59,7 @@ from symrender.quadrature.split_setup import (
     sphere_strips,
     stand_in_frame,
 )
-from symrender.scene.arrays import (
-    BRDF_NORMALISED,
-    CHECKER,
-    FIRST_SPHERE,
-    FLOOR,
-    SceneArrays,
-    lobes_of,
-)
+from symrender.scene.arrays import BRDF_NORMALISED, FIRST_SPHERE, FLOOR, SOLID, SceneArrays, lobes_of
 from symrender.scene.frames import frames
 from symrender.scene.radiometric.records import Glow
 from symrender.scene.radiometric.records import Light as Beam
@@ -220,7 +213,7 @@ def gloss_kernel(
             )  # fmt: skip
             total += e
             bad += b
-            if not front or framed.floor.kind != CHECKER:
+            if not front or framed.floor.kind == SOLID:
                 continue
             contrast = 0.0
             for a in range(3):
@@ -282,8 +275,10 @@ class SplitWork:
     grid_stack: Array
 
 
-def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
-    """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_rows``)."""
+def split_work(arrays: SceneArrays, points: Table[LightPoint], glowing: bool = False) -> SplitWork:
+    """Scratch for ``gloss_points`` on a scene whose lights are ``points`` (see ``light_rows``), with glows or not."""
+    balls, planes = len(arrays.spheres), len(arrays.planes)
+    touching = balls * (balls - 1) + 2 * balls * planes if glowing else 0
     return SplitWork(
         work=work_arrays(len(arrays.spheres), len(points)),
         gauss=gauss_table(),
@@ -292,7 +287,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),
         events=table(Event, 2048),
         scratch=np.zeros(65),
-        conics=table(Conic, 3 + len(arrays.planes) + (2 + len(points)) * len(arrays.spheres) + 2 * len(points)),
+        conics=table(Conic, 3 + planes + (2 + len(points)) * balls + 2 * len(points) + touching),
         remainders=table(Remainder, MOST_REMAINDERS),
         states=np.zeros(max(1, len(points))),
         grid_stack=np.zeros((256, 256)),
@@ -383,7 +378,7 @@ def gloss_points(
     view = scene_view(arrays, lights, conductors, senders, emitted, cones, glows)
     lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
-    s = scratch or split_work(arrays, lights)
+    s = scratch or split_work(arrays, lights, glows is not None)
     n = len(points)
     scales = np.array([lobe_scale(arrays, exponent, theta_max) for exponent, theta_max in lobes.tolist()])[surface]
     largest = max(float(scales.max(initial=0.0)), 1e-300)

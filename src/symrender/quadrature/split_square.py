@@ -18,6 +18,7 @@ from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, nodes
+from symrender.quadrature.glow_nodes import add_glows
 from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.node_rows import whole_vectors
 from symrender.quadrature.records import Conic
@@ -90,6 +91,7 @@ def floor_nodes(
     lean_square(m, lobe, chart, b, view.conductors)
     densities(m, FALLS[step], b, chart.lobe, view.conductors)
     light_nodes(pieces, step, 0.0, view, work, gauss)
+    add_glows(pieces, view, work, view.glows)
     for i in range(m):
         b.near[i] = b.between[i] = 1.0
     if reach < math.inf:
@@ -173,7 +175,7 @@ def row_pieces(
                     p -= 1
                 ends[p], ids[p] = x, BRANCHES * i + j
                 n += 1
-    ends[n] = x1
+    ends[n], ids[n] = x1, -1
     signature = n
     for i in range(1, n):
         signature = (signature * 1000003) ^ ids[i]
@@ -334,6 +336,14 @@ def lines_error(
 
 
 @inlined
+def begins_softly(end: int, crossing: Array, conics: Table[Conic], work: Work) -> bool:
+    """Whether an end of pieces on the row at hand is one at which light begins like a power of the distance."""
+    name = int(work.root_id[end])
+    owner = name // BRANCHES
+    return bool(name >= 0 and conics[int(crossing[owner])].soft < 0)
+
+
+@inlined
 def strip_integral(
     x0: float, x1: float, a: float, b: float, kind_a: float, kind_b: float, n: int, more: int, signature: int,
     crossing: Array, crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work,
@@ -367,7 +377,9 @@ def strip_integral(
                     lit[piece, i] = int(states[i])
             if side[piece] == HIDDEN or width < 1e-14:
                 continue
-            soft = False
+            soft = view.glows is not None and (
+                begins_softly(piece, crossing, conics, work) or begins_softly(piece + 1, crossing, conics, work)
+            )
             for i in range(states.shape[0]):
                 soft = soft or lit[piece, i] >= PARTLY
             x = span / width

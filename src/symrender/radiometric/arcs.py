@@ -14,10 +14,11 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from symrender.chambers.caps import Arc, Crossing
+from symrender.jit import moving
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import held
 from symrender.jit.records import Table, table
 from symrender.leaves import radiometric as leaves
+from symrender.limits import MAX_TERMS
 from symrender.radiometric.vectors import Array, Vector, cross, dot, vector
 
 TURN: Final = 2.0 * math.pi
@@ -34,7 +35,8 @@ class Room(NamedTuple):
     of them so far, those of a cone one after another from its ``begin`` to its ``stop``; a listed polygon all of whose
     edges are inner ones has none before an arc comes near it. ``crossings`` are those of one arc, ``caps`` how many
     caps each cone has and ``within`` how many of them the arc is in; they hold for the cones in ``touched``. ``nodes``
-    says of the bounds whether they hold a listed piece.
+    says of the bounds whether they hold a listed piece. ``heights`` holds those of a bump and their gradients, a row a
+    term.
     """
 
     arcs: Table[Arc]
@@ -48,12 +50,13 @@ class Room(NamedTuple):
     within: Array
     touched: Array
     nodes: Array
+    heights: Array
 
 
 def make_room(cones: int, arcs: int, nodes: int) -> Room:
     """Room for so many cones, arcs and bounds."""
-    lengths = (*[cones] * 8, nodes + 1)
-    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *map(np.zeros, lengths))
+    shapes: list[int | tuple[int, int]] = [*[cones] * 8, nodes + 1, (MAX_TERMS, 4)]
+    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *map(np.zeros, shapes))
 
 
 @jitable
@@ -218,7 +221,7 @@ def stretch(c: Arc, o: Arc, first: bool) -> tuple[float, float]:
     root = math.sqrt(cut)
     if cut < TOUCHING:
         # what is seen grows with the power 3/2 beyond a touch, and the ends of both arcs move alike
-        root = held(root)
+        root = moving.held(root)
     half = math.atan2(root, -middle)
     return math.atan2(along, across) - half, 2.0 * half
 

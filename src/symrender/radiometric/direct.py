@@ -5,6 +5,7 @@ from __future__ import annotations
 from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.arcs import Room
+from symrender.radiometric.bumps import counted, shading_normal
 from symrender.radiometric.reflection import reflectance, reflected
 from symrender.radiometric.sight import hidden_direction, hidden_point, nearest
 from symrender.radiometric.sky import area_irradiance, sky_irradiance
@@ -40,12 +41,15 @@ def is_hidden(world: World, own: int, front: bool, place: Vector, light: Light, 
 
 @jitable
 def extended_irradiance(
-    world: World, light: Light, own: int, front: bool, place: Vector, normal: Vector, room: Room
+    world: World, light: Light, own: int, front: bool, place: Vector, normal: Vector, turned: Vector, room: Room
 ) -> float:  # fmt: skip
-    """Irradiance of a place of piece ``own`` by a sky or a shape that emits, of radiance 1."""
+    """Irradiance of a place of piece ``own`` by a sky or a shape that emits, of radiance 1.
+
+    Light counts from above the horizons of both normals, by the cosine of the one the material says.
+    """
     if light.kind == AREA:
-        return area_irradiance(world, own, front, int(light.emitter), place, normal, room)
-    return sky_irradiance(world, own, front, place, normal, room)
+        return area_irradiance(world, own, front, int(light.emitter), place, normal, turned, room)
+    return sky_irradiance(world, own, front, place, normal, turned, room)
 
 
 @jitable
@@ -58,7 +62,8 @@ def direct_irradiance(world: World, own: int, front: bool, place: Vector, normal
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
         if light.kind == SKY or light.kind == AREA:
-            share, e = extended_irradiance(world, light, own, front, place, normal, room), vector(light.emitted)
+            share = extended_irradiance(world, light, own, front, place, normal, normal, room)
+            e = vector(light.emitted)
         else:
             toward, e = arriving(light, place)
             share = dot(normal, toward)
@@ -72,11 +77,22 @@ def direct_irradiance(world: World, own: int, front: bool, place: Vector, normal
 def direct_light(
     world: World, own: int, front: bool, place: Vector, normal: Vector, view: Vector, room: Room
 ) -> Vector:  # fmt: skip
-    """Direct light leaving a place of piece ``own`` towards ``view``, but what is glossy leaves of sky and lamps."""
+    """Direct light leaving a place of piece ``own`` towards ``view``, but what is glossy leaves of sky and lamps.
+
+    Under a bump nothing leaves below the turned horizon, and nothing arrives from below either.
+    """
     material = world.materials[int(world.pieces[own].material)]
     total = (0.0, 0.0, 0.0)
     if not front and material.two_sided == 0.0:
         return total
+    turned = shading_normal(world, own, front, place, normal, room)
+    if material.terms != 0.0:
+        square = dot(turned, turned)
+        if not square > 0.0:
+            # so steep that its normal is no number, and no value nor a slope of it either
+            return (square / square, square / square, square / square)
+        if dot(turned, view) <= 0.0:
+            return total
     albedo = reflectance(world, own, place)
     for i in range(world.lights.shape[0]):
         light = world.lights[i]
@@ -85,11 +101,18 @@ def direct_light(
                 # a lobe's integral, which is none of this kernel's
                 continue
             e = vector(light.emitted)
-            share = leaves.diffuse_reflection(extended_irradiance(world, light, own, front, place, normal, room))
+            share = leaves.diffuse_reflection(
+                extended_irradiance(world, light, own, front, place, normal, turned, room)
+            )
             term = (albedo[0] * share, albedo[1] * share, albedo[2] * share)
         else:
             toward, e = arriving(light, place)
-            term = reflected(material, albedo, normal, view, toward)
+            term = reflected(material, albedo, turned, view, toward)
+            if material.terms != 0.0:
+                if dot(normal, toward) <= 0.0 or dot(turned, toward) <= 0.0:
+                    continue
+                by = counted(material, normal, turned, toward)
+                term = (by * term[0], by * term[1], by * term[2])
             if max(term[0], term[1], term[2]) == 0.0 or is_hidden(world, own, front, place, light, toward):
                 continue
         total = (total[0] + term[0] * e[0], total[1] + term[1] * e[1], total[2] + term[2] * e[2])

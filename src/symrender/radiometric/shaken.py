@@ -15,7 +15,7 @@ import numpy as np
 
 from symrender.jit.records import copied, flat, record
 from symrender.radiometric.vectors import Array
-from symrender.scene.radiometric.arrays import MESH, RadiometricArrays, laid_out
+from symrender.scene.radiometric.arrays import MESH, NUMBER, RadiometricArrays, laid_out
 from symrender.scene.records import Camera
 
 SHAKE: Final = 2.0**-46
@@ -84,6 +84,12 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
             v[:] = v * moved(np.ones(3), 1.0)
         for name in ("cell", "alpha", "exponent"):
             setattr(material, name, scaled(getattr(material, name)))
+        material.amplitude = scaled(material.amplitude)
+    terms = copied(arrays.terms)
+    for term in terms:
+        # a power is whole
+        term.number = scaled(term.number) if term.kind == NUMBER else term.number
+        term.center[:] = moved(term.center, float(np.abs(term.center).max()))
     for shape in shapes:
         shape.place[:] = moved(shape.place, size)
         shape.radius = scaled(shape.radius)
@@ -111,5 +117,5 @@ def _moved(arrays: RadiometricArrays, number: int, amount: float) -> Radiometric
     still = arrays.exposure
     exposure = replace(still, aperture=scaled(still.aperture), focus=scaled(still.focus))
     return laid_out(
-        materials, shapes, facets, lights, directions, camera, arrays.bounces, exposure, arrays.first_gloss
+        materials, terms, shapes, facets, lights, directions, camera, arrays.bounces, exposure, arrays.first_gloss
     )  # fmt: skip

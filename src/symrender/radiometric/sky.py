@@ -34,7 +34,8 @@ def sky_room(world: World) -> Room:
     """Room for what a place sees of a light."""
     polygons = sum(1 for piece in world.pieces if piece.kind == POLYGON)
     count = len(world.pieces) + 1
-    return make_room(count, 2 * count + CORNERS * (polygons + 1), len(world.bounds))
+    # a sphere that emits has its own circle and two horizons
+    return make_room(count, 2 * count + CORNERS * (polygons + 1) + 2, len(world.bounds))
 
 
 @jitable
@@ -125,13 +126,23 @@ def put_piece(world: World, j: int, place: Vector, room: Room, count: int) -> in
     return put_polygon(room, count, 1 + j, piece, place)
 
 
+@inlined
+def is_bumped(world: World, own: int) -> bool:
+    """Whether a piece's material turns its normals."""
+    return world.materials[int(world.pieces[own].material)].terms != 0.0
+
+
 @jitable
-def gather_sky(world: World, own: int, front: bool, place: Vector, normal: Vector, room: Room) -> int:
+def gather_sky(
+    world: World, own: int, front: bool, place: Vector, normal: Vector, turned: Vector, room: Room
+) -> int:  # fmt: skip
     """List the sky and what hides it from a place of piece ``own``; returns how many arcs.
 
     The count is negative where all of the sky is hidden.
     """
     count, listed, none = put_circle(room, 0, 0, normal, 0.0, 1.0), 0, (0.0, 0.0, 0.0)
+    if is_bumped(world, own):
+        count = put_circle(room, count, 0, turned, 0.0, 1.0)
     begin_listing(room, count)
     node = next_over(world.pieces, world.bounds, 0, place, normal, none, -1.0, 0.0, math.inf, none)
     while node < world.bounds.shape[0]:
@@ -265,7 +276,7 @@ def cone_of(piece: Piece, place: Vector) -> tuple[Vector, float, float]:
 
 @jitable
 def gather_polygon(
-    world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, room: Room
+    world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, turned: Vector, room: Room
 ) -> int:  # fmt: skip
     """List the polygon or disk ``lamp`` and what hides it, as ``gather_sky`` lists the sky.
 
@@ -281,6 +292,12 @@ def gather_polygon(
     count, listed = put_polygon(room, 0, 0, light, place), 0
     if below:
         count = put_circle(room, count, 0, normal, 0.0, 1.0)
+    if is_bumped(world, own):
+        above, below = sides(light, place, minus_of(turned), 0.0)
+        if not above:
+            return _HIDDEN
+        if below:
+            count = put_circle(room, count, 0, turned, 0.0, 1.0)
     begin_listing(room, count)
     axis, cosine, sine = cone_of(light, place)
     node = next_over(world.pieces, world.bounds, 0, place, normal, axis, cosine, sine, far, direction)
@@ -305,7 +322,7 @@ def gather_polygon(
 
 @jitable
 def gather_sphere(
-    world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, room: Room
+    world: World, own: int, front: bool, lamp: int, place: Vector, normal: Vector, turned: Vector, room: Room
 ) -> int:  # fmt: skip
     """List sphere ``lamp`` and what hides it, as ``gather_sky`` lists the sky.
 
@@ -322,6 +339,8 @@ def gather_sphere(
     far = leaves.polar_distance(dot(offset, offset), light.radius)
     count, listed = put_circle(room, 0, 0, normal, 0.0, 1.0), 0
     count = put_circle(room, count, 0, direction, cosine, sine)
+    if is_bumped(world, own):
+        count = put_circle(room, count, 0, turned, 0.0, 1.0)
     begin_listing(room, count)
     node = next_over(world.pieces, world.bounds, 0, place, normal, direction, cosine, sine, far, direction)
     while node < world.bounds.shape[0]:
@@ -348,26 +367,34 @@ def gather_sphere(
     return put_all(world, listed, place, far, direction, True, room, count)
 
 
+@inlined
+def counting(world: World, own: int, normal: Vector, turned: Vector) -> Vector:
+    """The normal by whose cosine light counts that arrives at a piece."""
+    return normal if world.materials[int(world.pieces[own].material)].geometric != 0.0 else turned
+
+
 @jitable
-def sky_irradiance(world: World, own: int, front: bool, place: Vector, normal: Vector, room: Room) -> float:
+def sky_irradiance(
+    world: World, own: int, front: bool, place: Vector, normal: Vector, turned: Vector, room: Room
+) -> float:  # fmt: skip
     """Irradiance of a place by a sky of radiance 1, pi where nothing hides it."""
-    count = gather_sky(world, own, front, place, normal, room)
-    return open_irradiance(world, room, place, count, normal)
+    count = gather_sky(world, own, front, place, normal, turned, room)
+    return open_irradiance(world, room, place, count, counting(world, own, normal, turned))
 
 
 @jitable
 def area_irradiance(
-    world: World, own: int, front: bool, emitter: int, place: Vector, normal: Vector, room: Room
+    world: World, own: int, front: bool, emitter: int, place: Vector, normal: Vector, turned: Vector, room: Room
 ) -> float:  # fmt: skip
     """Irradiance of a place by shape ``emitter``, of radiance 1."""
-    total = 0.0
+    total, upward = 0.0, counting(world, own, normal, turned)
     for lamp in range(world.pieces.shape[0]):
         light = world.pieces[lamp]
         if int(light.owner) != emitter:
             continue
         if light.kind == SPHERE:
-            count = gather_sphere(world, own, front, lamp, place, normal, room)
+            count = gather_sphere(world, own, front, lamp, place, normal, turned, room)
         else:
-            count = gather_polygon(world, own, front, lamp, place, normal, room)
-        total += open_irradiance(world, room, place, count, normal)
+            count = gather_polygon(world, own, front, lamp, place, normal, turned, room)
+        total += open_irradiance(world, room, place, count, upward)
     return total

@@ -23,7 +23,7 @@ from symrender.scene.arrays import PLANE
 from symrender.scene.frames import frame_moves, turned
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import DIRECTIONAL, DISK, SPOT, RadiometricArrays, plane_record
-from symrender.scene.radiometric.records import Facet, Light, Material, Shape
+from symrender.scene.radiometric.records import Facet, Light, Material, Shape, Term
 from symrender.scene.records import Camera, Frame, Plane
 
 
@@ -41,11 +41,13 @@ def pushed_module() -> ModuleType:
 def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
     """How the records of a scene move with the parameter of ``move``: records of the same kinds."""
     materials, shapes = table(Material, len(arrays.materials)), table(Shape, len(arrays.shapes))
+    terms = table(Term, len(arrays.terms))
     lights, directions = table(Light, len(arrays.lights)), np.zeros_like(arrays.directions)
     camera = record(Camera)
     facets = table(Facet, len(arrays.facets))
     parts = {
         "materials": flat(materials),
+        "terms": flat(terms),
         "shapes": flat(shapes),
         "facets": flat(facets),
         "lights": flat(lights),
@@ -65,7 +67,7 @@ def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
         if light.kind == SPOT:
             lights[i].axis[:] = turned(arrays.directions[i], directions[i])
     return RadiometricArrays(
-        materials, shapes, facets, places, lights, directions, camera, arrays.bounces, arrays.exposure
+        materials, terms, shapes, facets, places, lights, directions, camera, arrays.bounces, arrays.exposure
     )  # fmt: skip
 
 
@@ -81,7 +83,7 @@ def world_moves(arrays: RadiometricArrays, moves: RadiometricArrays) -> World:
     laid, moved = (table(Piece, piece_count(arrays.shapes)) for _ in range(2))
     _pieces_kernel()(arrays.shapes, arrays.facets, arrays.frames, laid, moves.shapes, moves.facets, moves.frames, moved)
     # where bounds lie has no part in a value: they stand still
-    return World(moves.materials, moved, moves.lights, table(Bound, len(laid_bounds(laid))))
+    return World(moves.materials, moves.terms, moved, moves.lights, table(Bound, len(laid_bounds(laid))))
 
 
 @lru_cache(maxsize=1)

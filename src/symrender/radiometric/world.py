@@ -14,7 +14,7 @@ from symrender.radiometric.bounds import Bound, laid_bounds
 from symrender.radiometric.pieces import Piece, laid_pieces
 from symrender.radiometric.vectors import Array
 from symrender.scene.radiometric.arrays import RadiometricArrays
-from symrender.scene.radiometric.records import Light, Material
+from symrender.scene.radiometric.records import Light, Material, Term
 from symrender.scene.records import Camera
 
 
@@ -22,6 +22,7 @@ class World(NamedTuple):
     """The records of a scene, its shapes as what they are made of, and the hierarchy of bounds over these."""
 
     materials: Table[Material]
+    terms: Table[Term]
     pieces: Table[Piece]
     lights: Table[Light]
     bounds: Table[Bound]
@@ -30,7 +31,8 @@ class World(NamedTuple):
 def make_world(arrays: RadiometricArrays, like: World | None = None) -> World:
     """World of a scene; its bounds are those of the same scene before it was shaken, if that is given as ``like``."""
     pieces = laid_pieces(arrays)
-    return World(arrays.materials, pieces, arrays.lights, like.bounds if like else laid_bounds(pieces))
+    bounds = like.bounds if like else laid_bounds(pieces)
+    return World(arrays.materials, arrays.terms, pieces, arrays.lights, bounds)
 
 
 def make_worlds(scenes: Sequence[RadiometricArrays]) -> list[World]:

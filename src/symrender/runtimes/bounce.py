@@ -200,7 +200,7 @@ class Bouncer:
         total, missed = np.zeros((len(some), 3)), np.zeros(len(some))
         for part in bounce.parts:
             if self._scratch is None:
-                self._scratch = split_work(part, light_rows(part, RULE))
+                self._scratch = split_work(part, light_rows(part, RULE), bounce.glows is not None)
             surface = np.full(len(some), bounce.classes[own])
             share = SHARE * tol / (most * len(bounce.parts))
             sky = part.shading.background
@@ -249,8 +249,11 @@ def conductor_rows(senders: Table[Sender] | None) -> Table[Conductor] | None:
 
 
 def sender_rows(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | None:
-    """How the shapes of ``bounce`` send light on; None if all are diffuse."""
-    rows = table(Sender, len(bounce.shapes))
+    """How the shapes of ``bounce`` send light on; None if all are diffuse.
+
+    Where gloss reflects at the first hit alone, glossy ones are told as black diffuse ones, which keep their lobes.
+    """
+    rows, glossy = table(Sender, len(bounce.shapes)), False
     for row, j in zip(rows, bounce.shapes, strict=True):
         material = arrays.materials[int(arrays.shapes[j].material)]
         row.kind = LAMBERT
@@ -263,7 +266,10 @@ def sender_rows(arrays: RadiometricArrays, bounce: Bounce) -> Table[Sender] | No
             rough.eta[:], rough.k[:] = material.eta, material.k
             rough.beckmann = 1.0 if material.density == BECKMANN else 0.0
             rough.walter = material.walter
-    return rows if (rows["kind"] != LAMBERT).any() else None
+        glossy = glossy or row.kind != LAMBERT
+        if arrays.first_gloss:
+            row.kind = LAMBERT
+    return rows if glossy else None
 
 
 def sharpness(material: Material, cosine: Array) -> Array:

@@ -130,8 +130,9 @@ def shifted(arrays: RadiometricArrays, moves: RadiometricArrays, by: float) -> R
     materials = _ahead(arrays.materials, moves.materials, by)
     flat(materials)[:, column(Material, "cell")] = arrays.materials["cell"]
     return RadiometricArrays(
-        materials, _ahead(arrays.shapes, moves.shapes, by), arrays.facets, _ahead(arrays.frames, moves.frames, by),
-        _ahead(arrays.lights, moves.lights, by), arrays.directions, arrays.camera, arrays.bounces, arrays.exposure,
+        materials, arrays.terms, _ahead(arrays.shapes, moves.shapes, by), arrays.facets,
+        _ahead(arrays.frames, moves.frames, by), _ahead(arrays.lights, moves.lights, by), arrays.directions,
+        arrays.camera, arrays.bounces, arrays.exposure, arrays.first_gloss,
     )  # fmt: skip
 
 

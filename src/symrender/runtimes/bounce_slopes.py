@@ -193,7 +193,7 @@ class SlopeBouncer(Bouncer):
         sums = _Sums.of(len(some))
         for part in bounce.parts:
             if self._work is None:
-                self._work = moving_work(part.part, part.lights)
+                self._work = moving_work(part.part, part.lights, part.view.glows is not None)
             surface = np.full(len(some), bounce.still.classes[own])
             scale = part.scales[surface]
             share = within / (most * len(bounce.parts))

@@ -6,6 +6,9 @@ unit, and no other does. Its error is that of this value.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -28,7 +31,7 @@ def check_emission(arrays: RadiometricArrays, wrt: tuple[Move, ...]) -> None:
         moves = record_moves(arrays, move)
         sent = copied(moves.lights)
         sent["emitted"][:] = 0.0
-        others = (moves.materials, moves.shapes, moves.facets, moves.camera, sent)
+        others: tuple[Any, ...] = (moves.materials, moves.terms, moves.shapes, moves.facets, moves.camera, sent)
         if moves.directions.any() or any(flat(each).any() for each in others):
             raise Unsupported(
                 f"{move[0]}: of light that is integrated in a scene of flat shapes there are derivatives by what "
@@ -62,10 +65,7 @@ def alone(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
     """The scene in which lights send no more than what the parameter of ``move`` adds."""
     lights = copied(arrays.lights)
     lights["emitted"][:] = record_moves(arrays, move).lights["emitted"]
-    return RadiometricArrays(
-        arrays.materials, arrays.shapes, arrays.facets, arrays.frames, lights, arrays.directions, arrays.camera,
-        arrays.bounces, arrays.exposure, arrays.first_gloss,
-    )  # fmt: skip
+    return replace(arrays, lights=lights)
 
 
 def bouncer_of(

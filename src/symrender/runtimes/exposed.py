@@ -37,6 +37,7 @@ from symrender.runtimes.pixels import (
 )
 from symrender.scene.arrays import CHECKER, SOLID
 from symrender.scene.radiometric.arrays import AREA, POINT, SKY, SPHERE, SPOT, RadiometricArrays
+from symrender.scene.radiometric.bumped import refuse_means_of_bumps
 from symrender.settings import Settings
 
 _LOOKS: Final = ((0.2113248654051871, 0.3, 0.4, 0.7886751345948129), (0.7886751345948129, -0.5, -0.2, 0.29))
@@ -50,6 +51,7 @@ def is_exposed(arrays: RadiometricArrays) -> bool:
 
 def check_means(arrays: RadiometricArrays, settings: Settings) -> None:
     """Raise ``Unsupported`` where what is asked of filter, lens and shutter is not had."""
+    refuse_means_of_bumps(arrays, settings.filter, is_exposed(arrays))
     if is_exposed(arrays):
         _check_exposed(arrays, settings)
     elif settings.filter != "centre":
@@ -117,7 +119,7 @@ def moved_world(world: World, motion: Motion, t: float) -> World:
     for light, way in zip(lights, motion.lights, strict=True):
         if light.kind in (POINT, SPOT):
             light.place[:] += t * way
-    return World(world.materials, pieces, lights, loose_bounds(len(pieces)))
+    return World(world.materials, world.terms, pieces, lights, loose_bounds(len(pieces)))
 
 
 def lens_of(arrays: RadiometricArrays, view: Seen) -> Lens:
@@ -134,7 +136,7 @@ class _Scratch:
         still = view.world
         # its pieces move, and bounds of where they were would leave out what comes
         bounds = loose_bounds(len(still.pieces)) if arrays.exposure.moves else still.bounds
-        world = World(still.materials, copied(still.pieces), copied(still.lights), bounds)
+        world = World(still.materials, still.terms, copied(still.pieces), copied(still.lights), bounds)
         mean = mean_world(world)
         _, families = wall_tables(view)
         inner = DISK if settings.filter == "centre" else DOMAINS[settings.filter]

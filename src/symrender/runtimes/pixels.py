@@ -106,7 +106,7 @@ def mean_world(world: World) -> World:
     for piece in pieces:
         if piece.kind != SPHERE:
             piece.material += count
-    return World(materials, pieces, world.lights, world.bounds)
+    return World(materials, world.terms, pieces, world.lights, world.bounds)
 
 
 def delicate(arrays: RadiometricArrays) -> bool:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
-from symrender.quadrature.split_setup import CAPPED, MET
+from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric import tile
 from symrender.radiometric.crossed import buried, crossed
 from symrender.radiometric.shaken import doubt, shaken, shaken_rays
@@ -29,6 +29,7 @@ from symrender.runtimes.radiosity import Gatherer, table_of
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DISK, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal, shape_classes
+from symrender.scene.radiometric.bumped import refuse_bumps
 from symrender.scene.radiometric.due import refuse_bounces
 from symrender.scene.radiometric.flat import flat_refusal, is_flat, is_round
 from symrender.scene.undecided import one_but_for_roundings, one_surface
@@ -68,8 +69,11 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         for name, values in zip(("emitted", "direct", "hit_class"), found[0], strict=True):
             layers[name][here] = values
         closed = [emitted + direct for emitted, direct, _ in found]
-        layers["radiance"][here], layers["error"][here] = closed[0], doubt(closed[0], closed[1:])
-        layers["status"][here] = np.where(layers["error"][here] > settings.tol, CAPPED, MET)
+        error = doubt(closed[0], closed[1:])
+        lost = ~np.isfinite(error)
+        layers["direct"][here][lost], layers["error"][here] = 0.0, np.where(lost, np.inf, error)
+        layers["radiance"][here] = layers["emitted"][here] + layers["direct"][here]
+        layers["status"][here] = np.where(lost, UNSUPPORTED, np.where(error > settings.tol, CAPPED, MET))
         count = shape[0] * shape[1]
         if not integrated:
             return count
@@ -163,7 +167,10 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
         found.append(one)
     emitted, direct, hit_class = found[0]
     error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
-    indirect, status, evaluations = np.zeros((count, 3)), np.zeros(count, np.int64), np.ones(count, np.int64)
+    lost = ~np.isfinite(error)
+    direct[lost], error[lost] = 0.0, np.inf
+    indirect, evaluations = np.zeros((count, 3)), np.ones(count, np.int64)
+    status = np.where(lost, UNSUPPORTED, MET)
     for name in integrated_layers(arrays):
         bounced = _bouncer(arrays, name, tol).sent(sent, tol, budget)
         if name == "direct":
@@ -189,6 +196,7 @@ def lamps_on_gloss(arrays: RadiometricArrays) -> bool:
 def check(arrays: RadiometricArrays) -> None:
     """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of lights on what is glossy."""
     asked = arrays.bounces if arrays.bounces <= 1 else "all"
+    refuse_bumps(arrays)
     flat = is_flat(arrays)
     refuse_bounces(asked, flat_refusal(arrays) if flat else bounce_refusal(arrays), flat)
     pair = buried(arrays) if flat and arrays.bounces else None

@@ -18,14 +18,15 @@ def _canonical(value: Any) -> Any:
 
 
 def _said(value: Any) -> Any:
-    """``value`` without lens, motion and shutter where they are none."""
+    """``value`` without lens, motion, shutter and bumps where they are none."""
     if isinstance(value, tuple):
         return tuple(map(_said, value))
     if not isinstance(value, dict):
         return value
     sharp = value.get("aperture") == 0.0
     still = {name for name in ("velocity", "shutter") if name in value and not any(value[name])}
-    left = still | ({"aperture", "focus"} if sharp else set())
+    flat = {"bump"} if value.get("bump", 0) is None else set()
+    left = still | flat | ({"aperture", "focus"} if sharp else set())
     return {key: _said(entry) for key, entry in value.items() if key not in left}
 
 
@@ -33,7 +34,8 @@ def canonical(scene: Part) -> str:
     """``scene`` as text that depends on its values alone: keys sorted, defaults filled in, floats in hexadecimal.
 
     ``name`` and ``description`` are left out, for no image depends on them. -0.0 is 0.0. A scene without planes says
-    nothing of them, as before there were any, nor does one of what does not move, a lens without a width, no exposure.
+    nothing of them, as before there were any, nor does one of what does not move, a lens without a width, no exposure,
+    and one without a bump no bump.
     """
     data = _said(scene.model_dump(mode="python", exclude={"name", "description"}))
     if not data.get("planes"):

@@ -11,6 +11,7 @@ from pydantic_core import PydanticUndefined
 
 from symrender.limits import MIN_LENGTH
 from symrender.scene.fields import choices, entry, item, length, models, number_range, tag
+from symrender.scene.formula import is_formula
 from symrender.scene.radiometric.materials import Solid
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.scene import Scene
@@ -91,6 +92,8 @@ def _text(value: Any) -> str:
 
 
 def _accepts(info: FieldInfo) -> str:
+    if is_formula(info):
+        return "a formula"
     bounds = number_range(info)
     if bounds is not None:
         return _range(info)

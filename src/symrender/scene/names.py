@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 from symrender.errors import SceneError
 from symrender.scene.document import Path
 from symrender.scene.fields import entry, item, length, models, number_range, tag
+from symrender.scene.formula import NUMBER, is_formula
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.plain import plain
 from symrender.scene.printable import printable
@@ -67,6 +68,12 @@ def _step(
     root: type[Part], info: FieldInfo | None, value: Any, step: str | int
 ) -> tuple[str | int | None, FieldInfo | None, list[str]]:
     """One step down from ``value``: key or index (None if there is none), its field, the names there are."""
+    if info is not None and is_formula(info):
+        known = list(value) if isinstance(value, dict) else []
+        there = step < len(value) if isinstance(step, int) and isinstance(value, list | tuple) else step in known
+        if not there:
+            return None, None, known
+        return step, NUMBER if isinstance(value[step], int | float) else info, known
     if info is not None and isinstance(value, dict) and (held := entry(info)) is not None:
         return (step, held, list(value)) if step in value else (None, None, list(value))
     if isinstance(value, list | tuple):

@@ -10,6 +10,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from symrender.scene.fields import entry, item, number_range
+from symrender.scene.formula import NUMBER, is_formula, numbers_of
 from symrender.scene.names import letters, resolve
 from symrender.scene.values import Part
 
@@ -51,6 +52,9 @@ def _walk(prefix: str, info: FieldInfo | None, value: Any, description: str) -> 
         for key, field in type(value).model_fields.items():
             name = f"{prefix}.{key}" if prefix else key
             yield from _walk(name, field, getattr(value, key), field.description or "")
+    elif info is not None and is_formula(info):
+        for end, number in numbers_of(value):
+            yield from _walk(prefix + end, NUMBER, number, f"a number of it: {description}")
     elif info is not None and isinstance(value, dict):
         for name, part in value.items():
             yield from _walk(f"{prefix}.{name}", entry(info), part, description)

@@ -8,6 +8,7 @@ from pydantic.fields import FieldInfo
 
 from symrender.limits import MIN_LENGTH
 from symrender.scene.fields import NumberRange, choices, entry, item, length, models, number_range, tag
+from symrender.scene.formula import is_formula
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.printable import printable, shown
 from symrender.scene.values import Part
@@ -44,6 +45,8 @@ def _range_text(bounds: NumberRange, value: Any, name: str | int) -> str:
 
 def expected(info: FieldInfo, value: Any, name: str | int = "") -> str:
     """What field ``info``, called ``name``, accepts, given that ``value`` was read: ``must be > 0 and finite``."""
+    if is_formula(info):
+        return "must be a formula"
     bounds = number_range(info)
     if bounds is not None:
         return _range_text(bounds, value, name) if type(value) in (int, float) else "must be a number"

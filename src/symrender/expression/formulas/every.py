@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from symrender.expression.formulas import (
+    bumps,
     conductor_lobe,
     conics,
     disks,
@@ -30,7 +31,7 @@ LEAVES: Final = {
 
 RADIOMETRIC: Final = {
     leaf.name: leaf
-    for module in (microfacets, polygons, exchange, radiometry, pixel_walls, filters)
+    for module in (microfacets, polygons, exchange, radiometry, pixel_walls, filters, bumps)
     for leaf in module.LEAVES
 }
 """Leaf by name, of what radiometric scenes alone need."""

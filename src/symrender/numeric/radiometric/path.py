@@ -6,6 +6,7 @@ import math
 from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
+from symrender.numeric.radiometric.bumps import raised_normal
 from symrender.numeric.radiometric.emitters import chance_of, emitter_sample, shining
 from symrender.numeric.radiometric.flats import triple
 from symrender.numeric.radiometric.hits import Hit, albedo, first_hit, reaches
@@ -15,7 +16,7 @@ from symrender.numeric.random import Key, uniforms
 from symrender.numeric.samplers import IMPORTANCE, square_point
 from symrender.numeric.vectors import Vector, along, cross, dot, minus, unit
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, DIRECTIONAL, SKY, SPOT
-from symrender.scene.radiometric.records import Light
+from symrender.scene.radiometric.records import Light, Material
 
 ROULETTE: Final = 3
 """Reflections after which a path may end by chance."""
@@ -25,9 +26,13 @@ _DEGREE: Final = math.pi / 180.0
 
 
 class Surface(NamedTuple):
-    """A hit that reflects: its normal towards the ray, two directions across it, its albedo, the eye in its frame."""
+    """A hit that reflects: its normal towards the ray, two directions across it, its albedo, the eye in its frame.
+
+    ``normal`` is that by which it reflects, ``facing`` that of the shape, the same without a bump.
+    """
 
     hit: Hit
+    facing: Vector
     normal: Vector
     first: Vector
     second: Vector
@@ -46,10 +51,14 @@ def surface(world: World, hit: Hit, d: Vector) -> Surface:
     """What a ray of direction d finds at a hit."""
     o = hit.outward
     n = (-o[0], -o[1], -o[2]) if hit.behind else o
+    facing = n
+    if world.materials[int(world.shapes[hit.own].material)].terms != 0.0:
+        o = raised_normal(world, hit)
+        n = (-o[0], -o[1], -o[2]) if hit.behind else o
     first = unit(cross(n, (0.0, 0.0, 1.0) if abs(n[2]) < 0.7 else (1.0, 0.0, 0.0)))
     second = cross(n, first)
     wo = (-dot(d, first), -dot(d, second), -dot(d, n))
-    return Surface(hit, n, first, second, albedo(world, hit), wo)
+    return Surface(hit, facing, n, first, second, albedo(world, hit), wo)
 
 
 @inlined
@@ -75,6 +84,21 @@ def scaled(a: Vector, b: Vector, factor: float) -> Vector:
 def plus(a: Vector, b: Vector) -> Vector:
     """a + b"""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+@jitable
+def leaving(material: Material, at: Surface, w: Vector, wi: Vector) -> Vector:
+    """f cos_i of the direction w, which is wi in the frame of the surface.
+
+    Under a bump nothing arrives from below the shape's own horizon, and the cosine may be that of its own normal.
+    """
+    share = reflected(material, at.reflectance, at.wo, wi)
+    if material.terms == 0.0:
+        return share
+    own = dot(at.facing, w)
+    if own <= 0.0 or wi[2] <= 0.0:
+        return (0.0, 0.0, 0.0)
+    return scaled(share, (1.0, 1.0, 1.0), own / wi[2] if material.geometric != 0.0 else 1.0)
 
 
 @jitable
@@ -113,7 +137,7 @@ def from_points(world: World, at: Surface) -> Vector:
             toward, strength = unit(way), 1.0 / (limit * limit)
             if light.kind == SPOT:
                 strength *= in_beam(light, toward)
-        share = reflected(material, at.reflectance, at.wo, local(at, toward))
+        share = leaving(material, at, toward, local(at, toward))
         if max(share[0], share[1], share[2]) > 0.0 and reaches(world, at.hit, toward, limit):
             total = plus(total, scaled(share, triple(light.emitted), strength))
     return total
@@ -125,7 +149,7 @@ def from_sky(world: World, at: Surface, a: float, b: float) -> Vector:
     material = world.materials[int(world.shapes[at.hit.own].material)]
     r = math.sqrt(max(0.0, 1.0 - a * a))
     wi = (r * math.cos(2.0 * math.pi * b), r * math.sin(2.0 * math.pi * b), a)
-    share = reflected(material, at.reflectance, at.wo, wi)
+    share = leaving(material, at, outside(at, wi), wi)
     if max(share[0], share[1], share[2]) <= 0.0 or not reaches(world, at.hit, outside(at, wi), math.inf):
         return (0.0, 0.0, 0.0)
     # balance heuristic: 1/(own density + the other's)
@@ -146,7 +170,7 @@ def from_emitters(world: World, at: Surface, a: float, b: float) -> Vector:
         if not possible:
             continue
         wi = local(at, d)
-        share = reflected(material, at.reflectance, at.wo, wi)
+        share = leaving(material, at, d, wi)
         if max(share[0], share[1], share[2]) <= 0.0:
             continue
         hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, at.hit.behind)
@@ -187,10 +211,10 @@ def path(world: World, start: Surface, sampler: int, order: int, key: Key, index
             direct, indirect = (plus(direct, light), indirect) if depth == 0 else (direct, plus(indirect, light))
         a, b = square_point(sampler, key, index, order) if depth == 0 else uniforms(key, index, 3 * depth)
         wi = choose(material, at.wo, a, b)
-        share, chance = reflected(material, at.reflectance, at.wo, wi), density(material, at.wo, wi)
+        d = unit(outside(at, wi))
+        share, chance = leaving(material, at, d, wi), density(material, at.wo, wi)
         if max(share[0], share[1], share[2]) <= 0.0 or chance <= 0.0:
             break
-        d = unit(outside(at, wi))
         hit = first_hit(world, at.hit.place, d, at.hit.own, at.hit.face, at.hit.behind)
         spent += 1
         if hit.own < 0:

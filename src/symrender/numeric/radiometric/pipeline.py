@@ -13,7 +13,7 @@ from symrender.errors import OptionError
 from symrender.jit.compiled import compiled
 from symrender.numeric.radiometric import tile
 from symrender.numeric.radiometric.shot import make_shot
-from symrender.numeric.radiometric.world import make_world
+from symrender.numeric.radiometric.world import fresh_notes, make_world
 from symrender.numeric.rays import camera_frame
 from symrender.numeric.samplers import CODES
 from symrender.scene.arrays import Array
@@ -43,10 +43,11 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         if not hasattr(own, "shot"):
-            own.shot = make_shot(arrays, world, settings)
+            own.world = world._replace(notes=fresh_notes())
+            own.shot = make_shot(arrays, own.world, settings)
         names = ("emitted", "direct", "indirect", "hit_class")
         spent = kernel(
-            world, own.shot, frame, width, height, x0, y0, x1, y1, *chosen, *(layers[name] for name in names)
+            own.world, own.shot, frame, width, height, x0, y0, x1, y1, *chosen, *(layers[name] for name in names)
         )
         here = (slice(y0, y1), slice(x0, x1))
         layers["radiance"][here] = layers["emitted"][here] + layers["direct"][here] + layers["indirect"][here]

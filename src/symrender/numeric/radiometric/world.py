@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from symrender.jit.records import Table
+from symrender.limits import MAX_TERMS
 from symrender.numeric.radiometric.meshes import Face, Group, laid_meshes
+from symrender.scene.arrays import Array
 from symrender.scene.radiometric.arrays import AREA, SKY, RadiometricArrays
-from symrender.scene.radiometric.records import Light, Material, Shape
+from symrender.scene.radiometric.records import Light, Material, Shape, Term
 from symrender.scene.records import Frame
 
 
@@ -18,10 +22,13 @@ class World(NamedTuple):
 
     ``sky`` is the index of the sky among the lights, -1 if there is none; ``extended`` says whether a light is a sky or
     a sphere, which a direction may meet; ``bounces`` how many reflections follow the
-    direct light; with ``first_gloss`` what is not diffuse reflects at the first hit alone.
+    direct light; with ``first_gloss`` what is not diffuse reflects at the first hit alone. ``terms`` are those of the
+    heights of bumps, ``notes`` what a thread notes of them.
     """
 
     materials: Table[Material]
+    terms: Table[Term]
+    notes: Array
     shapes: Table[Shape]
     frames: Table[Frame]
     faces: Table[Face]
@@ -33,6 +40,11 @@ class World(NamedTuple):
     first_gloss: bool
 
 
+def fresh_notes() -> Array:
+    """Room for what a thread notes of a height: of every term its value, and its share of the height."""
+    return np.zeros((MAX_TERMS, 2))
+
+
 def make_world(arrays: RadiometricArrays) -> World:
     """World of a scene."""
     skies = [index for index, light in enumerate(arrays.lights) if light.kind == SKY]
@@ -40,6 +52,6 @@ def make_world(arrays: RadiometricArrays) -> World:
     sky = skies[0] if skies else -1
     meshes = laid_meshes(arrays)
     return World(
-        arrays.materials, arrays.shapes, arrays.frames, *meshes, arrays.lights, sky, extended, arrays.bounces,
-        arrays.first_gloss,
+        arrays.materials, arrays.terms, fresh_notes(), arrays.shapes, arrays.frames, *meshes, arrays.lights, sky,
+        extended, arrays.bounces, arrays.first_gloss,
     )  # fmt: skip

@@ -10,12 +10,13 @@ import numpy.typing as npt
 
 from symrender.jit.records import Table, copied, flat, record, table
 from symrender.scene.arrays import CHECKER, LOOK_AT, MARBLE, PLANE, SOLID, STRIPES
+from symrender.scene.formula import Step, steps_of
 from symrender.scene.frames import frames
 from symrender.scene.radiometric import lights, shapes
 from symrender.scene.radiometric.exposure import Exposure, exposure_of
 from symrender.scene.radiometric.materials import Checker, Conductor, Diffuse, Marble, Phong, Reflectance, Solid
 from symrender.scene.radiometric.materials import Material as MaterialPart
-from symrender.scene.radiometric.records import Facet, Light, Material, Shape
+from symrender.scene.radiometric.records import Facet, Light, Material, Shape, Term
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Shape as ShapePart
 from symrender.scene.records import Camera, Frame
@@ -47,6 +48,22 @@ SKY: Final = 2
 AREA: Final = 3
 SPOT: Final = 4
 
+# kinds of a term of a height field
+NUMBER: Final = 0
+ALONG_X: Final = 1
+ALONG_Y: Final = 2
+ALONG_Z: Final = 3
+SUM: Final = 4
+DIFFERENCE: Final = 5
+PRODUCT: Final = 6
+SINE: Final = 7
+COSINE: Final = 8
+EXPONENTIAL: Final = 9
+POWER: Final = 10
+DISTANCE: Final = 11
+_STEPS: Final = ("number", "x", "y", "z", "add", "sub", "mul", "sin", "cos", "exp", "pow", "distance")
+"""What a scene calls them, in the order of their kinds."""
+
 FIRST_SHAPE: Final = 1
 """Shape j of the scene has hit class ``FIRST_SHAPE + j``; 0 is nothing."""
 
@@ -59,11 +76,13 @@ class RadiometricArrays:
     """The numbers of a scene as records, in the order of its lists; ``frames`` say where planes and disks lie.
 
     ``directions`` (lights, 3) are those of directional lights and spots, of any length: ``place`` of the first and
-    ``axis`` of the others is its unit vector. ``facets`` are those of all meshes. Places are those of the time at which
-    the shutter opens; ``exposure`` is what an image is the mean over beside its pixels.
+    ``axis`` of the others is its unit vector. ``facets`` are those of all meshes, ``terms`` those of the heights of all
+    bumps. Places are those of the time at which the shutter opens; ``exposure`` is what an image is the mean over
+    beside its pixels.
     """
 
     materials: Table[Material]
+    terms: Table[Term]
     shapes: Table[Shape]
     facets: Table[Facet]
     frames: Table[Frame]
@@ -80,8 +99,10 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     """Lay ``scene`` out as records."""
     materials = table(Material, len(scene.materials))
     names = {name: index for index, name in enumerate(scene.materials)}
+    steps: list[Step] = []
     for index, material in enumerate(scene.materials.values()):
         _lay_material(material, materials[index])
+        _lay_bump(material, materials[index], steps)
     rows = table(Shape, len(scene.shapes))
     for j, shape in enumerate(scene.shapes):
         row = rows[j]
@@ -116,7 +137,9 @@ def radiometric_arrays(scene: RadiometricScene) -> RadiometricArrays:
     camera.eye[:], camera.target[:], camera.up[:] = scene.camera.eye, scene.camera.target, scene.camera.up
     bounces, exposure = ALL if scene.bounces == "all" else scene.bounces, exposure_of(scene)
     _carry(rows, lit, camera, exposure)
-    return laid_out(materials, rows, facets, lit, directions, camera, bounces, exposure, scene.gloss == "first_hit")
+    return laid_out(
+        materials, _terms(steps), rows, facets, lit, directions, camera, bounces, exposure, scene.gloss == "first_hit"
+    )
 
 
 def _carry(shapes: Table[Shape], lights: Table[Light], camera: Camera, exposure: Exposure) -> None:
@@ -131,8 +154,8 @@ def _carry(shapes: Table[Shape], lights: Table[Light], camera: Camera, exposure:
 
 
 def laid_out(
-    materials: Table[Material], shapes: Table[Shape], facets: Table[Facet], lights: Table[Light], directions: Array,
-    camera: Camera, bounces: int, exposure: Exposure, first_gloss: bool,
+    materials: Table[Material], terms: Table[Term], shapes: Table[Shape], facets: Table[Facet], lights: Table[Light],
+    directions: Array, camera: Camera, bounces: int, exposure: Exposure, first_gloss: bool,
 ) -> RadiometricArrays:  # fmt: skip
     """The records of a scene, and what follows: frames of planes and disks, unit vectors of lights."""
     places, lit = table(Frame, len(shapes)), copied(lights)
@@ -145,7 +168,7 @@ def laid_out(
             unit = light.place if light.kind == DIRECTIONAL else light.axis
             unit[:] = direction / np.sqrt(direction @ direction)
     return RadiometricArrays(
-        materials, shapes, facets, places, lit, directions, camera, bounces, exposure, first_gloss
+        materials, terms, shapes, facets, places, lit, directions, camera, bounces, exposure, first_gloss
     )  # fmt: skip
 
 
@@ -210,6 +233,25 @@ def _lay_material(material: MaterialPart, row: Material) -> None:
             row.walter = material.g1 == "walter"
         case Phong():
             row.kind, row.exponent = PHONG, material.exponent
+
+
+def _lay_bump(material: MaterialPart, row: Material, steps: list[Step]) -> None:
+    """Write what turns the normals of a material, its steps behind those of others."""
+    bump = material.bump
+    if bump is None:
+        return
+    own = steps_of(bump.height)
+    row.amplitude, row.begin, row.terms = bump.amplitude, len(steps), len(own)
+    row.own, row.geometric = bump.coordinates == "own", bump.normals == "geometric"
+    steps += own
+
+
+def _terms(steps: list[Step]) -> Table[Term]:
+    rows = table(Term, len(steps))
+    for row, step in zip(rows, steps, strict=True):
+        row.kind, row.number, row.first, row.second = _STEPS.index(step.kind), step.number, step.first, step.second
+        row.center[:] = step.center
+    return rows
 
 
 def _lay_reflectance(reflectance: Reflectance, row: Material) -> None:

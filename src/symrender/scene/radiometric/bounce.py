@@ -22,7 +22,7 @@ import numpy.typing as npt
 from symrender.jit.records import Table, chosen, record, table
 from symrender.limits import MAX_PLANES
 from symrender.scene import arrays as series
-from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, STRIPES, SceneArrays
+from symrender.scene.arrays import BRDF_NORMALISED, CHECKER, LOBE_AVERAGE, MARBLE, PLANE, SOLID, SceneArrays
 from symrender.scene.radiometric.arrays import (
     AREA,
     CONDUCTOR,
@@ -76,20 +76,20 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
     extended = {SKY: "a sky", AREA: "an area light"}
     words = [extended[int(light.kind)] for light in arrays.lights if light.kind in extended]
-    if words and any(material.kind != DIFFUSE for material in used):
-        return f"{words[0]} beside a conductor or a phong material"
-    if words and any(
-        material.texture != SOLID for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind == PLANE
-    ):
-        return f"{words[0]} over a texture of a plane"
+    if words and any(material.kind != DIFFUSE for material in used) and not arrays.first_gloss:
+        return (
+            f"{words[0]} beside a conductor or a phong material that reflects after the first hit too "
+            "(gloss: first_hit is)"
+        )
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
         return "a rectangle, a triangle, a disk, a box or a mesh"
-    planes = [material for shape, material in zip(arrays.shapes, used, strict=True) if shape.kind != SPHERE]
-    if any(material.texture in (STRIPES, MARBLE) for material in planes):
-        return "stripes or marble on a plane"
-    if any(material.texture == CHECKER and material.kind != DIFFUSE for material in planes):
-        return "a checker on a plane of a conductor or a phong material"
-    if len(planes) > MAX_PLANES:
+    flat = [j for j, shape in enumerate(arrays.shapes) if shape.kind != SPHERE]
+    planes = [_material(arrays, j) for j in flat if not _is_dark(arrays, j)]
+    if any(material.texture == MARBLE for material in planes):
+        return "marble on a plane"
+    if any(material.texture != SOLID and material.kind != DIFFUSE for material in planes):
+        return "a texture on a plane of a conductor or a phong material"
+    if len(flat) > MAX_PLANES:
         return f"more than {MAX_PLANES} planes"
     return ""
 
@@ -108,9 +108,13 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
         rows = table(Sphere, len(spheres))
         for row, j in zip(rows, spheres, strict=True):
             _lay_sphere(arrays.shapes[j], _material(arrays, j), difference, scale, row)
+            if _is_dark(arrays, j):
+                row.color[:], row.texture = 0.0, SOLID
         sides = table(Plane, len(planes))
         for side, j in zip(sides, planes, strict=True):
             _lay_plane(arrays, j, bool(turned[j]), 0.0 if difference else 1.0 / scale, side)
+            if _is_dark(arrays, j):
+                side.bright[:], side.dark[:], side.kind = 0.0, 0.0, SOLID
         shading = record(Shading)
         shading.kd = scale / math.pi
         shading.units = BRDF_NORMALISED if _material(arrays, own).kind == PHONG else LOBE_AVERAGE
@@ -162,10 +166,15 @@ def _material(arrays: RadiometricArrays, j: int) -> Material:
     return arrays.materials[int(arrays.shapes[j].material)]
 
 
+def _is_dark(arrays: RadiometricArrays, j: int) -> bool:
+    """Whether a shape sends nothing on: what is glossy, where gloss reflects at the first hit alone."""
+    return arrays.first_gloss and _material(arrays, j).kind != DIFFUSE
+
+
 def _mixed(arrays: RadiometricArrays, j: int) -> bool:
     """Whether a texture has two reflectances."""
     material = _material(arrays, j)
-    return bool((material.bright != material.dark).any())
+    return bool((material.bright != material.dark).any()) and not _is_dark(arrays, j)
 
 
 def shape_classes(arrays: RadiometricArrays) -> tuple[Ints, list[int]]:
@@ -202,9 +211,10 @@ def _lay_sphere(shape: Shape, material: Material, difference: bool, scale: float
 def _lay_plane(arrays: RadiometricArrays, j: int, turned: bool, share: float, row: Plane) -> None:
     material, frame = _material(arrays, j), arrays.frames[j]
     row.point[:] = frame.origin
-    # seen from behind, x and y of the texture change places
-    row.normal[:], row.along[:] = (-frame.up, frame.north) if turned else (frame.up, frame.east)
-    row.kind, row.cell = CHECKER if material.texture == CHECKER else SOLID, material.cell
+    # seen from behind, y of the texture runs the other way, and stripes show none; squares let x and y change places
+    swapped = turned and material.texture == CHECKER
+    row.normal[:], row.along[:] = -frame.up if turned else frame.up, frame.north if swapped else frame.east
+    row.kind, row.cell = material.texture, material.cell
     row.bright[:], row.dark[:] = share * material.bright, share * material.dark
     row.weight, row.exponent, row.theta_max = 1.0, _exponent(material), 0.5 * math.pi
 

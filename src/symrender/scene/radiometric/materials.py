@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from symrender.scene.radiometric.bump import Bump
 from symrender.scene.radiometric.values import Alpha, Extinctions, Indices, Power, Shares
 from symrender.scene.values import Length, Part
 
@@ -69,6 +70,7 @@ class Diffuse(Part):
         Solid()
     )
     two_sided: Annotated[bool, Field(description="whether it reflects on both sides, else it is black behind")] = False
+    bump: Annotated[Bump | None, Field(description="what turns its normals, or nothing")] = None
 
 
 class Conductor(Part):
@@ -89,6 +91,7 @@ class Conductor(Part):
         color=(1.0, 1.0, 1.0)
     )
     two_sided: Annotated[bool, Field(description="whether it reflects on both sides, else it is black behind")] = False
+    bump: Annotated[Bump | None, Field(description="what turns its normals, or nothing")] = None
 
     @model_validator(mode="after")
     def _fits_its_distribution(self) -> Self:
@@ -104,6 +107,7 @@ class Phong(Part):
     exponent: Annotated[Power, Field(description="n, the cosine power")]
     reflectance: Annotated[Reflectance, Field(description="a factor, a number, three, or a texture")] = Solid()
     two_sided: Annotated[bool, Field(description="whether it reflects on both sides, else it is black behind")] = False
+    bump: Annotated[Bump | None, Field(description="what turns its normals, or nothing")] = None
 
 
 Material = Annotated[Diffuse | Conductor | Phong, Field(discriminator="type")]

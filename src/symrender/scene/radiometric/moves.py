@@ -12,7 +12,7 @@ from symrender.scene.moves import Move, components, stepped
 from symrender.scene.radiometric.arrays import DIRECTIONAL, SPOT, Array, RadiometricArrays, radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 
-MOVED: Final = ("materials", "shapes", "facets", "lights", "directions", "camera")
+MOVED: Final = ("materials", "terms", "shapes", "facets", "lights", "directions", "camera")
 """Fields of ``RadiometricArrays`` that parameters move; the others follow from them."""
 
 

@@ -13,7 +13,9 @@ from symrender.jit.records import Array, Record, Three
 class Material(Record):
     """A material: its ``kind``, its texture of ``bright`` and ``dark`` in cells, then what its kind needs.
 
-    ``density`` GGX or BECKMANN; ``correlated`` and ``walter`` 0 or 1 as ``masking`` and ``g1`` of the scene say.
+    ``density`` GGX or BECKMANN; ``correlated`` and ``walter`` 0 or 1 as ``masking`` and ``g1`` of the scene say. With a
+    bump ``terms`` is not 0: its height is ``amplitude`` times the last of so many terms from ``begin`` on, ``own`` says
+    whether they are of the surface's own coordinates, ``geometric`` whether light arrives by the cosine of its normal.
     """
 
     kind: float
@@ -29,6 +31,25 @@ class Material(Record):
     correlated: float
     walter: float
     exponent: float
+    amplitude: float
+    begin: float
+    terms: float
+    own: float
+    geometric: float
+
+
+class Term(Record):
+    """One operation of a height field: a NUMBER or the exponent of a POWER is ``number``.
+
+    ``first`` and ``second`` are earlier terms of the same height, counted from its own ``begin``; a DISTANCE is that
+    from ``center``.
+    """
+
+    kind: float
+    number: float
+    first: float
+    second: float
+    center: Three
 
 
 class Shape(Record):

@@ -13,7 +13,7 @@ from symrender.scene.nearest import did_you_mean
 from symrender.scene.radiometric.camera import LensCamera
 from symrender.scene.radiometric.lights import Area, Light, Sky
 from symrender.scene.radiometric.materials import Material
-from symrender.scene.radiometric.shapes import Mesh, Plane, Shape
+from symrender.scene.radiometric.shapes import Box, Mesh, Plane, Shape
 from symrender.scene.radiometric.values import Times
 from symrender.scene.root import Root, check_names, wrong
 from symrender.scene.values import Held, PartName, at_most
@@ -77,6 +77,14 @@ class RadiometricScene(Root):
         for index, shape in enumerate(self.shapes):
             if shape.material not in self.materials:
                 raise wrong(_unknown("material", shape.material, self.materials), "shapes", index, "material")
+        for index, shape in enumerate(self.shapes):
+            bump = self.materials[shape.material].bump
+            if bump is not None and bump.coordinates == "own" and isinstance(shape, Box | Mesh):
+                raise wrong(
+                    f"'{shape.material}' has a bump in coordinates: own, and a {shape.type} has others on every face; "
+                    "coordinates: world are known",
+                    "shapes", index, "material",
+                )  # fmt: skip
         triangles = 0
         for index, shape in enumerate(self.shapes):
             triangles += len(shape.faces) if isinstance(shape, Mesh) else 0
