@@ -21,8 +21,9 @@ from symrender.adjoint.disk import (
     functional,
 )
 from symrender.chambers.labels import DARK, light_state
+from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.records import LightPoint
-from symrender.chambers.work import scene_view, work_arrays
+from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.jit.compiled import compiled
 from symrender.jit.records import record, table
 from symrender.quadrature.disk_direct import cast_by_all
@@ -33,7 +34,26 @@ from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
 
 STEP = 9
 GAUSS = gauss_table()
-MEANS, GRADIENT = compiled(disk_term), compiled(disk_gradient)
+
+
+def means(
+    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
+    vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: np.ndarray,
+) -> tuple[float, float]:  # fmt: skip
+    """``disk_term`` of a lit point given by its numbers."""
+    return disk_term(i, state, LitPoint(qx, qy, qz, nx, ny, nz, vx, vy, vz), step, gleaming, view, work, gauss)
+
+
+def gradients(
+    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
+    vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: np.ndarray, table: np.ndarray,
+) -> tuple[float, float, float]:  # fmt: skip
+    """``disk_gradient`` of a lit point given by its numbers."""
+    place = LitPoint(qx, qy, qz, nx, ny, nz, vx, vy, vz)
+    return disk_gradient(i, state, place, step, gleaming, view, work, gauss, table)
+
+
+MEANS, GRADIENT = compiled(means), compiled(gradients)
 
 
 @dataclass

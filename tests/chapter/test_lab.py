@@ -15,7 +15,7 @@ from symrender.chapter.write_lab import text
 from symrender.cli import main
 from symrender.errors import CellError, OptionError
 
-NAMES = tuple(f"cell{k}" for k in range(1, 13))
+NAMES = tuple(f"cell{k}" for k in range(1, 14))
 LIBRARIES = {"symrender", "numpy", "matplotlib.pyplot", "time"}
 FAILING = """\
 # %% [markdown]
@@ -37,12 +37,12 @@ def trees(cell: lab.Cell) -> list[ast.Module]:
     return [ast.parse(part.text) for part in cell.parts if part.kind == "code"]
 
 
-def test_the_cells_are_twelve_in_order() -> None:
+def test_the_cells_are_thirteen_in_order() -> None:
     assert lab.names() == NAMES
     titles = [lab.load(name).title for name in NAMES]
-    assert len(set(titles)) == 12 and all(5 < len(title) < 80 for title in titles)
-    with pytest.raises(OptionError, match=r"cell: must be one of cell1, .*, cell12, got 'cell13'"):
-        lab.load("cell13")
+    assert len(set(titles)) == 13 and all(5 < len(title) < 80 for title in titles)
+    with pytest.raises(OptionError, match=r"cell: must be one of cell1, .*, cell13, got 'cell14'"):
+        lab.load("cell14")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -193,7 +193,7 @@ def test_the_command_writes_an_index_and_refuses_to_replace(tmp_path, capsys) ->
     pytest.importorskip("nbformat")
     folder = tmp_path / "laboratory"
     assert main(["lab", "-o", str(folder)]) == 0
-    assert capsys.readouterr().out == f"wrote 13 files into {folder}\n"
+    assert capsys.readouterr().out == f"wrote 14 files into {folder}\n"
     files = {path.name: path.read_bytes() for path in folder.iterdir()}
     assert set(files) == {"README.md", *(f"{name}.ipynb" for name in NAMES)}
     assert all(f"({name}.ipynb)" in files["README.md"].decode() for name in NAMES)

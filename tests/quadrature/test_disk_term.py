@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from symrender.chambers.labels import DARK, LIT, PARTLY, light_state
-from symrender.chambers.work import scene_view, work_arrays
+from symrender.chambers.lit_point import LitPoint
+from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.jit.compiled import compiled
 from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.disk_term import disk_term
@@ -24,7 +25,17 @@ from symrender.scene.load import load
 from . import brute_disk
 
 TABLE = gauss_table()
-MEANS = compiled(disk_term)
+
+
+def means(
+    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
+    vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: np.ndarray,
+) -> tuple[float, float]:  # fmt: skip
+    """``disk_term`` of a lit point given by its numbers."""
+    return disk_term(i, state, LitPoint(qx, qy, qz, nx, ny, nz, vx, vy, vz), step, gleaming, view, work, gauss)
+
+
+MEANS = compiled(means)
 
 
 def mean(a: SceneArrays, q, normal, view, own: int, step: int = 9) -> tuple[int, np.ndarray]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from symrender.chambers.labels import DARK, GLINT, LIT, PARTLY
+from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Work, scene_view, work_arrays
 from symrender.jit.records import table
@@ -142,11 +143,12 @@ def test_disks_in_rows_add_disk_term(terminator: int, phong: bool, shininess: fl
         if state == DARK:
             continue
         cosine, gleam, _ = node_term(
-            0, state, *places[i], *normals[i], *views[i], step, ks != 0.0, view, work_like(work), TABLE
+            0, state, LitPoint(*places[i], *normals[i], *views[i]), step, ks != 0.0, view, work_like(work), TABLE
         )
         expected[i] = light[0].color * (factors[i] * cosine * (state != GLINT) + ks * gleam)
-    whole = disk_term(0, LIT, *places[20], *normals[20], *views[20], step, True, view, work_like(work), TABLE)
-    cut = disk_term(0, PARTLY, *places[20], *normals[20], *views[20], step, True, view, work_like(work), TABLE)
+    place = LitPoint(*places[20], *normals[20], *views[20])
+    whole = disk_term(0, LIT, place, step, True, view, work_like(work), TABLE)
+    cut = disk_term(0, PARTLY, place, step, True, view, work_like(work), TABLE)
     assert 0.0 < cut[0] < 0.9 * whole[0]
     assert (np.abs(expected).max(axis=1) > 1e-3).sum() >= 20
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)

@@ -85,7 +85,7 @@ def test_skies_and_lamps_are_what_clipping_leaves() -> None:
 
 def without_bounds(world: World) -> World:
     """The same world, all of its pieces in leaves that nothing passes by."""
-    return World(world.materials, world.pieces, world.lights, loose_bounds(len(world.pieces)))
+    return world._replace(bounds=loose_bounds(len(world.pieces)))
 
 
 def test_values_do_not_depend_on_the_hierarchy() -> None:

@@ -33,6 +33,7 @@ from symrender.adjoint.walls import (
     plane_columns,
 )
 from symrender.chambers.labels import DARK, light_state
+from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.rooms import carry, frame_view, turn
 from symrender.chambers.work import Frames, View, Work, scene_frames, scene_view, work_arrays
 from symrender.jit.compiled import compiled
@@ -80,7 +81,8 @@ def direct_gradient_kernel(
 ) -> None:  # fmt: skip
     """Fill ``gradient`` (Q, N, 3) and ``error`` (Q, N); see ``direct_gradients``.
 
-    ``moves`` and ``framed`` (Q, columns) and ``place`` (3, 3) are scratch.
+    ``moves`` and ``framed`` (Q, columns) and ``place`` (3, 3) are scratch. Many arguments because a kernel takes
+    arrays: what is asked, what it is asked of, and all that it writes into.
     """
     for k in range(points.shape[0]):
         home = frames.homes[surface[k]]
@@ -131,10 +133,8 @@ def disk_slopes(
             continue
         for finer in range(2):
             order = compared_step(step, finer, view)
-            cosine, gleam, _ = disk_gradient(
-                i, state, point[0], point[1], point[2], n[0], n[1], n[2], -d[0], -d[1], -d[2],
-                order, True, view, work, gauss, table,
-            )  # fmt: skip
+            place = LitPoint(point[0], point[1], point[2], n[0], n[1], n[2], -d[0], -d[1], -d[2])
+            cosine, gleam, _ = disk_gradient(i, state, place, order, True, view, work, gauss, table)
             for q in range(gradient.shape[0]):
                 by_cosine = mean_slope(i, 0, moves[q], view, work, table)
                 by_gleam = mean_slope(i, 1, moves[q], view, work, table)

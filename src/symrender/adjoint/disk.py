@@ -13,7 +13,7 @@ carry no jump, and a first derivative has no boundary term from them.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,7 @@ import numpy.typing as npt
 from symrender.adjoint.light_term import BAR_ROWS, offset_gradient
 from symrender.adjoint.walls import LIGHTS, plane_columns
 from symrender.chambers.labels import PARTLY
+from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.chambers.records import LightPoint
 from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
@@ -59,6 +60,15 @@ EDGE_ON_MOVING: Final = 1e-9
 """A disk as edge-on as that has no derivative here: the arcs of its cones are lost to rounding (``EDGE_ON``)."""
 
 
+class ArcPoint(NamedTuple):
+    """A point (a, b) of a curve in the disk, and how fast it runs there."""
+
+    a: float
+    b: float
+    da: float
+    db: float
+
+
 @jitable
 def disk_rows(spheres: int, planes: int) -> int:
     """Rows of scratch that ``disk_gradient`` fills: one light's, two functionals', and a flag."""
@@ -90,17 +100,16 @@ def move_disk(weight: float, gx: float, gy: float, gz: float, a: float, b: float
 
 @jitable
 def disk_node(
-    weight: float, a: float, b: float, first: int, last: int, p: LightPoint, yx: float, yy: float, yz: float, nx: float,
-    ny: float, nz: float, vx: float, vy: float, vz: float, view: View, table: Array,
+    weight: float, a: float, b: float, first: int, last: int, p: LightPoint, q: LitPoint, view: View, table: Array
 ) -> None:  # fmt: skip
     """Add one node of the disk, at offset y + rho (a e1 + b e2) from Q, to functionals ``first`` .. ``last`` - 1."""
     rho = p.radius
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
     sa, sb = rho * a, rho * b
     bar = table[:BAR_ROWS]
     cosine, gleam, by_shininess = offset_gradient(
         yx + sa * p.e1[0] + sb * p.e2[0], yy + sa * p.e1[1] + sb * p.e2[1],
-        yz + sa * p.e1[2] + sb * p.e2[2], nx, ny, nz, vx, vy, vz, view.shading.model == PHONG,
-        view.shading.shininess, last > 1, bar,
+        yz + sa * p.e1[2] + sb * p.e2[2], q, Gleam(view.shading.model == PHONG, view.shading.shininess, last > 1), bar,
     )  # fmt: skip
     for which in range(first, last):
         out = table[functional(which, table) :]
@@ -118,11 +127,12 @@ def disk_node(
 
 @jitable
 def moving_arc(
-    curve: int, weight: float, a: float, b: float, da: float, db: float, first: int, last: int, p: LightPoint, qx:
-    float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, view: View, work:
-    Work, table: Array,
+    curve: int, weight: float, at: ArcPoint, first: int, last: int, p: LightPoint, q: LitPoint, view: View, work: Work,
+    table: Array,
 ) -> None:  # fmt: skip
-    """Add what the motion of a curve sweeps at its point (a, b) with velocity (da, db); ``weight`` is positive."""
+    """Add what the motion of a curve sweeps at one of its points; ``weight`` is positive."""
+    a, b, da, db = at
+    qx, qy, qz, nx, ny, nz, vx, vy, vz = q
     row = work.curves[curve]
     bounds = row.bounds
     rho = p.radius
@@ -189,17 +199,14 @@ def moving_arc(
 
 @jitable
 def arc_gradient(
-    p: LightPoint, n: int, first: int, last: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float,
-    vx: float, vy: float, vz: float, step: int, log_rho: float, view: View, work: Work, gauss: Array, table: Array,
+    p: LightPoint, n: int, first: int, last: int, q: LitPoint, step: int, log_rho: float, view: View, work: Work,
+    gauss: Array, table: Array,
 ) -> None:  # fmt: skip
     """Add the part of a disk that none of the first ``n`` curves of ``work.curves`` hides; nodes as in ``arc_term``."""
-    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
     if n == 0 and served(step, log_rho):
         rule = disk_level(step, log_rho)
         for k in range(DISK_STARTS[rule], DISK_STARTS[rule + 1]):
-            disk_node(
-                gauss[2, k], gauss[0, k], gauss[1, k], first, last, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, view, table
-            )  # fmt: skip
+            disk_node(gauss[2, k], gauss[0, k], gauss[1, k], first, last, p, q, view, table)
         return
     nodes, inner = fitting(step, arc_log(log_rho)), max(LINEAR, fitting(step, radial_log(log_rho)))
     start, within = nodes * (nodes - 1) // 2, inner * (inner - 1) // 2
@@ -221,27 +228,20 @@ def arc_gradient(
             pieces = math.ceil((high - low) / ARC) if closed else 1
             length = (high - low) / pieces
             for piece in range(pieces):
-                for q in range(nodes):
-                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + q]), work.curves)
-                    along = length * gauss[1, start + q] / math.pi
+                for node in range(nodes):
+                    a, b, da, db, _ = arc_point(curve, low + length * (piece + gauss[0, start + node]), work.curves)
+                    along = length * gauss[1, start + node] / math.pi
                     weight = sense * along * (a * db - b * da)
                     for r in range(inner):
                         s = gauss[0, within + r]
-                        disk_node(
-                            weight * s * gauss[1, within + r], s * a, s * b, first, last, p, yx, yy, yz, nx, ny, nz,
-                            vx, vy, vz, view, table,
-                        )  # fmt: skip
+                        disk_node(weight * s * gauss[1, within + r], s * a, s * b, first, last, p, q, view, table)
                     if curve >= 0:
-                        moving_arc(
-                            curve, along, a, b, da, db, first, last, p, qx, qy, qz, nx, ny, nz, vx, vy, vz, view, work,
-                            table,
-                        )  # fmt: skip
+                        moving_arc(curve, along, ArcPoint(a, b, da, db), first, last, p, q, view, work, table)
 
 
 @jitable
 def disk_gradient(
-    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
-    vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: Array, table: Array,
+    i: int, state: int, q: LitPoint, step: int, gleaming: bool, view: View, work: Work, gauss: Array, table: Array
 ) -> tuple[float, float, float]:  # fmt: skip
     """Gradients of both means of ``disk_term`` into ``table``; the means, and the highlight's slope in shininess.
 
@@ -255,13 +255,13 @@ def disk_gradient(
             table[row, c] = 0.0
     p = view.points[i]
     phong, shininess = view.shading.model == PHONG, view.shading.shininess
-    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
     far = math.sqrt(yx * yx + yy * yy + yz * yz)
-    lean = highlight_lean(yx, yy, yz, far, vx, vy, vz)
+    lean = highlight_lean(yx, yy, yz, far, q.vx, q.vy, q.vz)
     log_rho = disk_log(far, p.radius, phong, shininess if gleaming else 0.0, lean)
-    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    n, lifted = 0, yx * q.nx + yy * q.ny + yz * q.nz > 0.0
     if state >= PARTLY:
-        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+        n, lifted = disk_curves(i, q.x, q.y, q.z, q.nx, q.ny, q.nz, view, work)
     if n < 0:
         return 0.0, 0.0, 0.0
     opened = view.shading.terminator == OPEN
@@ -275,15 +275,10 @@ def disk_gradient(
     # highlights do not end at an open terminator
     beyond = gleaming and opened and (banded or not lifted)
     if lifted or banded:
-        arc_gradient(
-            p, n, 0, 1 if beyond else most, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss,
-            table,
-        )  # fmt: skip
+        arc_gradient(p, n, 0, 1 if beyond else most, q, step, log_rho, view, work, gauss, table)
     if beyond:
         unbanded = n - 1 if banded else n
-        arc_gradient(
-            p, unbanded, 1, 2, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss, table
-        )  # fmt: skip
+        arc_gradient(p, unbanded, 1, 2, q, step, log_rho, view, work, gauss, table)
     cosine, shine = functional(0, table) + NUMBERS, functional(1, table) + NUMBERS
     return table[cosine, 2], table[shine, 2], table[shine, 1]
 

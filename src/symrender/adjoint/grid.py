@@ -31,6 +31,7 @@ from symrender.adjoint.walls import (
     plane_columns,
 )
 from symrender.chambers.labels import PARTLY
+from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.records import Chart
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
@@ -238,9 +239,8 @@ def lit_sum(
         lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2]
         cosine = lz / math.sqrt(lx * lx + ly * ly + lz * lz)
         if disk is not None and p.radius > 0.0:
-            cosine, _ = disk_term(
-                i, int(states[i]), qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step, False, view, work, gauss
-            )  # fmt: skip
+            place = LitPoint(qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0)
+            cosine, _ = disk_term(i, int(states[i]), place, step, False, view, work, gauss)
         for a in range(3):
             out[a] += p.color[a] * cosine
 
@@ -268,9 +268,8 @@ def grid_node(
             continue
         p = view.points[i]
         if disk is not None and p.radius > 0.0:
-            mean, _, _ = disk_gradient(
-                i, int(states[i]), qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, step, False, view, work, gauss, disk
-            )  # fmt: skip
+            place = LitPoint(qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0)
+            mean, _, _ = disk_gradient(i, int(states[i]), place, step, False, view, work, gauss, disk)
             for a in range(3):
                 total[a] += p.color[a] * mean
                 adjoint[a, LIGHTS + 6 * i + 3 + a] += w * half[a] * mean

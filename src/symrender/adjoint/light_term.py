@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.jit.marks import inlined
 from symrender.leaves.slopes import blinn_term_slopes, lambert_slopes, phong_term_slopes
 
@@ -18,29 +19,30 @@ BAR_ROWS: Final = 5
 
 @inlined
 def offset_gradient(
-    ox: float, oy: float, oz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float, phong: bool,
-    shininess: float, gleaming: bool, bar: Array,
+    ox: float, oy: float, oz: float, q: LitPoint, gleam: Gleam, bar: Array
 ) -> tuple[float, float, float]:  # fmt: skip
-    """(N.l, s, slope of s in the shininess) of a light at offset ``o``, gradients in the rows of ``bar``.
+    """(N.l, s, slope of s in the shininess) of a light at offset ``o`` from Q, gradients in the rows of ``bar``.
 
-    Without ``gleaming`` only the cosine's. N and the view are unit; gradients are those of the formula in free vectors.
+    Where no highlight is asked for, only the cosine's. N and the view are unit; gradients are those of the formula in
+    free vectors.
     """
-    if not gleaming:
+    nx, ny, nz, vx, vy, vz, shininess = q.nx, q.ny, q.nz, q.vx, q.vy, q.vz, gleam.shininess
+    if not gleam.asked:
         (cosine, bar[0, 0], bar[0, 1], bar[0, 2], bar[1, 0], bar[1, 1], bar[1, 2]) = lambert_slopes(
             ox, oy, oz, nx, ny, nz
         )  # fmt: skip
         return cosine, 0.0, 0.0
-    cosine, gleam, by_shininess = 0.0, 0.0, 0.0
-    if phong:
+    cosine, shine, by_shininess = 0.0, 0.0, 0.0
+    if gleam.phong:
         (
-            cosine, gleam, bar[0, 0], bar[0, 1], bar[0, 2], bar[1, 0], bar[1, 1], bar[1, 2], _, _, _, _,
+            cosine, shine, bar[0, 0], bar[0, 1], bar[0, 2], bar[1, 0], bar[1, 1], bar[1, 2], _, _, _, _,
             bar[2, 0], bar[2, 1], bar[2, 2], bar[3, 0], bar[3, 1], bar[3, 2], bar[4, 0], bar[4, 1], bar[4, 2],
             by_shininess,
         ) = phong_term_slopes(ox, oy, oz, nx, ny, nz, vx, vy, vz, shininess)  # fmt: skip
     else:
         (
-            cosine, gleam, bar[0, 0], bar[0, 1], bar[0, 2], bar[1, 0], bar[1, 1], bar[1, 2], _, _, _, _,
+            cosine, shine, bar[0, 0], bar[0, 1], bar[0, 2], bar[1, 0], bar[1, 1], bar[1, 2], _, _, _, _,
             bar[2, 0], bar[2, 1], bar[2, 2], bar[3, 0], bar[3, 1], bar[3, 2], bar[4, 0], bar[4, 1], bar[4, 2],
             by_shininess,
         ) = blinn_term_slopes(ox, oy, oz, nx, ny, nz, vx, vy, vz, shininess)  # fmt: skip
-    return cosine, gleam, by_shininess
+    return cosine, shine, by_shininess

@@ -49,6 +49,7 @@ from symrender.adjoint.walls import DARK as DARK_COLUMN
 from symrender.chambers.labels import BEYOND_SEAM, GLINT, HIDDEN, PARTLY
 from symrender.chambers.labels import DARK as UNLIT
 from symrender.chambers.line import LIMB, POLE_END, RIM_HIGH, RIM_LOW
+from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.chambers.lobes.density import density_of, rim_density
 from symrender.chambers.lobes.width import blunt_rim, rim_power, steepening
 from symrender.chambers.records import Chart
@@ -156,10 +157,8 @@ def radiance(
             shading.shininess,
         )
         if disk is not None and p.radius > 0.0:
-            cosine, gleam = disk_term(
-                i, int(lit[i]), qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2], step, shading.ks != 0.0, view,
-                work, gauss,
-            )  # fmt: skip
+            place = LitPoint(qx, qy, qz, n[0], n[1], n[2], v[0], v[1], v[2])
+            cosine, gleam = disk_term(i, int(lit[i]), place, step, shading.ks != 0.0, view, work, gauss)
         for a in range(3):
             albedo = factor * (view.spheres[j].color[a] if j >= 0 else chart.albedo[a])
             diffuse = albedo * shading.kd * cosine if lit[i] != GLINT else 0.0
@@ -199,6 +198,9 @@ def node_adjoint(
         here[RADIANCE, a] = here[RADIANCE + 1, a] = 0.0
     qx, qy, qz = chart.point[0] + here[HIT, 0], chart.point[1] + here[HIT, 1], chart.point[2] + here[HIT, 2]
     facing, seen_along = here[FACING], here[VIEW_ROW]
+    place = LitPoint(
+        qx, qy, qz, facing[0], facing[1], facing[2], seen_along[0], seen_along[1], seen_along[2]
+    )  # fmt: skip
     for i in range(view.points.shape[0]):
         state = work.lit[cell, i]
         if state == UNLIT:
@@ -211,16 +213,13 @@ def node_adjoint(
         bare, gleam, by_shininess = 0.0, 0.0, 0.0
         # a branch of its own, so that the code of disks is only compiled where there are some
         if disk is not None and is_disk:
-            bare, gleam, by_shininess = disk_gradient(
-                i, int(state), qx, qy, qz, facing[0], facing[1], facing[2], seen_along[0], seen_along[1],
-                seen_along[2], step, True, view, work, gauss, disk,
-            )  # fmt: skip
+            bare, gleam, by_shininess = disk_gradient(i, int(state), place, step, True, view, work, gauss, disk)
             strength = weight * (point.color[0] + point.color[1] + point.color[2])
             told += monitor(strength * shading.kd * factor, strength * shading.ks, disk)
         if not is_disk:
+            asked = Gleam(shading.model == PHONG, shading.shininess, True)
             bare, gleam, by_shininess = offset_gradient(
-                point.position[0] - qx, point.position[1] - qy, point.position[2] - qz, facing[0], facing[1], facing[2],
-                seen_along[0], seen_along[1], seen_along[2], shading.model == PHONG, shading.shininess, True, bar,
+                point.position[0] - qx, point.position[1] - qy, point.position[2] - qz, place, asked, bar
             )  # fmt: skip
         lit = shown * bare
         for a in range(3):

@@ -20,11 +20,13 @@ from symrender.chambers.reach import are_apart
 from symrender.chambers.records import Chart, Event, Wall
 from symrender.chambers.roots import quartic_roots
 from symrender.chambers.tangencies import tangencies
-from symrender.chambers.traces import LIMB_ROW, RIM_ROW, set_circles, trace_crossings
+from symrender.chambers.traces import set_circles, trace_crossings
 from symrender.chambers.walls import (
     BALL,
     DIRECTION,
+    LIMB_ROW,
     NORMAL,
+    RIM_ROW,
     SHADOW,
     SHADOW_EDGE,
     TERMINATOR,
@@ -173,10 +175,11 @@ def add_crossing(
 
 @inlined
 def circle_crossings(
-    a0: float, a1: float, a2: float, p: float, b0: float, b1: float, b2: float, q: float, normal: bool, hides: bool,
-    view: View, work: Work, events: Table[Event], n: int, low: float, high: float,
+    one: Wall, other: Wall, hides: bool, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
 ) -> int:  # fmt: skip
-    """Note where the circles a.x = p and b.x = q of one sphere meet."""
+    """Note where two circles a.x = p and b.x = q of one sphere meet."""
+    a0, a1, a2, p, normal = one.axis[0], one.axis[1], one.axis[2], one.cos, one.kind == NORMAL
+    b0, b1, b2, q = other.axis[0], other.axis[1], other.axis[2], other.cos
     x0, x1, x2 = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
     s2 = x0 * x0 + x1 * x1 + x2 * x2
     if s2 < 1e-24:
@@ -218,16 +221,17 @@ def half_tangent(t: float, cosine: float, v: Array, p: Array) -> float:
 
 @inlined
 def along_circle(
-    row: Wall, other: Wall, axis0: float, axis1: float, axis2: float, cosine: float, sine: float, hides: bool,
-    view: View, work: Work, events: Table[Event], n: int, low: float, high: float,
+    row: Wall, other: Wall, hides: bool, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
 ) -> int:  # fmt: skip
-    """Note where the circle ``row`` meets another wall: a cone of directions (``sine`` >= 0), else ``other``.
+    """Note where the circle ``row`` meets another wall: a cone of directions, a shadow's edge or a ball's circle.
 
     The quadric of a cone near a plane is near a square, whose double roots are lost in its rounding: such a cone is
     met from the plane's roots too.
     """
     chart = work.chart
     normal = row.kind == NORMAL
+    axis0, axis1, axis2, cosine = other.axis[0], other.axis[1], other.axis[2], other.cos
+    sine = other.sin if other.kind == DIRECTION else -1.0
     a0, a1, a2 = row.axis[0], row.axis[1], row.axis[2]
     if abs(a0) < 0.6:
         f0, f1, f2 = 0.0, a2, -a1
@@ -307,32 +311,25 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
             if j >= 0 and are_apart(one, other):
                 continue
             also, hides = other.kind, True
-            b0, b1, b2, cosine, sine = other.axis[0], other.axis[1], other.axis[2], other.cos, other.sin
             if j >= 0:
                 hides = not (
                     (one.tag == TEXTURE_EDGE or one.tag == TERMINATOR or one.tag == SHADOW_EDGE)
                     and (other.tag == TEXTURE_EDGE or other.tag == TERMINATOR or other.tag == SHADOW_EDGE)
                 )
             if kind <= NORMAL and also == kind:
-                n = circle_crossings(
-                    one.axis[0], one.axis[1], one.axis[2], one.cos, b0, b1, b2, cosine, kind == NORMAL, hides, view,
-                    work, events, n, low, high,
-                )  # fmt: skip
+                n = circle_crossings(one, other, hides, view, work, events, n, low, high)
                 continue
-            # along which of the two, and whether the other one is a cone of directions
+            # along which of the two
             row, wall = one, other
             if kind == NORMAL and also == DIRECTION:
                 pass
-            elif kind == DIRECTION and also == NORMAL:
+            elif (kind == DIRECTION and also == NORMAL) or (
+                kind in (SHADOW, BALL) and (also == NORMAL or (also == DIRECTION and floor))
+            ):
                 row, wall = other, one
-                b0, b1, b2, cosine, sine = one.axis[0], one.axis[1], one.axis[2], one.cos, one.sin
-            elif kind in (SHADOW, BALL) and (also == NORMAL or (also == DIRECTION and floor)):
-                row, wall, sine = other, one, -1.0
-            elif also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and floor)):
-                sine = -1.0
-            else:
+            elif not (also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and floor))):
                 continue
-            n = along_circle(row, wall, b0, b1, b2, cosine, sine, hides, view, work, events, n, low, high)
+            n = along_circle(row, wall, hides, view, work, events, n, low, high)
     return n
 
 

@@ -13,10 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.line import HALF_PI, LIMB, POLE_END, RIM_HIGH, RIM_LOW, rim_interval, wall_level, wall_roots
-from symrender.chambers.records import Chart, Event
+from symrender.chambers.records import Chart, Event, Wall
 from symrender.chambers.walls import (
     DIRECTION,
     NORMAL,
+    RIM_ROW,
     tangent_lines,
 )
 from symrender.chambers.work import Work
@@ -76,13 +77,12 @@ def within_lobe(phi: float, beta: float, chart: Chart) -> bool:
 
 @jitable
 def circle_events(
-    a0: float, a1: float, a2: float, cosine: float, sine: float, middle: float, offset: float, normal: bool,
-    chart: Chart, events: Table[Event], n: int, low: float, high: float, rim: bool,
+    row: Wall, rim: bool, chart: Chart, events: Table[Event], n: int, low: float, high: float
 ) -> int:  # fmt: skip
-    """Tangencies and limb passages of one circle; ``normal`` says on which sphere it lies.
-
-    ``middle`` and ``offset`` as of ``tangent_lines``.
-    """
+    """Tangencies and limb passages of one circle, which may be the lobe's ``rim``; new count."""
+    row.touch_azimuth, row.touch_offset, row.touch_depth = tangent_lines(row.axis[1], row.axis[2], row.sin)
+    a0, a1, a2, cosine, sine, normal = row.axis[0], row.axis[1], row.axis[2], row.cos, row.sin, row.kind == NORMAL
+    middle, offset = row.touch_azimuth, row.touch_offset
     rho = math.sqrt(a1 * a1 + a2 * a2)
     if rho == 0.0:
         return n
@@ -142,7 +142,10 @@ def line_range(chart: Chart) -> tuple[float, float]:
 
 @inlined
 def chart_events(work: Work, events: Table[Event], low: float, high: float) -> int:
-    """Tangencies and limb passages between low and high, with both ends, ascending."""
+    """Tangencies and limb passages between low and high, with both ends, ascending.
+
+    ``set_circles`` has written the rim.
+    """
     chart = work.chart
     events[0].azimuth, events[0].kind = low, ROOT
     n = 1
@@ -150,20 +153,11 @@ def chart_events(work: Work, events: Table[Event], low: float, high: float) -> i
         events[0].kind = SMOOTH
         n = add_event(events, n, 0.0, low, high, SMOOTH)
     if chart.lobe.rim_cos >= 0.0:
-        middle, offset, _ = tangent_lines(chart.lobe_sin, 0.0, chart.lobe.rim_sin)
-        n = circle_events(
-            chart.lobe_cos, chart.lobe_sin, 0.0, chart.lobe.rim_cos, chart.lobe.rim_sin, middle, offset, False, chart,
-            events, n, low, high, True,
-        )  # fmt: skip
+        n = circle_events(work.circles[RIM_ROW], True, chart, events, n, low, high)
     for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
-        kind = row.kind
-        if kind in (NORMAL, DIRECTION):
-            (row.touch_azimuth, row.touch_offset, row.touch_depth) = tangent_lines(row.axis[1], row.axis[2], row.sin)
-            n = circle_events(
-                row.axis[0], row.axis[1], row.axis[2], row.cos, row.sin, row.touch_azimuth, row.touch_offset, kind ==
-                NORMAL, chart, events, n, low, high, False,
-            )  # fmt: skip
+        if row.kind in (NORMAL, DIRECTION):
+            n = circle_events(row, False, chart, events, n, low, high)
     return close_events(events, n, high)
 
 

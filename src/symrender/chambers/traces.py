@@ -9,10 +9,12 @@ are found too.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.contacts import chart_place_of, contacts
 from symrender.chambers.events import CROSSING, add_event, within_lobe
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.line import wall_level
@@ -23,7 +25,9 @@ from symrender.chambers.tangencies import edge_frame, straight_place
 from symrender.chambers.walls import (
     BALL,
     DIRECTION,
+    LIMB_ROW,
     NORMAL,
+    RIM_ROW,
     SHADOW,
     SHADOW_EDGE,
     TERMINATOR,
@@ -39,9 +43,18 @@ Array = npt.NDArray[np.float64]
 
 SAMPLES = 24
 """Places along a curve between which the other wall's level is followed."""
-RIM_ROW = 0
-LIMB_ROW = 1
-"""Rows of ``Work.circles``: the lobe's rim as a circle of directions, the limb as one of normals."""
+
+
+class Pair(NamedTuple):
+    """A wall whose curve is walked along, on a sphere also ``beyond`` the light's side, and ``other``; -1: the rim.
+
+    ``hides``: one of the two bounds what is seen, so that sight cannot be asked at their crossing.
+    """
+
+    walked: int
+    other: int
+    beyond: bool
+    hides: bool
 
 
 @jitable
@@ -97,25 +110,6 @@ def edge_place(psi: float, row: Wall, beyond: bool, view: View, work: Work) -> t
 
 
 @inlined
-def chart_place_of(qx: float, qy: float, qz: float, work: Work) -> tuple[float, float, float]:
-    """(inner coordinate, cos phi, sin phi) of a place of the charted shape; the first is NaN where P cannot see it."""
-    chart = work.chart
-    dx, dy, dz = qx - chart.point[0], qy - chart.point[1], qz - chart.point[2]
-    x = dx * chart.e1[0] + dy * chart.e1[1] + dz * chart.e1[2]
-    y = dx * chart.e2[0] + dy * chart.e2[1] + dz * chart.e2[2]
-    across = math.sqrt(x * x + y * y)
-    c, s = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
-    if chart.shape_index < 0.0:
-        return math.atan2(across, chart.height), c, s
-    gx, gy, gz = qx - chart.center[0], qy - chart.center[1], qz - chart.center[2]
-    facing = -(gx * dx + gy * dy + gz * dz)
-    # psi is the angle of incidence: its sine is that of the way across, its cosine that of the way along the normal
-    along = dx * chart.pole[0] + dy * chart.pole[1] + dz * chart.pole[2]
-    far = math.sqrt(across * across + along * along)
-    return math.atan2(math.sqrt(max(0.0, (chart.radius * far) ** 2 - facing * facing)), facing), c, s
-
-
-@inlined
 def along_level(
     psi: float, row: Wall, other: int, beyond: bool, view: View, work: Work
 ) -> tuple[float, float, float, float]:  # fmt: skip
@@ -142,11 +136,10 @@ def along_level(
 
 @inlined
 def note_trace(
-    psi: float, row: Wall, other: int, beyond: bool, hides: bool, view: View, work: Work, events: Table[Event], n: int,
-    low: float, high: float,
+    psi: float, pair: Pair, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
 ) -> int:  # fmt: skip
     """Note the crossing at ``psi`` if it is inside the lobe and seen; new count."""
-    level, x, c, s = along_level(psi, row, other, beyond, view, work)
+    level, x, c, s = along_level(psi, work.walls[pair.walked], pair.other, pair.beyond, view, work)
     if not (level == level and 0.0 < x < 0.5 * math.pi):
         return n
     phi = math.atan2(s, c)
@@ -154,7 +147,7 @@ def note_trace(
     beta = x if chart.shape_index < 0.0 else math.asin(chart.ratio * math.sin(x))
     if not within_lobe(phi, beta, chart):
         return n
-    if not hides:
+    if not pair.hides:
         qx, qy, qz, _, _, _ = surface_point(x, c, s, chart)
         if is_hidden(qx, qy, qz, view, work):
             return n
@@ -163,11 +156,10 @@ def note_trace(
 
 @jitable
 def trace_pair(
-    i: int, other: int, beyond: bool, hides: bool, view: View, work: Work, events: Table[Event], n: int, low: float,
-    high: float,
+    pair: Pair, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
 ) -> int:  # fmt: skip
-    """Note where wall ``other`` (-1: the rim) crosses the curve of wall ``i``; new count."""
-    row = work.walls[i]
+    """Note where the other wall crosses the curve of the one that is walked along; new count."""
+    row, other, beyond = work.walls[pair.walked], pair.other, pair.beyond
     step = 2.0 * math.pi / SAMPLES
     f0, f1 = math.nan, math.nan
     for k in range(SAMPLES + 3):
@@ -189,7 +181,7 @@ def trace_pair(
             else:
                 right, fb = hit, last
         if 0 < k <= SAMPLES and fa * fb < 0.0:
-            n = solve_trace(left, right, fa, fb, row, other, beyond, hides, view, work, events, n, low, high)
+            n = solve_trace(left, right, fa, fb, pair, view, work, events, n, low, high)
         elif k > 1 and f0 * f1 > 0.0 and f1 * f2 > 0.0 and abs(f1) <= abs(f0) and abs(f1) <= abs(f2):
             # the level turns back short of zero at the samples: its turning point may lie beyond
             a, m, b, fm = psi - 2.0 * step, psi - step, psi, f1
@@ -202,13 +194,13 @@ def trace_pair(
                     lo, hi = min(u, m), max(u, m)
                     flo, fhi = (f, fm) if u < m else (fm, f)
                     # one root between, the other on the far side of u
-                    n = solve_trace(lo, hi, flo, fhi, row, other, beyond, hides, view, work, events, n, low, high)
+                    n = solve_trace(lo, hi, flo, fhi, pair, view, work, events, n, low, high)
                     if u < m:
                         fl, _, _, _ = along_level(a, row, other, beyond, view, work)
-                        n = solve_trace(a, u, fl, f, row, other, beyond, hides, view, work, events, n, low, high)
+                        n = solve_trace(a, u, fl, f, pair, view, work, events, n, low, high)
                     else:
                         fr, _, _, _ = along_level(b, row, other, beyond, view, work)
-                        n = solve_trace(u, b, f, fr, row, other, beyond, hides, view, work, events, n, low, high)
+                        n = solve_trace(u, b, f, fr, pair, view, work, events, n, low, high)
                     break
                 if abs(f) < abs(fm):
                     if u < m:
@@ -228,8 +220,8 @@ def trace_pair(
 
 @jitable
 def solve_trace(
-    left: float, right: float, fa: float, fb: float, row: Wall, other: int, beyond: bool, hides: bool, view: View,
-    work: Work, events: Table[Event], n: int, low: float, high: float,
+    left: float, right: float, fa: float, fb: float, pair: Pair, view: View, work: Work, events: Table[Event], n: int,
+    low: float, high: float,
 ) -> int:  # fmt: skip
     """Note the one crossing between two places whose levels differ in sign (Illinois); new count."""
     if not fa * fb < 0.0:
@@ -237,7 +229,7 @@ def solve_trace(
     psi = right
     for _ in range(60):
         psi = (left * fb - right * fa) / (fb - fa)
-        f, _, _, _ = along_level(psi, row, other, beyond, view, work)
+        f, _, _, _ = along_level(psi, work.walls[pair.walked], pair.other, pair.beyond, view, work)
         if f != f:
             return n
         moved = abs(psi - right)
@@ -249,77 +241,7 @@ def solve_trace(
         if f == 0.0 or moved < 1e-14:
             break
     # where walls cross the line integral is continuous: its panels may end beside a crossing that moves
-    return note_trace(held(psi), row, other, beyond, hides, view, work, events, n, low, high)
-
-
-@inlined
-def add_contacts(
-    i: int, nx: float, ny: float, nz: float, level: float, vx: float, vy: float, vz: float, view: View, work: Work,
-    events: Table[Event], n: int, low: float, high: float,
-) -> int:  # fmt: skip
-    """Note where ball ``i``, the plane n.x = level and the tangents to the ball from V meet; new count.
-
-    There the ball's outline as of V, a silhouette or a shadow's edge, passes over into the circle in which the ball
-    meets the charted shape: they touch, so that no sign tells of it.
-    """
-    s = view.spheres[i]
-    mx, my, mz = vx - s.center[0], vy - s.center[1], vz - s.center[2]
-    e, g = level - (nx * s.center[0] + ny * s.center[1] + nz * s.center[2]), nx * mx + ny * my + nz * mz
-    size, square = mx * mx + my * my + mz * mz, s.radius * s.radius
-    det = size - g * g
-    if not det > 1e-24 * size:
-        return n
-    b = (square - g * e) / det
-    a = e - b * g
-    rest = (square - (a * a + 2.0 * a * b * g + b * b * size)) / det
-    if not rest > 0.0:
-        return n
-    t = math.sqrt(rest)
-    for _ in range(2):
-        qx = s.center[0] + a * nx + b * mx + t * (ny * mz - nz * my)
-        qy = s.center[1] + a * ny + b * my + t * (nz * mx - nx * mz)
-        qz = s.center[2] + a * nz + b * mz + t * (nx * my - ny * mx)
-        x, c, sn = chart_place_of(qx, qy, qz, work)
-        if 0.0 < x < 0.5 * math.pi:
-            beta = x if work.chart.shape_index < 0.0 else math.asin(work.chart.ratio * math.sin(x))
-            phi = math.atan2(sn, c)
-            if within_lobe(phi, beta, work.chart):
-                n = add_event(events, n, phi, low, high, CROSSING)
-        t = -t
-    return n
-
-
-@inlined
-def contacts(view: View, work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
-    """Note where outlines of balls that meet the charted shape pass over into the circles in which they do."""
-    chart = work.chart
-    j = chart.shape_index
-    for i in range(view.spheres.shape[0]):
-        s = view.spheres[i]
-        if i == j:
-            continue
-        nx, ny, nz, level = 0.0, 0.0, 1.0, 0.0
-        if j < 0:
-            if not abs(s.center[2]) < s.radius:
-                continue
-        else:
-            ux, uy, uz = s.center[0] - chart.center[0], s.center[1] - chart.center[1], s.center[2] - chart.center[2]
-            r = chart.radius
-            apart = math.sqrt(ux * ux + uy * uy + uz * uz)
-            if not abs(s.radius - r) < apart < s.radius + r:
-                continue
-            nx, ny, nz = ux / apart, uy / apart, uz / apart
-            level = nx * chart.center[0] + ny * chart.center[1] + nz * chart.center[2]
-            level += (apart * apart + r * r - s.radius * s.radius) / (2.0 * apart)
-        n = add_contacts(
-            i, nx, ny, nz, level, chart.point[0], chart.point[1], chart.point[2], view, work, events, n, low, high
-        )  # fmt: skip
-        for l in range(view.points.shape[0]):
-            p = view.points[l]
-            n = add_contacts(
-                i, nx, ny, nz, level, p.position[0], p.position[1], p.position[2], view, work, events, n, low, high
-            )
-    return n
+    return note_trace(held(psi), pair, view, work, events, n, low, high)
 
 
 @jitable
@@ -388,5 +310,5 @@ def trace_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
             hides = j < 0 or not (one.tag == SHADOW_EDGE and (walls[j].tag in (TEXTURE_EDGE, TERMINATOR, SHADOW_EDGE)))
             for side in range(sides):
                 if near if side == 0 else beyond:
-                    n = trace_pair(i, j, side == 1, hides, view, work, events, n, low, high)
+                    n = trace_pair(Pair(i, j, side == 1, hides), view, work, events, n, low, high)
     return n

@@ -54,6 +54,10 @@ HIGHLIGHT: Final = 7
 SEVERAL: Final = 8
 """Coinciding walls of different conditions, kept as one."""
 
+RIM_ROW: Final = 0
+LIMB_ROW: Final = 1
+"""Rows of ``Work.circles``: the lobe's rim as a circle of directions, the limb as one of normals."""
+
 # chart: the numbers of one (point, shape) pair
 UNBOUNDED: Final = 1e30
 

@@ -1,4 +1,4 @@
-"""The laboratory: twelve cells, each a title, an introduction, code on public names, and an expectation it checks.
+"""The laboratory: thirteen cells, each a title, an introduction, code on public names, and an expectation it checks.
 
 A cell is a plain Python file in ``cells/`` in the percent format: ``# %% [markdown]`` opens a comment that is prose,
 ``# %%`` opens code. It is data: nothing imports it. ``notebook`` makes a Jupyter notebook of it; ``run_cell.py`` runs

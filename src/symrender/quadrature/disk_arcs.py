@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.chambers.records import NODES, Curve, LightPoint, Nodes
 from symrender.chambers.roots import quadratic_roots
 from symrender.jit.marks import inlined, jitable
@@ -250,8 +251,7 @@ def stretch(start: int, stop: int, curve: int, middle: float, curves: Table[Curv
 
 @jitable
 def boundary_sums(
-    m: int, p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
-    float, inner: int, parts: int, phong: bool, shininess: float, gleaming: bool, b: Nodes, gauss: Array,
+    m: int, p: LightPoint, q: LitPoint, inner: int, parts: int, gleam: Gleam, b: Nodes, gauss: Array
 ) -> tuple[float, float]:  # fmt: skip
     """Sums of shares times M(x) = int_0^1 f(s x) s ds over the ``m`` points listed, s in equal parts."""
     start = inner * (inner - 1) // 2
@@ -259,27 +259,24 @@ def boundary_sums(
     for k in range(inner * parts):
         r = k % inner
         s = (k // inner + gauss[0, start + r]) / parts
-        add_points(
-            m, s, s * gauss[1, start + r] / parts, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, b
-        )  # fmt: skip
+        add_points(m, s, s * gauss[1, start + r] / parts, p, q, gleam, b)
     return weighed_sums(m, b)
 
 
 @jitable
 def arc_term(
-    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
-    float, step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, curves: Table[Curve], turns: Array,
+    p: LightPoint, n: int, q: LitPoint, step: int, log_rho: float, gleam: Gleam, curves: Table[Curve], turns: Array,
     b: Nodes, gauss: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves hides.
 
-    The disk's centre is at offset y. Without ``gleaming`` the second is 0.
+    Where no highlight is asked for, the second is 0.
     """
     finer, log_piece = parts_of(step, arc_log(log_rho))
     parts, log_part = parts_of(step, radial_log(log_rho))
     # N.l vanishes where a terminator cuts the disk: one node would take a third for a quarter of s^2
     nodes, inner = fitting(step, log_piece), max(LINEAR, fitting(step, log_part))
-    cosine, gleam = 0.0, 0.0
+    cosine, shine = 0.0, 0.0
     m = 0
     for curve in range(-1, n):
         count, closed = corners(curve, n, curves, turns)
@@ -302,10 +299,8 @@ def arc_term(
                 # a line's pieces one by one, those of an arc together if they have room
                 more = 1 if not closed else min(pieces - placed, MOST_POINTS // nodes)
                 if m + more * nodes > MOST_POINTS:
-                    d, h = boundary_sums(
-                        m, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, inner, parts, phong, shininess, gleaming, b, gauss
-                    )  # fmt: skip
-                    cosine, gleam, m = cosine + d, gleam + h, 0
+                    d, h = boundary_sums(m, p, q, inner, parts, gleam, b, gauss)
+                    cosine, shine, m = cosine + d, shine + h, 0
                 first = m
                 for piece in range(placed, placed + more):
                     m = place_piece(m, low + length * piece, length, sense, nodes, b, gauss)
@@ -314,5 +309,5 @@ def arc_term(
                 else:
                     stretch(first, first + whole_vectors(m - first), curve, low + length * (placed + 0.5), curves, b)
                 placed += more
-    d, h = boundary_sums(m, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, inner, parts, phong, shininess, gleaming, b, gauss)
-    return (cosine + d) / math.pi, (gleam + h) / math.pi
+    d, h = boundary_sums(m, p, q, inner, parts, gleam, b, gauss)
+    return (cosine + d) / math.pi, (shine + h) / math.pi

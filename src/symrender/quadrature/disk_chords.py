@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.penumbra import segment_distance2
 from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.roots import quadratic_roots, quartic_roots
@@ -166,8 +167,7 @@ def shown(
 
 @jitable
 def chord_term(
-    p: LightPoint, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
-    vy: float, vz: float, step: int, log_rho: float, view: View, work: Work, gauss: Array,
+    p: LightPoint, n: int, lifted: bool, q: LitPoint, step: int, log_rho: float, view: View, work: Work, gauss: Array
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of V max(0, N.l), mean of V s) over a disk cut by the ``n`` curves listed in ``work.curves``.
 
@@ -176,7 +176,7 @@ def chord_term(
     phong, shininess, opened = view.shading.model == PHONG, view.shading.shininess, view.shading.terminator == OPEN
     rho = p.radius
     cosine, gleam = 0.0, 0.0
-    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
     e1x, e1y, e1z = rho * p.e1[0], rho * p.e1[1], rho * p.e1[2]
     e2x, e2y, e2z = rho * p.e2[0], rho * p.e2[1], rho * p.e2[2]
     c, s = turn_curves(work.curves, n)
@@ -194,18 +194,18 @@ def chord_term(
         b0, b1 = events[e], events[e + 1]
         if b1 - b0 < 1e-13:
             continue
-        for q in range(chords):
-            u = 0.5 * math.pi * gauss[0, base + q]
+        for chord in range(chords):
+            u = 0.5 * math.pi * gauss[0, base + chord]
             su, cu = math.sin(u), math.cos(u)
             b = b0 + (b1 - b0) * su * su
-            slope = gauss[1, base + q] * (b1 - b0) * su * cu
+            slope = gauss[1, base + chord] * (b1 - b0) * su * cu
             half = math.sqrt(max(0.0, (1.0 - b) * (1.0 + b)))
             pieces = chord_breaks(b, half, n, work) - 1
             for k in range(pieces):
                 a0, a1 = work.breaks[k], work.breaks[k + 1]
                 a = 0.5 * (a0 + a1)
                 x, y, z = yx + a * ax + b * bx, yy + a * ay + b * by, yz + a * az + b * bz
-                clear, above = shown(a, b, qx, qy, qz, x, y, z, n, view, work)
+                clear, above = shown(a, b, q.x, q.y, q.z, x, y, z, n, view, work)
                 above = above and lifted
                 if not clear or not (above or opened):
                     continue
@@ -213,8 +213,8 @@ def chord_term(
                     a = a0 + (a1 - a0) * gauss[0, inner + r]
                     w = slope * (a1 - a0) * gauss[1, inner + r]
                     d, h = light_term(
-                        yx + a * ax + b * bx, yy + a * ay + b * by, yz + a * az + b * bz, nx, ny, nz, vx, vy, vz, phong,
-                        shininess,
+                        yx + a * ax + b * bx, yy + a * ay + b * by, yz + a * az + b * bz, q.nx, q.ny, q.nz,
+                        q.vx, q.vy, q.vz, phong, shininess,
                     )  # fmt: skip
                     if above:
                         cosine += w * d

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, PARTLY, light_state
+from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.rooms import carry, enter_room, frame_view, turn
 from symrender.chambers.work import Frames, View, Work, begin_counts, scene_frames, scene_view, work_arrays
 from symrender.jit.compiled import compiled
@@ -88,8 +89,8 @@ def compared_step(step: int, finer: int, view: View) -> int:
 
 @jitable
 def toleranced(
-    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
-    vz: float, step: int, lambert: float, shine: float, tol: float, view: View, work: Work, table: Array,
+    i: int, state: int, q: LitPoint, step: int, lambert: float, shine: float, tol: float, view: View, work: Work,
+    table: Array,
 ) -> tuple[float, float, float]:  # fmt: skip
     """(mean of V max(0, N.l), mean of V s, error of lambert times the first plus shine times the second) of a disk.
 
@@ -97,28 +98,26 @@ def toleranced(
     """
     p = view.points[i]
     gleaming = shine != 0.0
-    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
-    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
+    n, lifted = 0, yx * q.nx + yy * q.ny + yz * q.nz > 0.0
     if state >= PARTLY:
-        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+        n, lifted = disk_curves(i, q.x, q.y, q.z, q.nx, q.ny, q.nz, view, work)
     if n < 0:
         return 0.0, 0.0, 0.0
-    if not chorded(p, n, yx, yy, yz, work) and is_tame(p, yx, yy, yz, nx, ny, nz, vx, vy, vz, gleaming, TAME_LOG, view):
+    if not chorded(p, n, yx, yy, yz, work) and is_tame(p, q, gleaming, TAME_LOG, view):
         first, second = compared_step(step, 0, view), compared_step(step, 1, view)
-        d0, s0 = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, first, gleaming, view, work, table)
-        d, s = mean_over_disk(i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, second, gleaming, view, work, table)
+        d0, s0 = mean_over_disk(i, state, q, first, gleaming, view, work, table)
+        d, s = mean_over_disk(i, state, q, second, gleaming, view, work, table)
         change = SAFETY * (lambert * abs(d - d0) + shine * abs(s - s0))
         if change <= tol:
             return d, s, change
         if state >= PARTLY:
-            n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+            n, lifted = disk_curves(i, q.x, q.y, q.z, q.nx, q.ny, q.nz, view, work)
     banded = n > 0 and work.curves[n - 1].bounds == TERMINATOR
     if not (lifted or banded or (gleaming and view.shading.terminator == OPEN)):
         return 0.0, 0.0, 0.0
     share = tol / max(1e-300, lambert + shine)
-    d, s, e = refined_term(
-        p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, gleaming, min(0.1, 0.1 * share), view, work, table,
-    )  # fmt: skip
+    d, s, e = refined_term(p, n, lifted or banded, q, gleaming, min(0.1, 0.1 * share), view, work, table)
     return d, s, (lambert + shine) * e
 
 
@@ -177,10 +176,9 @@ def disks_at(
         lambert = 0.0
         for c in range(3):
             lambert = max(lambert, view.shading.kd * albedo[c] * p.color[c])
-        d, s, change = toleranced(
-            i, state, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, lambert, ks * most, tol / view.points.shape[0],
-            view, work, table,
-        )  # fmt: skip
+        q = LitPoint(qx, qy, qz, nx, ny, nz, vx, vy, vz)
+        share = tol / view.points.shape[0]
+        d, s, change = toleranced(i, state, q, step, lambert, ks * most, share, view, work, table)
         for c in range(3):
             direct[c] += view.shading.kd * albedo[c] * p.color[c] * d + ks * p.color[c] * s
         error += change + ROUNDING * (lambert + ks * most)

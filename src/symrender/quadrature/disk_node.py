@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
+from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
@@ -114,8 +115,7 @@ def chorded(p: LightPoint, n: int, yx: float, yy: float, yz: float, work: Work) 
 
 @jitable
 def is_tame(
-    p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
-    float, gleaming: bool, least_log: float, view: View,
+    p: LightPoint, q: LitPoint, gleaming: bool, least_log: float, view: View
 ) -> bool:  # fmt: skip
     """Whether rules of fixed orders serve the highlight of a disk, seen from where it is not ``beside``.
 
@@ -125,29 +125,29 @@ def is_tame(
     if not gleaming:
         return True
     phong = view.shading.model == PHONG
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
     far = math.sqrt(yx * yx + yy * yy + yz * yz)
-    lean = highlight_lean(yx, yy, yz, far, vx, vy, vz)
+    lean = highlight_lean(yx, yy, yz, far, q.vx, q.vy, q.vz)
     if disk_log(far, p.radius, phong, view.shading.shininess, lean) < least_log:
         return False
     if not ending(view):
         return True
-    return not edge_crosses(p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong)
+    return not edge_crosses(p, yx, yy, yz, q.nx, q.ny, q.nz, q.vx, q.vy, q.vz, phong)
 
 
 @jitable
 def node_term(
-    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
-    vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: Array,
+    i: int, state: int, q: LitPoint, step: int, gleaming: bool, view: View, work: Work, gauss: Array
 ) -> tuple[float, float, float]:  # fmt: skip
     """(mean of V max(0, N.l), mean of V s, doubt of both) over disk ``i`` from Q, whose state is not ``DARK``.
 
     As ``disk_term``. The doubt is that of what was refined or left out; rules of fixed orders leave theirs to the step.
     """
     p = view.points[i]
-    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
-    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
+    n, lifted = 0, yx * q.nx + yy * q.ny + yz * q.nz > 0.0
     if state >= PARTLY:
-        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
+        n, lifted = disk_curves(i, q.x, q.y, q.z, q.nx, q.ny, q.nz, view, work)
     banded = n > 0 and work.curves[n - 1].bounds == TERMINATOR
     opened = view.shading.terminator == OPEN
     if n < 0 or not (lifted or banded or (gleaming and opened)):
@@ -155,7 +155,8 @@ def node_term(
     doubt, most = 0.0, 0.0
     if gleaming:
         most = may_shine(
-            yx, yy, yz, p.radius, nx, ny, nz, vx, vy, vz, view.shading.model == PHONG, view.shading.shininess
+            yx, yy, yz, p.radius, q.nx, q.ny, q.nz, q.vx, q.vy, q.vz, view.shading.model == PHONG,
+            view.shading.shininess,
         )  # fmt: skip
         if most < max(work.chart.fine, UNFELT * FALLS[step]):
             gleaming, doubt = False, most
@@ -164,25 +165,21 @@ def node_term(
     far = math.sqrt(yx * yx + yy * yy + yz * yz)
     log_rho = TAME_LOG
     if gleaming:
-        lean = highlight_lean(yx, yy, yz, far, vx, vy, vz)
+        lean = highlight_lean(yx, yy, yz, far, q.vx, q.vy, q.vz)
         log_rho = disk_log(far, p.radius, view.shading.model == PHONG, view.shading.shininess, lean)
     if log_rho < TAME_LOG:
         step = min(step, finest(work.chart.fine))
     served = LEVELS[step] / (2.0 * MAX_ORDER)
     if not chorded(p, n, yx, yy, yz, work):
         served /= MOST_PARTS
-    if not beside(p, yx, yy, yz) and is_tame(p, yx, yy, yz, nx, ny, nz, vx, vy, vz, gleaming, served, view):
-        cosine, gleam = listed_term(
-            p, n, lifted, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, gleaming, view, work, gauss
-        )  # fmt: skip
+    if not beside(p, yx, yy, yz) and is_tame(p, q, gleaming, served, view):
+        cosine, gleam = listed_term(p, n, lifted, q, step, gleaming, view, work, gauss)
         if log_rho < TAME_LOG:
             doubt += GROWTH * FALLS[step]
             work.counts.labour += int((LEVELS[step] / log_rho) ** 2) // POINTS
         elif gleaming:
             doubt += flank_doubt(step, most, gleam)
         return cosine, gleam, doubt
-    cosine, gleam, error = refined_term(
-        p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, gleaming,
-        max(work.chart.fine, ROUGHLY * FALLS[step]), view, work, gauss,
-    )  # fmt: skip
+    tol = max(work.chart.fine, ROUGHLY * FALLS[step])
+    cosine, gleam, error = refined_term(p, n, lifted or banded, q, gleaming, tol, view, work, gauss)
     return cosine, gleam, doubt + error

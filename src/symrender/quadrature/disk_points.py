@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.chambers.records import NODES, LightPoint, Nodes
 from symrender.chambers.row_powers import powers
 from symrender.jit.marks import jitable
@@ -54,25 +55,26 @@ def clear_sums(start: int, stop: int, b: Nodes) -> None:
 
 @jitable
 def add_points(
-    m: int, pull: float, share: float, p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float,
-    vx: float, vy: float, vz: float, phong: bool, shininess: float, gleaming: bool, b: Nodes,
+    m: int, pull: float, share: float, p: LightPoint, q: LitPoint, gleam: Gleam, b: Nodes
 ) -> None:  # fmt: skip
     """Add to the sums ``share`` times (N.l, s) of the first ``m`` points, drawn towards the centre by ``pull``.
 
-    The disk's centre is at offset y from Q. Without ``gleaming`` the highlights' sums stay.
+    Where no highlight is asked for, the highlights' sums stay.
     """
     m = whole_vectors(m)
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
+    nx, ny, nz, vx, vy, vz = q.nx, q.ny, q.nz, q.vx, q.vy, q.vz
     scale = pull * p.radius
     e1x, e1y, e1z = scale * p.e1[0], scale * p.e1[1], scale * p.e1[2]
     e2x, e2y, e2z = scale * p.e2[0], scale * p.e2[1], scale * p.e2[2]
-    if not gleaming:
+    if not gleam.asked:
         for i in range(m):
             a, c = b.across[0, i], b.across[1, i]
             lx, ly, lz = yx + a * e1x + c * e2x, yy + a * e1y + c * e2y, yz + a * e1z + c * e2z
             inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
             b.cosines[i] += share * (lx * nx + ly * ny + lz * nz) * inv
         return
-    if phong:
+    if gleam.phong:
         twice = 2.0 * (nx * vx + ny * vy + nz * vz)
         for i in range(m):
             a, c = b.across[0, i], b.across[1, i]
@@ -91,7 +93,7 @@ def add_points(
             hx, hy, hz = lx + vx, ly + vy, lz + vz
             half = max(0.0, hx * nx + hy * ny + hz * nz)
             b.radix[i] = min(1.0, half * half / max(hx * hx + hy * hy + hz * hz, 1e-300))
-    highlights(0, m, b, phong, shininess)
+    highlights(0, m, b, gleam.phong, gleam.shininess)
     for i in range(m):
         b.gleams[i] += share * b.power[i]
 
@@ -108,11 +110,10 @@ def weighed_sums(m: int, b: Nodes) -> tuple[float, float]:
 
 @jitable
 def whole_disk(
-    p: LightPoint, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz: float,
-    phong: bool, shininess: float, gleaming: bool, rule: int, b: Nodes, gauss: Array,
+    p: LightPoint, q: LitPoint, gleam: Gleam, rule: int, b: Nodes, gauss: Array
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of N.l, mean of s) over the whole disk, by this rule of ``gauss_table``."""
-    cosine, gleam = 0.0, 0.0
+    cosine, shine = 0.0, 0.0
     first, last = DISK_STARTS[rule], DISK_STARTS[rule + 1]
     while first < last:
         m = min(last - first, MOST_POINTS)
@@ -120,9 +121,9 @@ def whole_disk(
             b.across[0, i], b.across[1, i] = gauss[0, first + i], gauss[1, first + i]
             b.share[i] = gauss[2, first + i]
         clear_sums(0, whole_vectors(m), b)
-        add_points(m, 1.0, 1.0, p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, b)
+        add_points(m, 1.0, 1.0, p, q, gleam, b)
         d, s = weighed_sums(m, b)
         cosine += d
-        gleam += s
+        shine += s
         first += m
-    return cosine, gleam
+    return cosine, shine

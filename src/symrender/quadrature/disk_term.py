@@ -15,10 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.labels import PARTLY
-from symrender.chambers.records import Curve, LightPoint, Nodes
+from symrender.chambers.lit_point import Gleam, LitPoint
+from symrender.chambers.records import LightPoint
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.records import Table
 from symrender.quadrature.disk_arcs import arc_term
 from symrender.quadrature.disk_chords import chord_term
 from symrender.quadrature.disk_curves import BALL, EDGE_ON, TERMINATOR, disk_curves, elevation
@@ -80,24 +80,17 @@ def served(step: int, log_rho: float) -> bool:
 
 @jitable
 def cut_or_whole(
-    p: LightPoint, n: int, yx: float, yy: float, yz: float, nx: float, ny: float, nz: float, vx: float, vy: float, vz:
-    float, step: int, log_rho: float, phong: bool, shininess: float, gleaming: bool, curves: Table[Curve], turns: Array,
-    b: Nodes, gauss: Array,
+    p: LightPoint, n: int, q: LitPoint, step: int, log_rho: float, gleam: Gleam, work: Work, gauss: Array
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of N.l, mean of s) over the part of a disk that none of the first ``n`` curves of ``work.curves`` hides."""
     if n > 0 or not served(step, log_rho):
-        return arc_term(
-            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming, curves, turns, b, gauss
-        )  # fmt: skip
-    return whole_disk(
-        p, yx, yy, yz, nx, ny, nz, vx, vy, vz, phong, shininess, gleaming, disk_level(step, log_rho), b, gauss
-    )  # fmt: skip
+        return arc_term(p, n, q, step, log_rho, gleam, work.curves, work.turns, work.nodes, gauss)
+    return whole_disk(p, q, gleam, disk_level(step, log_rho), work.nodes, gauss)
 
 
 @inlined
 def disk_term(
-    i: int, state: int, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float, vy: float,
-    vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: Array,
+    i: int, state: int, q: LitPoint, step: int, gleaming: bool, view: View, work: Work, gauss: Array
 ) -> tuple[float, float]:  # fmt: skip
     """(mean of V max(0, N.l), mean of V s) over disk ``i`` from Q, whose state is not ``DARK``.
 
@@ -105,48 +98,41 @@ def disk_term(
     at the zenith.
     """
     p = view.points[i]
-    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
-    n, lifted = 0, yx * nx + yy * ny + yz * nz > 0.0
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
+    n, lifted = 0, yx * q.nx + yy * q.ny + yz * q.nz > 0.0
     if state >= PARTLY:
-        n, lifted = disk_curves(i, qx, qy, qz, nx, ny, nz, view, work)
-    return listed_term(p, n, lifted, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, gleaming, view, work, gauss)
+        n, lifted = disk_curves(i, q.x, q.y, q.z, q.nx, q.ny, q.nz, view, work)
+    return listed_term(p, n, lifted, q, step, gleaming, view, work, gauss)
 
 
 @jitable
 def listed_term(
-    p: LightPoint, n: int, lifted: bool, qx: float, qy: float, qz: float, nx: float, ny: float, nz: float, vx: float,
-    vy: float, vz: float, step: int, gleaming: bool, view: View, work: Work, gauss: Array,
+    p: LightPoint, n: int, lifted: bool, q: LitPoint, step: int, gleaming: bool, view: View, work: Work, gauss: Array
 ) -> tuple[float, float]:  # fmt: skip
     """The same where ``disk_curves`` has listed ``n`` curves and told whether what they leave is above Q."""
     phong, shininess = view.shading.model == PHONG, view.shading.shininess
-    yx, yy, yz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
+    yx, yy, yz = p.position[0] - q.x, p.position[1] - q.y, p.position[2] - q.z
     # highlights need not end at the terminator
     opened = gleaming and view.shading.terminator == OPEN
     banded = n > 0 and work.curves[n - 1].bounds == TERMINATOR
     if n < 0 or not (lifted or banded or opened):
         return 0.0, 0.0
     far = math.sqrt(yx * yx + yy * yy + yz * yz)
-    lean = highlight_lean(yx, yy, yz, far, vx, vy, vz)
+    lean = highlight_lean(yx, yy, yz, far, q.vx, q.vy, q.vz)
     log_rho = disk_log(far, p.radius, phong, shininess if gleaming else 0.0, lean)
     if n > 0:
         log_rho = min(log_rho, rim_log(p, yx, yy, yz))
     edge_on = elevation(p, yx, yy, yz) < EDGE_ON
     for k in range(n):
         if edge_on or work.curves[k].bounds >= BALL:
-            cosine, gleam = chord_term(
-                p, n, lifted or banded, qx, qy, qz, nx, ny, nz, vx, vy, vz, step, log_rho, view, work, gauss
-            )
+            cosine, gleam = chord_term(p, n, lifted or banded, q, step, log_rho, view, work, gauss)
             return cosine, (gleam if gleaming else 0.0)
     cosine, gleam = 0.0, 0.0
     beyond = opened and (banded or not lifted)
     if lifted or banded:
-        cosine, gleam = cut_or_whole(
-            p, n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, gleaming and not beyond,
-            work.curves, work.turns, work.nodes, gauss,
-        )  # fmt: skip
+        within = Gleam(phong, shininess, gleaming and not beyond)
+        cosine, gleam = cut_or_whole(p, n, q, step, log_rho, within, work, gauss)
     if beyond:
-        _, gleam = cut_or_whole(
-            p, n - 1 if banded else n, yx, yy, yz, nx, ny, nz, vx, vy, vz, step, log_rho, phong, shininess, True,
-            work.curves, work.turns, work.nodes, gauss,
-        )  # fmt: skip
+        shining = Gleam(phong, shininess, True)
+        _, gleam = cut_or_whole(p, n - 1 if banded else n, q, step, log_rho, shining, work, gauss)
     return cosine, gleam

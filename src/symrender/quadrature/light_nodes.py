@@ -19,6 +19,7 @@ from symrender.chambers.leaf_rows import (
     lambert_nodes_rows,
     phong_nodes_rows,
 )
+from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.lobes.record import Sender
 from symrender.chambers.lobes.sending import sent_shares
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes, Piece
@@ -292,11 +293,11 @@ def cut_disk(i: int, row: Piece, state: int, step: int, ks: float, view: View, w
     first, most, missed, seen = row.first, max(p.color[0], p.color[1], p.color[2]), 0.0, 0.0
     work.counts.labour += DISK_LABOUR * row.count
     for q in range(first, first + row.count):
-        cosine, gleam, doubt = node_term(
-            i, state, b.place[0, q], b.place[1, q], b.place[2, q], b.normal[0, q],
-            b.normal[1, q], b.normal[2, q], b.toward[0, q], b.toward[1, q],
-            b.toward[2, q], step, ks != 0.0, view, work, gauss,
+        lit_point = LitPoint(
+            b.place[0, q], b.place[1, q], b.place[2, q], b.normal[0, q], b.normal[1, q], b.normal[2, q],
+            b.toward[0, q], b.toward[1, q], b.toward[2, q],
         )  # fmt: skip
+        cosine, gleam, doubt = node_term(i, state, lit_point, step, ks != 0.0, view, work, gauss)
         missed += abs(b.weight[q]) * (ks + max(b.factor[0, q], b.factor[1, q], b.factor[2, q])) * doubt
         seen += gleam + abs(cosine) * max(b.factor[0, q], b.factor[1, q], b.factor[2, q])
         for a in range(3):

@@ -56,6 +56,7 @@ from symrender.quadrature.split_setup import (
     floor_strips,
     inside_another,
     place_point,
+    sphere_share,
     sphere_strips,
     stand_in_frame,
 )
@@ -152,6 +153,7 @@ def gloss_kernel(
         for a in range(3):
             value[a] = view.shading.background[a] * share
         bad = 0
+        part = sphere_share(own, lobe, view, work)
         for j in range(view.spheres.shape[0]):
             ball = view.spheres[j]
             if j == own or not in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, chart):
@@ -159,7 +161,7 @@ def gloss_kernel(
             if not walled and not conductor and not in_a_plane(view, work):
                 mass = aim_lattice(j, lobe, view, work)
                 if mass >= 0.0:
-                    spare = max(0.5 * (tol - total), 0.05 * tol)
+                    spare = max(part * (tol - total), min(0.05, part) * tol)
                     bright = sphere_bound(j, view, chart)
                     e = lattice_sum(j, own, spare, mass, bright, max_evaluations, view, work, value)
                     if e >= 0.0:
@@ -170,7 +172,7 @@ def gloss_kernel(
             # all of the shape, at the lobe's largest density on it
             gap = max(0.0, chart.lobe_beta - chart.beta_max)
             most = largest_density(4.0 * math.sin(0.5 * gap) ** 2, chart.lobe) * 2.0 * math.pi * k * k * bound
-            if gap < 1.5 and most < 0.1 * tol:
+            if gap < 1.5 and most < min(0.1, part) * tol:
                 total += held(most)
                 continue
             put_cones(view, work)
@@ -178,18 +180,9 @@ def gloss_kernel(
             sphere_strips(j, view, work)
             chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
             e, b = split_chart(
-                max(0.5 * (tol - total), 0.05 * tol),
-                view,
-                work,
-                gauss,
-                panels,
-                spans,
-                ids,
-                events,
-                scratch,
-                max_evaluations,
-                value,
-            )
+                max(part * (tol - total), min(0.05, part) * tol), view, work, gauss, panels, spans, ids, events,
+                scratch, max_evaluations, value,
+            )  # fmt: skip
             total += e
             bad += b
         for k in range(view.sides.shape[0]):

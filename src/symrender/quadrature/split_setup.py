@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.poles import pole_across
 from symrender.chambers.lobes.width import turning_width, width
 from symrender.chambers.records import DISTANT, INVERSE_SQUARE
@@ -33,6 +34,8 @@ UNSUPPORTED: Final = 3
 """The point lies inside another sphere; no value is given and the error is infinite."""
 EVENT: Final = 4
 """The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
+FEW: Final = 4
+"""Spheres inside a lobe up to which each takes half of the tolerance that is left."""
 GRAZING: Final = 1.2
 """Secant of an angle: circles that come no nearer to the floor's horizon do not sweep over what is far away."""
 MEETING_STEPS: Final = 2
@@ -81,6 +84,21 @@ def inside_another(point: Array, own: int, spheres: Table[Sphere]) -> bool:
         if j != own and x * x + y * y + z * z <= spheres[j].radius ** 2:
             return True
     return False
+
+
+@jitable
+def sphere_share(own: int, lobe: Array, view: View, work: Work) -> float:
+    """What one sphere may take of the tolerance that is left: with planes, all of them must not take more than all.
+
+    Halves of what is left, and never less than a twentieth, come to more than all of it from seven spheres on; and
+    little was then left for planes, whose charts are the dearest. Of many, a sphere gets an equal share of a half.
+    """
+    listed = 0
+    for j in range(view.spheres.shape[0]):
+        ball = view.spheres[j]
+        if j != own and in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, work.chart):
+            listed += 1
+    return 0.5 if listed <= FEW else 0.5 / listed
 
 
 @inlined

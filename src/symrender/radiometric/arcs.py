@@ -56,7 +56,7 @@ class Room(NamedTuple):
 def make_room(cones: int, arcs: int, nodes: int) -> Room:
     """Room for so many cones, arcs and bounds."""
     shapes: list[int | tuple[int, int]] = [*[cones] * 8, nodes + 1, (MAX_TERMS, 4)]
-    return Room(table(Arc, arcs), table(Crossing, 2 * arcs), *map(np.zeros, shapes))
+    return Room(table(Arc, arcs), table(Crossing, 4 * arcs), *map(np.zeros, shapes))
 
 
 @jitable

@@ -22,6 +22,7 @@ from symrender.leaves import radiometric as leaves
 from symrender.radiometric.arcs import TURN, Room, put_crossing, stretch
 from symrender.radiometric.bounds import held_by, inside_of, next_beside
 from symrender.radiometric.cones import put_polygon
+from symrender.radiometric.conics import cross_conic, is_conic
 from symrender.radiometric.pieces import Piece, corner, same
 from symrender.radiometric.vectors import Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
@@ -46,6 +47,11 @@ def cross_cone(room: Room, i: int, cone: int, found: int) -> int:
         if k == i or (int(arc.cone) == cone and other.linked != 0.0 and arc.linked != 0.0):
             continue
         room.caps[cone] += 1.0
+        if is_conic(arc, other):
+            found, begins = cross_conic(room, i, k, found)
+            if begins:
+                room.within[cone] += 1.0
+            continue
         begin, span = stretch(arc, other, i < k)
         if span == 0.0:
             continue

@@ -33,8 +33,14 @@ from symrender.scene.radiometric.records import Material
 SMALL: Final = 1.0 / 512.0
 """Share of the hemisphere below which errors are judged as of this share."""
 
-EVEN: Final = 0.25
-"""The mean of what a cell is off, in parts of the largest, where it is seen as a whole."""
+CAREFUL: Final = 4.0
+"""What the difference of two rules is taken to be, in its own parts, where its square is taken."""
+PEAK: Final = 2.5
+"""How much more than the mean the largest weight may be, in parts of what weights vary by."""
+SMALL_ENOUGH: Final = 0.35
+"""Reach of a cell over its distance up to which weights are looked at."""
+FLAT_ENOUGH: Final = 0.7
+"""What weights may vary over a cell, in parts of their mean, where they are taken to be about 1."""
 _A: Final = 0.470142064105115
 _B: Final = 0.101286507323456
 # Radon's rule of degree 5: the centre and two orbits of three
@@ -79,8 +85,9 @@ def average(
 ) -> tuple[float, float, float, float]:
     """(three channels, what they may be off) of the weighted average of what a cell sends over a part.
 
-    ``way`` leads from the cell's middle to the place. Where one node has all the weight two rules agree, and both are
-    wrong: so by how much their sum misses the form factor ``share`` counts too, times what the cell varies.
+    ``way`` leads from the cell's middle to the place. What the better rule is off is the difference of both times the
+    same again, in parts of what the cell varies. Where one node has all the weight two rules agree, and both are wrong:
+    so by how much their sum misses the form factor ``share``, which is known, counts too, times what the cell varies.
     """
     across, along = vector(cell.across), vector(cell.along)
     a = part_corner(scratch, part, 0)
@@ -127,6 +134,8 @@ def average(
     off = max(abs(red - low_red / less), abs(green - low_green / less), abs(blue - low_blue / less))
     varies = max(bright[0] - dark[0], bright[1] - dark[1], bright[2] - dark[2])
     missed = abs(whole / (2.0 * math.pi * share) - 1.0)
+    # the size of a part to the third and to the sixth power is what the rules of degrees 2 and 5 are off
+    off = off * min(1.0, CAREFUL * off / max(varies, 1e-300))
     return red, green, blue, max(off, min(2.0 * varies * missed, cell.spread))
 
 
@@ -195,12 +204,8 @@ def add_lobe(
 
 
 @jitable
-def mean_doubt(scratch: Scratch, cell: Cell, height: float, normal: Vector) -> float:
-    """What a cell that is seen as a whole may be off on the mean that a diffuse place takes.
-
-    A cubic of least squares is off to both sides, and its mean deviation is no more than ``EVEN`` of the largest; what
-    the weights of the mean vary over the cell is added. They are told by the corners and the middle.
-    """
+def unevenness(scratch: Scratch, height: float, normal: Vector) -> float:
+    """What weights vary over the first part, in parts of their mean: 0 is even, told by its corners and its middle."""
     x = y = z = 0.0
     low, high = math.inf, 0.0
     count = scratch.sizes[0]
@@ -211,5 +216,37 @@ def mean_doubt(scratch: Scratch, cell: Cell, height: float, normal: Vector) -> f
         low, high = min(low, weight), max(high, weight)
     weight = leaves.exchange(height, *normal, x, y, z)
     low, high = min(low, weight), max(high, weight)
-    uneven = (high - low) / max(high + low, 1e-300)
-    return cell.doubt * min(1.0, EVEN + uneven) + cell.drift
+    return (high - low) / max(high + low, 1e-300)
+
+
+@jitable
+def size_of(cell: Cell, place: Vector) -> float:
+    """Reach of a cell over its distance."""
+    w = minus(vector(cell.middle), place)
+    return cell.reach / math.sqrt(max(dot(w, w), 1e-300))
+
+
+@jitable
+def bending(uneven: float, size: float) -> float:
+    """A bound of what weights over a cell are no cubic, in parts of their mean.
+
+    ``size`` is its reach over its distance. 1/r^4 has the terms of a series in the size; times a cosine that is linear,
+    whose slope is no more than that of the other, but for what the weights vary by in all.
+    """
+    return min(1.0, 20.0 * size * size * size * (size + 0.25 * uneven))
+
+
+@jitable
+def mean_doubt(cell: Cell, uneven: float, size: float) -> float:
+    """What a cell that is seen as a whole may be off on the mean that a diffuse place takes.
+
+    A cell with halves is off by as much as its leaves, of which the nearer weigh more, and so may what it is off alike.
+    """
+    if uneven >= FLAT_ENOUGH or size >= SMALL_ENOUGH:
+        # only a leaf is taken then
+        return cell.doubt + cell.drift
+    bend = bending(uneven, size)
+    doubt: float = min(cell.doubt, (1.0 + uneven) * cell.even + bend * cell.bulk)
+    if cell.first >= 0:
+        doubt = (1.0 + PEAK * uneven) * doubt + bend * cell.rough
+    return doubt + cell.haze + min(1.0, PEAK * uneven) * (cell.drift - cell.haze)

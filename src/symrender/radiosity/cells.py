@@ -10,11 +10,16 @@ import numpy as np
 from symrender.radiometric.vectors import Array
 from symrender.radiosity.records import CHANNELS, TERMS, Ints
 
-_GAUSS: Final = 0.5 + 0.5 * np.polynomial.legendre.leggauss(4)[0]
+_LEGENDRE: Final = np.polynomial.legendre.leggauss(4)
+_GAUSS: Final = 0.5 + 0.5 * _LEGENDRE[0]
 _CHECKED: Final = np.array([0.02, 0.5, 0.98])
 NODES: Final = 16
 """Places at which a cell is sampled for its cubic; the others are for checking it alone."""
 PLACES: Final = NODES + 9
+EVEN: Final = 0.25
+"""The most that deviations come to on a mean, in parts of the largest."""
+PASSED: Final = 0.08
+"""What they may come to where rules tell nothing of it, in parts of the largest."""
 _STEEP: Final = 3.0
 """Ratio of its sides from which a cell is halved across the longer one."""
 _SLIVER: Final = 1e-9
@@ -48,8 +53,7 @@ def joined(parts: list[Quads]) -> Quads:
 
 def sampled_places(quads: Quads) -> Array:
     """(N, PLACES, 3): the places of every cell at which it is sampled."""
-    pairs = [np.stack(np.meshgrid(one, one, indexing="ij"), axis=-1).reshape(-1, 2) for one in (_GAUSS, _CHECKED)]
-    s, t = np.concatenate(pairs).T
+    s, t = _square_places().T
     weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
     return np.asarray(np.einsum("pk,nkc->npc", weights, quads.corners))
 
@@ -63,6 +67,10 @@ class Frames:
     along: Array
     reach: Array
     area: Array
+
+    def some(self, which: Ints) -> Frames:
+        """Those of ``which``."""
+        return Frames(*(each[which] for each in (self.middle, self.across, self.along, self.reach, self.area)))
 
 
 def frames_of(quads: Quads, ups: Array) -> Frames:
@@ -94,14 +102,71 @@ def monomials(frames: Frames, places: Array) -> Array:
     return np.stack([one, u, v, u * u, u * v, v * v, u**3, u * u * v, u * v * v, v**3], axis=-1)
 
 
-def fitted(powers: Array, values: Array) -> tuple[Array, Array]:
-    """(terms (N, CHANNELS, TERMS), largest deviation (N,)) of the cubics through samples (N, PLACES, CHANNELS).
+def node_weights(quads: Quads) -> Array:
+    """(N, NODES): what the places of a cell that are nodes weigh in a mean over its area."""
+    pairs = np.stack(np.meshgrid(_GAUSS, _GAUSS, indexing="ij"), axis=-1).reshape(-1, 2)
+    s, t = pairs[:, :1], pairs[:, 1:]
+    c = quads.corners[:, :, None]
+    by_s = (1 - t) * (c[:, 1] - c[:, 0]) + t * (c[:, 2] - c[:, 3])
+    by_t = (1 - s) * (c[:, 3] - c[:, 0]) + s * (c[:, 2] - c[:, 1])
+    crossed = np.cross(by_s, by_t)
+    weights = np.outer(_LEGENDRE[1], _LEGENDRE[1]).ravel() * np.sqrt((crossed**2).sum(axis=2))
+    # a cell without an area has nodes that weigh alike
+    return np.asarray(weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-300) + 1e-9)
 
-    The cubic is the one of least squares at the first NODES places; it deviates at all of them.
+
+def fitting(powers: Array, weights: Array) -> Array:
+    """(N, TERMS, NODES): what makes terms of samples at nodes.
+
+    By least squares with the weights of Gauss's rule, so that what is left has by this rule no mean, times any cubic.
     """
-    terms = np.linalg.pinv(powers[:, :NODES], rcond=1e-9) @ values[:, :NODES]
-    off = np.abs(powers @ terms - values).max(axis=(1, 2), initial=0.0)
-    return np.ascontiguousarray(terms.transpose(0, 2, 1)), off
+    roots = np.sqrt(weights)[:, None]
+    return np.asarray(np.linalg.pinv(powers[:, :NODES] * roots.transpose(0, 2, 1), rcond=1e-9) * roots)
+
+
+def deviations(powers: Array, fit: Array, left: Array) -> tuple[Array, Array, Array]:
+    """(largest, mean modulus, what they come to on a mean with cubics about 1) (N,) of ``left`` (N, PLACES, CHANNELS).
+
+    The mean modulus is the larger of those at nodes and at the other places. The last is what by Gauss's rule is a
+    cubic, all its terms, twice what another rule of degree 4 finds beside it, and, for what passes both, ``PASSED`` of
+    the largest; but no more than ``EVEN`` of it beside the cubic.
+    """
+    sizes = np.abs(left)
+    most = sizes.max(axis=(1, 2), initial=0.0)
+    bulk = np.maximum(
+        np.einsum("p,npc->nc", _NODES_WEIGH, sizes[:, :NODES]), np.einsum("p,npc->nc", _CHECKED_WEIGH, sizes[:, NODES:])
+    ).max(axis=1, initial=0.0)
+    cubic = fit @ left[:, :NODES]
+    low = np.abs(cubic).sum(axis=1).max(axis=1, initial=0.0)
+    rest = left - powers @ cubic
+    other = np.abs(np.einsum("p,npc->nc", _OTHER, rest)).max(axis=1, initial=0.0)
+    return most, bulk, np.minimum(most, low + np.minimum(EVEN * most, PASSED * most + 2.0 * other))
+
+
+def _other_rule() -> Array:
+    """(PLACES,): a rule of all places, exact for polynomials of degree 4 on a square, less Gauss's."""
+    s, t = 2.0 * _square_places().T - 1.0
+    pairs = [(i, j) for i in range(5) for j in range(5 - i)]
+    means = np.array([0.0 if i % 2 or j % 2 else 1.0 / ((i + 1) * (j + 1)) for i, j in pairs])
+    rule = np.linalg.lstsq(np.array([s**i * t**j for i, j in pairs]), means, rcond=None)[0]
+    rule[:NODES] -= _NODES_WEIGH
+    return np.asarray(rule)
+
+
+def _simpson() -> Array:
+    """(PLACES - NODES,): what places that are no nodes weigh in a mean over a square, as in Simpson's rule."""
+    return np.outer([1.0, 4.0, 1.0], [1.0, 4.0, 1.0]).ravel() / 36.0
+
+
+def _square_places() -> Array:
+    """(PLACES, 2): where cells are sampled, in the unit square."""
+    pairs = [np.stack(np.meshgrid(one, one, indexing="ij"), axis=-1).reshape(-1, 2) for one in (_GAUSS, _CHECKED)]
+    return np.concatenate(pairs)
+
+
+_NODES_WEIGH: Final = 0.25 * np.outer(_LEGENDRE[1], _LEGENDRE[1]).ravel()
+_CHECKED_WEIGH: Final = _simpson()
+_OTHER: Final = _other_rule()
 
 
 def constants(values: Array) -> Array:

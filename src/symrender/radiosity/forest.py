@@ -12,16 +12,20 @@ from symrender.jit.records import Table, table
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.cells import (
+    NODES,
     Frames,
     Quads,
     cut_along,
-    fitted,
+    deviations,
+    fitting,
     frames_of,
     halves,
     joined,
     monomials,
+    node_weights,
     sampled_places,
 )
+from symrender.radiosity.inner import Inner, inner_of
 from symrender.radiosity.near import Thing, too_large
 from symrender.radiosity.records import CHANNELS, NONE, Cell, Ints
 
@@ -30,7 +34,6 @@ Evaluate = Callable[[Ints, Array, Array], tuple[Array, Array]]
 
 SMALLEST: Final = 1e-7
 """Area of a cell, in parts of its face, below which it is not halved."""
-_NEVER: Final = 1e300
 CUTS: Final = 4000
 """Most cells a forest is cut into along segments."""
 
@@ -39,7 +42,7 @@ CUTS: Final = 4000
 class Forest:
     """Cells in a table whose first rows are the ``roots``; ``leaves`` are the rows of leaves.
 
-    ``unseen`` is the part of their doubt that stands for what no sample may have met.
+    ``unseen`` is the part of their doubt that stands for what no sample may have met; ``inner`` are those with halves.
     """
 
     cells: Table[Cell]
@@ -48,6 +51,7 @@ class Forest:
     quads: Quads
     frames: Frames
     unseen: Array
+    inner: Inner
 
 
 @dataclass
@@ -102,14 +106,18 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
     quads = joined(growing.parts)
     fresh = np.arange(len(quads))
     unseen: list[Array] = []
-    held: list[tuple[Array, Array]] = []
+    held: list[tuple[Array, Array, Array, Array]] = []
     while len(fresh):
         some = quads.some(fresh)
         frames = frames_of(some, _ups(world, some))
         places = sampled_places(some)
         values, off = sampled(some, places, evaluate)
-        made, missed = fitted(monomials(frames, places), values)
-        held.append((made, missed + off))
+        powers = monomials(frames, places)
+        fit = fitting(powers, node_weights(some))
+        made = fit @ values[:, :NODES]
+        missed, bulk, even = deviations(powers, fit, values - powers @ made)
+        off = off.max(axis=1)
+        held.append((np.ascontiguousarray(made.transpose(0, 2, 1)), missed + off, bulk + off, even + off))
         leaf = np.array([growing.first[row] == NONE for row in fresh], dtype=bool)
         share = frames.area / np.array([face_area[f] for f in some.face.tolist()])
         large, covered = too_large(limits.things, some, frames)
@@ -127,18 +135,17 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
             growing.first[parent], growing.second[parent] = a, b
         fresh = np.concatenate(rows)
         quads = joined([quads, one, two])
-    terms = np.concatenate([made for made, _ in held])
-    doubt = np.concatenate([off for _, off in held])
+    terms, doubt, bulk, even = (np.concatenate(parts) for parts in zip(*held, strict=True))
     # what no sample may have met changes a cell by no more than the most that anything sends
     missing = np.concatenate(unseen) * float(np.abs(terms[:, :, 0]).max(initial=0.0))
-    return _laid(world, growing, quads, len(roots), terms, doubt, missing)
+    return _laid(world, growing, quads, len(roots), (terms, Doubts(doubt, bulk, even, missing, missing)))
 
 
 def sampled(quads: Quads, places: Array, evaluate: Evaluate) -> tuple[Array, Array]:
-    """(values (N, P, CHANNELS), largest error (N,)) of cells at places (N, P, 3)."""
+    """(values (N, P, CHANNELS), their errors (N, P)) of cells at places (N, P, 3)."""
     per = places.shape[1]
     values, off = evaluate(np.repeat(quads.face, per), np.repeat(quads.side, per), places.reshape(-1, 3))
-    return values.reshape(-1, per, CHANNELS), off.reshape(-1, per).max(axis=1, initial=0.0)
+    return values.reshape(-1, per, CHANNELS), off.reshape(-1, per)
 
 
 def _ups(world: World, quads: Quads) -> Array:
@@ -178,10 +185,37 @@ def _quad(polygon: Array, face: Ints, side: Array) -> Quads:
     return Quads(face, side, np.array([len(polygon)]), corners[None])
 
 
-def _laid(
-    world: World, growing: _Growing, quads: Quads, roots: int, terms: Array, doubt: Array, unseen: Array
-) -> Forest:
-    """The forest as records; a cell with halves doubts no less than they do."""
+@dataclass(frozen=True)
+class Doubts:
+    """What N leaves may be off: the largest ``doubt`` of a deviation, its mean modulus ``bulk``, its ``even`` part.
+
+    ``drift`` is the largest and ``haze`` the mean of what is off anywhere and alike.
+    """
+
+    doubt: Array
+    bulk: Array
+    even: Array
+    drift: Array
+    haze: Array
+
+    def some(self, which: Ints) -> Doubts:
+        """Those of ``which``."""
+        return Doubts(*(each[which] for each in (self.doubt, self.bulk, self.even, self.drift, self.haze)))
+
+    def write(self, cells: Table[Cell], rows: Ints) -> None:
+        """Write them into leaves."""
+        for name in ("doubt", "bulk", "even", "drift", "haze"):
+            cells[name][rows] = getattr(self, name)
+
+
+def doubts_of(cells: Table[Cell], rows: Ints) -> Doubts:
+    """What leaves may be off."""
+    return Doubts(*(np.asarray(cells[name])[rows].copy() for name in ("doubt", "bulk", "even", "drift", "haze")))
+
+
+def _laid(world: World, growing: _Growing, quads: Quads, roots: int, found: tuple[Array, Doubts]) -> Forest:
+    """The forest as records; ``found`` are terms and what they doubt."""
+    terms, doubts = found
     frames = frames_of(quads, _ups(world, quads))
     cells = table(Cell, len(quads))
     for name in ("middle", "across", "along", "reach", "area"):
@@ -189,23 +223,21 @@ def _laid(
     cells["face"][:], cells["side"][:], cells["count"][:] = quads.face, quads.side, quads.count
     cells["first"][:], cells["second"][:] = growing.first, growing.second
     cells["corners"][:, :12] = quads.corners.reshape(-1, 12)
-    for row, polygon in growing.pentagons.items():
-        cell, middle = cells[row], polygon.mean(axis=0)
+    # from the last on, so that halves of five corners are known
+    for row in sorted(growing.pentagons, reverse=True):
+        cell, polygon = cells[row], growing.pentagons[row]
+        middle = polygon.mean(axis=0)
         cell.count, cell.corners[:], cell.middle[:] = 5, polygon.reshape(-1), middle
         cell.reach = np.sqrt(((polygon - middle) ** 2).sum(axis=1)).max()
         cell.area = sum(cells["area"][child] for child in (growing.first[row], growing.second[row]))
-        # what it would send itself is never used
-        doubt[row] = _NEVER
-    drift = unseen.copy()
-    for row in range(len(quads) - 1, -1, -1):
-        if growing.first[row] != NONE:
-            halves_of = (growing.first[row], growing.second[row])
-            doubt[row] = max(doubt[row], *(doubt[half] for half in halves_of))
-            drift[row] = max(drift[row], *(drift[half] for half in halves_of))
-    cells["doubt"][:], cells["drift"][:] = doubt, drift
+    first, second = np.array(growing.first), np.array(growing.second)
+    leaves = np.flatnonzero(first == NONE)
+    inner = inner_of(quads, frames, first, second, np.array(sorted(growing.pentagons), dtype=np.int64))
     put_terms(cells, np.arange(len(quads)), terms)
-    leaves = np.flatnonzero(np.array(growing.first) == NONE)
-    return Forest(cells, np.arange(roots), leaves, quads, frames, unseen)
+    inner.write(cells)
+    doubts.some(leaves).write(cells, leaves)
+    inner.write_doubts(cells)
+    return Forest(cells, np.arange(roots), leaves, quads, frames, doubts.drift, inner)
 
 
 def put_terms(cells: Table[Cell], rows: Ints, terms: Array) -> None:

@@ -15,14 +15,29 @@ from symrender.leaves import values
 from symrender.radiometric.sight import height_over, turned_away
 from symrender.radiometric.vectors import Array, Vector, dot, minus, vector
 from symrender.radiometric.world import World
-from symrender.radiosity.adding import SMALL, add_lobe, add_part, largest_mass, mean_doubt
+from symrender.radiosity.adding import (
+    FLAT_ENOUGH,
+    PEAK,
+    SMALL,
+    SMALL_ENOUGH,
+    add_lobe,
+    add_part,
+    bending,
+    largest_mass,
+    largest_share,
+    mean_doubt,
+    size_of,
+    unevenness,
+)
 from symrender.radiosity.hidden import gather_occluders, overlaps
-from symrender.radiosity.parts import cut, longest_way, range_over
+from symrender.radiosity.parts import cut, longest_way, part_share, range_over
 from symrender.radiosity.records import (
+    BOUND,
     CHANNELS,
     FREE,
     MOST,
     NEAR,
+    NEVER,
     RULE,
     SPACES,
     WORK,
@@ -61,6 +76,36 @@ def keep_above(scratch: Scratch, normal: Vector) -> None:
 
 
 @jitable
+def lay_part(scratch: Scratch, cell: Cell, place: Vector) -> None:
+    """Write a cell as the first part."""
+    for i in range(cell.count):
+        for c in range(CHANNELS):
+            scratch.corners[0, 3 * i + c] = cell.corners[3 * i + c] - place[c]
+    scratch.sizes[0] = cell.count
+
+
+@jitable
+def is_whole(scratch: Scratch, normal: Vector, rings: int) -> bool:
+    """Whether the first part is above the horizon and no sphere hides any of it."""
+    low, _ = range_over(scratch, 0, normal, 0.0)
+    return low > 0.0 and is_open(scratch, rings)
+
+
+@jitable
+def takes_whole(cell: Cell, height: float, at: Receiver, rings: int, fine: float, scratch: Scratch) -> bool:
+    """Whether a diffuse place, to which faces hide none of a cell with halves, may gather of it what these send."""
+    size = size_of(cell, at.place)
+    if cell.rough >= NEVER or size >= SMALL_ENOUGH:
+        return False
+    lay_part(scratch, cell, at.place)
+    if not is_whole(scratch, at.normal, rings):
+        return False
+    uneven = unevenness(scratch, height, at.normal)
+    mass = largest_share(cell, height, at.place, at.normal)
+    return uneven < FLAT_ENOUGH and bending(uneven, size) * cell.rough * mass <= fine * (mass + SMALL)
+
+
+@jitable
 def add_cell(
     material: Material, cell: Cell, occluders: int, rings: int, clear: bool, height: float, at: Receiver, fine: float,
     scratch: Scratch, sums: Array,
@@ -68,14 +113,18 @@ def add_cell(
     """Add what the visible parts of a cell send; the circles of ``rings`` spheres may hide some of it."""
     place, hidden = at.place, occluders + rings
     way = minus(place, vector(cell.middle))
-    for i in range(cell.count):
-        for c in range(CHANNELS):
-            scratch.corners[0, 3 * i + c] = cell.corners[3 * i + c] - place[c]
-    scratch.sizes[0], scratch.done[0], scratch.rings[0] = cell.count, occluders if clear else 0, FREE
-    doubt = cell.doubt + cell.drift
+    lay_part(scratch, cell, place)
+    scratch.done[0], scratch.rings[0] = occluders if clear else 0, FREE
+    doubt, most = cell.doubt + cell.drift, math.inf
     low, _ = range_over(scratch, 0, at.normal, 0.0)
-    if clear and low > 0.0 and material.kind == DIFFUSE and is_open(scratch, rings):
-        doubt = mean_doubt(scratch, cell, height, at.normal)
+    if low > 0.0 and material.kind == DIFFUSE:
+        uneven = unevenness(scratch, height, at.normal)
+        if clear and is_open(scratch, rings):
+            doubt = mean_doubt(cell, uneven, size_of(cell, place))
+        elif uneven < FLAT_ENOUGH and size_of(cell, place) < SMALL_ENOUGH:
+            # whatever of it is seen
+            whole = part_share(scratch, 0, at.normal)
+            most = sums[BOUND] + whole * ((1.0 + PEAK * uneven) * cell.bulk + cell.drift)
     keep_above(scratch, at.normal)
     if material.kind == PHONG and scratch.sizes[0] > 2:
         # beyond a right angle from the mirror direction cos^n ends
@@ -117,6 +166,7 @@ def add_cell(
         scratch.done[upper], scratch.done[part] = occluders, occluders
         scratch.rings[upper], scratch.rings[part] = FREE, FREE
         waiting += 1
+    sums[BOUND] = min(sums[BOUND], most)
 
 
 @jitable
@@ -184,8 +234,12 @@ def gather_face(
         if hidden:
             continue
         if cell.first >= 0:
-            mass = largest_mass(material, cell, height, at)
-            if (cell.doubt + cell.drift) * mass > fine * (mass + SMALL):
+            if material.kind == DIFFUSE:
+                taken = clear and takes_whole(cell, height, at, rings, fine, scratch)
+            else:
+                mass = largest_mass(material, cell, height, at)
+                taken = (cell.doubt + cell.drift) * mass <= fine * (mass + SMALL)
+            if not taken:
                 scratch.waiting[waiting] = 2 * cell.first + (1 if clear else 0)
                 scratch.waiting[waiting + 1] = 2 * cell.second + (1 if clear else 0)
                 waiting += 2

@@ -27,6 +27,8 @@ NEAR: Final = 6
 SUMS: Final = 7
 NONE: Final = -1
 """What stands for a cell that is not there."""
+NEVER: Final = 1e300
+"""What stands for what a cell may be off whose cubic is not used."""
 
 
 class Cell(Record):
@@ -37,6 +39,9 @@ class Cell(Record):
     within -1 and 1; no place of it is farther from there than ``reach``. ``terms`` are the coefficients of 1, u, v, uu,
     uv, vv, uuu, uuv, uvv, vvv, channel by channel; ``spread`` bounds all but the first. ``doubt`` is the largest
     deviation of them that it expects, which has both signs; ``drift`` is what it may be off beside, anywhere and alike.
+    ``bulk`` is the mean modulus of deviations and ``even`` what they may come to on a mean with weights that are cubics
+    about 1; ``haze`` is the mean of what is off alike, of which ``drift`` is the largest. A cell with halves sends what
+    its leaves send but for ``rough``; its ``doubt`` and ``drift`` are their largest, the others means over its area.
     """
 
     face: int
@@ -54,6 +59,10 @@ class Cell(Record):
     spread: float
     doubt: float
     drift: float
+    even: float
+    bulk: float
+    haze: float
+    rough: float
 
 
 class HalfSpace(Record):

@@ -27,12 +27,22 @@ from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import contacts, shadow_edges
-from symrender.radiosity.cells import NODES, Frames, Quads, monomials, sampled_places
-from symrender.radiosity.forest import Forest, Limits, grown, put_terms, root_cells, sampled
+from symrender.radiosity.cells import NODES, Quads, deviations, fitting, monomials, node_weights, sampled_places
+from symrender.radiosity.forest import (
+    Doubts,
+    Evaluate,
+    Forest,
+    Limits,
+    doubts_of,
+    grown,
+    put_terms,
+    root_cells,
+    sampled,
+)
 from symrender.radiosity.gather import gather_places
 from symrender.radiosity.near import lamps, pieces_of
 from symrender.radiosity.places import fill_lit
-from symrender.radiosity.records import BOUND, CHANNELS, RULE, SUMS, Ints, make_scratch
+from symrender.radiosity.records import BOUND, CHANNELS, NEVER, RULE, SUMS, Ints, make_scratch
 from symrender.scene.radiometric.arrays import DIFFUSE
 
 MOST_LIT: Final = 12_000
@@ -46,9 +56,17 @@ _CHUNK: Final = 256
 _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
 _MOST_TERMS: Final = 400
-_TRIES: Final = 3
-_AIM: Final = 0.5
-"""Part of the tolerance that is stated at ``_SHARE_MET`` of places, where the forests can be made fine enough."""
+_TRIES: Final = 4
+_COARSE: Final = 4.0
+"""Target of the first cells where light is reflected more than once, in parts of the tolerance."""
+_ENOUGH: Final = 1.0
+"""Part of the tolerance that is stated at ``_SHARE_MET`` of places of faces, where cells can be made fine enough.
+
+Of pixels some 99 of 100 then state the tolerance or less."""
+_AIM: Final = 0.9
+"""The same of the next cells, where what was stated is too much."""
+_FALLS: Final = 0.57
+"""Power of the target with which what is stated falls, as long as nothing else is known of it."""
 _SHARE_MET: Final = 0.9
 
 
@@ -59,6 +77,12 @@ class Faces:
     face: Ints
     side: Array
     albedo: Array
+
+    def of(self, face: Ints, side: Array) -> Array:
+        """(M, 3): how sides of faces reflect."""
+        known = np.zeros((int(self.face.max(initial=0)) + 1, 2, CHANNELS))
+        known[self.face, (self.side > 0).astype(np.int64)] = self.albedo
+        return np.asarray(known[face, (side > 0).astype(np.int64)])
 
 
 def reflecting(world: World) -> Faces:
@@ -160,40 +184,35 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
     if not len(faces.face):
         return Sendings(world, (), fine)
     roots = root_cells(world, faces.face, faces.side)
-    albedo = {(int(f), float(s)): a for f, s, a in zip(faces.face, faces.side, faces.albedo, strict=True)}
     edges = [contacts(world, int(f)) for f in faces.face]
     shadows = [shadow_edges(world, int(f), float(s)) for f, s in zip(faces.face, faces.side, strict=True)]
 
-    def reflect(face: Ints, side: Array, light: Array) -> Array:
-        each = np.array([albedo[int(f), float(s)] for f, s in zip(face, side, strict=True)]).reshape(-1, 3)
-        return each * light
-
     def lit(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
         light = direct(world, face, side, places, threads) / math.pi
-        return reflect(face, side, light), np.zeros(len(places))
-
-    def indirect(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
-        sums = gather(world, (first,), face, (side > 0).astype(np.int64), places, fine, threads)
-        return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
+        return faces.of(face, side) * light, np.zeros(len(places))
 
     cuts = [a + b for a, b in zip(edges, shadows, strict=True)]
     glossy = any(world.materials[int(piece.material)].kind != DIFFUSE for piece in world.pieces)
-    target, limits = tol, (MOST_SHARP if glossy else MOST_LIT, MOST_GATHERED)
+    target, limits = (_COARSE if bounces else 1.0) * tol, (MOST_SHARP if glossy else MOST_LIT, MOST_GATHERED)
+    solver = _Solver(world, faces, fine, threads)
+    falls, last = _FALLS, (0.0, 0.0)
     for _ in range(_TRIES):
         aim = min(target, _SHARP * tol) if glossy else target
         first = grown(world, roots, cuts, lit, Limits(aim, limits[0], lamps(world), glossy))
         made = Sendings(world, (first,), fine)
         if bounces:
-            second = grown(world, roots, edges, indirect, Limits(target, MOST_GATHERED, pieces_of(world)))
-            _iterate(world, first, second, reflect, most, fine, target, threads)
-            made = Sendings(world, (first, second), fine)
+            things = Limits(target, MOST_GATHERED, pieces_of(world))
+            made = Sendings(world, (first, solver.reflected(first, roots, edges, things)), fine)
         stated = most * np.quantile(_stated(made, roots, threads), _SHARE_MET)
         full = any(
             len(forest.cells) >= most_cells - 1 for forest, most_cells in zip(made.forests, limits, strict=False)
         )
-        if stated <= _AIM * tol or full:
+        if stated <= _ENOUGH * tol or full:
             break
-        target *= _AIM * tol / stated
+        if last[0] > 0.0:
+            falls = min(1.0, max(0.3, math.log(stated / last[1]) / math.log(target / last[0])))
+        last = (target, stated)
+        target *= max(1e-3, (_AIM * tol / stated) ** (1.0 / falls))
     return made
 
 
@@ -219,95 +238,115 @@ def direct(world: World, face: Ints, side: Array, places: Array, threads: int) -
     return found
 
 
-def _iterate(
-    world: World, first: Forest, second: Forest, reflect: Any, most: float, fine: float, tol: float, threads: int
-) -> None:  # fmt: skip
-    """Fill the second forest with all reflections, and with what they may be off."""
-    rows = second.leaves
-    quads = second.quads.some(rows)
-    places = sampled_places(quads)
-    powers = monomials(_some(second, rows), places)
-    nodes = places[:, :NODES]
-    # rows with halves are never used: what they would send is not kept
-    inner = np.setdiff1d(np.arange(len(second.cells)), rows)
-    second.cells["doubt"][inner] = 1e300
-    second.cells["doubt"][rows], second.cells["drift"][rows] = 0.0, 0.0
-    term = np.asarray(second.cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).copy()
-    total = term.copy()
-    solver = np.linalg.pinv(powers[:, :NODES], rcond=1e-9)
+@dataclass
+class _Solver:
+    """Who finds what faces reflect, starting from what is ``known`` on the cells of the last time."""
 
-    def step(face: Ints, side: Array, at: Array) -> tuple[Array, Array]:
-        sums = gather(world, (second,), face, (side > 0).astype(np.int64), at, fine, threads)
-        return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
+    world: World
+    faces: Faces
+    fine: float
+    threads: int
+    known: tuple[Forest, ...] = ()
 
-    before = (powers[:, :NODES] @ term.transpose(0, 2, 1)).reshape(-1, CHANNELS)
-    for _ in range(_MOST_TERMS):
-        put_terms(second.cells, rows, term)
-        values, _ = sampled(quads, nodes, step)
-        term = np.ascontiguousarray((solver @ values).transpose(0, 2, 1))
-        total += term
-        now = values.reshape(-1, CHANNELS)
-        # what follows a term that is a multiple of the one before is a geometric series
-        ratio = np.clip((now * before).sum(axis=0) / np.maximum((before**2).sum(axis=0), 1e-300), 0.0, most)
-        off = np.abs(now - ratio * before).max(initial=0.0)
-        before = now
-        if float(off) * most / (1.0 - most) < _TAIL * tol:
-            total += term * (ratio / (1.0 - ratio))[None, :, None]
-            break
-    put_terms(second.cells, rows, total)
+    @property
+    def most(self) -> float:
+        """The largest reflectance."""
+        return float(self.faces.albedo.max(initial=0.0))
 
-    # the residual: what is gathered of both forests, less what the second holds
-    def both(face: Ints, side: Array, at: Array) -> tuple[Array, Array]:
-        sums = gather(world, (first, second), face, (side > 0).astype(np.int64), at, fine, threads)
-        return reflect(face, side, sums[:, :CHANNELS]), most * sums[:, RULE]
+    def gathered(self, forests: tuple[Forest, ...]) -> Evaluate:
+        """What places reflect of what forests send, and what the rule may be off."""
 
-    values, off = sampled(quads, places, both)
-    held = powers @ total.transpose(0, 2, 1)
-    second.cells["doubt"][rows] = np.abs(held - values).max(axis=(1, 2), initial=0.0)
-    second.cells["drift"][rows] = off + second.unseen[rows]
-    _bound(world, first, second, quads, places, most, fine, threads)
+        def evaluate(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
+            fronts = (side > 0).astype(np.int64)
+            sums = gather(self.world, forests, face, fronts, places, self.fine, self.threads)
+            return self.faces.of(face, side) * sums[:, :CHANNELS], self.most * sums[:, RULE]
 
+        return evaluate
 
-def _bound(
-    world: World, first: Forest, second: Forest, quads: Quads, places: Array, most: float, fine: float, threads: int
-) -> None:  # fmt: skip
-    """Add to what the leaves of the second forest doubt what follows from it, u = rho K(d + u)."""
-    rows = second.leaves
-    few = np.ascontiguousarray(places[:, [0, 3, 12, 15, NODES + 4]])
-    face, fronts = np.repeat(quads.face, few.shape[1]), np.repeat((quads.side > 0).astype(np.int64), few.shape[1])
-    own, drift = second.cells["doubt"][rows].copy(), second.cells["drift"][rows].copy()
-    # bounds alone are gathered: what varies within a cell asks for no finer rule
-    spreads = [forest.cells["spread"].copy() for forest in (first, second)]
-    for forest in (first, second):
-        forest.cells["spread"][:] = 0.0
-    grows = np.zeros((len(rows), few.shape[1]))
-    # a cell sends on what it gathers by its own reflectance
-    faces = reflecting(world)
-    each = {(int(f), float(s)): a.max() for f, s, a in zip(faces.face, faces.side, faces.albedo, strict=True)}
-    reflects = np.array([each[int(f), float(s)] for f, s in zip(quads.face, quads.side, strict=True)])[:, None]
-    forests: tuple[Forest, ...] = (first, second)
-    for _ in range(_MOST_TERMS):
-        sums = gather(world, forests, face, fronts, few.reshape(-1, 3), fine, threads)
-        forests = (second,)
-        more = reflects * sums[:, BOUND].reshape(-1, few.shape[1])
-        grows += more
-        # what is more than the mean of a cell counts as its deviations do
-        mean = more.mean(axis=1)
-        second.cells["doubt"][rows], second.cells["drift"][rows] = more.max(axis=1, initial=0.0) - mean, mean
-        largest = float(more.max(initial=0.0)) * most / (1.0 - most)
-        if largest <= 0.05 * float(grows.max(initial=0.0)):
-            grows += largest
-            break
-    for forest, spread in zip((first, second), spreads, strict=True):
-        forest.cells["spread"][:] = spread
-    mean = grows.mean(axis=1)
-    second.cells["doubt"][rows] = own + grows.max(axis=1, initial=0.0) - mean
-    second.cells["drift"][rows] = drift + mean
+    def reflected(self, first: Forest, roots: Quads, edges: list[list[Array]], limits: Limits) -> Forest:
+        """All reflections of what ``first`` sends, and what they may be off."""
+        second = grown(self.world, roots, edges, self.gathered((first, *self.known)), limits)
+        rows = second.leaves
+        quads = second.quads.some(rows)
+        places = sampled_places(quads)
+        powers = monomials(second.frames.some(rows), places)
+        fit = fitting(powers, node_weights(quads))
+        self._iterate(first, second, places[:, :NODES], powers[:, :NODES], fit, limits.target)
+        # the residual: what is gathered of both forests, less what the second holds
+        values, off = sampled(quads, places, self.gathered((first, second)))
+        held = powers @ np.asarray(second.cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).transpose(0, 2, 1)
+        unseen = second.unseen[rows]
+        doubts = Doubts(*deviations(powers, fit, values - held), off.max(axis=1) + unseen, off.mean(axis=1) + unseen)
+        doubts.write(second.cells, rows)
+        second.inner.write_doubts(second.cells)
+        self._bound(first, second, quads, places)
+        self.known = (second,)
+        return second
 
+    def _iterate(
+        self, first: Forest, second: Forest, nodes: Array, powers: Array, fit: Array, target: float
+    ) -> None:  # fmt: skip
+        """Fill the second forest with all reflections, from what it holds on."""
+        rows, most = second.leaves, self.most
+        quads = second.quads.some(rows)
+        total = np.asarray(second.cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).copy()
+        term, before = total, (powers @ total.transpose(0, 2, 1)).reshape(-1, CHANNELS)
+        # without something known the second forest holds the first term of the series, else all but a residual of it
+        missing = bool(self.known)
+        for _ in range(_MOST_TERMS):
+            put_terms(second.cells, rows, term)
+            second.inner.write(second.cells)
+            values, _ = sampled(quads, nodes, self.gathered((first, second) if missing else (second,)))
+            now = values.reshape(-1, CHANNELS)
+            if missing:
+                now, before = now - before, np.zeros_like(before)
+            missing = False
+            term = np.ascontiguousarray((fit @ now.reshape(values.shape)).transpose(0, 2, 1))
+            total = total + term
+            # what follows a term that is a multiple of the one before is a geometric series
+            ratio = np.clip((now * before).sum(axis=0) / np.maximum((before**2).sum(axis=0), 1e-300), 0.0, most)
+            off = np.abs(now - ratio * before).max(initial=0.0)
+            before = now
+            if float(off) * most / (1.0 - most) < _TAIL * target:
+                total += term * (ratio / (1.0 - ratio))[None, :, None]
+                break
+        put_terms(second.cells, rows, total)
+        second.inner.write(second.cells)
 
-def _some(forest: Forest, rows: Ints) -> Frames:
-    f = forest.frames
-    return Frames(f.middle[rows], f.across[rows], f.along[rows], f.reach[rows], f.area[rows])
+    def _bound(self, first: Forest, second: Forest, quads: Quads, places: Array) -> None:
+        """Add to what the leaves of the second forest doubt what follows from it, u = rho K(d + u)."""
+        rows, cells = second.leaves, second.cells
+        few = np.ascontiguousarray(places[:, [0, 3, 12, 15, NODES + 4]])
+        face, fronts = np.repeat(quads.face, few.shape[1]), np.repeat((quads.side > 0).astype(np.int64), few.shape[1])
+        doubts, none = doubts_of(cells, rows), np.zeros(len(rows))
+        # bounds alone are gathered: what varies within a cell asks for no finer rule
+        spreads = [forest.cells["spread"].copy() for forest in (first, second)]
+        for forest in (first, second):
+            forest.cells["spread"][:] = 0.0
+        rough = cells["rough"].copy()
+        grows = np.zeros((len(rows), few.shape[1]))
+        # a cell sends on what it gathers by its own reflectance
+        reflects = self.faces.of(quads.face, quads.side).max(axis=1)[:, None]
+        forests: tuple[Forest, ...] = (first, second)
+        for _ in range(_MOST_TERMS):
+            sums = gather(self.world, forests, face, fronts, few.reshape(-1, 3), self.fine, self.threads)
+            more = reflects * sums[:, BOUND].reshape(-1, few.shape[1])
+            grows += more
+            largest = float(more.max(initial=0.0)) * self.most / (1.0 - self.most)
+            if largest <= 0.05 * float(grows.max(initial=0.0)):
+                grows += largest
+                break
+            # bounds are joined as they are: no cubic stands for them
+            forests = (second,)
+            cells["rough"][:] = np.where(rough < NEVER, 0.0, rough)
+            Doubts(none, none, none, more.max(axis=1), more.mean(axis=1)).write(cells, rows)
+            second.inner.write_doubts(cells)
+        for forest, spread in zip((first, second), spreads, strict=True):
+            forest.cells["spread"][:] = spread
+        cells["rough"][:] = rough
+        drift, haze = doubts.drift + grows.max(axis=1), doubts.haze + grows.mean(axis=1)
+        Doubts(doubts.doubt, doubts.bulk, doubts.even, drift, haze).write(cells, rows)
+        second.inner.write_doubts(cells)
 
 
 @lru_cache(maxsize=1)
