@@ -61,7 +61,7 @@ def truth(
 
     ``tol`` is absolute, in scene units of radiance, and asked of every pixel's radiance. Layers: ``radiance`` =
     ``direct`` + (lobe weight) ``gloss``, of a filter by its weight already; ``hit_class``; ``error`` (h, w), the
-    estimated largest absolute error of radiance over the channels, which is the lobe's weight times that of gloss; ``status`` (h, w) as in ``STATUS``;
+    estimated largest absolute error of radiance over the channels; ``status`` (h, w) as in ``STATUS``;
     ``evaluations``, ``chambers`` and ``crossings`` (h, w): shaded hits, different chambers and walls met. A pixel
     that missed its tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its
     centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. Without ``counts`` spheres are done on
