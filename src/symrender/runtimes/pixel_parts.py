@@ -38,7 +38,7 @@ _DOUBT: Final = 0.02
 _HOPE: Final = 300.0
 """Times what a part may take that it may be off by for a rule of a higher order to be tried."""
 _GRAIN: Final = 0.05
-"""Part of the tolerance that light of the whole brightness in a cell may make for it not to be halved at once."""
+"""Part of the tolerance that the brightest light in a cell may make for it not to be halved at once."""
 _WORST: Final = 0.25
 """Part of the largest error of a pixel's parts that those looked at more closely have."""
 _ROUNDS: Final = 200
