@@ -16,7 +16,6 @@ from symrender.execution.tiles import run_threads, thread_count
 from symrender.ledger.tables import html_table
 from symrender.probe_rays import RayProbe, Rays, probe_rays
 from symrender.quadrature.split_point import SplitResult, gloss_points
-from symrender.runtimes.radiometric import Sent
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays, scene_arrays
 from symrender.scene.frames import frame_moves, frames
@@ -82,7 +81,9 @@ class Probe:
 
 
 @overload
-def probe(scene: Source, *, rays: Rays, tol: float = 1e-9, budget: int = 1_000_000) -> RayProbe: ...
+def probe(
+    scene: Source, *, rays: Rays, tol: float = 1e-9, budget: int = 1_000_000, wrt: Sequence[str] = (), threads: int = 0
+) -> RayProbe: ...
 
 
 @overload
@@ -125,6 +126,7 @@ def probe(
     ``threads`` work on batches of points, 0 takes the processors at hand; their number changes no bit.
     ``rays``: instead of points, ``(origins, directions)`` of rays through a radiometric scene, (N, 3) each; what comes
     back along them is a ``RayProbe``. A ray's answer is its own: neither order nor number of the rays changes a bit.
+    With ``wrt`` their derivatives too, at the place that a ray, which stands still, meets.
     Raises SceneError for a surface without a lobe, OptionError for a point not on the surface or facing away.
     """
     if rays is not None:
@@ -204,15 +206,15 @@ def _along(
         raise Unsupported(f"rays: scenes in units of the series ({scene.name}) are probed at points alone")
     if points is not None:
         raise OptionError("points, rays: only one of them may be given")
-    if wrt or certify:
-        raise Unsupported(f"{'wrt' if wrt else 'certify'}: does not know radiometric scenes yet ({scene.name})")
+    if certify:
+        raise Unsupported(f"certify: does not know radiometric scenes yet ({scene.name})")
     Settings(tol=tol, budget=budget, threads=threads)
     batch = _BATCH if scene.bounces else _RAYS
 
-    def in_batches(run: Callable[[slice], Sent], count: int) -> list[Sent]:
+    def in_batches(run: Callable[[slice], _T], count: int) -> list[_T]:
         return _in_batches(run, count, threads, batch)
 
-    return probe_rays(scene, rays, tol, budget, in_batches)
+    return probe_rays(scene, rays, tol, budget, in_batches, wrt)
 
 
 def _in_batches(run: Callable[[slice], _T], count: int, threads: int, batch_size: int = _BATCH) -> list[_T]:

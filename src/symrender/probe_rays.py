@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -12,18 +13,27 @@ from symrender.errors import OptionError, Unsupported
 from symrender.execution.finite import hit_names
 from symrender.ledger.tables import html_table
 from symrender.runtimes.radiometric import BUDGET, Sent, check, rays
+from symrender.runtimes.ray_slopes import SentSlopes, ray_slopes
 from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.scene.radiometric.moves import radiometric_moves
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.truth import STATUS
 
 Array = npt.NDArray[np.float64]
 Rays = tuple[npt.ArrayLike, npt.ArrayLike]
 """Origins and directions, (N, 3) each or (3,)."""
-Batches = Callable[[Callable[[slice], Sent], int], list[Sent]]
-"""Runs a function on parts of so many rays, in any order and thread; returns what it gave in the order of the rays."""
+T = TypeVar("T")
 
 
-def at_once(run: Callable[[slice], Sent], count: int) -> list[Sent]:
+class Batches(Protocol):
+    """Runs a function on parts of so many rays, in any order and thread; returns what it gave, in order of the rays."""
+
+    def __call__(self, run: Callable[[slice], T], count: int, /) -> list[T]:
+        """What ``run`` gave."""
+        ...
+
+
+def at_once(run: Callable[[slice], T], count: int) -> list[T]:
     """All rays in one part."""
     return [run(slice(0, count))]
 
@@ -35,7 +45,9 @@ class RayProbe:
     ``radiance`` (N, 3) is ``emitted`` + ``direct`` + ``indirect``. ``error`` (N,): estimated largest absolute error of
     radiance over the channels. ``status`` (N,): 0 met, 1 capped (the error is above the tolerance), 2 near-tangent,
     3 unsupported. ``shape`` names what is met, "nothing" where that is nothing; ``evaluations`` (N,) counts rays and
-    shaded hits.
+    shaded hits. ``gradient``: parameter's name -> (N, 3), derivative of ``radiance`` in it; ``gradient_error``: name ->
+    (N,), the estimated largest absolute error over the channels; ``gradient_status``: name -> (N,), as ``status``, or 4
+    where walls coincide at this very value and the derivative is that of one side.
     """
 
     radiance: Array
@@ -47,6 +59,9 @@ class RayProbe:
     shape: tuple[str, ...]
     evaluations: npt.NDArray[np.int64]
     convention: str = "radiometric"
+    gradient: Mapping[str, Array] = field(default_factory=dict)
+    gradient_error: Mapping[str, Array] = field(default_factory=dict)
+    gradient_status: Mapping[str, npt.NDArray[np.int64]] = field(default_factory=dict)
 
     def _repr_html_(self) -> str:
         rows: list[tuple[str, ...]] = [("ray", "shape", "red", "green", "blue", "error", "status")]
@@ -60,11 +75,13 @@ class RayProbe:
 
 
 def probe_rays(
-    scene: RadiometricScene, given: Rays, tol: float, budget: int = BUDGET, in_batches: Batches = at_once
-) -> RayProbe:
+    scene: RadiometricScene, given: Rays, tol: float, budget: int = BUDGET, in_batches: Batches = at_once,
+    wrt: Sequence[str] = (),
+) -> RayProbe:  # fmt: skip
     """What comes back along rays ``(origins, directions)`` of any length, each to ``tol``, absolute.
 
-    ``in_batches`` runs the rays, part by part, and returns the parts in order.
+    ``in_batches`` runs the rays, part by part, and returns the parts in order. ``wrt`` names numbers of the scene to
+    differentiate by; rays stand still, whatever the camera does.
     Raises OptionError for rays that are no rays and Unsupported for what is not yet integrated.
     """
     origins, directions = _checked(given)
@@ -72,6 +89,8 @@ def probe_rays(
     check(arrays)
     if arrays.exposure.moves:
         raise Unsupported("shutter: single rays are answered at an instant; probe a scene with shutter: [t, t]")
+    moved = radiometric_moves(scene, wrt) if wrt else ()
+    slopes_of = ray_slopes(arrays, moved, tol, budget) if moved else None
     # a part without rays stands in for none
     parts = [rays(arrays, origins[:0], directions[:0], tol, budget)]
     parts += in_batches(lambda part: rays(arrays, origins[part], directions[part], tol, budget), len(origins))
@@ -79,9 +98,16 @@ def probe_rays(
     names = hit_names(scene)
     shapes = tuple(names[int(hit)] for hit in sent.hit_class)
     radiance = sent.emitted + sent.direct + sent.indirect
+    by_name: list[dict[str, Any]] = [{}, {}, {}]
+    if slopes_of is not None:
+        found = [slopes_of(origins[:0], directions[:0])]
+        found += in_batches(lambda part: slopes_of(origins[part], directions[part]), len(origins))
+        tables = (np.concatenate([getattr(part, each.name) for part in found], axis=1) for each in fields(SentSlopes))
+        by_name = [dict(zip((name for name, _ in moved), table, strict=True)) for table in tables]
     return RayProbe(
-        radiance, sent.emitted, sent.direct, sent.indirect, sent.error, sent.status, shapes, sent.evaluations
-    )
+        radiance, sent.emitted, sent.direct, sent.indirect, sent.error, sent.status, shapes, sent.evaluations,
+        "radiometric", *by_name,
+    )  # fmt: skip
 
 
 def _checked(given: Rays) -> tuple[Array, Array]:

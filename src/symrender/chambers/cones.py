@@ -11,11 +11,9 @@ jump in its second derivative, which is left to the coefficients.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from symrender.chambers.caps import Cone
 from symrender.chambers.chart import add_direction, add_normal
@@ -25,65 +23,89 @@ from symrender.chambers.rooms import height
 from symrender.chambers.walls import GLEAM_EDGE, HIGHLIGHT, SHADOW, add_shadow
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.records import Table, joined, table
+from symrender.jit.records import Table, chosen, table
 from symrender.scene.arrays import AFAR
 from symrender.scene.records import Sphere
 
-Array = npt.NDArray[np.float64]
-
 NOT_FELT: Final = 1e-9
 """Sine of an angle of a spot that is taken to be no cone, but a line."""
+DEGREE: Final = math.pi / 180.0
 PARALLEL: Final = 1e-9
 """Sine of the angle below which the cone about two spheres is a cylinder."""
 
 
 def scene_cones(spheres: Table[Sphere], points: Table[LightPoint], glowing: bool) -> Table[Cone]:
     """All cones of a scene: those of spots, and where it is ``glowing`` those tangent to two of its spheres."""
-    rows = [*_spot_cones(points), *(_pair_cones(spheres) if glowing else ())]
-    return joined(Cone, rows)
+    rows = table(Cone, most_cones(spheres, points))
+    count = lay_cones(spheres, points, glowing, rows)
+    return chosen(rows, np.arange(len(rows)) < count)
 
 
-def _spot_cones(points: Table[LightPoint]) -> Iterator[Table[Cone]]:
-    for point in points:
-        for degrees in (point.beam, point.cutoff) if point.spot else ():
-            sine = math.sin(math.radians(float(degrees)))
+def most_cones(spheres: Table[Sphere], points: Table[LightPoint]) -> int:
+    """As many cones as so many spheres and points can have."""
+    return 2 * len(points) + len(spheres) * (len(spheres) - 1)
+
+
+@jitable
+def lay_cones(spheres: Table[Sphere], points: Table[LightPoint], glowing: bool, rows: Table[Cone]) -> int:
+    """Fill ``rows`` with the cones of a scene; returns how many there are."""
+    count = 0
+    for l in range(points.shape[0]):
+        spot = points[l]
+        for side in range(2 if spot.spot != 0.0 else 0):
+            sine = math.sin(DEGREE * (spot.beam if side == 0 else spot.cutoff))
             if sine > NOT_FELT:
-                yield _cone(np.array(point.position), np.array(point.axis), sine, -1, -1)
-
-
-def _pair_cones(spheres: Table[Sphere]) -> Iterator[Table[Cone]]:
-    for i, first in enumerate(spheres):
+                p, a = spot.position, spot.axis
+                count = put_cone(rows, count, p[0], p[1], p[2], a[0], a[1], a[2], sine, -1, -1)
+    for i in range(spheres.shape[0] if glowing else 0):
+        c, r = spheres[i].center, spheres[i].radius
         for k in range(i):
-            way = np.array(spheres[k].center) - first.center
-            apart, r, s = float(np.sqrt(way @ way)), float(first.radius), float(spheres[k].radius)
-            for other in (s, -s):
-                sine = (r - other) / apart if apart > 0.0 else math.inf
+            x, y, z = spheres[k].center[0] - c[0], spheres[k].center[1] - c[1], spheres[k].center[2] - c[2]
+            apart = math.sqrt(x * x + y * y + z * z)
+            for side in range(2 if apart > 0.0 else 0):
+                other = spheres[k].radius if side == 0 else -spheres[k].radius
+                sine = (r - other) / apart
                 if abs(sine) > 1.0:
                     continue
+                u, v, w = x / apart, y / apart, z / apart
                 if abs(sine) < PARALLEL:
-                    yield _cylinder(np.array(first.center), way / apart, r, i, k)
-                else:
-                    # spheres about places of the axis grow from the apex on with the distance from it
-                    apex = np.array(first.center) + way * (r / (r - other))
-                    yield _cone(apex, way / apart, abs(sine), i, k)
+                    put_cylinder(rows, count, c[0], c[1], c[2], u, v, w, r, i, k)
+                    count += 1
+                    continue
+                # spheres about places of the axis grow from the apex on with the distance from it
+                along = r / (r - other)
+                ax, ay, az = c[0] + x * along, c[1] + y * along, c[2] + z * along
+                count = put_cone(rows, count, ax, ay, az, u, v, w, abs(sine), i, k)
+    return count
 
 
-def _cone(apex: Array, axis: Array, sine: float, one: int, other: int) -> Table[Cone]:
-    rows = table(Cone, 1)
-    row = rows[0]
-    row.apex.position[:], row.one, row.other = apex, one, other
-    row.ball.center[:], row.twin.center[:] = apex + axis, apex - axis
+@jitable
+def put_cone(
+    rows: Table[Cone], count: int, px: float, py: float, pz: float, ax: float, ay: float, az: float, sine: float,
+    one: int, other: int,
+) -> int:  # fmt: skip
+    """Add the cone about an axis from an apex; a kernel takes numbers, so they are many."""
+    row = rows[count]
+    row.apex.position[0], row.apex.position[1], row.apex.position[2] = px, py, pz
+    row.apex.fall, row.one, row.other = 0.0, 1.0 * one, 1.0 * other
+    row.ball.center[0], row.ball.center[1], row.ball.center[2] = px + ax, py + ay, pz + az
+    row.twin.center[0], row.twin.center[1], row.twin.center[2] = px - ax, py - ay, pz - az
     row.ball.radius = row.twin.radius = sine
-    return rows
+    return count + 1
 
 
-def _cylinder(center: Array, axis: Array, radius: float, one: int, other: int) -> Table[Cone]:
-    rows = table(Cone, 1)
-    row = rows[0]
-    row.apex.position[:], row.apex.fall, row.one, row.other = AFAR * axis, DISTANT, one, other
-    for ball in (row.ball, row.twin):
-        ball.center[:], ball.radius = center, radius
-    return rows
+@jitable
+def put_cylinder(
+    rows: Table[Cone], count: int, px: float, py: float, pz: float, ax: float, ay: float, az: float, radius: float,
+    one: int, other: int,
+) -> None:  # fmt: skip
+    """The same of a cylinder about an axis through a centre."""
+    row = rows[count]
+    row.apex.position[0], row.apex.position[1], row.apex.position[2] = AFAR * ax, AFAR * ay, AFAR * az
+    row.apex.fall, row.one, row.other = DISTANT, 1.0 * one, 1.0 * other
+    row.ball.center[0], row.ball.center[1], row.ball.center[2] = px, py, pz
+    row.twin.center[0], row.twin.center[1], row.twin.center[2] = px, py, pz
+    row.ball.radius = row.twin.radius = radius
 
 
 @inlined

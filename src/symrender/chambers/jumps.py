@@ -55,7 +55,7 @@ def put_ends(view: View, work: Work) -> None:
         if n >= walls.shape[0]:
             return
         row = walls[n]
-        row.kind, row.tag, row.shape_index, row.met, row.phong = GLEAM_EDGE, HIGHLIGHT, l, 0, 1
+        row.kind, row.tag, row.shape_index, row.met, row.parted, row.phong = GLEAM_EDGE, HIGHLIGHT, l, 0, 0, 1
         for a in range(3):
             row.lit_from[a], row.seen_from[a] = view.points[l].position[a], chart.point[a]
         chart.clipped = 1

@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from symrender.chambers.records import Chart, Wall
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import moves, tangent
+from symrender.jit.moving import held, moves, tangent
 from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
@@ -67,6 +67,8 @@ CONTACT: Final = 1e-13
 """A light whose squared distance from a ball's centre differs from the squared radius by less, relative to it, stands
 on the ball: what the ball hides of it ends at a plane, and no more at the two branches of a double cone."""
 
+TOUCH: Final = 1e-7
+"""A circle of a smaller sine is taken for a place where two shapes touch."""
 COINCIDENT: Final = 1e-11
 """Two circles whose axes and levels differ by less are one wall."""
 
@@ -110,6 +112,9 @@ def add_circle(
     A full table is told by a count beyond its length; the caller gives the point up as capped.
     """
     sine = math.sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine)))
+    if moves(cosine) and sine < TOUCH:
+        # a shape that touches a plane: what the circle bounds is seen at the limb alone
+        cosine, sine = held(cosine), held(sine)
     for i in range(min(count, walls.shape[0])):
         if walls[i].kind == kind:
             same = (

@@ -14,6 +14,8 @@ from symrender.cli._means import Threads
 from symrender.cli._options import Define, Json, SceneArgument, any_scene_with, scene_with
 
 if TYPE_CHECKING:
+    from symrender.probe import Probe
+    from symrender.probe_rays import RayProbe
     from symrender.scene.load import AnyScene
     from symrender.scene.scene import Scene
 
@@ -76,7 +78,6 @@ def probe(
 
     from symrender.cli._progress import progress
     from symrender.execution.first_use import first_use
-    from symrender.gradient import STATUS as GRADIENT_STATUS
     from symrender.probe import probe as probe_points
     from symrender.truth import STATUS
 
@@ -111,17 +112,7 @@ def probe(
     ]  # fmt: skip
     for row, proved, value in zip(rows, found.enclosures, found.gloss, strict=False):
         row |= {"low": proved.low.tolist(), "high": proved.high.tolist(), "enclosed": proved.holds(value)}
-    slopes = [
-        {
-            name: {
-                "value": found.gradient[name][k].tolist(),
-                "error": float(found.gradient_error[name][k]),
-                "status": GRADIENT_STATUS[int(found.gradient_status[name][k])],
-            }
-            for name in found.gradient
-        }
-        for k in range(len(points))
-    ]
+    slopes = _slopes(found, len(points))
     if json:
         show_json([row | {"gradient": slope} if names else row for row, slope in zip(rows, slopes, strict=True)])
     else:
@@ -136,11 +127,33 @@ def probe(
             if certify:
                 bounds = " ".join(f"[{a:.6g}, {b:.6g}]" for a, b in zip(row["low"], row["high"], strict=True))
                 typer.echo(f"  proved: {bounds}; the value is {'inside' if row['enclosed'] else 'OUTSIDE'}")
-            for name, found_slope in slope.items():
-                value = " ".join(f"{x:.15g}" for x in found_slope["value"])
-                typer.echo(f"  d/d {name}: {value} +- {found_slope['error']:.2g}  {found_slope['status']}")
+            _show_slopes(slope)
     if (found.status != 0).any() or not all(row.get("enclosed", True) for row in rows):
         raise typer.Exit(4)
+
+
+def _slopes(found: Probe | RayProbe, count: int) -> list[dict[str, dict[str, Any]]]:
+    """Of every point or ray, what is told of its derivatives by name."""
+    from symrender.gradient import STATUS
+
+    return [
+        {
+            name: {
+                "value": found.gradient[name][k].tolist(),
+                "error": float(found.gradient_error[name][k]),
+                "status": STATUS[int(found.gradient_status[name][k])],
+            }
+            for name in found.gradient
+        }
+        for k in range(count)
+    ]
+
+
+def _show_slopes(slopes: dict[str, dict[str, Any]]) -> None:
+    """Print them, a line each."""
+    for name, found in slopes.items():
+        value = " ".join(f"{x:.15g}" for x in found["value"])
+        typer.echo(f"  d/d {name}: {value} +- {found['error']:.2g}  {found['status']}")
 
 
 def _names(wrt: str) -> list[str]:
@@ -186,12 +199,14 @@ def _probe_rays(scene: AnyScene, ray: list[str], *, json: bool, **options: Any) 
         | {"error": float(found.error[k]), "status": STATUS[int(found.status[k])], "convention": found.convention}
         for k, n in enumerate(numbers)
     ]
+    slopes = _slopes(found, len(rows))
     if json:
-        show_json(rows)
+        show_json([row | {"gradient": slope} if slope else row for row, slope in zip(rows, slopes, strict=True)])
     else:
-        for text, row, radiance in zip(ray, rows, found.radiance, strict=True):
+        for text, row, radiance, slope in zip(ray, rows, found.radiance, slopes, strict=True):
             value = " ".join(f"{x:.15g}" for x in radiance)
             typer.echo(f"{text}: {value} +- {row['error']:.2g} W/(m2 sr)  {row['status']}, {row['shape']}")
+            _show_slopes(slope)
     if found.status.any():
         raise typer.Exit(4)
 

@@ -6,23 +6,29 @@ above the horizon meets.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.record import Conductor
+from symrender.chambers.records import LightPoint
+from symrender.chambers.work import scene_frames, scene_view
 from symrender.jit.records import record, table
-from symrender.quadrature.split_point import SplitResult, SplitWork, gloss_points
-from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
+from symrender.jit.twins import moving
+from symrender.quadrature.split_point import SplitResult, SplitWork, gloss_points, radiance_bound
+from symrender.quadrature.split_slopes import SlopeResult, gloss_slopes
+from symrender.scene.arrays import FIRST_SPHERE, FLOOR, SceneArrays, lobes_of
 from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere
 
 Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
 
 
 def directional_albedo(
     conductor: Conductor, cosines: Array, tol: float, budget: int, scratch: SplitWork
 ) -> SplitResult:  # fmt: skip
     """What a conductor reflects of radiance 1 from everywhere, seen at these ``cosines`` (N,) to its normal."""
-    arrays = _under_a_ceiling()
     rows = table(Conductor, FIRST_SPHERE + 2)
     rows[FIRST_SPHERE] = conductor
     count = len(cosines)
@@ -30,8 +36,30 @@ def directional_albedo(
     incoming[:, 0], incoming[:, 2] = np.sqrt(np.maximum(0.0, (1.0 - cosines) * (1.0 + cosines))), -cosines
     normals = np.tile([0.0, 0.0, 1.0], (count, 1))
     return gloss_points(
-        arrays, np.zeros((count, 3)), normals, incoming, np.full(count, FIRST_SPHERE), tol, 1, budget, scratch,
-        conductors=rows, emitted=np.zeros((0, 3)),
+        _under_a_ceiling(), np.zeros((count, 3)), normals, incoming, np.full(count, FIRST_SPHERE), tol, 1, budget,
+        scratch, conductors=rows, emitted=np.zeros((0, 3)),
+    )  # fmt: skip
+
+
+def albedo_slopes(
+    conductors: Any, hit_class: int, cosines: Complex, tol: float, budget: int, scratch: SplitWork
+) -> SlopeResult:  # fmt: skip
+    """The same with tangents, of cosines and the conductor of a hit class that move."""
+    arrays = _under_a_ceiling()
+    view = scene_view(arrays, table(LightPoint, 0), emitted=np.zeros((0, 3)))
+    count, cosine = len(cosines), cosines.real
+    sine = np.sqrt(np.maximum(0.0, (1.0 - cosine) * (1.0 + cosine)))
+    # at a right angle it is stationary
+    turn = np.divide(-cosine * cosines.imag, sine, out=np.zeros(count), where=sine > 0.0)
+    incoming = np.zeros((count, 3), np.complex128)
+    incoming[:, 0], incoming[:, 2] = sine + 1j * turn, -cosines
+    normals = np.tile(np.array([0.0, 0.0, 1.0], np.complex128), (count, 1))
+    lobes = np.zeros((FIRST_SPHERE + 2, 2), np.complex128)
+    lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
+    seen = moving(view)._replace(conductors=np.take(conductors, [hit_class] * (FIRST_SPHERE + 2)))
+    return gloss_slopes(
+        np.zeros((count, 3), np.complex128), normals, incoming, np.full(count, FIRST_SPHERE), lobes, seen,
+        moving(scene_frames(arrays, view.points)), radiance_bound(arrays, view.points), tol, budget, scratch,
     )  # fmt: skip
 
 

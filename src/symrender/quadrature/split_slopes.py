@@ -43,9 +43,9 @@ class SlopeResult:
     status: Ints
 
 
-def moving_work(arrays: SceneArrays, points: Table[LightPoint]) -> SplitWork:
+def moving_work(arrays: SceneArrays, points: Table[LightPoint], glowing: bool) -> SplitWork:
     """Scratch of one thread for ``gloss_slopes``, as of ``split_work``."""
-    plain = split_work(arrays, points)
+    plain = split_work(arrays, points, glowing)
     parts = {each.name: getattr(plain, each.name) for each in fields(SplitWork)}
     return SplitWork(**{name: part if name in STILL else moving(part) for name, part in parts.items()})
 

@@ -14,6 +14,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from symrender.chambers.caps import Arc, Crossing
+from symrender.jit import moving
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table, table
 from symrender.leaves import radiometric as leaves
@@ -22,6 +23,8 @@ from symrender.radiometric.vectors import Array, Vector, cross, dot, vector
 
 TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-12
+TOUCHING: Final = 1e-13
+"""Circles whose discriminant is less touch but for roundings: how far they cross has no slope."""
 
 
 class Room(NamedTuple):
@@ -215,7 +218,11 @@ def stretch(c: Arc, o: Arc, first: bool) -> tuple[float, float]:
         return 0.0, (0.0 if first else TURN)
     if cut <= 0.0:
         return 0.0, (TURN if middle > 0.0 else 0.0)
-    half = math.atan2(math.sqrt(cut), -middle)
+    root = math.sqrt(cut)
+    if cut < TOUCHING:
+        # what is seen grows with the power 3/2 beyond a touch, and the ends of both arcs move alike
+        root = moving.held(root)
+    half = math.atan2(root, -middle)
     return math.atan2(along, across) - half, 2.0 * half
 
 

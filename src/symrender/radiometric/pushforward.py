@@ -17,6 +17,7 @@ from types import FunctionType, ModuleType
 from typing import Any, Final
 
 from symrender.jit.marks import is_inlined
+from symrender.jit.moving import held
 from symrender.jit.source import source_of
 from symrender.radiometric import rules
 from symrender.radiometric.kinds import WHOLE, Kind, called_by, either, has_slope, returned, writes
@@ -320,7 +321,7 @@ class _Function:
         if called is None:
             return self._elementary(node)
         kind = returned(called)
-        if not (has_slope(kind) or writes(called)):
+        if called is held or not (has_slope(kind) or writes(called)):
             return self._plain(node), ""
         wanted = [ast.unparse(each.annotation or node) not in WHOLE for each in source_of(called).tree.args.args]
         values, slopes = [], []

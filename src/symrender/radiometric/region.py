@@ -218,7 +218,8 @@ def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> 
     begin = 0.0
     for k in range(found):
         crossing = room.crossings[k]
-        if wrong == 0 and crossing.angle > begin:
+        if wrong == 0:
+            # a stretch without a length may grow
             flux = add_arc(arc, begin, crossing.angle, sign, flux)
         begin = crossing.angle
         c = int(crossing.cone)

@@ -29,8 +29,8 @@ from symrender.scene.records import Camera, Frame, Plane
 
 @lru_cache(maxsize=1)
 def pushed_text() -> str:
-    """Text of the kernel ``fill_tile_dot``, of what lays out pieces and of what turns with the camera."""
-    return pushed((tile.fill_tile, pieces.lay_pieces, leaves.perspective_axes))
+    """Text of the kernels ``fill_tile_dot`` and ``fill_rays_dot``, of what lays out pieces, of what turns a camera."""
+    return pushed((tile.fill_tile, tile.fill_rays, pieces.lay_pieces, leaves.perspective_axes))
 
 
 def pushed_module() -> ModuleType:

@@ -14,13 +14,16 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.caps import Cone
+from symrender.chambers.cones import lay_cones, most_cones
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Frames, View, scene_axes, scene_frames, scene_view, sides_of
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
-from symrender.jit.records import Table, column, copied, flat, grid
+from symrender.jit.records import Table, column, columns, copied, flat, grid, table
 from symrender.jit.twins import moving
 from symrender.leaves.values import brdf_scale, log_rim
+from symrender.quadrature.fall_off import glow_bound
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import radiance_bound
 from symrender.radiometric.slopes import record_moves
@@ -28,14 +31,15 @@ from symrender.runtimes.bounce import RULE, conductor_rows, sender_rows
 from symrender.scene.arrays import BRDF_NORMALISED, FIRST_SPHERE, FLOOR, MARBLE, SOLID, SceneArrays, lobes_of
 from symrender.scene.frames import frame_moves
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import POINT, SPHERE, RadiometricArrays
-from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, shape_classes
+from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, SKY, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, lamp_scene, shape_classes
 from symrender.scene.radiometric.records import Material
-from symrender.scene.records import Plane
+from symrender.scene.records import Plane, Sphere
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 Flags = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
 
 ON_SHAPE: Final = 1e-12
 """Distance of a light from a shape, over the size of their coordinates, up to which it lies on it."""
@@ -70,7 +74,10 @@ def check_moves(arrays: RadiometricArrays, wrt: tuple[Move, ...]) -> None:
     for move in wrt:
         moves = record_moves(arrays, move)
         if _classes(shifted(arrays, moves, 1.0)) != _classes(arrays):
-            raise Unsupported(f"{move[0]}: with bounces: 1 it has no derivative where two shapes are equal")
+            raise Unsupported(f"{move[0]}: what is integrated has no derivative where two shapes are equal")
+        if not arrays.bounces:
+            # textures and lights that are points have no part in what lamps and a sky send
+            continue
         for material, change in zip(arrays.materials, moves.materials, strict=True):
             solid, mixed = material.texture == SOLID, bool((material.bright != material.dark).any())
             if not solid and not mixed and bool((change.bright != change.dark).any()):
@@ -92,9 +99,12 @@ def check_moves(arrays: RadiometricArrays, wrt: tuple[Move, ...]) -> None:
 def _refuse_contacts(name: str, arrays: RadiometricArrays, moves: RadiometricArrays) -> None:
     """Raise ``Unsupported`` where a light lies on a shape, or a sun in a plane, and moves off it."""
     for i, (light, shift) in enumerate(zip(arrays.lights, moves.lights, strict=True)):
+        if light.kind in (SKY, AREA):
+            # what is seen of them has a slope where they touch a shape, too
+            continue
         for j, (shape, change) in enumerate(zip(arrays.shapes, moves.shapes, strict=True)):
             if shape.kind == SPHERE:
-                if light.kind != POINT:
+                if light.kind == DIRECTIONAL:
                     continue
                 away = light.place - shape.place
                 size = float(np.abs(light.place).max() + np.abs(shape.place).max() + shape.radius)
@@ -102,7 +112,7 @@ def _refuse_contacts(name: str, arrays: RadiometricArrays, moves: RadiometricArr
                 speed = float((shift.place - change.place) @ away) / max(float(shape.radius), 1e-300) - change.radius
             else:
                 frame, turn = arrays.frames[j], moves.frames[j]
-                point = light.kind == POINT
+                point = light.kind != DIRECTIONAL
                 away = light.place - frame.origin if point else light.place
                 moved = shift.place - turn.origin if point else shift.place
                 size = float(np.abs(away).max() + (np.abs(frame.origin).max() if point else 0.0))
@@ -132,19 +142,21 @@ def _ahead(rows: Any, moves: Any, by: float) -> Any:
     return found
 
 
-def moving_bounce(arrays: RadiometricArrays, moves: RadiometricArrays, turned: Flags, own: int) -> MovingBounce:
-    """The scenes in which the light that shape ``own`` reflects is integrated, and how they move."""
-    ahead, behind = (shifted(arrays, moves, by) for by in (1.0, -1.0))
-    here, one, other = (bounce_scenes(each, turned, own) for each in (arrays, ahead, behind))
+def moving_bounce(
+    arrays: RadiometricArrays, moves: RadiometricArrays, turned: Flags, own: int, lamps: bool
+) -> MovingBounce:  # fmt: skip
+    """The scenes in which the light that shape ``own`` reflects is integrated, and how they move.
+
+    Those of ``lamp_scene`` where it is that of ``lamps``.
+    """
+    worlds = (arrays, shifted(arrays, moves, 1.0), shifted(arrays, moves, -1.0))
+    found = tuple((lamp_scene if lamps else bounce_scenes)(each, turned, own) for each in worlds)
+    here, one, other = found
     assert here.shapes == one.shapes == other.shapes and len(here.parts) == len(one.parts) == len(other.parts)
-    senders = sender_rows(arrays, here)
-    sent = tuple(sender_rows(each, found) for each, found in ((ahead, one), (behind, other)))
+    sent = tuple(sender_rows(*pair) for pair in zip(worlds, found, strict=True))
     cells, squares = _cells(arrays, moves, here), _squares(arrays, moves, here)
-    parts = (
-        _moving_part(each, pair, senders, sent, cells, squares)
-        for each, *pair in zip(here.parts, one.parts, other.parts, strict=True)
-    )
-    return MovingBounce(here, tuple(parts))
+    parts = tuple(_moving_part(k, found, sent, lamps, cells, squares) for k in range(len(here.parts)))
+    return MovingBounce(here, parts)
 
 
 def _cells(arrays: RadiometricArrays, moves: RadiometricArrays, bounce: Bounce) -> Array:
@@ -163,22 +175,29 @@ def _squares(arrays: RadiometricArrays, moves: RadiometricArrays, bounce: Bounce
 
 
 def _moving_part(
-    part: SceneArrays, pair: list[SceneArrays], senders: Any, sent: Any, cells: Array, squares: Array
+    k: int, bounces: tuple[Bounce, ...], sent: tuple[Any, ...], lamps: bool, cells: Array, squares: Array
 ) -> MovingPart:  # fmt: skip
-    """One of the scenes; ``pair`` are those a whole move ahead and behind, ``sent`` how their shapes send light on."""
+    """Scene ``k`` of those here, a whole move ahead and behind; ``sent`` is how their shapes send light on."""
+    part, *pair = (each.parts[k] for each in bounces)
+    here = bounces[0]
     moves = grid(Plane, 1, len(part.planes))
     moves[0][:] = half_difference(*(each.planes for each in pair))  # type: ignore[index]
     axes = scene_axes(part)
     turns = frame_moves(part.planes, moves)[0]
-    lights = light_rows(part, RULE)
+    lights, *shone = (light_rows(each.parts[k], RULE, each.beams) for each in bounces)
+    cones, coned = _moving_cones(part, pair, lights, shone, here.glows is not None)
+    conductors = [conductor_rows(each) for each in sent]
+    senders = [None if lamps else each for each in sent]
     views, framed, sides = [], [], []
-    for each, by, table_ in zip(pair, (1.0, -1.0), sent, strict=True):
+    for m, (each, by) in enumerate(zip(pair, (1.0, -1.0), strict=True), 1):
         turned = _ahead(axes, turns, by)
-        points = light_rows(each, RULE)
-        views.append(scene_view(each, points, conductor_rows(table_), table_))
-        framed.append(scene_frames(each, points, axes=turned))
+        cones_ = None if cones is None else _ahead(cones, coned, by)
+        lit = bounces[m].emitted, cones_, bounces[m].glows
+        views.append(scene_view(each, shone[m - 1], conductors[m], senders[m], *lit))
+        framed.append(scene_frames(each, shone[m - 1], cones_, axes=turned))
         sides.append(sides_of(turned))
-    view, frames = scene_view(part, lights, conductor_rows(senders), senders), scene_frames(part, lights, axes=axes)
+    view = scene_view(part, lights, conductors[0], senders[0], here.emitted, cones, here.glows)
+    frames = scene_frames(part, lights, cones, axes=axes)
     view_moves = half_difference(*views)._replace(sides=half_difference(*sides))
     frame_slopes = half_difference(*framed)
     textured = part.spheres["texture"] != SOLID
@@ -190,8 +209,25 @@ def _moving_part(
     scales = np.ones(len(lobes), np.complex128)
     if part.shading.units == BRDF_NORMALISED:
         _scales_kernel()(lobes, scales)
-    bound = radiance_bound(part, lights, senders)
+    bound = radiance_bound(part, lights, senders[0], here.emitted) + glow_bound(part, here.glows)
     return MovingPart(part, lights, moving(view, view_moves), moving(frames, frame_slopes), lobes, scales, bound)
+
+
+def _moving_cones(
+    part: SceneArrays, pair: list[SceneArrays], lights: Table[LightPoint], shone: list[Table[LightPoint]], glowing: bool
+) -> tuple[Table[Cone] | None, Any]:  # fmt: skip
+    """The cones of a scene across which light is not smooth, and how they move; None where there are none."""
+    if not glowing and not (lights["spot"] != 0.0).any():
+        return None, None
+    spheres = moving(part.spheres, half_difference(*(each.spheres for each in pair)))
+    points = moving(lights, half_difference(*shone))
+    rows = moving(table(Cone, most_cones(part.spheres, lights)))
+    count = np.zeros(1, np.int64)
+    _cones_kernel()(spheres, points, glowing, rows, count)
+    numbers = rows.view(np.complex128).reshape(len(rows), columns(Cone))[: count[0]]
+    cones, moves = table(Cone, int(count[0])), table(Cone, int(count[0]))
+    flat(cones)[:], flat(moves)[:] = numbers.real, numbers.imag
+    return cones, moves
 
 
 def half_difference(one: Any, other: Any) -> Any:
@@ -216,6 +252,18 @@ def _fill_scales(lobes: Array, scales: Array) -> None:
     for i in range(lobes.shape[0]):
         if lobes[i, 1] > 0.0:
             scales[i] = brdf_scale(log_rim(lobes[i, 1]), lobes[i, 0])
+
+
+def _fill_cones(
+    spheres: Table[Sphere], points: Table[LightPoint], glowing: bool, rows: Table[Cone], count: Ints
+) -> None:  # fmt: skip
+    """``lay_cones``, as a kernel."""
+    count[0] = lay_cones(spheres, points, glowing, rows)
+
+
+@lru_cache(maxsize=1)
+def _cones_kernel() -> Any:
+    return compiled(_fill_cones, _nrt=False)
 
 
 @lru_cache(maxsize=1)

@@ -11,16 +11,17 @@ import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.twins import moving
+from symrender.quadrature.background import albedo_slopes
 from symrender.quadrature.split_point import SplitWork
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
-from symrender.quadrature.split_slopes import gloss_slopes, moving_work
+from symrender.quadrature.split_slopes import SlopeResult, gloss_slopes, moving_work
 from symrender.radiometric import tile
 from symrender.radiometric.slopes import record_moves, world_moves
 from symrender.radiometric.world import make_world
 from symrender.runtimes.bounce import SLACK, ULP, Bounced, Bouncer, Hits, closeness, sharpness
 from symrender.runtimes.bounce_moves import MovingBounce, moving_bounce
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import DIFFUSE, RadiometricArrays
+from symrender.scene.radiometric.arrays import CONDUCTOR, DIFFUSE, RadiometricArrays
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -63,11 +64,41 @@ class BouncedSlopes:
     evaluations: Ints
 
 
+def product(a: Complex, b: Complex) -> Complex:
+    """Of numbers that move: values times values, and the product rule."""
+    return np.asarray(a.real * b.real + 1j * (a.real * b.imag + a.imag * b.real))
+
+
+@dataclass
+class _Sums:
+    """Integrals of N places: ``total`` (N, 3), what it misses, what its tangent is the sum of, ``status``."""
+
+    total: Complex
+    missed: Complex
+    steep: Array
+    status: Ints
+
+    @classmethod
+    def of(cls, count: int) -> _Sums:
+        """Nothing yet."""
+        missed = np.zeros(count, np.complex128)
+        return cls(np.zeros((count, 3), np.complex128), missed, np.zeros(count), np.full(count, MET))
+
+    def add(self, seen: SlopeResult, factor: Complex) -> None:
+        """Add integrals times ``factor`` (N, 3)."""
+        self.total += product(seen.gloss, factor)
+        most, changed = np.abs(factor.real).max(axis=1), np.abs(factor.imag).max(axis=1)
+        self.missed += most * seen.error.real
+        self.missed += 1j * (seen.error.imag * most + seen.error.real * changed)
+        self.steep += seen.steep * most + np.abs(seen.gloss.real).max(axis=1) * changed
+        self.status = np.maximum(self.status, seen.status)
+
+
 class SlopeBouncer(Bouncer):
     """A scene with the scratch of one thread; ``sloped`` answers for rays by every parameter of ``wrt``."""
 
-    def __init__(self, arrays: RadiometricArrays, wrt: tuple[Move, ...]) -> None:
-        super().__init__(arrays)
+    def __init__(self, arrays: RadiometricArrays, wrt: tuple[Move, ...], lamps: bool = False) -> None:
+        super().__init__(arrays, lamps)
         self._moves = [[record_moves(each, move) for each in self._shaken] for move in wrt]
         self._moving: dict[tuple[int, bytes], MovingBounce] = {}
         self._work: SplitWork | None = None
@@ -154,31 +185,38 @@ class SlopeBouncer(Bouncer):
         material = arrays.materials[int(arrays.shapes[own].material)]
         key = q, turned.tobytes() + bytes([own])
         if key not in self._moving:
-            self._moving[key] = moving_bounce(arrays, self._moves[q][0], turned, own)
+            self._moving[key] = moving_bounce(arrays, self._moves[q][0], turned, own, self._lamps)
         bounce, here = self._moving[key], self._hits[q].some(some)
         # no other place of a tile may have a say in what is asked of one
         change = self._moves[q][0].materials[int(arrays.shapes[own].material)]
         most = max(1e-300, *(float(np.abs(each).max()) for each in (material.bright, material.dark, change.bright)))
-        total = np.zeros((len(some), 3), np.complex128)
-        missed, steep, status = np.zeros(len(some), np.complex128), np.zeros(len(some)), np.zeros(len(some), np.int64)
+        sums = _Sums.of(len(some))
         for part in bounce.parts:
             if self._work is None:
-                self._work = moving_work(part.part, part.lights)
+                self._work = moving_work(part.part, part.lights, part.view.glows is not None)
             surface = np.full(len(some), bounce.still.classes[own])
             scale = part.scales[surface]
+            share = within / (most * len(bounce.parts))
+            view: Any = part.view
+            sky = np.asarray(view.shading["background"])
+            under = float(sky.real.max())
+            if material.kind == CONDUCTOR and (sky != 0.0).any():
+                # as of the value: one half for what shapes take from the sky, the other for the whole of it
+                share *= 0.5
+                whole = albedo_slopes(
+                    view.conductors, int(surface[0]), -product(here.travel, here.normal).sum(axis=1),
+                    share / max(under, 1.0), budget, self._work,
+                )  # fmt: skip
+                sums.add(whole, np.tile(sky, (len(some), 1)))
+                found.evaluations[some] += whole.evaluations
             seen = gloss_slopes(
                 here.place, here.normal, -here.normal if material.kind == DIFFUSE else here.travel, surface, part.lobes,
-                part.view, part.frames, part.bound, within / (most * len(bounce.parts) * float(scale[0].real)), budget,
-                self._work,
+                part.view, part.frames, part.bound, share / float(scale[0].real), budget, self._work,
             )  # fmt: skip
-            total += seen.gloss * scale[:, None]
-            size = np.abs(seen.gloss.real).max(axis=1)
-            missed += seen.error.real * scale.real
-            missed += 1j * (seen.error.imag * scale.real + seen.error.real * np.abs(scale.imag))
-            steep += seen.steep * scale.real + size * np.abs(scale.imag)
-            status = np.maximum(status, seen.status)
+            sums.add(seen, np.tile(scale[:, None], 3))
             found.evaluations[some] += seen.evaluations
-        light = here.albedo * total
+        total, missed, steep, status = sums.total, sums.missed, sums.steep, sums.status
+        light = product(here.albedo, total)
         reflected, changed = np.abs(here.albedo.real).max(axis=1), np.abs(here.albedo.imag).max(axis=1)
         astray = (
             SHIFTED

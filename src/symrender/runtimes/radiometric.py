@@ -55,7 +55,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         return _prepare_means(arrays, settings)
     width, height = settings.width, settings.height
     views = seen_all(shaken(arrays), width, height)
-    own, integrated = threading.local(), _integrated(arrays)
+    own, integrated = threading.local(), integrated_layers(arrays)
     if arrays.bounces and is_flat(arrays):
         table_of(arrays, settings.tol, settings.threads)
 
@@ -182,7 +182,7 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
     direct[lost], error[lost] = 0.0, np.inf
     indirect, evaluations = np.zeros((count, 3)), np.ones(count, np.int64)
     status = np.where(lost, UNSUPPORTED, MET)
-    for name in _integrated(arrays):
+    for name in integrated_layers(arrays):
         bounced = _bouncer(arrays, name, tol).sent(sent, tol, budget)
         if name == "direct":
             direct = direct + bounced.indirect
@@ -193,7 +193,7 @@ def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: floa
     return Sent(emitted, direct, indirect, hit_class, error, _status(error, status, tol), evaluations)
 
 
-def _integrated(arrays: RadiometricArrays) -> tuple[str, ...]:
+def integrated_layers(arrays: RadiometricArrays) -> tuple[str, ...]:
     """The layers of which the split rule has a part: of sky and lamps over what is glossy, and of a bounce."""
     return (*(["direct"] if lamps_on_gloss(arrays) else []), *(["indirect"] if arrays.bounces else []))
 
@@ -233,7 +233,7 @@ def check(arrays: RadiometricArrays) -> None:
                 f"scene with {reason}, which takes its lobe; over diffuse ones it is, and the numeric pipeline samples "
                 "any"
             )
-    if is_round(arrays) and _integrated(arrays):
+    if is_round(arrays) and integrated_layers(arrays):
         _check_decided(arrays)
     for index, light in enumerate(arrays.lights):
         other = crossed(arrays, int(light.emitter)) if light.kind == AREA else -1

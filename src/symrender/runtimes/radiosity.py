@@ -23,8 +23,8 @@ from symrender.radiosity.table import Places, Sendings, sendings
 from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, sharpness
 from symrender.scene.radiometric.arrays import ALL, AREA, DIFFUSE, SPHERE, RadiometricArrays
 
-KEPT: Final = 4
-"""Tables that are kept in memory."""
+KEPT: Final = 16
+"""Tables that are kept in memory; a derivative has its own."""
 SLACK: Final = 64.0
 """Roundings a term goes through."""
 ULP: Final = 2.0**-52
