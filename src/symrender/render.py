@@ -33,7 +33,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from symrender.errors import OptionError
+from symrender.errors import OptionError, Unsupported
 from symrender.execution.fill import Crew, Means
 from symrender.execution.finite import check_finite
 from symrender.execution.jobs import Job
@@ -45,6 +45,8 @@ from symrender.images.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
 from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric import check
+from symrender.runtimes.series_refusals import check_series_pixels
+from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.lights import Area, Sky
@@ -60,7 +62,6 @@ from symrender.settings import (
     Symbolic,
     Weights,
     image_size,
-    refuse_filter,
 )
 
 Finished = Callable[[str, Image], None]
@@ -184,8 +185,14 @@ def plan(scene: AnyScene, settings: Settings) -> tuple[Job, ...]:
     if not kinds:
         raise OptionError("numeric, symbolic: at least one must not be 'none'")
     if not isinstance(scene, RadiometricScene):
-        refuse_filter(settings)
+        if settings.filter != "centre" and "symbolic" in kinds:
+            raise Unsupported(
+                f"filter: {settings.filter} is had of symbolic: chambers; of a scene in units of the series strata "
+                "know only centre"
+            )
         if "truth" in kinds:
+            if settings.filter != "centre":
+                check_series_pixels(scene_arrays(scene), settings)
             check_decided(scene)
     elif "radiometric" in kinds:
         check(radiometric_arrays(scene))

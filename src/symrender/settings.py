@@ -186,10 +186,11 @@ def split_settings(
 
 
 def refuse_filter(settings: Settings) -> None:
-    """Raise ``Unsupported`` where a scene in units of the series is asked for a mean over pixels."""
+    """Raise ``Unsupported`` where a scene in units of the series is asked for derivatives of a mean over pixels."""
     if settings.filter != "centre":
         raise Unsupported(
-            f"filter: {settings.filter} is had of radiometric scenes; of one in units of the series only centre is"
+            f"gradient: filter: {settings.filter} is had of radiometric scenes; of one in units of the series only "
+            "centre is, while truth and render know all"
         )
 
 

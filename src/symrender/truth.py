@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 
+from symrender.errors import Unsupported
 from symrender.execution.fill import Crew, Means
 from symrender.execution.finite import check_finite
 from symrender.execution.jobs import Job
@@ -23,11 +24,13 @@ from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric import check
+from symrender.runtimes.series_refusals import check_series_pixels
+from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, in_series, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
-from symrender.settings import Antialias, Filter, Settings, refuse_filter, split_settings
+from symrender.settings import Antialias, Filter, Settings, split_settings
 from symrender.verify import check_share, verified
 
 STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}
@@ -57,8 +60,8 @@ def truth(
     """Image of ``scene`` with an ``error`` and a ``status`` layer.
 
     ``tol`` is absolute, in scene units of radiance, and asked of every pixel's radiance. Layers: ``radiance`` =
-    ``direct`` + (lobe weight) ``gloss``; ``hit_class``; ``error`` (h, w), the estimated largest absolute error of
-    radiance over the channels, which is the lobe's weight times that of gloss; ``status`` (h, w) as in ``STATUS``;
+    ``direct`` + (lobe weight) ``gloss``, of a filter by its weight already; ``hit_class``; ``error`` (h, w), the
+    estimated largest absolute error of radiance over the channels; ``status`` (h, w) as in ``STATUS``;
     ``evaluations``, ``chambers`` and ``crossings`` (h, w): shaded hits, different chambers and walls met. A pixel
     that missed its tolerance keeps its value and its honest error. ``disk``: ``KxK`` replaces a disk light by its
     centroids, ``exact`` integrates it. ``budget``: most evaluations a pixel. Without ``counts`` spheres are done on
@@ -95,6 +98,8 @@ def truth(
     )
     check_share(verify)
     judged = in_series(loaded, "verify") if verify else None
+    if verify and filter != "centre":
+        raise Unsupported(f"verify: makes rays through centres again, and knows no filter: {filter} yet")
     job = truth_job(loaded, settings)
     shown = None if preview is None else watched(preview)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress, preview=shown) as crew:
@@ -108,7 +113,8 @@ def truth_job(scene: AnyScene, settings: Settings) -> Job:
         check(radiometric_arrays(scene))
         check_means(radiometric_arrays(scene), settings)
         return Job.of("radiometric", scene, settings)
-    refuse_filter(settings)
+    if settings.filter != "centre":
+        check_series_pixels(scene_arrays(scene), settings)
     check_decided(scene)
     return Job.of("truth", scene, settings)
 

@@ -88,8 +88,9 @@ def test_scenes_and_params_list_them() -> None:
         ("sweep", "metal", "--over", "camera.fov=20:30:2"),
         ("animate", "metal", "--orbit", "4"),
         ("truth", "metal", "--size", "4", "--verify", "0.5"),
+        ("truth", "mirror", "--size", "4", "--filter", "box"),
+        ("render", "gloss", "--size", "4", "--filter", "box"),
         ("truth", "metal", "--size", "4", "--layers", "chambers"),
-        ("truth", "metal", "--size", "4", "--filter", "box", "-D", "bounces=1"),
         ("render", "metal", "--size", "4", "-D", "bounces=all"),
     ],
 )

@@ -55,9 +55,7 @@ SilhouettesOption = Annotated[
 
 FilterOption = Annotated[
     Filter,
-    typer.Option(
-        "--filter", help="A pixel of a radiometric scene: its centre's ray, the mean over its box, or weighed."
-    ),
+    typer.Option("--filter", help="What a pixel is: its centre's ray, the mean over its box, or weighed."),
 ]
 FilterRadius = Annotated[
     float,

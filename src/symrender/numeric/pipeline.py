@@ -27,11 +27,15 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     releases the GIL) and give the same bytes. Raises OptionError for the sampler ``none`` and SceneError for a camera
     without a direction.
 
+    With a ``filter`` a pixel is the mean of as many rays through places of its own as a lobe has directions, each with
+    all of these, and ``gloss`` is weighed by the lobes already: radiance = direct + gloss.
+
     With ``disk="exact"`` disk lights are sampled: 2 x 2 jittered strata where the camera looks, one point for each
     lobe sample; unbiased, and noisier than a KxK rule.
     """
     if settings.numeric == "none":
         raise OptionError("numeric: must name a sampler to render numerically, got 'none'")
+    from symrender.numeric.filters import FILTERS
     from symrender.numeric.planes import plane_cameras
     from symrender.numeric.rays import camera_frame
     from symrender.numeric.samplers import CODES
@@ -49,7 +53,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         evaluations = kernel(
             *(world, frame, width, height, x0, y0, x1, y1, sampler, order, normalised, analytic, seed),
-            *(cameras, candidate_room(world), candidate_room(world)),
+            *(FILTERS[settings.filter], settings.reach, cameras, candidate_room(world), candidate_room(world)),
             *(layers["radiance"], layers["direct"], layers["gloss"], layers["hit_class"]),
         )
         return int(evaluations)

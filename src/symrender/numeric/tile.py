@@ -7,13 +7,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.jit.marks import inlined
+from symrender.jit.marks import inlined, jitable
 from symrender.numeric.antialias import pixel_sign
 from symrender.numeric.estimators import gloss
+from symrender.numeric.filters import CENTRE, tap
 from symrender.numeric.lobe import WEIGHT
 from symrender.numeric.planes import faces, nearest_plane, plane_point
-from symrender.numeric.random import pixel_key
+from symrender.numeric.random import Key, pixel_key, uniforms
 from symrender.numeric.rays import primary_ray
+from symrender.numeric.samplers import INDEPENDENT
 from symrender.numeric.shading import direct_light
 from symrender.numeric.sight import gather, nearest, sees, sphere_point
 from symrender.numeric.textures import floor_albedo, floor_sign, sphere_albedo
@@ -22,6 +24,10 @@ from symrender.numeric.world import World
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, NOTHING, Array
 
 _PRIMARY_STRATA = 2
+_PLACE = (1 << 30) + 1
+"""Dimension of a ray's place in the pixel."""
+_ABOVE = np.uint64(8)
+"""Bits of a seed's upper word below the number of a ray."""
 
 
 @inlined
@@ -30,28 +36,25 @@ def pixel(
     frame: Array,
     width: int,
     height: int,
-    i: int,
-    j: int,
+    a: float,
+    b: float,
+    key: Key,
     sampler: int,
     order: int,
     normalised: bool,
     analytic: bool,
-    seed: int,
     cameras: Array,
     from_eye: Array,
     count: int,
     from_point: Array,
 ) -> tuple[int, Vector, Vector, float, int]:
-    """Hit class, direct light, gloss, lobe weight and lobe evaluations of the pixel in column i of row j.
+    """Hit class, direct light, gloss, lobe weight and lobe evaluations of the ray through (a, b) of the window.
 
     ``cameras`` are those of ``plane_cameras``; ``from_eye`` holds the ``count`` spheres as seen from the eye,
     ``from_point`` is room for as many. Arguments are many because a kernel takes numbers and arrays, and this is one
     pixel of one.
     """
-    key = pixel_key(seed, i, j)
     eye = (frame[1], frame[2], frame[3])
-    a = 2.0 * (i + 0.5) / width - 1.0
-    b = 1.0 - 2.0 * (j + 0.5) / height
     d, distance, p = primary_ray(frame, a, b)
     best, distance, inside = nearest(from_eye, count, d, distance if world.floor.present != 0.0 else math.inf)
     wall, first = -1, FIRST_SPHERE + world.spheres.shape[0]
@@ -96,6 +99,57 @@ def pixel(
     return own, direct, reflected, weight, evaluations
 
 
+@jitable
+def mean_pixel(
+    world: World,
+    frame: Array,
+    width: int,
+    height: int,
+    i: int,
+    j: int,
+    key: Key,
+    sampler: int,
+    order: int,
+    normalised: bool,
+    cameras: Array,
+    from_eye: Array,
+    count: int,
+    from_point: Array,
+    filter: int,
+    reach: float,
+) -> tuple[Vector, Vector, int]:
+    """(direct light, gloss by its weight, lobe evaluations) of a pixel: the mean of order x order rays and their lobes.
+
+    Rays pass places of the filter's support in strata, and each draws its own lobe. Arguments are many because a
+    kernel takes numbers and arrays.
+    """
+    direct, glossy, evaluations = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0
+    places = order * order
+    for index in range(places):
+        p, q = uniforms(key, index, _PLACE)
+        if sampler != INDEPENDENT:
+            p, q = (index // order + p) / order, (index % order + q) / order
+        x, heavy = tap(filter, reach, p)
+        y, other = tap(filter, reach, q)
+        a, b = 2.0 * (i + 0.5 + x) / width - 1.0, 1.0 - 2.0 * (j + 0.5 + y) / height
+        # every ray is a pixel of its own to the samplers of lobes
+        mine = (key[0], key[1], key[2], key[3] ^ (np.uint64(index + 1) << _ABOVE))
+        _, light, reflected, weight, spent = pixel(
+            *(world, frame, width, height, a, b, mine, sampler, order, normalised, False),
+            *(cameras, from_eye, count, from_point),
+        )
+        evaluations += spent
+        share = heavy * other / places
+        bright = share * weight
+        direct = (direct[0] + share * light[0], direct[1] + share * light[1], direct[2] + share * light[2])
+        glossy = (
+            glossy[0] + bright * reflected[0],
+            glossy[1] + bright * reflected[1],
+            glossy[2] + bright * reflected[2],
+        )
+    return direct, glossy, evaluations
+
+
 def render_tile(
     world: World,
     frame: Array,
@@ -110,6 +164,8 @@ def render_tile(
     normalised: bool,
     analytic: bool,
     seed: int,
+    filter: int,
+    reach: float,
     cameras: Array,
     from_eye: Array,
     from_point: Array,
@@ -121,16 +177,25 @@ def render_tile(
     """Fill columns x0:x1 of rows y0:y1 of the full-frame layers; returns the lobe evaluations.
 
     ``cameras`` are those of ``plane_cameras``; ``from_eye`` and ``from_point`` are room for the candidates,
-    (n, CANDIDATE_COLUMNS) each. Arguments are many because a kernel takes numbers and arrays.
+    (n, CANDIDATE_COLUMNS) each. With a ``filter`` a pixel is a mean, its hit class that of its centre, and gloss is
+    weighed by the lobes already. Arguments are many because a kernel takes numbers and arrays.
     """
     count = gather(world, from_eye, NOTHING, (frame[1], frame[2], frame[3]))
     evaluations = 0
     for j in range(y0, y1):
         for i in range(x0, x1):
+            key = pixel_key(seed, i, j)
+            a, b = 2.0 * (i + 0.5) / width - 1.0, 1.0 - 2.0 * (j + 0.5) / height
             own, light, reflected, weight, spent = pixel(
-                *(world, frame, width, height, i, j, sampler, order, normalised, analytic, seed),
-                *(cameras, from_eye, count, from_point),
+                *(world, frame, width, height, a, b, key, sampler, order if filter == CENTRE else 1, normalised),
+                *(analytic, cameras, from_eye, count, from_point),
             )
+            if filter != CENTRE:
+                light, reflected, spent = mean_pixel(
+                    *(world, frame, width, height, i, j, key, sampler, order, normalised),
+                    *(cameras, from_eye, count, from_point, filter, reach),
+                )
+                weight = 1.0
             evaluations += spent
             hit_class[j, i] = own
             for c in range(3):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
 
@@ -22,7 +22,7 @@ from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world
-from symrender.scene.arrays import FIRST_SPHERE, SceneArrays
+from symrender.scene.arrays import FIRST_SPHERE, SOLID, SceneArrays
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, lamp_scene, shape_classes
 from symrender.scene.radiometric.records import Material
@@ -99,13 +99,18 @@ class Bouncer:
         self._scenes: dict[bytes, Bounce] = {}
         self._scratch: SplitWork | None = None
 
-    def sent(self, rays: list[tuple[Array, Array]], tol: float, budget: int) -> Bounced:
+    def sent(
+        self, rays: list[tuple[Array, Array]], tol: float, budget: int, blurred: npt.NDArray[np.bool_] | None = None
+    ) -> Bounced:  # fmt: skip
         """One bounce of light along rays, each to ``tol``, absolute, or ``budget`` evaluations.
 
         ``rays`` are origins and unit directions (N, 3), as they are and as they go with the scenes of ``shaken``: where
-        those meet another shape, or another part of a texture, the error says what that changes.
+        those meet another shape, or another part of a texture, the error says what that changes. What is flat
+        reflects as the mean of its texture where ``blurred`` (N,) says so.
         """
         first, *others = (hits(arrays, *pair) for arrays, pair in zip(self._shaken, rays, strict=True))
+        if blurred is not None:
+            first, *others = (self._blurred(each, blurred) for each in (first, *others))
         found = self.light(first, tol, budget)
         doubts = np.zeros(len(found.error))
         for other in others:
@@ -119,6 +124,10 @@ class Bouncer:
             doubts = np.maximum(doubts, off)
         found.error[:] += doubts
         return found
+
+    def _blurred(self, found: Hits, blurred: npt.NDArray[np.bool_]) -> Hits:
+        """``found`` with the means of textures of what is flat."""
+        return replace(found, albedo=blurred_albedo(self._arrays, found.shape, found.albedo, blurred))
 
     def light(self, hits: Hits, tol: float, budget: int) -> Bounced:
         """One bounce of light at ``hits``, each to ``tol``, absolute, or ``budget`` evaluations.
@@ -236,6 +245,17 @@ class Bouncer:
         missed += float(color.max()) * seen.error
         found.status[some] = np.maximum(found.status[some], seen.status)
         found.evaluations[some] += seen.evaluations
+
+
+def blurred_albedo(
+    arrays: RadiometricArrays, shape: Ints, albedo: Array, blurred: npt.NDArray[np.bool_]
+) -> Array:  # fmt: skip
+    """``albedo`` (N, 3) of places of shapes, the mean of its texture where one is flat and ``blurred``."""
+    used = [arrays.materials[int(each.material)] for each in arrays.shapes]
+    flat = np.array([each.kind != SPHERE and m.texture != SOLID for each, m in zip(arrays.shapes, used, strict=True)])
+    means = np.array([0.5 * (m.bright + m.dark) for m in used]).reshape(-1, 3)
+    some = blurred & (shape >= 0) & flat[shape]
+    return np.where(some[:, None], means[shape], albedo)
 
 
 def conductor_rows(senders: Table[Sender] | None) -> Table[Conductor] | None:

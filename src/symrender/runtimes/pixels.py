@@ -6,9 +6,10 @@ import math
 import threading
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
@@ -16,7 +17,7 @@ from symrender.jit.records import Table, copied, joined, table
 from symrender.radiometric import tile
 from symrender.radiometric.pixels import pixel, walls
 from symrender.radiometric.pixels.cells import BOX, GAUSSIAN, MITCHELL, TENT, Eye
-from symrender.radiometric.pixels.records import Family, Wall, make_room
+from symrender.radiometric.pixels.records import Family, Section, Wall, make_room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
@@ -89,9 +90,51 @@ def wall_tables(view: Seen) -> tuple[Table[Wall], Table[Family]]:
         raise Unsupported(f"filter: box cuts at {MOST_WALLS} walls at most, this scene has {count}; centre needs none")
     found = table(Wall, count)
     _kernel("list_walls")(view.world, view.eye, found)
-    coordinates = table(Family, _kernel("list_families")(view.world, view.eye, table(Family, 0)))
-    _kernel("list_families")(view.world, view.eye, coordinates)
-    return found, coordinates
+    return found, families_of(view)
+
+
+def families_of(view: Seen) -> Table[Family]:
+    """The texture coordinates of planes."""
+    return families_at(view.world, view.eye)
+
+
+def families_at(world: World, eye: Array) -> Table[Family]:
+    """The texture coordinates of planes as an eye sees them."""
+    coordinates = table(Family, _kernel("list_families")(world, eye, table(Family, 0)))
+    _kernel("list_families")(world, eye, coordinates)
+    return coordinates
+
+
+def series_walls(world: World, eye: Array, sections: Table[Section]) -> Table[Wall]:
+    """The walls of a scene in units of the series, at which textures of spheres are cut in ``sections``."""
+    found = table(Wall, _kernel("list_series_walls")(world, eye, sections, table(Wall, 0)))
+    _kernel("list_series_walls")(world, eye, sections, found)
+    return found
+
+
+class Met(NamedTuple):
+    """Where N rays meet pieces: ``shape`` (N,), -1 for none, unit ``normal`` towards the ray, ``behind`` 0 or 1."""
+
+    shape: npt.NDArray[np.int64]
+    place: Array
+    normal: Array
+    behind: Array
+
+
+def shapes_met(world: World, origins: Array, directions: Array) -> Met:
+    """Where unit rays meet the shapes of a world."""
+    count = len(origins)
+    shape, behind, unused = np.zeros(count), np.zeros(count), np.zeros((count, 3))
+    place, normal = np.zeros((count, 3)), np.zeros((count, 3))
+    _kernel("fill_hits")(world, origins, directions, shape, place, normal, unused, behind)
+    return Met(shape.astype(np.int64), place, normal, behind)
+
+
+def seen_walls(view: Seen) -> Table[Wall]:
+    """The walls at which what is seen changes, whatever shines on it."""
+    found = table(Wall, _kernel("list_seen_walls")(view.world, view.eye, table(Wall, 0)))
+    _kernel("list_seen_walls")(view.world, view.eye, found)
+    return found
 
 
 def mean_world(world: World) -> World:
@@ -205,7 +248,7 @@ def brightest(view: Seen) -> float:
     return max(float(each[np.isfinite(each)].max(initial=math.ulp(1.0))) for each in found)
 
 
-@lru_cache(maxsize=6)
+@lru_cache(maxsize=8)
 def _kernel(name: str) -> Any:
     """Compiled function that lists walls, sends rays or fills pixels."""
     module = next(each for each in (pixel, walls, tile) if hasattr(each, name) and name.startswith(("list", "fill")))

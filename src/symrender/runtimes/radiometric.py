@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
 
@@ -22,6 +22,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world, make_worlds, seen, seen_all
 from symrender.radiosity.coincident import coincident
 from symrender.runtimes.bounce import Bouncer
+from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixels import prepare_means
@@ -107,13 +108,16 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
 
     ``hit_class`` is that of the ray from the middle of the lens through the centre as the shutter opens.
     """
-    if arrays.bounces and not is_exposed(arrays):
-        raise Unsupported(
-            f"filter: {settings.filter} is not yet integrated with bounces; with bounces: 0 it is, and centre is"
-        )
     width, height = settings.width, settings.height
     view = seen(arrays, width, height)
-    means = (prepare_exposed if is_exposed(arrays) else prepare_means)(arrays, settings)
+    bounced = None
+    if arrays.bounces and not is_exposed(arrays):
+        tol = node_tolerance(settings.tol)
+        if is_flat(arrays):
+            table_of(arrays, tol, settings.threads)
+        bounced = prepare_bounced(arrays, settings, lambda: _bouncer(arrays, "indirect", tol))
+    closed = replace(settings, tol=DIRECT_SHARE * settings.tol) if bounced else settings
+    means = (prepare_exposed if is_exposed(arrays) else prepare_means)(arrays, closed)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
@@ -124,6 +128,13 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         layers["emitted"][here], layers["direct"][here], layers["hit_class"][here] = emitted, direct, hit_class
         layers["radiance"][here], layers["error"][here] = emitted + direct, error
         layers["status"][here] = np.where(error > settings.tol, CAPPED, MET)
+        if bounced is not None:
+            found = bounced(x0, y0, x1, y1)
+            layers["indirect"][here] = found.values.reshape(*shape, 3)
+            layers["radiance"][here] += layers["indirect"][here]
+            layers["error"][here] += found.error.reshape(shape)
+            layers["status"][here] = _status(layers["error"][here], found.status.reshape(shape), settings.tol)
+            spent += int(found.evaluations.sum())
         return spent
 
     return render

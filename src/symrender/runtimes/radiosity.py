@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.records import flat
@@ -19,7 +20,7 @@ from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
 from symrender.radiosity.table import Places, Sendings, sendings
-from symrender.runtimes.bounce import Bounced, Ints, sharpness
+from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, sharpness
 from symrender.scene.radiometric.arrays import ALL, AREA, DIFFUSE, SPHERE, RadiometricArrays
 
 KEPT: Final = 4
@@ -69,12 +70,14 @@ class Gatherer:
         places = np.abs(np.asarray(world.pieces["place"])).max(axis=1, initial=0.0) + np.asarray(world.pieces["radius"])
         self._extent = max(corners, float(places.max(initial=0.0)))
 
-    def sent(self, rays: list[tuple[Array, Array]], tol: float, _budget: int) -> Bounced:
+    def sent(
+        self, rays: list[tuple[Array, Array]], tol: float, _budget: int, blurred: npt.NDArray[np.bool_] | None = None
+    ) -> Bounced:  # fmt: skip
         """Reflected light along rays; ``rays`` are as ``Bouncer.sent`` takes them.
 
         ``tol`` is absolute, and decides the status alone: the table was made for it.
         """
-        first, *others = (met(world, *pair) for world, pair in zip(self._worlds, rays, strict=True))
+        first, *others = (self._met(world, *pair, blurred) for world, pair in zip(self._worlds, rays, strict=True))
         found = self._light(*first)
         for at, albedo in others:
             elsewhere = np.flatnonzero((at.own != first[0].own) | (at.front != first[0].front))
@@ -85,6 +88,17 @@ class Gatherer:
                 found.evaluations[elsewhere] += again.evaluations
         found.status[:] = np.where(found.error > tol, np.maximum(found.status, CAPPED), MET)
         return found
+
+    def _met(
+        self, world: World, origins: Array, directions: Array, blurred: npt.NDArray[np.bool_] | None
+    ) -> tuple[Places, Array]:  # fmt: skip
+        """``met``, with the means of textures of what is flat where ``blurred`` says so."""
+        at, albedo = met(world, origins, directions)
+        if blurred is not None:
+            owners = np.asarray(world.pieces["owner"]).astype(np.int64)
+            shape = np.where(at.own >= 0, owners[at.own], -1)
+            albedo = blurred_albedo(self._arrays, shape, albedo, blurred)
+        return at, albedo
 
     def _light(self, at: Places, albedo: Array) -> Bounced:
         count = len(at.own)

@@ -12,6 +12,7 @@ from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.runtimes.image import TileKernel, prepare_sight
+from symrender.runtimes.series_pixels import prepare_series
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, lobes_of
 from symrender.scene.frames import frames
@@ -43,6 +44,8 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     shaded hits it needed. Deterministic: every pixel is a pure function of
     the scene, the settings and its place.
     """
+    if settings.filter != "centre":
+        return prepare_series(arrays, settings)
     sight = prepare_sight(arrays, settings)
     weights = showing(arrays) * lobe_weights(arrays)
     size = (settings.height, settings.width, 3)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 from symrender.jit.marks import inlined, jitable
+from symrender.numeric.filters import CENTRE, tap
 from symrender.numeric.radiometric.emitters import shining
 from symrender.numeric.radiometric.flats import triple
 from symrender.numeric.radiometric.hits import first_hit
 from symrender.numeric.radiometric.path import from_points, path, plus, scaled, shows, surface
-from symrender.numeric.radiometric.shot import CENTRE, Shot, lens_place, lens_ray, put_moved, tap
+from symrender.numeric.radiometric.shot import Shot, lens_place, lens_ray, put_moved
 from symrender.numeric.radiometric.world import World
 from symrender.numeric.random import Key, pixel_key, uniforms
 from symrender.numeric.rays import window_direction

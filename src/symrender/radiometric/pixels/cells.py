@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.pixels.records import Family, Room, Wall
+from symrender.radiometric.pixels.records import Family, Nodes, Room, Wall
 from symrender.radiometric.vectors import Array, Vector
 from symrender.radiometric.world import World
 
@@ -42,6 +42,7 @@ class Eye(NamedTuple):
     peak: float
     delicate: bool
     domain: int
+    nodes: Nodes | None = None
 
 
 class Cell(NamedTuple):

@@ -84,6 +84,44 @@ class Family(Record):
     denominator: Three
 
 
+class Section(Record):
+    """Where a plane cuts piece ``own``: axis.p = level, of places relative to the eye."""
+
+    own: float
+    axis: Three
+    level: float
+
+
+class Part(Record):
+    """A cell of the pixel at ``column``, ``row`` that takes one rule: of ``level``, along ``path``, a digit of base 4
+    for every halving. ``kind`` is SMOOTH, CUT or COARSE; ``blurred`` 1 where textures of planes are their means.
+
+    ``missed`` is the part of the pixel that curves may cut off unseen, as it weighs, of COARSE all of the cell;
+    ``beside`` is what means of textures may be off by, as a part of the pixel.
+    """
+
+    column: int
+    row: int
+    level: int
+    path: int
+    kind: int
+    blurred: int
+    missed: float
+    beside: float
+
+
+class Nodes(NamedTuple):
+    """Places of the whole, from -1 to 1, and what each weighs: as many as there are, of which those that fit are
+    written."""
+
+    found: Ints
+    """(1,)"""
+    places: Array
+    """(N, 2)"""
+    weights: Array
+    """(N,)"""
+
+
 class Room(NamedTuple):
     """Scratch of a thread: what kernels of a pixel write and forget."""
 

@@ -38,11 +38,19 @@ def add_light(
     eye: Eye, world: World, cell: Cell, x: float, y: float, weight: float, row: int, room: Room
 ) -> None:  # fmt: skip
     """Add what comes back through the place (x, y) of a cell, weighted, to a row of sums; it widens the span of
-    radiance. ``world`` is that of the eye, or its mean."""
+    radiance. ``world`` is that of the eye, or its mean. Where the eye lists nodes the place is one more of them."""
     if eye.domain != BOX:
         weight *= weight_of(eye.domain, cell.x + cell.half * x, cell.y + cell.half * y)
         if weight == 0.0:
             return
+    if eye.nodes is not None:
+        k = int(eye.nodes.found[0])
+        if k < eye.nodes.weights.shape[0]:
+            eye.nodes.weights[k] = weight
+            eye.nodes.places[k, 0] = cell.x + cell.half * x
+            eye.nodes.places[k, 1] = cell.y + cell.half * y
+        eye.nodes.found[0] += 1
+        return
     origin, d = ray_of(eye, step(cell.v, x, cell.vx, y, cell.vy))
     _, emitted, direct = along_ray(world, origin, d, room.sky)
     sums, span = room.sums, room.span

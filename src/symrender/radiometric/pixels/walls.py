@@ -15,7 +15,7 @@ from symrender.jit.marks import jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.pieces import POLYGON, Piece, corner
-from symrender.radiometric.pixels.records import CONIC, LIMB, LINE, QUARTIC, RIM, TOUCH, Family, Wall
+from symrender.radiometric.pixels.records import CONIC, LIMB, LINE, QUARTIC, RIM, TOUCH, Family, Section, Wall
 from symrender.radiometric.sight import height_over
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
@@ -284,6 +284,24 @@ def put_walls(world: World, at: Vector, walls: Table[Wall]) -> int:
 def list_walls(world: World, eye: Array, walls: Table[Wall]) -> int:
     """The same as a kernel."""
     return put_walls(world, (eye[0], eye[1], eye[2]), walls)
+
+
+def list_seen_walls(world: World, eye: Array, walls: Table[Wall]) -> int:
+    """Walls at which what arrives at the places that are seen, or how they reflect it, jumps whatever shines."""
+    at = (eye[0], eye[1], eye[2])
+    return texture_walls(world, at, walls, sight_walls(world, at, walls, 0))
+
+
+def list_series_walls(world: World, eye: Array, sections: Table[Section], walls: Table[Wall]) -> int:
+    """Walls of a scene in units of the series, whose textures of spheres are cut at ``sections``."""
+    at = (eye[0], eye[1], eye[2])
+    count = sight_walls(world, at, walls, 0)
+    for section in sections:
+        count = put_section(world, at, walls, count, int(section.own), -1, 0.0, vector(section.axis), section.level)
+    for own in range(world.pieces.shape[0]):
+        for light in range(world.lights.shape[0]):
+            count = point_walls(world, at, own, light, walls, count)
+    return count
 
 
 @jitable

@@ -1,0 +1,324 @@
+"""Means over pixels of what only whole batches of rays can be asked for: lobes' integrals, each with its own error.
+
+A pixel is cut at its curves (``radiometric/pixels/parts.py``). Every part takes two rules, the difference of which is
+its error; while the errors of a pixel's parts add up to more than is asked, those of the largest are looked at more
+closely, all pixels of a tile at once. What the rays themselves state is added.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.jit.compiled import compiled
+from symrender.jit.records import Table, chosen, joined, table
+from symrender.radiometric.pixels import parts as kernels
+from symrender.radiometric.pixels.cells import Eye
+from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, Nodes, Part, Room, make_room
+from symrender.radiometric.vectors import Array
+
+Ints = npt.NDArray[np.int64]
+
+INNER: Final = 0.25
+"""Part of the tolerance that single rays take."""
+_ORDERS: Final = {CUT: (2, 3, 5, 8), COARSE: (2,)}
+_SMOOTH: Final = (1, 2, 3, 5)
+"""Orders of the rules that a part takes one after the other, the first two at once."""
+_FIRST: Final = {CUT: 8.0, COARSE: 1.0}
+"""What the difference of the first two rules is taken times; of smooth parts ``_FIRST_SMOOTH``."""
+_FIRST_SMOOTH: Final = 0.5
+_DOUBT: Final = 0.02
+"""Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
+_HOPE: Final = 300.0
+"""Times what a part may take that it may be off by for a rule of a higher order to be tried."""
+_GRAIN: Final = 0.05
+"""Part of the tolerance that the brightest light in a cell may make for it not to be halved at once."""
+_WORST: Final = 0.25
+"""Part of the largest error of a pixel's parts that those looked at more closely have."""
+_ROUNDS: Final = 200
+_SHARE: Final = 8
+"""Nodes that the budget of a pixel is to last for, at least."""
+_FIELDS: Final = 600
+"""Nodes that a cell of many fields takes to be cut at all of them, about."""
+_LEAST: Final = 2000
+"""Evaluations of a node, at least."""
+_FLOOR: Final = 1e-3
+"""Part of the tolerance below which the error of a part is not what keeps a pixel from it."""
+
+
+@dataclass(frozen=True)
+class Light:
+    """What N nodes see: ``values`` (N, C), what each may be off by, ``status`` and ``evaluations`` (N,)."""
+
+    values: Array
+    error: Array
+    status: Ints
+    evaluations: Ints
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the nodes lie: ``columns`` and ``rows`` (N,) of the image, in pixels; ``blurred`` where textures of planes
+    are to be their means."""
+
+    columns: Array
+    rows: Array
+    blurred: npt.NDArray[np.bool_]
+
+
+Look = Callable[[Places, float, int], Light]
+"""What nodes see, each to a tolerance or a number of evaluations."""
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """An image as an eye sees it: its window and size, the ``reach`` of its filter, the largest radiance of ``bright``.
+
+    ``lobes`` says that nodes ask for lobes, not for direct light.
+    """
+
+    eye: Eye
+    window: Array
+    width: int
+    height: int
+    reach: float
+    bright: float
+    lobes: bool
+
+
+@dataclass(frozen=True)
+class Mean:
+    """Of N pixels: ``values`` (N, C), ``error``, ``status`` and ``evaluations`` (N,)."""
+
+    values: Array
+    error: Array
+    status: Ints
+    evaluations: Ints
+
+
+@dataclass
+class _State:
+    """Parts of the pixels of a tile, and what is known of each."""
+
+    parts: Table[Part]
+    pixel: Ints
+    values: Array
+    gap: Array
+    """What the last two rules differed by."""
+    error: Array
+    inner: Array
+    stage: Ints
+    """How many rules it took beyond the first two; -1 before these."""
+
+    @staticmethod
+    def of(parts: Table[Part], pixel: Ints, channels: int) -> _State:
+        n = len(parts)
+        return _State(
+            parts, pixel, np.zeros((n, channels)), np.full(n, np.inf), np.full(n, np.inf), np.zeros(n),
+            np.full(n, -1, np.int64),
+        )  # fmt: skip
+
+    def kept(self, keep: npt.NDArray[np.bool_], more: _State) -> _State:
+        """Those of ``keep``, and more."""
+        old = chosen(self.parts, keep)
+        pairs = [
+            np.concatenate([getattr(self, name)[keep], getattr(more, name)])
+            for name in ("pixel", "values", "gap", "error", "inner", "stage")
+        ]
+        return _State(joined(Part, [old, more.parts]), *pairs)
+
+
+@dataclass
+class _Pixels:
+    """What is known of the pixels of a tile."""
+
+    low: Array
+    high: Array
+    status: Ints
+    evaluations: Ints = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.evaluations = np.zeros(len(self.low), np.int64)
+
+
+class PixelRule:
+    """Means over the pixels of a canvas; of threads each has its scratch."""
+
+    def __init__(self, canvas: Canvas, channels: int) -> None:
+        self._canvas, self._channels = canvas, channels
+        self._own = threading.local()
+
+    def means(self, x0: int, y0: int, x1: int, y1: int, look: Look, tol: float, budget: int) -> Mean:
+        """Means of columns x0:x1 of rows y0:y1, row by row, each to ``tol`` or ``budget`` evaluations.
+
+        A pixel is a function of its own parts alone, so that no tile changes a byte.
+        """
+        canvas, channels = self._canvas, self._channels
+        starts = table(Part, (x1 - x0) * (y1 - y0))
+        rows = np.asarray(starts)
+        rows["column"], rows["row"] = np.tile(np.arange(x0, x1), y1 - y0), np.repeat(np.arange(y0, y1), x1 - x0)
+        count = len(starts)
+        pixels = _Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64))
+        grain = _GRAIN * tol / canvas.bright
+        parts, origins = self._cut(starts, grain)
+        state = _State.of(parts, origins, channels)
+        inner, whole = INNER * tol, np.zeros(count)
+        each = max(_LEAST, budget // _SHARE)
+        for _ in range(_ROUNDS):
+            self._integrate(state, np.flatnonzero(state.stage < 0), pixels, look, inner, each)
+            swing = np.maximum(canvas.bright, pixels.high - pixels.low)[state.pixel]
+            outer = state.error + swing * state.parts["missed"]
+            outer += np.maximum(pixels.high, 0.0)[state.pixel] * state.parts["beside"]
+            whole = _added(state.pixel, outer + state.inner, count)
+            raised, halved = self._next(state, outer, whole, pixels, tol, budget)
+            if not (len(raised) or len(halved)):
+                break
+            self._integrate(state, raised, pixels, look, inner, each)
+            if len(halved):
+                state = self._halve(state, halved, grain)
+        values = np.column_stack([_added(state.pixel, state.values[:, c], count) for c in range(channels)])
+        return Mean(values, whole, pixels.status, pixels.evaluations)
+
+    def _next(
+        self, state: _State, outer: Array, whole: Array, pixels: _Pixels, tol: float, budget: int
+    ) -> tuple[Ints, Ints]:  # fmt: skip
+        """The parts that are to take a rule of a higher order, and those that are to be halved."""
+        worst = np.zeros(len(whole))
+        np.maximum.at(worst, state.pixel, np.where(np.isfinite(outer), outer, 0.0))
+        # what rays state is no less in halves
+        stuck = _added(state.pixel, state.inner, len(whole)) > tol
+        going = (whole > tol) & ~stuck & (pixels.evaluations <= budget)
+        asked = going[state.pixel] & (outer >= _WORST * worst[state.pixel]) & (outer > _FLOOR * tol)
+        area = 0.25 ** state.parts["level"]
+        allowed = tol * (0.5 * area + 0.01)
+        most = np.array([len(_SMOOTH), len(_ORDERS[CUT]), len(_ORDERS[COARSE])])[_kinds(state.parts)] - 2
+        better = (state.stage < most) & (state.error >= 0.5 * outer) & (state.error <= _HOPE * allowed)
+        deeper = asked & ~better & (state.parts["level"] < LEVELS)
+        # where fields are too many to be cut at, their mean stays
+        deeper &= (state.parts["blurred"] == 0) | (_FIELDS * 4.0 ** (state.parts["level"] + 1.0) <= budget)
+        return np.flatnonzero(asked & better), np.flatnonzero(deeper)
+
+    def _halve(self, state: _State, halved: Ints, grain: float) -> _State:
+        """The parts of the quarters of some, in their stead."""
+        starts = table(Part, 4 * len(halved))
+        for quarter in range(4):
+            rows = np.asarray(starts)[quarter::4]
+            rows[:] = np.asarray(state.parts)[halved]
+            rows["path"] = 4 * rows["path"] + quarter
+            rows["level"] += 1
+        parts, origins = self._cut(starts, grain)
+        keep = np.ones(len(state.pixel), np.bool_)
+        keep[halved] = False
+        return state.kept(keep, _State.of(parts, state.pixel[halved][origins // 4], self._channels))
+
+    def _integrate(
+        self, state: _State, some: Ints, pixels: _Pixels, look: Look, inner: float, budget: int
+    ) -> None:  # fmt: skip
+        """Let parts take their next rule, of new ones the first two."""
+        if not len(some):
+            return
+        kinds, stage = _kinds(state.parts)[some], state.stage[some] + 1
+        sequences = [np.array(each) for each in (_SMOOTH, _ORDERS[CUT], _ORDERS[COARSE])]
+        fresh = np.flatnonzero(stage == 0)
+        orders = np.array([sequences[k][min(s + 1, len(sequences[k]) - 1)] for k, s in zip(kinds, stage, strict=True)])
+        before = np.array([sequences[k][0] for k in kinds[fresh]], np.int64)
+        two = np.concatenate([some, some[fresh]])
+        values, error = self._rules(state, two, np.concatenate([orders, before]), pixels, look, inner, budget)
+        new, old = values[: len(some)], state.values[some]
+        old[fresh] = values[len(some) :]
+        gap = np.abs(new - old).max(axis=1)
+        first = np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
+        last = np.where(stage == 0, 0.0, state.gap[some])
+        state.error[some] = np.where(stage == 0, first * gap, np.maximum(gap, _DOUBT * last))
+        state.values[some], state.gap[some], state.inner[some] = new, gap, error[: len(some)]
+        state.stage[some] = stage
+
+    def _rules(
+        self, state: _State, some: Ints, orders: Ints, pixels: _Pixels, look: Look, inner: float, budget: int
+    ) -> tuple[Array, Array]:
+        """(values (N, C), what rays state) of a rule of its order for each of some parts."""
+        places, weights, ends = self._nodes(state.parts, some, orders)
+        owner = np.repeat(np.arange(len(some)), np.diff(ends, prepend=0))
+        parts = np.asarray(state.parts)[some][owner]
+        reach = self._canvas.reach
+        found = look(
+            Places(
+                parts["column"] + 0.5 + reach * places[:, 0], parts["row"] + 0.5 - reach * places[:, 1],
+                parts["blurred"] != 0,
+            ),
+            inner, budget,
+        )  # fmt: skip
+        pixel = state.pixel[some][owner]
+        np.minimum.at(pixels.low, pixel, found.values.min(axis=1))
+        np.maximum.at(pixels.high, pixel, found.values.max(axis=1))
+        np.maximum.at(pixels.status, pixel, found.status)
+        np.add.at(pixels.evaluations, pixel, found.evaluations)
+        sums = [_added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
+        return np.column_stack(sums), _added(owner, np.abs(weights) * found.error, len(some))
+
+    def _scratch(self) -> tuple[Room, Ints, Table[Part]]:
+        if not hasattr(self._own, "scratch"):
+            eye = self._canvas.eye
+            self._own.scratch = make_room(eye.world), np.zeros(max(1, len(eye.walls)), np.int64), table(Part, 1)
+        kept: tuple[Room, Ints, Table[Part]] = self._own.scratch
+        return kept
+
+    def _cut(self, starts: Table[Part], grain: float) -> tuple[Table[Part], Ints]:
+        """The parts of cells, and which cell each is of."""
+        canvas = self._canvas
+        room, candidates, spare = self._scratch()
+        size = 2 * len(starts) + 16
+        while True:
+            parts, origins = table(Part, size), np.zeros(size, np.int64)
+            found = int(
+                _kernel("list_parts")(
+                    canvas.eye, canvas.window, canvas.width, canvas.height, canvas.reach, starts, grain,
+                    canvas.lobes, room, candidates, spare, parts, origins,
+                )
+            )  # fmt: skip
+            if found <= size:
+                return chosen(parts, np.arange(size) < found), origins[:found]
+            size = found
+
+    def _nodes(self, parts: Table[Part], some: Ints, orders: Ints) -> tuple[Array, Array, Ints]:
+        """(places (N, 2), weights (N,), where those of each part end) of rules."""
+        canvas = self._canvas
+        room, candidates, _ = self._scratch()
+        rows = table(Part, len(some))
+        np.asarray(rows)[:] = np.asarray(parts)[some]
+        size, ends = 16 * len(some), np.zeros(len(some), np.int64)
+        while True:
+            nodes = Nodes(np.zeros(1, np.int64), np.zeros((size, 2)), np.zeros(size))
+            found = int(
+                _kernel("list_nodes")(
+                    canvas.eye._replace(nodes=nodes), canvas.window, canvas.width, canvas.height, canvas.reach,
+                    rows, orders, room, candidates, ends,
+                )
+            )  # fmt: skip
+            if found <= size:
+                return nodes.places[:found], nodes.weights[:found], ends
+            size = found
+
+
+def _added(owner: Ints, what: Array, count: int) -> Array:
+    """(count,) sums of what belongs to each owner."""
+    found = np.zeros(count)
+    np.add.at(found, owner, what)
+    return found
+
+
+def _kinds(parts: Table[Part]) -> Ints:
+    return np.asarray(np.asarray(parts)["kind"], np.int64)
+
+
+@lru_cache(maxsize=2)
+def _kernel(name: str) -> Any:
+    """Compiled function that lists parts or nodes."""
+    # the kernels only borrow arrays; counting references to them would cost more than the arithmetic
+    return compiled(getattr(kernels, name), _nrt=False)
