@@ -2,7 +2,8 @@
 
 What a ray meets first, and the directions in which it reflects, are those of ``rough_lattice.py``; what they bring is
 direct light in closed form, which its own judges know. So this judge knows nothing of walls, panels and rules, but all
-lights, textures and materials that direct light has.
+lights, textures and materials that direct light has. Every ball, and every place a light is near to, has a lattice of
+its own, or a small ball lit from nearby would be met by no ray, and nothing would tell.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from . import lattice, rough_lattice
 Array = npt.NDArray[np.float64]
 POINTS, GENERATOR = 10946, 6765
 SHIFTS = 8
+SMALLEST = 1e-4
+"""The least angle about which a lattice is drawn together."""
 LIFT = 1e-9
 """How far above its surface a place lies, over the distance to the eye, so that no ray meets the surface itself."""
 
@@ -48,6 +51,37 @@ def direct(scene: dict[str, Any], origins: Array, directions: Array) -> Array:
     return found
 
 
+def aims(scene: dict[str, Any], place: Array, n: Array) -> Array:
+    """(N, 12) directions about which something small may be bright, as ``rough_lattice`` draws about highlights."""
+    found = []
+    balls = [(np.array(s["center"]), s["radius"]) for s in scene["shapes"] if s["type"] == "sphere"]
+    planes = [(np.array(s["point"]), np.array(s["normal"]) / np.linalg.norm(s["normal"]))
+              for s in scene["shapes"] if s["type"] == "plane"]  # fmt: skip
+    for center, radius in balls:
+        found.append((center, radius))
+    for light in scene["lights"]:
+        if "position" not in light:
+            continue
+        at = np.array(light["position"])
+        for center, radius in balls:
+            away = at - center
+            foot = center + radius * away / np.linalg.norm(away)
+            found.append((foot, float(np.linalg.norm(at - foot))))
+        for point, normal in planes:
+            gap = float((at - point) @ normal)
+            found.append((at - gap * normal, abs(gap)))
+    rows = []
+    for middle, size in found:
+        far = np.linalg.norm(middle - place)
+        width = max(size / far, SMALLEST) if far > 0.0 else 1.0
+        # what is wide the cosine's lattice finds
+        if width < 0.5 and (middle - place) @ n > -size:
+            axis = (middle - place) / far
+            first, second = rough_lattice._frame(axis)
+            rows.append(np.concatenate([axis, first, second, [1.0 / width, 0.0, 1.0 / width]]))
+    return np.array(rows).reshape(-1, 12)
+
+
 def bounced(
     scene: dict[str, Any], origin: Array, direction: Array, rng: np.random.Generator, points: int = POINTS,
     generator: int = GENERATOR,
@@ -55,7 +89,7 @@ def bounced(
     """One bounce of light along a ray."""
     d = direction / np.linalg.norm(direction)
     judge = rough_lattice.world(scene | {"lights": []})
-    shapes, row = judge.known.shapes, np.zeros(12)
+    shapes = judge.known.shapes
     t, j = lattice._hit(origin, d, -1, shapes)
     if j < 0:
         return Seen(j, np.zeros(3), np.zeros(3))
@@ -68,12 +102,13 @@ def bounced(
         n = -n
     mine, seen = judge.materials[j], -d
     x, y = rough_lattice._frame(n)
-    kinds = 1 if mine[0] == rough_lattice.DIFFUSE else 2
+    rows = aims(scene, q, n)
+    kinds = (1 if mine[0] == rough_lattice.DIFFUSE and not len(rows) else 2) + len(rows)
     sums = np.zeros((SHIFTS, 3))
     for total in sums:
         for kind in range(kinds):
             shift = rng.uniform(size=2)
-            ways, weights = _directions(kind, kinds, points, generator, shift, n, x, y, seen, mine, row)
+            ways, weights = _directions(kind, kinds, points, generator, shift, n, x, y, seen, mine, rows)
             start = np.tile(q + LIFT * t * n, (len(ways), 1))
             total += (direct(scene, start, ways) * weights).sum(axis=0)
     return Seen(j, shade * sums.mean(axis=0), shade * sums.std(axis=0, ddof=1) / np.sqrt(SHIFTS))
@@ -82,19 +117,18 @@ def bounced(
 @numba.njit(cache=False)
 def _directions(
     kind: int, kinds: int, points: int, generator: int, shift: Array, n: Array, x: Array, y: Array, seen: Array,
-    mine: Array, row: Array,
+    mine: Array, rows: Array,
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Directions of a kind, 0 a cosine's and 1 the material's, and what their light counts for, a channel each."""
+    """Directions of a kind, a cosine's, the material's or a row's, and what their light counts for, a channel each."""
     ways, weights, d, f = np.empty((points, 3)), np.empty((points, 3)), np.empty(3), np.empty(3)
-    none, count = np.zeros((0, 12)), 0
+    row, count = rows[kind - 2] if kind > 1 else np.zeros(12), 0
     for k in range(points):
         u, v = (k / points + shift[0]) % 1.0, (k * generator % points / points + shift[1]) % 1.0
         # what is periodic has no edge for a lattice: the baker's map
         u = min(1.0 - abs(2.0 * u - 1.0), 1.0 - 1e-12)
         if rough_lattice._drawn(kind, u, v, n, x, y, seen, mine, row, d):
             rough_lattice._scattered(mine, n, seen, d, f)
-            # with no highlights: the mean of a cosine's and the material's
-            density = rough_lattice._density(d, n, seen, mine, none, 0) if kinds == 2 else n @ d / np.pi
+            density = rough_lattice._density(d, n, seen, mine, rows, len(rows)) if kinds > 1 else n @ d / np.pi
             ways[count] = d
             weights[count] = f * ((n @ d) / (density * points * kinds))
             count += 1
