@@ -19,6 +19,7 @@ from symrender.chambers.highlights import find_highlights, highlight_end, highli
 from symrender.chambers.labels import HIDDEN
 from symrender.chambers.line import rim_interval, scan_line
 from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.lobes.width import broken_rim
 from symrender.chambers.records import Chart, Event, Spot
 from symrender.chambers.senders import find_sent, sender_of
@@ -67,6 +68,8 @@ SAFETY = 4.0
 """Error reported over the sum of the panels' estimates."""
 UNFALLEN = 1.0
 """Share of a panel's size from which on its last coefficients are those of a spike between lines, and tell nothing."""
+UNTOLD = 0.25
+"""Share of its distance from the rule before that a rule over a conductor's lobe is off by, at least."""
 FLANK = 100.0
 """By how much the flank of a highlight may be brighter between its panel's lines than on them."""
 
@@ -219,7 +222,12 @@ def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> f
 def panel_density(a: float, b: float, chart: Chart) -> float:
     """The lobe's largest density between two azimuths, on the charted shape."""
     phi = min(max(0.0, a), b)
-    beta = math.atan2(chart.lobe_sin * math.cos(phi), chart.lobe_cos)
+    along = chart.lobe_sin * math.cos(phi)
+    beta = math.atan2(along, chart.lobe_cos)
+    if beta < 0.0 and chart.lobe_cos < 0.0:
+        # the axis is behind on both counts: the nearest is one end or the other
+        s, c = math.sin(chart.beta_max), math.cos(chart.beta_max)
+        beta = chart.beta_max if c * chart.lobe_cos + s * along > chart.lobe_cos else 0.0
     beta = min(max(0.0, beta), chart.beta_max)
     s, c = math.sin(beta), math.cos(beta)
     d0, d1, d2 = c - chart.lobe_cos, s * math.cos(phi) - chart.lobe_sin, s * math.sin(phi)
@@ -463,8 +471,12 @@ def rule_error(
     """
     if step == 0:
         return max(bound, 10.0 * size * dense)
+    unseen = 0.0
+    if work.chart.lobe.kind == CONDUCTOR:
+        # what a spike between the lines may hold, that they saw little of, by how fast rules of such a spike converge
+        unseen = (min(bound, size * dense) if dense < math.inf else bound) * math.exp(-2.0 * n * held(p.log_rho))
     if uneven:
-        return 2.0 * (last + before) + (size if n == 2 else 0.0) + thin
+        return max(2.0 * (last + before) + (size if n == 2 else 0.0) + thin, unseen)
     log_rho, slow, share = held(p.log_rho), held(p.slow), held(p.share)
     top = max(last, 0.5 * before)
     known = max(top * math.exp(-(n + 1) * log_rho), WEAK * top * math.exp(-(n + 1) * slow))
@@ -472,7 +484,7 @@ def rule_error(
     known = max(known, share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n)))
     if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
         known = max(known, last, 0.5 * before)
-    error = 2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known)
+    error = max(2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known), unseen)
     if p.glare > 0 and top > UNFALLEN * size:
         # what lies of a highlight between lines may be far brighter than on them
         error = max(error, min(bound, FLANK * size))
@@ -570,10 +582,12 @@ def evaluate_panel(
     size = out[4]
     uneven = out[5] > 0.0 or foreign == foreign
     dense = 1.0
-    if step == 0:
+    if step == 0 or (work.chart.lobe.kind == CONDUCTOR and signature != 0):
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there: that a panel
         # holds little is believed of its bound only
         dense = max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
+        if step > 0 and not peak > 0.0:
+            dense = math.inf
     error = rule_error(
         p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work
     )
@@ -585,6 +599,10 @@ def evaluate_panel(
             rate * held(p.bound), rate * held(thin), held(dense), uneven, view, work,
         )  # fmt: skip
         error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
+    if work.chart.lobe.kind == CONDUCTOR and p.step >= 1.0:
+        # a lobe that a horizon cuts is singular where no pole tells: the rule before was no better than it said
+        apart = max(abs(out[0] - p.value[0]), abs(out[1] - p.value[1]), abs(out[2] - p.value[2]))
+        error = max(error, UNTOLD * apart)
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size
