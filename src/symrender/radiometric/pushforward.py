@@ -320,8 +320,11 @@ class _Function:
         called = self.called(node)
         if called is None:
             return self._elementary(node)
+        if called is held:
+            # direct light adds both ends of arcs that touch, whose slopes cancel
+            return self._both(node.args[0])
         kind = returned(called)
-        if called is held or not (has_slope(kind) or writes(called)):
+        if not (has_slope(kind) or writes(called)):
             return self._plain(node), ""
         wanted = [ast.unparse(each.annotation or node) not in WHOLE for each in source_of(called).tree.args.args]
         values, slopes = [], []

@@ -111,7 +111,9 @@ def sweep_line(
     """Add the nodes of a line and what the walls that cross it sweep; many arguments because a cell's cut has them."""
     wide, ends = half_width(mode, s), sweep.ends
     # weights of places are known exactly, so that radiance alone is extrapolated to walls
-    plain = Eye(eye.world, eye.mean, eye.place, eye.walls, eye.families, eye.bright, eye.peak, eye.delicate, BOX)
+    plain = Eye(
+        eye.world, eye.mean, eye.place, eye.walls, eye.families, eye.bright, eye.peak, eye.delicate, BOX, eye.nodes
+    )
     locate(room, count, mode, s, 1)
     found = in_order(room, count)
     ox, oy = place_of(mode, 0.0, 0.0)
