@@ -111,5 +111,5 @@ def test_other_verbs_refuse_with_one_line_and_exit_2(words: tuple[str, ...], tmp
     code, _, err = run(*words)
     assert code == 2, err
     assert len(err.strip().splitlines()) == 1, err
-    assert "radiometric" in err or "is not yet integrated" in err
+    assert "radiometric" in err or "is not yet integrated" in err or "filter: box" in err
     assert not list(tmp_path.rglob("*.png"))

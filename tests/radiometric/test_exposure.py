@@ -298,7 +298,7 @@ def test_what_is_not_had_is_refused_by_name() -> None:
     lamp = world([ball("lamp", [0, 0, 0], 0.3) | {"velocity": [1.0, 0, 0]}], [LAMP], shutter=[0.0, 1.0])
     with pytest.raises(Unsupported, match=r"shutter: lights\[0\], an area light, in a scene in which shapes"):
         sr.truth(lamp, size=1)
-    with pytest.raises(Unsupported, match="filter: tent is had of radiometric scenes"):
-        sr.truth("gloss", size=1, filter="tent")
+    with pytest.raises(Unsupported, match="filter: tent"):
+        sr.truth("mirror", size=1, filter="tent")
     with pytest.raises(OptionError, match="filter_radius: must be from"):
         sr.truth("metal", size=1, filter="tent", filter_radius=3)

@@ -325,7 +325,7 @@ def test_what_has_no_walls_is_refused_by_name() -> None:
     fine = {"type": "diffuse", "reflectance": {"type": "checker", "cell": 0.001}}
     with pytest.raises(Unsupported, match="more than 256 fields about a sphere"):
         sr.truth(world([ball("A", [0, 0, 0], 1, "m")], [SUN], materials={"m": fine}), size=1, filter="box")
-    with pytest.raises(Unsupported, match="filter: box is had of radiometric scenes"):
-        sr.truth("gloss", size=1, filter="box")
+    with pytest.raises(Unsupported, match="filter: box has no walls yet for what mirrors show"):
+        sr.truth("mirror", size=1, filter="box")
     with pytest.raises(OptionError, match="filter: must be one of centre, box, tent, gaussian, mitchell"):
         sr.truth("metal", size=1, filter="sinc")  # type: ignore[arg-type]
