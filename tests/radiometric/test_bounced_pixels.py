@@ -84,16 +84,29 @@ def test_filters_agree_with_paths(kind: Any) -> None:
     scene = world(SOLID, camera=NARROW)
     image = sr.truth(scene, size=2, tol=5e-3, filter=kind, threads=1)
     runs = [
-        sr.render(scene, size=2, numeric="jittered", symbolic="none", lobe=128, filter=kind, seed=seed).numeric
-        for seed in range(6)
+        sr.render(scene, size=2, numeric="jittered", symbolic="none", lobe=96, filter=kind, seed=seed).numeric
+        for seed in range(12)
     ]
     found = np.array([run.layers["indirect"] for run in runs if run is not None])
     sigma = found.std(axis=0, ddof=1) / np.sqrt(len(found))
     off = np.abs(found.mean(axis=0) - image.layers["indirect"])
     assert image.layers["indirect"].max() > 0.05
-    # 12 values, and sigmas of six runs
+    # 12 values, and sigmas of 12 runs
     assert (off <= 1.5 * image.layer("error")[..., None] + 7 * sigma + 1e-9).all()
     assert np.median(sigma) < 2e-3
+
+
+def test_noise_falls_with_the_number_of_paths() -> None:
+    scene, sigma = world(SOLID, camera=NARROW), []
+    for lobe in (24, 96):
+        runs = [
+            sr.render(scene, size=2, numeric="jittered", symbolic="none", lobe=lobe, filter="tent", seed=seed).numeric
+            for seed in range(12)
+        ]
+        found = np.array([run.layers["indirect"] for run in runs if run is not None])
+        sigma.append(float(np.sqrt((found.std(axis=0, ddof=1) ** 2).mean())))
+    # sixteen times the paths: a quarter of the noise, or less by strata
+    assert 0.0 < sigma[1] < 0.6 * sigma[0]
 
 
 def test_no_tile_changes_a_byte() -> None:

@@ -53,28 +53,44 @@ def along_ray(world: World, eye: Vector, d: Vector, sampler: int, order: int, ke
 
 
 @jitable
+def step_of(u: float, count: int) -> int:
+    """A step by chance, u in [0, 1), that has no factor in common with ``count``: it leads through all strata."""
+    step = 1 + int(u * count)
+    while True:
+        a, b = step, count
+        while b != 0:
+            a, b = b, a % b
+        if a == 1:
+            return step
+        step += 1
+
+
+@jitable
 def spread_out(
     world: World, shot: Shot, frame: Array, width: int, height: int, i: int, j: int, sampler: int, order: int, key: Key
 ) -> Sight:  # fmt: skip
     """The mean over a pixel's filter, the lens and the shutter: order x order paths, each through strata of its own.
 
-    Strata of pixel, lens and time are shifted by chance against each other and against those of the paths' first
-    choices, so that all of them meet equally often. The hit class is that of the centre as the shutter opens.
+    Strata of pixel, lens and time are taken in orders of their own, by chance, and so meet each other and those of the
+    paths' first choices all over: shifts alone would pair the same ones however many paths there are. The hit class is
+    that of the centre as the shutter opens.
     """
     count = order * order
     first, second = uniforms(key, 0, _SHIFT)
-    third, _ = uniforms(key, 1, _SHIFT)
+    third, fourth = uniforms(key, 1, _SHIFT)
+    fifth, sixth = uniforms(key, 2, _SHIFT)
+    by_place, by_lens, by_time = step_of(fourth, count), step_of(fifth, count), step_of(sixth, count)
     emitted, direct, indirect, spent = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1
     for index in range(count):
         a, b = uniforms(key, index, _PLACE)
         p, q = uniforms(key, index, _LENS)
         t, _ = uniforms(key, index, _TIME)
         if sampler != INDEPENDENT:
-            stratum = (index + int(first * count)) % count
+            stratum = (index * by_place + int(first * count)) % count
             a, b = (stratum // order + a) / order, (stratum % order + b) / order
-            stratum = (index + int(second * count)) % count
+            stratum = (index * by_lens + int(second * count)) % count
             p, q = (stratum % order + p) / order, (stratum // order + q) / order
-            t = ((index + int(third * count)) % count + t) / count
+            t = ((index * by_time + int(third * count)) % count + t) / count
         x, heavy = tap(shot.filter, shot.reach, a)
         y, other = tap(shot.filter, shot.reach, b)
         weight = heavy * other
