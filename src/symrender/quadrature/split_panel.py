@@ -596,13 +596,17 @@ def evaluate_panel(
         missed = rule_error(
             p, n, step, steepest(last0, last1, last2), steepest(before0, before1, before2),
             steepest(middle0, middle1, middle2), steepest(lower0, lower1, lower2), tangent(size),
-            rate * held(p.bound), rate * held(thin), held(dense), uneven, view, work,
+            rate * held(p.bound), rate * held(thin), held(dense) if step == 0 else 1.0, uneven, view, work,
         )  # fmt: skip
         error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
     if work.chart.lobe.kind == CONDUCTOR and p.step >= 1.0:
         # a lobe that a horizon cuts is singular where no pole tells: the rule before was no better than it said
-        apart = max(abs(out[0] - p.value[0]), abs(out[1] - p.value[1]), abs(out[2] - p.value[2]))
-        error = max(error, UNTOLD * apart)
+        x, y, z = out[0] - p.value[0], out[1] - p.value[1], out[2] - p.value[2]
+        apart = UNTOLD * max(abs(held(x)), abs(held(y)), abs(held(z)))
+        if moves(error):
+            error = moved(max(held(error), apart), max(tangent(error), UNTOLD * steepest(x, y, z)))
+        else:
+            error = max(error, apart)
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size
