@@ -472,7 +472,7 @@ def rule_error(
     if step == 0:
         return max(bound, 10.0 * size * dense)
     unseen = 0.0
-    if work.chart.lobe.kind == CONDUCTOR:
+    if work.chart.lobe.kind == CONDUCTOR and not moves(p.error):
         # what a spike between the lines may hold, that they saw little of, by how fast rules of such a spike converge
         unseen = (min(bound, size * dense) if dense < math.inf else bound) * math.exp(-2.0 * n * held(p.log_rho))
     if uneven:
@@ -599,14 +599,10 @@ def evaluate_panel(
             rate * held(p.bound), rate * held(thin), held(dense) if step == 0 else 1.0, uneven, view, work,
         )  # fmt: skip
         error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
-    if work.chart.lobe.kind == CONDUCTOR and p.step >= 1.0:
+    if work.chart.lobe.kind == CONDUCTOR and p.step >= 1.0 and not moves(error):
         # a lobe that a horizon cuts is singular where no pole tells: the rule before was no better than it said
-        x, y, z = out[0] - p.value[0], out[1] - p.value[1], out[2] - p.value[2]
-        apart = UNTOLD * max(abs(held(x)), abs(held(y)), abs(held(z)))
-        if moves(error):
-            error = moved(max(held(error), apart), max(tangent(error), UNTOLD * steepest(x, y, z)))
-        else:
-            error = max(error, apart)
+        apart = max(abs(out[0] - p.value[0]), abs(out[1] - p.value[1]), abs(out[2] - p.value[2]))
+        error = max(error, UNTOLD * apart)
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size
