@@ -474,7 +474,7 @@ def rule_error(
     unseen = 0.0
     if work.chart.lobe.kind == CONDUCTOR and not moves(p.error):
         # what a spike between the lines may hold, that they saw little of, by how fast rules of such a spike converge
-        unseen = (min(bound, size * dense) if dense < math.inf else bound) * math.exp(-2.0 * n * held(p.log_rho))
+        unseen = min(bound, size * dense) * math.exp(-2.0 * n * held(p.log_rho))
     if uneven:
         return max(2.0 * (last + before) + (size if n == 2 else 0.0) + thin, unseen)
     log_rho, slow, share = held(p.log_rho), held(p.slow), held(p.share)
@@ -586,8 +586,6 @@ def evaluate_panel(
         # a line or two say little more than the order of magnitude, where the lobe is as dense as there: that a panel
         # holds little is believed of its bound only
         dense = max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
-        if step > 0 and not peak > 0.0:
-            dense = math.inf
     error = rule_error(
         p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work
     )
