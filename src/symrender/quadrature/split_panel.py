@@ -600,7 +600,9 @@ def evaluate_panel(
     if work.chart.lobe.kind == CONDUCTOR and p.step >= 1.0 and not moves(error):
         # a lobe that a horizon cuts is singular where no pole tells: the rule before was no better than it said
         apart = max(abs(out[0] - p.value[0]), abs(out[1] - p.value[1]), abs(out[2] - p.value[2]))
-        error = max(error, UNTOLD * apart)
+        # at tight tolerances coefficients have fallen far enough to tell
+        if apart > 1e-7 * p.bound:
+            error = max(error, UNTOLD * apart)
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size
