@@ -597,7 +597,7 @@ def evaluate_panel(
             rate * held(p.bound), rate * held(thin), held(dense) if step == 0 else 1.0, uneven, view, work,
         )  # fmt: skip
         error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
-    if work.chart.lobe.kind == CONDUCTOR and 1.0 <= p.step and step < 8 and not moves(error):
+    if work.chart.lobe.kind == CONDUCTOR and p.step >= 1.0 and step < 8 and not moves(error):
         # a lobe that a horizon cuts is singular where no pole tells: the rule before was no better than it said
         apart = max(abs(out[0] - p.value[0]), abs(out[1] - p.value[1]), abs(out[2] - p.value[2]))
         # at tight tolerances coefficients have fallen far enough to tell
