@@ -61,7 +61,7 @@ def towards(aim: str, **changes: Any) -> dict[str, Any]:
 
 def light(scene: Any, tol: float = 1e-12, layer: str = "indirect") -> Array:
     """Bounced light of the one pixel, or another layer of it."""
-    image = sr.truth(scene, size=1, tol=tol, threads=1, tile=1)
+    image = sr.truth(scene, size=1, tol=tol, threads=1, tile=1, budget=4_000_000)
     assert image.layer("error")[0, 0] < 1e-7
     return np.asarray(image.layer(layer)[0, 0])
 

@@ -276,7 +276,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         nodes=table(Nodes, 1)[0],
         aim=table(Aim, 1)[0],
         pieces=table(Piece, NODES + PENDING),
-        spots=table(Spot, max(1, 3 * points) + 1 + 2 * (2 + spheres) * (points + 1)),
+        spots=table(Spot, max(1, 3 * points) + 2 + 2 * (2 + spheres) * (points + 1)),
         highlights=table(Highlight, 64 + 192 * points),
         boxes=table(Box, 96),
         room=np.zeros(MAX_PLANES + 1),

@@ -68,8 +68,6 @@ SAFETY = 4.0
 """Error reported over the sum of the panels' estimates."""
 UNFALLEN = 1.0
 """Share of a panel's size from which on its last coefficients are those of a spike between lines, and tell nothing."""
-UNTOLD = 0.25
-"""Share of its distance from the rule before that a rule over a conductor's lobe is off by, at least."""
 FLANK = 100.0
 """By how much the flank of a highlight may be brighter between its panel's lines than on them."""
 
@@ -472,7 +470,7 @@ def rule_error(
     if step == 0:
         return max(bound, 10.0 * size * dense)
     unseen = 0.0
-    if work.chart.lobe.kind == CONDUCTOR and not moves(p.error) and step < 8:
+    if work.chart.lobe.kind == CONDUCTOR and not moves(p.error):
         # what a spike between the lines may hold, that they saw little of, by how fast rules of such a spike converge
         unseen = min(bound, size * dense) * math.exp(-2.0 * n * held(p.log_rho))
     if uneven:
@@ -594,15 +592,9 @@ def evaluate_panel(
         missed = rule_error(
             p, n, step, steepest(last0, last1, last2), steepest(before0, before1, before2),
             steepest(middle0, middle1, middle2), steepest(lower0, lower1, lower2), tangent(size),
-            rate * held(p.bound), rate * held(thin), held(dense) if step == 0 else 1.0, uneven, view, work,
+            rate * held(p.bound), rate * held(thin), held(dense), uneven, view, work,
         )  # fmt: skip
         error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
-    if work.chart.lobe.kind == CONDUCTOR and p.step >= 1.0 and step < 8 and not moves(error):
-        # a lobe that a horizon cuts is singular where no pole tells: the rule before was no better than it said
-        apart = max(abs(out[0] - p.value[0]), abs(out[1] - p.value[1]), abs(out[2] - p.value[2]))
-        # at tight tolerances coefficients have fallen far enough to tell
-        if apart > 1e-7 * p.bound:
-            error = max(error, UNTOLD * apart)
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.listed import in_lobe
-from symrender.chambers.lobes.poles import pole_across
+from symrender.chambers.lobes.poles import pole_across, pole_on_horizon
 from symrender.chambers.lobes.width import turning_width, width
 from symrender.chambers.records import DISTANT, INVERSE_SQUARE
 from symrender.chambers.rooms import carry, enter_room, turn
@@ -137,6 +137,9 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
 def add_pole(view: View, work: Work) -> None:
     """Note where the lobe's own density makes the integral over lines singular."""
     phi, depth = pole_across(work.chart, view.conductors)
+    if depth < math.inf:
+        add_spot_at(phi, depth, 1.0, work)
+    phi, depth = pole_on_horizon(work.chart, view.conductors)
     if depth < math.inf:
         add_spot_at(phi, depth, 1.0, work)
 

@@ -62,6 +62,41 @@ def pole_across(chart: Chart, conductors: Table[Conductor] | None) -> tuple[floa
 
 
 @jitable
+def pole_on_horizon(chart: Chart, conductors: Table[Conductor] | None) -> tuple[float, float]:
+    """(azimuth, depth) at which a zero of p comes to the horizon of P, where it ends lines that see the shape.
+
+    On the great circle across N, w = m' cos chi + (N x m') sin chi with m' the direction of m in it, w.w_o is
+    -sin(theta_o) cos(chi), and p is 0 at chi = +- iy, cosh y = (1 - (1 - alpha^2) cos_o^2/2)/sin(theta_o).
+    """
+    if conductors is None:
+        return 0.0, math.inf
+    lobe = chart.lobe
+    if lobe.kind != CONDUCTOR or not lobe.cos_view < 1.0 - 1e-9:
+        return 0.0, math.inf
+    cos_view = lobe.cos_view
+    sine = math.sqrt((1.0 - cos_view) * (1.0 + cos_view))
+    n1, n2, n3 = 0.0, 0.0, 0.0
+    for a in range(3):
+        n1 += chart.normal[a] * chart.e1[a]
+        n2 += chart.normal[a] * chart.e2[a]
+        n3 += chart.normal[a] * chart.pole[a]
+    h1, h2 = (chart.lobe_sin - cos_view * n1) / sine, -cos_view * n2 / sine
+    h3 = (chart.lobe_cos - cos_view * n3) / sine
+    if h3 < math.cos(chart.beta_max):
+        # the horizon is beyond the shape there
+        return 0.0, math.inf
+    t1, t2 = n2 * h3 - n3 * h2, n3 * h1 - n1 * h3
+    ch = max(1.0, (1.0 - 0.5 * (1.0 - lobe.alpha) * (1.0 + lobe.alpha) * cos_view * cos_view) / sine)
+    sh = math.sqrt((ch - 1.0) * (ch + 1.0))
+    # the azimuth of w is -i/2 log of (w.e1 + i w.e2)/(w.e1 - i w.e2)
+    ur, ui = h1 * ch - t2 * sh, t1 * sh + h2 * ch
+    vr, vi = h1 * ch + t2 * sh, t1 * sh - h2 * ch
+    depth = 0.5 * abs(math.log(max(1e-300, math.hypot(ur, ui)) / max(1e-300, math.hypot(vr, vi))))
+    phi = 0.5 * (math.atan2(ui, ur) - math.atan2(vi, vr))
+    return phi + (math.pi if math.cos(phi) * h1 + math.sin(phi) * h2 < 0.0 else 0.0), depth
+
+
+@jitable
 def pole_on_line(c: float, s: float, chart: Chart) -> tuple[float, float]:
     """(x, y): polar angle from the chart's pole at which p is 0 on the line (c, s), x + iy or x - iy."""
     lobe = chart.lobe
