@@ -25,24 +25,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from adversary.case import Case
 from adversary.judge import judge, summed
+from quadrature.spread import spread
 
 TOL, SIZE, JUDGED, BUDGET = 1e-4, 12, 10, 4_000_000
 COUNTS, QUICK = (4, 16, 64, 256), (4, 16)
 EXPONENT = 0.5
 """Wanted of the growth from one count to the next."""
-
-
-def spread(count: int) -> dict[str, Any]:
-    """Spheres of .2 to .45, one on each cell of a grid of cells 1 wide."""
-    rng, side = np.random.default_rng(0), math.isqrt(count)
-    scene = sr.load("gloss").model_dump()
-    spheres = []
-    for k in range(count):
-        radius = float(rng.uniform(0.2, 0.45))
-        x, y = (np.array(divmod(k, side)) + 0.5 - 0.5 * side + rng.uniform(-0.1, 0.1, 2)).tolist()
-        spheres.append({**scene["spheres"][1], "name": f"S{k}", "center": [x, y, radius], "radius": radius})
-    camera = {"type": "look_at", "eye": [0.15 * side, -1.2 * side - 1.0, 0.7 * side + 0.6], "target": [0.0, 0.0, 0.2]}
-    return {**scene, "name": f"spread{count}", "spheres": spheres, "camera": {**camera, "up": [0, 0, 1], "fov": 42.0}}
 
 
 def places(scene: dict[str, Any], count: int) -> list[tuple[str, list[float]]]:

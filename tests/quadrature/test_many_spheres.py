@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.quadrature.spread import spread
 
 import symrender as sr
 from symrender.quadrature.split_setup import MET
@@ -14,19 +14,10 @@ from symrender.quadrature.split_setup import MET
 TOL = 1e-4
 
 
-def spread(count: int) -> dict[str, Any]:
-    """Spheres of .2 to .45 on a plain floor, one on each cell of a grid of cells 1 wide, before the eye."""
-    rng, side = np.random.default_rng(0), math.isqrt(count)
-    scene = sr.load("gloss").model_dump()
-    spheres = []
-    for k in range(count):
-        radius = float(rng.uniform(0.2, 0.45))
-        x, y = (np.array(divmod(k, side)) + 0.5 - 0.5 * side + rng.uniform(-0.1, 0.1, 2)).tolist()
-        spheres.append({**scene["spheres"][1], "name": f"S{k}", "center": [x, y, radius], "radius": radius})
-    eye = [0.15 * side, -1.2 * side - 1.0, 0.7 * side + 0.6]
-    camera = {"type": "look_at", "eye": eye, "target": [0.0, 0.0, 0.2], "up": [0, 0, 1], "fov": 42.0}
-    floor = {**scene["floor"], "texture": {"type": "solid", "color": [0.2, 0.2, 0.2]}}
-    return {**scene, "name": f"spread{count}", "spheres": spheres, "floor": floor, "camera": camera}
+def plain(count: int) -> dict[str, Any]:
+    """Spheres spread over a floor of one colour."""
+    scene = spread(count)
+    return {**scene, "floor": {**scene["floor"], "texture": {"type": "solid", "color": [0.2, 0.2, 0.2]}}}
 
 
 PLACES = [
@@ -38,8 +29,8 @@ PLACES = [
 
 @pytest.mark.parametrize(("surface", "normal"), PLACES)
 def test_many_spheres_in_a_lobe_share_its_tolerance(surface: str, normal: tuple[float, float, float]) -> None:
-    found = sr.probe(spread(64), [normal], surface=surface, tol=TOL)
+    found = sr.probe(plain(64), [normal], surface=surface, tol=TOL)
     assert found.chambers[0] > 12 and np.abs(found.gloss).max() > 100.0 * TOL
     assert found.status[0] == MET and 0.0 < found.error[0] <= TOL
-    finer = sr.probe(spread(64), [normal], surface=surface, tol=0.1 * TOL)
+    finer = sr.probe(plain(64), [normal], surface=surface, tol=0.1 * TOL)
     assert np.abs(finer.gloss - found.gloss).max() <= found.error[0] + finer.error[0]

@@ -34,6 +34,18 @@ def beside(r: float, h: float, a: float) -> float:
     return 0.5 * (1 - (1 + (h / a) ** 2 - (r / a) ** 2) / math.sqrt(z * z - 4 * (r / a) ** 2))
 
 
+def assert_slopes_are_differences(scene: Any, names: list[str]) -> None:
+    """That direct light has the derivatives that central differences have, where no pixel changes what it meets."""
+    slopes = sr.gradient(scene, names, size=(8, 6))
+    for name in names:
+        slope, value, step = slopes[name].layer("direct"), float(get(scene, name)), 1e-5
+        high, low = (sr.truth(scene.replace({name: value + s}), size=(8, 6)) for s in (step, -step))
+        steady = (high.layer("hit_class") == low.layer("hit_class")) & (slopes[name].layer("status") == 0)
+        off = np.abs((high.layer("direct") - low.layer("direct")) / (2 * step) - slope).max(axis=2)[steady]
+        assert np.abs(slope).max() > 1e-3 and steady.sum() > 10, name
+        assert (off < 1e-6).mean() > 0.9, (name, off.max())
+
+
 @pytest.mark.parametrize("radius", [2.0, 0.5, 1e-3, 1e-5])
 def test_disks_are_their_form_factors(radius: float) -> None:
     for height in (0.2, 1.0, 30.0):
@@ -102,14 +114,7 @@ def test_derivatives_are_those_of_differences() -> None:
         "shapes.lamp.normal.x",
         "shapes.B.size.x",
     ]
-    slopes = sr.gradient(scene, names, size=(8, 6))
-    for name in names:
-        slope, value, step = slopes[name].layer("direct"), float(get(scene, name)), 1e-5
-        high, low = (sr.truth(scene.replace({name: value + s}), size=(8, 6)) for s in (step, -step))
-        steady = (high.layer("hit_class") == low.layer("hit_class")) & (slopes[name].layer("status") == 0)
-        off = np.abs((high.layer("direct") - low.layer("direct")) / (2 * step) - slope).max(axis=2)[steady]
-        assert np.abs(slope).max() > 1e-3 and steady.sum() > 10, name
-        assert (off < 1e-6).mean() > 0.9, (name, off.max())
+    assert_slopes_are_differences(scene, names)
 
 
 @pytest.mark.parametrize("seed", [1, 10, 23, 31])
@@ -208,11 +213,4 @@ def test_derivatives_among_round_shapes_are_those_of_differences() -> None:
     ]
     scene = sr.load(flats.world(*shapes, lights=[flats.area("lamp")]))
     names = ["shapes.lamp.radius", "shapes.D.radius", "shapes.S.center.x"]
-    slopes = sr.gradient(scene, names, size=(8, 6))
-    for name in names:
-        slope, value, step = slopes[name].layer("direct"), float(get(scene, name)), 1e-5
-        high, low = (sr.truth(scene.replace({name: value + s}), size=(8, 6)) for s in (step, -step))
-        steady = (high.layer("hit_class") == low.layer("hit_class")) & (slopes[name].layer("status") == 0)
-        off = np.abs((high.layer("direct") - low.layer("direct")) / (2 * step) - slope).max(axis=2)[steady]
-        assert np.abs(slope).max() > 1e-3 and steady.sum() > 10, name
-        assert (off < 1e-6).mean() > 0.9, (name, off.max())
+    assert_slopes_are_differences(scene, names)
