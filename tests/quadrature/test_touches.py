@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 
 import symrender as sr
 from symrender.chambers.cones import scene_cones
-from symrender.chambers.rooms import frame_view
 from symrender.chambers.work import scene_frames, scene_view, work_arrays
 from symrender.jit.records import Table, table
 from symrender.quadrature.floor_conics import ROUND, TOUCHES, is_felt, touch_conics
@@ -60,7 +59,7 @@ def listed(balls: list[tuple[Array, float]]) -> tuple[Table[Conic], int, Any]:
     lights = light_rows(part, RULE)
     cones = scene_cones(part.spheres, lights, True)
     view = scene_view(part, lights, None, None, None, cones, bounce.glows)
-    framed = frame_view(0, view, scene_frames(part, lights, cones))
+    framed = scene_frames(part, view).views[0]
     work, conics = work_arrays(len(balls), 0), table(Conic, 100)
     work.chart.plane = 0
     work.chart.point[:] = (*FOOT, LIFT)

@@ -34,7 +34,7 @@ from symrender.adjoint.walls import (
 )
 from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.lit_point import LitPoint
-from symrender.chambers.rooms import carry, frame_view, turn
+from symrender.chambers.rooms import carry, turn
 from symrender.chambers.work import Frames, View, Work, scene_frames, scene_view, work_arrays
 from symrender.jit.compiled import compiled
 from symrender.jit.marks import jitable
@@ -103,7 +103,7 @@ def direct_gradient_kernel(
         turn(incoming[k], home, frames, place[2])
         disk_slopes(
             k, place[0], place[1], place[2], -1, home, albedo, albedo_moves, framed, tangents, step,
-            frame_view(home, view, frames), work, gauss, table, coarse, gradient, error,
+            frames.views[home], work, gauss, table, coarse, gradient, error,
         )  # fmt: skip
 
 
@@ -183,7 +183,8 @@ def direct_gradients(
     inside of a sphere, and where a ball touches a disk.
     """
     rows = light_rows(arrays, EXACT_DISK)
-    view, frames = scene_view(arrays, rows), scene_frames(arrays, rows)
+    view = scene_view(arrays, rows)
+    frames = scene_frames(arrays, view)
     planes = len(frames.axes)
     count, n = tangents.place.shape[:2]
     gradient, error = np.zeros((count, n, 3)), np.zeros((count, n))

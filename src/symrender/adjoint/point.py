@@ -59,7 +59,6 @@ from symrender.chambers.lobes.mass import cap_share, tilt_of
 from symrender.chambers.lobes.units import is_brdf
 from symrender.chambers.lobes.width import fastest_fall
 from symrender.chambers.records import Chart, Event, LightMove
-from symrender.chambers.rooms import frame_view
 from symrender.chambers.work import MAX_WALLS, Frames, View, Work, begin_counts, scene_frames, scene_view
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
@@ -447,7 +446,7 @@ def gradient_kernel(
             if k == home or work.room[k] == 0.0:
                 continue
             stand_in_frame(k, points[i], normals[i], lobe, frames, work, axis)
-            framed = frame_view(k, view, frames)
+            framed = frames.views[k]
             floor_chart(k, own, axis, framed, work)
             floor_strips(framed, work)
             moves_in_frame(k, points[i], normals[i], lobe, view, tangents.turns, frames, t.moves, t.framed)
@@ -550,7 +549,7 @@ def gloss_gradients(
     """
     lights = light_rows(arrays, disk_order)
     view = scene_view(arrays, lights)
-    frames = scene_frames(arrays, lights)
+    frames = scene_frames(arrays, view)
     lobes = np.zeros((len(frames.homes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)

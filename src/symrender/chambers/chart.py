@@ -280,7 +280,7 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
 def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> None:
     """Fill ``work`` for a plane seen from the chart's point, which is off it: polar about the nadir.
 
-    ``view``, the chart's point and normal and ``lobe`` are in the plane's coordinates (``rooms.frame_view``).
+    ``view``, the chart's point and normal and ``lobe`` are in the plane's coordinates (``Frames.views``).
     """
     walls, counts, chart = work.walls, work.counts, work.chart
     px, py, pz = chart.point[0], chart.point[1], chart.point[2]

@@ -12,11 +12,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.caps import Cone
 from symrender.chambers.records import Chart, LightPoint, Side
 from symrender.chambers.work import Frames, View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.records import Table
 
 Array = npt.NDArray[np.float64]
 
@@ -82,31 +80,6 @@ def disk_over(p: LightPoint, side: Side) -> tuple[float, float]:
     first = e[0] * up[0] + e[1] * up[1] + e[2] * up[2]
     second = f[0] * up[0] + f[1] * up[1] + f[2] * up[2]
     return height(side, p.position[0], p.position[1], p.position[2]), p.radius * math.hypot(first, second)
-
-
-@jitable
-def frame_view(k: int, view: View, frames: Frames) -> View:
-    """The scene in the coordinates of plane ``k``, in which it is the floor."""
-    if frames.cones is None:
-        return _frame_view(k, view, frames, None)
-    return _frame_view(k, view, frames, frames.cones[k])
-
-
-@inlined
-def _frame_view(k: int, view: View, frames: Frames, cones: Table[Cone] | None) -> View:
-    return View(
-        spheres=frames.spheres[k],
-        floor=frames.floors[k],
-        points=frames.points[k],
-        shading=view.shading,
-        eye=frames.eyes[k],
-        sides=frames.sides[k],
-        conductors=view.conductors,
-        senders=view.senders,
-        emitted=view.emitted,
-        cones=cones,
-        glows=view.glows,
-    )
 
 
 @inlined

@@ -25,8 +25,10 @@ from symrender.chambers.records import (
     Spot,
     Wall,
 )
+from symrender.jit.call import racked
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.records import Grid, Table, copied, joined, one, stacked, table
+from symrender.jit.racks import Rack
+from symrender.jit.records import Table, copied, joined, one, table
 from symrender.limits import MAX_PLANES
 from symrender.scene.arrays import SceneArrays
 from symrender.scene.frames import floor_of, frames
@@ -72,19 +74,15 @@ class View(NamedTuple):
 
 
 class Frames(NamedTuple):
-    """The scene in the coordinates of each of its k planes, the floor first: a row a plane.
+    """The scene in the coordinates of each of its k planes, the floor first.
 
-    ``eyes`` is (k, 3). ``homes`` tells of every hit class which plane it is, -1 of spheres.
+    ``axes`` are the planes' frames, ``homes`` tells of every hit class which plane it is, -1 of spheres. In each of
+    ``views`` that plane is the floor.
     """
 
     axes: Table[Frame]
-    spheres: Grid[Sphere]
-    floors: Table[Floor]
-    points: Grid[LightPoint]
-    eyes: Array
-    sides: Grid[Side]
     homes: Ints
-    cones: Grid[Cone] | None = None
+    views: Rack[View]
 
 
 class Work(NamedTuple):
@@ -169,29 +167,29 @@ def scene_view(
     )
 
 
-def scene_frames(
-    arrays: SceneArrays, points: Table[LightPoint], cones: Table[Cone] | None = None, axes: Table[Frame] | None = None
-) -> Frames:  # fmt: skip
-    """A scene whose lights are ``points``, in the coordinates of each of its planes: a polynomial of second degree.
+def scene_frames(arrays: SceneArrays, view: View, axes: Table[Frame] | None = None) -> Frames:
+    """What is in ``view``, in the coordinates of each of the scene's planes: a polynomial of second degree.
 
     ``axes`` are the planes' frames, by default ``scene_axes``.
     """
     axes = scene_axes(arrays) if axes is None else axes
     sides = sides_of(axes)
-    first, spheres = len(axes) - len(arrays.planes), len(arrays.spheres)
+    first = len(axes) - len(arrays.planes)
     # nothing, the floor, spheres, planes
-    homes = np.array([-1, first - 1, *[-1] * spheres, *range(first, len(axes))])
-    floor = [one(arrays.floor)] if first else []
-    return Frames(
-        axes=axes,
-        spheres=stacked(Sphere, [_spheres_in(frame, arrays.spheres) for frame in axes], spheres),
-        floors=joined(Floor, [*floor, *map(floor_of, arrays.planes)]),
-        points=stacked(LightPoint, [_points_in(frame, points) for frame in axes], len(points)),
-        eyes=np.array([_turn(frame) @ (arrays.camera.eye - frame.origin) for frame in axes]).reshape(-1, 3),
-        sides=stacked(Side, [_sides_in(frame, k, sides) for k, frame in enumerate(axes)], len(sides)),
-        homes=homes,
-        cones=None if cones is None else stacked(Cone, [_cones_in(frame, cones) for frame in axes], len(cones)),
-    )
+    homes = np.array([-1, first - 1, *[-1] * len(arrays.spheres), *range(first, len(axes))])
+    floors = joined(Floor, [*([one(arrays.floor)] if first else []), *map(floor_of, arrays.planes)])
+    views = [
+        view._replace(
+            spheres=_spheres_in(frame, view.spheres),
+            floor=floors[k],
+            points=_points_in(frame, view.points),
+            eye=_turn(frame) @ (view.eye - frame.origin),
+            sides=_sides_in(frame, k, sides),
+            cones=None if view.cones is None else _cones_in(frame, view.cones),
+        )
+        for k, frame in enumerate(axes)
+    ]
+    return Frames(axes, homes, racked(view, views))
 
 
 def _turn(frame: Frame) -> Array:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from symrender.jit.program import Site
+from symrender.jit.racks import Rack, T
 from symrender.jit.refused import Refused
-from symrender.jit.types import B1, F8, M8, U8, Bundle, Nothing, Scalar, Tuple, Type, parts_of
+from symrender.jit.types import B1, F8, M8, U8, Bundle, Nothing, Scalar, Tuple, Type, parts_of, type_of
 
 
 class Loaded:
@@ -74,6 +75,9 @@ def flatten(value: Any, key: list[Any], given: list[Any]) -> None:
         key.append(value.dtype)
         # an array of its bytes tells the address ten times faster than the record does
         given.append(np.frombuffer(value, np.uint8).__array_interface__["data"][0])
+    elif kind is Rack:
+        key += (kind, value.key)
+        given += (value.memory.ctypes.data, len(value))
     elif isinstance(value, complex):
         key.append(kind)
         given += (value.real, value.imag)
@@ -81,6 +85,25 @@ def flatten(value: Any, key: list[Any], given: list[Any]) -> None:
         key.append(kind)
         if value is not None:
             given.append(int(value) if kind is bool or kind is np.bool_ else value)
+
+
+def racked(like: T, items: Sequence[T]) -> Rack[T]:
+    """A rack of these named tuples, all of the type of ``like``, which no one changes while it is in use.
+
+    Raises ``TypeError`` where one is of another type: arrays of other numbers, of more axes or with gaps.
+    """
+    key: list[Any] = []
+    flatten(like, key, [])
+    packed = struct.Struct(f"={''.join(_codes(type_of(like)))}")
+    memory = np.zeros((len(items), packed.size // 8), np.int64)
+    for row, item in zip(memory, items, strict=True):
+        own: list[Any] = []
+        given: list[Any] = []
+        flatten(item, own, given)
+        if own != key:
+            raise TypeError(f"a {type(item).__name__} of another type than the first in its rack")
+        packed.pack_into(row.data, 0, *given)
+    return Rack(like, tuple(items), tuple(key), memory)
 
 
 def _result(type: Type, slots: Any) -> tuple[Any, Any]:

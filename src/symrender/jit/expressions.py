@@ -16,6 +16,7 @@ from symrender.jit.types import (
     M8,
     NOTHING,
     Bundle,
+    Racked,
     Record,
     Scalar,
     Static,
@@ -210,6 +211,8 @@ class Expressions(Calls):
         if isinstance(value.type, Record):
             name = self.known(self.evaluate(node))
             return self.field(value, str(name))
+        if isinstance(value.type, Racked):
+            return self.shelved(value, self.evaluate(node))
         return self.element(value, self.indices(node))
 
     def _item(self, value: Value, index: Value) -> Value:

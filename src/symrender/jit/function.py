@@ -18,6 +18,9 @@ from symrender.jit.source import Source
 from symrender.jit.types import B1, F8, I8, NOTHING, Array, Scalar, Static, Type, Value, join, parts_of, shown
 
 _MOST_PASSES = 12
+_MOST_COPIED = 100
+"""Instructions of a function that is copied into every caller because it is marked so. Of longer ones LLVM's own
+inliner is the judge: copying them all makes half as much machine code again, and no kernel faster."""
 
 
 class Whole(Module, Protocol):
@@ -89,7 +92,8 @@ class Function(Expressions):
         kind = _returned(self.result or NOTHING)
         if self.module.checked:
             self.lines += ["out:", "ret void" if kind == "void" else f"ret {kind} zeroinitializer"]
-        head = f"define internal fastcc {kind} @{self.symbol}({', '.join(signature)}) #{0 if self.inline else 1} {{"
+        attributes = 0 if self.inline and len(self.lines) <= _MOST_COPIED else 1
+        head = f"define internal fastcc {kind} @{self.symbol}({', '.join(signature)}) #{attributes} {{"
         self.text = "\n".join((head, *self.slots, *self.lines, "}"))
         return True
 

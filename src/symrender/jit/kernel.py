@@ -16,6 +16,7 @@ from symrender.jit.call import Loaded, flatten
 from symrender.jit.closure import closure_texts
 from symrender.jit.machine import loaded, machine_code
 from symrender.jit.program import Site, translated
+from symrender.jit.racks import unracked
 from symrender.jit.refused import Refused
 from symrender.jit.shelf import own_shelf, package_shelves
 from symrender.jit.shipped import ship
@@ -69,7 +70,7 @@ class Kernel:
             with self._lock:
                 made = self._made.get(kinds) or self._make(arguments)
                 self._made[kinds] = made
-        return made.run(given) if isinstance(made, Loaded) else made(*arguments)
+        return made.run(given) if isinstance(made, Loaded) else made(*map(unracked, arguments))
 
     def _make(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         chosen = mode()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from symrender.jit.arithmetic import Arithmetic, literal
 from symrender.jit.body import whole
@@ -17,6 +18,7 @@ from symrender.jit.types import (
     Bundle,
     Element,
     Nothing,
+    Racked,
     Record,
     Scalar,
     Static,
@@ -29,6 +31,8 @@ from symrender.jit.types import (
     size_of,
     slots_of,
 )
+
+_SLOT: Final = Element("slot", "i64", 8, I8)
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,12 @@ class Places(Arithmetic):
         assert isinstance(value.type, Bundle)
         start = sum(map(slots_of, value.type.items[:index]))
         return self.from_slots(value.type.items[index], value.parts[0], start)[0]
+
+    def shelved(self, value: Value, index: Value) -> Value:
+        """Item of a rack."""
+        assert isinstance(value.type, Racked)
+        at = self.times(self._index(index, value.parts[1]), str(slots_of(value.type.item)))
+        return Value(value.type.item, (self._address(_SLOT, value.parts[0], at),))
 
     def from_slots(self, type: Type, base: str, start: int) -> tuple[Value, int]:
         """An argument read from eight-byte slots, and the slot after it."""

@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from symrender.jit.call import racked
+from symrender.jit.racks import Rack
+
 
 def moving_layout(layout: np.dtype[Any]) -> np.dtype[Any]:
     """A dtype with complex128 where ``layout`` has float64, in records too; whole numbers stay."""
@@ -20,7 +23,7 @@ def moving_layout(layout: np.dtype[Any]) -> np.dtype[Any]:
 
 
 def moving(value: Any, tangents: Any = None) -> Any:
-    """A copy of arrays, records or named tuples of them, whose numbers move by ``tangents``, of the same form.
+    """A copy of arrays, records, named tuples or racks of them, whose numbers move by ``tangents``, of the same form.
 
     Without ``tangents`` they stand still. Whole numbers, truth values and single floats are given back as they are.
     """
@@ -28,6 +31,10 @@ def moving(value: Any, tangents: Any = None) -> Any:
         case tuple() if hasattr(value, "_fields"):
             moves = tangents if tangents is not None else (None,) * len(value)
             return type(value)(*(moving(item, move) for item, move in zip(value, moves, strict=True)))
+        case Rack():
+            still = [None] * len(value) if tangents is None else tangents
+            # a tuple's own tangents do not tell its type
+            return racked(moving(value.like), [moving(*pair) for pair in zip(value, still, strict=True)])
         case np.void():
             return moving(np.asarray(value)[None], None if tangents is None else np.asarray(tangents)[None])[0]
         case np.ndarray():

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from symrender.jit.racks import Rack
 from symrender.jit.refused import Refused
 
 
@@ -102,6 +103,13 @@ class Bundle:
 
 
 @dataclass(frozen=True)
+class Racked:
+    """Named tuples of one type that the caller holds side by side (``racks.py``): an address and how many."""
+
+    item: Bundle
+
+
+@dataclass(frozen=True)
 class Nothing:
     """None."""
 
@@ -113,7 +121,7 @@ class Static:
     value: Any
 
 
-Type = Scalar | Array | Tuple | Bundle | Record | Nothing | Static
+Type = Scalar | Array | Tuple | Bundle | Racked | Record | Nothing | Static
 NOTHING: Final = Nothing()
 
 
@@ -138,6 +146,8 @@ def moves_in(type: Type | Element | Block) -> bool:
             return any(moves_in(kind) for _, _, kind in fields)
         case Tuple(items=items) | Bundle(items=items):
             return any(map(moves_in, items))
+        case Racked(item=item):
+            return moves_in(item)
     return False
 
 
@@ -152,6 +162,8 @@ def parts_of(type: Type) -> tuple[str, ...]:
             return tuple(part for item in type.items for part in parts_of(item))
         case Bundle() | Record():
             return ("ptr",)
+        case Racked():
+            return ("ptr", "i64")
     return ()
 
 
@@ -186,6 +198,8 @@ def shown(type: Type) -> str:
             return f"tuple({', '.join(map(shown, type.items))})"
         case Bundle():
             return f"named tuple({', '.join(type.names)})"
+        case Racked(item=item):
+            return f"rack of {shown(item)}"
         case Record():
             return f"record({', '.join(name for name, _, _ in type.fields)})"
         case Nothing():
@@ -238,6 +252,10 @@ def type_of(value: Any) -> Type:
             items = tuple(map(type_of, value))
             names = getattr(type(value), "_fields", None)
             return Tuple(items) if names is None else Bundle(items, tuple(names))
+        case Rack():
+            item = type_of(value.like)
+            if isinstance(item, Bundle):
+                return Racked(item)
         case NoneType():
             return NOTHING
     raise Refused(f"arguments of type {type(value).__name__} are outside the subset")

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from symrender.chambers.lobes.record import Conductor
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import scene_frames, scene_view
+from symrender.jit.call import racked
 from symrender.jit.records import record, table
 from symrender.jit.twins import moving
 from symrender.quadrature.split_point import SplitResult, SplitWork, gloss_points, radiance_bound
@@ -56,10 +57,12 @@ def albedo_slopes(
     normals = np.tile(np.array([0.0, 0.0, 1.0], np.complex128), (count, 1))
     lobes = np.zeros((FIRST_SPHERE + 2, 2), np.complex128)
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
-    seen = moving(view)._replace(conductors=np.take(conductors, [hit_class] * (FIRST_SPHERE + 2)))
+    rows = np.take(conductors, [hit_class] * (FIRST_SPHERE + 2))
+    seen, frames = moving(view)._replace(conductors=rows), moving(scene_frames(arrays, view))
+    views = [each._replace(conductors=rows) for each in frames.views]
     return gloss_slopes(
         np.zeros((count, 3), np.complex128), normals, incoming, np.full(count, FIRST_SPHERE), lobes, seen,
-        moving(scene_frames(arrays, view.points)), radiance_bound(arrays, view.points), tol, budget, scratch,
+        frames._replace(views=racked(seen, views)), radiance_bound(arrays, view.points), tol, budget, scratch,
     )  # fmt: skip
 
 

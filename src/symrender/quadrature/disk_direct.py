@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from symrender.chambers.labels import DARK, PARTLY, light_state
 from symrender.chambers.lit_point import LitPoint
-from symrender.chambers.rooms import carry, enter_room, frame_view, turn
+from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.work import Frames, View, Work, begin_counts, scene_frames, scene_view, work_arrays
 from symrender.jit.compiled import compiled
 from symrender.jit.marks import jitable
@@ -141,7 +141,7 @@ def direct_kernel(
         turn(normals[k], home, frames, framed[1])
         turn(incoming[k], home, frames, framed[2])
         error[k] = disks_at(
-            framed[0], framed[1], framed[2], -1, home, albedo[k], step, tol, frame_view(home, view, frames), work,
+            framed[0], framed[1], framed[2], -1, home, albedo[k], step, tol, frames.views[home], work,
             table, direct[k],
         )  # fmt: skip
 
@@ -216,6 +216,6 @@ def disk_direct(
     _kernel()(
         *given, np.ascontiguousarray(surface, dtype=np.int64), np.ascontiguousarray(albedo), disk_step(tol), tol,
         view, *(scratch or (work_arrays(len(arrays.spheres), len(rows)), gauss_table())), np.zeros((3, 3)),
-        scene_frames(arrays, rows), direct, error,
+        scene_frames(arrays, view), direct, error,
     )  # fmt: skip
     return direct, error

@@ -15,7 +15,7 @@ from symrender.chambers.labels import light_state, texture_side
 from symrender.chambers.lobes.setup import mirror_setup
 from symrender.chambers.place import surface_point
 from symrender.chambers.records import NODES, Chart
-from symrender.chambers.rooms import frame_view, height
+from symrender.chambers.rooms import height
 from symrender.chambers.work import Frames, View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves.values import floor_phases
@@ -103,7 +103,7 @@ def mirror_radiance(
     for a in range(3):
         room[a], room[3 + a] = chart.point[a], chart.normal[a]
     stand_in_frame(k, room[0:3], room[3:6], lobe, frames, work, room[6:9])
-    framed = frame_view(k, view, frames)
+    framed = frames.views[k]
     floor_chart(k, own, room[6:9], framed, work)
     hit_radiance(chart.lobe_beta, weight, step, framed, work, gauss, value)
     for a in range(3):

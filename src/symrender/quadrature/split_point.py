@@ -21,7 +21,7 @@ from symrender.chambers.lobes.sending import largest_sent
 from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.lobes.units import is_brdf, lobe_scale
 from symrender.chambers.records import INVERSE_SQUARE, Event, LightPoint
-from symrender.chambers.rooms import frame_view, in_a_plane
+from symrender.chambers.rooms import in_a_plane
 from symrender.chambers.work import (
     MAX_ROOTS,
     Frames,
@@ -194,7 +194,7 @@ def gloss_kernel(
             front = work.room[k] > 0.0
             if not front and sky == 0.0:
                 continue
-            framed = frame_view(k, view, frames)
+            framed = frames.views[k]
             floor_chart(k, own, axis, framed, work)
             put_cones(framed, work)
             put_jumps(framed, work)
@@ -383,6 +383,6 @@ def gloss_points(
         s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
         radiance_bound(arrays, lights, senders, emitted) + glow_bound(arrays, glows), int(max_evaluations),
         bool(walled), gloss, error, *counts,
-        s.conics, s.remainders, s.states, s.grid_stack, scene_frames(arrays, lights, cones),
+        s.conics, s.remainders, s.states, s.grid_stack, scene_frames(arrays, view),
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

@@ -19,7 +19,9 @@ from symrender.chambers.cones import lay_cones, most_cones
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Frames, View, scene_axes, scene_frames, scene_view, sides_of
 from symrender.errors import Unsupported
+from symrender.jit.call import racked
 from symrender.jit.compiled import compiled
+from symrender.jit.racks import Rack
 from symrender.jit.records import Table, column, columns, copied, flat, grid, table
 from symrender.jit.twins import moving
 from symrender.leaves.values import brdf_scale, log_rim
@@ -194,16 +196,17 @@ def _moving_part(
         cones_ = None if cones is None else _ahead(cones, coned, by)
         lit = bounces[m].emitted, cones_, bounces[m].glows
         views.append(scene_view(each, shone[m - 1], conductors[m], senders[m], *lit))
-        framed.append(scene_frames(each, shone[m - 1], cones_, axes=turned))
+        framed.append(scene_frames(each, views[-1], turned))
         sides.append(sides_of(turned))
     view = scene_view(part, lights, conductors[0], senders[0], here.emitted, cones, here.glows)
-    frames = scene_frames(part, lights, cones, axes=axes)
+    frames = scene_frames(part, view, axes)
     view_moves = half_difference(*views)._replace(sides=half_difference(*sides))
     frame_slopes = half_difference(*framed)
     textured = part.spheres["texture"] != SOLID
-    for rows in (view_moves.spheres, frame_slopes.spheres):
-        rows["ku"][..., textured], rows["kv"][..., textured] = cells[0, textured], cells[1, textured]
-    frame_slopes.floors["cell"][:] = squares
+    for each in (view_moves, *frame_slopes.views):
+        each.spheres["ku"][textured], each.spheres["kv"][textured] = cells[0, textured], cells[1, textured]
+    for each, grows in zip(frame_slopes.views, squares, strict=True):
+        each.floor["cell"] = grows
     lobes = np.zeros((FIRST_SPHERE + len(part.spheres) + len(part.planes), 2), np.complex128)
     lobes[FLOOR:] = lobes_of(part)[:, 1:] + 0.5j * (lobes_of(pair[0]) - lobes_of(pair[1]))[:, 1:]
     scales = np.ones(len(lobes), np.complex128)
@@ -231,10 +234,14 @@ def _moving_cones(
 
 
 def half_difference(one: Any, other: Any) -> Any:
-    """Half of what arrays, records or named tuples of them differ by; whole numbers are as in ``one``."""
+    """Half of what arrays, records, named tuples or racks of them differ by; whole numbers are as in ``one``."""
     match one:
         case None:
             return None
+        case Rack():
+            return racked(
+                half_difference(one.like, other.like), [half_difference(*pair) for pair in zip(one, other, strict=True)]
+            )
         case tuple():
             return type(one)(*(half_difference(*pair) for pair in zip(one, other, strict=True)))
         case np.void():

@@ -13,7 +13,7 @@ from symrender.adjoint.direct import direct_gradients
 from symrender.adjoint.lights import light_point_tangents, lights_leaving
 from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
 from symrender.chambers.records import LightPoint
-from symrender.chambers.work import scene_frames
+from symrender.chambers.work import scene_frames, scene_view
 from symrender.jit.records import Table, copied
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_point import gloss_points, split_work
@@ -207,7 +207,7 @@ class _Slopes:
 
 def _leaving(arrays: SceneArrays, moved: SceneMoves, lights: Table[LightPoint], order: int) -> npt.NDArray[np.bool_]:
     """(Q, hit classes): whether what is seen is a plane in which a light lies that leaves it."""
-    frames = scene_frames(arrays, lights)
+    frames = scene_frames(arrays, scene_view(arrays, lights))
     tangents = tangents_of(arrays, moved, _nowhere(len(moved.floor)), order)
     found = lights_leaving(lights, tangents.points, frames.axes, tangents.turns)
     # a column of False behind all planes, for what is none
