@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -14,9 +17,17 @@ VALUES = {symbol: HELD.table.values[name] for name, symbol in HELD.table.symbols
 EYE = np.array([HELD.table.values[f"camera.eye.{axis}"] for axis in "xyz"])
 
 
+@functools.cache
+def function_of(value: sp.Basic) -> tuple[list[sp.Symbol], Callable[..., float | bool]]:
+    """The symbols of a formula, and the formula as a function of them."""
+    symbols = sorted(value.free_symbols, key=str)
+    return symbols, sp.lambdify(symbols, value, "math")
+
+
 def number(value: sp.Basic, names: dict[sp.Symbol, float]) -> float | bool:
-    found = sp.sympify(value).subs(names)
-    return bool(found) if found in (sp.true, sp.false) else float(found)
+    """A formula's value; raises ValueError where it is not real."""
+    symbols, made = function_of(sp.sympify(value))
+    return made(*(names[symbol] for symbol in symbols))
 
 
 def filled(held: Integrand, case: Case, point: np.ndarray, w: np.ndarray) -> dict[sp.Symbol, float] | None:
@@ -25,10 +36,10 @@ def filled(held: Integrand, case: Case, point: np.ndarray, w: np.ndarray) -> dic
     incoming = (point - EYE) / np.linalg.norm(point - EYE)
     names |= {sp.Symbol(f"m_{a}", real=True): x for a, x in zip("xyz", incoming * [1, 1, -1], strict=True)}
     for stage in case.stages:
-        value = sp.sympify(stage.value).subs(names)
-        if not value.is_real:
+        try:
+            names[stage.symbol] = float(number(stage.value, names))
+        except ValueError:
             return None
-        names[stage.symbol] = float(value)
     return names if number(case.met, names) else None
 
 
@@ -62,7 +73,7 @@ def test_levels_have_the_signs_of_the_guards(case: Case) -> None:
         }
         facing = number(wall("terminator", case.shape)[0], names) > 0.0
         for stage in case.light_stages:
-            names[stage.symbol] = float(sp.sympify(stage.value).subs(names))
+            names[stage.symbol] = float(number(stage.value, names))
         assert facing == number(case.light_guards[0].condition, names)
         seen.add(("terminator", facing))
         # the segment meets a ball only inside the double cone about its shadow
