@@ -12,6 +12,8 @@ from typing import Any
 from symrender.jit.program import ENTRY
 
 _LOCK = threading.Lock()
+_EFFORT = 2
+"""LLVM's level of optimisation, of 0 to 3: the third takes a tenth longer, and no kernel is faster by it."""
 _LINKED: list[Any] = []
 """What holds loaded machine code: it stays for as long as the process does."""
 
@@ -26,7 +28,7 @@ def _target(level: str | None) -> Any:
     return llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
         cpu=llvm.get_host_cpu_name() if level is None else level,
         features=llvm.get_host_cpu_features().flatten() if level is None else "",
-        opt=3,
+        opt=_EFFORT,
         reloc="pic",
         codemodel="small",
     )
@@ -49,7 +51,7 @@ def machine_name() -> str:
 
 
 def machine_code(text: str, level: str | None = None) -> bytes:
-    """Object code of LLVM IR, optimised fully under strict floating point, for this processor or a level of them."""
+    """Object code of LLVM IR, optimised under strict floating point, for this processor or a level of them."""
     import llvmlite.binding as llvm
 
     with _LOCK:
@@ -57,7 +59,7 @@ def machine_code(text: str, level: str | None = None) -> bytes:
         module = llvm.parse_assembly(text)
         module.triple, module.data_layout = llvm.get_process_triple(), str(target.target_data)
         module.verify()
-        tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+        tuning = llvm.create_pipeline_tuning_options(speed_level=_EFFORT)
         tuning.loop_vectorization = tuning.slp_vectorization = True
         builder = llvm.create_pass_builder(target, tuning)
         builder.getModulePassManager().run(module, builder)
