@@ -6,7 +6,8 @@ import math
 from typing import Any
 
 import numpy as np
-from tests.radiometric.flats import box, rectangle, triangle, world
+from tests.radiometric import nets
+from tests.radiometric.flats import SKY, box, rectangle, triangle, world
 
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
 from symrender.scene.load import load_any
@@ -61,12 +62,7 @@ def hostile(seed: int, scale: float) -> Scene:
                 triangle(f"o{k}", rng.uniform(0.05, 0.95, (3, 3)), material),
             ][(seed + 3 * k) % 7]
         )
-    for shape in shapes:
-        for key in ("corner", "edge_u", "edge_v", "center", "size"):
-            if key in shape:
-                shape[key] = [scale * c for c in shape[key]]
-        if "vertices" in shape:
-            shape["vertices"] = [[scale * c for c in v] for v in shape["vertices"]]
+    grow(shapes, scale)
     key = {
         "type": "point",
         "name": "key",
@@ -74,6 +70,75 @@ def hostile(seed: int, scale: float) -> Scene:
         "intensity": [scale * scale * c for c in (0.9, 0.5, 0.2)],
     }
     return world(*shapes, lights=[key], materials=MATERIALS, bounces=1)
+
+
+def grow(shapes: list[Scene], scale: float) -> None:
+    """Make flat shapes larger, about the origin."""
+    for shape in shapes:
+        for key in ("corner", "edge_u", "edge_v", "center", "size", "position"):
+            if key in shape:
+                shape[key] = [scale * c for c in shape[key]]
+        if shape["type"] == "mesh":
+            shape["scale"] *= scale
+        elif "vertices" in shape:
+            shape["vertices"] = [[scale * c for c in v] for v in shape["vertices"]]
+
+
+def net(rng: np.random.Generator, kind: int) -> nets.Net:
+    """A mesh of some ten faces: with dents, open and turned over, in folds of needles, closed and convex."""
+    if kind == 0:
+        return nets.bent(nets.ball(3, 5), rng, 0.4)
+    if kind == 1:
+        return nets.opened(nets.bent(nets.ball(3, 4), rng, 0.3), rng)
+    if kind == 2:
+        return folds(6, float(rng.uniform(0.05, 1.5)))
+    return nets.ball(3, 4)
+
+
+def folds(count: int, height: float) -> nets.Net:
+    """A strip that goes up and down, so that its folds hide each other."""
+    places = [[2.0 * k / count - 1.0, y, height * (k % 2)] for k in range(count + 1) for y in (-1.0, 1.0)]
+    faces = [f for k in range(0, 2 * count, 2) for f in ([k, k + 2, k + 3], [k, k + 3, k + 1])]
+    return places, faces
+
+
+def crowded(seed: int, scale: float) -> Scene:
+    """A room with meshes, textures and a spot, a sky through a window, a lamp or a point."""
+    rng = np.random.default_rng([seed, 77])
+    shapes = closed(1.0, material="grey")
+    tiles = {"type": "diffuse", "two_sided": bool(rng.integers(2))}
+    kind, cell = ("checker", "stripes")[int(rng.integers(2))], scale * float(rng.choice([0.5, 0.3, 0.17]))
+    tiles["reflectance"] = {"type": kind, "bright": [0.8, 0.1, 0.5], "dark": [0.1, 0.6, 0.5], "cell": cell}
+    for wall in rng.choice(6, 2, replace=False):
+        shapes[wall]["material"] = "tiles"
+    for k in range(2):
+        material = ["white", "both", "grey", "red", "tiles"][int(rng.integers(5))]
+        size, at = float(rng.uniform(0.08, 0.25)), rng.uniform(0.2, 0.8, 3)
+        if rng.random() < 0.3:
+            at[2] = size
+        if k == 1 and rng.random() < 0.4:
+            shapes.append(box(f"o{k}", at, rng.uniform(0.05, 0.5, 3), float(rng.uniform(-90, 90)), material))
+            continue
+        more = {"position": at.tolist(), "scale": size, "rotation": float(rng.uniform(0, 90))}
+        shapes.append(nets.mesh(f"o{k}", net(rng, (seed + k) % 4), material, **more))
+    light: Scene = {"name": "key", "position": [scale * c for c in rng.uniform(0.25, 0.75, 3)]}
+    light["intensity"] = [scale * scale * c for c in (0.9, 0.5, 0.2)]
+    if seed % 4 == 0:
+        light["type"] = "point"
+    elif seed % 4 == 1:
+        light |= {"type": "spot", "direction": rng.normal(size=3).tolist()}
+        light["cutoff"] = float(rng.choice([15.0, 40.0, 70.0, 85.0]))
+        light["beam"] = float(rng.choice([0.0, 0.6, 0.99])) * light["cutoff"]
+        light["falloff"] = ("linear", "smooth")[int(rng.integers(2))]
+    elif seed % 4 == 2:
+        light = SKY | {"radiance": [0.9, 0.5, 0.2]}
+        del shapes[1 + int(rng.integers(5))]
+    else:
+        x, y = rng.uniform(0.1, 0.6, 2)
+        shapes.append(rectangle("glow", [x, y, 0.97], [0, 0.3, 0], [0.3, 0, 0], "grey"))
+        light = lamp(shapes[-1], [0.9, 0.5, 0.2])
+    grow(shapes, scale)
+    return world(*shapes, lights=[light], materials=MATERIALS | {"tiles": tiles}, bounces=1)
 
 
 def hemisphere(normal: Array, count: int, shift: Array) -> Array:

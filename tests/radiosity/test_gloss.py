@@ -249,4 +249,4 @@ def test_what_is_not_had_is_refused_by_name() -> None:
         *closed(material="coal"), ball("B", [0.5, 0.5, 0.5], 0.2, "walter"), lights=[lamp(closed()[1])],
         materials=GLOSSY | {"walter": walter}, bounces=0,
     )  # fmt: skip
-    refused("a box, and a conductor of g1: walter", plates)
+    refused("a box or a mesh, and a conductor of g1: walter", plates)

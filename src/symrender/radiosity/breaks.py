@@ -2,7 +2,10 @@
 
 What lies between a light and a face is convex, so that what it darkens on the face lies in the convex hull of its
 corners as they are seen from the light's corners. Beyond that hull it changes nothing, and of a point its edges are the
-shadow's. Curves within a penumbra are left to the refinement of cells.
+shadow's. Of a mesh, which need not be convex, what it hides changes only where one of its outer edges is seen before
+the light: those between two faces of which every corner of the light is before both or behind both bound nothing.
+Curves within a penumbra are left to the refinement of cells, and so is what the cone of a spot leaves of the polygon
+about it.
 """
 
 from __future__ import annotations
@@ -14,7 +17,8 @@ import numpy as np
 from symrender.radiometric.pieces import Piece
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
-from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, POINT, SPHERE
+from symrender.radiosity.records import Ints
+from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, POINT, SKY, SPHERE, SPOT
 from symrender.scene.radiometric.records import Light
 
 TOUCH: Final = 1e-12
@@ -22,6 +26,9 @@ TOUCH: Final = 1e-12
 _BELOW: Final = 1.0 - 1e-6
 """Part of a light's height up to which what is between it and a face is projected."""
 _CUBE: Final = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+_SIDES: Final = 12
+_WIDEST: Final = 80.0
+"""Sides of a pyramid about the cone of a spot, and the angle in degrees from which there is none."""
 _FAR: Final = 1e7
 """Length of what stands for an endless segment, in parts of the scene's coordinates."""
 
@@ -37,9 +44,8 @@ def contacts(world: World, own: int) -> list[Array]:
     """Segments (2, 3) in which other faces meet the plane of face ``own``; of one in the plane its edges."""
     face = world.pieces[own]
     found = []
-    for j, piece in enumerate(world.pieces):
-        if j == own or piece.kind == SPHERE:
-            continue
+    for j in _reaching(world, own):
+        piece = world.pieces[j]
         corners = corners_of(piece)
         heights = (corners - face.place) @ face.up
         size = TOUCH * max(np.abs(corners).max(), np.abs(np.asarray(face.corners)).max())
@@ -55,6 +61,19 @@ def contacts(world: World, own: int) -> list[Array]:
     return found
 
 
+def _reaching(world: World, own: int) -> list[int]:
+    """Other polygons whose bounds meet those of polygon ``own``: no other has a place of it."""
+    pieces = world.pieces
+    corners = np.asarray(pieces["corners"]).reshape(len(pieces), -1, 3)
+    some = np.arange(corners.shape[1]) < np.asarray(pieces["count"])[:, None]
+    low = np.where(some[..., None], corners, np.inf).min(axis=1)
+    high = np.where(some[..., None], corners, -np.inf).max(axis=1)
+    size = TOUCH * np.abs(corners).max()
+    met = (low <= high[own] + size).all(axis=1) & (high >= low[own] - size).all(axis=1)
+    met[own] = False
+    return np.flatnonzero(met & (np.asarray(pieces["kind"]) != SPHERE)).tolist()
+
+
 def _crossings(corners: Array, heights: Array) -> Array:
     """Where the edges of a polygon have height 0."""
     met = [corner for corner, height in zip(corners, heights, strict=True) if height == 0.0]
@@ -65,29 +84,91 @@ def _crossings(corners: Array, heights: Array) -> Array:
 
 
 def shadow_edges(world: World, own: int, side: float) -> list[Array]:
-    """Segments (2, 3) that bound where shapes change the direct light of a side of face ``own``."""
+    """Segments (2, 3) that bound where shapes change the direct light of a side of face ``own``, or a spot begins."""
     face = world.pieces[own]
     found = []
-    owners = np.asarray(world.pieces["owner"]).astype(int)
     for light in world.lights:
+        if light.kind == SKY:
+            continue
         places = light_corners(world, light)
         emitter = int(light.emitter) if light.kind == AREA else -1
         if light.kind == AREA:
             found += _lamp_planes(world, face, emitter)
-        for shape in sorted(set(owners.tolist()) - {int(face.owner), emitter}):
-            pieces = [piece for piece in world.pieces if int(piece.owner) == shape]
-            hull = _hull_on(face, side, light, places, pieces)
-            found += [np.array(pair) for pair in zip(hull, np.roll(hull, -1, axis=0), strict=True)]
+        if light.kind == SPOT:
+            found += _cone_edges(face, side, light)
+        for outline in _outlines(world, light, places, int(face.owner), emitter):
+            found += _around(_hull_on(face, side, light, places, outline))
+    return found
+
+
+def _around(corners: Array) -> list[Array]:
+    """The edges of a polygon."""
+    return [np.array(pair) for pair in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
+
+
+def _outlines(world: World, light: Light, places: Array, own: int, emitter: int) -> list[list[Array]]:
+    """Polygons and edges that hide a light together, of all shapes but the ``emitter``.
+
+    A convex shape hides none of the light of a face of its ``own``.
+    """
+    owners = np.asarray(world.pieces["owner"]).astype(np.int64)
+    found = []
+    for shape in sorted(set(owners.tolist()) - {emitter}):
+        some = np.flatnonzero(owners == shape)
+        if len(some) > 1 and world.pieces[int(some[0])].solid == 0.0:
+            found += [[edge] for edge in _outer_edges(world, light, places, some)]
+        elif shape != own:
+            found.append([corners_of(world.pieces[j]) for j in some.tolist()])
+    return found
+
+
+def _outer_edges(world: World, light: Light, places: Array, some: Ints) -> list[Array]:
+    """Edges (2, 3) of a mesh, faces ``some``, that may be seen as an outline from somewhere in a light."""
+    pieces = world.pieces
+    ups, begins = np.asarray(pieces["up"])[some], np.asarray(pieces["place"])[some]
+    heights = places @ ups.T
+    size = TOUCH * np.abs(places).max()
+    if light.kind != DIRECTIONAL:
+        heights -= (begins * ups).sum(axis=1)
+        size = max(size, TOUCH * np.abs(np.asarray(pieces["corners"])[some]).max())
+    faces = np.zeros(len(pieces), dtype=np.int64)
+    faces[some] = (heights > size).all(axis=0).astype(np.int64) - (heights < -size).all(axis=0)
+    beside = np.asarray(pieces["beside"]).astype(np.int64)
+    found = []
+    for j in some.tolist():
+        corners = corners_of(pieces[j])
+        for k, other in enumerate(beside[j, : len(corners)].tolist()):
+            if other < 0 or faces[j] == 0 or faces[other] != faces[j]:
+                found.append(corners[[k, (k + 1) % len(corners)]])
     return found
 
 
 def light_corners(world: World, light: Light) -> Array:
     """(n, 3): the corners of a light; of a directional one the way it comes from."""
-    if light.kind == POINT:
+    if light.kind in (POINT, SPOT):
         return np.array([light.place])
     if light.kind == DIRECTIONAL:
         return -np.array([light.place])
     return np.concatenate([corners_of(piece) for piece in world.pieces if int(piece.owner) == int(light.emitter)])
+
+
+def _cone_edges(face: Piece, side: float, light: Light) -> list[Array]:
+    """Edges on the plane of a face of pyramids about the cones in which a spot begins to fall off and ends."""
+    up, axis = side * face.up, np.array(light.axis)
+    height = float((light.place - face.place) @ up)
+    found: list[Array] = []
+    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    first /= np.sqrt(first @ first)
+    turns = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+    rim = np.cos(turns)[:, None] * first + np.sin(turns)[:, None] * np.cross(axis, first)
+    for angle in (float(light.beam), float(light.cutoff)):
+        if height <= 0.0 or not 0.0 < angle < _WIDEST:
+            continue
+        rays = axis + np.tan(np.radians(angle)) / np.cos(np.pi / _SIDES) * rim
+        rays = _kept(rays, -(rays @ up) - (1.0 - _BELOW))
+        if len(rays) > 2:
+            found += _around(light.place - rays * (height / (rays @ up))[:, None])
+    return found
 
 
 def _lamp_planes(world: World, face: Piece, emitter: int) -> list[Array]:
@@ -108,8 +189,8 @@ def _lamp_planes(world: World, face: Piece, emitter: int) -> list[Array]:
     return found
 
 
-def _hull_on(face: Piece, side: float, light: Light, places: Array, pieces: list[Piece]) -> Array:
-    """(n, 3) corners of the hull of a shape on the plane of a face, as seen from the corners of a light."""
+def _hull_on(face: Piece, side: float, light: Light, places: Array, outline: list[Array]) -> Array:
+    """(n, 3) corners of the hull of polygons and edges on the plane of a face, as seen from the corners of a light."""
     up = side * face.up
     shadow: list[Array] = []
     for place in places:
@@ -117,15 +198,14 @@ def _hull_on(face: Piece, side: float, light: Light, places: Array, pieces: list
         height = float(place @ up) if far else float((place - face.place) @ up)
         if height <= 0.0:
             continue
-        for piece in pieces:
-            corners = corners_of(piece)
-            corners = _kept(corners, (corners - face.place) @ up)
+        for polygon in outline:
+            corners = _kept(polygon, (polygon - face.place) @ up)
             if not far and len(corners):
                 corners = _kept(corners, _BELOW * height - (corners - face.place) @ up)
             for corner in corners:
                 rise = float((corner - face.place) @ up)
                 shadow.append(corner - (place / height if far else (place - corner) / (height - rise)) * rise)
-    if len(shadow) < 3:
+    if len(shadow) < 2:
         return np.zeros((0, 3))
     return _hull(face, np.array(shadow))
 

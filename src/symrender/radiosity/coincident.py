@@ -12,27 +12,43 @@ from symrender.radiometric.world import World
 from symrender.radiosity.breaks import TOUCH, corners_of
 from symrender.scene.radiometric.arrays import BOX, SPHERE, RadiometricArrays
 
+_PARALLEL: Final = 0.5
+"""Cosine between normals from which faces may lie in one plane: of needles normals are rounded."""
 _LEAST: Final = 1e-9
 """Area, in parts of the smaller face's, up to which faces do not overlap."""
 
 
 def coincident(arrays: RadiometricArrays, world: World) -> tuple[int, int] | None:
-    """Two shapes of which faces in one plane overlap and are seen, None where there are none.
+    """Two shapes, or one twice, of which faces in one plane overlap and are seen, None where there are none.
 
     A face of a box against another's is not seen, and one that stands on a face is not if nothing is behind that.
     """
-    pieces = world.pieces
-    for j, b in enumerate(pieces):
-        for i in range(j):
-            a = pieces[i]
-            if a.kind != POLYGON or b.kind != POLYGON or not _in_one_plane(a, b) or not _overlap(a, b):
+    for i, j in _pairs(world):
+        a, b = world.pieces[i], world.pieces[j]
+        if not _in_one_plane(a, b) or not _overlap(a, b):
+            continue
+        if float(a.up @ b.up) < 0.0:
+            boxes = [arrays.shapes[int(each.owner)].kind == BOX for each in (a, b)]
+            if all(boxes) or (any(boxes) and not _is_seen_behind(world, b if boxes[0] else a)):
                 continue
-            if float(a.up @ b.up) < 0.0:
-                boxes = [arrays.shapes[int(each.owner)].kind == BOX for each in (a, b)]
-                if all(boxes) or (any(boxes) and not _is_seen_behind(world, b if boxes[0] else a)):
-                    continue
-            return int(a.owner), int(b.owner)
+        return int(a.owner), int(b.owner)
     return None
+
+
+def _pairs(world: World) -> list[tuple[int, int]]:
+    """Pairs of polygons whose bounds meet and whose normals are about parallel: no others lie in one plane."""
+    some = np.flatnonzero(np.asarray(world.pieces["kind"]) == POLYGON)
+    ups, counts = np.asarray(world.pieces["up"])[some], np.asarray(world.pieces["count"])[some]
+    corners = np.asarray(world.pieces["corners"])[some].reshape(len(some), -1, 3)
+    inside = (np.arange(corners.shape[1]) < counts[:, None])[..., None]
+    size = TOUCH * np.abs(corners).max(initial=0.0)
+    low, high = np.where(inside, corners, np.inf).min(axis=1), np.where(inside, corners, -np.inf).max(axis=1)
+    found = []
+    for k in range(len(some)):
+        near = (low[:k] <= high[k] + size).all(axis=1) & (high[:k] >= low[k] - size).all(axis=1)
+        for i in np.flatnonzero(near & (np.abs(ups[:k] @ ups[k]) > _PARALLEL)).tolist():
+            found.append((int(some[i]), int(some[k])))
+    return found
 
 
 def _size(*pieces: Piece) -> float:

@@ -25,6 +25,7 @@ from symrender.radiosity.cells import (
     node_weights,
     sampled_places,
 )
+from symrender.radiosity.fields import field_lines
 from symrender.radiosity.inner import Inner, inner_of
 from symrender.radiosity.near import Thing, too_large
 from symrender.radiosity.records import CHANNELS, NONE, Cell, Ints
@@ -95,14 +96,17 @@ class Limits:
 
 
 def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
-    """The forest of ``roots``, cut along the ``segments`` of each, then halved as ``limits`` say."""
+    """The forest of ``roots``, cut along the ``segments`` of each and its texture's, then halved as ``limits`` say."""
     growing = _Growing()
     growing.add(roots)
     ups = np.array([world.pieces[int(j)].up for j in roots.face]).reshape(-1, 3)
     whole = frames_of(roots, ups).area
     face_area = dict(zip(roots.face.tolist(), whole.tolist(), strict=True))
-    for row in range(len(roots)):
-        _cut_tree(growing, row, segments[row], ups[row])
+    trees = [{row: roots.corners[row][: int(roots.count[row])]} for row in range(len(roots))]
+    for row, tree in enumerate(trees):
+        _cut_tree(growing, row, tree, field_lines(world, int(roots.face[row])), ups[row], None)
+    for row, tree in enumerate(trees):
+        _cut_tree(growing, row, tree, segments[row], ups[row], CUTS)
     quads = joined(growing.parts)
     fresh = np.arange(len(quads))
     unseen: list[Array] = []
@@ -152,16 +156,21 @@ def _ups(world: World, quads: Quads) -> Array:
     return np.asarray(world.pieces["up"])[quads.face]
 
 
-def _cut_tree(growing: _Growing, root: int, segments: list[Array], up: Array) -> None:
-    """Cut a root along segments, one after the other, each leaf that it passes through."""
-    polygons: dict[int, Array] = {}
+def _cut_tree(
+    growing: _Growing, root: int, polygons: dict[int, Array], segments: list[Array], up: Array, most: int | None
+) -> None:  # fmt: skip
+    """Cut a root, whose rows are ``polygons``, along segments, one after the other, each leaf that it passes through.
+
+    No more is cut once there are ``most`` cells.
+    """
     first = growing.parts[0].some(np.array([root]))
     face, side = first.face, first.side
-    polygons[root] = first.corners[0][: int(first.count[0])]
     for segment in segments:
         for row in [row for row in polygons if growing.first[row] == NONE]:
+            if most is not None and len(growing.first) > most:
+                return
             parts = cut_along(polygons[row], segment, up)
-            if parts is None or len(parts) < 2 or len(growing.first) > CUTS:
+            if parts is None or len(parts) < 2:
                 continue
             rows = []
             for part in parts:

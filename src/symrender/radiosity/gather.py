@@ -29,7 +29,7 @@ from symrender.radiosity.adding import (
     size_of,
     unevenness,
 )
-from symrender.radiosity.hidden import gather_occluders, overlaps
+from symrender.radiosity.hidden import gather_occluders, level_with, overlaps
 from symrender.radiosity.parts import cut, longest_way, part_share, range_over
 from symrender.radiosity.records import (
     BOUND,
@@ -212,6 +212,8 @@ def gather_face(
     place, normal = at.place, at.normal
     height = top.side * height_over(world.pieces[top.face], place)
     if height <= 0.0 or top.face == at.own or turned_away(world, at.own, at.front, top.face):
+        return
+    if level_with(world.pieces[top.face], place, normal, height):
         return
     material = world.materials[int(world.pieces[at.own].material)]
     occluders = gather_occluders(world, at, top, height, scratch)

@@ -39,6 +39,22 @@ def may_hide(piece: Piece, face: Piece, side: float, place: Vector, normal: Vect
 
 
 @jitable
+def level_with(face: Piece, place: Vector, normal: Vector, height: float) -> bool:
+    """Whether a face, ``height`` below a place, lies in the plane of the place across ``normal``, so that none is seen.
+
+    Neighbours in a mesh may, and rounding then says on which side of each other they are.
+    """
+    size = max(abs(place[0]), abs(place[1]), abs(place[2]))
+    for k in range(int(face.count)):
+        c = corner(face, k)
+        size = max(size, abs(c[0]), abs(c[1]), abs(c[2]))
+    for k in range(int(face.count)):
+        if abs(dot(normal, minus(corner(face, k), place))) > FLAT * size:
+            return False
+    return height <= FLAT * size
+
+
+@jitable
 def put_spaces(scratch: Scratch, b: int, piece: Piece, place: Vector) -> int:
     """Write the half spaces of what a piece hides from a place; returns how many."""
     height = height_over(piece, place)
@@ -90,7 +106,8 @@ def gather_occluders(world: World, at: Receiver, cell: Cell, height: float, scra
         piece = world.pieces[j]
         if j == at.own or j == cell.face or (piece.kind != POLYGON and piece.kind != PLANE):
             continue
-        if cell.side > 0.0 and piece.owner == face.owner:
+        if cell.side > 0.0 and face.solid != 0.0 and piece.owner == face.owner:
+            # a box is convex; a mesh may hide its own faces
             continue
         if edge_on(piece, place) or faces_away(world, at.own, at.front, place, j):
             continue

@@ -17,7 +17,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import corners_of
 from symrender.radiosity.cells import Frames, Quads
-from symrender.scene.radiometric.arrays import AREA, POINT, SPHERE
+from symrender.scene.radiometric.arrays import AREA, POINT, SKY, SPHERE, SPOT
 
 _LARGE: Final = 1.5
 """Reach of a cell, in parts of what is near it, from which it is too large."""
@@ -43,15 +43,17 @@ def pieces_of(world: World) -> list[Thing]:
 
 
 def lamps(world: World) -> list[Thing]:
-    """What emits, points too."""
+    """What emits, points too; under a sky all pieces, which take of its light wherever they are near."""
     owners = np.asarray(world.pieces["owner"]).astype(int)
     found = []
     for light in world.lights:
-        if light.kind == POINT:
+        if light.kind in (POINT, SPOT):
             found.append(Thing(np.array([light.place]), 0.0, 0.0, -1))
         elif light.kind == AREA:
             shining = np.flatnonzero(owners == int(light.emitter)).tolist()
             found += [_thing(world.pieces[j], j) for j in shining]
+        elif light.kind == SKY:
+            found += pieces_of(world)
     return found
 
 

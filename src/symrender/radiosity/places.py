@@ -28,6 +28,13 @@ def fill_lit(world: World, owns: Ints, fronts: Ints, places: Array, room: Room, 
         lit[i, 0], lit[i, 1], lit[i, 2] = red, green, blue
 
 
+def fill_reflects(world: World, owns: Ints, places: Array, reflects: Array) -> None:
+    """Write how pieces ``owns`` reflect at places of theirs."""
+    for i in range(places.shape[0]):
+        found = reflectance(world, owns[i], (places[i, 0], places[i, 1], places[i, 2]))
+        reflects[i, 0], reflects[i, 1], reflects[i, 2] = found
+
+
 def fill_met(
     world: World, origins: Array, directions: Array, owns: Ints, fronts: Ints, places: Array, normals: Array,
     albedo: Array,

@@ -41,7 +41,7 @@ from symrender.radiosity.forest import (
 )
 from symrender.radiosity.gather import gather_places
 from symrender.radiosity.near import lamps, pieces_of
-from symrender.radiosity.places import fill_lit
+from symrender.radiosity.places import fill_lit, fill_reflects
 from symrender.radiosity.records import BOUND, CHANNELS, NEVER, RULE, SUMS, Ints, make_scratch
 from symrender.scene.radiometric.arrays import DIFFUSE
 
@@ -72,17 +72,18 @@ _SHARE_MET: Final = 0.9
 
 @dataclass(frozen=True)
 class Faces:
-    """The sides of faces that reflect: ``face`` (N,), ``side`` (N,) and how they reflect, ``albedo`` (N, 3)."""
+    """The sides of faces that reflect: ``face`` (N,), ``side`` (N,) and the most they reflect, ``albedo`` (N, 3)."""
 
+    world: World
     face: Ints
     side: Array
     albedo: Array
 
-    def of(self, face: Ints, side: Array) -> Array:
-        """(M, 3): how sides of faces reflect."""
-        known = np.zeros((int(self.face.max(initial=0)) + 1, 2, CHANNELS))
-        known[self.face, (self.side > 0).astype(np.int64)] = self.albedo
-        return np.asarray(known[face, (side > 0).astype(np.int64)])
+    def of(self, face: Ints, places: Array) -> Array:
+        """(M, 3): how faces that reflect do so at places."""
+        found = np.zeros((len(places), CHANNELS))
+        _reflects_kernel()(self.world, face, places, found)
+        return found
 
 
 def reflecting(world: World) -> Faces:
@@ -90,13 +91,14 @@ def reflecting(world: World) -> Faces:
     face, side, albedo = [], [], []
     for j, piece in enumerate(world.pieces):
         material = world.materials[int(piece.material)]
-        if piece.kind != POLYGON or material.kind != DIFFUSE or not material.bright.any():
+        most = np.maximum(material.bright, material.dark)
+        if piece.kind != POLYGON or material.kind != DIFFUSE or not most.any():
             continue
         for s in (1.0, -1.0) if material.two_sided else (1.0,):
             face.append(j)
             side.append(s)
-            albedo.append(material.bright.copy())
-    return Faces(np.array(face, dtype=np.int64), np.array(side), np.array(albedo).reshape(-1, 3))
+            albedo.append(most)
+    return Faces(world, np.array(face, dtype=np.int64), np.array(side), np.array(albedo).reshape(-1, 3))
 
 
 @dataclass(frozen=True)
@@ -189,7 +191,7 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
 
     def lit(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
         light = direct(world, face, side, places, threads) / math.pi
-        return faces.of(face, side) * light, np.zeros(len(places))
+        return faces.of(face, places) * light, np.zeros(len(places))
 
     cuts = [a + b for a, b in zip(edges, shadows, strict=True)]
     glossy = any(world.materials[int(piece.material)].kind != DIFFUSE for piece in world.pieces)
@@ -259,7 +261,7 @@ class _Solver:
         def evaluate(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
             fronts = (side > 0).astype(np.int64)
             sums = gather(self.world, forests, face, fronts, places, self.fine, self.threads)
-            return self.faces.of(face, side) * sums[:, :CHANNELS], self.most * sums[:, RULE]
+            return self.faces.of(face, places) * sums[:, :CHANNELS], self.most * sums[:, RULE]
 
         return evaluate
 
@@ -326,7 +328,7 @@ class _Solver:
         rough = cells["rough"].copy()
         grows = np.zeros((len(rows), few.shape[1]))
         # a cell sends on what it gathers by its own reflectance
-        reflects = self.faces.of(quads.face, quads.side).max(axis=1)[:, None]
+        reflects = self.faces.of(face, few.reshape(-1, 3)).max(axis=1).reshape(-1, few.shape[1])
         forests: tuple[Forest, ...] = (first, second)
         for _ in range(_MOST_TERMS):
             sums = gather(self.world, forests, face, fronts, few.reshape(-1, 3), self.fine, self.threads)
@@ -357,3 +359,8 @@ def _gather_kernel() -> Any:
 @lru_cache(maxsize=1)
 def _lit_kernel() -> Any:
     return compiled(fill_lit, _nrt=False)
+
+
+@lru_cache(maxsize=1)
+def _reflects_kernel() -> Any:
+    return compiled(fill_reflects, _nrt=False)

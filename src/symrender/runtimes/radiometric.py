@@ -21,6 +21,7 @@ from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world, make_worlds, seen, seen_all
 from symrender.radiosity.coincident import coincident
+from symrender.radiosity.fields import MOST_FIELDS, too_many_fields
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
@@ -221,6 +222,12 @@ def check(arrays: RadiometricArrays) -> None:
         raise Unsupported(
             f"bounces: {asked} is not yet integrated where shapes[{pair[0]}] and shapes[{pair[1]}] lie in one plane "
             "and overlap: which of them is seen is not decided; apart it is"
+        )
+    shape = too_many_fields(make_world(arrays)) if flat and arrays.bounces else -1
+    if shape >= 0:
+        raise Unsupported(
+            f"bounces: {asked} is not yet integrated where textures of flat shapes have more than {MOST_FIELDS} "
+            f"fields, with those of shapes[{shape}]; larger fields are"
         )
     used = {int(shape.material) for shape in arrays.shapes}
     glossy = any(arrays.materials[m].kind != DIFFUSE for m in used)

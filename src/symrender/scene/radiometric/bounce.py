@@ -29,7 +29,6 @@ from symrender.scene.radiometric.arrays import (
     DIFFUSE,
     DIRECTIONAL,
     DISK,
-    MESH,
     PHONG,
     POINT,
     SKY,
@@ -81,8 +80,10 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
             f"{words[0]} beside a conductor or a phong material that reflects after the first hit too "
             "(gloss: first_hit is)"
         )
+    if any(shape.kind == DISK for shape in arrays.shapes):
+        return "a disk"
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
-        return "a rectangle, a triangle, a disk, a box or a mesh"
+        return "a rectangle, a triangle, a box or a mesh beside a plane"
     flat = [j for j, shape in enumerate(arrays.shapes) if shape.kind != SPHERE]
     planes = [_material(arrays, j) for j in flat if not _is_dark(arrays, j)]
     if any(material.texture == MARBLE for material in planes):
@@ -125,15 +126,14 @@ def bounce_scenes(arrays: RadiometricArrays, turned: Flags, own: int) -> Bounce:
 
 def lamp_refusal(arrays: RadiometricArrays) -> str:
     """What keeps the light of lamps and the sky on what is glossy from being integrated, as words; empty if nothing."""
-    for kind, words in ((DISK, "a disk"), (MESH, "a mesh")):
-        if any(shape.kind == kind for shape in arrays.shapes):
-            return words
+    if any(shape.kind == DISK for shape in arrays.shapes):
+        return "a disk"
     if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
         if any(light.kind == SKY for light in arrays.lights):
-            return "a rectangle, a triangle or a box, and a sky"
+            return "a rectangle, a triangle, a box or a mesh, and a sky"
         used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
         if any(material.kind == CONDUCTOR and material.walter for material in used):
-            return "a rectangle, a triangle or a box, and a conductor of g1: walter"
+            return "a rectangle, a triangle, a box or a mesh, and a conductor of g1: walter"
     if sum(shape.kind == PLANE for shape in arrays.shapes) > MAX_PLANES:
         return f"more than {MAX_PLANES} planes"
     return ""

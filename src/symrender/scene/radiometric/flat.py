@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from symrender.scene.arrays import PLANE, SOLID
+from typing import Final
+
+from symrender.scene.arrays import MARBLE, PLANE
 from symrender.scene.radiometric.arrays import (
     ALL,
     AREA,
     BOX,
     CONDUCTOR,
     DIFFUSE,
+    MESH,
     RECTANGLE,
-    SKY,
     SPHERE,
-    SPOT,
     TRIANGLE,
     RadiometricArrays,
 )
 
+_FLAT: Final = frozenset({RECTANGLE, TRIANGLE, BOX, MESH})
+
 
 def is_flat(arrays: RadiometricArrays) -> bool:
-    """Whether a scene has rectangles, triangles and boxes, and nothing beside them but spheres."""
+    """Whether a scene has rectangles, triangles, boxes and meshes, and nothing beside them but spheres."""
     kinds = {int(shape.kind) for shape in arrays.shapes}
-    return bool(kinds & {RECTANGLE, TRIANGLE, BOX}) and kinds <= {RECTANGLE, TRIANGLE, BOX, SPHERE}
+    return bool(kinds & _FLAT) and kinds <= _FLAT | {SPHERE}
 
 
 def is_round(arrays: RadiometricArrays) -> bool:
@@ -39,15 +42,11 @@ def flat_refusal(arrays: RadiometricArrays) -> str:
     for shape, material in zip(arrays.shapes, used, strict=True):
         if shape.kind == SPHERE and material.kind == DIFFUSE and (material.bright.any() or material.dark.any()):
             return "a diffuse sphere"
-    if any(light.kind == SKY for light in arrays.lights):
-        return "a sky"
-    if any(light.kind == SPOT for light in arrays.lights):
-        return "a spot"
     if any(light.kind == AREA and arrays.shapes[int(light.emitter)].kind == SPHERE for light in arrays.lights):
         return "a sphere that emits"
-    if any(material.texture != SOLID for material in used):
-        return "a texture"
-    bright = [float(material.bright.max()) for material in used if material.kind == DIFFUSE]
+    if any(material.texture == MARBLE for material in used):
+        return "marble"
+    bright = [float(max(material.bright.max(), material.dark.max())) for material in used if material.kind == DIFFUSE]
     if arrays.bounces == ALL and max(bright, default=0.0) >= 1.0:
         return "a reflectance of 1, of which no end is bounded"
     return ""
