@@ -57,7 +57,7 @@ def test_an_exact_disk() -> None:
 
 
 def test_refusals() -> None:
-    with pytest.raises(OptionError, match="points, size"):
+    with pytest.raises(OptionError, match="points, rays, size"):
         sr.hessian(SCENE, NAMES)
     with pytest.raises(Unsupported, match=r"background\.r"):
         sr.hessian(SCENE.replace({"background": (0.0, 0.0, 0.0)}), ["background.r"], [POINT])

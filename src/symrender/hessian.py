@@ -1,11 +1,10 @@
-"""Second derivatives of the lobe integral, by extrapolated differences of exact first ones."""
+"""Second derivatives of values, by extrapolated differences of exact first ones."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -13,17 +12,31 @@ import numpy.typing as npt
 from symrender.errors import OptionError, SceneError, Unsupported
 from symrender.gradient import gradient
 from symrender.probe import probe
-from symrender.scene.load import load
+from symrender.probe_rays import Rays
+from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
 from symrender.scene.parameters import get
-from symrender.scene.scene import Scene
+from symrender.truth import truth
 
 Array = npt.NDArray[np.float64]
 
 LEVELS: Final = 9
-"""Steps of the extrapolation, each half the last."""
+"""Steps of the extrapolation, each half the last; more, up to MOST, while a step still halves an error."""
+MOST: Final = 22
 FIRST_STEP: Final = 2.0**-6
 """Largest step, over the parameter's size or over 1 where it is smaller."""
+NARROWEST: Final = 2.0**-20
+"""Part of the first step at least that must fit between the parameter and the end of its range."""
+ROUNDED: Final = 1e-14
+"""Part of a value or a slope that its mean may be off by roundings, beside what is stated."""
+GROWTH: Final = 4.0
+"""How many times the least error what means miss at the smallest step may come to; beyond, no step is small enough."""
+BOTH_SIDES: Final = 4.0
+"""What a mean that misses its middle counts for.
+
+Where the second derivative jumps by J at the very value, slopes on both sides have a mean that misses the middle one by
+J/4 of the step, of which extrapolation leaves at least .6; either side's second derivative is J/2 from their mean.
+"""
 
 
 @dataclass(frozen=True)
@@ -31,7 +44,8 @@ class Hessian:
     """Second derivatives in Q parameters ``names``.
 
     ``values`` (Q, Q, ..., 3), symmetric in the first two axes; ``error`` (Q, Q, ...) the estimated largest absolute
-    error over the channels. ``...`` is N for points, (h, w) for an image.
+    error over the channels, infinite where there is no finite derivative. ``...`` is N for points and rays, (h, w) for
+    an image.
     """
 
     names: tuple[str, ...]
@@ -39,40 +53,58 @@ class Hessian:
     error: Array
 
 
+@dataclass(frozen=True)
+class _Found:
+    """Of one scene: slopes (Q, ..., 3) and values (..., 3) with their errors (Q, ...) and (...)."""
+
+    slopes: Array
+    slope_error: Array
+    value: Array
+    value_error: Array
+
+
 def hessian(
-    scene: Scene | str | Path | Mapping[str, Any],
+    scene: Source,
     wrt: Sequence[str],
     points: npt.ArrayLike | None = None,
     *,
+    rays: Rays | None = None,
     surface: str = "floor",
     size: int | tuple[int, int] | None = None,
     tol: float = 1e-11,
     disk: str = "2x2",
 ) -> Hessian:
-    """Second derivatives of ``probe`` at ``points`` of ``surface``, or of ``truth``'s radiance at ``size``.
+    """Second derivatives of ``probe`` at ``points`` of ``surface`` or along ``rays``, or of ``truth`` at ``size``.
 
+    Of ``truth`` they are those of the radiance; ``points`` are for scenes in units of the series, ``rays`` for
+    radiometric ones, and stand still whatever the camera does.
     Each column is a central difference of exact gradients, whose structure is found anew on both sides, extrapolated
     over halved steps (C. J. F. Ridders, Advances in Engineering Software 4, 1982,
     doi:10.1016/S0141-1195(82)80057-0); the step of least estimated error is taken point by point, so an event inside
-    a larger step only costs that step. ``tol`` is the gradients' own. Choose it for single points and small images: it
-    takes eighteen gradients a parameter. Raises Unsupported for a parameter at the end of its range.
+    a larger step only costs that step. Values and slopes on both sides must have the middle ones as their mean, by the
+    same extrapolation: what they miss is stated, so that an event between the smallest steps, or at the very value, is
+    told by an infinite ``error``.
+    ``tol`` is the gradients' own. Choose it for single points and small images: it takes eighteen gradients a
+    parameter and more. Raises Unsupported for a parameter at the end of its range.
     """
-    loaded = load(scene, "hessian")
+    loaded = load_any(scene)
     names = components(loaded, wrt)
-    if (points is None) == (size is None):
-        raise OptionError("points, size: give points of a surface or the size of an image")
+    if sum(given is not None for given in (points, rays, size)) != 1:
+        raise OptionError("points, rays, size: give points of a surface, rays, or the size of an image")
 
-    def slopes(changed: Scene) -> tuple[Array, Array]:
-        if points is not None:
-            found = probe(changed, points, surface=surface, tol=tol, disk=disk, wrt=names)
-            stated = np.stack([found.gradient_error[name] for name in names])
-            return np.stack([found.gradient[name] for name in names]), stated
-        assert size is not None
+    def look(changed: AnyScene) -> _Found:
+        if size is None:
+            return _probed(changed, names, points, rays, surface, tol, disk)
         images = gradient(changed, names, size=size, tol=tol, disk=disk)
-        stated = np.stack([images[name].layer("error") for name in names])
-        return np.stack([images[name].radiance for name in names]), stated
+        image = truth(changed, size=size, tol=tol, disk=disk)
+        return _Found(
+            np.stack([images[name].radiance for name in names]),
+            np.stack([images[name].layer("error") for name in names]),
+            image.radiance, image.layer("error"),
+        )  # fmt: skip
 
-    columns = [_column(loaded, name, slopes) for name in names]
+    middle = look(loaded)
+    columns = [_column(loaded, name, look, middle) for name in names]
     values = np.stack([value for value, _ in columns], axis=1)
     error = np.stack([estimate for _, estimate in columns], axis=1)
     # the two orders of differentiation are two estimates of one number
@@ -82,37 +114,89 @@ def hessian(
     return Hessian(names, best, np.minimum(error, flipped_error) + np.minimum(apart, np.maximum(error, flipped_error)))
 
 
-def _column(scene: Scene, name: str, slopes: Callable[[Scene], tuple[Array, Array]]) -> tuple[Array, Array]:
+def _probed(
+    scene: AnyScene, names: tuple[str, ...], points: npt.ArrayLike | None, rays: Rays | None, surface: str, tol: float,
+    disk: str,
+) -> _Found:  # fmt: skip
+    """What ``probe`` finds at points or along rays."""
+    if rays is not None:
+        sent = probe(scene, rays=rays, tol=tol, wrt=names)
+        slopes, stated = sent.gradient, sent.gradient_error
+        value, error = sent.radiance, sent.error
+    else:
+        assert points is not None
+        found = probe(scene, points, surface=surface, tol=tol, disk=disk, wrt=names)
+        slopes, stated = found.gradient, found.gradient_error
+        value, error = found.gloss, found.error
+    return _Found(np.stack([slopes[n] for n in names]), np.stack([stated[n] for n in names]), value, error)
+
+
+def _column(scene: AnyScene, name: str, look: Callable[[AnyScene], _Found], middle: _Found) -> tuple[Array, Array]:
     """Derivative of all slopes in one parameter, (Q, ..., 3), and its error (Q, ...).
 
-    ``slopes`` gives them with their errors (Q, ...), which a difference divides by its step: small steps that agree on
-    an error of the slopes are no better for it.
+    A difference divides the errors of the slopes by its step: small steps that agree on an error of the slopes are no
+    better for it.
     """
     value = float(get(scene, name))
-    step = FIRST_STEP * max(1.0, abs(value))
-    rows: list[Array] = []
-    doubts: list[Array] = []
-    best: Array | None = None
-    error: Array | None = None
-    for _ in range(LEVELS):
-        try:
-            above, below = (slopes(scene.replace({name: value + s})) for s in (step, -step))
-        except SceneError as fault:
-            raise Unsupported(f"{name}: no second derivative at the end of its range, {value:g}: {fault}") from None
-        row = [(above[0] - below[0]) / (2.0 * step)]
-        doubt = [(above[1] + below[1]) / (2.0 * step)]
-        for k, coarse in enumerate(rows):
+    step = _first_step(scene, name, value)
+    rows: list[tuple[Array, Array]] = []
+    doubts: list[tuple[Array, Array]] = []
+    best, error = np.zeros_like(middle.slopes), np.full(middle.slope_error.shape, np.inf)
+    nowhere = ~np.isfinite(middle.slope_error)
+    for level in range(MOST):
+        above, below = (look(scene.replace({name: value + s})) for s in (step, -step))
+        slope, stated = (above.slopes - below.slopes) / (2.0 * step), (above.slope_error + below.slope_error) / 2.0
+        row = [(slope, 0.5 * (_both(above) + _both(below)))]
+        doubt = [
+            (np.where(nowhere, np.inf, (stated + middle.slope_error) / step), 0.5 * (_stated(above) + _stated(below)))
+        ]
+        before, missed = error, np.zeros_like(error)
+        for k, (coarse, doubted) in enumerate(zip(rows, doubts, strict=True)):
             share = 1.0 / (4.0 ** (k + 1) - 1.0)
-            row.append(row[k] + (row[k] - coarse) * share)
-            doubt.append((1.0 + share) * doubt[k] + share * doubts[k])
-            change = np.maximum(np.abs(row[k + 1] - row[k]), np.abs(row[k + 1] - coarse)).max(axis=-1) + doubt[k + 1]
-            if best is None or error is None:
-                best, error = row[k + 1], change
-            else:
-                better = change < error
-                best = np.where(better[..., None], row[k + 1], best)
-                error = np.where(better, change, error)
+            slope, mean = (fine + (fine - far) * share for fine, far in zip(row[k], coarse, strict=True))
+            blur = [(1.0 + share) * fine + share * far for fine, far in zip(doubt[k], doubted, strict=True)]
+            row.append((slope, mean))
+            doubt.append((blur[0], blur[1]))
+            change = np.maximum(np.abs(slope - row[k][0]), np.abs(slope - coarse[0])).max(axis=-1) + blur[0]
+            missed = _missed(middle, mean, blur[1], step)
+            better = change + missed < error
+            best, error = np.where(better[..., None], slope, best), np.where(better, change + missed, error)
+        unresolved = missed > GROWTH * error
+        if level + 1 >= LEVELS and not ((error < 0.5 * before) | unresolved).any():
+            break
         rows, doubts = row, doubt
         step *= 0.5
-    assert best is not None and error is not None
-    return best, error
+    return best, np.where(unresolved, np.inf, error)
+
+
+def _first_step(scene: AnyScene, name: str, value: float) -> float:
+    """The largest step for which there are scenes on both sides, halved from ``FIRST_STEP``."""
+    first = step = FIRST_STEP * max(1.0, abs(value))
+    while True:
+        try:
+            for side in (step, -step):
+                scene.replace({name: value + side})
+            return step
+        except SceneError as fault:
+            step *= 0.5
+            if step < NARROWEST * first:
+                said = f"{name}: no second derivative at the end of its range, {value:g}: {fault}"
+                raise Unsupported(said) from None
+
+
+def _both(found: _Found) -> Array:
+    """Slopes, and values as the last of them."""
+    return np.concatenate([found.slopes, found.value[None]])
+
+
+def _stated(found: _Found) -> Array:
+    """The errors of ``_both``."""
+    return np.concatenate([found.slope_error, found.value_error[None]])
+
+
+def _missed(middle: _Found, mean: Array, blur: Array, step: float) -> Array:
+    """What means of slopes and of values, extrapolated to the middle, say of events within ``step``: (Q, ...)."""
+    known = _both(middle)
+    off = np.abs(mean - known).max(axis=-1) - blur - _stated(middle) - ROUNDED * np.abs(known).max(axis=-1)
+    off = np.where(off > 0.0, off, 0.0)
+    return np.asarray(BOTH_SIDES * np.maximum(off[:-1] / step, off[-1] / (step * step)))

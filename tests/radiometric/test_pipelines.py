@@ -183,7 +183,6 @@ def test_what_takes_a_lobe_is_refused_by_name() -> None:
 
 def test_other_verbs_refuse_by_name() -> None:
     calls: dict[str, Any] = {
-        "hessian": lambda: sr.hessian("metal", ["materials.gold05.alpha"], [(0, 0)]),
         "expression": lambda: sr.expression("metal"),
         "simulator": lambda: sr.simulator("metal", "never.html"),
         "verify": lambda: sr.truth("metal", size=4, verify=0.5),

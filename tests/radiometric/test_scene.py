@@ -140,8 +140,8 @@ def test_errors_name_file_line_and_column(tmp_path: Path) -> None:
 def test_units_series_may_be_said() -> None:
     data = {"camera": {"type": "plane", "eye": [0, -3, 2], "window_half": 1}}
     assert sr.load(data | {"units": "series"}) == sr.load(data)
-    with pytest.raises(Unsupported, match=r"^hessian: does not know radiometric scenes yet \(metal\)"):
-        load_series("metal", "hessian")
+    with pytest.raises(Unsupported, match=r"^expression: does not know radiometric scenes yet \(metal\)"):
+        load_series("metal", "expression")
 
 
 def test_what_is_odd_is_warned_of() -> None:
