@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.events import CROSSING, add_event, chart_events, close_events, vein_events
+from symrender.chambers.events import CROSSING, ROOT, add_event, chart_events, close_events, vein_events
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.reach import are_apart
 from symrender.chambers.records import Chart, Event, Wall
@@ -31,6 +31,7 @@ from symrender.chambers.walls import (
     SHADOW_EDGE,
     TERMINATOR,
     TEXTURE_EDGE,
+    is_rooted,
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
@@ -136,12 +137,13 @@ def ball_quadric(row: Wall, chart: Chart, v: Array, p: Array, f: Array) -> None:
 
 @inlined
 def add_crossing(
-    x0: float, x1: float, x2: float, normal: bool, hides: bool, view: View, work: Work, events: Table[Event], n: int,
-    low: float, high: float,
+    x0: float, x1: float, x2: float, normal: bool, hides: bool, kind: float, view: View, work: Work,
+    events: Table[Event], n: int, low: float, high: float,
 ) -> int:  # fmt: skip
     """Note a crossing at frame coordinates ``x``, of the normal or of the direction, if it is inside the lobe and seen.
 
-    ``hides`` says that one of the two walls bounds what is seen, so that sight cannot be asked at the crossing.
+    ``hides`` says that one of the two walls bounds what is seen, so that sight cannot be asked at the crossing;
+    ``kind`` is that of the event.
     """
     chart = work.chart
     k = chart.ratio
@@ -170,12 +172,13 @@ def add_crossing(
             qz = 0.0
         if is_hidden(qx, qy, qz, view, work):
             return n
-    return add_event(events, n, math.atan2(x2, x1), low, high, CROSSING)
+    return add_event(events, n, math.atan2(x2, x1), low, high, kind)
 
 
 @inlined
 def circle_crossings(
-    one: Wall, other: Wall, hides: bool, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
+    one: Wall, other: Wall, hides: bool, kind: float, view: View, work: Work, events: Table[Event], n: int, low: float,
+    high: float,
 ) -> int:  # fmt: skip
     """Note where two circles a.x = p and b.x = q of one sphere meet."""
     a0, a1, a2, p, normal = one.axis[0], one.axis[1], one.axis[2], one.cos, one.kind == NORMAL
@@ -192,7 +195,7 @@ def circle_crossings(
     w = math.sqrt(w2)
     for _ in range(2):
         n = add_crossing(
-            u * a0 + v * b0 + w * x0, u * a1 + v * b1 + w * x1, u * a2 + v * b2 + w * x2, normal, hides, view, work,
+            u * a0 + v * b0 + w * x0, u * a1 + v * b1 + w * x1, u * a2 + v * b2 + w * x2, normal, hides, kind, view, work,
             events, n, low, high,
         )  # fmt: skip
         w = -w
@@ -221,7 +224,8 @@ def half_tangent(t: float, cosine: float, v: Array, p: Array) -> float:
 
 @inlined
 def along_circle(
-    row: Wall, other: Wall, hides: bool, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
+    row: Wall, other: Wall, hides: bool, kind: float, view: View, work: Work, events: Table[Event], n: int, low: float,
+    high: float,
 ) -> int:  # fmt: skip
     """Note where the circle ``row`` meets another wall: a cone of directions, a shadow's edge or a ball's circle.
 
@@ -288,7 +292,7 @@ def along_circle(
                 ct, st = (1.0 - t * t) * inv, 2.0 * t * inv
                 n = add_crossing(
                     c * a0 + s * (f0 * ct + g0 * st), c * a1 + s * (f1 * ct + g1 * st),
-                    c * a2 + s * (f2 * ct + g2 * st), normal, hides, view, work, events, n, low, high,
+                    c * a2 + s * (f2 * ct + g2 * st), normal, hides, kind, view, work, events, n, low, high,
                 )  # fmt: skip
         f0, f1, f2, g0, g1, g2 = -f0, -f1, -f2, -g0, -g1, -g2
     return n
@@ -316,8 +320,10 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
                     (one.tag == TEXTURE_EDGE or one.tag == TERMINATOR or one.tag == SHADOW_EDGE)
                     and (other.tag == TEXTURE_EDGE or other.tag == TERMINATOR or other.tag == SHADOW_EDGE)
                 )
+            # the root of the distance from a wall leaves the power 3/2 of that from where another cuts it off
+            event = ROOT if is_rooted(one) or is_rooted(other) else CROSSING
             if kind <= NORMAL and also == kind:
-                n = circle_crossings(one, other, hides, view, work, events, n, low, high)
+                n = circle_crossings(one, other, hides, event, view, work, events, n, low, high)
                 continue
             # along which of the two
             row, wall = one, other
@@ -329,7 +335,7 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
                 row, wall = other, one
             elif not (also in (SHADOW, BALL) and (kind == NORMAL or (kind == DIRECTION and floor))):
                 continue
-            n = along_circle(row, wall, hides, view, work, events, n, low, high)
+            n = along_circle(row, wall, hides, event, view, work, events, n, low, high)
     return n
 
 

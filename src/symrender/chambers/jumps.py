@@ -1,7 +1,10 @@
-"""Walls at which what a surface reflects breaks: where the masking of a conductor jumps, and where a highlight ends.
+"""Walls at which what a surface reflects breaks: masking jumps, a highlight ends, reflectance begins to be whole.
 
 Phong's highlight ends where the view is across the mirror image of the light: of a low exponent that is felt. Masking
 jumps where a cosine is that at which Walter's fit begins to be 1.
+
+A conductor of k = 0 and eta < 1 reflects all from its critical angle on, like the root of the distance from there: of
+the lobe of P that is the cone of directions w.w_o = 1 - 2 eta^2.
 
 Three cosines are in what is reflected twice: of the direction at P, on a cone of directions about P's normal; of the
 view at Q, a parallel of the chart; of the light at Q, on a sphere a circle of normals about the light's direction, on a
@@ -14,12 +17,13 @@ import math
 
 from symrender.chambers.chart import FELT_END, add_direction, add_normal
 from symrender.chambers.lobes.fit import jump_cosine
+from symrender.chambers.lobes.levels import is_critical, level_axis
 from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.lobes.sending import end_power, is_phong
 from symrender.chambers.reach import note_reach
 from symrender.chambers.records import DISTANT
 from symrender.chambers.senders import sender_of
-from symrender.chambers.walls import GLEAM_EDGE, HIGHLIGHT, add_shadow
+from symrender.chambers.walls import CRITICAL, DIRECTION, GLEAM_EDGE, HIGHLIGHT, add_circle, add_shadow
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import jitable
 
@@ -32,6 +36,8 @@ def put_jumps(view: View, work: Work) -> None:
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR and chart.lobe.walter == 1:
         n, cosine = chart.normal, jump_cosine(chart.lobe.alpha)
         add_direction(walls, counts, chart, n[0], n[1], n[2], cosine, HIGHLIGHT, -1)
+    if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
+        put_critical(view, work)
     sender = sender_of(view, chart)
     if view.senders is not None and sender >= 0:
         rough = view.senders[sender].conductor
@@ -41,6 +47,22 @@ def put_jumps(view: View, work: Work) -> None:
             put_ends(view, work)
     if counts.walls > before:
         note_reach(view, work)
+
+
+@jitable
+def put_critical(view: View, work: Work) -> None:
+    """Append the cones at which the channels of the lobe's conductor begin to reflect all."""
+    if view.conductors is None:
+        return
+    chart = work.chart
+    conductor = view.conductors[chart.lobe.conductor]
+    a0, a1, a2 = level_axis(True, chart)
+    for i in range(3):
+        if is_critical(conductor.eta[i], conductor.k[i]):
+            level = 1.0 - 2.0 * conductor.eta[i] * conductor.eta[i]
+            work.counts.walls = add_circle(
+                work.walls, work.counts.walls, DIRECTION, a0, a1, a2, level, HIGHLIGHT, CRITICAL
+            )
 
 
 @jitable

@@ -61,6 +61,9 @@ LIMB_ROW: Final = 1
 # chart: the numbers of one (point, shape) pair
 UNBOUNDED: Final = 1e30
 
+CRITICAL: Final = -3
+"""In place of a shape: the circle of directions at which a conductor of k = 0 begins to reflect all, like a root."""
+
 PARTED: Final = 1e-9
 """Share of their speeds by which walls that coincide must differ in it to move apart."""
 CONTACT: Final = 1e-13
@@ -71,6 +74,12 @@ TOUCH: Final = 1e-7
 """A circle of a smaller sine is taken for a place where two shapes touch."""
 COINCIDENT: Final = 1e-11
 """Two circles whose axes and levels differ by less are one wall."""
+
+
+@inlined
+def is_rooted(row: Wall) -> bool:
+    """Whether what is integrated is a root of the distance from a wall beside it."""
+    return bool(row.kind == DIRECTION and row.shape_index == CRITICAL)
 
 
 @jitable

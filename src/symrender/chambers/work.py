@@ -47,6 +47,8 @@ PENDING: Final = 3 * NODES
 
 CHORD_ROOM: Final = 94
 """Rows for the frame of a disk and its halved chords and panels."""
+MOST_OF_LOBE: Final = 40
+"""Singularities of a lobe's own on a line, or beside azimuths, at most."""
 
 
 class View(NamedTuple):
@@ -274,12 +276,12 @@ def work_arrays(spheres: int, points: int) -> Work:
         nodes=table(Nodes, 1)[0],
         aim=table(Aim, 1)[0],
         pieces=table(Piece, NODES + PENDING),
-        spots=table(Spot, max(1, 3 * points) + 2 + 2 * (2 + spheres) * (points + 1)),
+        spots=table(Spot, max(1, 3 * points) + 2 + MOST_OF_LOBE + 2 * (2 + spheres) * (points + 1)),
         highlights=table(Highlight, 64 + 192 * points),
         boxes=table(Box, 96),
         room=np.zeros(MAX_PLANES + 1),
         felt=np.zeros(64 + 192 * points, np.int64),
-        poles=np.zeros((4 * points + 4, 2)),
+        poles=np.zeros((4 * points + 4 + MOST_OF_LOBE, 2)),
         # as many circles as spheres, planes and the horizon
         arcs=table(Arc, spheres + MAX_PLANES + 2),
         crossings=table(Crossing, 2 * (spheres + MAX_PLANES + 2)),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from symrender.chambers.highlights import line_highlights, piece_highlights, seeing
-from symrender.chambers.lobes.poles import lobe_pole
+from symrender.chambers.lobes.levels import LEVELS, level_on_line, lobe_level
+from symrender.chambers.lobes.poles import inner_pole, lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.lobes.sending import grazing_pole
 from symrender.chambers.records import DISTANT, Chart
@@ -77,6 +78,20 @@ def note_sender(c: float, s: float, view: View, work: Work) -> None:
         note_pole(x, depth / max(1e-3, 1.0 - chart.ratio * math.cos(x) / math.sqrt(1.0 - sine * sine)), work)
 
 
+@jitable
+def note_levels(c: float, s: float, view: View, work: Work) -> None:
+    """Note where the masking and the reflectance of the lobe are singular beside a line."""
+    for i in range(LEVELS):
+        of_view, x, y = lobe_level(i, work.chart, view.conductors)
+        if x == math.inf:
+            continue
+        middle, offset, depth = level_on_line(of_view, x, y, c, s, work.chart)
+        for side in range(2):
+            if work.counts.poles < work.poles.shape[0]:
+                at, deep = inner_pole(middle + (offset if side == 0 else -offset), depth, work.chart)
+                note_pole(at, deep, work)
+
+
 @inlined
 def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     """Note what is singular beside the line (c, s) at azimuth ``phi``, and the highlights felt on it.
@@ -91,6 +106,7 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
         x, y = lobe_pole(c, s, chart)
         note_pole(x, y, work)
+        note_levels(c, s, view, work)
     if chart.shape_index < 0.0:
         ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate

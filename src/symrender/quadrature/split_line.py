@@ -21,6 +21,7 @@ from symrender.chambers.walls import (
     PENUMBRA,
     SHADOW,
     TERMINATOR,
+    is_rooted,
 )
 from symrender.chambers.work import PENDING, View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
@@ -181,7 +182,9 @@ def cell_soft(cell: int, lights: int, view: View, work: Work) -> int:
         for i in range(lights):
             if work.lit[cell, i] >= PARTLY:
                 return DISK_ENDS
-    first, last = is_touch(work.cell_wall[cell], view, work), is_touch(work.cell_wall[cell + 1], view, work)
+    one, other = work.cell_wall[cell], work.cell_wall[cell + 1]
+    first = is_touch(one, view, work) or (one >= 0 and is_rooted(work.walls[one // 4]))
+    last = is_touch(other, view, work) or (other >= 0 and is_rooted(work.walls[other // 4]))
     return BOTH_TOUCH if first and last else FIRST_TOUCHES if first else LAST_TOUCHES if last else 0
 
 

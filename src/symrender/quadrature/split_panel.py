@@ -152,6 +152,9 @@ def spot_sum(spot: Spot, a: float, b: float, kind_a: float, kind_b: float) -> fl
     """``ellipse_sum`` of one of the chart's spots."""
     away = spot.azimuth - 0.5 * (a + b)
     away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+    if spot.depth == 0.0 and abs(away) < 0.5 * (b - a):
+        # the lines of this panel end before it
+        return math.inf
     return ellipse_sum(0.5 * (a + b) + away, spot.depth, a, b, kind_a, kind_b)
 
 

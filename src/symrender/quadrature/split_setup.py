@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.listed import in_lobe
+from symrender.chambers.lobes.levels import LEVELS, level_at_limb, level_in_itself, lobe_level
 from symrender.chambers.lobes.poles import pole_across, pole_on_horizon
 from symrender.chambers.lobes.width import turning_width, width
 from symrender.chambers.records import DISTANT, INVERSE_SQUARE
@@ -40,6 +41,8 @@ GRAZING: Final = 1.2
 """Secant of an angle: circles that come no nearer to the floor's horizon do not sweep over what is far away."""
 MEETING_STEPS: Final = 2
 """Steps to where a circle meets a light off the real azimuths; each gains two digits where the point is low."""
+FARTHEST: Final = 2.0
+"""Depth from which on a singularity beside azimuths is not felt."""
 MOST_SHARE: Final = 0.999
 """Largest share of what chooses no node counts."""
 
@@ -142,6 +145,18 @@ def add_pole(view: View, work: Work) -> None:
     phi, depth = pole_on_horizon(work.chart, view.conductors)
     if depth < math.inf:
         add_spot_at(phi, depth, 1.0, work)
+    for i in range(LEVELS):
+        of_view, x, y = lobe_level(i, work.chart, view.conductors)
+        if x == math.inf:
+            continue
+        middle, offset, depth = level_at_limb(of_view, x, y, work.chart)
+        if depth < FARTHEST:
+            add_spot_at(middle + offset, depth, 1.0, work)
+            add_spot_at(middle - offset, depth, 1.0, work)
+        middle, offset, depth = level_in_itself(of_view, x, y, work.chart)
+        if depth < FARTHEST:
+            for turn in (offset, -offset, math.pi - offset, offset - math.pi):
+                add_spot_at(middle + turn, depth, 1.0, work)
 
 
 @inlined

@@ -141,8 +141,14 @@ def pole_on_line(c: float, s: float, chart: Chart) -> tuple[float, float]:
 def lobe_pole(c: float, s: float, chart: Chart) -> tuple[float, float]:
     """(x, y): inner coordinate of the density's nearest pole x +- iy of the line (c, s), of a lobe of a conductor."""
     x, y = pole_on_line(c, s, chart)
+    return inner_pole(x, y, chart)
+
+
+@jitable
+def inner_pole(x: float, y: float, chart: Chart) -> tuple[float, float]:
+    """The inner coordinate of the polar angle x + iy."""
     if chart.shape_index >= 0.0:
-        # the inner coordinate is the arc sine of sin(beta)/k
+        # it is the arc sine of sin(beta)/k
         u, v = math.sin(x) * math.cosh(y) / chart.ratio, math.cos(x) * math.sinh(y) / chart.ratio
         low, high = math.hypot(u + 1.0, v), math.hypot(u - 1.0, v)
         x = math.asin(max(-1.0, min(1.0, 0.5 * (low - high))))
