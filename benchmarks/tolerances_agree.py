@@ -139,7 +139,9 @@ def glows_of(rng: np.random.Generator, shapes: list[Scene]) -> list[Scene]:
     kind = str(rng.choice(["sky", "lamp", "both"], p=[0.5, 0.25, 0.25]))
     lights: list[Scene] = []
     if kind != "lamp":
-        lights.append({"type": "sky", "name": "sky", "radiance": rng.choice([0.0, 0.3, 1.0], 3, p=[0.1, 0.2, 0.7]).tolist()})
+        lights.append(
+            {"type": "sky", "name": "sky", "radiance": rng.choice([0.0, 0.3, 1.0], 3, p=[0.1, 0.2, 0.7]).tolist()}
+        )
     if kind != "sky":
         for k, name in enumerate(rng.choice(balls, int(rng.integers(1, 3)))):
             radiance = rng.choice([0.0, 0.5, 5.0], 3, p=[0.1, 0.3, 0.6]).tolist()
@@ -215,9 +217,10 @@ def light_of(probe: Any, kind: str) -> Array:
 
 def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tuple[Array, Array], to: Counts) -> None:
     """Ask one place at all tolerances, and judge what it says."""
+    from tests.radiometric import nested, seen_lattice
+
     import symrender as sr
     from symrender.errors import SymrenderError
-    from tests.radiometric import nested, seen_lattice
 
     scene, data = made
     try:
@@ -268,10 +271,25 @@ def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tu
             to.told.append(off / stated)
             judged.add(k)
             if off > stated:
-                to.beyond.append(Beyond(seed, place, tolerances[k] / scale, off, stated, scale, found[k][2] == 0, f"judge {doubt:.0e}"))
+                to.beyond.append(
+                    Beyond(
+                        seed, place, tolerances[k] / scale, off, stated, scale, found[k][2] == 0, f"judge {doubt:.0e}"
+                    )
+                )
     for one, other, off, both in apart:
         if not (one in judged and other in judged):
-            to.beyond.append(Beyond(seed, place, tolerances[one] / scale, off, both, scale, found[one][2] == found[other][2] == 0, f"pair {TOLERANCES[other]:.0e}"))
+            to.beyond.append(
+                Beyond(
+                    seed,
+                    place,
+                    tolerances[one] / scale,
+                    off,
+                    both,
+                    scale,
+                    found[one][2] == found[other][2] == 0,
+                    f"pair {TOLERANCES[other]:.0e}",
+                )
+            )
 
 
 def main() -> None:
@@ -301,14 +319,17 @@ def main() -> None:
         f"met, {to.pairs[0]} pairs; of {len(to.told)} values the judge tells; beyond: {len(to.beyond)}; "
         f"{len(to.useless)} state a twentieth of the light or more, thirty times what was asked."
     )
-    report.table(["seed", "place", "tol", "off", "stated", "light", "met", "by"],
-                 [list(each) for each in sorted(to.beyond, key=lambda x: -x.off / x.stated)[:30]])
+    report.table(
+        ["seed", "place", "tol", "off", "stated", "light", "met", "by"],
+        [list(each) for each in sorted(to.beyond, key=lambda x: -x.off / x.stated)[:30]],
+    )
     for reason in sorted(set(to.refused)):
         report.say(f"- refused, {to.refused.count(reason)}: {reason}")
     for each in to.useless[:10]:
         report.say(f"- useless: seed {each[0]} place {each[1]}, {each[2]:.0e} asked, {each[3]:.1e} stated")
-    report.claim_number(f"values more than {LOOSEST:g} times beyond",
-                        sum(each.off > LOOSEST * each.stated for each in to.beyond), 0)
+    report.claim_number(
+        f"values more than {LOOSEST:g} times beyond", sum(each.off > LOOSEST * each.stated for each in to.beyond), 0
+    )
     report.leave()
 
 

@@ -4,8 +4,8 @@ Lines are half meridians of the normal. Each is cut where it meets outlines of b
 under skies and lamps what it sees is constant in every piece, told by one traced ray; then, in geometric steps, about
 where it comes nearest the peak of the lobe. Kronrod's rule of 15 nodes is halved until it agrees with Gauss's of 7,
 along lines and across them; what both differ by is added up and told. The first lines across stand where circles of
-directions cross or touch lines, for a corner between the nodes of a rule would be seen by none. Shapes, lights and materials are those of
-``rough_lattice.py``. It knows no poles, no coefficients, no bounds and no walls across lines.
+directions cross or touch lines, for a corner between the nodes of a rule would be seen by none. Shapes, lights and
+materials are those of ``rough_lattice.py``. It knows no poles, no coefficients, no bounds and no walls across lines.
 """
 
 from __future__ import annotations
@@ -61,7 +61,9 @@ def aside(normal: Any) -> list[float]:
 def world(scene: dict[str, Any]) -> World:
     """The numbers of a scene as written; what of it is not written is as it is by default."""
     materials = {name: {"reflectance": 1.0} | material for name, material in scene["materials"].items()}
-    shapes = [shape if "normal" not in shape else {"along": aside(shape["normal"])} | shape for shape in scene["shapes"]]
+    shapes = [
+        shape if "normal" not in shape else {"along": aside(shape["normal"])} | shape for shape in scene["shapes"]
+    ]
     scene = scene | {"materials": materials, "shapes": shapes}
     apart = [light for light in scene["lights"] if light["type"] in ("sky", "area")]
     known = rough_lattice.world(scene | {"lights": [light for light in scene["lights"] if light not in apart]})
@@ -110,9 +112,11 @@ def _peak(cosine: float, m: Array, cos_view: float, sin_view: float) -> float:
     for _ in range(44):
         one, other = high - share * (high - low), low + share * (high - low)
         a = (math.cos(one) + cos_view) ** 2 / max(
-            1e-300, 2.0 + 2.0 * (math.cos(one) * cos_view - math.sin(one) * sin_view * cosine))
+            1e-300, 2.0 + 2.0 * (math.cos(one) * cos_view - math.sin(one) * sin_view * cosine)
+        )
         b = (math.cos(other) + cos_view) ** 2 / max(
-            1e-300, 2.0 + 2.0 * (math.cos(other) * cos_view - math.sin(other) * sin_view * cosine))
+            1e-300, 2.0 + 2.0 * (math.cos(other) * cos_view - math.sin(other) * sin_view * cosine)
+        )
         if a > b:
             high = other
         else:

@@ -195,8 +195,8 @@ def circle_crossings(
     w = math.sqrt(w2)
     for _ in range(2):
         n = add_crossing(
-            u * a0 + v * b0 + w * x0, u * a1 + v * b1 + w * x1, u * a2 + v * b2 + w * x2, normal, hides, kind, view, work,
-            events, n, low, high,
+            u * a0 + v * b0 + w * x0, u * a1 + v * b1 + w * x1, u * a2 + v * b2 + w * x2, normal, hides, kind, view,
+            work, events, n, low, high,
         )  # fmt: skip
         w = -w
     return n

@@ -81,14 +81,18 @@ def note_sender(c: float, s: float, view: View, work: Work) -> None:
 @jitable
 def note_levels(c: float, s: float, view: View, work: Work) -> None:
     """Note where the masking and the reflectance of the lobe are singular beside a line."""
+    chart = work.chart
     for i in range(LEVELS):
-        of_view, x, y = lobe_level(i, work.chart, view.conductors)
+        of_view, x, y = lobe_level(i, chart, view.conductors)
         if x == math.inf:
             continue
-        middle, offset, depth = level_on_line(of_view, x, y, c, s, work.chart)
+        middle, offset, depth = level_on_line(of_view, x, y, c, s, chart)
         for side in range(2):
-            if work.counts.poles < work.poles.shape[0]:
-                at, deep = inner_pole(middle + (offset if side == 0 else -offset), depth, work.chart)
+            at = middle + (offset if side == 0 else -offset)
+            at -= 2.0 * math.pi * math.floor(at / (2.0 * math.pi) + 0.5)
+            # what lies behind has the sine of what lies ahead, but is not on the shape
+            if work.counts.poles < work.poles.shape[0] and (chart.shape_index < 0.0 or abs(at) < 0.5 * math.pi):
+                at, deep = inner_pole(at, depth, chart)
                 note_pole(at, deep, work)
 
 

@@ -8,6 +8,7 @@ Beside the poles of D (``poles.py``) a conductor's factors have these singularit
   Of Beckmann it is the same, for Lambda(-a) = -1 - Lambda(a).
 - Walter's fit is 1/(1 + Lambda_o + Lambda_i) too, with Lambda_o 0 where it is separable, rational in
   a = 1/(alpha tan theta_i); its poles are the roots of a quadratic in a.
+- Beckmann's D is exp(-tan^2 theta_h/alpha^2), singular where h is across N: at w.N = -cos_o, too.
 - Fresnel's reflectance holds the root of (eta - ik)^2 - 1 + (w_o.h)^2, 0 at w.w_o = 1 - 2 (eta - ik)^2. Where k is 0
   and eta below 1 that is a circle of real directions, the critical angle: a wall (``chambers/jumps.py``).
 
@@ -49,9 +50,10 @@ def lobe_level(i: int, chart: Chart, conductors: Table[Conductor] | None) -> tup
         if is_critical(eta, k):
             return True, math.inf, 0.0
         x, y = 1.0 - 2.0 * (eta - k) * (eta + k), 4.0 * eta * k
+    elif i == 1:
+        if lobe.correlated == CORRELATED or lobe.beckmann == 1:
+            x = -lobe.cos_view
     elif lobe.walter == 1:
-        if i == 1:
-            return False, math.inf, 0.0
         rest = 1.0 / walter_masking(lobe.cos_view, lobe.alpha) if lobe.correlated == CORRELATED else 1.0
         square, slope = 2.181 * rest + 0.396, 3.535 * rest - 1.259
         real, imaginary = square_root(slope * slope - 4.0 * square, 0.0)
@@ -59,10 +61,8 @@ def lobe_level(i: int, chart: Chart, conductors: Table[Conductor] | None) -> tup
         below, beside = square_root(1.0 + ar * ar - ai * ai, 2.0 * ar * ai)
         size = below * below + beside * beside
         x, y = (ar * below + ai * beside) / size, (ai * below - ar * beside) / size
-    elif i == 0:
+    else:
         x, y = 0.0, lobe.alpha / math.sqrt(max(1e-12, (1.0 - lobe.alpha) * (1.0 + lobe.alpha)))
-    elif lobe.correlated == CORRELATED:
-        x = -lobe.cos_view
     near = x < math.inf and math.hypot(x + 1.0, y) + math.hypot(x - 1.0, y) < REACH
     return i >= 2, x if near else math.inf, abs(y)
 

@@ -1,0 +1,68 @@
+"""What conductors reflect of a sky where masking and reflectance are singular near by, against rules within rules.
+
+Each case was off by 1.1 to 1,800 times what it stated before its singularity was listed
+(``chambers/lobes/levels.py``): a critical angle, masking near the horizon of smooth metal, height-correlated masking
+and Beckmann's normals at grazing views.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import symrender as sr
+
+from . import nested
+
+DULL = {"eta": [2.8, 2.3, 0.6], "k": [3.0, 0.5, 3.0]}
+CLEAR = {"eta": [2.8, 0.94, 1.5], "k": [3.0, 0.0, 0.0]}
+CASES = {
+    "critical": (CLEAR | {"distribution": "ggx", "alpha": 0.057, "masking": "correlated"}, 0.2753, 0.4),
+    "smooth": (DULL | {"distribution": "ggx", "alpha": 0.0012, "masking": "separable"}, 0.195, 1.0),
+    "correlated": (DULL | {"distribution": "ggx", "alpha": 0.0074, "masking": "correlated"}, 0.0017, 1.0),
+    "grazing": (DULL | {"distribution": "beckmann", "alpha": 0.214, "masking": "separable"}, 0.000586, 1.0),
+}  # fmt: skip
+
+
+def scene(metal: dict[str, Any]) -> dict[str, Any]:
+    """A metal ball among others over a floor, under a sky."""
+    return {
+        "units": "radiometric", "name": "rough", "bounces": 0,
+        "camera": {"type": "look_at", "eye": [0, 0, 9], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 30},
+        "materials": {"metal": {"type": "conductor"} | metal, "clay": {"type": "diffuse", "reflectance": 0.5}},
+        "shapes": [{"type": "sphere", "name": "ball", "center": [0, 0, 0], "radius": 1, "material": "metal"},
+                   {"type": "sphere", "name": "other", "center": [1.6, 0.9, 0.3], "radius": 0.8, "material": "clay"},
+                   {"type": "plane", "name": "floor", "point": [0, 0, -1.1], "normal": [0, 0, 1], "material": "clay"}],
+        "lights": [{"type": "sky", "name": "sky", "radiance": 1}],
+    }  # fmt: skip
+
+
+def ray(cosine: float, turn: float) -> tuple[np.ndarray, np.ndarray]:
+    """A ray that meets the ball beside the other one, at this cosine to its normal."""
+    n = np.array([math.cos(0.5), math.sin(0.5), 0.4])
+    n /= np.linalg.norm(n)
+    x = np.cross(n, [0.0, 0.0, 1.0])
+    x /= np.linalg.norm(x)
+    toward = cosine * n + math.sqrt(1.0 - cosine**2) * (math.cos(turn) * x + math.sin(turn) * np.cross(n, x))
+    return n + 0.01 * toward, -toward
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_is_singular_near_by_is_stated(case: str) -> None:
+    metal, cosine, turn = CASES[case]
+    made = scene(metal)
+    light, told = 0.0, 0
+    for around in (turn, turn + 2.0):
+        rays = ray(cosine, around)
+        known = nested.reflected(nested.world(made), *rays, False, 1e-12)
+        assert known.shape == 0 and known.error < 2e-10
+        light = max(light, float(known.light.max()))
+        for tol in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8):
+            seen = sr.probe(made, rays=rays, tol=tol)
+            assert seen.status[0] == 0 and seen.shape[0] == "shapes.ball"
+            told += known.error < 0.2 * seen.error[0]
+            assert np.abs(seen.direct[0] - known.light).max() <= seen.error[0] + known.error, (around, tol)
+    assert light > 0.1 and told >= 9
