@@ -39,6 +39,8 @@ TAMED: Final = 1.5
 """Boxes over which h turns by no more than this times hypot(alpha, its angle) are halved no further."""
 MOST_BOUNDS: Final = 3000
 """Boxes looked at, of a light, for what is brightest on a chart."""
+HALVINGS: Final = 24
+"""With which the place is found where a sphere mirrors a light."""
 CLOSE: Final = 4.0
 """A bound no more times larger than what is found is near enough."""
 
@@ -251,6 +253,39 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
     return float(chart.least * (lights + math.exp(SPECK) * seen + unseen))
 
 
+@inlined
+def mirror_place(p: LightPoint, chart: Chart) -> tuple[float, float]:
+    """Azimuth and, on a sphere, angle at its centre, on a plane inner coordinate, at which it mirrors a light to P.
+
+    On a sphere the normal there lies between those towards both, where it is as far from l as from v: halved down to.
+    """
+    vx, vy, vz = -chart.pole[0], -chart.pole[1], -chart.pole[2]
+    e, f = chart.e1, chart.e2
+    if chart.shape_index < 0:
+        share = chart.height / (chart.height + p.position[2])
+        x, y = share * (p.position[0] - chart.point[0]), share * (p.position[1] - chart.point[1])
+        return math.atan2(x * f[0] + y * f[1], x * e[0] + y * e[1]), math.atan2(math.hypot(x, y), chart.height)
+    lx, ly, lz = p.position[0] - chart.center[0], p.position[1] - chart.center[1], p.position[2] - chart.center[2]
+    by_l, far = 1.0 / max(1e-300, math.sqrt(lx * lx + ly * ly + lz * lz)), 1.0 / chart.ratio
+    lx, ly, lz, off = lx * by_l, ly * by_l, lz * by_l, 1.0 / max(1e-300, by_l * chart.radius)
+    first, last = 0.0, 1.0
+    nx, ny, nz = vx, vy, vz
+    for _ in range(HALVINGS):
+        share = 0.5 * (first + last)
+        nx, ny, nz = vx + share * (lx - vx), vy + share * (ly - vy), vz + share * (lz - vz)
+        inv = 1.0 / max(1e-300, math.sqrt(nx * nx + ny * ny + nz * nz))
+        nx, ny, nz = nx * inv, ny * inv, nz * inv
+        outward, inward = far * (nx * vx + ny * vy + nz * vz), off * (nx * lx + ny * ly + nz * lz)
+        # of the squared distances |V - N|^2 and |L - N|^2 in radii
+        there = (outward - 1.0) * math.sqrt(off * off + 1.0 - 2.0 * inward)
+        if there > (inward - 1.0) * math.sqrt(far * far + 1.0 - 2.0 * outward):
+            first = share
+        else:
+            last = share
+    u, v = nx * e[0] + ny * e[1] + nz * e[2], nx * f[0] + ny * f[1] + nz * f[2]
+    return math.atan2(v, u), math.atan2(math.hypot(u, v), nx * vx + ny * vy + nz * vz)
+
+
 @jitable
 def sent_bound(low: float, high: float, row: int, view: View, work: Work) -> float:
     """No place of the charted shape, which sends light on by ``row``, sends more between two azimuths."""
@@ -258,13 +293,19 @@ def sent_bound(low: float, high: float, row: int, view: View, work: Work) -> flo
     if view.senders is None:
         return most
     floor, albedo = chart.shape_index < 0, sender_albedo(view, chart)
+    end = HALF_PI if floor else chart.gamma_max
     for l in range(view.points.shape[0]):
         p = view.points[l]
         if floor and p.position[2] <= 0.0:
             continue
+        # what is sent where the shape mirrors the light is about the most
+        phi, g = mirror_place(p, chart)
+        sure = 0.0
+        if low <= phi <= high and g < end:
+            sure = lit_box(l, phi, phi, g, g, row, 0.0, view, work).here
         boxes[0].first, boxes[0].last, boxes[0].innermost = low, high, 0.0
-        boxes[0].outermost = HALF_PI if floor else chart.gamma_max
-        top, looked, found, sure = 1, 0, 0.0, 0.0
+        boxes[0].outermost = end
+        top, looked, found = 1, 0, 0.0
         while top > 0:
             top -= 1
             looked += 1

@@ -53,10 +53,11 @@ from symrender.quadrature.split_setup import (
     MET,
     NEAR_TANGENT,
     UNSUPPORTED,
+    charts_to_come,
     floor_strips,
     inside_another,
     place_point,
-    sphere_share,
+    spare_share,
     sphere_strips,
     stand_in_frame,
 )
@@ -153,11 +154,13 @@ def gloss_kernel(
         for a in range(3):
             value[a] = view.shading.background[a] * share
         bad = 0
-        part = sphere_share(own, lobe, view, work)
+        left = charts_to_come(own, lobe, sky, view, frames, work)
         for j in range(view.spheres.shape[0]):
             ball = view.spheres[j]
             if j == own or not in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, chart):
                 continue
+            part = spare_share(left)
+            left -= 1
             if not walled and not conductor and not in_a_plane(view, work):
                 mass = aim_lattice(j, lobe, view, work)
                 if mass >= 0.0:
@@ -200,14 +203,19 @@ def gloss_kernel(
             put_jumps(framed, work)
             floor_strips(framed, work)
             chart.bright = chart_bound(plane_bound(framed) if shown else bound, framed, work)
+            part = spare_share(left)
+            left -= 1
             e, b = split_chart(
-                max(0.5 * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
+                max(part * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
                 max_evaluations, value,
             )  # fmt: skip
             total += e
             bad += b
             if not front or framed.floor.kind == SOLID:
                 continue
+            # unlike panels, blocks of a checker may end a little above what they were given
+            part = min(0.5, spare_share(left))
+            left -= 1
             contrast = 0.0
             for a in range(3):
                 half = 0.5 * view.shading.kd * (framed.floor.bright[a] - framed.floor.dark[a])
@@ -216,7 +224,7 @@ def gloss_kernel(
                 contrast = max(contrast, abs(half))
             if contrast > 0.0:
                 total += stretched(contrast) * split_grid(
-                    max(0.5 * (tol - total), 0.05 * tol) / contrast, own, axis, framed, work, conics, gauss,
+                    max(part * (tol - total), 0.05 * tol) / contrast, own, axis, framed, work, conics, gauss,
                     states, grid_stack, remainders, max_evaluations, scratch[20:23],
                 )  # fmt: skip
                 for a in range(3):

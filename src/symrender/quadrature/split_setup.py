@@ -20,7 +20,7 @@ from symrender.chambers.work import Frames, View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.quadrature.fall_off import near_light
-from symrender.scene.arrays import EYE, MARBLE
+from symrender.scene.arrays import EYE, MARBLE, SOLID
 from symrender.scene.records import Sphere
 
 Array = npt.NDArray[np.float64]
@@ -36,7 +36,9 @@ UNSUPPORTED: Final = 3
 EVENT: Final = 4
 """The structure changes at this very place: walls that coincide part, and the derivative is that of one side."""
 FEW: Final = 4
-"""Spheres inside a lobe up to which each takes half of the tolerance that is left."""
+"""Integrals to come up to which each takes half of the tolerance that is left."""
+LAST: Final = 0.9
+"""What the last one may take: a part of it is for what is left out, and for roundings."""
 GRAZING: Final = 1.2
 """Secant of an angle: circles that come no nearer to the floor's horizon do not sweep over what is far away."""
 MEETING_STEPS: Final = 2
@@ -90,18 +92,27 @@ def inside_another(point: Array, own: int, spheres: Table[Sphere]) -> bool:
 
 
 @jitable
-def sphere_share(own: int, lobe: Array, view: View, work: Work) -> float:
-    """What one sphere may take of the tolerance that is left: with planes, all of them must not take more than all.
-
-    Halves of what is left, and never less than a twentieth, come to more than all of it from seven spheres on; and
-    little was then left for planes, whose charts are the dearest. Of many, a sphere gets an equal share of a half.
-    """
-    listed = 0
+def charts_to_come(own: int, lobe: Array, sky: float, view: View, frames: Frames, work: Work) -> int:
+    """How many integrals a point is the sum of: one a sphere in its lobe, one or two a plane that it may see."""
+    charts = 0
     for j in range(view.spheres.shape[0]):
         ball = view.spheres[j]
         if j != own and in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, work.chart):
-            listed += 1
-    return 0.5 if listed <= FEW else 0.5 / listed
+            charts += 1
+    for k in range(view.sides.shape[0]):
+        if k != work.chart.home and (work.room[k] > 0.0 or (work.room[k] < 0.0 and sky > 0.0)):
+            charts += 1 if work.room[k] < 0.0 or frames.floors[k].kind == SOLID else 2
+    return charts
+
+
+@inlined
+def spare_share(charts: int) -> float:
+    """What the next of so many integrals may take of the tolerance that is left.
+
+    Rules are rarely as bad as they may be, so that a third of what is given is spent: of many integrals each gets twice
+    an equal share, of few half of what is left, and the last one nearly all of it.
+    """
+    return 0.5 if 1 < charts <= FEW else min(LAST, 2.0 / max(1, charts))
 
 
 @inlined
