@@ -101,7 +101,7 @@ def charts_to_come(own: int, lobe: Array, sky: float, view: View, frames: Frames
             charts += 1
     for k in range(view.sides.shape[0]):
         if k != work.chart.home and (work.room[k] > 0.0 or (work.room[k] < 0.0 and sky > 0.0)):
-            charts += 1 if work.room[k] < 0.0 or frames.floors[k].kind == SOLID else 2
+            charts += 1 if work.room[k] < 0.0 or frames.views[k].floor.kind == SOLID else 2
     return charts
 
 
