@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 from types import ModuleType
 from typing import Any, Final
@@ -12,12 +13,13 @@ import numpy as np
 
 from symrender.jit.compiled import compiled
 from symrender.jit.generated import load_module
-from symrender.jit.records import table
+from symrender.jit.records import Table, table
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric import tile
 from symrender.radiometric.pixels import cells, moving, pixel, walls
 from symrender.radiometric.pixels.moving import Sweep
-from symrender.radiometric.pixels.records import TERMS, Family, Wall, make_room
+from symrender.radiometric.pixels.records import TERMS, Family, Ints, Wall, make_room
+from symrender.radiometric.pixels.rules import GAUSS
 from symrender.radiometric.pushforward import pushed
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.slopes import seen_moves
@@ -39,12 +41,107 @@ not resolved adds, for a derivative has its side where a mean has its area."""
 @lru_cache(maxsize=1)
 def pushed_text() -> str:
     """Text of the kernels that push rays and walls forward."""
-    return pushed((walls.list_walls, walls.list_families, moving.fill_levels, tile.fill_rays))
+    return pushed((walls.list_walls, walls.list_seen_walls, walls.list_families, moving.fill_levels, tile.fill_rays))
 
 
 def pushed_module() -> ModuleType:
     """The module that ``pushed_text`` is the text of."""
     return load_module(pushed_text())
+
+
+@dataclass(frozen=True)
+class Steps:
+    """N places of an image, in pixels, where walls cross lines, and the directions of these lines in an image.
+
+    ``steps`` (N, 2) are in half widths of a filter's support, as the places of ``Sweep``.
+    """
+
+    columns: Array
+    rows: Array
+    steps: Array
+    walls: Ints
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """How fast the walls of an eye cross lines while a view moves; ``rates`` and ``turns`` are those of the walls and
+    of the coordinates of textures."""
+
+    eye: cells.Eye
+    view: Seen
+    moves: Seen
+    rates: Table[Wall]
+    turns: Table[Family]
+    settings: Settings
+
+    @classmethod
+    def of(cls, eye: cells.Eye, view: Seen, moves: Seen, lister: str, settings: Settings) -> Speeds:
+        """Of the walls that the kernel ``lister`` lists."""
+        found, rates = (table(Wall, len(eye.walls)) for _ in range(2))
+        _pushed(f"{lister}_dot")(view.world, view.eye, found, moves.world, moves.eye, rates)
+        families, turns = (table(Family, len(eye.families)) for _ in range(2))
+        _pushed("list_families_dot")(view.world, view.eye, families, moves.world, moves.eye, turns)
+        return cls(eye, view, moves, rates, turns, settings)
+
+    def rays(self, columns: Array, rows: Array) -> tuple[Array, Array]:
+        """Rays through places of the image, in pixels, of any length, and how they move."""
+        a, b = 2.0 * columns / self.settings.width - 1.0, 1.0 - 2.0 * rows / self.settings.height
+        window, turns = self.view.window, self.moves.window
+        found = window[0] + a[:, None] * window[1] + b[:, None] * window[2]
+        moved = turns[0] + a[:, None] * turns[1] + b[:, None] * turns[2]
+        return np.ascontiguousarray(found), np.ascontiguousarray(moved)
+
+    def unit_rays(self, columns: Array, rows: Array) -> tuple[Array, Array]:
+        """The same of unit length."""
+        rays, turns = self.rays(columns, rows)
+        size = np.sqrt((rays**2).sum(axis=1, keepdims=True))
+        rays, turns = rays / size, turns / size
+        return rays, turns - rays * (rays * turns).sum(axis=1, keepdims=True)
+
+    def across(self, at: Steps) -> Array:
+        """(N,) steps that walls take along their lines."""
+        settings, count = self.settings, len(at.columns)
+        if not count:
+            return np.zeros(0)
+        rays, turns = self.rays(at.columns, at.rows)
+        right = 2.0 * settings.reach * self.view.window[1] / settings.width
+        up = 2.0 * settings.reach * self.view.window[2] / settings.height
+        steps = np.ascontiguousarray(at.steps[:, :1] * right + at.steps[:, 1:] * up)
+        levels, slopes, rates = (np.zeros(count) for _ in range(3))
+        work, out = np.zeros((8, TERMS)), np.zeros(TERMS)
+        which = np.ascontiguousarray(at.walls, np.float64)
+        _pushed("fill_levels_dot")(
+            self.eye.walls, self.eye.families, which, rays, steps, work, out, levels, slopes,
+            self.rates, self.turns, np.zeros_like(which), turns, np.zeros_like(steps), np.zeros_like(work),
+            np.zeros_like(out), rates, np.zeros_like(slopes),
+        )  # fmt: skip
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(-rates / slopes)
+
+
+@lru_cache(maxsize=16)
+def end_weights(order: int) -> Array:
+    """(2, order): weights of the nodes of a piece in what is extrapolated to its beginning, and to its end."""
+    nodes = GAUSS[0, order, :order]
+    others = [np.delete(nodes, k) for k in range(order)]
+    return np.array([
+        [float(np.prod((end - rest) / (node - rest))) for node, rest in zip(nodes, others, strict=True)]
+        for end in (0.0, 1.0)
+    ])  # fmt: skip
+
+
+def jumps(walls: Ints, values: Array) -> tuple[Array, Array]:
+    """(edges, C): ``values`` (nodes, C) before each edge of a ``Sweep`` less those behind it, and the sum of their
+    sizes as they were weighed. Nothing is swept where there is no piece before."""
+    found, size = np.zeros((len(walls), values.shape[1])), np.zeros((len(walls), values.shape[1]))
+    for order in np.unique(walls[:, 4]).tolist():
+        some = np.flatnonzero((walls[:, 4] == order) & (walls[:, 2] >= 0))
+        for row, sign in ((1, 1.0), (0, -1.0)) if order else ():
+            nodes = values[walls[some, 3 - row, None] + np.arange(order)]
+            weights = end_weights(order)[row][None, :, None]
+            found[some] += sign * (weights * nodes).sum(axis=1)
+            size[some] += (np.abs(weights) * np.abs(nodes)).sum(axis=1)
+    return found, size
 
 
 class _Pixel:
@@ -67,9 +164,9 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
     width, height = settings.width, settings.height
     view = seen(arrays, width, height)
     eye = eye_of(arrays, view, DOMAINS[settings.filter])
-    moving_worlds = {move[0]: seen_moves(arrays, move, width, height) for move in wrt}
-    held = len(eye.walls), len(eye.families)
-    speeds = {name: _wall_moves(view, moves, *held) for name, moves in moving_worlds.items()}
+    moved = {
+        move[0]: Speeds.of(eye, view, seen_moves(arrays, move, width, height), "list_walls", settings) for move in wrt
+    }
     own = threading.local()
     tol = max(1e-12, settings.tol * _FINER)
 
@@ -88,8 +185,8 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
                 span = float(max(0.0, (room.span[1] - room.span[0]).max()))
                 found = _Pixel(sweep, coarse, max(span, eye.bright))
                 spent += len(found.nodes)
-                for name, moves in moving_worlds.items():
-                    value, error = _moved(found, view, moves, speeds[name], eye, (i, j), settings)
+                for name, speeds in moved.items():
+                    value, error = _moved(found, speeds, (i, j))
                     known = np.isfinite(error)
                     layers[f"emitted:{name}"][j, i] = value[:3] if known else 0.0
                     layers[f"direct:{name}"][j, i] = value[3:] if known else 0.0
@@ -107,78 +204,43 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
     return render
 
 
-def make_sweep() -> Sweep:
+def make_sweep(most: int = MOST_NODES) -> Sweep:
     """Room for the derivative of a pixel."""
     return Sweep(
-        np.zeros((MOST_NODES, 4)), np.zeros((MOST_NODES, 11)), np.zeros((MOST_NODES, 2), np.int64),
-        np.zeros(3, np.int64), np.zeros((2, 6)),
+        np.zeros((most, 4)), np.zeros((most, 6)), np.zeros((most, 5), np.int64), np.zeros(3, np.int64)
     )  # fmt: skip
 
 
-def _wall_moves(view: Seen, moves: Seen, count: int, coordinates: int) -> tuple[Any, Any]:
-    """How walls and texture coordinates move."""
-    found, rates = table(Wall, count), table(Wall, count)
-    _pushed("list_walls_dot")(view.world, view.eye, found, moves.world, moves.eye, rates)
-    families, turns = table(Family, coordinates), table(Family, coordinates)
-    _pushed("list_families_dot")(view.world, view.eye, families, moves.world, moves.eye, turns)
-    return rates, turns
-
-
-def _rays_of(view: Seen, moves: Seen, x: Array, y: Array, settings: Settings) -> tuple[Array, Array]:
-    """Rays through places of the image, in pixels, of any length, and how they move."""
-    a, b = 2.0 * x / settings.width - 1.0, 1.0 - 2.0 * y / settings.height
-    rays = view.window[0] + a[:, None] * view.window[1] + b[:, None] * view.window[2]
-    turns = moves.window[0] + a[:, None] * moves.window[1] + b[:, None] * moves.window[2]
-    return np.ascontiguousarray(rays), np.ascontiguousarray(turns)
-
-
-def _moved(
-    found: _Pixel, view: Seen, moves: Seen, speeds: tuple[Any, Any], eye: cells.Eye, at: tuple[int, int],
-    settings: Settings,
-) -> tuple[Array, float]:  # fmt: skip
+def _moved(found: _Pixel, speeds: Speeds, at: tuple[int, int]) -> tuple[Array, float]:
     """(slope of emitted and direct light of a pixel, what it may be off by)."""
     if found.over:
         return np.zeros(6), np.inf
-    (i, j), reach = at, settings.reach
+    (i, j), reach = at, speeds.settings.reach
     nodes, edges = found.nodes, found.edges
-    rays, turns = _rays_of(view, moves, i + 0.5 + reach * nodes[:, 0], j + 0.5 - reach * nodes[:, 1], settings)
-    size = np.sqrt((rays**2).sum(axis=1, keepdims=True))
-    rays, turns = rays / size, turns / size
-    turns -= rays * (rays * turns).sum(axis=1, keepdims=True)
-    light = _pushed_rays(view, moves, rays, turns)
-    values = nodes[:, 2] @ light, nodes[:, 3] @ light
+    rays = speeds.unit_rays(i + 0.5 + reach * nodes[:, 0], j + 0.5 - reach * nodes[:, 1])
+    values, light = _pushed_rays(speeds.view, speeds.moves, *rays)
+    total = [nodes[:, 2] @ light, nodes[:, 3] @ light]
     fastest = 0.0
     if len(edges):
-        rays, turns = _rays_of(view, moves, i + 0.5 + reach * edges[:, 0], j + 0.5 - reach * edges[:, 1], settings)
-        right, up = 2.0 * reach * view.window[1] / settings.width, 2.0 * reach * view.window[2] / settings.height
-        steps = np.ascontiguousarray(edges[:, 2:3] * right + edges[:, 3:4] * up)
-        levels, slopes, rates = (np.zeros(len(edges)) for _ in range(3))
-        work, out = np.zeros((8, TERMS)), np.zeros(TERMS)
-        which = found.walls.astype(np.float64)
-        _pushed("fill_levels_dot")(
-            eye.walls, eye.families, which, rays, steps, work, out, levels, slopes,
-            *speeds, np.zeros_like(which), turns, np.zeros_like(steps), np.zeros_like(work), np.zeros_like(out), rates,
-            np.zeros_like(slopes),
-        )  # fmt: skip
-        with np.errstate(divide="ignore", invalid="ignore"):
-            speed = -rates / slopes
-        swept = edges[:, 4:10] * speed[:, None]
-        values = values[0] + swept[edges[:, 10] == 0].sum(axis=0), values[1] + swept[edges[:, 10] == 1].sum(axis=0)
-        across = np.hypot(edges[:, 2], edges[:, 3])
-        fastest = float(np.abs(speed * across).max())
-    error = float(np.abs((values[0] - values[1]).reshape(2, 3).sum(axis=0)).max()) + found.coarse * max(fastest, 1.0)
-    return np.asarray(values[0]), error if np.isfinite(error) and np.isfinite(values[0]).all() else np.inf
+        columns, rows = i + 0.5 + reach * edges[:, 0], j + 0.5 - reach * edges[:, 1]
+        speed = speeds.across(Steps(columns, rows, edges[:, 2:4], found.walls[:, :2]))
+        swept = jumps(found.walls, values)[0] * (edges[:, 4] * speed)[:, None]
+        for rule in range(2):
+            total[rule] += swept[edges[:, 5] == rule].sum(axis=0)
+        fastest = float(np.abs(speed * np.hypot(edges[:, 2], edges[:, 3])).max())
+    error = float(np.abs((total[0] - total[1]).reshape(2, 3).sum(axis=0)).max()) + found.coarse * max(fastest, 1.0)
+    return np.asarray(total[0]), error if np.isfinite(error) and np.isfinite(total[0]).all() else np.inf
 
 
-def _pushed_rays(view: Seen, moves: Seen, rays: Array, turns: Array) -> Array:
-    """(n, 6) slopes of emitted and direct light along rays from the eye."""
+def _pushed_rays(view: Seen, moves: Seen, rays: Array, turns: Array) -> tuple[Array, Array]:
+    """(n, 6) emitted and direct light along rays from the eye, and its slopes."""
     count = len(rays)
     eyes, shifts = np.tile(view.eye, (count, 1)), np.tile(moves.eye, (count, 1))
     values = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
     slopes = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
     room, shaking = sky_room(view.world), sky_room(view.world)
     _pushed("fill_rays_dot")(view.world, eyes, rays, room, *values, moves.world, shifts, turns, shaking, *slopes)
-    return np.concatenate(slopes[:2], axis=1)
+    return np.concatenate(values[:2], axis=1), np.concatenate(slopes[:2], axis=1)
 
 
 @lru_cache(maxsize=4)

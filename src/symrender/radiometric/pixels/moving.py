@@ -3,7 +3,8 @@
 d/dtheta of the integral along a line is the integral of the slope plus, at each wall, the difference of radiance on
 both sides times how fast the wall crosses the line. Lines themselves stay where they are: where walls cross each other
 or leave a cell the integral along a line is continuous, so that ends of panels add nothing. Radiance at a wall is
-extrapolated from the nodes of the piece beside it, in the variable in which it is smooth there.
+extrapolated from the nodes of the piece beside it, in the variable in which it is smooth there; which nodes these are
+is all that is listed here, for what they see may be dear.
 """
 
 from __future__ import annotations
@@ -12,21 +13,12 @@ from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.radiometric.pixels.cells import BOX, Cell, Eye, cell_at, heaviest, weight_of
+from symrender.radiometric.pixels.cells import Cell, Eye, cell_at, heaviest, weight_of
 from symrender.radiometric.pixels.curves import put_level
-from symrender.radiometric.pixels.pixel import begin, pixel_mean
-from symrender.radiometric.pixels.records import COARSE, CUT, LOGGED, SMOOTH, Family, Ints, Room, Wall
-from symrender.radiometric.pixels.rules import (
-    GAUSS,
-    add_light,
-    clear,
-    cutting_mode,
-    half_width,
-    in_order,
-    locate,
-    mapped,
-    put_panels,
-)
+from symrender.radiometric.pixels.parts import put_path, whole_of
+from symrender.radiometric.pixels.pixel import begin, block_walls, pixel_mean
+from symrender.radiometric.pixels.records import COARSE, CUT, LOGGED, SMOOTH, Family, Ints, Part, Room, Wall
+from symrender.radiometric.pixels.rules import GAUSS, cutting_mode, half_width, in_order, locate, mapped, put_panels
 from symrender.radiometric.pixels.sight import put_reach
 from symrender.radiometric.pixels.textures import put_lines
 from symrender.radiometric.vectors import Array, Vector, dot, vector
@@ -41,14 +33,13 @@ class Sweep(NamedTuple):
     nodes: Array
     """(n, 4): place x, y in the pixel, then weights in the finer and in the coarser rule."""
     edges: Array
-    """(n, 13): place, the direction in which t grows, then what is swept a unit of t, emitted and direct light, of
-    the finer rule and, where that is zero, of the coarser; 0 or 1 as it is the coarser's."""
+    """(n, 6): place, the direction in which t grows, what a unit of t weighs, and 0 or 1 as the rule is the coarser."""
     walls: Ints
-    """(n, 2): the wall of each edge, or -1 less the family, and the number, of a line of a texture."""
+    """(n, 5): the wall of each edge, or -1 less the family, and the number, of a line of a texture; then the first node
+    of the piece before, the first of the piece behind, and how many each has; the first is -1 where nothing is swept.
+    """
     counts: Ints
     """(3,): nodes, edges, and 1 where there was no room for all."""
-    ends: Array
-    """(2, 6): light at the end of the piece before, and at the beginning of this."""
 
 
 @inlined
@@ -75,79 +66,59 @@ def put_node(sweep: Sweep, x: float, y: float, weight: float, coarser: bool) -> 
 def put_edge(
     eye: Eye, room: Room, sweep: Sweep, level: int, own: int, curve: int, x: float, y: float, tx: float, ty: float,
     weight: float, coarser: bool,
-) -> None:  # fmt: skip
-    """Add what a wall sweeps: the light before it less that behind it, weighted."""
+) -> int:  # fmt: skip
+    """Add a wall that crosses a line; returns its row, in which what it parts is still to be written, -1 if none."""
     k = int(sweep.counts[1])
     if k >= sweep.edges.shape[0]:
         sweep.counts[2] = 1
-        return
+        return -1
     row = sweep.edges[k]
     row[0], row[1], row[2], row[3] = x, y, tx, ty
-    for c in range(6):
-        row[4 + c] = weight * weight_of(eye.domain, x, y) * (sweep.ends[0, c] - sweep.ends[1, c])
-    row[10] = 1.0 if coarser else 0.0
+    row[4] = weight * weight_of(eye.domain, x, y)
+    row[5] = 1.0 if coarser else 0.0
     if curve < own:
         sweep.walls[k, 0], sweep.walls[k, 1] = room.which[level, curve], 0
     else:
         sweep.walls[k, 0], sweep.walls[k, 1] = -1 - room.numbers[curve - own, 0], room.numbers[curve - own, 1]
+    sweep.walls[k, 2], sweep.walls[k, 3], sweep.walls[k, 4] = -1, -1, 0
     sweep.counts[1] = k + 1
-
-
-@jitable
-def end_weight(order: int, node: int, end: float) -> float:
-    """Weight of a Gauss node of [0, 1] in the value of the polynomial through all at an end."""
-    found = 1.0
-    for k in range(order):
-        if k != node:
-            found *= (end - GAUSS[0, order, k]) / (GAUSS[0, order, node] - GAUSS[0, order, k])
-    return found
+    return k
 
 
 @jitable
 def sweep_line(
-    eye: Eye, cell: Cell, half: float, cx: float, cy: float, room: Room, sweep: Sweep, weight: float, order: int,
-    own: int, count: int, mode: int, s: float, coarser: bool,
+    eye: Eye, cell: Cell, room: Room, sweep: Sweep, weight: float, order: int, own: int, count: int, mode: int,
+    s: float, coarser: bool,
 ) -> None:  # fmt: skip
-    """Add the nodes of a line and what the walls that cross it sweep; many arguments because a cell's cut has them."""
-    wide, ends = half_width(mode, s), sweep.ends
-    # weights of places are known exactly, so that radiance alone is extrapolated to walls
-    plain = Eye(
-        eye.world, eye.mean, eye.place, eye.walls, eye.families, eye.bright, eye.peak, eye.delicate, BOX, eye.nodes
-    )
+    """Add the nodes of a line and the walls that cross it; many arguments because a cell's cut has them."""
+    wide, half, cx, cy = half_width(mode, s), cell.half, cell.x, cell.y
     locate(room, count, mode, s, 1)
     found = in_order(room, count)
     ox, oy = place_of(mode, 0.0, 0.0)
     dx, dy = place_of(mode, 1.0, 0.0)
-    start, hard, wall, at = -wide, True, -1, 0.0
+    start, hard, wall, at, before = -wide, True, -1, 0.0, -1
     for piece in range(found + 1):
         last = piece == found
         stop = wide if last else min(max(room.places[3, piece], start), wide)
         free = last or room.soft[room.states[3, piece]] == 0.0
         if stop - start > _THIN:
-            for c in range(6):
-                ends[1, c], room.sums[1, c] = 0.0, 0.0
+            first = int(sweep.counts[0])
             for i in range(order):
-                u = GAUSS[0, order, i]
-                place, slope = mapped(u, not hard, not free)
+                place, slope = mapped(GAUSS[0, order, i], not hard, not free)
                 x, y = place_of(mode, start + (stop - start) * place, s)
-                clear(room, 0)
-                add_light(plain, eye.world, cell, x, y, 1.0, 0, room)
                 share = weight * (stop - start) * slope * GAUSS[1, order, i]
                 share *= weight_of(eye.domain, cx + half * x, cy + half * y)
                 put_node(sweep, cx + half * x, cy + half * y, share, coarser)
-                for c in range(6):
-                    ends[1, c] += end_weight(order, i, 0.0) * room.sums[0, c]
-                    room.sums[1, c] += end_weight(order, i, 1.0) * room.sums[0, c]
-            if wall >= 0:
+            if wall >= 0 and before >= 0:
                 x, y = place_of(mode, at, s)
-                put_edge(
+                k = put_edge(
                     eye, room, sweep, cell.level, own, wall, cx + half * x, cy + half * y, half * (dx - ox),
                     half * (dy - oy), weight, coarser,
                 )  # fmt: skip
-            for c in range(6):
-                ends[0, c] = room.sums[1, c]
+                if k >= 0:
+                    sweep.walls[k, 2], sweep.walls[k, 3], sweep.walls[k, 4] = before, first, order
             # of walls that coincide the last before a piece is the one that is taken to move
-            wall = -1
+            wall, before = -1, first
         if not last and start >= -wide:
             if wall < 0:
                 wall, at = int(room.states[3, piece]), room.places[3, piece]
@@ -159,45 +130,50 @@ def sweep_line(
 
 
 @jitable
-def sweep_cut(
-    eye: Eye, cell: Cell, half: float, cx: float, cy: float, room: Room, sweep: Sweep, order: int, way: int,
-    limit: float,
+def sweep_lines(
+    eye: Eye, cell: Cell, room: Room, sweep: Sweep, order: int, own: int, lines: int, way: int, coarser: bool
 ) -> None:  # fmt: skip
-    """Add a cell that is integrated line by line, by the rule it was taken with and by the one before."""
-    own = int(room.counts[cell.level])
-    lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-    mode = cutting_mode(room, own, lines, cell.level) if lines >= 0 else -1
-    if mode < 0:
-        sweep.counts[2] = 1
-        return
+    """Add a cell that is integrated line by line, by a rule; four is added to ``way`` as to the mode of ``cut_rule``.
+
+    ``own`` curves and ``lines`` of textures cut it.
+    """
     count, soft = own + lines, False
     for k in range(count):
         room.soft[k] = eye.walls[int(room.which[cell.level, k])].soft if k < own else 0.0
         soft = soft or (way >= 4 and room.soft[k] != 0.0)
+    mode = cutting_mode(room, own, lines, cell.level)
+    if mode < 0:
+        sweep.counts[2] = 1
+        return
     panels, _ = put_panels(room, count, mode)
     scale = cell.area * (0.25 if mode < 2 else 0.5)
-    for rule in range(2):
-        nodes = order if rule == 0 else (8 if order == 12 else (5 if order == 8 else (3 if order == 5 else 2)))
-        for panel in range(panels):
-            start, stop = room.panels[panel], room.panels[panel + 1]
-            for i in range(nodes):
-                place, slope = mapped(GAUSS[0, nodes, i], soft, soft)
-                weight = scale * (stop - start) * slope * GAUSS[1, nodes, i]
-                s = start + (stop - start) * place
-                sweep_line(eye, cell, half, cx, cy, room, sweep, weight, nodes, own, count, mode, s, rule == 1)
+    for panel in range(panels):
+        start, stop = room.panels[panel], room.panels[panel + 1]
+        for i in range(order):
+            place, slope = mapped(GAUSS[0, order, i], soft, soft)
+            weight = scale * (stop - start) * slope * GAUSS[1, order, i]
+            s = start + (stop - start) * place
+            sweep_line(eye, cell, room, sweep, weight, order, own, count, mode, s, coarser)
 
 
 @jitable
-def sweep_smooth(eye: Eye, cell: Cell, half: float, cx: float, cy: float, sweep: Sweep, order: int) -> None:
-    """Add the nodes of a cell without walls, by the rule it was taken with and by the one before."""
-    for rule in range(2):
-        nodes = order if rule == 0 else (5 if order == 8 else (3 if order == 5 else 2))
-        for i in range(nodes):
-            for j in range(nodes):
-                x, y = 2.0 * GAUSS[0, nodes, i] - 1.0, 2.0 * GAUSS[0, nodes, j] - 1.0
-                weight = cell.area * GAUSS[1, nodes, i] * GAUSS[1, nodes, j]
-                weight *= weight_of(eye.domain, cx + half * x, cy + half * y)
-                put_node(sweep, cx + half * x, cy + half * y, weight, rule == 1)
+def sweep_smooth(eye: Eye, cell: Cell, sweep: Sweep, order: int, coarser: bool) -> None:
+    """Add the nodes of a cell without walls, by a rule."""
+    half, cx, cy = cell.half, cell.x, cell.y
+    for i in range(order):
+        for j in range(order):
+            x, y = 2.0 * GAUSS[0, order, i] - 1.0, 2.0 * GAUSS[0, order, j] - 1.0
+            weight = cell.area * GAUSS[1, order, i] * GAUSS[1, order, j]
+            weight *= weight_of(eye.domain, cx + half * x, cy + half * y)
+            put_node(sweep, cx + half * x, cy + half * y, weight, coarser)
+
+
+@jitable
+def order_before(order: int) -> int:
+    """The order of the rule that one of ``order`` is held against."""
+    if order == 12:
+        return 8
+    return 5 if order == 8 else (3 if order == 5 else 2)
 
 
 def sweep_pixel(
@@ -221,24 +197,72 @@ def sweep_pixel(
             room.path[k] = path % 4
             path = path // 4
         cell = cell_at(whole, room, level, tol)
-        half, cx, cy = 1.0, 0.0, 0.0
-        for k in range(1, level + 1):
-            half *= 0.5
-            cx += half if room.path[k] % 2 == 1 else -half
-            cy += half if room.path[k] >= 2 else -half
+        order, cut = int(log[3]), log[2] == CUT and log[4] >= 0
         if log[2] == COARSE or log[4] < 0:
-            coarse += half * heaviest(eye.domain, cell)
-        if log[2] == SMOOTH:
-            sweep_smooth(eye, cell, half, cx, cy, sweep, int(log[3]))
-        elif log[2] == CUT and log[4] >= 0:
+            coarse += cell.half * heaviest(eye.domain, cell)
+        if cut:
             limit = put_reach(eye, cell, room)
-            if begin(eye, cell, room, candidates, count, limit):
-                sweep_cut(eye, cell, half, cx, cy, room, sweep, int(log[3]), int(log[4]), limit)
-            else:
+            if not begin(eye, cell, room, candidates, count, limit):
                 sweep.counts[2] = 1
+                continue
+            lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
+            if lines < 0:
+                sweep.counts[2] = 1
+                continue
+            own = int(room.counts[cell.level])
+            for rule in range(2):
+                nodes = order if rule == 0 else order_before(order)
+                sweep_lines(eye, cell, room, sweep, nodes, own, lines, int(log[4]), rule == 1)
         else:
-            sweep_smooth(eye, cell, half, cx, cy, sweep, 3)
+            for rule in range(2):
+                nodes = order if log[2] == SMOOTH else 3
+                sweep_smooth(eye, cell, sweep, nodes if rule == 0 else order_before(nodes), rule == 1)
     return coarse
+
+
+@jitable
+def sweep_coarse(eye: Eye, cell: Cell, room: Room, sweep: Sweep, own: int, lines: int) -> None:
+    """Add the walls that enter a cell of which nothing is known, weightless, along both of its sides."""
+    for curve in range(own + lines):
+        for across in range(2):
+            tx, ty = (cell.half, 0.0) if across == 0 else (0.0, cell.half)
+            put_edge(eye, room, sweep, cell.level, own, curve, cell.x, cell.y, tx, ty, 0.0, False)
+
+
+def sweep_parts(
+    eye: Eye, window: Array, width: int, height: int, reach: float, parts: Table[Part], orders: Ints, room: Room,
+    candidates: Ints, sweep: Sweep, ends: Ints,
+) -> None:  # fmt: skip
+    """List nodes and edges of a rule of an order for each of some parts (``parts.py``).
+
+    Those of part n end before ``ends[n, 0]`` and ``ends[n, 1]``; ``ends[n, 2]`` is 1 where walls are not known. Of a
+    part that is not resolved the walls are listed without weight. Many arguments because a kernel's are.
+    """
+    sweep.counts[0], sweep.counts[1], sweep.counts[2] = 0, 0, 0
+    for n in range(parts.shape[0]):
+        part, order = parts[n], int(orders[n])
+        whole = whole_of(window, width, height, reach, int(part.column), int(part.row))
+        put_path(room, int(part.level), int(part.path))
+        cell = cell_at(whole, room, int(part.level), 0.0)
+        ends[n, 2] = 0
+        if part.kind == SMOOTH:
+            sweep_smooth(eye, cell, sweep, order, False)
+        else:
+            limit = put_reach(eye, cell, room)
+            count = block_walls(eye, cell, room, candidates)
+            fits = begin(eye, cell, room, candidates, count, limit)
+            lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
+            own = int(room.counts[cell.level])
+            if not fits or lines < 0:
+                ends[n, 2] = 1
+            if part.kind == CUT and fits and lines >= 0:
+                # drawn to the ends of panels from a third rule on, as in ``list_nodes``
+                sweep_lines(eye, cell, room, sweep, order, own, lines, 0 if order < 5 else 4, False)
+            else:
+                sweep_smooth(eye, cell, sweep, order, False)
+                if fits and lines >= 0:
+                    sweep_coarse(eye, cell, room, sweep, own, lines)
+        ends[n, 0], ends[n, 1] = sweep.counts[0], sweep.counts[1]
 
 
 @jitable
