@@ -54,7 +54,8 @@ class BouncedSlopes:
     """Derivatives of the light of N places in Q parameters.
 
     ``slopes`` (Q, N, 3) are those of what is reflected, ``incoming`` (Q, N, 3) what arrives, the value and as imaginary
-    part its derivative; ``error`` and ``status`` (Q, N); ``evaluations`` (N,).
+    part its derivative; ``error`` and ``status`` (Q, N); ``evaluations`` (N,). ``light`` (Q, N, 3) is what is reflected
+    itself and ``missed`` (Q, N) what it may be off by, where they are known.
     """
 
     slopes: Array
@@ -62,6 +63,8 @@ class BouncedSlopes:
     error: Array
     status: Ints
     evaluations: Ints
+    light: Array | None = None
+    missed: Array | None = None
 
 
 def product(a: Complex, b: Complex) -> Complex:
@@ -113,6 +116,7 @@ class SlopeBouncer(Bouncer):
         """
         first, *others = (self._met(k, [each[k] for each in rays]) for k in range(len(self._shaken)))
         found = self._at(*first, tol, budget)
+        assert found.light is not None and found.missed is not None
         doubts = np.zeros(found.error.shape)
         for hits, moved in others:
             same = (first[0].shape == hits.shape) & (first[0].behind == hits.behind)
@@ -124,6 +128,9 @@ class SlopeBouncer(Bouncer):
             if len(elsewhere):
                 again = self._at(hits.some(elsewhere), [each.some(elsewhere) for each in moved], tol, budget)
                 off[:, elsewhere] = np.abs(again.slopes - found.slopes[:, elsewhere]).max(axis=2) + again.error
+                assert again.light is not None and again.missed is not None
+                gap = np.abs(again.light - found.light[:, elsewhere]).max(axis=2) + again.missed
+                found.missed[:, elsewhere] = np.maximum(found.missed[:, elsewhere], gap)
                 found.evaluations[elsewhere] += again.evaluations
             doubts = np.maximum(doubts, off)
         found.error[:] += doubts
@@ -154,7 +161,7 @@ class SlopeBouncer(Bouncer):
         self._hits = moved
         self._found = BouncedSlopes(
             np.zeros((*shape, 3)), np.zeros((*shape, 3), np.complex128), np.zeros(shape), np.full(shape, MET),
-            np.zeros(shape[1], np.int64),
+            np.zeros(shape[1], np.int64), np.zeros((*shape, 3)), np.zeros(shape),
         )  # fmt: skip
         found, light = self._found, self.light(hits, tol, budget)
         undone = light.status == UNSUPPORTED
@@ -234,6 +241,9 @@ class SlopeBouncer(Bouncer):
         here_ = some[better]
         found.slopes[q, here_], found.incoming[q, here_] = light.imag[better], total[better]
         found.error[q, here_] = error[better]
+        assert found.light is not None and found.missed is not None
+        found.light[q, here_] = light.real[better]
+        found.missed[q, here_] = (reflected * missed.real + astray * np.abs(light.real).max(axis=1))[better]
         reached = np.where(error > tol, np.maximum(status, CAPPED), np.where(status == EVENT, EVENT, MET))
         found.status[q, here_] = reached[better]
 

@@ -41,17 +41,21 @@ def node_tolerance(tol: float) -> float:
     return INNER * (1.0 - DIRECT_SHARE) * tol
 
 
-def prepare_bounced(arrays: RadiometricArrays, settings: Settings, sender: Callable[[], Sends]) -> BouncedMeans:
-    """What makes means of bounced light over the pixels of a tile; a thread calls ``sender`` once."""
-    views = seen_all(shaken(arrays), settings.width, settings.height)
-    view = views[0]
+def canvas_of(view: Seen, settings: Settings) -> Canvas:
+    """An image of bounced light: cut where shapes and textures end."""
     bright = brightest(view)
     place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
     eye = Eye(
         view.world, mean_world(view.world), place, seen_walls(view), families_of(view), bright, bright, True,
         DOMAINS[settings.filter],
     )  # fmt: skip
-    canvas = Canvas(eye, view.window, settings.width, settings.height, settings.reach, bright, True)
+    return Canvas(eye, view.window, settings.width, settings.height, settings.reach, bright, True)
+
+
+def prepare_bounced(arrays: RadiometricArrays, settings: Settings, sender: Callable[[], Sends]) -> BouncedMeans:
+    """What makes means of bounced light over the pixels of a tile; a thread calls ``sender`` once."""
+    views = seen_all(shaken(arrays), settings.width, settings.height)
+    canvas = canvas_of(views[0], settings)
     rule, own = PixelRule(canvas, CHANNELS), threading.local()
     tol = (1.0 - DIRECT_SHARE) * settings.tol
 

@@ -103,7 +103,7 @@ class Mean:
 
 
 @dataclass
-class _State:
+class State:
     """Parts of the pixels of a tile, and what is known of each."""
 
     parts: Table[Part]
@@ -115,27 +115,30 @@ class _State:
     inner: Array
     stage: Ints
     """How many rules it took beyond the first two; -1 before these."""
+    fastest: Array
+    """Of what moves: how fast the walls of a part cross it."""
 
     @staticmethod
-    def of(parts: Table[Part], pixel: Ints, channels: int) -> _State:
+    def of(parts: Table[Part], pixel: Ints, channels: int) -> State:
+        """Parts of which nothing is known yet."""
         n = len(parts)
-        return _State(
+        return State(
             parts, pixel, np.zeros((n, channels)), np.full(n, np.inf), np.full(n, np.inf), np.zeros(n),
-            np.full(n, -1, np.int64),
+            np.full(n, -1, np.int64), np.zeros(n),
         )  # fmt: skip
 
-    def kept(self, keep: npt.NDArray[np.bool_], more: _State) -> _State:
+    def kept(self, keep: npt.NDArray[np.bool_], more: State) -> State:
         """Those of ``keep``, and more."""
         old = chosen(self.parts, keep)
         pairs = [
             np.concatenate([getattr(self, name)[keep], getattr(more, name)])
-            for name in ("pixel", "values", "gap", "error", "inner", "stage")
+            for name in ("pixel", "values", "gap", "error", "inner", "stage", "fastest")
         ]
-        return _State(joined(Part, [old, more.parts]), *pairs)
+        return State(joined(Part, [old, more.parts]), *pairs)
 
 
 @dataclass
-class _Pixels:
+class Pixels:
     """What is known of the pixels of a tile."""
 
     low: Array
@@ -151,7 +154,7 @@ class PixelRule:
     """Means over the pixels of a canvas; of threads each has its scratch."""
 
     def __init__(self, canvas: Canvas, channels: int) -> None:
-        self._canvas, self._channels = canvas, channels
+        self.canvas, self._channels = canvas, channels
         self._own = threading.local()
 
     def means(self, x0: int, y0: int, x1: int, y1: int, look: Look, tol: float, budget: int) -> Mean:
@@ -159,40 +162,44 @@ class PixelRule:
 
         A pixel is a function of its own parts alone, so that no tile changes a byte.
         """
-        canvas, channels = self._canvas, self._channels
+        canvas, channels = self.canvas, self._channels
         starts = table(Part, (x1 - x0) * (y1 - y0))
         rows = np.asarray(starts)
         rows["column"], rows["row"] = np.tile(np.arange(x0, x1), y1 - y0), np.repeat(np.arange(y0, y1), x1 - x0)
         count = len(starts)
-        pixels = _Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64))
+        pixels = Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64))
         grain = _GRAIN * tol / canvas.bright
         parts, origins = self._cut(starts, grain)
-        state = _State.of(parts, origins, channels)
+        state = State.of(parts, origins, channels)
         inner, whole = INNER * tol, np.zeros(count)
         each = max(_LEAST, budget // _SHARE)
         for _ in range(_ROUNDS):
             self._integrate(state, np.flatnonzero(state.stage < 0), pixels, look, inner, each)
-            swing = np.maximum(canvas.bright, pixels.high - pixels.low)[state.pixel]
-            outer = state.error + swing * state.parts["missed"]
-            outer += np.maximum(pixels.high, 0.0)[state.pixel] * state.parts["beside"]
-            whole = _added(state.pixel, outer + state.inner, count)
+            outer = state.error + self._unseen(state, pixels)
+            whole = added(state.pixel, outer + state.inner, count)
             raised, halved = self._next(state, outer, whole, pixels, tol, budget)
             if not (len(raised) or len(halved)):
                 break
             self._integrate(state, raised, pixels, look, inner, each)
             if len(halved):
                 state = self._halve(state, halved, grain)
-        values = np.column_stack([_added(state.pixel, state.values[:, c], count) for c in range(channels)])
+        values = np.column_stack([added(state.pixel, state.values[:, c], count) for c in range(channels)])
         return Mean(values, whole, pixels.status, pixels.evaluations)
 
+    def _unseen(self, state: State, pixels: Pixels) -> Array:
+        """What parts may be off by, for what no node sees."""
+        swing = np.maximum(self.canvas.bright, pixels.high - pixels.low)[state.pixel]
+        found: Array = swing * state.parts["missed"]
+        return found + np.maximum(pixels.high, 0.0)[state.pixel] * state.parts["beside"]
+
     def _next(
-        self, state: _State, outer: Array, whole: Array, pixels: _Pixels, tol: float, budget: int
+        self, state: State, outer: Array, whole: Array, pixels: Pixels, tol: float, budget: int
     ) -> tuple[Ints, Ints]:  # fmt: skip
         """The parts that are to take a rule of a higher order, and those that are to be halved."""
         worst = np.zeros(len(whole))
         np.maximum.at(worst, state.pixel, np.where(np.isfinite(outer), outer, 0.0))
         # what rays state is no less in halves
-        stuck = _added(state.pixel, state.inner, len(whole)) > tol
+        stuck = added(state.pixel, state.inner, len(whole)) > tol
         going = (whole > tol) & ~stuck & (pixels.evaluations <= budget)
         asked = going[state.pixel] & (outer >= _WORST * worst[state.pixel]) & (outer > _FLOOR * tol)
         area = 0.25 ** state.parts["level"]
@@ -204,7 +211,7 @@ class PixelRule:
         deeper &= (state.parts["blurred"] == 0) | (_FIELDS * 4.0 ** (state.parts["level"] + 1.0) <= budget)
         return np.flatnonzero(asked & better), np.flatnonzero(deeper)
 
-    def _halve(self, state: _State, halved: Ints, grain: float) -> _State:
+    def _halve(self, state: State, halved: Ints, grain: float) -> State:
         """The parts of the quarters of some, in their stead."""
         starts = table(Part, 4 * len(halved))
         for quarter in range(4):
@@ -215,10 +222,10 @@ class PixelRule:
         parts, origins = self._cut(starts, grain)
         keep = np.ones(len(state.pixel), np.bool_)
         keep[halved] = False
-        return state.kept(keep, _State.of(parts, state.pixel[halved][origins // 4], self._channels))
+        return state.kept(keep, State.of(parts, state.pixel[halved][origins // 4], self._channels))
 
     def _integrate(
-        self, state: _State, some: Ints, pixels: _Pixels, look: Look, inner: float, budget: int
+        self, state: State, some: Ints, pixels: Pixels, look: Look, inner: float, budget: int
     ) -> None:  # fmt: skip
         """Let parts take their next rule, of new ones the first two."""
         if not len(some):
@@ -229,7 +236,7 @@ class PixelRule:
         orders = np.array([sequences[k][min(s + 1, len(sequences[k]) - 1)] for k, s in zip(kinds, stage, strict=True)])
         before = np.array([sequences[k][0] for k in kinds[fresh]], np.int64)
         two = np.concatenate([some, some[fresh]])
-        values, error = self._rules(state, two, np.concatenate([orders, before]), pixels, look, inner, budget)
+        values, error = self._sums(state, two, np.concatenate([orders, before]), pixels, look, inner, budget)
         new, old = values[: len(some)], state.values[some]
         old[fresh] = values[len(some) :]
         gap = np.abs(new - old).max(axis=1)
@@ -239,14 +246,14 @@ class PixelRule:
         state.values[some], state.gap[some], state.inner[some] = new, gap, error[: len(some)]
         state.stage[some] = stage
 
-    def _rules(
-        self, state: _State, some: Ints, orders: Ints, pixels: _Pixels, look: Look, inner: float, budget: int
+    def _sums(
+        self, state: State, some: Ints, orders: Ints, pixels: Pixels, look: Look, inner: float, budget: int
     ) -> tuple[Array, Array]:
         """(values (N, C), what rays state) of a rule of its order for each of some parts."""
         places, weights, ends = self._nodes(state.parts, some, orders)
         owner = np.repeat(np.arange(len(some)), np.diff(ends, prepend=0))
         parts = np.asarray(state.parts)[some][owner]
-        reach = self._canvas.reach
+        reach = self.canvas.reach
         found = look(
             Places(
                 parts["column"] + 0.5 + reach * places[:, 0], parts["row"] + 0.5 - reach * places[:, 1],
@@ -259,20 +266,21 @@ class PixelRule:
         np.maximum.at(pixels.high, pixel, found.values.max(axis=1))
         np.maximum.at(pixels.status, pixel, found.status)
         np.add.at(pixels.evaluations, pixel, found.evaluations)
-        sums = [_added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
-        return np.column_stack(sums), _added(owner, np.abs(weights) * found.error, len(some))
+        sums = [added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
+        return np.column_stack(sums), added(owner, np.abs(weights) * found.error, len(some))
 
-    def _scratch(self) -> tuple[Room, Ints, Table[Part]]:
+    def scratch(self) -> tuple[Room, Ints, Table[Part]]:
+        """What kernels write to, of this thread."""
         if not hasattr(self._own, "scratch"):
-            eye = self._canvas.eye
+            eye = self.canvas.eye
             self._own.scratch = make_room(eye.world), np.zeros(max(1, len(eye.walls)), np.int64), table(Part, 1)
         kept: tuple[Room, Ints, Table[Part]] = self._own.scratch
         return kept
 
     def _cut(self, starts: Table[Part], grain: float) -> tuple[Table[Part], Ints]:
         """The parts of cells, and which cell each is of."""
-        canvas = self._canvas
-        room, candidates, spare = self._scratch()
+        canvas = self.canvas
+        room, candidates, spare = self.scratch()
         size = 2 * len(starts) + 16
         while True:
             parts, origins = table(Part, size), np.zeros(size, np.int64)
@@ -288,8 +296,8 @@ class PixelRule:
 
     def _nodes(self, parts: Table[Part], some: Ints, orders: Ints) -> tuple[Array, Array, Ints]:
         """(places (N, 2), weights (N,), where those of each part end) of rules."""
-        canvas = self._canvas
-        room, candidates, _ = self._scratch()
+        canvas = self.canvas
+        room, candidates, _ = self.scratch()
         rows = table(Part, len(some))
         np.asarray(rows)[:] = np.asarray(parts)[some]
         size, ends = 16 * len(some), np.zeros(len(some), np.int64)
@@ -306,7 +314,7 @@ class PixelRule:
             size = found
 
 
-def _added(owner: Ints, what: Array, count: int) -> Array:
+def added(owner: Ints, what: Array, count: int) -> Array:
     """(count,) sums of what belongs to each owner."""
     found = np.zeros(count)
     np.add.at(found, owner, what)

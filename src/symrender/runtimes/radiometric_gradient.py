@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -18,12 +19,14 @@ from symrender.radiometric.slopes import pushed_module, pushed_text, seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen_all
 from symrender.runtimes.bounce_moves import check_moves
-from symrender.runtimes.bounce_slopes import BouncedSlopes, moving_rays
+from symrender.runtimes.bounce_slopes import Ints, moving_rays
+from symrender.runtimes.bounced_pixels import DIRECT_SHARE
 from symrender.runtimes.emission_slopes import bouncer_of, check_emission
 from symrender.runtimes.exposed import is_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_gradient import prepare_box
 from symrender.runtimes.radiometric import check, integrated_layers
+from symrender.runtimes.swept_pixels import prepare_swept
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.scene.radiometric.flat import is_round
@@ -32,9 +35,10 @@ from symrender.settings import Settings
 
 def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter: str = "centre") -> None:
     """Raise ``Unsupported`` for scenes and parameters of which no derivative is had."""
-    if arrays.bounces and filter != "centre":
+    if arrays.bounces and filter != "centre" and not is_round(arrays):
         raise Unsupported(
-            f"filter: {filter} of radiometric scenes is not yet differentiated with bounces; with none it is"
+            f"filter: {filter} of radiometric scenes of flat shapes is not yet differentiated with bounces; of spheres "
+            "and planes it is"
         )
     if is_exposed(arrays):
         what = "camera.aperture" if arrays.exposure.aperture > 0.0 else "shutter"
@@ -55,7 +59,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
     """
     check_gradient(arrays, wrt, settings.filter)
     if settings.filter != "centre":
-        return prepare_box(arrays, settings, wrt)
+        return _prepare_means(arrays, settings, wrt)
     width, height = settings.width, settings.height
     worlds = shaken(arrays)
     views = seen_all(worlds, width, height)
@@ -94,22 +98,45 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
         for layer, bouncer in own.bouncers.items():
             found = bouncer.sloped(rays, settings.tol, settings.budget)
             for q, name in enumerate(moving):
-                _add(found, q, layer, name, here, layers, settings.tol)
+                each = found.slopes[q], found.error[q], found.status[q]
+                _add(each, layer, name, here, layers, settings.tol)
             count += int(found.evaluations.sum())
         return count
 
     return render
 
 
+def _prepare_means(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:
+    """The same of means over pixels."""
+    if not arrays.bounces:
+        return prepare_box(arrays, settings, wrt)
+    closed = prepare_box(arrays, replace(settings, tol=DIRECT_SHARE * settings.tol), wrt)
+    bounced = prepare_swept(arrays, settings, wrt)
+
+    def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+        spent = closed(x0, y0, x1, y1, layers)
+        here = (slice(y0, y1), slice(x0, x1))
+        for name, mean in bounced(x0, y0, x1, y1).items():
+            # a tile may be rendered twice
+            layers[f"indirect:{name}"][here] = 0.0
+            _add((mean.values, mean.error, mean.status), "indirect", name, here, layers, settings.tol)
+            spent += int(mean.evaluations.sum())
+        return spent
+
+    return render
+
+
 def _add(
-    found: BouncedSlopes, q: int, layer: str, name: str, here: tuple[slice, slice], layers: Mapping[str, Array],
+    found: tuple[Array, Array, Ints], layer: str, name: str, here: tuple[slice, slice], layers: Mapping[str, Array],
     tol: float,
 ) -> None:  # fmt: skip
-    """Add the derivative of what is integrated, a part of ``layer``, to that of a tile's closed forms."""
+    """Add the derivative of what is integrated, a part of ``layer``, to that of a tile's closed forms.
+
+    ``found``: slopes (N, 3), what they may be off by and status (N,).
+    """
     error = layers[f"error:{name}"][here]
-    slopes = found.slopes[q].reshape(*error.shape, 3)
-    status = found.status[q].reshape(error.shape)
-    error += found.error[q].reshape(error.shape)
+    slopes, status = found[0].reshape(*error.shape, 3), found[2].reshape(error.shape)
+    error += found[1].reshape(error.shape)
     unknown = ~np.isfinite(error)
     for each in (layer, "radiance"):
         values = layers[f"{each}:{name}"]

@@ -1,0 +1,180 @@
+"""Derivatives of bounced light as a mean over pixels: slopes at the nodes of parts, and what walls sweep.
+
+The parts are those of the mean (``runtimes/pixel_parts.py``), and are looked at more closely until the derivative of
+their rules is within the tolerance, not the mean. The lobes' integrals are asked for with their slopes, once a node.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, Final
+
+import numpy as np
+
+from symrender.jit.compiled import compiled
+from symrender.jit.records import Table, table
+from symrender.quadrature.split_setup import UNSUPPORTED
+from symrender.radiometric.pixels import moving
+from symrender.radiometric.pixels.records import CUT, Part
+from symrender.radiometric.shaken import shaken
+from symrender.radiometric.slopes import seen_moves
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import seen_all
+from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
+from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
+from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep
+from symrender.runtimes.pixel_parts import Canvas, Ints, Light, Look, Mean, PixelRule, Pixels, Places, State, added
+from symrender.scene.moves import Move
+from symrender.scene.radiometric.arrays import RadiometricArrays
+from symrender.settings import Settings
+
+_SEEN: Final = 2 * CHANNELS
+"""Where in what nodes see the error of the light stands, behind the slopes and the light."""
+_BUDGET: Final = 16
+"""Evaluations of a derivative, over those of a value: nodes are asked for ten times less, and rules are of slopes."""
+_SLOW: Final = 32.0
+"""Steps of a wall, over those that a parameter's unit makes, up to which what it sweeps is no dearer than slopes."""
+
+
+class SweptRule(PixelRule):
+    """Derivatives of means along one move. What nodes see are (N, 7): slopes, light, and what light may be off by."""
+
+    def __init__(self, canvas: Canvas, speeds: Speeds) -> None:
+        super().__init__(canvas, CHANNELS)
+        self._speeds = speeds
+
+    def _unseen(self, state: State, pixels: Pixels) -> Array:
+        """What parts may be off by: of what may be cut off unseen the length, times what walls part and their speed."""
+        swing = np.maximum(self.canvas.bright, pixels.high - pixels.low)[state.pixel]
+        missed: Array = np.asarray(state.parts["missed"], np.float64)
+        # two curves that bend past each other part an area as the cube of the length
+        length = np.where(state.parts["kind"] == CUT, np.cbrt(missed), np.sqrt(missed))
+        length = np.minimum(length, 0.5 ** np.asarray(state.parts["level"], np.float64))
+        return np.asarray(np.where(length > 0.0, swing * length * state.fastest, 0.0))
+
+    def _sums(
+        self, state: State, some: Ints, orders: Ints, pixels: Pixels, look: Look, inner: float, budget: int
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """(slopes (N, C), what rays state) of a rule of its order for each of some parts."""
+        sweep, ends = self._swept(state.parts, some, orders)
+        count, own = len(some), [np.repeat(np.arange(len(some)), np.diff(ends[:, k], prepend=0)) for k in range(2)]
+        parts = np.asarray(state.parts)[some]
+        edges, walls = sweep.edges[: len(own[1])], sweep.walls[: len(own[1])]
+        speed = self._speeds.across(Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2]))
+        fast = np.zeros(count)
+        np.maximum.at(fast, own[1], np.abs(speed) * np.hypot(edges[:, 2], edges[:, 3]))
+        fast[ends[:, 2] == 1] = np.inf
+        state.fastest[some] = np.maximum(state.fastest[some], fast)
+        # light beside fast walls has to be the better known; a part's own nodes alone have a say
+        power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)[own[0]]
+        nodes = sweep.nodes[: len(own[0])]
+        columns, rows = self._at(parts[own[0]], nodes)
+        found = np.zeros((len(nodes), _SEEN + 1))
+        error, pixel = np.zeros(len(nodes)), state.pixel[some][own[0]]
+        for each in np.unique(power).tolist():
+            which = np.flatnonzero(power == each)
+            places = Places(columns[which], rows[which], np.zeros(len(which), np.bool_))
+            seen = look(places, inner * 4.0**-each, budget)
+            found[which], error[which] = seen.values, seen.error
+            np.maximum.at(pixels.status, pixel[which], seen.status)
+            np.add.at(pixels.evaluations, pixel[which], seen.evaluations)
+        np.minimum.at(pixels.low, pixel, found[:, CHANNELS:_SEEN].min(axis=1))
+        np.maximum.at(pixels.high, pixel, found[:, CHANNELS:_SEEN].max(axis=1))
+        parted, size = jumps(walls, found[:, CHANNELS:])
+        moved = edges[:, 4] * speed
+        moved[edges[:, 4] == 0.0] = 0.0
+        values = np.column_stack([
+            added(own[0], nodes[:, 2] * found[:, c], count) + added(own[1], moved * parted[:, c], count)
+            for c in range(CHANNELS)
+        ])  # fmt: skip
+        stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
+        stated += added(own[1], np.abs(moved) * size[:, CHANNELS], count)
+        known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
+        np.maximum.at(pixels.status, state.pixel[some], np.where(known, 0, UNSUPPORTED))
+        return np.where(known[:, None], values, 0.0), np.where(known, stated, np.inf)
+
+    def _at(self, parts: Any, places: Array) -> tuple[Array, Array]:
+        """Columns and rows of places of the pixels of parts."""
+        reach = self.canvas.reach
+        return parts["column"] + 0.5 + reach * places[:, 0], parts["row"] + 0.5 - reach * places[:, 1]
+
+    def _swept(self, parts: Table[Part], some: Ints, orders: Ints) -> tuple[moving.Sweep, Ints]:
+        """What rules sum, and where what belongs to each part ends."""
+        canvas = self.canvas
+        room, candidates, _ = self.scratch()
+        rows, size = table(Part, len(some)), 64 * len(some)
+        np.asarray(rows)[:] = np.asarray(parts)[some]
+        ends = np.zeros((len(some), 3), np.int64)
+        while True:
+            sweep = make_sweep(size)
+            _kernel()(
+                canvas.eye, canvas.window, canvas.width, canvas.height, canvas.reach, rows, orders, room, candidates,
+                sweep, ends,
+            )  # fmt: skip
+            if sweep.counts[2] == 0 or size > MOST_NODES * len(some):
+                return sweep, ends
+            size *= 4
+
+
+Swept = Callable[[int, int, int, int], dict[str, Mean]]
+"""By a parameter's name derivatives of the pixels of a tile, row by row."""
+
+
+def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> Swept:
+    """What differentiates means of bounced light over the pixels of a tile, each to what direct light leaves of
+    ``settings.tol``."""
+    worlds = shaken(arrays)
+    views = seen_all(worlds, settings.width, settings.height)
+    canvas = canvas_of(views[0], settings)
+    rules, turns = {}, {}
+    for move in wrt:
+        moves = [seen_moves(each, move, settings.width, settings.height) for each in worlds]
+        turns[move[0]] = [
+            Speeds.of(canvas.eye, view, each, "list_seen_walls", settings)
+            for view, each in zip(views, moves, strict=True)
+        ]
+        rules[move[0]] = SweptRule(canvas, turns[move[0]][0])
+    own = threading.local()
+    tol = (1.0 - DIRECT_SHARE) * settings.tol
+
+    def slopes(x0: int, y0: int, x1: int, y1: int) -> dict[str, Mean]:
+        if not hasattr(own, "bouncers"):
+            own.bouncers = {move[0]: SlopeBouncer(arrays, (move,)) for move in wrt}
+        found = {}
+        for name, rule in rules.items():
+            look = _look(own.bouncers[name], turns[name])
+            found[name] = rule.means(x0, y0, x1, y1, look, tol, _BUDGET * settings.budget)
+        return found
+
+    return slopes
+
+
+def _look(bouncer: SlopeBouncer, shaking: list[Speeds]) -> Look:
+    """What answers for nodes, in the scene as it is and as it is shaken."""
+
+    def look(places: Places, tol: float, budget: int) -> Light:
+        sent = [(each, *each.unit_rays(places.columns, places.rows)) for each in shaking]
+        rays = [(_moving(*_eyes(each, len(d))), _moving(d, turn)) for each, d, turn in sent]
+        found = bouncer.sloped([rays], tol, budget)
+        assert found.light is not None and found.missed is not None
+        values = np.column_stack([found.slopes[0], found.light[0], found.missed[0]])
+        return Light(values, found.error[0], found.status[0], found.evaluations)
+
+    return look
+
+
+def _eyes(each: Speeds, count: int) -> tuple[Array, Array]:
+    return np.tile(each.view.eye, (count, 1)), np.tile(each.moves.eye, (count, 1))
+
+
+def _moving(values: Array, slopes: Array) -> Complex:
+    return np.asarray(values + 1j * slopes)
+
+
+@lru_cache(maxsize=1)
+def _kernel() -> Any:
+    """Compiled function that lists what derivatives of parts are summed from."""
+    # the kernel only borrows arrays; counting references to them would cost more than the arithmetic
+    return compiled(moving.sweep_parts, _nrt=False)
