@@ -216,8 +216,16 @@ def test_what_has_no_derivative_is_refused_by_name() -> None:
     level = [CROWD["shapes"][0], CROWD["shapes"][1] | {"point": [0, 1.93, 0], "normal": [0, -1, 0]}, CROWD["shapes"][2]]
     with pytest.raises(Unsupported, match=r"shapes\.back\.point\.y: .*lights\[0\] lies on shapes\[1\]"):
         sr.gradient(towards("A", shapes=level, lights=flush), ["shapes.back.point.y"], size=1)
-    with pytest.raises(Unsupported, match="box of radiometric scenes is not yet differentiated with bounces"):
-        sr.gradient(CROWD, ["shapes.A.radius"], size=1, filter="box")
+    slab = {
+        "type": "disk",
+        "name": "slab",
+        "center": [0, 0, 3],
+        "normal": [0, 0, 1],
+        "radius": 0.3,
+        "material": "metal",
+    }
+    with pytest.raises(Unsupported, match="box of radiometric scenes of flat shapes is not yet differentiated"):
+        sr.gradient(towards("A", shapes=[*CROWD["shapes"], slab]), ["shapes.A.radius"], size=1, filter="box")
 
 
 def test_bytes_do_not_depend_on_tiles() -> None:

@@ -27,16 +27,15 @@ Ints = npt.NDArray[np.int64]
 
 INNER: Final = 0.25
 """Part of the tolerance that single rays take."""
-_ORDERS: Final = {CUT: (2, 3, 5, 8), COARSE: (2,)}
-_SMOOTH: Final = (1, 2, 3, 5)
+SMOOTH_ORDERS: Final = (1, 2, 3, 5)
+COARSE_ORDERS: Final = (2,)
+_CUT_ORDERS: Final = (2, 3, 5, 8)
 """Orders of the rules that a part takes one after the other, the first two at once."""
 _FIRST: Final = {CUT: 8.0, COARSE: 1.0}
 """What the difference of the first two rules is taken times; of smooth parts ``_FIRST_SMOOTH``."""
 _FIRST_SMOOTH: Final = 0.5
 _DOUBT: Final = 0.02
 """Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
-_HOPE: Final = 300.0
-"""Times what a part may take that it may be off by for a rule of a higher order to be tried."""
 _GRAIN: Final = 0.05
 """Part of the tolerance that the brightest light in a cell may make for it not to be halved at once."""
 _WORST: Final = 0.25
@@ -151,7 +150,15 @@ class Pixels:
 
 
 class PixelRule:
-    """Means over the pixels of a canvas; of threads each has its scratch."""
+    """Means over the pixels of a canvas; of threads each has its scratch.
+
+    ``orders`` are those of the rules of parts, by their kind, ``hope`` how many times what it may take a part may be
+    off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance.
+    """
+
+    orders: tuple[tuple[int, ...], ...] = (SMOOTH_ORDERS, _CUT_ORDERS, COARSE_ORDERS)
+    hope: float = 300.0
+    inner: float = INNER
 
     def __init__(self, canvas: Canvas, channels: int) -> None:
         self.canvas, self._channels = canvas, channels
@@ -171,7 +178,7 @@ class PixelRule:
         grain = _GRAIN * tol / canvas.bright
         parts, origins = self._cut(starts, grain)
         state = State.of(parts, origins, channels)
-        inner, whole = INNER * tol, np.zeros(count)
+        inner, whole = self.inner * tol, np.zeros(count)
         each = max(_LEAST, budget // _SHARE)
         for _ in range(_ROUNDS):
             self._integrate(state, np.flatnonzero(state.stage < 0), pixels, look, inner, each)
@@ -204,8 +211,8 @@ class PixelRule:
         asked = going[state.pixel] & (outer >= _WORST * worst[state.pixel]) & (outer > _FLOOR * tol)
         area = 0.25 ** state.parts["level"]
         allowed = tol * (0.5 * area + 0.01)
-        most = np.array([len(_SMOOTH), len(_ORDERS[CUT]), len(_ORDERS[COARSE])])[_kinds(state.parts)] - 2
-        better = (state.stage < most) & (state.error >= 0.5 * outer) & (state.error <= _HOPE * allowed)
+        most = np.array([len(each) for each in self.orders])[_kinds(state.parts)] - 2
+        better = (state.stage < most) & (state.error >= 0.5 * outer) & (state.error <= self.hope * allowed)
         deeper = asked & ~better & (state.parts["level"] < LEVELS)
         # where fields are too many to be cut at, their mean stays
         deeper &= (state.parts["blurred"] == 0) | (_FIELDS * 4.0 ** (state.parts["level"] + 1.0) <= budget)
@@ -231,7 +238,7 @@ class PixelRule:
         if not len(some):
             return
         kinds, stage = _kinds(state.parts)[some], state.stage[some] + 1
-        sequences = [np.array(each) for each in (_SMOOTH, _ORDERS[CUT], _ORDERS[COARSE])]
+        sequences = [np.array(each) for each in self.orders]
         fresh = np.flatnonzero(stage == 0)
         orders = np.array([sequences[k][min(s + 1, len(sequences[k]) - 1)] for k, s in zip(kinds, stage, strict=True)])
         before = np.array([sequences[k][0] for k in kinds[fresh]], np.int64)

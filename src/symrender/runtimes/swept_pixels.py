@@ -6,6 +6,7 @@ their rules is within the tolerance, not the mean. The lobes' integrals are aske
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from functools import lru_cache
@@ -25,7 +26,20 @@ from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
 from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep
-from symrender.runtimes.pixel_parts import Canvas, Ints, Light, Look, Mean, PixelRule, Pixels, Places, State, added
+from symrender.runtimes.pixel_parts import (
+    COARSE_ORDERS,
+    SMOOTH_ORDERS,
+    Canvas,
+    Ints,
+    Light,
+    Look,
+    Mean,
+    PixelRule,
+    Pixels,
+    Places,
+    State,
+    added,
+)
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
@@ -34,12 +48,20 @@ _SEEN: Final = 2 * CHANNELS
 """Where in what nodes see the error of the light stands, behind the slopes and the light."""
 _BUDGET: Final = 16
 """Evaluations of a derivative, over those of a value: nodes are asked for ten times less, and rules are of slopes."""
-_SLOW: Final = 32.0
+_SLOW: Final = 128.0
 """Steps of a wall, over those that a parameter's unit makes, up to which what it sweeps is no dearer than slopes."""
 
 
 class SweptRule(PixelRule):
-    """Derivatives of means along one move. What nodes see are (N, 7): slopes, light, and what light may be off by."""
+    """Derivatives of means along one move. What nodes see are (N, 7): slopes, light, and what light may be off by.
+
+    Halves of a part beside a limb are hardly better, for slopes there are as one over a root: rules of higher orders
+    are always tried first.
+    """
+
+    orders = (SMOOTH_ORDERS, (2, 3, 5, 8, 12), COARSE_ORDERS)
+    hope = math.inf
+    inner = 0.5
 
     def __init__(self, canvas: Canvas, speeds: Speeds) -> None:
         super().__init__(canvas, CHANNELS)
@@ -52,7 +74,7 @@ class SweptRule(PixelRule):
         # two curves that bend past each other part an area as the cube of the length
         length = np.where(state.parts["kind"] == CUT, np.cbrt(missed), np.sqrt(missed))
         length = np.minimum(length, 0.5 ** np.asarray(state.parts["level"], np.float64))
-        return np.asarray(np.where(length > 0.0, swing * length * state.fastest, 0.0))
+        return np.asarray(swing * length * np.where(length > 0.0, state.fastest, 0.0))
 
     def _sums(
         self, state: State, some: Ints, orders: Ints, pixels: Pixels, look: Look, inner: float, budget: int

@@ -256,8 +256,8 @@ def sweep_parts(
             if not fits or lines < 0:
                 ends[n, 2] = 1
             if part.kind == CUT and fits and lines >= 0:
-                # drawn to the ends of panels from a third rule on, as in ``list_nodes``
-                sweep_lines(eye, cell, room, sweep, order, own, lines, 0 if order < 5 else 4, False)
+                # slopes beside a limb are as one over a root: where its piece shrinks to nothing their sum is as a root
+                sweep_lines(eye, cell, room, sweep, order, own, lines, 4, False)
             else:
                 sweep_smooth(eye, cell, sweep, order, False)
                 if fits and lines >= 0:

@@ -1,0 +1,86 @@
+"""Derivatives of means over pixels of bounced light, against differences of the means."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import symrender as sr
+from symrender.scene.parameters import get
+from symrender.scene.radiometric.scene import RadiometricScene
+
+from .test_bounced_pixels import SOLID, TILES, world
+
+DIFFUSE = {
+    "red": {"type": "diffuse", "reflectance": [0.8, 0.2, 0]},
+    "metal": {"type": "diffuse", "reflectance": [0.2, 0.7, 0.5]},
+}
+LIMB = {"type": "look_at", "eye": [0.3, -5.6, 2.5], "target": [0.15, -0.4, 0.6], "up": [0, 0, 1], "fov": 2.5}
+"""Where ball B ends before the floor; half of its one pixel sees either."""
+CONTACT = LIMB | {"target": [-0.78, 0.0, 0.02], "fov": 1.5}
+"""Where the floor ends under ball A."""
+TOL = 1e-3
+
+
+def pixel(floor: Any = SOLID, camera: Any = LIMB) -> RadiometricScene:
+    """One pixel of two diffuse balls over a floor."""
+    return world(floor, camera=camera, materials=DIFFUSE | {"floor": {"type": "diffuse", "reflectance": floor}})
+
+
+def differences(scene: RadiometricScene, name: str, kind: str, step: float) -> tuple[Any, float]:
+    """(derivative of the indirect light of the one pixel, what it may be off by), extrapolated."""
+    value, found, stated = float(get(scene, name)), [], []
+    for each in (step, 2 * step):
+        high, low = (
+            sr.truth(
+                scene.replace({name: value + side * each}), size=1, tol=1e-5, filter=kind, budget=3 * 10**7, threads=1,
+                tile=1,
+            )
+            for side in (1, -1)
+        )  # fmt: skip
+        found.append((high.layer("indirect") - low.layer("indirect"))[0, 0] / (2 * each))
+        stated.append(float((high.layer("error") + low.layer("error"))[0, 0]) / (2 * each))
+    near, far = found
+    # what extrapolation leaves is less than a tenth of what it takes away
+    return (4 * near - far) / 3, (4 * stated[0] + stated[1]) / 3 + 0.1 * float(np.abs(near - far).max())
+
+
+@pytest.mark.parametrize(
+    ("scene", "name", "kind"),
+    [
+        (pixel(), "shapes.B.radius", "box"),
+        (pixel(), "shapes.B.center.x", "tent"),
+        (pixel(SOLID, CONTACT), "shapes.A.center.z", "box"),
+    ],
+    ids=["limb", "tent", "contact"],
+)
+def test_derivatives_are_those_of_the_means(scene: RadiometricScene, name: str, kind: str) -> None:
+    image = sr.gradient(scene, [name], size=1, tol=TOL, filter=kind, threads=1, tile=1)[name]
+    found, error = image.layer("indirect")[0, 0], float(image.layer("error")[0, 0])
+    expected, doubt = differences(scene, name, kind, 5e-3)
+    assert not image.layer("status").any() and error <= TOL
+    assert np.abs(expected).max() > 0.05 and doubt < 0.02 * np.abs(expected).max()
+    assert np.abs(found - expected).max() <= 1.5 * error + doubt
+
+
+def test_what_lights_send_scales_the_mean() -> None:
+    scene = pixel(TILES)
+    name = "lights.sun.irradiance.g"
+    value = sr.truth(scene, size=1, tol=1e-4, filter="box", threads=1, tile=1)
+    slope = sr.gradient(scene, [name], size=1, tol=TOL, filter="box", threads=1, tile=1)[name]
+    one = value.layer("indirect")[0, 0, 1] / float(get(scene, name))
+    assert one > 5 * TOL
+    assert abs(slope.layer("indirect")[0, 0, 1] - one) <= 1.5 * float(slope.layer("error")[0, 0]) + 1e-4
+
+
+def test_bytes_do_not_depend_on_tiles() -> None:
+    scene = pixel(SOLID, LIMB | {"fov": 3})
+    whole, parts = (
+        sr.gradient(scene, ["shapes.B.radius"], size=2, tol=1e-2, filter="box", threads=1, tile=tile)["shapes.B.radius"]
+        for tile in (2, 1)
+    )
+    assert np.abs(whole.layer("indirect")).max() > 0.05
+    for layer, values in whole.layers.items():
+        np.testing.assert_array_equal(values, parts.layer(layer))
