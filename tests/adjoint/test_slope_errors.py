@@ -14,7 +14,7 @@ import pytest
 import symrender as sr
 from adversary.sweep import swept_value
 from adversary.world import lobe_of, world_of
-from symrender.adjoint.point import outline
+from symrender.adjoint.shape import outline
 from symrender.chambers.lobes.width import rim_power
 from symrender.chambers.records import Chart
 from symrender.jit.records import record

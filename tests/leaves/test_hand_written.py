@@ -9,10 +9,11 @@ import pytest
 
 from symrender.adjoint import lobe_mass
 from symrender.adjoint import walls as adjoint_walls
+from symrender.adjoint.records import Place
 from symrender.chambers import leaf_rows, place, walls
 from symrender.chambers.records import NODES, Chart, Wall
 from symrender.chambers.work import work_arrays
-from symrender.jit.records import table
+from symrender.jit.records import record, table
 from symrender.leaves import slopes, tangents, values
 from symrender.leaves.gleams import gleam, gleam_slopes
 
@@ -94,16 +95,16 @@ def test_places_on_a_chart() -> None:
     for _ in range(200):
         chart, x, turn = chart_of(0), RNG.uniform(0.05, 1.5), RNG.uniform(0.0, 6.3)
         c, s = math.cos(turn), math.sin(turn)
-        here = np.zeros((adjoint_walls.PLACE_ROWS, 3))
+        here = record(Place)
         measure, _ = adjoint_walls.chart_place(x, c, s, chart, here)
         across = values.chart_across(c, s, *chart.e1, *chart.e2)
         found = np.array(tangents.sphere_sight_tangents(x, *across, *chart.pole, 0.7, 0.4))
         assert found[9] == measure
-        assert np.abs(found[:9].reshape(3, 3) - here[:3]).max() < 4 * ULP
+        assert np.abs(found[:9].reshape(3, 3) - here.at).max() < 4 * ULP
         by_x, by_ratio, by_radius = found[10:].reshape(3, 10)
-        assert np.abs(by_x[:9].reshape(3, 3) - here[adjoint_walls.BY_X : adjoint_walls.BY_X + 3]).max() < 1e-14
-        assert np.abs(by_ratio[:9].reshape(3, 3) - here[adjoint_walls.BY_CHART :][:3]).max() < 1e-14
-        assert np.abs(by_radius[:3] - here[adjoint_walls.BY_RADIUS]).max() < 4 * ULP
+        assert np.abs(by_x[:9].reshape(3, 3) - here.by_x).max() < 1e-14
+        assert np.abs(by_ratio[:9].reshape(3, 3) - here.by_chart).max() < 1e-14
+        assert np.abs(by_radius[:3] - here.by_radius).max() < 4 * ULP
 
 
 def test_a_shadow_on_a_line_is_the_double_cone() -> None:

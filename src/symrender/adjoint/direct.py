@@ -21,7 +21,7 @@ from symrender.adjoint.disk import (
     disk_rows,
     functional,
 )
-from symrender.adjoint.point import Tangents, point_moves
+from symrender.adjoint.point_moves import point_moves
 from symrender.adjoint.rooms import moves_in_frame
 from symrender.adjoint.walls import (
     AT_POINT,
@@ -32,6 +32,7 @@ from symrender.adjoint.walls import (
     adjoint_columns,
     plane_columns,
 )
+from symrender.adjoint.work import Tangents
 from symrender.chambers.labels import DARK, light_state
 from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.rooms import carry, turn

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from symrender.adjoint.walls import HORIZON_NORMAL, LIGHTS, RIM, SHADING, plane_columns
 from symrender.chambers.walls import FLOOR_CUT, HORIZON, SHADOW_EDGE, SILHOUETTE, TERMINATOR, TEXTURE_EDGE
 from symrender.chambers.work import View, Work
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 
 Array = npt.NDArray[np.float64]
 
@@ -56,6 +56,12 @@ def what_moves(moves: Array, disks: bool, view: View, work: Work, moving: Array)
         moving[i] = 1.0 if moved else 0.0
         some = some or moved
     return nodes, some
+
+
+@inlined
+def wall_moves(wall: int, moving: Array) -> bool:
+    """Whether the wall at the end of a cell, the lobe's rim where it is negative, is ``moving``."""
+    return bool(moving[wall // 4 if wall >= 0 else moving.shape[0] - 1] != 0.0)
 
 
 @jitable

@@ -19,6 +19,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.adjoint.records import Place
 from symrender.chambers.records import Chart, Wall
 from symrender.chambers.rooms import height
 from symrender.chambers.walls import (
@@ -69,20 +70,13 @@ LIGHTS: Final = 41
 """From here six columns a light point (place, colour), then four a sphere (centre, radius), then four a plane (normal,
 level), then, if there is an exact disk, four a light point (radius of the disk, turn of its frame)."""
 
-# rows of a place
+# rows of ``Place.at`` and of gradients in a place
 HIT: Final = 0
 """Q - P."""
 FACING: Final = 1
 """N."""
 TOWARD: Final = 2
 """w."""
-BY_CHART: Final = 3
-"""Slopes of the three in k (or the height), rows 3 to 5."""
-BY_X: Final = 6
-"""Slopes of the three along the line, rows 6 to 8."""
-BY_RADIUS: Final = 9
-"""Slope of Q in R."""
-PLACE_ROWS: Final = 10
 
 CUT_BY: Final = SEVERAL + 1
 """Condition of what plane 0 cuts off; those of the other planes follow."""
@@ -104,8 +98,8 @@ def plane_columns(view: View) -> int:
 
 
 @jitable
-def chart_place(x: float, c: float, s: float, chart: Chart, here: Array) -> tuple[float, float]:
-    """Fill ``here`` (PLACE_ROWS, 3) at inner coordinate ``x`` of the line (c, s).
+def chart_place(x: float, c: float, s: float, chart: Chart, here: Place) -> tuple[float, float]:
+    """Fill ``here`` at inner coordinate ``x`` of the line (c, s).
 
     Returns the solid angle per dx dphi and its logarithm's slope in k. The pole itself is no place of a chart: x > 0.
     """
@@ -116,16 +110,16 @@ def chart_place(x: float, c: float, s: float, chart: Chart, here: Array) -> tupl
         for a in range(3):
             e = c * chart.e1[a] + s * chart.e2[a]
             pole = chart.pole[a]
-            here[HIT, a] = h * (t * e + pole)
-            here[FACING, a] = 0.0
-            here[TOWARD, a] = cx * pole + sx * e
-            here[BY_CHART, a] = t * e
-            here[BY_CHART + 1, a] = here[BY_CHART + 2, a] = 0.0
-            here[BY_X, a] = h / (cx * cx) * e
-            here[BY_X + 1, a] = 0.0
-            here[BY_X + 2, a] = cx * e - sx * pole
-            here[BY_RADIUS, a] = 0.0
-        here[FACING, 2] = 1.0
+            here.at[HIT, a] = h * (t * e + pole)
+            here.at[FACING, a] = 0.0
+            here.at[TOWARD, a] = cx * pole + sx * e
+            here.by_chart[HIT, a] = t * e
+            here.by_chart[FACING, a] = here.by_chart[TOWARD, a] = 0.0
+            here.by_x[HIT, a] = h / (cx * cx) * e
+            here.by_x[FACING, a] = 0.0
+            here.by_x[TOWARD, a] = cx * e - sx * pole
+            here.by_radius[a] = 0.0
+        here.at[FACING, 2] = 1.0
         return sx, 0.0
     k, r = chart.ratio, chart.radius
     sb = k * sx
@@ -138,26 +132,26 @@ def chart_place(x: float, c: float, s: float, chart: Chart, here: Array) -> tupl
         across = cg * e + sg * pole
         swing = cb * e - sb * pole
         normal = sg * e - cg * pole
-        here[FACING, a] = normal
-        here[TOWARD, a] = cb * pole + sb * e
-        here[BY_RADIUS, a] = pole / k + normal
-        here[HIT, a] = r * here[BY_RADIUS, a]
-        here[BY_CHART + 1, a] = -beta_k * across
-        here[BY_CHART, a] = -r * (pole / (k * k) + beta_k * across)
-        here[BY_CHART + 2, a] = beta_k * swing
-        here[BY_X + 1, a] = (1.0 - beta_x) * across
-        here[BY_X, a] = r * here[BY_X + 1, a]
-        here[BY_X + 2, a] = beta_x * swing
+        here.at[FACING, a] = normal
+        here.at[TOWARD, a] = cb * pole + sb * e
+        here.by_radius[a] = pole / k + normal
+        here.at[HIT, a] = r * here.by_radius[a]
+        here.by_chart[FACING, a] = -beta_k * across
+        here.by_chart[HIT, a] = -r * (pole / (k * k) + beta_k * across)
+        here.by_chart[TOWARD, a] = beta_k * swing
+        here.by_x[FACING, a] = (1.0 - beta_x) * across
+        here.by_x[HIT, a] = r * here.by_x[FACING, a]
+        here.by_x[TOWARD, a] = beta_x * swing
     return k * k * sx * cx / cb, 2.0 / k + sb * sx / (cb * cb)
 
 
 @jitable
-def pull_back(weight: float, bar: Array, here: Array, floor: bool, out: Array) -> None:
+def pull_back(weight: float, bar: Array, here: Place, floor: bool, out: Array) -> None:
     """Add to the adjoint ``out`` what moves P, the frame and the chart do to a function of gradients ``bar`` (3, 3)."""
     chart = 0.0
     for row in range(3):
         for a in range(3):
-            chart += bar[row, a] * here[BY_CHART + row, a]
+            chart += bar[row, a] * here.by_chart[row, a]
     out[CHART] += weight * chart
     if floor:
         out[AT_POINT] += weight * bar[HIT, 0]
@@ -166,41 +160,41 @@ def pull_back(weight: float, bar: Array, here: Array, floor: bool, out: Array) -
     radius = 0.0
     for a in range(3):
         out[AT_POINT + a] += weight * bar[HIT, a]
-        radius += bar[HIT, a] * here[BY_RADIUS, a]
+        radius += bar[HIT, a] * here.by_radius[a]
     out[CHART_RADIUS] += weight * radius
     tx, ty, tz = 0.0, 0.0, 0.0
     for row in range(3):
-        tx += here[row, 1] * bar[row, 2] - here[row, 2] * bar[row, 1]
-        ty += here[row, 2] * bar[row, 0] - here[row, 0] * bar[row, 2]
-        tz += here[row, 0] * bar[row, 1] - here[row, 1] * bar[row, 0]
+        tx += here.at[row, 1] * bar[row, 2] - here.at[row, 2] * bar[row, 1]
+        ty += here.at[row, 2] * bar[row, 0] - here.at[row, 0] * bar[row, 2]
+        tz += here.at[row, 0] * bar[row, 1] - here.at[row, 1] * bar[row, 0]
     out[TURN] += weight * tx
     out[TURN + 1] += weight * ty
     out[TURN + 2] += weight * tz
 
 
 @jitable
-def along_line(bar: Array, here: Array) -> float:
+def along_line(bar: Array, here: Place) -> float:
     """Slope along the scan line of a function of gradients ``bar``."""
     slope = 0.0
     for row in range(3):
         for a in range(3):
-            slope += bar[row, a] * here[BY_X + row, a]
+            slope += bar[row, a] * here.by_x[row, a]
     return slope
 
 
 @inlined
-def rim_gradient(here: Array, work: Work, lobe: Array, bar: Array, own: Array) -> None:
+def rim_gradient(here: Place, work: Work, lobe: Array, bar: Array, own: Array) -> None:
     """Gradients of w.m - cos(theta_max): ``bar`` in Q, N, w, the rest added to the zeroed columns ``own``."""
     for a in range(3):
         bar[HIT, a] = bar[FACING, a] = 0.0
         bar[TOWARD, a] = lobe[a]
-        own[AXIS + a] += here[TOWARD, a]
+        own[AXIS + a] += here.at[TOWARD, a]
     own[RIM] -= 1.0
 
 
 @jitable
 def wall_gradient(
-    i: int, tag: int, here: Array, view: View, work: Work, bar: Array, own: Array
+    i: int, tag: int, here: Place, view: View, work: Work, bar: Array, own: Array
 ) -> None:  # fmt: skip
     """Gradients of the level of wall ``i`` as of condition ``tag``: ``bar`` in Q, N, w, the rest added to ``own``.
 
@@ -217,7 +211,7 @@ def wall_gradient(
         for a in range(3):
             n = chart.normal[a]
             bar[HIT if sphere else TOWARD, a] = n
-            own[HORIZON_NORMAL + a] += here[HIT if sphere else TOWARD, a]
+            own[HORIZON_NORMAL + a] += here.at[HIT if sphere else TOWARD, a]
             if sphere:
                 own[AT_POINT + a] -= n
     elif tag == SILHOUETTE and kind not in (NORMAL, BALL):
@@ -229,13 +223,13 @@ def wall_gradient(
         r = view.spheres[shape].radius
         tangent = math.sqrt(far2 - r * r)
         for a in range(3):
-            o = here[TOWARD, a] - bar[TOWARD, a] / tangent
+            o = here.at[TOWARD, a] - bar[TOWARD, a] / tangent
             own[balls + 4 * shape + a] += o
             own[AT_POINT + a] -= o
         own[balls + 4 * shape + 3] += r / tangent
     elif tag == SILHOUETTE:
         for a in range(3):
-            o = here[HIT, a] + chart.point[a] - view.spheres[shape].center[a]
+            o = here.at[HIT, a] + chart.point[a] - view.spheres[shape].center[a]
             bar[HIT, a] = 2.0 * o
             own[balls + 4 * shape + a] -= 2.0 * o
         own[balls + 4 * shape + 3] -= 2.0 * view.spheres[shape].radius
@@ -243,8 +237,8 @@ def wall_gradient(
         j = chart.shape_index
         for a in range(3):
             bar[FACING, a] = view.points[shape].position[a] - chart.center[a]
-            own[LIGHTS + 6 * shape + a] += here[FACING, a]
-            own[balls + 4 * j + a] -= here[FACING, a]
+            own[LIGHTS + 6 * shape + a] += here.at[FACING, a]
+            own[balls + 4 * j + a] -= here.at[FACING, a]
         own[balls + 4 * j + 3] -= 1.0
     elif tag == TEXTURE_EDGE:
         _texture_gradient(row, here, view.spheres[chart.shape_index], chart, bar, own)
@@ -257,17 +251,17 @@ def wall_gradient(
         side, column = tag - CUT_BY, plane_columns(view) + 4 * (tag - CUT_BY)
         for a in range(3):
             bar[HIT, a] = view.sides[side].up[a]
-            own[column + a] += here[HIT, a] + chart.point[a]
+            own[column + a] += here.at[HIT, a] + chart.point[a]
         own[column + 3] -= 1.0
 
 
 @jitable
-def _shadow_gradient(row: Wall, here: Array, view: View, work: Work, bar: Array, own: Array) -> None:
+def _shadow_gradient(row: Wall, here: Place, view: View, work: Work, bar: Array, own: Array) -> None:
     """``wall_gradient`` of r^2 u^2 - |u x g|^2, of a place and a ball's centre at u and g from the light."""
     chart, light, shape = work.chart, row.light, row.shape_index
     balls = LIGHTS + 6 * view.points.shape[0]
     q, r = view.points[light], view.spheres[shape].radius
-    p = here[HIT]
+    p = here.at[HIT]
     ux, uy, uz = (
         p[0] + chart.point[0] - q.position[0],
         p[1] + chart.point[1] - q.position[1],
@@ -290,9 +284,9 @@ def _shadow_gradient(row: Wall, here: Array, view: View, work: Work, bar: Array,
 
 
 @jitable
-def _contact_gradient(row: Wall, here: Array, view: View, work: Work, bar: Array, own: Array) -> None:
+def _contact_gradient(row: Wall, here: Place, view: View, work: Work, bar: Array, own: Array) -> None:
     """``wall_gradient`` of the plane behind which a ball hides a light on its surface, where light and ball keep so."""
-    light, shape, p = row.light, row.shape_index, here[HIT]
+    light, shape, p = row.light, row.shape_index, here.at[HIT]
     balls = LIGHTS + 6 * view.points.shape[0]
     for a in range(3):
         bar[HIT, a] = view.spheres[shape].center[a] - view.points[light].position[a]
@@ -302,18 +296,18 @@ def _contact_gradient(row: Wall, here: Array, view: View, work: Work, bar: Array
 
 
 @jitable
-def edge_number(row: Wall, here: Array, sphere: Sphere, chart: Chart) -> tuple[bool, float, float]:
+def edge_number(row: Wall, here: Place, sphere: Sphere, chart: Chart) -> tuple[bool, float, float]:
     """Whether a texture edge is a parallel, its number (whole on an edge) and, of a meridian, its azimuth."""
     up = -row.axis[0] * chart.pole[2] + row.axis[1] * chart.e1[2] + row.axis[2] * chart.e2[2]
     if abs(up) > 0.5:
-        v = math.acos(max(-1.0, min(1.0, here[FACING, 2]))) / math.pi
+        v = math.acos(max(-1.0, min(1.0, here.at[FACING, 2]))) / math.pi
         return True, v * sphere.kv, 0.0
-    a = math.atan2(here[FACING, 1], here[FACING, 0])
+    a = math.atan2(here.at[FACING, 1], here.at[FACING, 0])
     return False, (a + math.pi) / (2.0 * math.pi) * sphere.ku, a
 
 
 @jitable
-def _texture_gradient(row: Wall, here: Array, sphere: Sphere, chart: Chart, bar: Array, own: Array) -> None:
+def _texture_gradient(row: Wall, here: Place, sphere: Sphere, chart: Chart, bar: Array, own: Array) -> None:
     parallel, number, a = edge_number(row, here, sphere, chart)
     whole = math.floor(number + 0.5)
     if parallel:
@@ -325,20 +319,20 @@ def _texture_gradient(row: Wall, here: Array, sphere: Sphere, chart: Chart, bar:
     bar[FACING, 0], bar[FACING, 1] = -s, c
     # the seam does not move: where a whole number of fields ends there, that holds as the number falls
     if abs(number - whole) < 1e-6 * (1.0 + whole) and whole < (1.0 - 1e-9) * sphere.ku:
-        own[FREQUENCY] += (here[FACING, 0] * c + here[FACING, 1] * s) * 2.0 * math.pi * whole / sphere.ku**2
+        own[FREQUENCY] += (here.at[FACING, 0] * c + here.at[FACING, 1] * s) * 2.0 * math.pi * whole / sphere.ku**2
 
 
 @jitable
-def on_a_parallel(here: Array, sphere: Sphere) -> bool:
+def on_a_parallel(here: Place, sphere: Sphere) -> bool:
     """Whether a parallel of a checker passes through this place."""
     if sphere.texture != CHECKER:
         return False
-    number = math.acos(max(-1.0, min(1.0, here[FACING, 2]))) / math.pi * sphere.kv
+    number = math.acos(max(-1.0, min(1.0, here.at[FACING, 2]))) / math.pi * sphere.kv
     return bool(abs(number - math.floor(number + 0.5)) < 1e-9 * (1.0 + number))
 
 
 @inlined
-def condition_of(i: int, here: Array, hidden: bool, view: View, work: Work) -> int:
+def condition_of(i: int, here: Place, hidden: bool, view: View, work: Work) -> int:
     """The condition a wall stands for; of coinciding ones, the one that changes what is seen, -1 if none is known.
 
     ``hidden`` says that one side of the wall is not seen.
@@ -352,11 +346,11 @@ def condition_of(i: int, here: Array, hidden: bool, view: View, work: Work) -> i
     if hidden:
         level, size = 0.0, 0.0
         for a in range(3):
-            level += chart.normal[a] * here[HIT, a]
-            size += here[HIT, a] ** 2
+            level += chart.normal[a] * here.at[HIT, a]
+            size += here.at[HIT, a] ** 2
         if abs(level) < 1e-9 * math.sqrt(size):
             return HORIZON
-        x, y, z = here[HIT, 0] + chart.point[0], here[HIT, 1] + chart.point[1], here[HIT, 2] + chart.point[2]
+        x, y, z = here.at[HIT, 0] + chart.point[0], here.at[HIT, 1] + chart.point[1], here.at[HIT, 2] + chart.point[2]
         for k in range(view.sides.shape[0]):
             if k != chart.plane and abs(height(view.sides[k], x, y, z)) < 1e-9 * math.sqrt(size):
                 return CUT_BY + k
