@@ -99,7 +99,7 @@ class Slopes(NamedTuple):
 
 
 class Owner(NamedTuple):
-    """Point ``i``, the sphere ``own`` or, unless -1, the plane ``home`` that it lies on, and its lobe's exponent and half-angle."""
+    """Point ``i``, the sphere ``own`` or, unless -1, the plane ``home`` it lies on; exponent and rim of its lobe."""
 
     i: int
     own: int
