@@ -12,6 +12,8 @@ import symrender as sr
 
 _TINY: Final[dict[str, Any]] = {"size": 4, "threads": 1}
 _POINT: Final = [(-0.5, -1.5, 0.0)]
+_RAY: Final = ([(0.0, -4.0, 1.5)], [(0.0, 0.95, -0.3)])
+_ALPHA: Final = "materials.gold05.alpha"
 
 
 def pair() -> None:
@@ -38,7 +40,27 @@ def radiometric() -> None:
     """Scenes in watts and metres: closed forms of images and of single rays, the path tracer, and one bounce."""
     for scene in ("metal", "interreflection"):
         sr.render(scene, **_TINY)
-        sr.probe(scene, rays=([(0.0, -4.0, 1.5)], [(0.0, 0.95, -0.3)]))
+        sr.probe(scene, rays=_RAY)
+
+
+def faces() -> None:
+    """Light between flat faces, with gloss and a mesh among them."""
+    for scene in ("cornell_gloss", "mesh"):
+        sr.truth(scene, tol=1e-2, **_TINY)
+
+
+def means() -> None:
+    """Means over pixels, lens and shutter, and derivatives of those over pixels."""
+    sr.truth("metal", tol=1.0, filter="box", **_TINY)
+    sr.truth(sr.load("metal").replace({"camera.aperture": 0.01, "camera.focus": 9.0}), tol=1.0, filter="box", **_TINY)
+    sr.gradient("metal", [_ALPHA], tol=1.0, filter="box", **_TINY)
+
+
+def radiometric_slopes() -> None:
+    """Derivatives of images and of single rays, of one bounce too."""
+    sr.gradient("metal", [_ALPHA], tol=1e-1, **_TINY)
+    sr.probe("metal", rays=_RAY, wrt=[_ALPHA])
+    sr.gradient("interreflection", ["materials.sand.reflectance.color.r"], tol=1e-1, **_TINY)
 
 
 FIRST_USES: Final[dict[str, Callable[[], None]]] = {name: globals()[name] for name in USES}
