@@ -12,15 +12,13 @@ from typing import Protocol
 
 from symrender.jit.body import Module, whole
 from symrender.jit.expressions import Expressions
+from symrender.jit.marks import is_copied
 from symrender.jit.places import Counted
 from symrender.jit.refused import Refused
 from symrender.jit.source import Source
 from symrender.jit.types import B1, F8, I8, NOTHING, Array, Scalar, Static, Type, Value, join, parts_of, shown
 
 _MOST_PASSES = 12
-_MOST_COPIED = 100
-"""Instructions of a function that is copied into every caller because it is marked so. Of longer ones LLVM's own
-inliner is the judge: copying them all makes half as much machine code again, and no kernel faster."""
 
 
 class Whole(Module, Protocol):
@@ -63,13 +61,11 @@ class Function(Expressions):
 
     def _write(self) -> bool:
         """Write the text once; whether the types it was written with still hold."""
-        self.changed = False
-        self.unknown = 0
+        self.changed, self.unknown = False, 0
         self.callees = []
         self.places: dict[int, tuple[str, ...]] = {}
         self.loops: list[tuple[str, str]] = []
-        before = dict(self.variables)
-        known = self.result
+        before, known = dict(self.variables), self.result
         tree = self.source.tree
         self.line = tree.lineno
         signature, at = [], 0
@@ -91,9 +87,9 @@ class Function(Expressions):
             return False
         kind = _returned(self.result or NOTHING)
         if self.module.checked:
-            self.lines += ["out:", "ret void" if kind == "void" else f"ret {kind} zeroinitializer"]
-        attributes = 0 if self.inline and len(self.lines) <= _MOST_COPIED else 1
-        head = f"define internal fastcc {kind} @{self.symbol}({', '.join(signature)}) #{attributes} {{"
+            self.lines += ["out:", f"ret {kind}" if kind == "void" else f"ret {kind} zeroinitializer"]
+        copied = is_copied(self.inline, self.lines)
+        head = f"define internal fastcc {kind} @{self.symbol}({', '.join(signature)}) #{int(not copied)} {{"
         self.text = "\n".join((head, *self.slots, *self.lines, "}"))
         return True
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import FunctionType
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+_MOST_COPIED: Final = 100
 _INLINE: dict[FunctionType, bool] = {}
 _AT_NUMBA: set[FunctionType] = set()
 
@@ -35,6 +36,15 @@ def is_marked(function: FunctionType) -> bool:
 def is_inlined(function: FunctionType) -> bool:
     """Whether its machine code is copied into every caller."""
     return _INLINE.get(function, False)
+
+
+def is_copied(marked: bool, instructions: Sequence[str]) -> bool:
+    """Whether a function ``marked`` to be copied into every caller is.
+
+    Of long ones LLVM's own inliner is the judge: copying them all makes half as much machine code again, and no kernel
+    faster.
+    """
+    return marked and len(instructions) <= _MOST_COPIED
 
 
 def known_to_numba() -> None:
