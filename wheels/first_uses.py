@@ -41,6 +41,7 @@ def radiometric() -> None:
     for scene in ("metal", "interreflection"):
         sr.render(scene, **_TINY)
         sr.probe(scene, rays=_RAY)
+    sr.truth(sr.load("metal").replace({"bounces": 1}), tol=1e-1, **_TINY)
 
 
 def faces() -> None:
