@@ -114,10 +114,11 @@ def scan_row(y: float, rows: Rows, on: Charted, grid: GridWork) -> int:
 
 @inlined
 def root_adjoint(
-    k: int, y: float, weight: float, was_lit: bool, lit: bool, rows: Rows, on: Charted, grid: GridWork, adjoint: Array
+    conic: int, x: float, y: float, weight: float, was_lit: bool, lit: bool, rows: Rows, on: Charted, grid: GridWork,
+    adjoint: Array,
 ) -> None:  # fmt: skip
-    """Add the motion of root ``k`` of a line: what lies on its two sides is lit as ``below`` and ``above`` tell."""
-    x, conic, own = grid.roots[k], grid.which[k], on.tangent.own
+    """Add the motion of a ``conic``'s root at (x, y); its two sides are lit as ``below`` and ``above`` tell."""
+    own = on.tangent.own
     density, _, _ = grid_density(x, y, on.lobe, on.work.chart)
     lit_sum(x, y, rows.step, grid.above, on, grid.here)
     lit_sum(x, y, rows.step, grid.below, on, grid.before)
@@ -179,7 +180,7 @@ def row_adjoint(
         # nothing jumps at a penumbra's edge
         moves = i > 0 and grid.origins[grid.which[i - 1]].moves != 0 and grid.conics[grid.which[i - 1]].soft <= 0.0
         if moves and (lit or was_lit):
-            root_adjoint(i - 1, y, weight, was_lit, lit, rows, on, grid, adjoint)
+            root_adjoint(grid.which[i - 1], left, y, weight, was_lit, lit, rows, on, grid, adjoint)
         if lit and on.nodes:
             stretch_adjoint(left, right, y, weight, rows, on, grid, adjoint)
         for l in range(on.view.points.shape[0]):
