@@ -102,6 +102,6 @@ def test_what_is_not_integrated_is_refused_by_name() -> None:
     made["shapes"][-1] = {"type": "triangle", "name": "sail", "vertices": [[2, 0, 1], [3, 0, 1], [2, 1, 1]],
                           "material": "dull"}  # fmt: skip
     with pytest.raises(
-        Unsupported, match=r"a sky over a conductor .* in a scene with a rectangle, a triangle or a box"
+        Unsupported, match=r"a sky over a conductor .* in a scene with a rectangle, a triangle, a box or a mesh"
     ):
         sr.truth(made, size=4)
