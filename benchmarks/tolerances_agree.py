@@ -210,6 +210,11 @@ class Counts(NamedTuple):
     useless: list[tuple[int, int, float, float]]
 
 
+def strength(light: Scene) -> float:
+    """The largest channel of what a light sends, in its own units."""
+    return float(np.max([light[word] for word in ("intensity", "irradiance", "radiance") if word in light]))
+
+
 def light_of(probe: Any, kind: str) -> Array:
     """The layer that is asked of."""
     return np.asarray(probe.direct if kind == "glow" else probe.indirect)
@@ -231,7 +236,7 @@ def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tu
     light = float(light_of(first, kind).max())
     if first.shape[0] == "nothing" or first.status[0] == 3:
         return
-    scale = max(light, 1e-3 * max(float(np.max(list(l.values())[-1])) for l in data["lights"]), 1e-6)
+    scale = max(light, 1e-3 * max(map(strength, data["lights"])), 1e-6)
     tolerances = [max(LEAST, tol * scale) for tol in TOLERANCES]
     seen = [sr.probe(scene, rays=ray, tol=tol, budget=BUDGET[kind]) for tol in tolerances]
     found = [(light_of(each, kind)[0], float(each.error[0]), int(each.status[0])) for each in seen]
