@@ -6,9 +6,10 @@ Scenes are balls and planes anywhere, that touch, cross and all but touch, of co
 maskings, Walter's fit, alpha .001 to 1), phong of exponents from 0 on and diffuse; rays start beside what they meet,
 many of them grazing. Of a ``glow`` (a sky, balls that emit, no bounce) and of ``points`` (points near surfaces, spots
 and suns, one bounce, checkers and stripes) every place is asked at many tolerances: pairs that differ by more than
-both state are beyond, and so are values off by more than they state from ``tests/radiometric/nested.py``, rules within
-rules over angles, where that tells. ``tiles`` (a sky and balls that emit, one bounce, textures, gloss met first) are
-asked alone, and pairs judged by lattices of rays of direct light (``tests/radiometric/seen_lattice.py``).
+both state are beyond, and so are values off by more than they state from rules within rules over angles, where those
+tell: ``tests/radiometric/nested.py``, and of bounces ``nested_bounce.py``. ``tiles`` (a sky and balls that emit, one
+bounce, textures, gloss met first) are asked alone, and pairs judged by lattices of rays of direct light
+(``tests/radiometric/seen_lattice.py``).
 """
 
 from __future__ import annotations
@@ -36,6 +37,10 @@ LOOSEST = 1.5
 PIECES = 3e-3
 """Share of the least error stated that the judge asks of every piece of its own."""
 LEAST = 1e-12
+CLOSER, EFFORT = (1e-8, 1e-10, 1e-12), (500_000, 4_000_000, 40_000_000)
+"""Share of the light that the judge of bounces asks of every piece, and its budget, the next where values disagree."""
+KINKED = 10.0
+"""What the judge of bounces states is taken so many times: kinks across its lines may fall between nodes."""
 TOLD = 0.25
 """Share of what is stated that the judge may be off and tell."""
 SURE = 6.0
@@ -220,9 +225,35 @@ def light_of(probe: Any, kind: str) -> Array:
     return np.asarray(probe.direct if kind == "glow" else probe.indirect)
 
 
+def opinions_of(
+    data: Scene, shape: str, ray: tuple[Array, Array], kind: str, found: list[tuple[Array, float, int]], scale: float
+) -> list[tuple[Array, float]] | None:
+    """What the judge finds and how far it may be off, looked at closer where values do not agree; None: other shape."""
+    from tests.radiometric import nested, nested_bounce
+
+    world, opinions = nested.world(data), []
+    least = min(each[1] for each in found)
+    points = kind == "points"
+    for k, tol in enumerate(CLOSER if points else (PIECES * max(least / scale, 1e-12), 1e-4 * PIECES)):
+        if points:
+            known = nested_bounce.reflected(world, *ray, tol * scale, EFFORT[k])
+        else:
+            known = nested.reflected(world, *ray, tol * scale)
+        if known.shape < 0 or shape != f"shapes.{data['shapes'][known.shape]['name']}":
+            return None
+        doubt = KINKED * known.error if points else known.error
+        opinions.append((known.light, doubt))
+        if points:
+            if all(float(np.abs(value - known.light).max()) - doubt <= stated for value, stated, _ in found):
+                break
+        elif doubt < TOLD * least:
+            break
+    return opinions
+
+
 def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tuple[Array, Array], to: Counts) -> None:
     """Ask one place at all tolerances, and judge what it says."""
-    from tests.radiometric import nested, seen_lattice
+    from tests.radiometric import seen_lattice
 
     import symrender as sr
     from symrender.errors import SymrenderError
@@ -250,25 +281,18 @@ def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tu
         to.pairs[0] += 1
         if off > LOOSEST * both:
             apart.append((one, other, off, both))
-    least = min(each[1] for each in found)
     if kind == "tiles":
         if apart:
             rng = np.random.default_rng([seed, place, 5])
             known = seen_lattice.bounced(data, *ray, rng, *LOOKS[1])
-            opinions = [(known.indirect, SURE * float(known.sigma.max()))]
+            opinions: list[tuple[Array, float]] | None = [(known.indirect, SURE * float(known.sigma.max()))]
         else:
             opinions = []
     else:
-        asked = [PIECES * max(least, 1e-12 * scale), 1e-4 * PIECES * scale]
-        opinions = []
-        for tol in asked:
-            known = nested.reflected(nested.world(data), *ray, kind == "points", tol)
-            if known.shape < 0 or seen[0].shape[0] != f"shapes.{data['shapes'][known.shape]['name']}":
-                return
-            opinions.append((known.light, known.error))
-            if known.error < TOLD * least or kind == "points":
-                break
-    best, doubt = min(opinions, key=lambda each: each[1]) if opinions else (np.zeros(3), np.inf)
+        opinions = opinions_of(data, seen[0].shape[0], ray, kind, found, scale)
+        if opinions is None:
+            return
+    best, doubt = min(opinions, key=lambda each: each[1], default=(np.zeros(3), np.inf))
     judged = set()
     for k, (value, stated, _) in enumerate(found):
         off = float(np.abs(value - best).max()) - doubt

@@ -1,4 +1,4 @@
-"""What a rough place reflects, by adaptive rules within adaptive rules over angles about its normal: an opinion apart.
+"""What a rough place reflects of skies and lamps, by rules within rules over angles about its normal: an opinion apart.
 
 Lines are half meridians of the normal. Each is cut where it meets outlines of balls and horizons of planes, so that
 under skies and lamps what it sees is constant in every piece, told by one traced ray; then, in geometric steps, about
@@ -25,7 +25,7 @@ NODES = np.array([
     0.9914553711208126, 0.9491079123427585, 0.8648644233597691, 0.7415311855993945, 0.5860872354676911,
     0.4058451513773972, 0.2077849550078985, 0.0])  # fmt: skip
 KRONROD = np.array([
-    0.0229353220105292, 0.0630920926299786, 0.1047900103222502, 0.1406532597159259, 0.1690047266392679,
+    0.0229353220105292, 0.0630920926299786, 0.1047900103222502, 0.1406532597155259, 0.1690047266392679,
     0.1903505780647854, 0.2044329400752989, 0.2094821410847278])  # fmt: skip
 GAUSS = np.array([0.1294849661688697, 0.2797053914892767, 0.3818300505051189, 0.4179591836734694])
 """Positive nodes of Kronrod's rule, their weights, and those of Gauss's rule on every second of them."""
@@ -78,28 +78,13 @@ def world(scene: dict[str, Any]) -> World:
 
 
 @numba.njit(cache=False)
-def _seen(q: Array, own: int, d: Array, w: World, bounced: bool, out: Array) -> None:
-    """Radiance that a place of ``own`` sees in direction ``d``: emitted, or direct light of points reflected there."""
-    shapes = w.known.known.shapes
-    t, j = lattice._hit(q, d, own, shapes)
-    out[:] = 0.0
+def _seen(q: Array, own: int, d: Array, w: World, out: Array) -> None:
+    """Radiance that is sent to a place of ``own`` from direction ``d``."""
+    _, j = lattice._hit(q, d, own, w.known.known.shapes)
     if j < 0:
-        if not bounced:
-            out[:] = w.sky
-        return
-    if not bounced:
+        out[:] = w.sky
+    else:
         out[:] = w.emitted[j]
-        return
-    place = q + t * d
-    normal = lattice._normal(place, j, shapes)
-    shade = np.empty(3)
-    lattice._albedo(place, normal, j, shapes, shade)
-    if normal @ d > 0.0:
-        if shapes[j, 21] == 0.0:
-            return
-        normal = -normal
-    rough_lattice._direct(place, normal, j, -d, w.known, out)
-    out *= shade
 
 
 @numba.njit(cache=False)
@@ -257,7 +242,7 @@ def _ends(rows: Array, many: int, n: Array, x: Array, y: Array, ends: Array, cou
 
 @numba.njit(cache=False)
 def _line(
-    phi: float, q: Array, n: Array, x: Array, y: Array, own: int, seen: Array, w: World, bounced: bool, tol: float,
+    phi: float, q: Array, n: Array, x: Array, y: Array, own: int, seen: Array, w: World, tol: float,
     cuts: Array, stack: Array, out: Array,
 ) -> tuple[float, int]:  # fmt: skip
     """Integral along the meridian at azimuth ``phi`` from the mirror direction's; its error and what it cost."""
@@ -274,12 +259,11 @@ def _line(
     for k in range(count - 1):
         if not cuts[k + 1] - cuts[k] > 1e-15:
             continue
-        if not bounced:
-            middle = 0.5 * (cuts[k] + cuts[k + 1])
-            d[:] = math.cos(middle) * n + math.sin(middle) * e
-            _seen(q, own, d, w, False, light)
-            if max(light[0], light[1], light[2]) == 0.0:
-                continue
+        middle = 0.5 * (cuts[k] + cuts[k + 1])
+        d[:] = math.cos(middle) * n + math.sin(middle) * e
+        _seen(q, own, d, w, light)
+        if max(light[0], light[1], light[2]) == 0.0:
+            continue
         stack[0, 0], stack[0, 1], stack[0, 2] = cuts[k], cuts[k + 1], 0.0
         top = 1
         while top > 0:
@@ -292,8 +276,6 @@ def _line(
                 t = 0.5 * (a + b) + 0.5 * (b - a) * node
                 c, s = math.cos(t), math.sin(t)
                 d[:] = c * n + s * e
-                if bounced:
-                    _seen(q, own, d, w, True, light)
                 rough_lattice._scattered(m, n, seen, d, f)
                 for ch in range(3):
                     v = 0.5 * (b - a) * f[ch] * light[ch] * c * s
@@ -314,9 +296,7 @@ def _line(
 
 
 @numba.njit(cache=False)
-def _whole(
-    q: Array, n: Array, own: int, seen: Array, w: World, bounced: bool, tol: float, total: Array
-) -> tuple[float, int]:  # fmt: skip
+def _whole(q: Array, n: Array, own: int, seen: Array, w: World, tol: float, total: Array) -> tuple[float, int]:
     """Integral over the hemisphere; its error and what it cost."""
     m = w.known.materials[own]
     cos_view = seen @ n
@@ -356,7 +336,7 @@ def _whole(
                 node = NODES[i] if i < 8 else -NODES[14 - i]
                 at = i if i < 8 else 14 - i
                 phi = 0.5 * (a + b) + 0.5 * (b - a) * node
-                off, spent = _line(phi, q, n, x, y, own, seen, w, bounced, tol / (b - a), cuts, inner, line)
+                off, spent = _line(phi, q, n, x, y, own, seen, w, tol / (b - a), cuts, inner, line)
                 missed += 0.5 * (b - a) * KRONROD[at] * off
                 cost += spent
                 for ch in range(3):
@@ -376,8 +356,8 @@ def _whole(
     return error, cost
 
 
-def reflected(w: World, origin: Array, direction: Array, bounced: bool, tol: float) -> Reflected:
-    """What the place that a ray meets reflects of skies and lamps, or ``bounced``, of the direct light of points.
+def reflected(w: World, origin: Array, direction: Array, tol: float) -> Reflected:
+    """What the place that a ray meets reflects of skies and lamps.
 
     ``tol`` is of every piece, not of the whole; what comes of it is told.
     """
@@ -394,5 +374,5 @@ def reflected(w: World, origin: Array, direction: Array, bounced: bool, tol: flo
             return Reflected(j, np.zeros(3), 0.0, 0)
         n = -n
     total = np.zeros(3)
-    error, cost = _whole(q, n, j, -d, w, bounced, tol, total)
+    error, cost = _whole(q, n, j, -d, w, tol, total)
     return Reflected(j, shade * total, float(error * shade.max()), cost)

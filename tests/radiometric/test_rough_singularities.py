@@ -57,7 +57,7 @@ def test_what_is_singular_near_by_is_stated(case: str) -> None:
     light, told = 0.0, 0
     for around in (turn, turn + 2.0):
         rays = ray(cosine, around)
-        known = nested.reflected(nested.world(made), *rays, False, 1e-12)
+        known = nested.reflected(nested.world(made), *rays, 1e-12)
         assert known.shape == 0 and known.error < 2e-10
         light = max(light, float(known.light.max()))
         for tol in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8):
