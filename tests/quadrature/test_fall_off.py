@@ -17,7 +17,8 @@ from symrender.chambers.work import scene_view
 from symrender.jit.records import record, table
 from symrender.quadrature.fall_off import most_light, plane_bound
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import gloss_points, nearest_squares, radiance_bound
+from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_scene import nearest_squares, radiance_bound
 from symrender.quadrature.split_setup import MET
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays

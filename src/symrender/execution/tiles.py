@@ -21,10 +21,13 @@ from symrender.scene.arrays import Array
 Progress = Callable[[int, int, str], None]
 """``progress(done, total, label)``, called from the thread that renders; 0 of 0 while something is compiled."""
 Finished = Callable[[Tile, int, float], None]
-"""``finished(tile, evaluations, seconds)``, called from the thread that renders once a tile stands in the layers."""
+"""``finished(tile, evaluations, seconds)``, called from the thread that renders once a tile stands in the layers.
+
+The seconds are those of a processor.
+"""
 
 LONGEST: Final = 0.2
-"""Seconds a tile should take at most."""
+"""Seconds of a processor a tile should take at most."""
 LARGEST: Final = 128
 """Largest side of a tile whose side was measured, pixels."""
 _PLASTIC: Final = (0.7548776662466927, 0.5698402909980532)
@@ -126,14 +129,15 @@ def run_threads(
                 tile = next(coming, None)
             if tile is None:
                 return
-            begun = time.perf_counter()
+            # of its processor: beside other work tiles would else be taken for dear ones, and made too small
+            begun = time.thread_time()
             try:
                 evaluations = kernel(*tile, layers)
             except BaseException as error:
                 stop.set()
                 results.put(error)
                 return
-            results.put((tile, evaluations, time.perf_counter() - begun))
+            results.put((tile, evaluations, time.thread_time() - begun))
 
     with ThreadPoolExecutor(threads) as pool:
         try:

@@ -63,7 +63,9 @@ def flatten(value: Any, key: list[Any], given: list[Any]) -> None:
     if kind is np.ndarray:
         flags = value.flags
         key += (value.dtype, value.ndim, flags.c_contiguous, flags.aligned)
-        given.append(value.__array_interface__["data"][0])
+        # of an array of records the interface would describe every field
+        plain = value.dtype.names is None
+        given.append(value.__array_interface__["data"][0] if plain else value.ctypes.data)
         given.extend(value.shape)
         if not flags.c_contiguous:
             given.extend(value.strides)

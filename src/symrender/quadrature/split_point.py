@@ -11,16 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.chart import floor_chart, sphere_chart
-from symrender.chambers.cones import put_cones, scene_cones
+from symrender.chambers.cones import put_cones
 from symrender.chambers.jumps import put_jumps
 from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
 from symrender.chambers.lobes.record import Conductor, Sender
-from symrender.chambers.lobes.sending import largest_sent
 from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
-from symrender.chambers.lobes.units import is_brdf, lobe_scale
-from symrender.chambers.records import INVERSE_SQUARE, Event, LightPoint
+from symrender.chambers.records import Event, LightPoint
 from symrender.chambers.rooms import in_a_plane
 from symrender.chambers.work import (
     MAX_ROOTS,
@@ -29,24 +27,21 @@ from symrender.chambers.work import (
     Work,
     begin_counts,
     is_spent,
-    scene_frames,
-    scene_view,
     work_arrays,
 )
-from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.jit.moving import held, moves
 from symrender.jit.records import Table, table
-from symrender.quadrature.fall_off import TOUCHING, chart_bound, glow_bound, is_radiometric, plane_bound, sphere_bound
+from symrender.quadrature.fall_off import chart_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.grid_tail import MOST_REMAINDERS
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
-from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
 from symrender.quadrature.records import Conic, Panel, Remainder, Span
 from symrender.quadrature.rule_errors import slope_error
 from symrender.quadrature.split_grid import split_grid
 from symrender.quadrature.split_panel import split_chart, stretched
+from symrender.quadrature.split_scene import SplitScene, refuse_conductors, split_scene
 from symrender.quadrature.split_setup import (
     CAPPED,
     EVENT,
@@ -61,8 +56,7 @@ from symrender.quadrature.split_setup import (
     sphere_strips,
     stand_in_frame,
 )
-from symrender.scene.arrays import BRDF_NORMALISED, FIRST_SPHERE, FLOOR, SOLID, SceneArrays, lobes_of
-from symrender.scene.frames import frames
+from symrender.scene.arrays import BRDF_NORMALISED, SOLID, SceneArrays
 from symrender.scene.radiometric.records import Glow
 from symrender.scene.radiometric.records import Light as Beam
 
@@ -295,44 +289,6 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint], glowing: bool = F
     )
 
 
-def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
-    """(L,) squared distance of every light that falls off from the nearest surface it lights, 1 of the others."""
-    squares = np.ones(len(points))
-    planes = frames(arrays.planes)
-    for i in np.flatnonzero(points["fall"] == INVERSE_SQUARE).tolist():
-        place = points[i].position
-        apart = [math.dist(place, sphere.center) - sphere.radius for sphere in arrays.spheres]
-        apart += [float((place - frame.origin) @ frame.up) for frame in planes]
-        apart += [float(place[2])] if arrays.floor.present else []
-        # what it is inside of or behind is not lit by it
-        squares[i] = max(min((a for a in apart if a > 0.0), default=1.0) ** 2, TOUCHING)
-    return squares
-
-
-def radiance_bound(
-    arrays: SceneArrays, points: Table[LightPoint], senders: Table[Sender] | None = None, emitted: Array | None = None
-) -> float:  # fmt: skip
-    """An upper bound of the radiance a lobe can meet, and of its distance from the background."""
-    lit = arrays.shading.ka * arrays.shading.ambient
-    color = points["color"] / nearest_squares(arrays, points)[:, None]
-    lit = lit + color.sum(axis=0) * (arrays.shading.kd * largest_sent(senders) + arrays.shading.ks)
-    shining = 0.0 if emitted is None else float(emitted.max(initial=0.0))
-    return float(max(lit.max(), arrays.shading.background.max(), 1e-300) + shining)
-
-
-def refuse_conductors(arrays: SceneArrays, conductors: Table[Conductor], surface: Ints) -> None:
-    """Raise ``Unsupported``, by name, for what is not integrated under the lobe of a conductor."""
-    classes = FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes)
-    if len(conductors) != classes:
-        raise ValueError(f"conductors: {classes} rows are asked for, one a hit class; {len(conductors)} were given")
-    if not ((conductors["alpha"] >= 0.0) & (conductors["alpha"] <= 1.0)).all():
-        raise ValueError("conductors: alpha must be in [0, 1], 0 where a surface is no conductor")
-    if not len(surface) or not (conductors["alpha"][surface] > 0.0).any():
-        return
-    if is_brdf(arrays):
-        raise Unsupported("shading.lobe_units: brdf_normalised says nothing of a conductor; choose lobe_average")
-
-
 def gloss_points(
     arrays: SceneArrays,
     points: Array,
@@ -370,27 +326,31 @@ def gloss_points(
     and spheres whose light diffuse shapes send on. Arguments are many because the tables that only some scenes hold are
     apart from their records.
     """
-    lights = light_rows(arrays, disk_order, spots)
-    cones = None
-    if glows is not None or (lights["spot"] != 0.0).any():
-        cones = scene_cones(arrays.spheres, lights, glows is not None)
     if conductors is not None:
         refuse_conductors(arrays, conductors, np.asarray(surface))
-    view = scene_view(arrays, lights, conductors, senders, emitted, cones, glows)
-    lobes = np.zeros((FIRST_SPHERE + len(arrays.spheres) + len(arrays.planes), 2))
-    lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
-    s = scratch or split_work(arrays, lights, glows is not None)
+    scene = split_scene(arrays, disk_order, conductors, senders, emitted, spots, glows)
+    work = scratch or split_work(arrays, scene.lights, glows is not None)
+    return gloss_at(scene, points, normals, incoming, surface, tol, max_evaluations, work, walled)
+
+
+def gloss_at(
+    scene: SplitScene, points: Array, normals: Array, incoming: Array, surface: Ints, tol: float, max_evaluations: int,
+    s: SplitWork, walled: bool = True,
+) -> SplitResult:  # fmt: skip
+    """``gloss_points`` of a scene that is asked more than once: made ready, of few points, it takes longer than they.
+
+    Conductors are taken as they are.
+    """
     n = len(points)
-    scales = np.array([lobe_scale(arrays, exponent, theta_max) for exponent, theta_max in lobes.tolist()])[surface]
+    scales = scene.scales[surface]
     largest = max(float(scales.max(initial=0.0)), 1e-300)
     gloss, error = np.zeros((n, 3)), np.zeros(n)
     counts = [np.zeros(n, np.int64) for _ in range(4)]
     gloss_compiled()(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
-        np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), lobes, view,
-        s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest,
-        radiance_bound(arrays, lights, senders, emitted) + glow_bound(arrays, glows), int(max_evaluations),
-        bool(walled), gloss, error, *counts,
-        s.conics, s.remainders, s.states, s.grid_stack, scene_frames(arrays, view),
+        np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64), scene.lobes,
+        scene.view, s.work, s.gauss, s.panels, s.spans, s.ids, s.events, s.scratch, float(tol) / largest, scene.bound,
+        int(max_evaluations), bool(walled), gloss, error, *counts,
+        s.conics, s.remainders, s.states, s.grid_stack, scene.frames,
     )  # fmt: skip
     return SplitResult(gloss * scales[:, None], error * scales, *counts)

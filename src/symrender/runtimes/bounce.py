@@ -16,12 +16,13 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
 from symrender.quadrature.background import directional_albedo
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import SplitResult, SplitWork, gloss_points, nearest_squares, split_work
+from symrender.quadrature.split_point import SplitResult, SplitWork, gloss_at, split_work
+from symrender.quadrature.split_scene import SplitScene, nearest_squares, refuse_conductors, split_scene
 from symrender.quadrature.split_setup import MET, UNSUPPORTED
 from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
-from symrender.radiometric.world import make_world
+from symrender.radiometric.world import World, make_worlds
 from symrender.scene.arrays import FIRST_SPHERE, SOLID, SceneArrays
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, lamp_scene, shape_classes
@@ -61,12 +62,12 @@ class Hits:
         return Hits(self.shape[which], *vectors, self.behind[which], self.travel[which])
 
 
-def hits(arrays: RadiometricArrays, origins: Array, directions: Array) -> Hits:
-    """Where unit rays meet the shapes of a scene."""
+def hits(world: World, origins: Array, directions: Array) -> Hits:
+    """Where unit rays meet the shapes of a world."""
     count = len(origins)
     place, normal, albedo = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
     shape, behind = np.zeros(count), np.zeros(count)
-    _hits_kernel()(make_world(arrays), origins, directions, shape, place, normal, albedo, behind)
+    _hits_kernel()(world, origins, directions, shape, place, normal, albedo, behind)
     return Hits(shape.astype(np.int64), place, normal, albedo, behind, directions)
 
 
@@ -84,6 +85,29 @@ class Bounced:
     evaluations: Ints
 
 
+@dataclass(frozen=True)
+class Ready:
+    """A scene of one bounce as the split rule takes its parts, and the conductors among its classes."""
+
+    bounce: Bounce
+    conductors: Table[Conductor] | None
+    scenes: tuple[SplitScene, ...]
+
+
+def ready(arrays: RadiometricArrays, bounce: Bounce, own: int, lamps: bool) -> Ready:
+    """``bounce`` made ready for places of shape ``own``; with ``lamps`` nothing sends light on."""
+    senders = sender_rows(arrays, bounce)
+    conductors = conductor_rows(senders)
+    if conductors is not None:
+        for part in bounce.parts:
+            refuse_conductors(part, conductors, bounce.classes[own : own + 1])
+    scenes = [
+        split_scene(part, RULE, conductors, None if lamps else senders, bounce.emitted, bounce.beams, bounce.glows)
+        for part in bounce.parts
+    ]
+    return Ready(bounce, conductors, tuple(scenes))
+
+
 class Bouncer:
     """A scene with the scratch of one thread; ``sent`` answers for rays.
 
@@ -93,10 +117,11 @@ class Bouncer:
     def __init__(self, arrays: RadiometricArrays, lamps: bool = False) -> None:
         self._arrays, self._lamps = arrays, lamps
         self._shaken = shaken(arrays)
+        self._worlds = make_worlds(self._shaken)
         self._classes, _ = shape_classes(arrays)
         used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
         self._highlights = max([1.0, *(float(sharpness(m, np.ones(1))[0]) for m in used)])
-        self._scenes: dict[bytes, Bounce] = {}
+        self._scenes: dict[bytes, Ready] = {}
         self._scratch: SplitWork | None = None
 
     def sent(
@@ -108,7 +133,7 @@ class Bouncer:
         those meet another shape, or another part of a texture, the error says what that changes. What is flat
         reflects as the mean of its texture where ``blurred`` (N,) says so.
         """
-        first, *others = (hits(arrays, *pair) for arrays, pair in zip(self._shaken, rays, strict=True))
+        first, *others = (hits(world, *pair) for world, pair in zip(self._worlds, rays, strict=True))
         if blurred is not None:
             first, *others = (self._blurred(each, blurred) for each in (first, *others))
         found = self.light(first, tol, budget)
@@ -200,16 +225,15 @@ class Bouncer:
         material = self._arrays.materials[int(self._arrays.shapes[own].material)]
         key = turned.tobytes() + bytes([int(material.kind == PHONG)])
         if key not in self._scenes:
-            self._scenes[key] = (lamp_scene if self._lamps else bounce_scenes)(self._arrays, turned, own)
-        bounce = self._scenes[key]
-        senders = sender_rows(self._arrays, bounce)
-        conductors = conductor_rows(senders)
+            bounce = (lamp_scene if self._lamps else bounce_scenes)(self._arrays, turned, own)
+            self._scenes[key] = ready(self._arrays, bounce, own, self._lamps)
+        bounce, conductors = self._scenes[key].bounce, self._scenes[key].conductors
         most = float(max(material.bright.max(), material.dark.max()))
         place, normal, travel = hits.place[some], hits.normal[some], hits.travel[some]
         total, missed = np.zeros((len(some), 3)), np.zeros(len(some))
-        for part in bounce.parts:
+        for part, scene in zip(bounce.parts, self._scenes[key].scenes, strict=True):
             if self._scratch is None:
-                self._scratch = split_work(part, light_rows(part, RULE), bounce.glows is not None)
+                self._scratch = split_work(part, scene.lights, bounce.glows is not None)
             surface = np.full(len(some), bounce.classes[own])
             share = SHARE * tol / (most * len(bounce.parts))
             sky = part.shading.background
@@ -222,11 +246,9 @@ class Bouncer:
                     self._scratch,
                 )  # fmt: skip
                 self._add(some, whole, sky, total, missed, found)
-            seen = gloss_points(
-                part, place, normal, -normal if material.kind == DIFFUSE else travel, surface, share, RULE, budget,
-                self._scratch, conductors=conductors,
-                senders=None if self._lamps else senders, emitted=bounce.emitted, spots=bounce.beams,
-                glows=bounce.glows,
+            seen = gloss_at(
+                scene, place, normal, -normal if material.kind == DIFFUSE else travel, surface, share, budget,
+                self._scratch,
             )  # fmt: skip
             self._add(some, seen, np.ones(3), total, missed, found)
         albedo = hits.albedo[some]

@@ -27,7 +27,7 @@ from symrender.jit.twins import moving
 from symrender.leaves.values import brdf_scale, log_rim
 from symrender.quadrature.fall_off import glow_bound
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import radiance_bound
+from symrender.quadrature.split_scene import radiance_bound
 from symrender.radiometric.slopes import record_moves
 from symrender.runtimes.bounce import RULE, conductor_rows, sender_rows
 from symrender.scene.arrays import BRDF_NORMALISED, FIRST_SPHERE, FLOOR, MARBLE, SOLID, SceneArrays, lobes_of

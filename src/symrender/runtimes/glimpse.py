@@ -49,7 +49,7 @@ def reflectance_rows(arrays: RadiometricArrays, width: int, height: int) -> Rows
     def rows(y0: int, y1: int, layer: Array) -> None:
         directions = np.zeros((width * (y1 - y0), 3))
         _kernel("fill_directions")(view.window, width, height, 0, y0, width, y1, directions)
-        seen_there = hits(arrays, np.tile(view.eye, (len(directions), 1)), directions)
+        seen_there = hits(view.world, np.tile(view.eye, (len(directions), 1)), directions)
         layer[y0:y1] = seen_there.albedo.reshape(y1 - y0, width, 3)
 
     return rows
