@@ -117,7 +117,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Done:
-    """A finished unit: its blocks (tile height, tile width[, 3]) by layer, evaluations, and seconds of a processor it took."""
+    """A finished unit: its blocks (tile height, tile width[, 3]) by layer, evaluations, and processor seconds."""
 
     tile: Tile
     blocks: Mapping[str, Array]
