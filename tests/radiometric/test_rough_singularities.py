@@ -2,7 +2,8 @@
 
 Each case was off by 1.1 to 1,800 times what it stated before its singularity was listed
 (``chambers/lobes/levels.py``): a critical angle, masking near the horizon of smooth metal, height-correlated masking
-and Beckmann's normals at grazing views.
+and Beckmann's normals at grazing views, the direction that grazing views all but reflect into. Of one the ridge of the
+lobe crosses a wall between lines (``quadrature/crossed_poles.py``).
 """
 
 from __future__ import annotations
@@ -66,3 +67,51 @@ def test_what_is_singular_near_by_is_stated(case: str) -> None:
             told += known.error < 0.2 * seen.error[0]
             assert np.abs(seen.direct[0] - known.light).max() <= seen.error[0] + known.error, (around, tol)
     assert light > 0.1 and told >= 9
+
+
+ALONE = {
+    "units": "radiometric", "name": "alone", "bounces": 0,
+    "camera": {"type": "look_at", "eye": [0, 0, 9], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 30},
+    "materials": {"metal": {"type": "conductor", "distribution": "ggx", "alpha": 0.1, "masking": "separable",
+                            "eta": [0.847214804569557, 0.8559269880257706, 1.8041055323787079], "k": [3, 0.5, 3]}},
+    "shapes": [{"type": "sphere", "name": "ball", "center": [0, 0, 0], "radius": 1, "material": "metal"}],
+    "lights": [{"type": "sky", "name": "sky", "radiance": 1}],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("cosine", [3.2067e-4, 1e-3, 5e-3])
+def test_reflectance_is_singular_where_a_grazing_view_goes_on(cosine: float) -> None:
+    n, x = np.array([0.6, 0.0, 0.8]), np.array([0.0, 1.0, 0.0])
+    toward = cosine * n + math.sqrt(1.0 - cosine**2) * x
+    known = nested.reflected(nested.world(ALONE), n + 0.5 * toward, -toward, 1e-14)
+    assert known.shape == 0 and known.error < 1e-11 and known.light.max() > 0.5
+    for tol in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8):
+        seen = sr.probe(ALONE, rays=(n + 0.5 * toward, -toward), tol=tol)
+        assert seen.status[0] == 0 and seen.error[0] > 4.0 * known.error
+        assert np.abs(seen.direct[0] - known.light).max() <= seen.error[0], tol
+
+
+def test_a_ridge_that_crosses_a_jump_between_lines_is_seen() -> None:
+    rough = {"type": "conductor", "distribution": "beckmann", "g1": "walter", "alpha": 0.031069664104437282,
+             "masking": "correlated", "eta": [2.19883394, 2.98402412, 0.63396887], "k": [0.5, 0, 0]}  # fmt: skip
+    down = np.array([0.0009340418909884287, -0.0003028708058953425, 1.000189301402042])
+    made = ALONE | {
+        "materials": {"rough": rough, "clay": {"type": "diffuse", "reflectance": 0.5}},
+        "shapes": [
+            {"type": "plane", "name": "floor", "point": (-down).tolist(), "normal": down.tolist(), "material": "rough"},
+            {"type": "sphere", "name": "over", "center": [0.0005775247920164, -1.651259951398792, 1.775806678397185],
+             "radius": 1, "material": "clay"},
+            {"type": "sphere", "name": "ball", "center": [-0.424996280267955, -2.216131420012699, 0.787731030527079],
+             "radius": 1, "material": "rough"},
+            {"type": "sphere", "name": "far", "center": [0.751527895074182, 1.148536214873753, -0.471893674795525],
+             "radius": 1, "material": "clay"}],
+    }  # fmt: skip
+    way = np.array([0.27469347, -0.92474419, -0.263423])
+    rays = (np.array([0.41661687, -1.85062614, 0.39011666]), way / np.linalg.norm(way))
+    known = nested.reflected(nested.world(made), *rays, 1e-13)
+    # the lobe, whose albedo is .86 and more, sees the floor alone
+    assert known.shape == 2 and known.error == 0.0 and not known.light.any()
+    for tol in (1e-5, 1e-6, 1e-7, 1e-8):
+        seen = sr.probe(made, rays=rays, tol=tol)
+        assert seen.status[0] == 0 and seen.shape[0] == "shapes.ball"
+        assert np.abs(seen.direct[0]).max() <= seen.error[0], tol

@@ -96,6 +96,7 @@ class Work(NamedTuple):
     root_id: Ints
     row_names: Ints
     row_gaps: Array
+    beside: Array
     cell_from: Array
     cell_to: Array
     cell_wall: Ints
@@ -254,6 +255,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         root_id=np.zeros(MAX_ROOTS, np.int64),
         row_names=np.zeros(MAX_ROOTS, np.int64),
         row_gaps=np.zeros((2, MAX_ROOTS)),
+        beside=np.zeros((2, MAX_ROOTS + 2)),
         cell_from=np.zeros(MAX_ROOTS + 2),
         cell_to=np.zeros(MAX_ROOTS + 2),
         cell_wall=np.zeros(MAX_ROOTS + 2, np.int64),

@@ -22,6 +22,9 @@ class Panel(Record):
     """The same of the one that is felt most of those that choose no node counts; inf where there are none."""
     share: float
     """What of the panel depends on it."""
+    crossed: float
+    """The same of the wall and the pole that cross between lines, as its rule has found; inf where none do."""
+    crossed_share: float
     inside: int
     """Events known inside the panel."""
     foreign: float

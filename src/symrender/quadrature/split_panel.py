@@ -33,6 +33,7 @@ from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
+from symrender.quadrature.crossed_poles import crossed_pole
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, NODE_GAP, order
 from symrender.quadrature.records import Panel, Span
 from symrender.quadrature.split_line import across_error, ends_bluntly, has_disk, integrate_cells, kinked
@@ -483,6 +484,8 @@ def rule_error(
     known = max(top * math.exp(-(n + 1) * log_rho), WEAK * top * math.exp(-(n + 1) * slow))
     # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
     known = max(known, share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n)))
+    # where a wall and a pole cross, coefficients may be small by chance
+    known = max(known, held(p.crossed_share) * size * math.exp(-2.0 * n * held(p.crossed)) / (2.0 * n))
     if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
         known = max(known, last, 0.5 * before)
     error = max(2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known), unseen)
@@ -522,6 +525,7 @@ def evaluate_panel(
     last0, last1, last2, before0, before1, before2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     middle0, middle1, middle2, lower0, lower1, lower2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     margin = 1e-9 * (b - a)
+    p.crossed, p.crossed_share, crossing_from = math.inf, 0.0, math.nan
     e = 0
     while e < many and events[e].azimuth <= a + margin:
         e += 1
@@ -553,6 +557,9 @@ def evaluate_panel(
         if is_spent(work):
             out[3] = math.inf
             return math.nan
+        if view.conductors is not None and step > 0:
+            crossed_pole(phi, crossing_from if found == signature else math.nan, n, p, work)
+            crossing_from = held(phi)
         integrate_cells(phi, step, view, work, gauss, line)
         peak = max(peak, line[5])
         w = gauss[1, base + q] * slope

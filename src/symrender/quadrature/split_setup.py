@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.listed import in_lobe
-from symrender.chambers.lobes.levels import LEVELS, level_at_limb, level_in_itself, lobe_level
-from symrender.chambers.lobes.poles import pole_across, pole_on_horizon
+from symrender.chambers.lobes.levels import ASKANCE, LEVELS, level_at_limb, level_in_itself, lobe_level
+from symrender.chambers.lobes.poles import on_horizon, pole_across, pole_on_horizon
 from symrender.chambers.lobes.width import turning_width, width
 from symrender.chambers.records import DISTANT, INVERSE_SQUARE
 from symrender.chambers.rooms import carry, enter_room, turn
@@ -160,6 +160,10 @@ def add_pole(view: View, work: Work) -> None:
         of_view, x, y = lobe_level(i, work.chart, view.conductors)
         if x == math.inf:
             continue
+        if i == ASKANCE:
+            phi, depth = on_horizon(x, work.chart)
+            if depth < FARTHEST:
+                add_spot_at(phi, depth, 1.0, work)
         middle, offset, depth = level_at_limb(of_view, x, y, work.chart)
         if depth < FARTHEST:
             add_spot_at(middle + offset, depth, 1.0, work)

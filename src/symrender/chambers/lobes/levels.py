@@ -11,6 +11,8 @@ Beside the poles of D (``poles.py``) a conductor's factors have these singularit
 - Beckmann's D is exp(-tan^2 theta_h/alpha^2), singular where h is across N: at w.N = -cos_o, too.
 - Fresnel's reflectance holds the root of (eta - ik)^2 - 1 + (w_o.h)^2, 0 at w.w_o = 1 - 2 (eta - ik)^2. Where k is 0
   and eta below 1 that is a circle of real directions, the critical angle: a wall (``chambers/jumps.py``).
+- Reflectance is no even function of w_o.h, which is the root of (1 + w.w_o)/2: 0 at w.w_o = -1, the direction that
+  grazing views all but reflect into.
 
 On a line cos(x - x_0) = zeta/R. The integral over lines is singular where such a place meets the line's end, at the
 limb of the shape or at the horizon of P, and where both places of a line meet.
@@ -28,8 +30,10 @@ from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.leaves.radiometric import walter_masking
 
-LEVELS: Final = 5
-"""Levels a lobe has at most: two of masking, one of every channel's reflectance."""
+LEVELS: Final = 6
+"""Levels a lobe has at most: two of masking, one of every channel's reflectance, and that of its cosine."""
+ASKANCE: Final = 5
+"""The level w.w_o = -1."""
 PLACES: Final = 2
 """Azimuths at which a level meets the limb."""
 REACH: Final = 2.0904
@@ -45,7 +49,9 @@ def lobe_level(i: int, chart: Chart, conductors: Table[Conductor] | None) -> tup
     if lobe.kind != CONDUCTOR:
         return False, math.inf, 0.0
     x, y = math.inf, 0.0
-    if i >= 2:
+    if i == ASKANCE:
+        x = -1.0
+    elif i >= 2:
         eta, k = conductors[lobe.conductor].eta[i - 2], conductors[lobe.conductor].k[i - 2]
         if is_critical(eta, k):
             return True, math.inf, 0.0

@@ -63,15 +63,24 @@ def pole_across(chart: Chart, conductors: Table[Conductor] | None) -> tuple[floa
 
 @jitable
 def pole_on_horizon(chart: Chart, conductors: Table[Conductor] | None) -> tuple[float, float]:
-    """(azimuth, depth) at which a zero of p comes to the horizon of P, where it ends lines that see the shape.
-
-    On the great circle across N, w = m' cos chi + (N x m') sin chi with m' the direction of m in it, w.w_o is
-    -sin(theta_o) cos(chi), and p is 0 at chi = +- iy, cosh y = (1 - (1 - alpha^2) cos_o^2/2)/sin(theta_o).
-    """
+    """(azimuth, depth) at which a zero of p comes to the horizon of P, where it ends lines that see the shape."""
     if conductors is None:
         return 0.0, math.inf
     lobe = chart.lobe
-    if lobe.kind != CONDUCTOR or not lobe.cos_view < 1.0 - 1e-9:
+    if lobe.kind != CONDUCTOR:
+        return 0.0, math.inf
+    return on_horizon(-1.0 + 0.5 * (1.0 - lobe.alpha) * (1.0 + lobe.alpha) * lobe.cos_view * lobe.cos_view, chart)
+
+
+@jitable
+def on_horizon(level: float, chart: Chart) -> tuple[float, float]:
+    """(azimuth, depth) of the place on the horizon of P at which w.w_o is this level, one not above -sin(theta_o).
+
+    On the great circle across N, w = m' cos chi + (N x m') sin chi with m' the direction of m in it, w.w_o is
+    -sin(theta_o) cos(chi), and that is at chi = +- iy, cosh y = -level/sin(theta_o).
+    """
+    lobe = chart.lobe
+    if not lobe.cos_view < 1.0 - 1e-9:
         return 0.0, math.inf
     cos_view = lobe.cos_view
     sine = math.sqrt((1.0 - cos_view) * (1.0 + cos_view))
@@ -86,7 +95,7 @@ def pole_on_horizon(chart: Chart, conductors: Table[Conductor] | None) -> tuple[
         # the horizon is beyond the shape there
         return 0.0, math.inf
     t1, t2 = n2 * h3 - n3 * h2, n3 * h1 - n1 * h3
-    ch = max(1.0, (1.0 - 0.5 * (1.0 - lobe.alpha) * (1.0 + lobe.alpha) * cos_view * cos_view) / sine)
+    ch = max(1.0, -level / sine)
     sh = math.sqrt((ch - 1.0) * (ch + 1.0))
     # the azimuth of w is -i/2 log of (w.e1 + i w.e2)/(w.e1 - i w.e2)
     ur, ui = h1 * ch - t2 * sh, t1 * sh + h2 * ch
