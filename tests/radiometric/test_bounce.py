@@ -163,6 +163,17 @@ def test_what_cannot_be_stated_is_not_stated() -> None:
     assert spent.status[0] == 1 and spent.error[0] > 1e-9
 
 
+def test_a_budget_that_ends_leaves_what_a_looser_tolerance_finds() -> None:
+    asked = {"rays": ([0.0, -6.0, 1.0], [0.3, 6.0, -1.0])}
+    known = sr.probe(crowd(0), **asked, tol=1e-6)
+    light = float(known.indirect.max())
+    assert light > 0.02 and known.error[0] < 1e-6
+    for tol in (1e-9, 1e-12):
+        found = sr.probe(crowd(0), **asked, tol=tol, budget=100_000)
+        assert found.status[0] == 1 and tol < found.error[0] < 0.2 * light
+        assert np.abs(found.indirect - known.indirect).max() < found.error[0] + known.error[0]
+
+
 MARBLE = {"type": "diffuse", "reflectance": {"type": "marble"}}
 STRIPES = {"type": "phong", "exponent": 20, "reflectance": {"type": "stripes"}}
 

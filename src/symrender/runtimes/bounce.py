@@ -35,6 +35,12 @@ SHARE: Final = 0.9
 SLACK: Final = 16.0
 """Roundings a term goes through."""
 ULP: Final = 2.0**-52
+FIRST: Final = 0.5
+"""Part of a budget that a tolerance may spend before looser ones are tried."""
+AGAIN: Final = ((0.3, 1e3), (0.2, 1e6))
+"""Parts of a budget, each for a tolerance so many times looser."""
+HOPELESS: Final = 10.0
+"""How many times the tolerance an error is that is not almost met."""
 RULE: Final = 1
 """``disk_order``: there are no disk lights."""
 FELT_SLOPE: Final = 9.0
@@ -246,10 +252,8 @@ class Bouncer:
                     self._scratch,
                 )  # fmt: skip
                 self._add(some, whole, sky, total, missed, found)
-            seen = gloss_at(
-                scene, place, normal, -normal if material.kind == DIFFUSE else travel, surface, share, budget,
-                self._scratch,
-            )  # fmt: skip
+            lobes = (place, normal, -normal if material.kind == DIFFUSE else travel, surface)
+            seen = gloss_within(scene, *lobes, share, budget, self._scratch)
             self._add(some, seen, np.ones(3), total, missed, found)
         albedo = hits.albedo[some]
         found.indirect[some], found.incoming[some] = albedo * total, total
@@ -267,6 +271,30 @@ class Bouncer:
         missed += float(color.max()) * seen.error
         found.status[some] = np.maximum(found.status[some], seen.status)
         found.evaluations[some] += seen.evaluations
+
+
+def gloss_within(
+    scene: SplitScene, points: Array, normals: Array, incoming: Array, surface: Ints, tol: float, budget: int,
+    scratch: SplitWork,
+) -> SplitResult:  # fmt: skip
+    """``gloss_at`` where the budget may end before the tolerance is met.
+
+    What was not looked at is then all that its bound says. So where the first part of a budget leaves an error that is
+    much larger than ``tol``, the rest is spent on looser ones, and the best value stands, ``CAPPED``.
+    """
+    seen = gloss_at(scene, points, normals, incoming, surface, tol, int(FIRST * budget), scratch)
+    allowed = tol
+    for part, looser in AGAIN:
+        left = np.flatnonzero((seen.status != MET) & (seen.error > HOPELESS * allowed) & np.isfinite(seen.error))
+        if not len(left):
+            break
+        allowed = looser * tol
+        lobes = (points[left], normals[left], incoming[left], surface[left])
+        again = gloss_at(scene, *lobes, allowed, int(part * budget), scratch)
+        seen.evaluations[left] += again.evaluations
+        better = again.error < seen.error[left]
+        seen.gloss[left[better]], seen.error[left[better]] = again.gloss[better], again.error[better]
+    return seen
 
 
 def blurred_albedo(
