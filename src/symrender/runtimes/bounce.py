@@ -35,10 +35,8 @@ SHARE: Final = 0.9
 SLACK: Final = 16.0
 """Roundings a term goes through."""
 ULP: Final = 2.0**-52
-FIRST: Final = 0.5
-"""Part of a budget that a tolerance may spend before looser ones are tried."""
 AGAIN: Final = ((0.3, 1e3), (0.2, 1e6))
-"""Parts of a budget, each for a tolerance so many times looser."""
+"""Parts of a budget, beyond it, each for a tolerance so many times looser."""
 HOPELESS: Final = 10.0
 """How many times the tolerance an error is that is not almost met."""
 RULE: Final = 1
@@ -279,10 +277,10 @@ def gloss_within(
 ) -> SplitResult:  # fmt: skip
     """``gloss_at`` where the budget may end before the tolerance is met.
 
-    What was not looked at is then all that its bound says. So where the first part of a budget leaves an error that is
-    much larger than ``tol``, the rest is spent on looser ones, and the best value stands, ``CAPPED``.
+    What was not looked at is then all that its bound says. So where a budget leaves an error that is much larger than
+    ``tol``, half as much again is spent on looser ones, and the best value stands, ``CAPPED``.
     """
-    seen = gloss_at(scene, points, normals, incoming, surface, tol, int(FIRST * budget), scratch)
+    seen = gloss_at(scene, points, normals, incoming, surface, tol, budget, scratch)
     allowed = tol
     for part, looser in AGAIN:
         left = np.flatnonzero((seen.status != MET) & (seen.error > HOPELESS * allowed) & np.isfinite(seen.error))
