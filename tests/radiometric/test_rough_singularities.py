@@ -115,3 +115,17 @@ def test_a_ridge_that_crosses_a_jump_between_lines_is_seen() -> None:
         seen = sr.probe(made, rays=rays, tol=tol)
         assert seen.status[0] == 0 and seen.shape[0] == "shapes.ball"
         assert np.abs(seen.direct[0]).max() <= seen.error[0], tol
+
+
+@pytest.mark.parametrize("exponent", [0.6, 2.7, 4.3])
+def test_a_lobe_that_ends_with_a_broken_power_meets_its_tolerance(exponent: float) -> None:
+    made = scene({})
+    made["materials"]["metal"] = {"type": "phong", "exponent": exponent, "reflectance": 1}
+    for cosine, turn in ((0.7, 0.4), (0.3, 2.0), (0.05, 1.0)):
+        rays = ray(cosine, turn)
+        known = nested.reflected(nested.world(made), *rays, 1e-12)
+        assert known.shape == 0 and known.error < 1e-10 and known.light.max() > 0.05
+        for tol in (1e-4, 1e-6, 3e-8):
+            seen = sr.probe(made, rays=rays, tol=tol)
+            assert seen.status[0] == 0 and seen.shape[0] == "shapes.ball"
+            assert np.abs(seen.direct[0] - known.light).max() <= seen.error[0] + known.error, (cosine, tol)

@@ -411,8 +411,8 @@ def integrate_cells(
     kd = view.shading.kd
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    promise, blunt, small = 100.0 * FALLS[step], kinked(view) or broken_rim(chart.lobe), SMALL
-    blunt = blunt or ends_bluntly(view, chart)
+    promise, blunt, small = 100.0 * FALLS[step], kinked(view) or ends_bluntly(view, chart), SMALL
+    rim = broken_rim(chart.lobe)
     faint, idle = faint_horizon(view, chart), least_error(chart, view.conductors)
     if has_disk(view):
         small = 1.0
@@ -465,7 +465,8 @@ def integrate_cells(
         for piece in range(pieces):
             row = table[piece]
             n, start, stop = row.count, row.start, row.stop
-            holds, miss = piece_error(row, b, blunt or (faint and stop > AT_HORIZON), gauss)
+            at_rim = rim and (start == work.cell_from[0] or stop == work.cell_to[work.counts.cells - 1])
+            holds, miss = piece_error(row, b, blunt or at_rim or (faint and stop > AT_HORIZON), gauss)
             miss += held(row.unseen)
             tame = miss <= promise * (holds + small * (size + whole)) + idle
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
