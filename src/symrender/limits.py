@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Final
 
-MAX_FILE_BYTES: Final = 1 << 20
+MAX_FILE_BYTES: Final = 1 << 21
 """Largest scene file, bytes."""
 MAX_DEPTH: Final = 32
 """Deepest nesting of a scene file."""
-MAX_KEYS: Final = 50_000
-"""Most keys and items in a scene file."""
+MAX_KEYS: Final = 100_000
+"""Most keys and items in a scene file: as many spheres as there may be, all of them told in full, take 73,813."""
 MAX_MAPPING: Final = 64
 """Most keys of one mapping in a scene file."""
 MAX_NAME: Final = 100

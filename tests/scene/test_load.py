@@ -435,11 +435,11 @@ def test_bytes_that_are_no_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         (good.decode().encode("utf-16"), "s.yaml: must be UTF-8, got UTF-16 or UTF-32"),
         (good + b"# \xff\n", "s.yaml:6:3: must be UTF-8, got byte 0xff"),
         (good + b"# \0\n", "s.yaml:6:3: must be text, got a NUL byte"),
-        (b"#" * (1 << 20) + b"\n", "s.yaml: a scene file may hold at most 1048576 bytes"),
+        (b"#" * (1 << 21) + b"\n", "s.yaml: a scene file may hold at most 2097152 bytes"),
     ]:
         path.write_bytes(data)
         assert file_message("s.yaml") == said
-    for data in (b"\xef\xbb\xbf" + good, good.replace(b"\n", b"\r\n"), good + b"#" * ((1 << 20) - len(good))):
+    for data in (b"\xef\xbb\xbf" + good, good.replace(b"\n", b"\r\n"), good + b"#" * ((1 << 21) - len(good))):
         path.write_bytes(data)
         assert load(path).spheres[0].name == "A"
     for suffix, text in ((".json", json.dumps(load("gloss").model_dump())), (".toml", TOML % (1, 1))):

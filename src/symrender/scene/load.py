@@ -117,7 +117,7 @@ def load_any(source: Source) -> AnyScene:
     is a scene with the keys of a file, and a scene is returned as it is.
 
     Raises SceneError: ``scene.yaml:12:5: spheres[1].radius: must be > 0 and finite, got -1``; more problems follow on
-    lines of their own. Files are refused beyond 1 MiB, 32 levels or 50000 keys and items, and YAML beyond plain data
+    lines of their own. Files are refused beyond 2 MiB, 32 levels or 100000 keys and items, and YAML beyond plain data
     (tags, anchors, aliases, merge keys, several documents); numbers are those of YAML 1.2, all of them finite.
     """
     if isinstance(source, Scene | RadiometricScene):
