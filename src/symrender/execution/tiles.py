@@ -75,6 +75,7 @@ def thread_count(threads: int) -> int:
 def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> int:
     """Side whose dearest tile should take half of ``LONGEST``, from nine small tiles spread over the image.
 
+    Only the dearest of them is timed again: where tiles are dear the others would take as long as the image.
     Never so large that a worker would have fewer than sixty-four tiles, for the first ones to foretell the time of the
     rest and the last ones to end together.
     """
@@ -89,9 +90,10 @@ def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> in
     def finished(tile: Tile, _: int, seconds: float) -> None:
         best[tile] = min(seconds / area(tile), best.get(tile, math.inf))
 
+    workers.run(job, layers, probes, finished)
     # the best of a few, for a busy machine slows a tile down but never speeds it up
-    for _ in range(_ROUNDS):
-        workers.run(job, layers, probes, finished)
+    for _ in range(1, _ROUNDS):
+        workers.run(job, layers, [max(best, key=lambda tile: best[tile])], finished)
     affordable = math.isqrt(int(LONGEST / 2 / max(*best.values(), 1e-9)))
     shared = math.isqrt(width * height // (_SHARE * workers.count))
     return max(1, min(affordable, max(shared, 8), LARGEST))
