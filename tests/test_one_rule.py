@@ -16,6 +16,7 @@ from emitted import FORMULAS
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import is_hidden, light_state, texture_side
 from symrender.chambers.rooms import enter_room
+from symrender.chambers.unseen import list_seen
 from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.jit.records import record, table
 from symrender.numeric.random import pixel_key
@@ -117,6 +118,7 @@ def seen_from(
     work.chart.home = -1
     enter_room(view, work)
     work.chart.lobe.rim_cos, work.chart.lobe.rim_sin = 0.0, 1.0
+    list_seen(-1, axis, view, work)
     if own < 0:
         floor_chart(0, -1, axis, view, work)
     else:

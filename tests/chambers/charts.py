@@ -11,6 +11,7 @@ from adversary.case import Case
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.events import line_range
 from symrender.chambers.lobes.setup import lobe_setup
+from symrender.chambers.unseen import list_seen
 from symrender.chambers.work import View, Work, begin_counts, scene_view, work_arrays
 from symrender.errors import SymrenderError
 from symrender.probe import _places
@@ -44,6 +45,7 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
     begin_counts(10**9, work)
     place_point(place[0], normal[0], away / np.linalg.norm(away), 0 if surface == FLOOR else -1, lobe, view, work)
     lobe_setup(shape.lobe.exponent, shape.lobe.theta_max, tol, 1.0, work.chart.lobe)
+    list_seen(own, lobe, view, work)
     for j in (*range(len(arrays.spheres)), FLOOR_CHART):
         if j == own:
             continue

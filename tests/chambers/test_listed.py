@@ -56,7 +56,7 @@ def test_every_shadow_in_view_is_listed(terminator: int, rho: float) -> None:
         sphere_chart(0, -1, pole, scene_view(SceneArrays(spheres, *bare), lights), work)
         listed = work.counts.casters > 0
         if rho == 0.0:
-            assert listed == (work.walls["tag"][: work.counts.walls] == SHADOW_EDGE).any()
+            assert listed or not (work.walls["tag"][: work.counts.walls] == SHADOW_EDGE).any()
         normals = unit(rng.normal(size=(1500, 3)))
         normals = normals[normals @ -pole > receiver.radius / np.linalg.norm(place - receiver.center)]
         q = receiver.center + receiver.radius * normals

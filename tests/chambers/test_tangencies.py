@@ -13,6 +13,7 @@ from symrender.chambers.line import scan_line, wall_roots
 from symrender.chambers.lobes.setup import lobe_setup
 from symrender.chambers.records import Event, Wall
 from symrender.chambers.tangencies import floor_tangencies, tangencies
+from symrender.chambers.unseen import list_seen
 from symrender.chambers.walls import BALL, SHADOW, SHADOW_EDGE
 from symrender.chambers.work import View, Work, scene_view, work_arrays
 from symrender.jit.compiled import compiled
@@ -85,6 +86,7 @@ def test_pairs_begin_and_end_at_tangencies(sphere: bool) -> None:
         ray = place - arrays.camera.eye
         place_point(place, normal, ray / np.linalg.norm(ray), 0 if own < 0 else -1, axis, view, work)
         lobe_setup(4.0, 1.2, 1e-9, 1.0, work.chart.lobe)
+        list_seen(own, axis, view, work)
         for j in range(len(arrays.spheres)) if sphere else [-1]:
             if sphere:
                 sphere_chart(j, own, axis, view, work)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from tests.quadrature.spread import spread
 
 import symrender as sr
+from symrender.chambers import work
 from symrender.quadrature.split_setup import MET
 
 TOL = 1e-4
@@ -34,3 +36,16 @@ def test_many_spheres_in_a_lobe_share_its_tolerance(surface: str, normal: tuple[
     assert found.status[0] == MET and 0.0 < found.error[0] <= TOL
     finer = sr.probe(plain(64), [normal], surface=surface, tol=0.1 * TOL)
     assert np.abs(finer.gloss - found.gloss).max() <= found.error[0] + finer.error[0]
+
+
+def test_more_walls_than_there_is_room_for_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    surface, normal = PLACES[0]
+    name = "spheres.S9.center.x"
+    true = sr.probe(plain(64), [normal], surface=surface, tol=TOL, wrt=[name])
+    assert true.status[0] == MET and true.gradient_error[name][0] < 1.0
+    monkeypatch.setattr(work, "MAX_WALLS", 6)
+    found = sr.probe(plain(64), [normal], surface=surface, tol=TOL, wrt=[name])
+    off = float(np.abs(found.gloss - true.gloss).max())
+    assert off > 10.0 * TOL, "what was left out is not felt"
+    assert found.status[0] != MET and off <= found.error[0] < math.inf
+    assert found.gradient_status[name][0] != MET and found.gradient_error[name][0] == math.inf

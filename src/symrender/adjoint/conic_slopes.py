@@ -53,6 +53,8 @@ def name_conics(view: View, work: Work, origins: Table[Origin]) -> None:
         if abs(view.spheres[k].center[2]) < view.spheres[k].radius:
             n = name_conic(n, _BALL, k, 0, origins)
     for i in range(work.counts.casters):
+        if work.casters[i].unseen == 1:
+            continue
         n = name_conic(n, _SHADOW, work.casters[i].ball, work.casters[i].light, origins)
 
 

@@ -27,11 +27,11 @@ from symrender.adjoint.sums import clear
 from symrender.adjoint.walls import AXIS, BACKGROUND, HORIZON_NORMAL, LOG_NORMALISER, ONE_SIDED
 from symrender.adjoint.work import AdjointWork, Tangents, Wanted, adjoint_work
 from symrender.chambers.chart import floor_chart, sphere_chart
-from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import cap_share, tilt_of
 from symrender.chambers.lobes.units import is_brdf
 from symrender.chambers.lobes.width import fastest_fall
+from symrender.chambers.unseen import list_seen
 from symrender.chambers.work import Frames, View, begin_counts, scene_frames, scene_view
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
@@ -149,10 +149,8 @@ def sphere_slopes(at: Owner, view: View, tangents: Tangents, wanted: Wanted, scr
     work, t, tol = scratch.work, scratch.tangent, wanted.tol
     chart, lobe = work.chart, t.lobe
     spent = 0.0
-    for j in range(view.spheres.shape[0]):
-        ball = view.spheres[j]
-        if j == at.own or not in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, chart):
-            continue
+    for b in range(work.counts.balls):
+        j = work.balls[b]
         sphere_chart(j, at.own, lobe, view, work)
         k = chart.ratio
         # all of the shape, at the lobe's largest density on it, and how fast that can change
@@ -242,6 +240,7 @@ def gradient_kernel(
         if disk is not None:
             disk[disk.shape[0] - 1, 0] = 0.0
         sky_slopes(at, normal, view, tangents, scratch)
+        list_seen(at.own, lobe, view, work)
         spent = sphere_slopes(at, view, tangents, wanted, scratch)
         plane_slopes(at, places, view, frames, tangents, spent, wanted, scratch)
         state_slopes(i, tol, scratch, out)

@@ -17,7 +17,7 @@ from symrender.adjoint.sums import contract
 from symrender.adjoint.walls import AT_POINT, AXIS, LIGHTS, ONE_SIDED
 from symrender.adjoint.work import AdjointWork, Charted, TangentWork, Wanted
 from symrender.chambers.records import Chart
-from symrender.chambers.work import View, Work
+from symrender.chambers.work import View, Work, is_crowded
 from symrender.jit.marks import inlined, jitable
 from symrender.quadrature.fall_off import most_floor_light
 from symrender.quadrature.split_panel import split_chart
@@ -73,6 +73,10 @@ def shape_slopes(
     """
     work, t, outer, disk = scratch.work, scratch.tangent, scratch.panel, scratch.disk
     chart, found, tol, most = work.chart, 0.0, wanted.tol, wanted.evaluations
+    if is_crowded(work):
+        for p in range(moves.shape[0]):
+            t.beyond[p] = math.inf
+        return found
     nodes, some = what_moves(moves, disk is not None, view, work, t.moving)
     if not nodes and not some:
         return found

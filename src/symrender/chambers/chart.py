@@ -8,11 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.events import line_range
-from symrender.chambers.listed import ROUNDED_UP, casts, casts_on_floor, in_lobe, is_at, shadow_in_view
+from symrender.chambers.listed import ROUNDED_UP, casts, is_at, shadow_in_view
 from symrender.chambers.penumbra_walls import disk_on_floor, disk_on_sphere
 from symrender.chambers.reach import note_reach
 from symrender.chambers.records import Chart, Counts, Wall
 from symrender.chambers.rooms import height
+from symrender.chambers.shades import falls_in_sight, rays_unseen, thin_out
+from symrender.chambers.unseen import silhouette_unseen
 from symrender.chambers.walls import (
     BALL,
     DIRECTION,
@@ -211,7 +213,8 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
 
     # spheres in front
     power = (dist - r) * (dist + r)
-    for i in range(view.spheres.shape[0]):
+    for b in range(work.counts.balls):
+        i = work.balls[b]
         if i in (j, own):
             continue
         s = view.spheres[i]
@@ -258,20 +261,22 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
             facing = -(lx * chart.pole[0] + ly * chart.pole[1] + lz * chart.pole[2]) / far
             if math.acos(max(-1.0, min(1.0, facing))) - chart.gamma_max > math.acos(min(1.0, r / far)):
                 continue
+        first = work.counts.casters
         for h in range(0 if is_at(view.points[i], chart) else view.spheres.shape[0]):
-            if h == j:
-                continue
             s = view.spheres[h]
-            if casts(
+            if h != j and casts(
                 view.points[i].position[0], view.points[i].position[1], view.points[i].position[2], s, chart.ball[0],
                 chart.ball[1], chart.ball[2], chart.ball_radius,
             ) and shadow_in_view(-lx, -ly, -lz, s, sphere, glint, chart):  # fmt: skip
-                work.casters[work.counts.casters].light = i
-                work.casters[work.counts.casters].ball = h
+                caster = work.casters[work.counts.casters]
+                caster.light, caster.ball, caster.unseen = i, h, 0
                 work.counts.casters += 1
+        for c in range(first, work.counts.casters):
+            s = view.spheres[work.casters[c].ball]
+            if not rays_unseen(c, first, view, work):
                 work.counts.walls = add_shadow(
                     work.walls, work.counts.walls, chart, -lx, -ly, -lz, sphere.center[0] - s.center[0],
-                    sphere.center[1] - s.center[1], sphere.center[2] - s.center[2], s.radius, h, i,
+                    sphere.center[1] - s.center[1], sphere.center[2] - s.center[2], s.radius, work.casters[c].ball, i,
                 )  # fmt: skip
     note_reach(view, work)
 
@@ -305,20 +310,21 @@ def floor_chart(plane: int, own: int, lobe: Array, view: View, work: Work) -> No
             x, y, z = -pz * up[0], -pz * up[1], above - pz * up[2]
             size = math.hypot(across, z)
             add_direction(walls, counts, chart, x / size, y / size, z / size, 0.0, FLOOR_CUT, side)
-    for i in range(view.spheres.shape[0]):
+    for b in range(work.counts.balls):
+        s = view.spheres[work.balls[b]]
+        if chart.side * s.center[2] > -s.radius:
+            work.occluders[work.counts.occluders] = work.balls[b]
+            work.counts.occluders += 1
+    for o in range(work.counts.occluders):
+        i = work.occluders[o]
         s = view.spheres[i]
-        if i == own or chart.side * s.center[2] <= -s.radius:
-            continue
-        if not in_lobe(s.center[0], s.center[1], s.center[2], s.radius, lobe, chart):
-            continue
         ox, oy, oz = s.center[0] - px, s.center[1] - py, s.center[2] - pz
         far = math.sqrt(ox * ox + oy * oy + oz * oz)
         k = min(1.0, s.radius / far)
-        work.occluders[work.counts.occluders] = i
-        work.counts.occluders += 1
-        add_direction(
-            walls, counts, chart, ox / far, oy / far, oz / far, math.sqrt((1.0 - k) * (1.0 + k)), SILHOUETTE, i
-        )  # fmt: skip
+        if not silhouette_unseen(ox / far, oy / far, oz / far, k, lobe, view, work):
+            add_direction(
+                walls, counts, chart, ox / far, oy / far, oz / far, math.sqrt((1.0 - k) * (1.0 + k)), SILHOUETTE, i
+            )  # fmt: skip
         if abs(s.center[2]) < s.radius and work.counts.walls < work.walls.shape[0]:
             row = work.walls[work.counts.walls]
             row.kind, row.tag, row.shape_index, row.met, row.parted = BALL, SILHOUETTE, i, 0, 0
@@ -344,15 +350,21 @@ def floor_lights(lobe: Array, view: View, work: Work) -> None:
             continue
         add_gleam_edge(i, view.shading.highlight_view == EYE and view.eye[2] <= 0.0, view, work)
         ux, uy, uz = px - view.points[i].position[0], py - view.points[i].position[1], -view.points[i].position[2]
+        first = work.counts.casters
         for h in range(0 if is_at(view.points[i], chart) else view.spheres.shape[0]):
             s = view.spheres[h]
             if s.center[2] <= -s.radius or s.center[2] - s.radius >= view.points[i].position[2]:
                 continue
-            if not casts_on_floor(i, s, lobe, view, chart):
+            if falls_in_sight(i, s, lobe, view, work):
+                caster = work.casters[work.counts.casters]
+                caster.light, caster.ball, caster.unseen = i, h, 0
+                work.counts.casters += 1
+        thin_out(first, lobe, view, work)
+        for c in range(first, work.counts.casters):
+            if work.casters[c].unseen == 1:
                 continue
-            work.casters[work.counts.casters].light = i
-            work.casters[work.counts.casters].ball = h
-            work.counts.casters += 1
+            h = work.casters[c].ball
+            s = view.spheres[h]
             work.counts.walls = add_shadow(
                 walls, work.counts.walls, chart, ux, uy, uz, px - s.center[0], py - s.center[1], -s.center[2], s.radius,
                 h, i,

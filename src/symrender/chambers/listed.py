@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.records import DISTANT, Chart, LightPoint
-from symrender.chambers.work import View
 from symrender.jit.marks import inlined, jitable
 from symrender.scene.arrays import AFAR
 from symrender.scene.records import Sphere
@@ -90,13 +89,6 @@ def shadow_disc(p: LightPoint, ball: Sphere) -> tuple[float, float, float]:
         p.position[0] + t * ex, p.position[1] + t * ey, p.position[2] + t * ez, ex, ey, ez, reach / far
     )
     return x, y, radius
-
-
-@jitable
-def casts_on_floor(i: int, ball: Sphere, lobe: Array, view: View, chart: Chart) -> bool:
-    """Whether P can see, inside its lobe, some of what a ball shadows or partly hides of light ``i`` on the floor."""
-    x, y, radius = shadow_disc(view.points[i], ball)
-    return radius == math.inf or in_lobe(x, y, 0.0, radius, lobe, chart)
 
 
 @jitable

@@ -15,11 +15,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.listed import casts_on_floor
 from symrender.chambers.penumbra import edge_level
 from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_quartic, surface_point
 from symrender.chambers.records import Chart, Wall
 from symrender.chambers.roots import quartic_roots
+from symrender.chambers.shades import falls_in_sight
 from symrender.chambers.walls import (
     GLEAM_EDGE,
     PENUMBRA,
@@ -72,6 +72,7 @@ def add_edges(i: int, h: int, ox: float, oy: float, oz: float, view: View, work:
     """Note ball ``h`` as a caster of disk ``i`` and append both edges of its penumbra; ``o`` is the chart's origin."""
     work.casters[work.counts.casters].light = i
     work.casters[work.counts.casters].ball = h
+    work.casters[work.counts.casters].unseen = 0
     work.counts.casters += 1
     p, s = view.points[i], view.spheres[h]
     # apex of the penumbra of the ball of the disk's radius
@@ -155,7 +156,7 @@ def disk_on_floor(i: int, lobe: Array, view: View, work: Work) -> None:
         return
     for h in range(view.spheres.shape[0]):
         s = view.spheres[h]
-        if s.center[2] > -s.radius and s.center[2] - s.radius < top and casts_on_floor(i, s, lobe, view, work.chart):
+        if s.center[2] > -s.radius and s.center[2] - s.radius < top and falls_in_sight(i, s, lobe, view, work):
             add_edges(i, h, work.chart.point[0], work.chart.point[1], 0.0, view, work)
 
 

@@ -164,6 +164,7 @@ class Counts(Record):
     """The lengths in use of a point's lists, and what it has spent."""
 
     walls: int
+    balls: int
     occluders: int
     casters: int
     cells: int
@@ -194,6 +195,8 @@ class Caster(Record):
 
     light: int
     ball: int
+    unseen: int
+    """On the floor, 1 if P sees nothing of the shadow's edge, so that all it sees is inside or all is outside."""
 
 
 class Spot(Record):

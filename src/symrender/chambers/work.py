@@ -88,7 +88,10 @@ class Frames(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Scratch of one thread. ``counts`` holds the lengths in use of the lists."""
+    """Scratch of one thread. ``counts`` holds the lengths in use of the lists.
+
+    ``balls`` are the spheres that a point sees inside its lobe, ``occluders`` those of them before the charted shape.
+    """
 
     chart: Chart
     walls: Table[Wall]
@@ -102,6 +105,8 @@ class Work(NamedTuple):
     cell_wall: Ints
     cell_side: Ints
     lit: Bytes
+    balls: Ints
+    ways: Array
     occluders: Ints
     casters: Table[Caster]
     counts: Counts
@@ -140,11 +145,18 @@ def is_spent(work: Work) -> bool:
     return bool(max(work.counts.evaluations, work.counts.labour) > work.counts.limit)
 
 
+@inlined
+def is_crowded(work: Work) -> bool:
+    """Whether the chart has more walls than there are rows for, so that nothing can be said of it but a bound."""
+    return bool(work.counts.walls > work.walls.shape[0])
+
+
 @jitable
 def begin_counts(limit: int, work: Work) -> None:
     """Set all counts to 0, and the point's budget."""
     counts = work.counts
-    counts.walls = counts.occluders = counts.casters = counts.cells = counts.labour = counts.evaluations = 0
+    counts.walls = counts.balls = counts.occluders = counts.casters = counts.cells = 0
+    counts.labour = counts.evaluations = 0
     counts.chambers = counts.crossings = counts.spots = counts.highlights = 0
     counts.parted, counts.limit = 0, limit
 
@@ -261,6 +273,8 @@ def work_arrays(spheres: int, points: int) -> Work:
         cell_wall=np.zeros(MAX_ROOTS + 2, np.int64),
         cell_side=np.zeros(MAX_ROOTS + 2, np.int64),
         lit=np.zeros((MAX_ROOTS + 2, max(1, points)), np.uint8),
+        balls=np.zeros(max(1, spheres), np.int64),
+        ways=np.zeros(max(1, spheres)),
         occluders=np.zeros(max(1, spheres), np.int64),
         casters=table(Caster, max(1, spheres * points)),
         counts=table(Counts, 1)[0],

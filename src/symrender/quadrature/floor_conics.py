@@ -142,6 +142,55 @@ def touch_conics(n: int, view: View, work: Work, conics: Table[Conic]) -> int:
 
 
 @inlined
+def shadow_conics(n: int, view: View, work: Work, conics: Table[Conic]) -> int:
+    """Append the edges of shadows that P sees some of, and the cones about penumbrae; new count."""
+    px, py = work.chart.point[0], work.chart.point[1]
+    for i in range(work.counts.casters):
+        if work.casters[i].unseen == 1:
+            continue
+        light, k = work.casters[i].light, work.casters[i].ball
+        lx, ly, lz = (
+            view.points[light].position[0] - px,
+            view.points[light].position[1] - py,
+            view.points[light].position[2],
+        )
+        ex, ey, ez = (
+            view.spheres[k].center[0] - px - lx,
+            view.spheres[k].center[1] - py - ly,
+            view.spheres[k].center[2] - lz,
+        )
+        far2 = ex * ex + ey * ey + ez * ez
+        far = math.sqrt(far2)
+        if view.points[light].fall == DISTANT:
+            # the cylinder behind the ball
+            s = view.spheres[k]
+            n = add_cylinder(
+                conics, n, ex / far, ey / far, ez / far, s.radius, s.center[0] - px, s.center[1] - py, s.center[2]
+            )
+            continue
+        rho = view.points[light].radius
+        reach = view.spheres[k].radius + rho
+        t = rho / reach
+        if rho == 0.0 and abs(far2 - reach * reach) < CONTACT * far2:
+            # a light on the ball itself: the plane that touches there
+            if n < conics.shape[0]:
+                row = conics[n]
+                row.xx, row.xy, row.yy, row.x, row.y, row.soft = 0.0, 0.0, 0.0, 0.5 * ex / far, 0.5 * ey / far, 0
+                row.free = -(ex * lx + ey * ly + ez * lz) / far
+            n += 1
+            continue
+        n = add_cone(
+            conics, n, ex / far, ey / far, ez / far, reach * reach / far2, lx + t * ex, ly + t * ey, lz + t * ez
+        )
+        if rho > 0.0 and n <= conics.shape[0]:
+            for wall in range(min(work.counts.walls, work.walls.shape[0])):
+                edge = work.walls[wall]
+                if edge.kind == PENUMBRA and edge.light == light and edge.shape_index == k and edge.inner == 0.0:
+                    conics[n - 1].soft = 1 + wall
+    return n
+
+
+@inlined
 def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Conic]) -> int:
     """All conics of the floor chart about the point's foot across which light jumps; their number."""
     chart = work.chart
@@ -180,47 +229,7 @@ def floor_conics(own: int, lobe: Array, view: View, work: Work, conics: Table[Co
         n = add_cone(conics, n, up[0], up[1], up[2], (1.0 - cosine) * (1.0 + cosine), 0.0, 0.0, h)
     if view.cones is not None:
         n = cone_conics(n, False, view.cones, px, py, conics)
-    for i in range(work.counts.casters):
-        light, k = work.casters[i].light, work.casters[i].ball
-        lx, ly, lz = (
-            view.points[light].position[0] - px,
-            view.points[light].position[1] - py,
-            view.points[light].position[2],
-        )
-        ex, ey, ez = (
-            view.spheres[k].center[0] - px - lx,
-            view.spheres[k].center[1] - py - ly,
-            view.spheres[k].center[2] - lz,
-        )
-        far2 = ex * ex + ey * ey + ez * ez
-        far = math.sqrt(far2)
-        if view.points[light].fall == DISTANT:
-            # the cylinder behind the ball
-            s = view.spheres[k]
-            n = add_cylinder(
-                conics, n, ex / far, ey / far, ez / far, s.radius, s.center[0] - px, s.center[1] - py, s.center[2]
-            )
-            continue
-        rho = view.points[light].radius
-        reach = view.spheres[k].radius + rho
-        t = rho / reach
-        if rho == 0.0 and abs(far2 - reach * reach) < CONTACT * far2:
-            # a light on the ball itself: the plane that touches there
-            if n < conics.shape[0]:
-                row = conics[n]
-                row.xx, row.xy, row.yy, row.x, row.y, row.soft = 0.0, 0.0, 0.0, 0.5 * ex / far, 0.5 * ey / far, 0
-                row.free = -(ex * lx + ey * ly + ez * lz) / far
-            n += 1
-            continue
-        n = add_cone(
-            conics, n, ex / far, ey / far, ez / far, reach * reach / far2, lx + t * ex, ly + t * ey, lz + t * ez
-        )
-        if rho > 0.0 and n <= conics.shape[0]:
-            for wall in range(work.counts.walls):
-                edge = work.walls[wall]
-                if edge.kind == PENUMBRA and edge.light == light and edge.shape_index == k and edge.inner == 0.0:
-                    conics[n - 1].soft = 1 + wall
-    return n
+    return shadow_conics(n, view, work, conics)
 
 
 @jitable

@@ -29,7 +29,7 @@ from symrender.chambers.walls import (
     UNBOUNDED,
     tangent_lines,
 )
-from symrender.chambers.work import View, Work, is_spent
+from symrender.chambers.work import View, Work, is_crowded, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
@@ -710,6 +710,9 @@ def split_chart(
     bound = SAFETY * panel_bound(low, high, work.chart)
     if bound < 0.1 * tol:
         return bound, 0
+    if is_crowded(work):
+        # a wall that nobody knows of may run through any line
+        return moved(held(bound), math.inf) if moves(bound) else bound, 0
     sender = sender_of(view, work.chart)
     if sender >= 0:
         left_out = find_sent(tol, low, high, sender, view, work)

@@ -13,13 +13,13 @@ import numpy.typing as npt
 from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.cones import put_cones
 from symrender.chambers.jumps import put_jumps
-from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import ROUNDED_SHARE, cap_share, facing_mass, tilt_of
 from symrender.chambers.lobes.record import Conductor, Sender
 from symrender.chambers.lobes.setup import conductor_setup, end_at_horizon, is_conductor, lobe_setup, weigh_by_cosine
 from symrender.chambers.records import Event, LightPoint
 from symrender.chambers.rooms import in_a_plane
+from symrender.chambers.unseen import list_seen
 from symrender.chambers.work import (
     MAX_ROOTS,
     Frames,
@@ -148,11 +148,10 @@ def gloss_kernel(
         for a in range(3):
             value[a] = view.shading.background[a] * share
         bad = 0
-        left = charts_to_come(own, lobe, sky, view, frames, work)
-        for j in range(view.spheres.shape[0]):
-            ball = view.spheres[j]
-            if j == own or not in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, chart):
-                continue
+        list_seen(own, lobe, view, work)
+        left = charts_to_come(sky, view, frames, work)
+        for b in range(work.counts.balls):
+            j = work.balls[b]
             part = spare_share(left)
             left -= 1
             if not walled and not conductor and not in_a_plane(view, work):
@@ -176,12 +175,12 @@ def gloss_kernel(
             put_jumps(view, work)
             sphere_strips(j, view, work)
             chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
-            e, b = split_chart(
+            e, unresolved = split_chart(
                 max(part * (tol - total), min(0.05, part) * tol), view, work, gauss, panels, spans, ids, events,
                 scratch, max_evaluations, value,
             )  # fmt: skip
             total += e
-            bad += b
+            bad += unresolved
         for k in range(view.sides.shape[0]):
             if k == home or work.room[k] == 0.0:
                 continue
@@ -199,12 +198,12 @@ def gloss_kernel(
             chart.bright = chart_bound(plane_bound(framed) if shown else bound, framed, work)
             part = spare_share(left)
             left -= 1
-            e, b = split_chart(
+            e, unresolved = split_chart(
                 max(part * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
                 max_evaluations, value,
             )  # fmt: skip
             total += e
-            bad += b
+            bad += unresolved
             if not front or framed.floor.kind == SOLID:
                 continue
             # unlike panels, blocks of a checker may end a little above what they were given

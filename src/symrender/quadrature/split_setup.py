@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.listed import in_lobe
 from symrender.chambers.lobes.levels import ASKANCE, LEVELS, level_at_limb, level_in_itself, lobe_level
 from symrender.chambers.lobes.poles import on_horizon, pole_across, pole_on_horizon
 from symrender.chambers.lobes.width import turning_width, width
@@ -92,13 +91,9 @@ def inside_another(point: Array, own: int, spheres: Table[Sphere]) -> bool:
 
 
 @jitable
-def charts_to_come(own: int, lobe: Array, sky: float, view: View, frames: Frames, work: Work) -> int:
-    """How many integrals a point is the sum of: one a sphere in its lobe, one or two a plane that it may see."""
-    charts = 0
-    for j in range(view.spheres.shape[0]):
-        ball = view.spheres[j]
-        if j != own and in_lobe(ball.center[0], ball.center[1], ball.center[2], ball.radius, lobe, work.chart):
-            charts += 1
+def charts_to_come(sky: float, view: View, frames: Frames, work: Work) -> int:
+    """How many integrals a point is the sum of: one a sphere that it sees, one or two a plane that it may see."""
+    charts = work.counts.balls
     for k in range(view.sides.shape[0]):
         if k != work.chart.home and (work.room[k] > 0.0 or (work.room[k] < 0.0 and sky > 0.0)):
             charts += 1 if work.room[k] < 0.0 or frames.views[k].floor.kind == SOLID else 2
