@@ -8,6 +8,7 @@ import pytest
 
 from symrender.kernel.assemble_pixels import PASSES, TABLES, pixel_program
 from symrender.targets import glsl
+from symrender.targets.glsl_words import RESERVED
 
 PROGRAM = pixel_program()
 
@@ -28,7 +29,7 @@ def test_no_name_comes_from_a_scene_and_none_is_reserved(entry):
     declared = re.findall(r"\b(?:float|int) ([A-Za-z_]\w*)", text)
     assert len(declared) > 100
     assert all("__" not in name and not name.startswith("gl_") for name in declared)
-    assert not set(declared) & glsl._RESERVED - {"main"}
+    assert not set(declared) & RESERVED - {"main"}
 
 
 @pytest.mark.parametrize("entry", PASSES)

@@ -179,39 +179,13 @@ def texture_walls(sphere: Sphere, work: Work, shape: int) -> None:
             i += 1
 
 
-@jitable
-def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
-    """Fill ``work`` for sphere ``j`` seen from the chart's point; ``lobe`` the mirror direction; ``own`` P's sphere.
-
-    P must be outside every sphere but its own.
-    """
-    walls, counts, chart = work.walls, work.counts, work.chart
-    sphere = view.spheres[j]
-    r = sphere.radius
-    px, py, pz = chart.point[0], chart.point[1], chart.point[2]
+@inlined
+def spheres_in_front(j: int, own: int, view: View, work: Work) -> None:
+    """List the spheres that may hide some of the charted one, ``j``, and append their silhouettes and crossings."""
+    walls, counts, chart, sphere = work.walls, work.counts, work.chart, view.spheres[j]
+    r, px, py, pz = sphere.radius, chart.point[0], chart.point[1], chart.point[2]
     dx, dy, dz = sphere.center[0] - px, sphere.center[1] - py, sphere.center[2] - pz
     dist = math.sqrt(dx * dx + dy * dy + dz * dz)
-    k = min(r / dist, 1.0 - 1e-15)
-    chart.pole[0], chart.pole[1], chart.pole[2] = dx / dist, dy / dist, dz / dist
-    chart.center[0], chart.center[1], chart.center[2] = sphere.center[0], sphere.center[1], sphere.center[2]
-    chart.radius, chart.ratio, chart.shape_index, chart.plane = r, k, j, -1
-    chart.beta_max, chart.gamma_max = math.asin(k), math.acos(k)
-    chart.bright = UNBOUNDED
-    chart.clipped = 0
-    chart.limb_tangent = math.sqrt((1.0 - k) / (1.0 + k))
-    set_frame(chart, lobe[0], lobe[1], lobe[2])
-    set_lens(chart)
-    work.counts.walls = work.counts.occluders = work.counts.casters = 0
-
-    # the plane through P that bounds what its surface can see cuts the sphere in a circle
-    nx, ny, nz = chart.normal[0], chart.normal[1], chart.normal[2]
-    add_normal(walls, counts, chart, nx, ny, nz, -(nx * dx + ny * dy + nz * dz) / r, HORIZON, -1)
-    for side in range(view.sides.shape[0]):
-        up = view.sides[side].up
-        above = height(view.sides[side], sphere.center[0], sphere.center[1], sphere.center[2])
-        add_normal(walls, counts, chart, up[0], up[1], up[2], -above / r, FLOOR_CUT, side)
-
-    # spheres in front
     power = (dist - r) * (dist + r)
     for b in range(work.counts.balls):
         i = work.balls[b]
@@ -237,8 +211,12 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
             level = (apart * apart + r * r - s.radius * s.radius) / (2.0 * apart * r)
             add_normal(walls, counts, chart, ux / apart, uy / apart, uz / apart, level, SILHOUETTE, i)
 
-    texture_walls(sphere, work, j)
 
+@inlined
+def sphere_lights(j: int, view: View, work: Work) -> None:
+    """Append what the lights lay on the charted sphere, ``j``: terminators, highlights' ends, shadows and penumbrae."""
+    walls, counts, chart, sphere = work.walls, work.counts, work.chart, view.spheres[j]
+    r = sphere.radius
     glint = view.shading.terminator != CUT and view.shading.ks > 0.0
     for i in range(view.points.shape[0]):
         if view.points[i].radius > 0.0:
@@ -278,6 +256,44 @@ def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
                     work.walls, work.counts.walls, chart, -lx, -ly, -lz, sphere.center[0] - s.center[0],
                     sphere.center[1] - s.center[1], sphere.center[2] - s.center[2], s.radius, work.casters[c].ball, i,
                 )  # fmt: skip
+
+
+@jitable
+def sphere_chart(j: int, own: int, lobe: Array, view: View, work: Work) -> None:
+    """Fill ``work`` for sphere ``j`` seen from the chart's point; ``lobe`` the mirror direction; ``own`` P's sphere.
+
+    P must be outside every sphere but its own.
+    """
+    walls, counts, chart = work.walls, work.counts, work.chart
+    sphere = view.spheres[j]
+    r = sphere.radius
+    px, py, pz = chart.point[0], chart.point[1], chart.point[2]
+    dx, dy, dz = sphere.center[0] - px, sphere.center[1] - py, sphere.center[2] - pz
+    dist = math.sqrt(dx * dx + dy * dy + dz * dz)
+    k = min(r / dist, 1.0 - 1e-15)
+    chart.pole[0], chart.pole[1], chart.pole[2] = dx / dist, dy / dist, dz / dist
+    chart.center[0], chart.center[1], chart.center[2] = sphere.center[0], sphere.center[1], sphere.center[2]
+    chart.radius, chart.ratio, chart.shape_index, chart.plane = r, k, j, -1
+    chart.beta_max, chart.gamma_max = math.asin(k), math.acos(k)
+    chart.bright = UNBOUNDED
+    chart.clipped = 0
+    chart.limb_tangent = math.sqrt((1.0 - k) / (1.0 + k))
+    set_frame(chart, lobe[0], lobe[1], lobe[2])
+    set_lens(chart)
+    work.counts.walls = work.counts.occluders = work.counts.casters = 0
+
+    # the plane through P that bounds what its surface can see cuts the sphere in a circle
+    nx, ny, nz = chart.normal[0], chart.normal[1], chart.normal[2]
+    add_normal(walls, counts, chart, nx, ny, nz, -(nx * dx + ny * dy + nz * dz) / r, HORIZON, -1)
+    for side in range(view.sides.shape[0]):
+        up = view.sides[side].up
+        above = height(view.sides[side], sphere.center[0], sphere.center[1], sphere.center[2])
+        add_normal(walls, counts, chart, up[0], up[1], up[2], -above / r, FLOOR_CUT, side)
+
+    spheres_in_front(j, own, view, work)
+    texture_walls(sphere, work, j)
+
+    sphere_lights(j, view, work)
     note_reach(view, work)
 
 

@@ -177,21 +177,14 @@ def note_parted(cells: int, work: Work) -> None:
             work.counts.parted = 1
 
 
-@jitable
-def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
-    """Cells of the line phi = const inside the lobe; returns the line's signature, equal for equal structure.
+@inlined
+def line_roots(
+    phi: float, c: float, s: float, low: float, high: float, low_s: float, high_s: float, work: Work, scratch: Array
+) -> int:  # fmt: skip
+    """Fill ``root_x`` and ``root_id`` with where walls meet the line, ascending, between two ends; how many they are.
 
-    Fills ``cell_from``, ``cell_to``, ``cell_wall`` (the wall below each cell; one more entry closes the last),
-    ``cell_side`` and ``lit``; ``counts[CELLS]`` is their number. Neighbours with the same label are one cell.
-    ``scratch`` is (4,).
+    ``low_s`` and ``high_s`` are the sines of the ends ``low`` and ``high``; ``scratch`` is (4,).
     """
-    work.counts.labour += 1
-    c, s = math.cos(phi), math.sin(phi)
-    low_s, high_s, first, last = rim_sines(c, s, work.chart)
-    work.counts.cells = 0
-    if not low_s < high_s:
-        return 0
-    low, high = math.asin(low_s), math.asin(high_s)
     low_c, high_c = math.sqrt((1.0 - low_s) * (1.0 + low_s)), math.sqrt((1.0 - high_s) * (1.0 + high_s))
     n = 0
     walls, root_x, root_id = work.walls, work.root_x, work.root_id
@@ -226,13 +219,100 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
                 root_x[k] = x
                 root_id[k] = 4 * i + b
                 n += 1
+    return n
+
+
+@inlined
+def label_stretch(
+    middle: float, c: float, s: float, changed: int, which: int, cells: int, side: int, view: View, work: Work
+) -> tuple[int, bool]:  # fmt: skip
+    """Fill ``lit`` of cell ``cells`` as of a stretch's ``middle``; its side, and whether all is as in the cell before.
+
+    Of the last label, of this ``side``, only what the wall passed may have ``changed`` is asked again: of a terminator
+    or of a shadow's edge what light ``which`` does.
+    """
+    j, lights, lit = work.chart.shape_index, view.points.shape[0], work.lit
+    same = True
+    qx, qy, qz, nx, ny, nz = surface_point(middle, c, s, work.chart)
+    before = side
+    if changed == HIGHLIGHT and cells > 0:
+        # what is felt of a light changes here, not what it is
+        same = False
+        for l in range(lights):
+            lit[cells, l] = lit[cells - 1, l]
+            if view.points[l].spot != 0.0:
+                # but where it is the cone of a spot
+                lit[cells, l] = light_state(l, qx, qy, qz, nx, ny, nz, view, work)
+    elif changed == TEXTURE_EDGE:
+        side = texture_side(view.spheres, j, nx, ny, nz)
+        same = side == before
+    elif changed in (TERMINATOR, SHADOW_EDGE):
+        state = light_state(which, qx, qy, qz, nx, ny, nz, view, work)
+        same = state == lit[cells - 1, which]
+        if not same:
+            for l in range(lights):
+                lit[cells, l] = lit[cells - 1, l]
+            lit[cells, which] = state
+    else:
+        if is_hidden(qx, qy, qz, view, work):
+            side = HIDDEN
+            for l in range(lights):
+                lit[cells, l] = DARK
+        else:
+            side = 1 if j < 0 else texture_side(view.spheres, j, nx, ny, nz)
+            for l in range(lights):
+                lit[cells, l] = light_state(l, qx, qy, qz, nx, ny, nz, view, work)
+        same = cells > 0 and side == before
+        if same:
+            for l in range(lights):
+                if lit[cells, l] != lit[cells - 1, l]:
+                    same = False
+                    break
+    if not same and changed == TEXTURE_EDGE:
+        for l in range(lights):
+            lit[cells, l] = lit[cells - 1, l]
+    return side, same
+
+
+@inlined
+def line_signature(last: int, view: View, work: Work) -> int:
+    """A number of the scanned line's walls and labels in their order, ended by ``last``; 0 where none of it is seen."""
+    cells, lights, lit = work.counts.cells, view.points.shape[0], work.lit
+    seen = False
+    signature = 1469598103934665603
+    for i in range(cells):
+        signature = (signature ^ (work.cell_wall[i] + 8)) * 1099511628211
+        signature = (signature ^ (work.cell_side[i] + 2)) * 1099511628211
+        if work.cell_side[i] != HIDDEN:
+            seen = True
+            for l in range(lights):
+                signature = (signature ^ lit[i, l]) * 1099511628211
+    signature = (signature ^ (last + 8)) * 1099511628211
+    if not seen:
+        return 0
+    return signature
+
+
+@jitable
+def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
+    """Cells of the line phi = const inside the lobe; returns the line's signature, equal for equal structure.
+
+    Fills ``cell_from``, ``cell_to``, ``cell_wall`` (the wall below each cell; one more entry closes the last),
+    ``cell_side`` and ``lit``; ``counts[CELLS]`` is their number. Neighbours with the same label are one cell.
+    ``scratch`` is (4,).
+    """
+    work.counts.labour += 1
+    c, s = math.cos(phi), math.sin(phi)
+    low_s, high_s, first, last = rim_sines(c, s, work.chart)
+    work.counts.cells = 0
+    if not low_s < high_s:
+        return 0
+    low, high = math.asin(low_s), math.asin(high_s)
+    n = line_roots(phi, c, s, low, high, low_s, high_s, work, scratch)
     cells = 0
     start, wall = low, first
-    lights = view.points.shape[0]
-    lit = work.lit
     changed = SEVERAL
     which = 0
-    j = work.chart.shape_index
     side = HIDDEN
     for i in range(n + 1):
         end = high if i == n else work.root_x[i]
@@ -243,44 +323,7 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
             if side == HIDDEN and changed < SEVERAL and changed > SILHOUETTE and changed != FLOOR_CUT:
                 changed = NOTHING
             if changed != NOTHING:
-                qx, qy, qz, nx, ny, nz = surface_point(0.5 * (start + end), c, s, work.chart)
-                before = side
-                if changed == HIGHLIGHT and cells > 0:
-                    # what is felt of a light changes here, not what it is
-                    same = False
-                    for l in range(lights):
-                        lit[cells, l] = lit[cells - 1, l]
-                        if view.points[l].spot != 0.0:
-                            # but where it is the cone of a spot
-                            lit[cells, l] = light_state(l, qx, qy, qz, nx, ny, nz, view, work)
-                elif changed == TEXTURE_EDGE:
-                    side = texture_side(view.spheres, j, nx, ny, nz)
-                    same = side == before
-                elif changed in (TERMINATOR, SHADOW_EDGE):
-                    state = light_state(which, qx, qy, qz, nx, ny, nz, view, work)
-                    same = state == lit[cells - 1, which]
-                    if not same:
-                        for l in range(lights):
-                            lit[cells, l] = lit[cells - 1, l]
-                        lit[cells, which] = state
-                else:
-                    if is_hidden(qx, qy, qz, view, work):
-                        side = HIDDEN
-                        for l in range(lights):
-                            lit[cells, l] = DARK
-                    else:
-                        side = 1 if j < 0 else texture_side(view.spheres, j, nx, ny, nz)
-                        for l in range(lights):
-                            lit[cells, l] = light_state(l, qx, qy, qz, nx, ny, nz, view, work)
-                    same = cells > 0 and side == before
-                    if same:
-                        for l in range(lights):
-                            if lit[cells, l] != lit[cells - 1, l]:
-                                same = False
-                                break
-                if not same and changed == TEXTURE_EDGE:
-                    for l in range(lights):
-                        lit[cells, l] = lit[cells - 1, l]
+                side, same = label_stretch(0.5 * (start + end), c, s, changed, which, cells, side, view, work)
             if same and cells > 0:
                 work.cell_to[cells - 1] = end
             else:
@@ -304,16 +347,4 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     work.counts.cells = cells
     if moves(start):
         note_parted(cells, work)
-    seen = False
-    signature = 1469598103934665603
-    for i in range(cells):
-        signature = (signature ^ (work.cell_wall[i] + 8)) * 1099511628211
-        signature = (signature ^ (work.cell_side[i] + 2)) * 1099511628211
-        if work.cell_side[i] != HIDDEN:
-            seen = True
-            for l in range(lights):
-                signature = (signature ^ lit[i, l]) * 1099511628211
-    signature = (signature ^ (last + 8)) * 1099511628211
-    if not seen:
-        return 0
-    return signature
+    return line_signature(last, view, work)

@@ -139,31 +139,7 @@ def gather() -> Function:
         share = block.let("share", RULES[rule, s, 3])
         with block.when(sp.Eq(SHADING.field("units"), at.BRDF_NORMALISED)):
             block.set(share, share * cosine)
-        best, shape = block.let("best", sp.oo), block.count("shape", sp.Integer(at.NOTHING))
-        with block.loop("k", found) as k:
-            approach = block.let("approach", WORK[k, 1] * x + WORK[k, 2] * y + WORK[k, 3] * z)
-            c = block.let("c", WORK[k, 4])
-            with block.when(sp.Or(c < 0, sp.And(approach > 0, approach**2 >= c))):
-                j = block.count("j", sp.floor(WORK[k, 0]))
-                w = _world(block, x, y, z, u1, u2, m)
-                f = block.let_vector("f", SPHERES.vector("center", j) - p)
-                radius = block.let("radius", SPHERES.field("radius", j))
-                chord2 = block.let("chord2", intersection.discriminant(f, w, radius))
-                with block.when(sp.Or(c < 0, chord2 >= 0)):
-                    _, _, distance = sphere_distance(block, intersection.approach(f, w), c, chord2)
-                    with block.when(sp.And(distance > 0, distance < best)):
-                        block.set(best, distance)
-                        block.set(shape, at.FIRST_SPHERE + j)
-        with block.when(sp.Eq(sees_floor, 1)):
-            fall = block.let("fall", u1.z * x + u2.z * y + m.z * z)
-            with block.when(p.z * fall < 0):
-                block.set(fall, -p.z / fall)
-                with block.when(fall <= best):
-                    block.set(best, fall)
-                    block.set(shape, sp.Integer(at.FLOOR))
-        with block.when(PLANES.length > 0):
-            w = _world(block, x, y, z, u1, u2, m)
-            block.call("nearest_plane", (p, w, leaves, best, shape, SPHERES, PLANES), "shape", "best")
+        shape = _seen_shape(block, Vec3(x, y, z), (u1, u2, m), found, sees_floor)
         with block.when(sp.Eq(shape, at.NOTHING)):
             with block.when(dark):
                 block.next()
@@ -181,6 +157,39 @@ def gather() -> Function:
         *(RULES, SIZES, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING, WORK),
     )
     return Function("gather", parameters, block.statements, "gloss (r, g, b) at p by a rule, without the mirror weight")
+
+
+def _seen_shape(
+    block: Block, place: Vec3, axes: tuple[Vec3, Vec3, Vec3], found: sp.Expr, sees_floor: sp.Expr
+) -> sp.Symbol:  # fmt: skip
+    """Hit class of what the direction ``place`` in the lobe's frame meets first, of the spheres listed and planes."""
+    p, leaves, (x, y, z), (u1, u2, m) = vec3("p"), whole("leaves"), place.parts, axes
+    best, shape = block.let("best", sp.oo), block.count("shape", sp.Integer(at.NOTHING))
+    with block.loop("k", found) as k:
+        approach = block.let("approach", WORK[k, 1] * x + WORK[k, 2] * y + WORK[k, 3] * z)
+        c = block.let("c", WORK[k, 4])
+        with block.when(sp.Or(c < 0, sp.And(approach > 0, approach**2 >= c))):
+            j = block.count("j", sp.floor(WORK[k, 0]))
+            w = _world(block, x, y, z, u1, u2, m)
+            f = block.let_vector("f", SPHERES.vector("center", j) - p)
+            radius = block.let("radius", SPHERES.field("radius", j))
+            chord2 = block.let("chord2", intersection.discriminant(f, w, radius))
+            with block.when(sp.Or(c < 0, chord2 >= 0)):
+                _, _, distance = sphere_distance(block, intersection.approach(f, w), c, chord2)
+                with block.when(sp.And(distance > 0, distance < best)):
+                    block.set(best, distance)
+                    block.set(shape, at.FIRST_SPHERE + j)
+    with block.when(sp.Eq(sees_floor, 1)):
+        fall = block.let("fall", u1.z * x + u2.z * y + m.z * z)
+        with block.when(p.z * fall < 0):
+            block.set(fall, -p.z / fall)
+            with block.when(fall <= best):
+                block.set(best, fall)
+                block.set(shape, sp.Integer(at.FLOOR))
+    with block.when(PLANES.length > 0):
+        w = _world(block, x, y, z, u1, u2, m)
+        block.call("nearest_plane", (p, w, leaves, best, shape, SPHERES, PLANES), "shape", "best")
+    return shape
 
 
 def _world(block: Block, x: sp.Expr, y: sp.Expr, z: sp.Expr, u1: Vec3, u2: Vec3, m: Vec3) -> Vec3:

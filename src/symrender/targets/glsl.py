@@ -1,9 +1,4 @@
-"""Program to GLSL ES 3.00 for WebGL 2: float32 throughout, tables in uniform blocks, helpers of known accuracy.
-
-Elementary functions are our own where a driver's are not accurate to float32: software drivers were seen to err by
-2e-4 in sin and cos and 1e-4 in acos, which a difference of two images would show. Coefficients after S. L. Moshier,
-*Cephes Mathematical Library*, single precision.
-"""
+"""Program to GLSL ES 3.00 for WebGL 2: float32 throughout, tables in uniform blocks, helpers of known accuracy."""
 
 from __future__ import annotations
 
@@ -16,236 +11,13 @@ from sympy.core.relational import Relational
 from symrender.kernel.assemble_pixels import TABLES, Table
 from symrender.kernel.program import Function, Loop, Program, Return, Statement, When
 from symrender.targets.braces import _AND, _COMPARE, _OR, _PRODUCT, _SUM, _UNARY, Writer
+from symrender.targets.glsl_words import FUNCTIONS, HELPERS, RESERVED
 from symrender.targets.interface import Target
 
 _FAR: Final = "3.402823e38"
 _ROWS: Final = 4
 _CARRIED_ROWS: Final = 8
 """Rows of a table whose elements are read once, in ``main``, and handed to the functions that use them."""
-_RESERVED: Final = frozenset(
-    [
-        "attribute",
-        "uniform",
-        "varying",
-        "layout",
-        "centroid",
-        "flat",
-        "smooth",
-        "break",
-        "continue",
-        "do",
-        "for",
-        "while",
-        "switch",
-        "case",
-        "default",
-        "if",
-        "else",
-        "in",
-        "out",
-        "inout",
-        "true",
-        "false",
-        "invariant",
-        "discard",
-        "return",
-        "lowp",
-        "mediump",
-        "highp",
-        "precision",
-        "sampler",
-        "struct",
-        "common",
-        "partition",
-        "active",
-        "asm",
-        "class",
-        "union",
-        "enum",
-        "typedef",
-        "template",
-        "this",
-        "resource",
-        "goto",
-        "inline",
-        "noinline",
-        "volatile",
-        "public",
-        "static",
-        "extern",
-        "external",
-        "interface",
-        "long",
-        "short",
-        "double",
-        "half",
-        "fixed",
-        "unsigned",
-        "superp",
-        "input",
-        "output",
-        "filter",
-        "sizeof",
-        "cast",
-        "namespace",
-        "using",
-        "shared",
-        "patch",
-        "sample",
-        "subroutine",
-        "coherent",
-        "restrict",
-        "readonly",
-        "writeonly",
-        "noise",
-        "radians",
-        "degrees",
-        "sin",
-        "cos",
-        "tan",
-        "asin",
-        "acos",
-        "atan",
-        "sinh",
-        "cosh",
-        "tanh",
-        "pow",
-        "exp",
-        "log",
-        "exp2",
-        "log2",
-        "sqrt",
-        "abs",
-        "sign",
-        "floor",
-        "trunc",
-        "round",
-        "ceil",
-        "fract",
-        "mod",
-        "modf",
-        "min",
-        "max",
-        "clamp",
-        "mix",
-        "step",
-        "smoothstep",
-        "isnan",
-        "isinf",
-        "length",
-        "distance",
-        "dot",
-        "cross",
-        "normalize",
-        "reflect",
-        "refract",
-        "main",
-        "result",
-    ]
-)
-_HELPERS: Final[dict[str, tuple[tuple[str, ...], str]]] = {
-    "own_sqrt": ((), "float own_sqrt(float x) { return sqrt(max(x, 0.0)); }"),
-    "own_sine": (
-        (),
-        """float own_sine(float x, float quarters) {
-  // a whole number of quarter turns taken off in three parts; what is left lies in [-pi/4, pi/4]
-  float k = floor(x*0.636619772 + 0.5);
-  float r = ((x - k*1.5703125) - k*4.83751297e-4) - k*7.54978997e-8;
-  float z = r*r;
-  int turn = int(k + quarters) & 3;
-  float s = ((-1.9515295891e-4*z + 8.3321608736e-3)*z - 1.6666654611e-1)*z*r + r;
-  float c = ((2.443315711809948e-5*z - 1.388731625493765e-3)*z + 4.166664568298827e-2)*z*z - 0.5*z + 1.0;
-  float value = (turn & 1) == 1 ? c : s;
-  return turn > 1 ? -value : value;
-}""",
-    ),
-    "own_sin": (("own_sine",), "float own_sin(float x) { return own_sine(x, 0.0); }"),
-    "own_cos": (("own_sine",), "float own_cos(float x) { return own_sine(x, 1.0); }"),
-    "own_asin": (
-        (),
-        """float own_asin(float x) {
-  float a = min(abs(x), 1.0);
-  bool wide = a > 0.5;
-  float z = wide ? 0.5*(1.0 - a) : a*a;
-  float s = wide ? sqrt(z) : a;
-  float p = (((4.2163199048e-2*z + 2.4181311049e-2)*z + 4.5470025998e-2)*z + 7.4953002686e-2)*z + 1.6666752422e-1;
-  float y = p*z*s + s;
-  y = wide ? 1.57079632679 - 2.0*y : y;
-  return x < 0.0 ? -y : y;
-}""",
-    ),
-    "own_acos": (
-        (),
-        """float own_acos(float x) {
-  float a = min(abs(x), 1.0);
-  bool wide = a > 0.5;
-  float z = wide ? 0.5*(1.0 - a) : a*a;
-  float s = wide ? sqrt(z) : a;
-  float p = (((4.2163199048e-2*z + 2.4181311049e-2)*z + 4.5470025998e-2)*z + 7.4953002686e-2)*z + 1.6666752422e-1;
-  float t = p*z*s + s;
-  float y = wide ? 2.0*t : 1.57079632679 - t;
-  return x < 0.0 ? 3.14159265359 - y : y;
-}""",
-    ),
-    "own_atan2": (
-        (),
-        """float own_atan2(float y, float x) {
-  float a = abs(y), b = abs(x);
-  float high = max(a, b), low = min(a, b);
-  if (high == 0.0) { return 0.0; }
-  float t = low/high;
-  float base = 0.0;
-  if (t > 0.414213562) { base = 0.785398163397; t = (low - high)/(low + high); }
-  float z = t*t;
-  float v = base + ((((8.05374449538e-2*z - 1.38776856032e-1)*z + 1.99777106478e-1)*z - 3.33329491539e-1)*z*t + t);
-  v = a > b ? 1.57079632679 - v : v;
-  v = x < 0.0 ? 3.14159265359 - v : v;
-  return y < 0.0 ? -v : v;
-}""",
-    ),
-    "own_exp": ((), "float own_exp(float x) { return exp2(x*1.44269504); }"),
-    "own_series": (
-        (),
-        """float own_series(float s) {
-  // log((1 + s)/(1 - s))
-  float z = s*s;
-  return 2.0*s + 2.0*s*z*(0.33333333 + z*(0.2 + z*(0.14285714 + z*0.11111111)));
-}""",
-    ),
-    "own_log": (
-        ("own_series",),
-        """float own_log(float x) {
-  if (x <= 0.0) { return -3.402823e38; }
-  int bits = floatBitsToInt(x);
-  int e = (bits >> 23) - 127;
-  float m = intBitsToFloat((bits & 8388607) | 1065353216);
-  if (m > 1.41421356) { m *= 0.5; e += 1; }
-  return float(e)*0.693359375 + (own_series((m - 1.0)/(m + 1.0)) - float(e)*2.12194440e-4);
-}""",
-    ),
-    "own_log1p": (
-        ("own_series",),
-        "float own_log1p(float x) { return abs(x) < 0.25 ? own_series(x/(2.0 + x)) : 0.69314718*log2(1.0 + x); }",
-    ),
-    "own_expm1": (
-        ("own_exp",),
-        """float own_expm1(float x) {
-  if (abs(x) > 0.5) { return own_exp(x) - 1.0; }
-  return x*(1.0 + x*(0.5 + x*(0.16666667 + x*(4.1666667e-2 + x*(8.3333333e-3 + x*(1.3888889e-3
-    + x*(1.9841270e-4 + x*2.4801587e-5)))))));
-}""",
-    ),
-    "own_pow": (
-        ("own_exp", "own_log"),
-        "float own_pow(float x, float y) { return y == 0.0 ? 1.0 : x <= 0.0 ? 0.0 : own_exp(y*own_log(x)); }",
-    ),
-    "own_modulo": ((), "int own_modulo(int a, int b) { int r = a - (a/b)*b; return r < 0 ? r + b : r; }"),
-}
-_FUNCTIONS: Final = {
-    **{name: f"own_{name}" for name in ("sin", "cos", "asin", "acos", "atan2", "exp", "log", "log1p", "expm1")},
-    **{name: f"own_{name}" for name in ("sqrt", "pow", "modulo")},
-    **{name: name for name in ("floor", "abs", "max", "min", "mod")},
-}
 
 
 class _Glsl(Writer):
@@ -293,7 +65,7 @@ class _Glsl(Writer):
         return f"int({text})"
 
     def name(self, name: str) -> str:
-        return f"{name}_x" if name in _RESERVED else name
+        return f"{name}_x" if name in RESERVED else name
 
     def function_call(self, name: str, arguments: Sequence[str]) -> str:
         match name:
@@ -305,8 +77,8 @@ class _Glsl(Writer):
                 return f"int(uint({arguments[0]}) >> {arguments[1]}u)"
             case "product32":
                 return f"int(uint({arguments[0]})*uint({arguments[1]}))"
-        called = _FUNCTIONS[name]
-        if called in _HELPERS:
+        called = FUNCTIONS[name]
+        if called in HELPERS:
             self.helpers.add(called)
         return f"{called}({', '.join(arguments)})"
 
@@ -493,11 +265,11 @@ def emit(program: Program, tables: Mapping[str, Table] = TABLES) -> str:
     once = "".join(f"  float {name} = {place};\n" for name, place in read.items())
     call = f"{entry}(int(gl_FragCoord.x), int(gl_FragCoord.y), {', '.join([*read, *names])});"
     main = f"void main() {{\n{once}  {declared}\n  {call}\n  result = vec4({values});\n}}\n"
-    return "\n".join([*head, *(_HELPERS[name][1] for name in helpers), *texts, main])
+    return "\n".join([*head, *(HELPERS[name][1] for name in helpers), *texts, main])
 
 
 def _with_needs(name: str, found: list[str]) -> None:
-    for other in _HELPERS[name][0]:
+    for other in HELPERS[name][0]:
         _with_needs(other, found)
     if name not in found:
         found.append(name)
