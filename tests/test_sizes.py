@@ -17,16 +17,12 @@ LINES, ARGUMENTS, FILE = 80, 12, 400
 REASON = re.compile(r"\b(?:[Ll]ong|[Mm]any)\b[^.]*\bbecause\b")
 DUE = frozenset(
     [
-        "chambers/highlights.py",
         "quadrature/split_grid.py::grid_once",
         "quadrature/split_grid.py::smooth_block",
-        "quadrature/split_line.py",
         "quadrature/split_line.py::integrate_cells",
-        "quadrature/split_panel.py",
-        "quadrature/split_panel.py::evaluate_panel",
+        "quadrature/panel_rule.py::evaluate_panel",
         "quadrature/split_panel.py::split_chart",
         "quadrature/split_point.py::gloss_kernel",
-        "quadrature/split_square.py",
         "quadrature/split_square.py::cut_square",
         "quadrature/split_square.py::strip_integral",
     ]

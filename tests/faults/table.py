@@ -168,7 +168,7 @@ FAULTS = (
           "places beyond the tapers, which all of them miss, left out"),
     Fault("checker", "quadrature/split_square.py", "size, log_rho), known)", "size, log_rho), 0.0)", KNOWN,
           "a wall that turns just outside of a square not known of"),
-    Fault("panels", "quadrature/split_panel.py", "max(bound, 10.0 * size", "max(0.0, 10.0 * size",
+    Fault("panels", "quadrature/panel_rule.py", "max(bound, 10.0 * size", "max(0.0, 10.0 * size",
           KNOWN, "three dark lines taken for a proof"),
     Fault("mirror", "quadrature/mirror.py", "if 0.0 < t < nearest:", "if 0.0 < t:", MIRROR,
           "a mirror that shows the last sphere, not the first"),

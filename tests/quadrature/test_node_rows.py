@@ -14,7 +14,7 @@ from symrender.chambers.row_powers import powers
 from symrender.chambers.work import work_arrays
 from symrender.quadrature import node_rows as rows
 from symrender.quadrature.gauss import FALLS
-from symrender.quadrature.split_square import decay, taper, taper_rows
+from symrender.quadrature.square_nodes import decay, taper, taper_rows
 
 USED = 40
 

@@ -11,8 +11,10 @@ from symrender.chambers.records import Event
 from symrender.chambers.walls import tangent_lines
 from symrender.jit.records import table
 from symrender.quadrature.gauss import LEVELS
+from symrender.quadrature.panel_maps import MAX_FIRST, branch_sum, ellipse_sum
+from symrender.quadrature.panel_rule import panel_order
 from symrender.quadrature.records import Panel
-from symrender.quadrature.split_panel import MAX_FIRST, branch_sum, ellipse_sum, inside, panel_order
+from symrender.quadrature.split_panel import inside
 
 
 def test_a_circle_through_the_pole_has_no_branch_point() -> None:

@@ -29,7 +29,7 @@ from symrender.quadrature.gauss import step_of
 from symrender.quadrature.grid_blocks import block_bound, block_level, block_sign, push_quarters
 from symrender.quadrature.grid_tail import REST, remainders_of
 from symrender.quadrature.split_grid import LEAVES, MAX_BLOCK_ORDER, SMALLEST, grid_reach
-from symrender.quadrature.split_square import seen, taper
+from symrender.quadrature.square_nodes import seen, taper
 
 Array = npt.NDArray[np.float64]
 

@@ -27,8 +27,9 @@ from symrender.chambers.lobes.width import blunt_rim, rim_power, steepening
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.line_errors import tail_error
 from symrender.quadrature.line_poles import cell_order, find_poles
-from symrender.quadrature.split_line import SOFT_LOG, disk_edge, tail_error
+from symrender.quadrature.split_line import SOFT_LOG, disk_edge
 
 Array = npt.NDArray[np.float64]
 

@@ -26,9 +26,11 @@ from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.quadrature.gauss import FALLS, LEVELS, MAX_ORDER, MIDDLE, order
+from symrender.quadrature.line_errors import tail_error
+from symrender.quadrature.panel_maps import add_panel, panel_azimuth
+from symrender.quadrature.panel_search import split_span
 from symrender.quadrature.records import Panel
-from symrender.quadrature.split_line import kinked, tail_error
-from symrender.quadrature.split_panel import add_panel, panel_azimuth, split_span
+from symrender.quadrature.split_line import kinked
 
 Array = npt.NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from symrender.chambers.line import scan_line
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import jitable
 from symrender.jit.records import Table
+from symrender.quadrature.panel_maps import add_panel, panel_log
 from symrender.quadrature.records import Panel
-from symrender.quadrature.split_panel import add_panel, panel_log
 
 Array = npt.NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from symrender.jit.records import Table
 from symrender.quadrature.floor_conics import conic_roots, square_cuts
 from symrender.quadrature.gauss import MAX_ORDER, order
 from symrender.quadrature.split_line import SOFT_LOG
-from symrender.quadrature.split_square import seen, taper
+from symrender.quadrature.square_nodes import seen, taper
 
 Array = npt.NDArray[np.float64]
 

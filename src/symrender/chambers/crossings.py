@@ -4,7 +4,7 @@ Two circles of one sphere meet where ``x = u a + v b +- w (a x b)``. Every other
 form of the hit point, and every wall of the floor's chart a quadratic form of the direction; along a circle
 ``x(t) = p + q cos t + r sin t`` either becomes a quartic in tan(t/2). A shadow edge against another one, or against a
 cone of directions on a sphere, has no such form: these are traced (``chambers/traces.py``). What neither finds, the
-scan lines that disagree tell of (``quadrature/split_panel.py``).
+scan lines that disagree tell of (``quadrature/panel_search.py``).
 """
 
 from __future__ import annotations

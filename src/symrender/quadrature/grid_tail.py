@@ -33,7 +33,7 @@ from symrender.leaves import slopes
 from symrender.quadrature.fall_off import most_floor_light, most_light
 from symrender.quadrature.glow_nodes import glow_at
 from symrender.quadrature.records import Conic, Remainder
-from symrender.quadrature.split_square import seen
+from symrender.quadrature.square_nodes import seen
 from symrender.scene.arrays import STRIPES
 
 Array = npt.NDArray[np.float64]

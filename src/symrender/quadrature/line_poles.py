@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from symrender.chambers.highlights import line_highlights, piece_highlights, seeing
+from symrender.chambers.highlight_strips import line_highlights, piece_highlights, seeing
 from symrender.chambers.lobes.levels import LEVELS, level_on_line, lobe_level
 from symrender.chambers.lobes.poles import inner_pole, lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR

@@ -17,8 +17,8 @@ from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
+from symrender.quadrature.line_errors import tail_error
 from symrender.quadrature.records import Conic
-from symrender.quadrature.split_line import tail_error
 
 Array = npt.NDArray[np.float64]
 

@@ -32,7 +32,8 @@ from symrender.quadrature.grid_blocks import block_bound, block_level, block_sig
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
-from symrender.quadrature.split_square import cut_square, floor_nodes, seen
+from symrender.quadrature.split_square import cut_square
+from symrender.quadrature.square_nodes import floor_nodes, seen
 from symrender.scene.arrays import STRIPES
 
 Array = npt.NDArray[np.float64]

@@ -37,10 +37,11 @@ from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.grid_tail import MOST_REMAINDERS
 from symrender.quadrature.lattice_sphere import aim_lattice, lattice_sum
 from symrender.quadrature.mirror import NARROWEST, largest_gap, mirror_value
+from symrender.quadrature.panel_rule import stretched
 from symrender.quadrature.records import Conic, Panel, Remainder, Span
 from symrender.quadrature.rule_errors import slope_error
 from symrender.quadrature.split_grid import split_grid
-from symrender.quadrature.split_panel import split_chart, stretched
+from symrender.quadrature.split_panel import split_chart
 from symrender.quadrature.split_scene import SplitScene, refuse_conductors, split_scene
 from symrender.quadrature.split_setup import (
     CAPPED,

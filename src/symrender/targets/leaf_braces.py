@@ -13,7 +13,7 @@ from typing import Final
 from symrender.expression.elementary import LEAST
 from symrender.expression.leaf import Leaf
 from symrender.kernel.tape import Node, Tape, trace
-from symrender.targets.glsl import _HELPERS, _RESERVED
+from symrender.targets.glsl_words import HELPERS, RESERVED
 from symrender.targets.leaf_text import ATOM, Scribe
 
 _PLAIN: Final = ("sqrt", "sin", "cos", "tan", "asin", "exp", "log", "log1p", "expm1")
@@ -82,7 +82,7 @@ class _Glsl(_Braces):
         return "-3.402823e38" if value < -3.4e38 else super().literal(value)
 
     def input(self, name: str) -> str:
-        return f"{name}_x" if name in _RESERVED else name
+        return f"{name}_x" if name in RESERVED else name
 
 
 def javascript(leaf: Leaf) -> str:
@@ -113,7 +113,7 @@ _SHARED: Final = _Glsl(Tape(), ())
 
 def _body(kind: type[_Braces], tape: Tape, results: Sequence[Node]) -> tuple[list[str], list[str]]:
     """Lines, and the texts of the results; a guard that does not hold keeps what it guards from being computed."""
-    taken = [*_RESERVED, "gleam", "Math"]
+    taken = [*RESERVED, "gleam", "Math"]
     guard = results[0] if results[0].operation == "where_positive" else None
     if guard is None:
         scribe = kind(tape, results, taken=taken)
@@ -140,12 +140,12 @@ def glsl_module(leaves: Sequence[Leaf]) -> str:
     used: list[str] = []
 
     def need(name: str) -> None:
-        for other in _HELPERS[name][0]:
+        for other in HELPERS[name][0]:
             need(other)
         if name not in used:
             used.append(name)
 
-    for name in _HELPERS:
+    for name in HELPERS:
         if any(f"{name}(" in text for text in texts):
             need(name)
-    return "\n\n".join([*(_HELPERS[name][1] for name in used), *texts]) + "\n"
+    return "\n\n".join([*(HELPERS[name][1] for name in used), *texts]) + "\n"

@@ -1,0 +1,266 @@
+"""The rule of one panel: its lines, its integral and the error of that."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.chambers.events import ROOT
+from symrender.chambers.labels import HIDDEN
+from symrender.chambers.line import scan_line
+from symrender.chambers.lobes.record import CONDUCTOR
+from symrender.chambers.lobes.width import broken_rim
+from symrender.chambers.records import Chart, Event
+from symrender.chambers.work import View, Work, is_spent
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moved, moves, tangent
+from symrender.jit.records import Table
+from symrender.quadrature.crossed_poles import crossed_pole
+from symrender.quadrature.gauss import FALLS, MAX_ORDER, MIDDLE, NODE_GAP, order
+from symrender.quadrature.line_errors import across_error
+from symrender.quadrature.panel_maps import (
+    MAX_FIRST,
+    MAX_KINKED,
+    panel_azimuth,
+    panel_density,
+    sliver_bound,
+)
+from symrender.quadrature.records import Panel
+from symrender.quadrature.split_line import ends_bluntly, has_disk, integrate_cells, kinked
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+LINE = 32
+"""Where the sums of a line lie in the scratch array."""
+UNFALLEN = 1.0
+"""Share of a panel's size from which on its last coefficients are those of a spike between lines, and tell nothing."""
+FLANK = 100.0
+"""By how much the flank of a highlight may be brighter between its panel's lines than on them."""
+
+
+WEAK = 0.25
+"""Share of a panel's last coefficients that what is weak is taken to hold."""
+
+
+@inlined
+def shape_key(chart: Chart) -> int:
+    """A number of the charted shape: 2 and more of spheres, 1 and less of planes."""
+    return chart.shape_index + 2 if chart.shape_index >= 0 else 1 - chart.plane
+
+
+@inlined
+def note_chambers(work: Work) -> None:
+    """Count the labels of the scanned line that this point has not met before, and mark its walls as met."""
+    for cell in range(work.counts.cells):
+        if cell > 0 and work.cell_wall[cell] >= 0:
+            work.walls[work.cell_wall[cell] // 4].met = 1
+        if work.cell_side[cell] == HIDDEN:
+            continue
+        key = shape_key(work.chart) * 1099511628211 + work.cell_side[cell]
+        for i in range(work.lit.shape[1]):
+            key = (key ^ work.lit[cell, i]) * 1099511628211
+        known = min(work.counts.chambers, work.labels.shape[0])
+        fresh = True
+        for i in range(known):
+            if work.labels[i] == key:
+                fresh = False
+                break
+        if fresh:
+            if known < work.labels.shape[0]:
+                work.labels[known] = key
+            work.counts.chambers += 1
+
+
+@inlined
+def panel_order(step: int, log_rho: float) -> int:
+    """Lines of a panel, more with every step: one less tame than it looked is then found out.
+
+    The first step asks for the order of magnitude only.
+    """
+    if step == 0:
+        return min(MAX_FIRST, order(0, log_rho))
+    return min(MAX_ORDER, order(step, log_rho) + 1)
+
+
+@inlined
+def stretched(w: float) -> float:
+    """A weight, no smaller for what its panel grows by."""
+    if moves(w):
+        return moved(held(w), abs(tangent(w)))
+    return w
+
+
+@inlined
+def steepest(x: float, y: float, z: float) -> float:
+    """Largest magnitude of three tangents."""
+    return max(abs(tangent(x)), abs(tangent(y)), abs(tangent(z)))
+
+
+@inlined
+def rule_error(
+    p: Panel, n: int, step: int, last: float, before: float, middle: float, lower: float, size: float, bound: float,
+    thin: float, dense: float, uneven: bool, view: View, work: Work,
+) -> float:  # fmt: skip
+    """Error of a panel's rule of ``n`` lines by the last coefficients across them.
+
+    Of what the panel holds, and where numbers move of what that changes by: coefficients, ``size``, ``bound`` and
+    ``thin`` are then of the tangents. Arguments are many because they are asked of both.
+    """
+    if step == 0:
+        return max(bound, 10.0 * size * dense)
+    unseen = 0.0
+    if work.chart.lobe.kind == CONDUCTOR and not moves(p.error):
+        # what a spike between the lines may hold, that they saw little of, by how fast rules of such a spike converge
+        unseen = min(bound, size * dense) * math.exp(-2.0 * n * held(p.log_rho))
+    if uneven:
+        return max(2.0 * (last + before) + (size if n == 2 else 0.0) + thin, unseen)
+    log_rho, slow, share = held(p.log_rho), held(p.slow), held(p.share)
+    top = max(last, 0.5 * before)
+    known = max(top * math.exp(-(n + 1) * log_rho), WEAK * top * math.exp(-(n + 1) * slow))
+    # a square root's coefficients fall by the power 3/2 beside, and the last ones tell nothing of them by chance
+    known = max(known, share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n)))
+    # where a wall and a pole cross, coefficients may be small by chance
+    known = max(known, held(p.crossed_share) * size * math.exp(-2.0 * n * held(p.crossed)) / (2.0 * n))
+    if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
+        known = max(known, last, 0.5 * before)
+    error = max(2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known), unseen)
+    if p.glare > 0 and top > UNFALLEN * size:
+        # what lies of a highlight between lines may be far brighter than on them
+        error = max(error, min(bound, FLANK * size))
+    return error
+
+
+@inlined
+def evaluate_panel(
+    p: Panel, step: int, view: View, work: Work, gauss: Array, events: Table[Event], many: int, out: Array, scratch:
+    Array
+) -> float:  # fmt: skip
+    """Integral of one panel at one order in out[0:3], its error in out[3]; azimuth of a foreign line, or NaN.
+
+    ``out`` also gets its size in [4] and in [5] how many of the ``many`` events
+    lie inside. A panel of one structure is analytic and its error is read off the fall of its Legendre coefficients;
+    with a kink inside they fall slowly, and the last ones themselves are the error. Where the budget ends first the
+    error is inf, and what the panel held before stands.
+    """
+    a, b = p.ends[0], p.ends[1]
+    n = panel_order(step, p.log_rho)
+    if step == 1 and p.inside > 0.0:
+        # kinks decide, not how far off the integrand is tame between them
+        n = min(n, MAX_KINKED)
+    n = min(MAX_ORDER, max(n, p.glare))
+    base = n * (n - 1) // 2
+    # the map of a square root's end is twice as steep as the plain one at most
+    work.chart.apart = NODE_GAP * (b - a) / n * (2.0 if p.kinds[0] == ROOT or p.kinds[1] == ROOT else 1.0)
+    line = scratch[LINE : LINE + 6]
+    for i in range(6):
+        out[i] = 0.0
+    signature = 0
+    foreign = math.nan
+    inner, thin, peak = 0.0, 0.0, 0.0
+    last0, last1, last2, before0, before1, before2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    middle0, middle1, middle2, lower0, lower1, lower2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    margin = 1e-9 * (b - a)
+    p.crossed, p.crossed_share, crossing_from = math.inf, 0.0, math.nan
+    e = 0
+    while e < many and events[e].azimuth <= a + margin:
+        e += 1
+    for q in range(n + 1):
+        phi, slope = (b - margin, 0.0) if q == n else panel_azimuth(gauss[0, base + q], p)
+        first, inside = phi, 0
+        while e < many and events[e].azimuth < phi:
+            if inside == 0:
+                first = events[e].azimuth
+            inside += 1
+            e += 1
+        out[5] += inside
+        # between two lines, or a line and an end, a sliver may open and close again
+        if inside > 0 and q == 0:
+            thin += sliver_bound(a, events[e - 1].azimuth, work.chart)
+        elif inside > 0 and q == n:
+            thin += sliver_bound(first, b, work.chart)
+        elif inside > 1:
+            thin += sliver_bound(first, events[e - 1].azimuth, work.chart)
+        if q == n:
+            break
+        found = scan_line(phi, view, work, scratch)
+        if q == 0:
+            signature = found
+        elif found != signature and foreign != foreign:
+            foreign = phi
+        if p.step < 0.0 or found != signature:
+            note_chambers(work)
+        if is_spent(work):
+            out[3] = math.inf
+            return math.nan
+        if view.conductors is not None and step > 0:
+            crossed_pole(phi, crossing_from if found == signature else math.nan, n, p, work)
+            crossing_from = held(phi)
+        integrate_cells(phi, step, view, work, gauss, line)
+        peak = max(peak, line[5])
+        w = gauss[1, base + q] * slope
+        for i in range(3):
+            out[i] += w * line[i]
+        grown = stretched(w)
+        out[4] += grown * line[3]
+        inner += grown * line[4]
+        t = w * gauss[2, base + q]
+        last0 += t * line[0]
+        last1 += t * line[1]
+        last2 += t * line[2]
+        t = w * gauss[3, base + q]
+        before0 += t * line[0]
+        before1 += t * line[1]
+        before2 += t * line[2]
+        t = w * gauss[MIDDLE, base + q]
+        middle0 += t * line[0]
+        middle1 += t * line[1]
+        middle2 += t * line[2]
+        t = w * gauss[MIDDLE + 1, base + q]
+        lower0 += t * line[0]
+        lower1 += t * line[1]
+        lower2 += t * line[2]
+    last = max(abs(last0), abs(last1), abs(last2))
+    before = max(abs(before0), abs(before1), abs(before2))
+    middle, lower = max(abs(middle0), abs(middle1), abs(middle2)), max(abs(lower0), abs(lower1), abs(lower2))
+    size = out[4]
+    uneven = out[5] > 0.0 or foreign == foreign
+    dense = 1.0
+    if step == 0 or (work.chart.lobe.kind == CONDUCTOR and signature != 0):
+        # a line or two say little more than the order of magnitude, where the lobe is as dense as there: that a panel
+        # holds little is believed of its bound only
+        dense = max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
+    error = rule_error(
+        p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work
+    )
+    if moves(error):
+        rate = tangent(size) / max(held(size), 1e-300)
+        missed = rule_error(
+            p, n, step, steepest(last0, last1, last2), steepest(before0, before1, before2),
+            steepest(middle0, middle1, middle2), steepest(lower0, lower1, lower2), tangent(size),
+            rate * held(p.bound), rate * held(thin), held(dense), uneven, view, work,
+        )  # fmt: skip
+        error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
+    if has_disk(view):
+        # the rules over a disk light keep to the panel's level and err alike on every line
+        inner += 3.0 * FALLS[step] * size
+    out[3] = error + inner + 1e-15 * size
+    return foreign
+
+
+@jitable
+def rough_panel(p: Panel, view: View, work: Work, gauss: Array, scratch: Array) -> None:
+    """Settle a panel too thin to be cut by one line; all of its size is its error."""
+    width = p.ends[1] - p.ends[0]
+    phi = 0.5 * (p.ends[0] + p.ends[1])
+    line = scratch[LINE : LINE + 6]
+    work.chart.apart = 0.5 * width
+    scan_line(phi, view, work, scratch)
+    integrate_cells(phi, 2, view, work, gauss, line)
+    for i in range(3):
+        p.value[i] = width * line[i]
+    p.error = stretched(width) * line[3]
+    p.step = 1
+    p.settled = 1
