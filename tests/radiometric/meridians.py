@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
-NODES = (12, 24, 48, 96)
+NODES = (12, 24, 48, 96, 192)
 """Half the nodes between two azimuths, more where the last two sums differ."""
 _BESIDE = 1e-7
 _AGREED = 1e-10
