@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
-NODES = (12, 24, 48, 96)
+NODES = (12, 24, 48, 96, 192)
 """Half the nodes between two azimuths, more where the last two sums differ."""
 _BESIDE = 1e-7
 _AGREED = 1e-10
@@ -30,6 +30,11 @@ def rule(half: int) -> tuple[Array, Array]:
     return 0.5 + 0.5 * np.tanh(u), (3.05 / half) * 0.25 * math.pi * np.cosh(t) / np.cosh(u) ** 2
 
 
+def _cross(a: Array, b: Array) -> Array:
+    """Of two vectors, in a tenth of the time of ``np.cross``."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
 @dataclass
 class Piece:
     """A flat piece (corners about ``point``, or a disk, or endless) or a sphere, by its offset from the place."""
@@ -40,13 +45,21 @@ class Piece:
     normal: Array = field(default_factory=lambda: np.zeros(3))
     corners: Array = field(default_factory=lambda: np.zeros((0, 3)))
     radius: float = 0.0
+    inward: Array = field(init=False)
+    """Across each edge in the plane of the piece, towards its inside."""
+
+    def __post_init__(self) -> None:
+        edges = np.roll(self.corners, -1, axis=0) - self.corners
+        self.inward = np.array([_cross(self.normal, edge) for edge in edges]).reshape(-1, 3)
 
     def hit(self, w: Array) -> Array:
         """Distance along unit directions (..., 3), inf where it is not met."""
         with np.errstate(all="ignore"):
             if self.kind == "sphere":
                 along = w @ self.point
-                level = self.radius**2 - (np.cross(w, self.point) ** 2).sum(axis=-1)
+                x, y, z = (w[..., k] for k in range(3))
+                a, b, c = self.point
+                level = self.radius**2 - ((y * c - z * b) ** 2 + (z * a - x * c) ** 2 + (x * b - y * a) ** 2)
                 half = np.sqrt(np.maximum(level, 0.0))
                 inside = self.point @ self.point < self.radius**2
                 near = along + half if inside else along - half
@@ -56,8 +69,8 @@ class Piece:
             spot = np.where(met, far, 0.0)[..., None] * w
             if self.kind == "disk":
                 met &= ((spot - self.point) ** 2).sum(axis=-1) <= self.radius**2
-            for a, b in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
-                met &= np.cross(b - a, spot - a) @ self.normal >= 0.0
+            for a, inward in zip(self.corners, self.inward, strict=True):
+                met &= (spot - a) @ inward >= 0.0
             return np.where(met, far, np.inf)
 
 
@@ -122,8 +135,11 @@ def _meridians(
 ) -> Array:  # fmt: skip
     """What half circles towards directions ``e`` (N, 3) of the horizon add."""
     angles = _angles(circles, forms, e, normal)
-    middle = 0.5 * (angles[:, :-1] + angles[:, 1:])
-    w = np.sin(middle)[..., None] * e[:, None, :] + np.cos(middle)[..., None] * normal
+    # most of the boundaries do not meet most of the meridians: pieces without a length are passed over
+    rows, columns = np.nonzero(angles[:, 1:] > angles[:, :-1])
+    begin, end = angles[rows, columns], angles[rows, columns + 1]
+    middle = 0.5 * (begin + end)
+    w = np.sin(middle)[:, None] * e[rows] + np.cos(middle)[:, None] * normal
     nearest = np.full(middle.shape, np.inf)
     seen = np.full(middle.shape, lamp is None)
     for piece in pieces:
@@ -137,8 +153,8 @@ def _meridians(
     if above is not None:
         seen &= w @ above > 0.0
     # sin^2 b - sin^2 a, without cancelling
-    share = np.sin(angles[:, 1:] - angles[:, :-1]) * np.sin(angles[:, 1:] + angles[:, :-1])
-    return np.asarray(np.where(seen, 0.5 * share, 0.0).sum(axis=1))
+    share = np.sin(end - begin) * np.sin(end + begin)
+    return np.bincount(rows, np.where(seen, 0.5 * share, 0.0), len(e))
 
 
 @dataclass
@@ -148,14 +164,19 @@ class Circle:
     axis: Array
     cosine: float = 0.0
     ends: Array | None = None
+    onward: tuple[Array, Array] | None = field(init=False, default=None)
+    """Of an edge, what points along its circle from one end and back from the other."""
+
+    def __post_init__(self) -> None:
+        if self.ends is not None:
+            self.onward = _cross(self.axis, self.ends[0]), _cross(self.ends[1], self.axis)
 
     def holds(self, x: Array) -> Any:
         """Whether directions (..., 3) of the circle lie on the edge, or a little beside it."""
-        if self.ends is None:
+        if self.onward is None:
             return np.full(x.shape[:-1], True)
-        a, b = self.ends
-        size = np.sqrt((x**2).sum(axis=-1))
-        return (x @ np.cross(self.axis, a) >= -_BESIDE * size) & (x @ np.cross(b, self.axis) >= -_BESIDE * size)
+        room = -_BESIDE * np.sqrt((x * x).sum(axis=-1))
+        return (x @ self.onward[0] >= room) & (x @ self.onward[1] >= room)
 
 
 def _boundaries(pieces: list[Piece], lamp: str | None) -> tuple[list[Circle], list[Array]]:
@@ -176,7 +197,7 @@ def _boundaries(pieces: list[Piece], lamp: str | None) -> tuple[list[Circle], li
             continue
         for a, b in zip(piece.corners, np.roll(piece.corners, -1, axis=0), strict=True):
             sizes = np.linalg.norm([a, b], axis=1)
-            great(np.cross(a, b - a), np.array([a, b]) / sizes[:, None] if sizes.all() else None)
+            great(_cross(a, b - a), np.array([a, b]) / sizes[:, None] if sizes.all() else None)
         if piece.kind == "plane":
             great(piece.normal)
         if piece.kind == "disk":
@@ -200,7 +221,7 @@ def _azimuths(circles: list[Circle], forms: list[Array], normal: Array, first: A
     every = [*circles, Circle(normal)]
     for one, other in itertools.combinations(every, 2):
         (a, p), (b, q) = (one.axis, one.cosine), (other.axis, other.cosine)
-        d, x = float(a @ b), np.cross(a, b)
+        d, x = float(a @ b), _cross(a, b)
         cut = float(x @ x) - p * p - q * q + 2.0 * d * p * q
         if cut >= 0.0 and x @ x > 0.0:
             flat = (p - d * q) * a + (q - d * p) * b

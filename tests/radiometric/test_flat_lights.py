@@ -217,3 +217,20 @@ def test_a_sphere_through_a_lamp_is_refused() -> None:
                       lights=[flats.area("lamp")])  # fmt: skip
     with pytest.raises(Unsupported, match="crosses"):
         sr.truth(box, size=2)
+
+
+def test_under_the_face_of_a_lamp_that_lies_on_a_floor_all_is_dark_whichever_is_above() -> None:
+    """The ray begins in the lamp: it meets the face from behind, or a floor that is in the lamp with it."""
+    floor = flats.rectangle("floor", [-1, -1, 0.3], [2, 0, 0], [0, 2, 0], "both")
+    shapes, dark = [], 0
+    for gap in (-1e-7, -1e-13, 0.0, 1e-13, 1e-7, 2e-3):
+        lamp = flats.box("lamp", [0.1, 0.2, 0.8 + gap], [0.5, 0.6, 1.0], 30.0)
+        scene = flats.world(floor, lamp, lights=[flats.area("lamp")])
+        seen = sr.probe(scene, rays=([0.15, 0.25, 0.301], [0, 0, -1]), tol=1e-6)
+        shapes.append(seen.shape[0])
+        if gap > 1e-3:
+            # the ray begins below the lamp, which all but touches the floor
+            assert seen.direct[0, 0] > 0.99 and seen.status[0] == 0
+            continue
+        dark += int(seen.radiance.max() + seen.error[0] < 1e-12 and seen.status[0] == 0)
+    assert dark == 5 and set(shapes) == {"shapes.floor", "shapes.lamp"}

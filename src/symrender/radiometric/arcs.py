@@ -35,8 +35,8 @@ class Room(NamedTuple):
     of them so far, those of a cone one after another from its ``begin`` to its ``stop``; a listed polygon all of whose
     edges are inner ones has none before an arc comes near it. ``crossings`` are those of one arc, ``caps`` how many
     caps each cone has and ``within`` how many of them the arc is in; they hold for the cones in ``touched``. ``nodes``
-    says of the bounds whether they hold a listed piece. ``heights`` holds those of a bump and their gradients, a row a
-    term.
+    says of the bounds whether they hold a listed piece, or are ``WHOLE``, and last whether one is. ``heights`` holds
+    those of a bump and their gradients, a row a term.
     """
 
     arcs: Table[Arc]
@@ -92,18 +92,24 @@ def put_rim(room: Room, count: int, cone: int, middle: Vector, way: Vector, firs
 
 
 @jitable
-def put_edge(room: Room, count: int, cone: int, start: Vector, edge: Vector) -> int:
-    """Add the arc in which an edge of a polygon is seen, its inside on the left; returns how many arcs there are."""
+def put_edge(room: Room, count: int, cone: int, start: Vector, edge: Vector, inner: bool) -> int:
+    """Add the arc in which an edge of a polygon is seen, its inside on the left; returns how many arcs there are.
+
+    Of an ``inner`` one, which bounds nothing, only the cap is had.
+    """
     arc = room.arcs[count]
     ax, ay, az, fx, fy, fz, sx, sy, sz = leaves.edge_circle(*start, *edge)
-    stop = (start[0] + edge[0], start[1] + edge[1], start[2] + edge[2])
     arc.axis[0], arc.axis[1], arc.axis[2] = ax, ay, az
-    arc.first[0], arc.first[1], arc.first[2] = fx, fy, fz
-    arc.second[0], arc.second[1], arc.second[2] = sx, sy, sz
-    arc.cosine, arc.sine = 0.0, 1.0
-    arc.end = leaves.angle_on(*stop, fx, fy, fz, sx, sy, sz)
+    arc.cosine, arc.sine, arc.end = 0.0, 1.0, 0.0
     arc.cone, arc.linked, arc.rim = 1.0 * cone, 1.0, 0.0
     arc.inner, arc.beside, arc.edge = 0.0, -1.0, -1.0
+    if inner:
+        arc.inner = 1.0
+        return count + 1
+    stop = (start[0] + edge[0], start[1] + edge[1], start[2] + edge[2])
+    arc.first[0], arc.first[1], arc.first[2] = fx, fy, fz
+    arc.second[0], arc.second[1], arc.second[2] = sx, sy, sz
+    arc.end = leaves.angle_on(*stop, fx, fy, fz, sx, sy, sz)
     return count + 1
 
 

@@ -32,6 +32,10 @@ _AWAY: Final = 1e-7
 """What bounds are wider than they are by the way to them, in parts of it: roots lose half of the digits."""
 _SLANT: Final = 1e-12
 """Square of what the sine between two planes may be rounded by."""
+_NOWHERE: Final = (math.inf, 0.0, 1.0)
+"""What stands for a node of which nothing is said together with what is beside it."""
+WHOLE: Final = 2.0
+"""What is noted of a node all of whose pieces are listed, though none of them is yet looked at."""
 
 
 class Bound(Record):
@@ -40,7 +44,9 @@ class Bound(Record):
     ``skip`` is the node that follows all that is in this one. The pieces also lie within ``thick`` of the plane across
     ``up`` that is ``lift`` over the centre; where ``up`` is zero nothing is said.
     Where ``closed`` is not 0 they are faces of one closed mesh, 1 + piece among them, whose normals lie within an angle
-    of ``up`` with these ``cosine`` and ``sine``.
+    of ``up`` with these ``cosine`` and ``sine``; together with the faces beside them they lie within ``wide`` of the
+    centre, and their normals within an angle of ``wide_cosine`` and ``wide_sine``. All pieces are of one ``body`` if it
+    is not 0.
     """
 
     center: Three
@@ -51,6 +57,10 @@ class Bound(Record):
     closed: float
     cosine: float
     sine: float
+    wide: float
+    wide_cosine: float
+    wide_sine: float
+    body: float
     skip: float
     count: float
     held: Annotated[Array, 4]
@@ -64,6 +74,7 @@ class _Node:
     radius: float
     plate: tuple[Array, float, float]
     turn: tuple[float, float, float]
+    wide: tuple[float, float, float]
     own: Ints
     skip: int
 
@@ -72,13 +83,14 @@ class _Node:
 class _Tree:
     """The hierarchy in the making over pieces at ``corners``, ``radii`` about them, that face along ``ups``.
 
-    ``meshes`` says of the faces of closed meshes of which shape they are, of others -1.
+    ``meshes`` says of the faces of closed meshes of which shape they are, of others -1; ``beside`` is that of pieces.
     """
 
     corners: Array
     radii: Array
     ups: Array
     meshes: Ints
+    beside: Ints
     held: int
     padding: float = 0.0
     nodes: list[_Node] = field(default_factory=list)
@@ -92,7 +104,9 @@ class _Tree:
         leaf = len(own) <= self.held
         plate = self.plate(own, center)
         held = own if leaf else own[:0]
-        node = _Node(center, float(apart.max()) + self.padding, plate, self.turn(own, plate[0]), held, 0)
+        turn = self.turn(own, plate[0])
+        wide = self.wide(own, center, plate[0]) if turn[0] else _NOWHERE
+        node = _Node(center, float(apart.max()) + self.padding, plate, turn, wide, held, 0)
         self.nodes.append(node)
         if not leaf:
             middles = corners.mean(axis=1)
@@ -124,25 +138,40 @@ class _Tree:
             return 0.0, 0.0, 1.0
         return 1.0 + float(own[0]), cosine, math.sqrt(max(0.0, 1.0 - cosine * cosine))
 
+    def wide(self, own: Ints, center: Array, up: Array) -> tuple[float, float, float]:
+        """(radius, cosine, sine) about faces of a closed mesh and all beside them."""
+        ring = np.unique(np.concatenate([own, self.beside[own, :3].ravel()]))
+        cosine = float((self.ups[ring] @ up).min()) - _WIDER + 1.0
+        if cosine <= 0.0:
+            return _NOWHERE
+        reach = float(np.sqrt(((self.corners[ring] - center) ** 2).sum(axis=2)).max())
+        return reach + self.padding, cosine, math.sqrt(max(0.0, 1.0 - cosine * cosine))
+
 
 def laid_bounds(pieces: Table[Piece], held: int = HELD) -> Table[Bound]:
     """The hierarchy over ``pieces``, planes in leaves of their own; leaves have at most ``held`` of them."""
     meshes = np.where(np.asarray(pieces["reach"]) > 0.0, owners(pieces), -1)
-    tree = _Tree(*_extents(pieces), np.asarray(pieces["up"]), meshes, held)
+    beside = np.asarray(pieces["beside"]).astype(np.int64)
+    tree = _Tree(*_extents(pieces), np.asarray(pieces["up"]), meshes, beside, held)
     endless = np.asarray(pieces["kind"]) == PLANE
     planes, finite = np.nonzero(endless)[0], np.nonzero(~endless)[0]
     for k in range(0, len(planes), held):
         nothing = np.zeros(3), 0.0, 0.0
         own = planes[k : k + held]
-        tree.nodes.append(_Node(np.zeros(3), math.inf, nothing, (0.0, 0.0, 1.0), own, len(tree.nodes) + 1))
+        tree.nodes.append(_Node(np.zeros(3), math.inf, nothing, (0.0, 0.0, 1.0), _NOWHERE, own, len(tree.nodes) + 1))
     if len(finite):
         tree.padding = PADDING * float(np.abs(tree.corners[finite]).max())
         tree.split(finite)
     bounds = table(Bound, len(tree.nodes))
-    for bound, node in zip(bounds, tree.nodes, strict=True):
+    bodies = np.asarray(pieces["body"])
+    for k, (bound, node) in reversed(list(enumerate(zip(bounds, tree.nodes, strict=True)))):
+        halves = () if len(node.own) else (k + 1, tree.nodes[k + 1].skip)
+        known = bodies[node.own] if len(node.own) else np.array([bounds[half].body for half in halves])
+        bound.body = known[0] if (known == known[0]).all() else 0.0
         bound.center[:], bound.radius, bound.skip, bound.count = node.center, node.radius, node.skip, len(node.own)
         bound.up[:], bound.lift, bound.thick = node.plate
         bound.closed, bound.cosine, bound.sine = node.turn
+        bound.wide, bound.wide_cosine, bound.wide_sine = node.wide
         bound.held[: len(node.own)] = node.own
     return bounds
 
@@ -152,7 +181,7 @@ def loose_bounds(count: int) -> Table[Bound]:
     bounds = table(Bound, -(-count // HELD))
     for k, bound in enumerate(bounds):
         held = range(HELD * k, min(count, HELD * k + HELD))
-        bound.radius, bound.skip, bound.count, bound.sine = math.inf, k + 1, len(held), 1.0
+        bound.radius, bound.skip, bound.count, bound.sine, bound.wide = math.inf, k + 1, len(held), 1.0, math.inf
         bound.held[: len(held)] = held
     return bounds
 
@@ -203,15 +232,12 @@ def next_met(bounds: Table[Bound], k: int, origin: Vector, d: Vector, limit: flo
 
 
 @jitable
-def is_listed(bounds: Table[Bound], k: int, side: Array, listed: Array) -> bool:
-    """Whether a node holds a piece of which ``side`` is not 0; ``listed`` says so of the nodes that follow."""
-    bound = bounds[k]
-    if bound.count == 0.0:
-        return bool(listed[k + 1] != 0.0 or listed[int(bounds[k + 1].skip)] != 0.0)
-    found = False
-    for m in range(int(bound.count)):
-        found = found or side[1 + int(bound.held[m])] != 0.0
-    return found
+def note_listed(bounds: Table[Bound], k: int, listed: Array) -> int:
+    """Note that a node has listed pieces if one of its halves, of which it is noted, has; returns the node."""
+    inner = bounds[k].count == 0.0 and listed[k] == 0.0
+    if inner and (listed[k + 1] != 0.0 or listed[int(bounds[k + 1].skip)] != 0.0):
+        listed[k] = 1.0
+    return k
 
 
 @inlined
@@ -239,16 +265,18 @@ def over_plate(bound: Bound, height: float, plane: Vector, radius: float) -> boo
 
 @jitable
 def next_beside(
-    bounds: Table[Bound], listed: Array, k: int, place: Vector, plane: Vector, axis: Vector, cosine: float, sine: float
+    bounds: Table[Bound], listed: Array, k: int, place: Vector, plane: Vector, axis: Vector, cosine: float,
+    sine: float, body: float,
 ) -> int:  # fmt: skip
     """The first leaf from node k on seen in a cone about ``axis`` where it meets a great circle; their count if none.
 
-    Only nodes that are ``listed`` count. The circle is that across ``plane``; no cone of more than a right angle leaves
-    anything out.
+    Only nodes that are ``listed`` count; what is noted of a ``WHOLE`` one is handed on to its halves on the way. The
+    circle is that across ``plane``; no cone of more than a right angle leaves anything out. It is an edge of ``body``,
+    no other piece of which hides it, or of none.
     """
     while k < bounds.shape[0]:
         bound = bounds[k]
-        if listed[k] == 0.0:
+        if listed[k] == 0.0 or (body != 0.0 and bound.body == body):
             k = int(bound.skip)
             continue
         offset = minus(vector(bound.center), place)
@@ -262,6 +290,8 @@ def next_beside(
             continue
         if bound.count > 0.0:
             return k
+        if listed[k] == WHOLE:
+            listed[k], listed[k + 1], listed[int(bounds[k + 1].skip)] = 1.0, WHOLE, WHOLE
         k += 1
     return k
 
@@ -287,28 +317,72 @@ def turns_away(bound: Bound, offset: Vector, radius: float) -> bool:
 
 
 @jitable
+def shows_whole(bound: Bound, offset: Vector, normal: Vector) -> bool:
+    """Whether all faces of a node and all beside them show their front and rise over the plane across ``normal``."""
+    radius = _WIDER * bound.wide + _AWAY * (abs(offset[0]) + abs(offset[1]) + abs(offset[2]))
+    along = -dot(offset, vector(bound.up))
+    room = along * bound.wide_cosine - radius
+    across = (dot(offset, offset) - along * along) * bound.wide_sine * bound.wide_sine
+    return dot(offset, normal) > radius and room > 0.0 and across < room * room
+
+
+@jitable
 def next_over(
-    pieces: Table[Piece], bounds: Table[Bound], k: int, place: Vector, normal: Vector, axis: Vector,
+    pieces: Table[Piece], bounds: Table[Bound], listed: Array, k: int, place: Vector, normal: Vector, axis: Vector,
     cosine: float, sine: float, far: float, direction: Vector,
 ) -> int:  # fmt: skip
     """The first leaf from node k on that may hide something; the count of nodes if none.
 
     It may rise over the plane across ``normal``, be seen in a cone about ``axis``, and show more than the far side of a
-    closed mesh before the plane ``far`` along ``direction``.
+    closed mesh before the plane ``far`` along ``direction``. Nodes of such a mesh of which all edges lie between faces
+    that show their front are noted in ``listed`` as ``WHOLE`` and passed by, for no outline is in them; its last number
+    is then 1.
     """
     while k < bounds.shape[0]:
         bound = bounds[k]
         offset = minus(vector(bound.center), place)
         radius = padded(bound, offset)
-        behind = (
-            bound.closed != 0.0
-            and turns_away(bound, offset, radius)
-            and outside_before(pieces[int(bound.closed) - 1], place, far, direction)
-        )
-        if behind or dot(offset, normal) < -radius or beyond_cone(offset, radius, axis, cosine, sine):
+        if dot(offset, normal) < -radius or beyond_cone(offset, radius, axis, cosine, sine):
             k = int(bound.skip)
             continue
+        if bound.closed != 0.0:
+            behind, whole = turns_away(bound, offset, radius), shows_whole(bound, offset, normal)
+            if (behind or whole) and outside_before(pieces[int(bound.closed) - 1], place, far, direction):
+                if whole:
+                    listed[k], listed[bounds.shape[0]] = WHOLE, 1.0
+                k = int(bound.skip)
+                continue
         if bound.count > 0.0:
             return k
         k += 1
     return k
+
+
+@jitable
+def take_whole(bounds: Table[Bound], listed: Array, k: int, side: Array) -> int:
+    """List all pieces of a ``WHOLE`` leaf, each showing its front; returns how many."""
+    bound = bounds[k]
+    listed[k] = 1.0
+    for m in range(int(bound.count)):
+        side[1 + int(bound.held[m])] = 1.0
+    return int(bound.count)
+
+
+@jitable
+def clear_within(
+    pieces: Table[Piece], bounds: Table[Bound], k: int, place: Vector, normal: Vector, far: float, direction: Vector
+) -> float:  # fmt: skip
+    """How far at most leaf k is, if it is of one closed mesh before a plane, over the horizon and away from it; else 0.
+
+    The plane is ``far`` along ``direction``, the horizon that across ``normal``. The place being out of the mesh, a
+    face that shows its back then hides nothing, and one that shows its front does.
+    """
+    bound = bounds[k]
+    offset = minus(vector(bound.center), place)
+    if (
+        bound.closed != 0.0
+        and dot(offset, normal) > padded(bound, offset)
+        and outside_before(pieces[int(bound.closed) - 1], place, far, direction)
+    ):
+        return abs(offset[0]) + abs(offset[1]) + abs(offset[2]) + padded(bound, offset)
+    return 0.0

@@ -51,26 +51,47 @@ def put_polygon(room: Room, count: int, cone: int, piece: Piece, place: Vector) 
         # from above, corners that go counter-clockwise about the normal go clockwise
         if above:
             here, other = other, here
-        count = put_edge(room, count, cone, minus(here, place), minus(other, here))
+        beside = int(piece.beside[k]) if cone > 0 else -1
+        inner = beside >= 0 and is_inner(room, cone, beside)
+        count = put_edge(room, count, cone, minus(here, place), minus(other, here), inner)
         if cone > 0:
             room.arcs[count - 1].edge = 1.0 * k
-            if piece.beside[k] >= 0.0:
-                join(room, count - 1, cone, int(piece.beside[k]))
+            if beside >= 0 and not inner and room.side[1 + beside] != 0.0:
+                room.arcs[count - 1].beside = 1.0 + beside
     return count
 
 
 @jitable
-def join(room: Room, arc: int, cone: int, beside: int) -> None:
-    """Note of the edge between a listed polygon and one that may be listed what it bounds.
+def put_outline(room: Room, count: int, cone: int, piece: Piece, place: Vector) -> int:
+    """Add the edges of a face of a convex body that bound something; returns how many arcs there are.
 
-    Between two that show the same side it bounds nothing. Of two that are folded over each other the one that shows its
-    front has the edge.
+    No other face of the body hides them, so that the rest of the cone may wait until another arc comes near it.
+    """
+    above = height_over(piece, place) > 0.0
+    corners = int(piece.count)
+    for k in range(corners):
+        beside = int(piece.beside[k])
+        if beside >= 0 and is_inner(room, cone, beside):
+            continue
+        here, other = corner(piece, k), corner(piece, (k + 1) % corners)
+        if above:
+            here, other = other, here
+        count = put_edge(room, count, cone, minus(here, place), minus(other, here), False)
+        room.arcs[count - 1].edge = 1.0 * k
+        if beside >= 0 and room.side[1 + beside] != 0.0:
+            room.arcs[count - 1].beside = 1.0 + beside
+    return count
+
+
+@jitable
+def is_inner(room: Room, cone: int, beside: int) -> bool:
+    """Whether the edge between a listed polygon and one that may be listed bounds nothing.
+
+    It does not between two that show the same side. Of two that are folded over each other the one that shows its front
+    has the edge.
     """
     own, other = room.side[cone], room.side[1 + beside]
-    if other != 0.0 and (own == other or own < 0.0):
-        room.arcs[arc].inner = 1.0
-    elif other != 0.0:
-        room.arcs[arc].beside = 1.0 + beside
+    return bool(other != 0.0 and (own == other or own < 0.0))
 
 
 @jitable
@@ -88,12 +109,10 @@ def put_nearer(
 @jitable
 def bounds_nothing(room: Room, j: int, piece: Piece) -> bool:
     """Whether all edges of listed polygon j are inner ones."""
-    own = room.side[1 + j]
     for k in range(int(piece.count)):
         beside = int(piece.beside[k])
         if beside < 0:
             return False
-        other = room.side[1 + beside]
-        if other == 0.0 or (own != other and own > 0.0):
+        if not is_inner(room, 1 + j, beside):
             return False
     return piece.count > 0.0

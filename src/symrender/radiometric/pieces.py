@@ -30,6 +30,10 @@ POLYGON: Final = 3
 FACES: Final = 6
 CORNERS: Final = 4
 """Most corners of a piece."""
+_FLAT: Final = 1e-13
+"""Rise of a corner over a face, in parts of the size of a mesh, which roundings may be."""
+_AT_ONCE: Final = 256
+"""Faces that are compared with all corners together."""
 
 
 class Piece(Record):
@@ -39,7 +43,8 @@ class Piece(Record):
     unit axes of what is flat. The ``count`` corners of a polygon, three numbers each, go counter-clockwise about up.
     ``beside`` is, of the edge that leaves each of them, the one polygon that has the same edge the other way round, -1
     if there is none or several. Of a face of a box ``solid`` is 1 and ``face`` its number. Of a face of a closed mesh
-    the whole mesh lies within ``reach`` of ``middle``; of other pieces the reach is 0.
+    the whole mesh lies within ``reach`` of ``middle``; of other pieces the reach is 0. Pieces of one ``body``, a number
+    from 1 on, are the faces of a box or of a closed convex mesh; of others it is 0.
     """
 
     kind: float
@@ -47,16 +52,17 @@ class Piece(Record):
     material: float
     place: Three
     up: Three
-    east: Three
-    north: Three
-    radius: float
     count: float
-    corners: Annotated[Array, 12]
     beside: Annotated[Array, 4]
+    reach: float
+    body: float
     solid: float
     face: float
     middle: Three
-    reach: float
+    radius: float
+    east: Three
+    north: Three
+    corners: Annotated[Array, 12]
 
 
 def piece_count(shapes: Table[Shape]) -> int:
@@ -77,20 +83,40 @@ def laid_pieces(arrays: RadiometricArrays) -> Table[Piece]:
     pieces = table(Piece, piece_count(arrays.shapes))
     _kernel()(arrays.shapes, arrays.facets, arrays.frames, pieces)
     _join(pieces)
+    solid, belongs = np.asarray(pieces["solid"]) != 0.0, owners(pieces)
+    np.asarray(pieces["body"])[solid] = 1.0 + belongs[solid]
     for j, shape in enumerate(arrays.shapes):
         if shape.kind == MESH:
-            _enclose(pieces, np.nonzero(owners(pieces) == j)[0])
+            _enclose(pieces, np.nonzero(belongs == j)[0], 1.0 + j)
     return pieces
 
 
-def _enclose(pieces: Table[Piece], own: Ints) -> None:
-    """Write about what the faces ``own`` of a mesh lie, if it is closed: each of their edges is that of two of them."""
+def _enclose(pieces: Table[Piece], own: Ints, body: float) -> None:
+    """Write about what the faces ``own`` of a mesh lie, if it is closed: each of their edges is that of two of them.
+
+    Where no corner rises over any of the faces they are those of a ``body``.
+    """
     if not np.isin(np.asarray(pieces["beside"])[own, :3], own).all():
         return
     corners = np.asarray(pieces["corners"])[own].reshape(len(own), CORNERS, 3)[:, :3]
     middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
     np.asarray(pieces["middle"])[own] = middle
-    np.asarray(pieces["reach"])[own] = np.sqrt(((corners - middle) ** 2).sum(axis=2).max())
+    reach = float(np.sqrt(((corners - middle) ** 2).sum(axis=2).max()))
+    np.asarray(pieces["reach"])[own] = reach
+    places = np.unique(corners.reshape(-1, 3), axis=0) - middle
+    ups = np.asarray(pieces["up"])[own]
+    levels = (ups * (corners[:, 0] - middle)).sum(axis=1)
+    if _is_convex(ups, levels, places, reach):
+        np.asarray(pieces["body"])[own] = body
+
+
+def _is_convex(ups: Array, levels: Array, places: Array, reach: float) -> bool:
+    """Whether no place rises over any of the planes."""
+    for k in range(0, len(ups), _AT_ONCE):
+        part = slice(k, k + _AT_ONCE)
+        if (ups[part] @ places.T - levels[part, None]).max() > _FLAT * reach:
+            return False
+    return True
 
 
 def _join(pieces: Table[Piece]) -> None:

@@ -20,7 +20,7 @@ from symrender.chambers.caps import Arc
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.arcs import TURN, Room, put_crossing, stretch
-from symrender.radiometric.bounds import held_by, inside_of, next_beside
+from symrender.radiometric.bounds import WHOLE, held_by, inside_of, next_beside, take_whole
 from symrender.radiometric.cones import put_polygon
 from symrender.radiometric.conics import cross_conic, is_conic
 from symrender.radiometric.pieces import Piece, corner, same
@@ -166,11 +166,19 @@ def gather_crossings(world: World, room: Room, place: Vector, i: int) -> tuple[i
         touched = touch(room, own, touched)
         found = cross_cone(room, i, own, found)
     plane, end, middle, cosine, sine = reach_of(arc)
-    node = next_beside(world.bounds, room.nodes, 0, place, plane, middle, cosine, sine)
+    body = 0.0
+    if own > 0 and room.stop[own] - room.begin[own] <= world.pieces[own - 1].count:
+        # what is cut by the plane of a lamp is no longer of a convex body
+        body = world.pieces[own - 1].body
+    node = next_beside(world.bounds, room.nodes, 0, place, plane, middle, cosine, sine, body)
     while node < world.bounds.shape[0]:
+        if room.nodes[node] == WHOLE:
+            take_whole(world.bounds, room.nodes, node, room.side)
         for m in range(inside_of(world.bounds, node)):
             cone = 1 + held_by(world.bounds, node, m)
             if room.side[cone] == 0.0 or cone == own or cone == beside:  # noqa: SIM109
+                continue
+            if body != 0.0 and world.pieces[cone - 1].body == body:
                 continue
             if aside(world, world.pieces[cone - 1], place, arc, end):
                 continue
@@ -180,7 +188,7 @@ def gather_crossings(world: World, room: Room, place: Vector, i: int) -> tuple[i
                 continue
             touched = touch(room, cone, touched)
             found = cross_cone(room, i, cone, found)
-        node = next_beside(world.bounds, room.nodes, node + 1, place, plane, middle, cosine, sine)
+        node = next_beside(world.bounds, room.nodes, node + 1, place, plane, middle, cosine, sine, body)
     return found, touched
 
 

@@ -14,18 +14,17 @@ from typing import Final
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.arcs import Room, make_room, put_circle
-from symrender.radiometric.bounds import held_by, inside_of, is_listed, next_over, outside_before
-from symrender.radiometric.cones import bounds_nothing, edge_on, put_nearer, put_polygon, toward_plane
-from symrender.radiometric.pieces import CORNERS, FACES, POLYGON, Piece, corner, same
+from symrender.radiometric.bounds import clear_within, held_by, inside_of, next_over
+from symrender.radiometric.cones import bounds_nothing, edge_on, put_nearer, put_outline, put_polygon, toward_plane
+from symrender.radiometric.listing import begin_listing, end_leaf, end_listing, list_beside, mark, shows_in, sides
+from symrender.radiometric.pieces import CORNERS, POLYGON, Piece, corner
 from symrender.radiometric.region import open_irradiance
-from symrender.radiometric.sight import height_over, turned_away
-from symrender.radiometric.vectors import Vector, cross, dot, minus, minus_of, vector
+from symrender.radiometric.sight import height_over
+from symrender.radiometric.vectors import Vector, dot, minus, minus_of, vector
 from symrender.radiometric.world import World
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import DISK, SPHERE
 
-_CLEAR: Final = 1e-9
-"""Sine below the horizon beyond which a direction is below it, whatever was rounded."""
 _HIDDEN: Final = -1
 """What stands for the count of arcs where nothing is seen."""
 
@@ -34,83 +33,8 @@ def sky_room(world: World) -> Room:
     """Room for what a place sees of a light."""
     polygons = sum(1 for piece in world.pieces if piece.kind == POLYGON)
     count = len(world.pieces) + 1
-    # a sphere that emits has its own circle and two horizons
-    return make_room(count, 2 * count + CORNERS * (polygons + 1) + 2, len(world.bounds))
-
-
-@jitable
-def faces_away(world: World, own: int, front: bool, place: Vector, j: int) -> bool:
-    """Whether other faces of the box that face j belongs to hide all that it hides."""
-    if turned_away(world, own, front, j):
-        return True
-    piece = world.pieces[j]
-    if piece.solid == 0.0 or height_over(piece, place) >= 0.0:
-        return False
-    first = j - int(piece.face)
-    before = False
-    for k in range(first, first + FACES):
-        before = before or (k != own and height_over(world.pieces[k], place) > 0.0)
-    return before
-
-
-@jitable
-def sunk(world: World, own: int, place: Vector, normal: Vector, piece: Piece) -> bool:
-    """Whether a polygon is below the horizon but for vertices that it shares with the polygon ``own``."""
-    left = world.pieces[own]
-    for k in range(int(piece.count)):
-        there, shared = corner(piece, k), False
-        for m in range(int(left.count)):
-            shared = shared or same(there, corner(left, m))
-        at = minus(there, place)
-        if not (shared or dot(normal, at) < -_CLEAR * (abs(at[0]) + abs(at[1]) + abs(at[2]))):
-            return False
-    return piece.count > 0.0
-
-
-@jitable
-def shows(
-    world: World, own: int, front: bool, place: Vector, normal: Vector, j: int, far: float, direction: Vector
-) -> int:  # fmt: skip
-    """Which side of flat piece j shows to a place, 1 that of its normal and -1 the other; 0 where it hides nothing.
-
-    What lies in, or on, the plane ``far`` along ``direction`` is what may be hidden.
-    """
-    piece = world.pieces[j]
-    if piece.kind != PLANE and (
-        (height_over(piece, place) < 0.0 and outside_before(piece, place, far, direction))
-        or sunk(world, own, place, normal, piece)
-        or edge_on(piece, place)
-        or faces_away(world, own, front, place, j)
-    ):
-        return 0
-    return 1 if height_over(piece, place) > 0.0 else -1
-
-
-@jitable
-def begin_listing(room: Room, count: int) -> None:
-    """Forget what was listed; the first ``count`` arcs are those of the light."""
-    for c in range(room.side.shape[0]):
-        room.side[c], room.begin[c], room.stop[c] = 0.0, 0.0, 0.0
-    room.stop[0] = 1.0 * count
-
-
-@jitable
-def end_listing(world: World, room: Room, count: int) -> None:
-    """Note how many arcs there are, and which bounds hold listed pieces."""
-    room.used[0] = 1.0 * count
-    last = world.bounds.shape[0] - 1
-    for back in range(last + 1):
-        k = last - back
-        room.nodes[k] = 1.0 if is_listed(world.bounds, k, room.side, room.nodes) else 0.0
-
-
-@inlined
-def mark(room: Room, listed: int, j: int, side: int) -> int:
-    """List piece j, unless its ``side`` is 0; returns how many are listed."""
-    if side == 0:
-        return listed
-    room.side[1 + j], room.listed[listed] = 1.0 * side, 1.0 * j
-    return listed + 1
+    # a sphere that emits has its own circle and two horizons; what bounds a body may be had twice
+    return make_room(count, 2 * count + 2 * CORNERS * (polygons + 1) + 2, len(world.bounds))
 
 
 @jitable
@@ -144,8 +68,9 @@ def gather_sky(
     if is_bumped(world, own):
         count = put_circle(room, count, 0, turned, 0.0, 1.0)
     begin_listing(room, count)
-    node = next_over(world.pieces, world.bounds, 0, place, normal, none, -1.0, 0.0, math.inf, none)
+    node = next_over(world.pieces, world.bounds, room.nodes, 0, place, normal, none, -1.0, 0.0, math.inf, none)
     while node < world.bounds.shape[0]:
+        clear, before = clear_within(world.pieces, world.bounds, node, place, normal, math.inf, none), listed
         for m in range(inside_of(world.bounds, node)):
             j = held_by(world.bounds, node, m)
             piece = world.pieces[j]
@@ -158,46 +83,22 @@ def gather_sky(
                     return _HIDDEN
                 listed = mark(room, listed, j, 1)
             elif j != own:
-                listed = mark(room, listed, j, shows(world, own, front, place, normal, j, math.inf, none))
-        node = next_over(world.pieces, world.bounds, node + 1, place, normal, none, -1.0, 0.0, math.inf, none)
+                listed = mark(room, listed, j, shows_in(world, own, front, place, normal, j, clear, math.inf, none))
+        end_leaf(room, node, listed - before)
+        node = next_over(
+            world.pieces, world.bounds, room.nodes, node + 1, place, normal, none, -1.0, 0.0, math.inf, none
+        )
+    listed = list_beside(world, own, front, place, normal, room, listed, math.inf, none)
     for k in range(listed):
         j = int(room.listed[k])
-        if not bounds_nothing(room, j, world.pieces[j]):
+        if world.pieces[j].body != 0.0:
+            count = put_outline(room, count, 1 + j, world.pieces[j], place)
+        elif not bounds_nothing(room, j, world.pieces[j]):
             room.begin[1 + j] = 1.0 * count
             count = put_piece(world, j, place, room, count)
             room.stop[1 + j] = 1.0 * count
     end_listing(world, room, count)
     return count
-
-
-@jitable
-def sides(piece: Piece, place: Vector, direction: Vector, far: float) -> tuple[bool, bool]:
-    """Whether some of a polygon or a disk lies before the plane ``far`` along a direction, and some beyond it."""
-    if piece.kind == DISK:
-        middle = dot(minus(vector(piece.place), place), direction)
-        across = cross(vector(piece.up), direction)
-        reach = piece.radius * math.sqrt(dot(across, across))
-        return middle - reach < far, middle + reach >= far
-    before, beyond = False, False
-    for k in range(int(piece.count)):
-        if dot(minus(corner(piece, k), place), direction) < far:
-            before = True
-        else:
-            beyond = True
-    return before, beyond
-
-
-@jitable
-def shows_before(
-    world: World, own: int, front: bool, place: Vector, normal: Vector, j: int, far: float, direction: Vector
-) -> int:  # fmt: skip
-    """``shows`` of what flat piece j hides of what lies in, or on, the plane ``far`` along a unit ``direction``."""
-    piece = world.pieces[j]
-    if piece.kind != PLANE:
-        before, _ = sides(piece, place, direction, far)
-        if not before:
-            return 0
-    return shows(world, own, front, place, normal, j, far, direction)
 
 
 @jitable
@@ -234,9 +135,12 @@ def put_all(
     """Add the arcs of all listed pieces; returns how many arcs there are."""
     for k in range(listed):
         j = int(room.listed[k])
-        if bounds_nothing(room, j, world.pieces[j]):
+        body = world.pieces[j].body != 0.0
+        if body or bounds_nothing(room, j, world.pieces[j]):
             _, beyond = sides(world.pieces[j], place, direction, far)
             if not beyond:
+                if body:
+                    count = put_outline(room, count, 1 + j, world.pieces[j], place)
                 continue
         room.begin[1 + j] = 1.0 * count
         count = put_before(world, j, place, far, direction, ball, room, count)
@@ -300,8 +204,9 @@ def gather_polygon(
             count = put_circle(room, count, 0, turned, 0.0, 1.0)
     begin_listing(room, count)
     axis, cosine, sine = cone_of(light, place)
-    node = next_over(world.pieces, world.bounds, 0, place, normal, axis, cosine, sine, far, direction)
+    node = next_over(world.pieces, world.bounds, room.nodes, 0, place, normal, axis, cosine, sine, far, direction)
     while node < world.bounds.shape[0]:
+        clear, before = clear_within(world.pieces, world.bounds, node, place, normal, far, direction), listed
         for m in range(inside_of(world.bounds, node)):
             j = held_by(world.bounds, node, m)
             piece = world.pieces[j]
@@ -315,8 +220,12 @@ def gather_polygon(
                 if j != own and not encloses and dot(offset, direction) - far < piece.radius:
                     listed = mark(room, listed, j, 1)
             elif j != own and piece.owner != light.owner:
-                listed = mark(room, listed, j, shows_before(world, own, front, place, normal, j, far, direction))
-        node = next_over(world.pieces, world.bounds, node + 1, place, normal, axis, cosine, sine, far, direction)
+                listed = mark(room, listed, j, shows_in(world, own, front, place, normal, j, clear, far, direction))
+        end_leaf(room, node, listed - before)
+        node = next_over(
+            world.pieces, world.bounds, room.nodes, node + 1, place, normal, axis, cosine, sine, far, direction
+        )
+    listed = list_beside(world, own, front, place, normal, room, listed, far, direction)
     return put_all(world, listed, place, far, direction, False, room, count)
 
 
@@ -342,8 +251,9 @@ def gather_sphere(
     if is_bumped(world, own):
         count = put_circle(room, count, 0, turned, 0.0, 1.0)
     begin_listing(room, count)
-    node = next_over(world.pieces, world.bounds, 0, place, normal, direction, cosine, sine, far, direction)
+    node = next_over(world.pieces, world.bounds, room.nodes, 0, place, normal, direction, cosine, sine, far, direction)
     while node < world.bounds.shape[0]:
+        clear, before = clear_within(world.pieces, world.bounds, node, place, normal, far, direction), listed
         for m in range(inside_of(world.bounds, node)):
             j = held_by(world.bounds, node, m)
             piece = world.pieces[j]
@@ -362,8 +272,12 @@ def gather_sphere(
                 if height_over(piece, place) * height_over(piece, vector(light.place)) < 0.0:
                     return _HIDDEN
             elif j != own:
-                listed = mark(room, listed, j, shows_before(world, own, front, place, normal, j, far, direction))
-        node = next_over(world.pieces, world.bounds, node + 1, place, normal, direction, cosine, sine, far, direction)
+                listed = mark(room, listed, j, shows_in(world, own, front, place, normal, j, clear, far, direction))
+        end_leaf(room, node, listed - before)
+        node = next_over(
+            world.pieces, world.bounds, room.nodes, node + 1, place, normal, direction, cosine, sine, far, direction
+        )
+    listed = list_beside(world, own, front, place, normal, room, listed, far, direction)
     return put_all(world, listed, place, far, direction, True, room, count)
 
 

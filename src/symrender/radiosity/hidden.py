@@ -7,9 +7,9 @@ from typing import Final
 from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.cones import edge_on
+from symrender.radiometric.listing import faces_away
 from symrender.radiometric.pieces import POLYGON, Piece, corner, put
 from symrender.radiometric.sight import height_over
-from symrender.radiometric.sky import faces_away
 from symrender.radiometric.vectors import Vector, dot, minus, vector
 from symrender.radiometric.world import World
 from symrender.radiosity.records import SPACES, Cell, Receiver, Scratch

@@ -12,8 +12,8 @@ from symrender.jit.marks import jitable
 from symrender.jit.records import Table, table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.cones import edge_on
+from symrender.radiometric.listing import faces_away
 from symrender.radiometric.pieces import POLYGON, corner, put
-from symrender.radiometric.sky import faces_away
 from symrender.radiometric.vectors import Array, Vector, dot, minus, vector
 from symrender.radiometric.world import World
 from symrender.radiosity.cells import Quads, frames_of
