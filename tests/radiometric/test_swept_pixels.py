@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symrender as sr
+from symrender.scene.load import load_any
 from symrender.scene.parameters import get
 from symrender.scene.radiometric.scene import RadiometricScene
 
@@ -84,3 +85,37 @@ def test_bytes_do_not_depend_on_tiles() -> None:
     assert np.abs(whole.layer("indirect")).max() > 0.05
     for layer, values in whole.layers.items():
         np.testing.assert_array_equal(values, parts.layer(layer))
+
+
+def beside_a_limb(fov: float, away: float, bounces: int) -> RadiometricScene:
+    """One pixel on a ball that ends ``away`` pixels to the right of it, before a bright wall: slopes there are as one
+    over the root of the distance, outside of the pixel."""
+    wide = 2.0 * np.tan(np.radians(fov) / 2.0)
+    middle = np.tan(np.arcsin(1.0 / 6.0)) - wide * (away + 0.5)
+    made = load_any({
+        "units": "radiometric", "bounces": bounces,
+        "camera": {"type": "look_at", "eye": [0, -6, 1.2], "target": [float(6 * middle), 0, 1.2], "up": [0, 0, 1],
+                   "fov": fov},
+        "materials": {"white": {"type": "diffuse", "reflectance": [0.8, 0.5, 0.2]}},
+        "shapes": [
+            {"type": "plane", "name": "wall", "point": [0, 1.5, 0], "normal": [0, -1, 0], "material": "white"},
+            {"type": "sphere", "name": "ball", "center": [0, 0, 1.2], "radius": 1, "material": "white"},
+        ],
+        "lights": [{"type": "directional", "name": "sun", "direction": [-0.6, 1, -0.3], "irradiance": 3.0}],
+    })  # fmt: skip
+    assert isinstance(made, RadiometricScene)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("layer", "fov", "away", "tol", "finest"),
+    [("indirect", 0.5, 0.021, 0.2, 1e-3), ("indirect", 1.0, 0.027, 0.2, 1e-3), ("direct", 3.0, 0.01, 0.2, 1e-6)],
+)
+def test_slopes_beside_a_limb_are_stated(layer: str, fov: float, away: float, tol: float, finest: float) -> None:
+    scene, name = beside_a_limb(fov, away, int(layer == "indirect")), "shapes.ball.center.x"
+    loose, tight = (
+        sr.gradient(scene, [name], size=1, tol=each, filter="box", threads=1, tile=1)[name] for each in (tol, finest)
+    )
+    error, rest = loose.layer("error")[0, 0], tight.layer("error")[0, 0]
+    assert np.abs(tight.layer(layer)).max() > 0.3 and rest < 0.1 * error <= tol
+    assert np.abs(loose.layer(layer) - tight.layer(layer)).max() <= 1.5 * error + rest

@@ -31,6 +31,8 @@ LONGEST: Final = 0.2
 LARGEST: Final = 128
 """Largest side of a tile whose side was measured, pixels."""
 _PLASTIC: Final = (0.7548776662466927, 0.5698402909980532)
+SQUARE: Final = 8
+"""Side of the largest squares of pixels that a filter does at once, whatever part of them a tile has."""
 _PROBE = 4
 _ROUNDS = 3
 _SHARE = 64
@@ -77,13 +79,15 @@ def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> in
 
     Only the dearest of them is timed again: where tiles are dear the others would take as long as the image.
     Never so large that a worker would have fewer than sixty-four tiles, for the first ones to foretell the time of the
-    rest and the last ones to end together.
+    rest and the last ones to end together. Of pixels that squares tell a multiple of ``SQUARE``.
     """
     width, height = job.settings.width, job.settings.height
+    squares = job.settings.filter == "box"
+    step, probe = (SQUARE, SQUARE) if squares else (1, _PROBE)
     probes = [
-        (x, y, min(x + _PROBE, width), min(y + _PROBE, height))
-        for y in sorted({height * k // 6 for k in (1, 3, 5)})
-        for x in sorted({width * k // 6 for k in (1, 3, 5)})
+        (x, y, min(x + probe, width), min(y + probe, height))
+        for y in sorted({height * k // 6 // step * step for k in (1, 3, 5)})
+        for x in sorted({width * k // 6 // step * step for k in (1, 3, 5)})
     ]
     best: dict[Tile, float] = {}
 
@@ -92,11 +96,13 @@ def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> in
 
     workers.run(job, layers, probes, finished)
     # the best of a few, for a busy machine slows a tile down but never speeds it up
-    for _ in range(1, _ROUNDS):
+    for _ in range(0 if squares else _ROUNDS - 1):
         workers.run(job, layers, [max(best, key=lambda tile: best[tile])], finished)
     affordable = math.isqrt(int(LONGEST / 2 / max(*best.values(), 1e-9)))
     shared = math.isqrt(width * height // (_SHARE * workers.count))
-    return max(1, min(affordable, max(shared, 8), LARGEST))
+    side = max(1, min(affordable, max(shared, 8), LARGEST))
+    # a part of a square costs as much as all of it
+    return -(-side // SQUARE) * SQUARE if squares and affordable else side
 
 
 def area(tile: Tile) -> int:

@@ -19,9 +19,11 @@ import numpy.typing as npt
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, chosen, joined, table
 from symrender.radiometric.pixels import parts as kernels
-from symrender.radiometric.pixels.cells import Eye
+from symrender.radiometric.pixels.cells import BOX, Eye
 from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, Nodes, Part, Room, make_room
 from symrender.radiometric.vectors import Array
+from symrender.runtimes.pixel_blocks import INNER as BLOCK_INNER
+from symrender.runtimes.pixel_blocks import Known, Picture, block_means
 
 Ints = npt.NDArray[np.int64]
 
@@ -153,12 +155,14 @@ class PixelRule:
     """Means over the pixels of a canvas; of threads each has its scratch.
 
     ``orders`` are those of the rules of parts, by their kind, ``hope`` how many times what it may take a part may be
-    off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance.
+    off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance. ``slow`` is how
+    many times their difference rules of what no curve enters may be off by.
     """
 
     orders: tuple[tuple[int, ...], ...] = (SMOOTH_ORDERS, _CUT_ORDERS, COARSE_ORDERS)
     hope: float = 300.0
     inner: float = INNER
+    slow: float = 1.0
 
     def __init__(self, canvas: Canvas, channels: int) -> None:
         self.canvas, self._channels = canvas, channels
@@ -169,10 +173,35 @@ class PixelRule:
 
         A pixel is a function of its own parts alone, so that no tile changes a byte.
         """
+        found = self._smooth((x0, y0, x1, y1), look, tol, max(_LEAST, budget // _SHARE))
+        left = np.flatnonzero(~found.known)
+        columns, rows = np.tile(np.arange(x0, x1), y1 - y0)[left], np.repeat(np.arange(y0, y1), x1 - x0)[left]
+        if len(left):
+            rest = self._cut_means(columns, rows, look, tol, budget)
+            found.values[left], found.error[left], found.status[left] = rest.values, rest.error, rest.status
+            found.evaluations[left] += rest.evaluations
+        return Mean(found.values, found.error, found.status, found.evaluations)
+
+    def _smooth(self, tile: tuple[int, int, int, int], look: Look, tol: float, budget: int) -> Known:
+        """What squares of pixels tell (``pixel_blocks.py``)."""
         canvas, channels = self.canvas, self._channels
-        starts = table(Part, (x1 - x0) * (y1 - y0))
-        rows = np.asarray(starts)
-        rows["column"], rows["row"] = np.tile(np.arange(x0, x1), y1 - y0), np.repeat(np.arange(y0, y1), x1 - x0)
+        if canvas.eye.domain != BOX or not canvas.lobes:
+            return Known.nothing((tile[2] - tile[0]) * (tile[3] - tile[1]), channels)
+
+        def seen(columns: Array, rows: Array) -> tuple[Array, Array, Ints, Ints]:
+            places = Places(columns, rows, np.zeros(len(columns), np.bool_))
+            found = look(places, BLOCK_INNER * tol, budget)
+            return found.values[:, :channels], found.error, found.status, found.evaluations
+
+        room, candidates, _ = self.scratch()
+        picture = Picture(canvas.eye, canvas.window, canvas.width, canvas.height, room, candidates)
+        return block_means(picture, tile, seen, tol, channels, self.slow)
+
+    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int) -> Mean:
+        """The same of pixels, cut at their curves."""
+        canvas, channels = self.canvas, self._channels
+        starts = table(Part, len(columns))
+        np.asarray(starts)["column"], np.asarray(starts)["row"] = columns, rows
         count = len(starts)
         pixels = Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64))
         grain = _GRAIN * tol / canvas.bright
@@ -247,9 +276,10 @@ class PixelRule:
         new, old = values[: len(some)], state.values[some]
         old[fresh] = values[len(some) :]
         gap = np.abs(new - old).max(axis=1)
-        first = np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
+        slow = np.where(kinds == CUT, 1.0, self.slow)
+        first = slow * np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
         last = np.where(stage == 0, 0.0, state.gap[some])
-        state.error[some] = np.where(stage == 0, first * gap, np.maximum(gap, _DOUBT * last))
+        state.error[some] = np.where(stage == 0, first * gap, slow * np.maximum(gap, _DOUBT * last))
         state.values[some], state.gap[some], state.inner[some] = new, gap, error[: len(some)]
         state.stage[some] = stage
 

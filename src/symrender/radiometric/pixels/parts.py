@@ -54,8 +54,11 @@ def lobe_width(material: Material) -> float:
 
 
 @jitable
-def lobes_turn(eye: Eye, cell: Cell) -> bool:
-    """Whether lobes at the corners of a cell look so far apart that nodes may miss what one between them sees."""
+def lobes_turn(eye: Eye, cell: Cell, steps: float) -> bool:
+    """Whether lobes at the corners of a cell look so far apart that nodes may miss what one between them sees.
+
+    ``steps`` is how many times denser the nodes are than those of a cell that takes four.
+    """
     world = eye.world
     origin, ray = ray_of(eye, step(cell.v, -1.0, cell.vx, -1.0, cell.vy))
     own, _, _, normal, _ = nearest(world, origin, ray)
@@ -69,7 +72,7 @@ def lobes_turn(eye: Eye, cell: Cell) -> bool:
             x, y, z = lobe_axis(material, ray, normal)
             p, q, r = lobe_axis(material, d, facing)
             turned = math.sqrt((x - p) * (x - p) + (y - q) * (y - q) + (z - r) * (z - r))
-            if turned > _TURNED * lobe_width(material):
+            if turned > _TURNED * steps * lobe_width(material):
                 return True
         own, ray, normal = other, d, facing
     return False
@@ -101,7 +104,7 @@ def look(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, grain: floa
     ends = cell.level >= LEVELS or share <= grain
     own = int(room.counts[cell.level])
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-    sharp = lobes_turn(eye, cell) if lobes else too_sharp(eye, cell, room, limit)
+    sharp = lobes_turn(eye, cell, 1.0) if lobes else too_sharp(eye, cell, room, limit)
     if sharp and not ends:
         return _HALVE
     part.blurred = 1 if lines < 0 else 0
