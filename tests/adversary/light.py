@@ -85,20 +85,21 @@ def beyond(spheres: Array, j: int, a: Vector, b: Vector) -> bool:
 @kernel
 def blockers(w: World, shape: int, inside: bool, q: Vector, light: Vector) -> int:
     """0 where a light point reaches q on ``shape`` (0 floor, 1 + j sphere j), met from ``inside`` or not; else a
-    number that tells what stands between them, all of it."""
+    number that tells what stands between them, all of it: by powers of 3, as those of 2 shift out the first of many."""
     found = 0
+    hidden = False
     if w.floor[0] != 0.0 and ((shape == 0 and light[2] <= 0.0) or (shape != 0 and q[2] * light[2] < 0.0)):
-        found = 1
+        found, hidden = 1, True
     for j in range(w.spheres.shape[0]):
-        found *= 2
+        found *= 3
         if shape == 1 + j:
             g = minus(light, center_of(w.spheres, j))
             level = dot(g, g) - w.spheres[j, 3] * w.spheres[j, 3]
             if (inside and level > 0.0) or (not inside and level < 0.0):
-                found += 1
+                found, hidden = found + 1, True
         elif beyond(w.spheres, j, q, light):
-            found += 1
-    return found
+            found, hidden = found + 1, True
+    return found if found != 0 or not hidden else 1
 
 
 @kernel

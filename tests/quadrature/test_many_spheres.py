@@ -10,6 +10,8 @@ import pytest
 from tests.quadrature.spread import spread
 
 import symrender as sr
+from adversary.judge import by_lattice
+from adversary.world import lobe_of, world_of
 from symrender.chambers import work
 from symrender.quadrature.split_setup import MET
 
@@ -49,3 +51,15 @@ def test_more_walls_than_there_is_room_for_are_told(monkeypatch: pytest.MonkeyPa
     assert off > 10.0 * TOL, "what was left out is not felt"
     assert found.status[0] != MET and off <= found.error[0] < math.inf
     assert found.gradient_status[name][0] != MET and found.gradient_error[name][0] == math.inf
+
+
+def test_the_evaluator_knows_the_shadows_of_the_first_of_many() -> None:
+    scene = spread(256)
+    point = [0.189, 7.207, 0.0]
+    world = world_of(scene, "2x2")
+    lobe = lobe_of(scene, "floor", point)
+    few = {**scene, "spheres": [scene["spheres"][k] for k in (125, 126, 143)]}
+    all_of_them, three = (by_lattice(w, lobe, 4000, 1, careful=False).value for w in (world, world_of(few, "2x2")))
+    lit = by_lattice(world_of({**scene, "spheres": few["spheres"][2:]}, "2x2"), lobe, 4000, 1, careful=False).value
+    assert np.abs(lit - three).max() > 0.01
+    assert np.abs(all_of_them - three).max() < 1e-4
