@@ -24,7 +24,7 @@ from symrender.radiometric.vectors import Array
 Ints = npt.NDArray[np.int64]
 Tile = tuple[int, int, int, int]
 
-SQUARES: Final = ((8, 8), (4, 6), (4, 8), (2, 6), (2, 8), (1, 6))
+SQUARES: Final = ((8, 8), (4, 6), (4, 8), (2, 6))
 """Sides of squares, in pixels, and how many nodes they take along each, in the order in which they are tried."""
 BLOCK: Final = 8
 """Side of the largest square."""
@@ -35,7 +35,7 @@ _SHARES: Final = (1.0, 0.3, 0.09)
 kink wander about what they fall to."""
 _FALL: Final = 0.3
 """What coefficients fall by from one degree to the next, about."""
-_HOPE: Final = 0.6
+_HOPE: Final = 0.4
 """Part of the tolerance that a square may be expected to miss for it to be tried."""
 _DENSE: Final = 2.5
 """Nodes along a side over which those of a rule are as far apart at most as two in a cell of this part of it."""

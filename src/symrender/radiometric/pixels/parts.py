@@ -26,7 +26,7 @@ from symrender.scene.radiometric.arrays import CONDUCTOR, PHONG
 from symrender.scene.radiometric.records import Material
 
 _HALVE: Final = -1
-_TURNED: Final = 0.7
+_TURNED: Final = 1.4
 """Largest part of a lobe's width that its axis may turn by between corners of a cell."""
 
 
