@@ -14,6 +14,7 @@ from tests.radiosity.rooms import MATERIALS
 import symrender as sr
 from symrender.errors import Unsupported
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
+from symrender.radiometric.world import make_world
 from symrender.radiosity.endless import beyond, netted
 from symrender.runtimes.bounce import hits
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -47,7 +48,7 @@ def test_planes_send_and_gather_what_single_rays_say(shapes: Any, light: Any) ->
     directions = (AIMS - EYE) / np.linalg.norm(AIMS - EYE, axis=1, keepdims=True)
     origins = np.tile(EYE, (len(AIMS), 1))
     seen = sr.probe(scene, rays=(origins, directions), tol=2e-3)
-    at = hits(radiometric_arrays(sr.load(scene)), origins, directions)
+    at = hits(make_world(radiometric_arrays(sr.load(scene))), origins, directions)
     lit = 0
     for k in range(len(AIMS)):
         known = seen_nested.gathered(scene, at.place[k], at.normal[k], 1e-7)
