@@ -2,7 +2,8 @@
 
 One class after the other is taken from the rules, from outside (``walls_left_out.py``), and the same rays are asked at
 tighter and tighter tolerances. The judge halves rules over single rays until they agree
-(``tests/radiometric/seen_nested.py``; of what is glossy at the first hit ``nested.py``) and knows none of these walls.
+(``tests/radiometric/seen_nested.py``; of what is glossy at the first hit ``nested_bounce.py``) and knows none of these
+walls.
 Of spheres and planes a class is needed if without it the error at the tightest tolerance is thirty times what it is
 with all and half of what is asked, if values are off by twice what they state, or if it takes three times the
 evaluations; of flat faces, whose cells are halved where cubics fail, if it takes three times the cells, or states three
@@ -25,7 +26,7 @@ from measure import Report, arguments
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from tests.radiometric import flats, nested, nets, seen_lattice, seen_nested
+from tests.radiometric import flats, nested, nested_bounce, nets, seen_lattice, seen_nested
 from tests.radiosity.rooms import MATERIALS, lamp
 
 import symrender as sr
@@ -48,6 +49,8 @@ CELLS = (1e-2, 1e-3, 1e-4, 1e-5)
 BUDGET = 1_500_000
 JUDGED, SHARPER = 1e-10, 1e-13
 """What the judge asks of every piece, of its own, and of skies and lamps, which have no jumps."""
+GLOSSY = 20_000_000
+"""Evaluations of the judge of what is glossy at the first hit."""
 SURE, LOOKS = 3.0, (196418, 121393)
 """By how much what the judge tells is taken to be short, and over endless fields the lattice that stands in for it."""
 EYE = np.array([0.2, -4.0, 2.0])
@@ -110,13 +113,13 @@ def round_truth(kind: str) -> list[tuple[float, float]]:
     arrays = radiometric_arrays(load_any(scene))
     for aim in asked_of(kind)[0]:
         way = (aim - EYE) / np.linalg.norm(aim - EYE)
-        at = hits(arrays, EYE[None], way[None])
+        at = hits(make_world(arrays), EYE[None], way[None])
         material = scene["materials"][scene["shapes"][int(at.shape[0])]["material"]]
         if kind == "tiles":
             drawn = seen_lattice.bounced(scene, EYE, way, np.random.default_rng(1), *LOOKS)
             found.append((float(drawn.indirect[0]), 2.0 * SURE * float(drawn.sigma[0])))
         elif material["type"] != "diffuse":
-            known = nested.reflected(nested.world(scene), EYE, way, True, JUDGED)
+            known = nested_bounce.reflected(nested.world(scene), EYE, way, JUDGED, GLOSSY)
             found.append((float(known.light[0]), SURE * known.error))
         else:
             fine = SHARPER if kind in ("glow", "lamp") else JUDGED

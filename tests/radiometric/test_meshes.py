@@ -239,8 +239,8 @@ def test_what_is_not_had_is_refused_by_name() -> None:
     made = sr.load(flats.world(FLOOR, nets.mesh("M", nets.ball(3, 4)), lights=[POINT]))
     with pytest.raises(Unsupported, match=r"filter: box has no walls yet for a mesh \(shapes\[1\]\)"):
         sr.truth(made, size=2, filter="box")
-    shapes = flats.plane("P", [0, 0, 0], [0, 0, 1]), nets.mesh("M", nets.ball(3, 4))
-    with pytest.raises(Unsupported, match="a mesh beside a plane"):
+    shapes = flats.disk("D", [0, 0, 0], [0, 0, 1], 1.0), nets.mesh("M", nets.ball(3, 4))
+    with pytest.raises(Unsupported, match="a disk"):
         sr.truth(flats.world(*shapes, lights=[POINT], bounces=1), size=2)
     with pytest.raises(SceneError, match=r"lights\[0\].shape: must name .* got the mesh 'M'"):
         made.replace({"lights": [flats.area("M")]})

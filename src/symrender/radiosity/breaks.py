@@ -29,8 +29,8 @@ _CUBE: Final = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for
 _SIDES: Final = 12
 _WIDEST: Final = 80.0
 """Sides of a pyramid about the cone of a spot, and the angle in degrees from which there is none."""
-_FAR: Final = 1e7
-"""Length of what stands for an endless segment, in parts of the scene's coordinates."""
+_LONGER: Final = 4.0
+"""Length of what stands for an endless segment, in parts of the way from its middle to the corners of a face."""
 
 
 def corners_of(piece: Piece) -> Array:
@@ -174,7 +174,7 @@ def _cone_edges(face: Piece, side: float, light: Light) -> list[Array]:
 def _lamp_planes(world: World, face: Piece, emitter: int) -> list[Array]:
     """Where the planes of a lamp's faces cut the plane of a face."""
     found = []
-    size = _FAR * np.abs(np.asarray(world.pieces["corners"])).max()
+    corners = corners_of(face)
     for piece in world.pieces:
         if int(piece.owner) != emitter:
             continue
@@ -185,6 +185,8 @@ def _lamp_planes(world: World, face: Piece, emitter: int) -> list[Array]:
         # the place of both planes nearest the origin of the face
         level = float((piece.place - face.place) @ piece.up)
         place = face.place + level * np.cross(way, face.up) / square
+        # longer than the face, wherever it is from there
+        size = _LONGER * float(np.sqrt(((corners - place) ** 2).sum(axis=1)).max() / np.sqrt(square))
         found.append(np.array([place - size * way, place + size * way]))
     return found
 

@@ -21,6 +21,7 @@ from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import make_world, make_worlds, seen, seen_all
 from symrender.radiosity.coincident import coincident
+from symrender.radiosity.endless import netted
 from symrender.radiosity.fields import MOST_FIELDS, too_many_fields
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
@@ -217,7 +218,7 @@ def check(arrays: RadiometricArrays) -> None:
             f"bounces: {asked} is not yet integrated where shapes[{pair[0]}] and shapes[{pair[1]}] cross, one of both "
             "a sphere; apart or touching it is"
         )
-    pair = coincident(arrays, make_world(arrays)) if flat and arrays.bounces else None
+    pair = coincident(arrays, make_world(netted(arrays))) if flat and arrays.bounces else None
     if pair:
         raise Unsupported(
             f"bounces: {asked} is not yet integrated where shapes[{pair[0]}] and shapes[{pair[1]}] lie in one plane "

@@ -16,6 +16,7 @@ from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_world
+from symrender.radiosity.endless import beyond, has_planes, netted
 from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
@@ -41,7 +42,7 @@ def table_of(arrays: RadiometricArrays, tol: float, threads: int = 1) -> Sending
     key = (b"".join(part.tobytes() for part in parts), tol)
     with _lock:
         if key not in _tables:
-            _tables[key] = sendings(make_world(arrays), arrays.bounces == ALL, tol, threads)
+            _tables[key] = sendings(make_world(netted(arrays)), arrays.bounces == ALL, tol, threads)
             while len(_tables) > KEPT:
                 _tables.popitem(last=False)
         _tables.move_to_end(key)
@@ -56,7 +57,8 @@ class Gatherer:
 
     def __init__(self, arrays: RadiometricArrays, tol: float, threads: int = 1, lamps: bool = False) -> None:
         self._arrays, self._lamps, self._tol = arrays, lamps, tol
-        self._worlds = [make_world(each) for each in shaken(arrays)]
+        self._worlds = [make_world(netted(each)) for each in shaken(arrays)]
+        self._whole = make_world(arrays)
         world = self._worlds[0]
         if lamps:
             self._cells, _ = lamp_cells(world)
@@ -64,8 +66,9 @@ class Gatherer:
             self._brightest = float(max(light.emitted.max() for light in world.lights if light.kind == AREA))
         else:
             self._sendings = table_of(arrays, tol, threads)
-            cells = [forest.cells for forest in self._sendings.forests]
-            self._brightest = sum(float(np.abs(each["terms"]).sum(axis=1).max(initial=0.0)) for each in cells)
+            # what cells with halves hold may be far more, and is then not sent
+            sent = [np.asarray(forest.cells["terms"])[forest.leaves] for forest in self._sendings.forests]
+            self._brightest = sum(float(np.abs(each).sum(axis=1).max(initial=0.0)) for each in sent)
         corners = float(np.abs(np.asarray(world.pieces["corners"])).max(initial=0.0))
         places = np.abs(np.asarray(world.pieces["place"])).max(axis=1, initial=0.0) + np.asarray(world.pieces["radius"])
         self._extent = max(corners, float(places.max(initial=0.0)))
@@ -79,6 +82,7 @@ class Gatherer:
         """
         first, *others = (self._met(world, *pair, blurred) for world, pair in zip(self._worlds, rays, strict=True))
         found = self._light(*first)
+        self._left_out(first[0], *rays[0], found)
         for at, albedo in others:
             elsewhere = np.flatnonzero((at.own != first[0].own) | (at.front != first[0].front))
             if len(elsewhere):
@@ -88,6 +92,17 @@ class Gatherer:
                 found.evaluations[elsewhere] += again.evaluations
         found.status[:] = np.where(found.error > tol, np.maximum(found.status, CAPPED), MET)
         return found
+
+    def _left_out(self, at: Places, origins: Array, directions: Array, found: Bounced) -> None:
+        """Add to errors what is sent from beyond the nets of planes; of places that lie there nothing is known."""
+        if not has_planes(self._arrays):
+            return
+        whole, albedo = met(self._whole, origins, directions)
+        share = np.where(whole.own >= 0, beyond(self._arrays, whole.place), 0.0)
+        most = albedo.max(axis=1, initial=0.0)
+        found.error[:] += most * self._brightest * share
+        lost = (share >= 1.0) & (most > 0.0) | ((at.own < 0) & (whole.own >= 0))
+        found.indirect[lost], found.error[lost], found.status[lost] = 0.0, np.inf, UNSUPPORTED
 
     def _met(
         self, world: World, origins: Array, directions: Array, blurred: npt.NDArray[np.bool_] | None

@@ -82,8 +82,6 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
         )
     if any(shape.kind == DISK for shape in arrays.shapes):
         return "a disk"
-    if any(shape.kind not in (SPHERE, PLANE) for shape in arrays.shapes):
-        return "a rectangle, a triangle, a box or a mesh beside a plane"
     flat = [j for j, shape in enumerate(arrays.shapes) if shape.kind != SPHERE]
     planes = [_material(arrays, j) for j in flat if not _is_dark(arrays, j)]
     if any(material.texture == MARBLE for material in planes):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.scene.arrays import MARBLE, PLANE
+from symrender.scene.arrays import MARBLE, PLANE, SOLID
 from symrender.scene.radiometric.arrays import (
     ALL,
     AREA,
@@ -22,9 +22,9 @@ _FLAT: Final = frozenset({RECTANGLE, TRIANGLE, BOX, MESH})
 
 
 def is_flat(arrays: RadiometricArrays) -> bool:
-    """Whether a scene has rectangles, triangles, boxes and meshes, and nothing beside them but spheres."""
+    """Whether a scene has rectangles, triangles, boxes and meshes, and nothing beside them but spheres and planes."""
     kinds = {int(shape.kind) for shape in arrays.shapes}
-    return bool(kinds & _FLAT) and kinds <= _FLAT | {SPHERE}
+    return bool(kinds & _FLAT) and kinds <= _FLAT | {SPHERE, PLANE}
 
 
 def is_round(arrays: RadiometricArrays) -> bool:
@@ -39,7 +39,12 @@ def flat_refusal(arrays: RadiometricArrays) -> str:
         return "a conductor or a phong material that reflects after the first hit too (gloss: first_hit is)"
     if any(material.kind == CONDUCTOR and material.walter for material in used):
         return "a conductor of g1: walter"
+    endless = any(shape.kind == PLANE for shape in arrays.shapes)
+    if endless and any(material.kind != DIFFUSE for material in used):
+        return "a conductor or a phong material, and a plane"
     for shape, material in zip(arrays.shapes, used, strict=True):
+        if shape.kind == PLANE and material.texture != SOLID:
+            return "a texture on a plane beside other flat shapes"
         if shape.kind == SPHERE and material.kind == DIFFUSE and (material.bright.any() or material.dark.any()):
             return "a diffuse sphere"
     if any(light.kind == AREA and arrays.shapes[int(light.emitter)].kind == SPHERE for light in arrays.lights):
