@@ -35,7 +35,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Rivals(NamedTuple):
-    """The casters ``first`` up to ``kept`` and those after ``own``: all of one light but for a caster at hand."""
+    """The occluders ``first`` up to ``kept`` and those after ``own``: all of one light but for one at hand."""
 
     first: int
     kept: int
@@ -187,7 +187,7 @@ def falls_in_sight(i: int, ball: Sphere, lobe: Array, view: View, work: Work) ->
 
 @jitable
 def thin_out(first: int, lobe: Array, view: View, work: Work) -> None:
-    """Drop casters, of one light from ``first`` on, whose shadows add nothing to others' where P sees the floor.
+    """Drop occluders, of one light from ``first`` on, whose shadows add nothing to others' where P sees the floor.
 
     Of those that stay it is noted whether the edge is unseen.
     """
@@ -220,9 +220,9 @@ def ray_dark(x: float, y: float, z: float, sine: float, near: float, rivals: Riv
 
 @jitable
 def rays_unseen(own: int, first: int, view: View, work: Work) -> bool:
-    """Whether the rays along a caster's edge pass what P sees of the charted sphere, but where others shadow it too.
+    """Whether the rays along an occluder's edge pass what P sees of the charted sphere, but where others shadow it too.
 
-    ``own`` is the caster; ``first`` that from which on they are of one light point.
+    ``own`` is the occluder; ``first`` that from which on they are of one light point.
     """
     light, ball, chart = view.points[work.casters[own].light], view.spheres[work.casters[own].ball], work.chart
     p, at = light.position, chart.ball
