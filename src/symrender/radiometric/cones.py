@@ -62,7 +62,7 @@ def put_polygon(room: Room, count: int, cone: int, piece: Piece, place: Vector) 
 
 
 @jitable
-def put_outline(room: Room, count: int, cone: int, piece: Piece, place: Vector) -> int:
+def put_convex(room: Room, count: int, cone: int, piece: Piece, place: Vector) -> int:
     """Add the edges of a face of a convex body that bound something; returns how many arcs there are.
 
     No other face of the body hides them, so that the rest of the cone may wait until another arc comes near it.

@@ -15,7 +15,7 @@ from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.arcs import Room, make_room, put_circle
 from symrender.radiometric.bounds import clear_within, held_by, inside_of, next_over
-from symrender.radiometric.cones import bounds_nothing, edge_on, put_nearer, put_outline, put_polygon, toward_plane
+from symrender.radiometric.cones import bounds_nothing, edge_on, put_convex, put_nearer, put_polygon, toward_plane
 from symrender.radiometric.listing import begin_listing, end_leaf, end_listing, list_beside, mark, shows_in, sides
 from symrender.radiometric.pieces import CORNERS, POLYGON, Piece, corner
 from symrender.radiometric.region import open_irradiance
@@ -92,7 +92,7 @@ def gather_sky(
     for k in range(listed):
         j = int(room.listed[k])
         if world.pieces[j].body != 0.0:
-            count = put_outline(room, count, 1 + j, world.pieces[j], place)
+            count = put_convex(room, count, 1 + j, world.pieces[j], place)
         elif not bounds_nothing(room, j, world.pieces[j]):
             room.begin[1 + j] = 1.0 * count
             count = put_piece(world, j, place, room, count)
@@ -140,7 +140,7 @@ def put_all(
             _, beyond = sides(world.pieces[j], place, direction, far)
             if not beyond:
                 if body:
-                    count = put_outline(room, count, 1 + j, world.pieces[j], place)
+                    count = put_convex(room, count, 1 + j, world.pieces[j], place)
                 continue
         room.begin[1 + j] = 1.0 * count
         count = put_before(world, j, place, far, direction, ball, room, count)
