@@ -40,7 +40,7 @@ CASES = {
     "path": (changed(HEAD, HEAD + '<path value="SECRET"/>'), "path has no meaning here"),
     "default": (changed(HEAD, HEAD + '<default name="a" value="1"/>'), "default has no meaning here"),
     "deep": (HEAD + "<a>" * 5000, "nesting must be at most 32 deep"),
-    "many": (HEAD + "<a/>" * 60000, "may hold at most 50000"),
+    "many": (HEAD + "<a/>" * 120000, "may hold at most 100000"),
     "unclosed": ("<scene>", "not valid XML"),
     "empty": ("", "not valid XML"),
     "text": (changed(HEAD, HEAD + "hello"), "text between elements"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
@@ -27,16 +28,13 @@ _ROOM: Final = 1.2
 def seconds_each(job: Job, workers: Workers) -> float:
     """Seconds a pixel of ``job`` should take these workers together, from small tiles spread evenly over it."""
     probes = list(dict.fromkeys(_places(job.settings.width, job.settings.height)))
-    layers = job.empty_layers()
-    best: dict[Tile, float] = {}
-
-    def finished(tile: Tile, _: int, seconds: float) -> None:
-        best[tile] = min(seconds, best.get(tile, math.inf))
-
+    layers, best = job.empty_layers(), math.inf
     # the first tiles of a thread also make its scratch
     for _ in range(_ROUNDS):
-        workers.run(job, layers, probes, finished)
-    return math.fsum(best.values()) / sum(area(tile) for tile in probes) / workers.count
+        begun = time.perf_counter()
+        workers.run(job, layers, probes, lambda *_: None)
+        best = min(best, time.perf_counter() - begun)
+    return best / sum(area(tile) for tile in probes)
 
 
 def fitting(job: Job, workers: Workers, hit_class: Array, seconds: float) -> tuple[Settings, float]:

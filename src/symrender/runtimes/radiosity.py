@@ -57,7 +57,8 @@ class Gatherer:
 
     def __init__(self, arrays: RadiometricArrays, tol: float, threads: int = 1, lamps: bool = False) -> None:
         self._arrays, self._lamps, self._tol = arrays, lamps, tol
-        self._worlds = [make_world(netted(each)) for each in shaken(arrays)]
+        # planes that only hide lamps are half spaces and need no nets
+        self._worlds = [make_world(each if lamps else netted(each)) for each in shaken(arrays)]
         self._whole = make_world(arrays)
         world = self._worlds[0]
         if lamps:
@@ -95,7 +96,7 @@ class Gatherer:
 
     def _left_out(self, at: Places, origins: Array, directions: Array, found: Bounced) -> None:
         """Add to errors what is sent from beyond the nets of planes; of places that lie there nothing is known."""
-        if not has_planes(self._arrays):
+        if self._lamps or not has_planes(self._arrays):
             return
         whole, albedo = met(self._whole, origins, directions)
         share = np.where(whole.own >= 0, beyond(self._arrays, whole.place), 0.0)
