@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import math
 
+from symrender.chambers.events import SMOOTH
 from symrender.chambers.lobes.poles import lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.walls import HIGHLIGHT
 from symrender.chambers.work import Work
 from symrender.jit.marks import jitable
 from symrender.jit.moving import held
+from symrender.quadrature.panel_maps import ellipse_sum
 from symrender.quadrature.records import Panel
 
 FAINT = 1e-4
@@ -59,8 +61,7 @@ def crossed_pole(phi: float, before: float, n: int, p: Panel, work: Work) -> Non
             continue
         slope = abs(gap - last_gap) / (azimuth - before)
         depth = (last_y + (y - last_y) * min(1.0, max(0.0, t))) / slope
-        u, v = (before + t * (azimuth - before) - a) / (b - a), depth / (b - a)
-        rho = math.sqrt(u * u + v * v) + math.sqrt((u - 1.0) * (u - 1.0) + v * v)
+        rho = ellipse_sum(before + t * (azimuth - before), depth, a, b, SMOOTH, SMOOTH)
         slow = math.log(rho + math.sqrt(max(0.0, rho * rho - 1.0)))
         share = FAINT if work.walls[wall // 4].tag == HIGHLIGHT else 1.0
         if held(p.crossed_share) * math.exp(-2.0 * n * held(p.crossed)) < share * math.exp(-2.0 * n * slow):

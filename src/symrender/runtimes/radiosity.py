@@ -59,7 +59,7 @@ class Gatherer:
         self._arrays, self._lamps, self._tol = arrays, lamps, tol
         # planes that only hide lamps are half spaces and need no nets
         self._worlds = [make_world(each if lamps else netted(each)) for each in shaken(arrays)]
-        self._whole = make_world(arrays)
+        self._whole = None if lamps or not has_planes(arrays) else make_world(arrays)
         world = self._worlds[0]
         if lamps:
             self._cells, _ = lamp_cells(world)
@@ -96,7 +96,7 @@ class Gatherer:
 
     def _left_out(self, at: Places, origins: Array, directions: Array, found: Bounced) -> None:
         """Add to errors what is sent from beyond the nets of planes; of places that lie there nothing is known."""
-        if self._lamps or not has_planes(self._arrays):
+        if self._whole is None:
             return
         whole, albedo = met(self._whole, origins, directions)
         share = np.where(whole.own >= 0, beyond(self._arrays, whole.place), 0.0)
