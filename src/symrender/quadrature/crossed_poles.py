@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 
 from symrender.chambers.events import SMOOTH
-from symrender.chambers.lobes.poles import lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.walls import HIGHLIGHT
 from symrender.chambers.work import Work
@@ -34,15 +33,14 @@ SURE = 4.0
 def crossed_pole(phi: float, before: float, n: int, p: Panel, work: Work) -> None:
     """Give a panel the singularity that it feels most of those between the lines at ``before`` (NaN: none) and ``phi``.
 
-    It is felt by a rule of ``n`` lines. ``work.beside`` keeps of the scanned line x in the first place, then how far
-    every wall is from it, and y, for the next one.
+    It is felt by a rule of ``n`` lines, of which the one at ``phi`` is integrated: its first pole is the lobe's.
+    ``work.beside`` keeps of the scanned line x in the first place, then how far every wall is from it, and y, for the
+    next one.
     """
     chart, azimuth = work.chart, held(phi)
     if chart.lobe.kind != CONDUCTOR:
         return
-    c, s = math.cos(azimuth), math.sin(azimuth)
-    x, y = lobe_pole(c, s, chart)
-    x, y = held(x), max(1e-12, held(y))
+    x, y = held(work.poles[0, 0]), max(1e-12, held(work.poles[0, 1]))
     a, b = held(p.ends[0]), held(p.ends[1])
     if abs(x - held(work.beside[0, 0])) > LEAP:
         before = math.nan

@@ -106,11 +106,12 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     chart, points = work.chart, view.points
     work.counts.poles = 0
     line_highlights(phi, work)
-    note_sender(c, s, view, work)
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
+        # the first of all: ``crossed_pole`` follows it from line to line
         x, y = lobe_pole(c, s, chart)
         note_pole(x, y, work)
         note_levels(c, s, view, work)
+    note_sender(c, s, view, work)
     if chart.shape_index < 0.0:
         ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate

@@ -127,8 +127,8 @@ def rule_error(
     if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
         known = max(known, last, 0.5 * before)
     error = max(2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known), unseen)
-    if p.glare > 0 and top > UNFALLEN * size:
-        # what lies of a highlight between lines may be far brighter than on them
+    if top > UNFALLEN * size and (p.glare > 0 or work.chart.lobe.kind == CONDUCTOR):
+        # what lies of a highlight, or of the foot of a Gauss curve, between lines may be far brighter than on them
         error = max(error, min(bound, FLANK * size))
     return error
 
@@ -195,10 +195,10 @@ def evaluate_panel(
         if is_spent(work):
             out[3] = math.inf
             return math.nan
+        integrate_cells(phi, step, view, work, gauss, line)
         if view.conductors is not None and step > 0:
             crossed_pole(phi, crossing_from if found == signature else math.nan, n, p, work)
             crossing_from = held(phi)
-        integrate_cells(phi, step, view, work, gauss, line)
         peak = max(peak, line[5])
         w = gauss[1, base + q] * slope
         for i in range(3):

@@ -44,6 +44,10 @@ Ints = npt.NDArray[np.int64]
 
 PANEL = 40
 """Where the sums of a panel lie in the scratch array."""
+TURNS = 128
+"""How often the panels of a chart are gone through at most."""
+LATE = 104
+"""The turn from which on a panel that was looked at is not halved any more; its parts would need several more."""
 MUCH = 40.0
 """How many times its share a panel with events inside may hold and still be tried in one piece."""
 ROUNDED_LEVEL = 2.5e-16
@@ -156,7 +160,7 @@ def split_chart(
     n = min(n, panels.shape[0])
     out = scratch[PANEL : PANEL + 6]
     bad = 0
-    for _ in range(64):
+    for turn in range(TURNS):
         total, accepted, open_panels = 0.0, 0.0, 0
         for i in range(n):
             total += panels[i].error
@@ -210,7 +214,9 @@ def split_chart(
                 while need + 1 < len(LEVELS) and LEVELS[need] < aim:
                     need += 1
             if need >= len(LEVELS) or p.glare > MAX_ORDER or (step >= 0 and panel_order(need, p.log_rho) >= MAX_ORDER):
-                if n >= panels.shape[0] or width < 1e-9:
+                # parts that no turn is left to look at would state all that they may hold
+                late = step > 0 and turn >= LATE
+                if n >= panels.shape[0] or width < 1e-9 or late:
                     if step < 0 and width < 1e-9:
                         rough_panel(p, view, work, gauss, scratch)
                     p.settled = 1

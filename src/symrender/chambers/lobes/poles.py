@@ -27,6 +27,12 @@ STEPS: Final = 6
 """Most steps of Newton's method; where it has not settled, the quadratic form's zero stands."""
 SETTLED: Final = 1e-4
 """Relative change after which it has."""
+STRIDE: Final = 0.2
+"""Longest step, in angle, on the way to where p is least on a line."""
+LEAST_STEPS: Final = 20
+"""Most of them."""
+BELL: Final = 2.0
+"""Widths of a Gauss curve off the real line within which it is taken as tame: it grows by e^4."""
 
 
 @inlined
@@ -117,14 +123,28 @@ def pole_on_line(c: float, s: float, chart: Chart) -> tuple[float, float]:
     one = max(one, 1e-12)
     guess = nearest - both * b / one
     depth = max(1e-9, cos_view * math.sqrt(b * b + 4.0 * lobe.alpha * lobe.alpha * one) / one)
-    # w_o and N along the pole and along the line's azimuth
     gn, en, gm, em = 0.0, 0.0, chart.lobe_cos, chart.lobe_sin * c
     for a in range(3):
         gn += chart.normal[a] * chart.pole[a]
         en += chart.normal[a] * (c * chart.e1[a] + s * chart.e2[a])
     go, eo = 2.0 * cos_view * gn - gm, 2.0 * cos_view * en - em
-    kappa = (1.0 - lobe.alpha) * (1.0 + lobe.alpha)
-    x, y = guess, min(depth, 3.0)
+    x, y = settled_zero(guess, min(depth, 3.0), cos_view, gn, en, go, eo, lobe.alpha)
+    if y == 0.0:
+        # far from a grazing mirror direction the form misleads: begin where p is least on the line
+        x, y = lowest(guess, cos_view, gn, en, go, eo, lobe.alpha)
+        x, y = settled_zero(x, y, cos_view, gn, en, go, eo, lobe.alpha)
+    return (x, y) if y > 0.0 else (guess, depth)
+
+
+@jitable
+def settled_zero(
+    x: float, y: float, cos_view: float, gn: float, en: float, go: float, eo: float, alpha: float
+) -> tuple[float, float]:
+    """A zero of p on a line by Newton's method from x + iy; y is 0 where that does not settle.
+
+    ``gn`` and ``en`` are N along the chart's pole and along the line's azimuth, ``go`` and ``eo`` are w_o.
+    """
+    kappa = (1.0 - alpha) * (1.0 + alpha)
     for _ in range(STEPS):
         sx, cx, sh, ch = math.sin(x), math.cos(x), math.sinh(y), math.cosh(y)
         cr, ci, sr, si = cx * ch, -sx * sh, sx * ch, cx * sh
@@ -143,13 +163,63 @@ def pole_on_line(c: float, s: float, chart: Chart) -> tuple[float, float]:
             break
         if abs(dx) + abs(dy) < SETTLED * abs(y):
             return x, abs(y)
-    return guess, depth
+    return x, 0.0
+
+
+@jitable
+def lowest(x: float, cos_view: float, gn: float, en: float, go: float, eo: float, alpha: float) -> tuple[float, float]:
+    """The real x where p is least on a line, and the y of its parabola's zeros there; arguments as of ``settled_zero``.
+
+    Where p bends downwards a step is taken against its slope.
+    """
+    kappa = (1.0 - alpha) * (1.0 + alpha)
+    depth = STRIDE
+    for _ in range(LEAST_STEPS):
+        sx, cx = math.sin(x), math.cos(x)
+        u, v = cx * gn + sx * en + cos_view, cx * en - sx * gn
+        p = 2.0 + 2.0 * (cx * go + sx * eo) - kappa * u * u
+        slope = 2.0 * (cx * eo - sx * go) - 2.0 * kappa * u * v
+        bend = -2.0 * (cx * go + sx * eo) - 2.0 * kappa * (v * v - u * (u - cos_view))
+        step = -slope / bend if bend > 0.0 else -STRIDE if slope > 0.0 else STRIDE
+        step = max(-STRIDE, min(STRIDE, step))
+        x += step
+        depth = math.sqrt(2.0 * max(0.0, p) / bend) if bend > 0.0 else STRIDE
+        if abs(step) < SETTLED * depth:
+            break
+    return x, min(max(depth, 1e-9), 3.0)
+
+
+@jitable
+def bell_width(x: float, y: float, c: float, s: float, chart: Chart) -> float:
+    """How wide Beckmann's D is along the line (c, s), of which x +- iy are the zeros of p.
+
+    D falls like exp(-q), q = tan^2 theta_h/alpha^2, and near x p is (1 + q_x) (1 + (t - x)^2/y^2) for a factor, so that
+    q grows by 1 within y/sqrt(1 + q_x).
+    """
+    lobe = chart.lobe
+    sx, cx = math.sin(x), math.cos(x)
+    facing, back = lobe.cos_view, 1.0
+    for a in range(3):
+        wn = cx * chart.pole[a] + sx * (c * chart.e1[a] + s * chart.e2[a])
+        facing += wn * chart.normal[a]
+        m = chart.lobe_cos * chart.pole[a] + chart.lobe_sin * chart.e1[a]
+        back += wn * (2.0 * lobe.cos_view * chart.normal[a] - m)
+    # 2 + 2 w.w_o is the square of |w + w_o|, whose part along N is ``facing``
+    gap = max(0.0, 2.0 * back - facing * facing)
+    wide = lobe.alpha * abs(facing)
+    return y * wide / math.sqrt(wide * wide + gap)
 
 
 @inlined
 def lobe_pole(c: float, s: float, chart: Chart) -> tuple[float, float]:
-    """(x, y): inner coordinate of the density's nearest pole x +- iy of the line (c, s), of a lobe of a conductor."""
+    """(x, y): inner coordinate of the density's nearest pole x +- iy of the line (c, s), of a lobe of a conductor.
+
+    Beckmann's density has none, but off the real line it grows as it falls along it: y is then no more than ``BELL``
+    of its widths.
+    """
     x, y = pole_on_line(c, s, chart)
+    if chart.lobe.beckmann != 0:
+        y = min(y, BELL * bell_width(x, y, c, s, chart))
     return inner_pole(x, y, chart)
 
 
