@@ -292,7 +292,7 @@ def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tu
         opinions = opinions_of(data, seen[0].shape[0], ray, kind, found, scale)
         if opinions is None:
             return
-    best, doubt = min(opinions, key=lambda each: each[1], default=(np.zeros(3), np.inf))
+    best, doubt = opinions[-1] if opinions else (np.zeros(3), np.inf)
     judged = set()
     for k, (value, stated, _) in enumerate(found):
         off = float(np.abs(value - best).max()) - doubt

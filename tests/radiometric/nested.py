@@ -33,6 +33,8 @@ STACK = 4000
 DEEPEST = 46
 """Most halvings of a piece."""
 BUDGET = 60_000_000
+NEAR_NORMAL = 0.3
+"""Angle to the normal up to which lines stand closer, in geometric steps, where a circle passes it."""
 ROUNDED = 4e-14
 
 
@@ -130,15 +132,17 @@ def _cuts(
             continue
         s = shapes[j]
         if s[0] == 1.0:
-            a, b, level = n @ s[5:8], e @ s[5:8], 0.0
+            a, b, level, sine = n @ s[5:8], e @ s[5:8], 0.0, 1.0
         else:
             c = s[1:4] - q
             far2 = c @ c
             a, b, level = n @ c, e @ c, math.sqrt(max(0.0, far2 - s[4] ** 2))
-        size = math.hypot(a, b)
-        if size <= level or size == 0.0:
+            # the arc cosine of level over size knows half of the digits of a small ball's width
+            across = np.cross(n, e) @ c
+            sine = math.sqrt(max(0.0, (s[4] - across) * (s[4] + across)))
+        if sine == 0.0 or math.hypot(a, b) == 0.0:
             continue
-        middle, half = math.atan2(b, a), math.acos(level / size)
+        middle, half = math.atan2(b, a), math.atan2(sine, level)
         for t in (middle - half, middle + half, middle + half - 2.0 * math.pi, middle - half + 2.0 * math.pi):
             if 0.0 < t < 0.5 * math.pi and count < cuts.shape[0] - 80:
                 cuts[count] = t
@@ -220,6 +224,15 @@ def _ends(rows: Array, many: int, n: Array, x: Array, y: Array, ends: Array, cou
                 for turn in (0.0, math.pi):
                     ends[count] = math.atan2(a @ y, a @ x) + side * math.asin(ratio) + turn
                     count += 1
+        # close by the normal a circle is all but a meridian, and crosses the others within as little
+        near = abs(math.atan2(across, a @ n) - math.acos(max(-1.0, min(1.0, p))))
+        step = 0.25 * max(1e-9, near)
+        while near < NEAR_NORMAL and across > 0.0 and step < 1.0 and count < ends.shape[0] - 200:
+            for side in (-1.0, 1.0):
+                for turn in (-0.5 * math.pi, 0.5 * math.pi):
+                    ends[count] = math.atan2(a @ y, a @ x) + side * step + turn
+                    count += 1
+            step *= 2.0
         for j in range(i):
             b, r = rows[j, :3], rows[j, 3]
             along = a @ b

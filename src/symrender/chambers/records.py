@@ -103,6 +103,8 @@ class Chart(Record):
     """1 where highlights begin at walls of their own: a line may then see none beside one that does."""
     apart: float
     """No azimuth of the panel at hand is farther from one of its lines."""
+    bell: float
+    """How wide the curve of Beckmann's density is along the line at hand; 0 of other lobes."""
     pace: float
     """How much faster than values a derivative of the chart may change with what is left out; 1 for values."""
 

@@ -6,7 +6,7 @@ import math
 
 from symrender.chambers.highlight_strips import line_highlights, piece_highlights, seeing
 from symrender.chambers.lobes.levels import LEVELS, level_on_line, lobe_level
-from symrender.chambers.lobes.poles import inner_pole, lobe_pole
+from symrender.chambers.lobes.poles import foot_of_bell, inner_pole, lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.lobes.sending import grazing_pole
 from symrender.chambers.records import DISTANT, Chart
@@ -106,9 +106,10 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     chart, points = work.chart, view.points
     work.counts.poles = 0
     line_highlights(phi, work)
+    chart.bell = 0.0
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
         # the first of all: ``crossed_pole`` follows it from line to line
-        x, y = lobe_pole(c, s, chart)
+        x, y, chart.bell = lobe_pole(c, s, chart)
         note_pole(x, y, work)
         note_levels(c, s, view, work)
     note_sender(c, s, view, work)
@@ -166,6 +167,10 @@ def cell_log(start: float, stop: float, work: Work) -> tuple[float, int]:
     nearest = math.inf
     for i in range(work.counts.poles):
         low, high, y = start - work.poles[i, 0], stop - work.poles[i, 0], work.poles[i, 1]
+        nearest = min(nearest, math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y))
+    if chart.bell > 0.0:
+        x, y = foot_of_bell(start, stop, work.poles[0, 0], chart.bell)
+        low, high = start - x, stop - x
         nearest = min(nearest, math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y))
     along = chart.strip_along
     if chart.shape_index >= 0.0:

@@ -15,6 +15,7 @@ from symrender.chambers.records import Chart, Spot
 from symrender.chambers.walls import (
     BALL,
     NORMAL,
+    is_rooted,
     tangent_lines,
 )
 from symrender.chambers.work import Work
@@ -30,6 +31,8 @@ MAX_FIRST = 3
 """Most lines of a panel's first estimate."""
 MAX_KINKED = 5
 """Most lines of a panel with events inside, before it is cut there."""
+AT_END = 1e-9
+"""Difference of two azimuths up to which they are one."""
 FELT_LINES = 20.0
 """Twice the lines of a panel of which singularities are compared that choose no node counts."""
 
@@ -151,6 +154,27 @@ def swept_log(a: float, b: float, kind_a: float, kind_b: float, chart: Chart) ->
     return math.log(x + math.sqrt(1.0 + x * x))
 
 
+@jitable
+def touches_root(a: float, b: float, work: Work) -> bool:
+    """Whether a circle beside which what is integrated is a root of the distance touches the line at an end.
+
+    Of sqrt(t^2 + x), t along the lines, x log(x) is left across them, which no map of square roots makes smooth.
+    """
+    for i in range(work.counts.walls):
+        row = work.walls[i]
+        if not is_rooted(row) or row.touch_depth != 0.0:
+            continue
+        for branch in range(4):
+            x = row.touch_azimuth
+            x += (row.touch_offset if branch < 2 else math.pi - row.touch_offset) * (1.0 if branch % 2 == 0 else -1.0)
+            for end in range(2):
+                away = x - (a if end == 0 else b)
+                away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+                if abs(away) < AT_END:
+                    return True
+    return False
+
+
 @inlined
 def panel_log(work: Work, a: float, b: float, kind_a: float, kind_b: float) -> float:
     """log rho that decides a panel's node counts."""
@@ -220,6 +244,7 @@ def add_panel(panels: Table[Panel], n: int, a: float, b: float, kind_a: float, k
         p.value[0] = p.value[1] = p.value[2] = 0.0
         p.bound = p.error = held(panel_bound(a, b, work.chart))
         p.inside = p.settled = 0
+        p.logarithm = int(touches_root(held(a), held(b), work))
         p.foreign = math.nan
         p.per_radian = 0.0
         _, narrowest = highlights_between(a, b, work)

@@ -124,7 +124,7 @@ def rule_error(
     known = max(known, share * size * math.exp(-2.0 * n * slow) / (2.0 * n * math.sqrt(2.0 * n)))
     # where a wall and a pole cross, coefficients may be small by chance
     known = max(known, held(p.crossed_share) * size * math.exp(-2.0 * n * held(p.crossed)) / (2.0 * n))
-    if kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
+    if p.logarithm != 0 or kinked(view) or ends_bluntly(view, work.chart) or broken_rim(work.chart.lobe):
         known = max(known, last, 0.5 * before)
     error = max(2.0 * max(across_error(n, last, before, middle, lower, size, log_rho), known), unseen)
     if top > UNFALLEN * size and (p.glare > 0 or work.chart.lobe.kind == CONDUCTOR):

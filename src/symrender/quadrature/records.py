@@ -39,6 +39,8 @@ class Panel(Record):
     """What the panel it was cut from held per radian, 0 while nobody looked."""
     glare: int
     """Lines that no highlight felt in the panel can pass between."""
+    logarithm: int
+    """1 where at an end the line integral goes as the distance times its logarithm: coefficients fall slowly."""
     missed: float
     """While panels are replayed, the error of the panel that this one is a half of; 0 if it is none."""
 

@@ -46,6 +46,8 @@ SMALL = 0.05
 
 Under a disk light it is all of it: the rules over the disk err alike on every node, and halves would not help.
 """
+FEW = 4
+"""Nodes that judge their own rule badly."""
 MAX_HALVINGS = 40
 """Most halvings of one cell of a line."""
 AT_HORIZON = 0.5 * math.pi * (1.0 - 1e-12)
@@ -317,7 +319,10 @@ def integrate_cells(
             start, stop = row.start, row.stop
             log_rho, fewest = cell_log(start, stop, work)
             fewest = max(fewest, nodes_to_end(row.cell, view, work))
-            n = max(fewest, order(step, log_rho) if row.wary != 0.0 else nodes(step, CAUTION * log_rho))
+            n = max(fewest, nodes(step, CAUTION * log_rho))
+            if row.wary != 0.0:
+                # more than the few that it was not believed of
+                n = max(n, order(step, log_rho), max(step, FEW) + 1)
             if row.soft != 0.0:
                 n = max(n + (n + 1) // 2, least)
             if n > MAX_ORDER and top < PENDING and not is_spent(work):
@@ -356,10 +361,10 @@ def integrate_cells(
             tame = miss <= promise * (holds + small * (size + whole)) + idle
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):
                 # a piece less tame than it looks; so few points judge badly, and are not halved away from
-                if n <= max(step, 4) and row.wary == 0.0:
+                if n <= max(step, FEW) and row.wary == 0.0:
                     top = stack_piece(top, row.cell, start, stop, row.halvings, 1, row.soft, work)
                     continue
-                if n > max(step, 4) and row.halvings < MAX_HALVINGS:
+                if n > max(step, FEW) and row.halvings < MAX_HALVINGS:
                     middle, deeper = start + 0.5 * (stop - start), row.halvings + 1
                     second, head = half_soft(row.soft, True), half_soft(row.soft, False)
                     top = stack_piece(top, row.cell, middle, stop, deeper, row.wary, second, work)

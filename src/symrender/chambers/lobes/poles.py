@@ -33,6 +33,8 @@ LEAST_STEPS: Final = 20
 """Most of them."""
 BELL: Final = 2.0
 """Widths of a Gauss curve off the real line within which it is taken as tame: it grows by e^4."""
+FOOT: Final = 6.0
+"""Widths from its middle beyond which a Gauss curve is nothing: e^-36."""
 
 
 @inlined
@@ -210,17 +212,32 @@ def bell_width(x: float, y: float, c: float, s: float, chart: Chart) -> float:
     return y * wide / math.sqrt(wide * wide + gap)
 
 
-@inlined
-def lobe_pole(c: float, s: float, chart: Chart) -> tuple[float, float]:
-    """(x, y): inner coordinate of the density's nearest pole x +- iy of the line (c, s), of a lobe of a conductor.
+@jitable
+def lobe_pole(c: float, s: float, chart: Chart) -> tuple[float, float, float]:
+    """(x, y, bell): inner coordinate of the density's nearest pole x +- iy of the line (c, s), of a conductor's lobe.
 
-    Beckmann's density has none, but off the real line it grows as it falls along it: y is then no more than ``BELL``
-    of its widths.
+    Beckmann's density has none, but off the real line it grows as it falls along it: ``bell`` is its width there, and y
+    no more than ``BELL`` of them. Of GGX ``bell`` is 0.
     """
     x, y = pole_on_line(c, s, chart)
-    if chart.lobe.beckmann != 0:
-        y = min(y, BELL * bell_width(x, y, c, s, chart))
-    return inner_pole(x, y, chart)
+    at, deep = inner_pole(x, y, chart)
+    if chart.lobe.beckmann == 0:
+        return at, deep, 0.0
+    bell = bell_width(x, y, c, s, chart) * deep / y
+    return at, min(deep, BELL * bell), bell
+
+
+@inlined
+def foot_of_bell(start: float, stop: float, x: float, bell: float) -> tuple[float, float]:
+    """Where a Gauss curve about ``x`` is most felt on start..stop, and how far off the real line it is tame there.
+
+    At a distance d from its middle it grows by e within bell^2/(2 d).
+    """
+    at = min(max(start, x), stop)
+    away = abs(at - x)
+    if away > FOOT * bell:
+        return at, math.inf
+    return at, BELL * bell / max(1.0, 2.0 * away / bell)
 
 
 @jitable
