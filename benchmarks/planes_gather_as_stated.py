@@ -32,7 +32,7 @@ from symrender.runtimes.radiosity import met
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
 COUNT, QUICK, PLACES = 100, 4, 4
-MOST_RAYS = 300_000
+MOST_RAYS = 200_000
 RUNS, ORDER = 8, 64
 SURE, LOOSEST = 6.0, 1.5
 TOLERANCES = (1e-2, 2e-3, 5e-4)

@@ -48,7 +48,7 @@ class Piece:
     corners: Array = field(default_factory=lambda: np.zeros((0, 3)))
     radius: float = 0.0
     touched: bool = False
-    """Whether the place lies on the sphere, but for roundings, which then hides all on its side of the tangent plane."""
+    """Whether the place lies on the sphere, but for roundings: it then hides all on its side of the tangent plane."""
     inward: Array = field(init=False)
     """Across each edge in the plane of the piece, towards its inside."""
 

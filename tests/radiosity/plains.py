@@ -38,7 +38,7 @@ def _on(rng: np.random.Generator, normal: Array, point: Array, reach: float) -> 
 
 
 def _planes(rng: np.random.Generator) -> list[tuple[Array, Array]]:
-    """(point, normal) of one to three planes: level or in any position; parallel, all but parallel, across each other."""
+    """(point, normal) of one to three planes, level or not: parallel, all but parallel, across each other."""
     first = np.array([0.0, 0.0, 1.0]) if rng.random() < 0.6 else _turned(rng)
     found = [(np.zeros(3) if rng.random() < 0.7 else rng.uniform(-0.3, 0.3, 3), first)]
     while len(found) < 3 and rng.random() < 0.55:

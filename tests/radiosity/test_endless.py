@@ -102,7 +102,7 @@ def test_what_is_missed_beyond_a_net_is_bounded() -> None:
 
 @pytest.mark.parametrize("far", [1.0, 1e3, 1e7])
 def test_far_out_on_a_floor_a_wall_is_gathered_as_near(far: float) -> None:
-    """An upright wall, as high as it is far, in the sun: a strip of its form factor, wherever the floor's place lies."""
+    """An upright wall in the sun, as high as it is far, gives what a strip does at every size."""
     wall = rectangle("wall", [-500 * far, 0, 0], [0, 0, far], [1000 * far, 0, 0], "white")
     sun = {"type": "directional", "name": "sun", "direction": [0, -1, -1], "irradiance": 2.0}
     speck = rectangle("speck", [far, -far, far], [1e-3 * far, 0, 0], [0, 1e-3 * far, 0], "grey")

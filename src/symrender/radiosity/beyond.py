@@ -3,9 +3,9 @@
 Cells lie on the net of a plane; all light is asked of the plane itself, which hides what is behind it wherever it is.
 So of what a place gathers nothing is missing but what planes send from beyond their nets, and none is too much.
 
-How much that is: seen from a height h above a plane, a place of it at least s away across is at an angle t to the plane,
-tan t <= h/s = q. A unit normal N and a unit way at t and the azimuth p have N.w <= cos t max(cos p, 0) + sin t. So what
-a diffuse place sees beyond s, its form factor, is at most the integral of that cos t dt dp over pi, which is
+How much that is: from a height h above a plane a place of it at least s away across is seen at an angle t to the
+plane, tan t <= h/s = q. A unit normal N and a unit way at t and the azimuth p have N.w <= cos t max(cos p, 0) + sin t.
+So what a diffuse place sees beyond s, its form factor, is at most the integral of that cos t dt dp over pi, which is
 (t + sin t cos t)/pi + sin^2 t <= 2q/pi + q^2. A place x beside the foot of the middle has s = R - x, as squares hold
 the circle of radius R, their half-width. Times the most that the plane sends from out there, ``sent``, this bounds what
 is missing; of several planes the sum does.

@@ -244,4 +244,4 @@ def cut_along(corners: Array, segment: Array, up: Array) -> list[Array] | None:
 def _distinct(corners: Array, size: float) -> Array:
     """Corners of a polygon but for those that lie within ``size`` of the one before."""
     steps = corners - np.roll(corners, 1, axis=0)
-    return corners[(steps**2).sum(axis=1) > size * size]
+    return np.asarray(corners[(steps**2).sum(axis=1) > size * size])

@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.jit.records import copied, flat, table
 from symrender.radiometric.pieces import owners
@@ -47,7 +48,7 @@ class Laid:
     world: World
     net: World
     piece: Ints
-    near: Ints
+    near: npt.NDArray[np.bool_]
     beyond: tuple[Beyond, ...]
 
     def missed(self, owns: Ints, places: Array) -> Array:

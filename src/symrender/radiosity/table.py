@@ -57,6 +57,8 @@ _CHUNK: Final = 256
 _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
 _MOST_TERMS: Final = 400
+_REST: Final = 0.05
+"""What may be left at the end of a bound's series, in parts of the bound."""
 _TRIES: Final = 4
 _COARSE: Final = 4.0
 """Target of the first cells where light is reflected more than once, in parts of the tolerance."""
@@ -291,7 +293,7 @@ class _Solver:
         doubts = Doubts(*deviations(powers, fit, values - held), off.max(axis=1) + unseen, off.mean(axis=1) + unseen)
         doubts.write(second.cells, rows)
         second.inner.write_doubts(second.cells)
-        self._bound(first, second, quads, places)
+        self._bound(first, second, quads, places, limits.target)
         self.known = (second,)
         return second
 
@@ -325,7 +327,7 @@ class _Solver:
         put_terms(second.cells, rows, total)
         second.inner.write(second.cells)
 
-    def _bound(self, first: Forest, second: Forest, quads: Quads, places: Array) -> None:
+    def _bound(self, first: Forest, second: Forest, quads: Quads, places: Array, target: float) -> None:
         """Add to what the leaves of the second forest doubt what follows from it, u = rho K(d + u)."""
         rows, cells = second.leaves, second.cells
         few = np.ascontiguousarray(places[:, [0, 3, 12, 15, NODES + 4]])
@@ -350,7 +352,8 @@ class _Solver:
             grows += more
             rest = _rest(more.max(axis=1), before, self.most)[:, None]
             # cells far out on planes doubt much, of which little arrives: their largest is no measure of others
-            if (rest <= 0.05 * (grows if self.laid.beyond else grows.max(initial=0.0))).all():
+            enough = np.maximum(grows, target) if self.laid.beyond else grows.max(initial=0.0)
+            if (rest <= _REST * enough).all():
                 grows += rest
                 break
             before = more.max(axis=1) if self.laid.beyond else None

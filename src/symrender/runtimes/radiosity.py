@@ -38,8 +38,10 @@ _lock = threading.Lock()
 
 def table_of(arrays: RadiometricArrays, tol: float, threads: int = 1) -> Sendings:
     """What the faces of a scene send each other, for radiances to ``tol``; made once, and kept."""
-    rows = (arrays.materials, arrays.shapes, arrays.facets, arrays.frames, arrays.lights)
-    parts = (*map(flat, rows), np.array([arrays.bounces]))
+    parts = (
+        flat(arrays.materials), flat(arrays.shapes), flat(arrays.facets), flat(arrays.frames), flat(arrays.lights),
+        np.array([arrays.bounces]),
+    )  # fmt: skip
     key = (b"".join(part.tobytes() for part in parts), tol)
     with _lock:
         if key not in _tables:
