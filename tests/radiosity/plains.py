@@ -148,5 +148,5 @@ def plains(seed: int, scale: float, count: int, bounces: Any = 1) -> tuple[Scene
         shape["point"] = [scale * c for c in shape["point"]]
     if "position" in light:
         light["position"] = [scale * c for c in light["position"]]
-        light["intensity"] = [scale * scale * c for c in light["intensity"]]
+        light["intensity"] = [min(1e12, scale * scale * c) for c in light["intensity"]]
     return world(*shapes, lights=[light], materials=MATERIALS, bounces=bounces), np.array(origins), np.array(directions)

@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from symrender.jit.records import copied, flat, table
 from symrender.radiometric.pieces import owners
@@ -19,6 +18,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_world
 from symrender.radiosity.beyond import Beyond, sent_at_all, sent_from
 from symrender.radiosity.breaks import corners_of
+from symrender.radiosity.near import Thing
 from symrender.radiosity.records import Ints
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import ALL, MESH, RadiometricArrays
@@ -29,7 +29,8 @@ RINGS: Final = 7
 WIDTH: Final = GROWTH**RINGS
 """Half-width of the last square, in parts of that of the first, which holds the scene."""
 _NEAR: Final = 10
-"""Triangles of a net that lie in its first two squares."""
+_PER_RING: Final = 8
+"""Triangles of a net in its first two squares, and between two others."""
 
 
 def has_planes(arrays: RadiometricArrays) -> bool:
@@ -41,15 +42,21 @@ def has_planes(arrays: RadiometricArrays) -> bool:
 class Laid:
     """A scene whose faces gather: ``world``, and ``net``, which has nets of triangles in the place of planes.
 
-    Cells lie on pieces of the net; ``piece`` (N,) are those of the world that they belong to, and ``near`` (N,) says
-    which are no outer parts of a net. Light is asked of the world.
+    Cells lie on pieces of the net; ``piece`` (N,) are those of the world that they belong to. ``matters`` (N,) is 1 but
+    for the outer parts of nets, of which a place near the middle sees a share that falls as fast as they grow: there it
+    is one over the root of how much wider they are. Light is asked of the world.
     """
 
     world: World
     net: World
     piece: Ints
-    near: npt.NDArray[np.bool_]
+    matters: Array
     beyond: tuple[Beyond, ...]
+
+    def ended(self, things: list[Thing]) -> list[Thing]:
+        """Those of the things of the net that have an end: none is too large beside a plane."""
+        kinds = np.asarray(self.world.pieces["kind"])[self.piece]
+        return [thing for thing in things if thing.piece < 0 or kinds[thing.piece] != PLANE]
 
     def missed(self, owns: Ints, places: Array) -> Array:
         """(N,) most that diffuse places of pieces ``owns`` of the world gather from beyond all nets."""
@@ -75,7 +82,7 @@ def laid(arrays: RadiometricArrays) -> Laid:
     world = make_world(arrays)
     if not has_planes(arrays):
         every = np.arange(len(world.pieces))
-        return Laid(world, world, every, every >= 0, ())
+        return Laid(world, world, every, np.ones(len(every)), ())
     net = make_world(netted(arrays))
     endless = np.array([shape.kind == PLANE for shape in arrays.shapes])
     whole, parts = owners(world.pieces), owners(net.pieces)
@@ -89,7 +96,9 @@ def laid(arrays: RadiometricArrays) -> Laid:
         foot, first = _foot(middle, half, plane.place, plane.up)
         sent = sent_at_all(world) if arrays.bounces == ALL else sent_from(world, plane, foot, WIDTH * first)
         beyond.append(Beyond(j, foot, np.array(plane.up), WIDTH * first, sent))
-    return Laid(world, net, piece, ~endless[parts] | (order < _NEAR), tuple(beyond))
+    outer = np.maximum(0, (order - _NEAR) // _PER_RING + 1)
+    matters = np.where(endless[parts], GROWTH ** (-0.5 * outer), 1.0)
+    return Laid(world, net, piece, matters, tuple(beyond))
 
 
 def middle_of(arrays: RadiometricArrays) -> tuple[Array, float]:

@@ -59,6 +59,8 @@ _TAIL: Final = 0.02
 _MOST_TERMS: Final = 400
 _REST: Final = 0.05
 """What may be left at the end of a bound's series, in parts of the bound."""
+_LITTLE: Final = 0.1
+"""Part of the target that is a bound large enough where planes have no end."""
 _TRIES: Final = 4
 _COARSE: Final = 4.0
 """Target of the first cells where light is reflected more than once, in parts of the tolerance."""
@@ -190,7 +192,7 @@ def sendings(scene: Laid, bounces: bool, tol: float, threads: int = 1) -> Sendin
     if not len(faces.face):
         return Sendings(scene, (), fine)
     roots = root_cells(net, faces.face, faces.side)
-    near = roots.some(np.flatnonzero(scene.near[roots.face]))
+    near = roots.some(np.flatnonzero(scene.matters[roots.face] == 1.0))
     edges = [contacts(net, int(f)) for f in faces.face]
     shadows = [shadow_edges(net, int(f), float(s)) for f, s in zip(faces.face, faces.side, strict=True)]
 
@@ -205,10 +207,10 @@ def sendings(scene: Laid, bounces: bool, tol: float, threads: int = 1) -> Sendin
     falls, last = _FALLS, (0.0, 0.0)
     for _ in range(_TRIES):
         aim = min(target, _SHARP * tol) if glossy else target
-        first = _grown(scene, roots, cuts, lit, Limits(aim, limits[0], lamps(net), glossy))
+        first = _grown(scene, roots, cuts, lit, Limits(aim, limits[0], scene.ended(lamps(net)), glossy, scene.matters))
         made = Sendings(scene, (first,), fine)
         if bounces:
-            things = Limits(target, MOST_GATHERED, pieces_of(net))
+            things = Limits(target, MOST_GATHERED, scene.ended(pieces_of(net)), matters=scene.matters)
             made = Sendings(scene, (first, solver.reflected(first, roots, edges, things)), fine)
         stated = most * np.quantile(_stated(made, near, threads), _SHARE_MET)
         full = any(
@@ -352,7 +354,7 @@ class _Solver:
             grows += more
             rest = _rest(more.max(axis=1), before, self.most)[:, None]
             # cells far out on planes doubt much, of which little arrives: their largest is no measure of others
-            enough = np.maximum(grows, target) if self.laid.beyond else grows.max(initial=0.0)
+            enough = np.maximum(grows, _LITTLE * target) if self.laid.beyond else grows.max(initial=0.0)
             if (rest <= _REST * enough).all():
                 grows += rest
                 break
