@@ -80,6 +80,11 @@ def test_a_cut_through_a_corner_makes_no_needless_corners(height: float) -> None
     assert area == pytest.approx(1.0, abs=1e-12)
 
 
+def test_a_needle_whose_sides_cross_is_not_cut() -> None:
+    corners = np.array([[-1.0, 1e-9, 0.0], [-1.0, -1e-9, 0.0], [1.0, 1e-9, 0.0], [1.0, -1e-9, 0.0]]) * [1, 10, 1]
+    assert cut_along(corners, np.array([[-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([0.0, 0.0, 1.0])) is None
+
+
 def test_under_a_sky_all_is_as_bright_where_what_is_missing_shines() -> None:
     """A sky of 1 and faces that emit what they do not reflect: from nowhere is anything else seen."""
     floor, wall = (

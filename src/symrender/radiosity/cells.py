@@ -214,12 +214,18 @@ def cut_along(corners: Array, segment: Array, up: Array) -> list[Array] | None:
     way = b - a
     across = np.cross(up, way)
     size = np.sqrt(max(float(across @ across), 1e-300))
-    heights = (corners - a) @ across / size
+    # from the nearer end, for the other may be so far away that all is rounding
+    near = min((a, b), key=lambda end: float(((end - corners[0]) ** 2).sum()))
+    heights = (corners - near) @ across / size
     extent = float(np.sqrt(((corners - corners.mean(axis=0)) ** 2).sum(axis=1).max()))
     if heights.max() <= _SLIVER * extent or heights.min() >= -_SLIVER * extent:
         return None
     # the line bends through corners that lie on it but for roundings: nothing is lost
     heights[np.abs(heights) <= _ONE * extent] = 0.0
+    signs = np.sign(heights[heights != 0.0])
+    if (signs != np.roll(signs, 1)).sum() > 2:
+        # a needle whose sides cross but for roundings
+        return None
     sides: tuple[list[Array], list[Array]] = ([], [])
     met = []
     for p, q, g, h in zip(corners, np.roll(corners, -1, axis=0), heights, np.roll(heights, -1), strict=True):
