@@ -40,15 +40,19 @@ TOLERANCES = (1e-2, 2e-3, 5e-4)
 SCALES = (1.0, 1e-4, 1e3, 1e-2)
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
+COARSE = np.array([0.0, 0.05, 0.6, 0.97, 1.0])
+"""Where the judge cuts pieces of meridians at first, before it looks again."""
 
 
-def by_rays(scene: dict[str, Any], origins: Array, directions: Array, tol: float = 1e-6) -> tuple[Array, Array]:
+def by_rays(
+    scene: dict[str, Any], origins: Array, directions: Array, tol: float = 1e-6, first: Array = COARSE
+) -> tuple[Array, Array]:
     """(what is reflected (N, 3), what that may be off (N,)) of one bounce; ``tol`` is of every piece of a line."""
     world = make_world(radiometric_arrays(sr.load(scene)))
     at, albedo = met(world, origins, directions)
     found, off = np.zeros((len(origins), 3)), np.zeros(len(origins))
     for i in np.flatnonzero(albedo.max(axis=1) > 0.0).tolist():
-        known = seen_nested.gathered(scene, at.place[i], at.normal[i], tol)
+        known = seen_nested.gathered(scene, at.place[i], at.normal[i], tol, first)
         found[i], off[i] = albedo[i] * known.light, SURE * albedo[i].max() * known.error
     return found, off
 
@@ -90,7 +94,7 @@ def main() -> None:
                 # again, more closely: a narrow light may lie between the nodes of a line
                 seen_nested.MOST = AGAIN * MOST_RAYS
                 one = slice(i, i + 1)
-                known[one], wide[one] = by_rays(scene, origins[one], directions[one], 1e-9)
+                known[one], wide[one] = by_rays(scene, origins[one], directions[one], 1e-9, seen_nested.FIRST)
                 seen_nested.MOST = MOST_RAYS
                 off = float(np.abs(known[i] - seen.indirect[i]).max())
             judged, lit = judged + 1, lit + int(seen.indirect[i].max() > 10 * seen.error[i])

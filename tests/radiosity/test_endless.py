@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from tests.radiometric import seen_nested
 from tests.radiometric.flats import SKY, box, plane, rectangle, world
-from tests.radiosity.rooms import MATERIALS
+from tests.radiosity.plains import plains
+from tests.radiosity.rooms import MATERIALS, reflected_once
 
 import symrender as sr
 from symrender.errors import Unsupported
@@ -134,6 +135,21 @@ def test_a_sun_that_has_set_lights_nothing(height: float) -> None:
     seen = sr.probe(scene, rays=([0.3, 0.1, 1.0], [0, 0, -1]), tol=1e-3)
     assert seen.shape == ("shapes.floor",) and seen.status[0] == 0
     assert (seen.indirect[0] > 0.01).all() if height > 0.0 else (seen.indirect[0] == 0.0).all()
+
+
+def test_hostile_plains_state_what_they_are_off() -> None:
+    """Planes that lean and cross, faces on them and above them, places far out, against lattices of the tracer."""
+    judged = lit = 0
+    for seed, scale in ((2, 1.0), (3, 1e-4), (6, 1e3), (10, 1.0)):
+        scene, origins, directions = plains(seed, scale, 4)
+        seen = sr.probe(scene, rays=(origins, directions), tol=2e-3)
+        at = hits(make_world(radiometric_arrays(sr.load(scene))), origins, directions)
+        for i in np.flatnonzero(at.albedo.max(axis=1) > 0.0).tolist():
+            mean, wide = reflected_once(scene, at.place[i], at.normal[i], 4000, 7 * seed + i)
+            off = np.abs(at.albedo[i] * mean - seen.indirect[i])
+            assert (off <= 1.5 * seen.error[i] + 6.0 * at.albedo[i] * wide + 1e-12).all(), (seed, i, off, seen.error[i])
+            judged, lit = judged + 1, lit + int(seen.indirect[i].max() > max(10 * seen.error[i], 1e-5))
+    assert judged >= 12 and lit >= 4
 
 
 def test_nets_are_laid_over_planes_alone() -> None:

@@ -53,6 +53,12 @@ class Laid:
     matters: Array
     beyond: tuple[Beyond, ...]
 
+    @property
+    def endless(self) -> frozenset[int]:
+        """The shapes that are planes."""
+        kinds = np.asarray(self.world.pieces["kind"])
+        return frozenset(owners(self.world.pieces)[kinds == PLANE].tolist())
+
     def ended(self, things: list[Thing]) -> list[Thing]:
         """Those of the things of the net that have an end: none is too large beside a plane."""
         kinds = np.asarray(self.world.pieces["kind"])[self.piece]

@@ -194,7 +194,7 @@ def sendings(scene: Laid, bounces: bool, tol: float, threads: int = 1) -> Sendin
     roots = root_cells(net, faces.face, faces.side)
     near = roots.some(np.flatnonzero(scene.matters[roots.face] == 1.0))
     edges = [contacts(net, int(f)) for f in faces.face]
-    shadows = [shadow_edges(net, int(f), float(s)) for f, s in zip(faces.face, faces.side, strict=True)]
+    shadows = [shadow_edges(net, int(f), float(s), scene.endless) for f, s in zip(faces.face, faces.side, strict=True)]
 
     def lit(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
         light = direct(scene.world, piece[face], side, places, threads) / math.pi
