@@ -39,6 +39,9 @@ SURE, LOOSEST = 6.0, 1.5
 TOLERANCES = (1e-2, 2e-3, 5e-4)
 SCALES = (1.0, 1e-4, 1e3, 1e-2)
 
+DARK = 85.0
+"""Most places of a hundred that are dark: suns have set, shapes show their back, and far out little arrives."""
+
 Array = np.ndarray[Any, np.dtype[np.float64]]
 COARSE = np.array([0.0, 0.05, 0.6, 0.97, 1.0])
 """Where the judge cuts pieces of meridians at first, before it looks again."""
@@ -108,7 +111,7 @@ def main() -> None:
     for line in beyond:
         report.say(line)
     report.claim_number(f"places more than {LOOSEST:g} times beyond", len(beyond), 0)
-    report.claim_number("places, of a hundred, too dark to tell", 100.0 * (judged - lit) / max(judged, 1), 70.0)
+    report.claim_number("places, of a hundred, too dark to tell", 100.0 * (judged - lit) / max(judged, 1), DARK)
     report.leave()
 
 
