@@ -32,6 +32,7 @@ from tests.radiosity.rooms import MATERIALS, lamp
 import symrender as sr
 from symrender.radiometric.world import make_world
 from symrender.radiosity import table
+from symrender.radiosity.endless import laid
 from symrender.runtimes.bounce import hits
 from symrender.scene.load import load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -221,9 +222,9 @@ def room(name: str) -> tuple[Scene, Array, Array]:
 
 def cells_of(scene: Scene, place: Array, tol: float) -> tuple[Array, float, int]:
     """(what a place of the last piece gathers, what is stated, how many cells send it) of a table for ``tol``."""
-    world = make_world(radiometric_arrays(load_any(scene)))
-    sent = table.sendings(world, False, tol)
-    own = np.array([len(world.pieces) - 1])
+    faces = laid(radiometric_arrays(load_any(scene)))
+    sent = table.sendings(faces, False, tol)
+    own = np.array([len(faces.world.pieces) - 1])
     found = sent.gathered(own, np.ones(1, np.int64), place[None])[0]
     return found[:3], float(found[3] + found[4]), sum(len(forest.leaves) for forest in sent.forests)
 

@@ -19,6 +19,8 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 NODES = (12, 24, 48, 96, 192)
 """Half the nodes between two azimuths, more where the last two sums differ."""
+_ROUNDED = 16 * 2.0**-52
+"""Distance from a sphere, in parts of the coordinates, up to which a place lies on it."""
 _BESIDE = 1e-7
 _AGREED = 1e-10
 
@@ -45,6 +47,8 @@ class Piece:
     normal: Array = field(default_factory=lambda: np.zeros(3))
     corners: Array = field(default_factory=lambda: np.zeros((0, 3)))
     radius: float = 0.0
+    touched: bool = False
+    """Whether the place lies on the sphere, but for roundings: it then hides all on its side of the tangent plane."""
     inward: Array = field(init=False)
     """Across each edge in the plane of the piece, towards its inside."""
 
@@ -57,6 +61,8 @@ class Piece:
         with np.errstate(all="ignore"):
             if self.kind == "sphere":
                 along = w @ self.point
+                if self.touched:
+                    return np.where(along > 0.0, 0.0, np.inf)
                 x, y, z = (w[..., k] for k in range(3))
                 a, b, c = self.point
                 level = self.radius**2 - ((y * c - z * b) ** 2 + (z * a - x * c) ** 2 + (x * b - y * a) ** 2)
@@ -78,7 +84,10 @@ def pieces_of(shape: dict[str, Any], place: Array) -> list[Piece]:
     """What a shape of a scene is made of."""
     name, kind = shape["name"], shape["type"]
     if kind == "sphere":
-        return [Piece(name, "sphere", np.array(shape["center"]) - place, radius=shape["radius"])]
+        center, radius = np.array(shape["center"], float), float(shape["radius"])
+        size = max(float(np.abs(center).max()), float(np.abs(place).max()), radius)
+        touched = abs(float(np.linalg.norm(center - place)) - radius) <= _ROUNDED * size
+        return [Piece(name, "sphere", center - place, radius=radius, touched=touched)]
     if kind in ("plane", "disk"):
         n = np.array(shape["normal"], float)
         point = np.array(shape["point" if kind == "plane" else "center"], float) - place
@@ -146,7 +155,7 @@ def _meridians(
         far = piece.hit(w)
         ahead = far < nearest
         shows = (piece.kind == "sphere") | (w @ piece.normal < 0.0)
-        if piece.kind == "sphere" and piece.point @ piece.point < piece.radius**2:
+        if piece.kind == "sphere" and not piece.touched and piece.point @ piece.point < piece.radius**2:
             shows = np.zeros_like(shows)
         seen = np.where(ahead, shows & (piece.owner == lamp), seen)
         nearest = np.where(ahead, far, nearest)
@@ -192,7 +201,9 @@ def _boundaries(pieces: list[Piece], lamp: str | None) -> tuple[list[Circle], li
     for piece in pieces:
         if piece.kind == "sphere":
             far2 = float(piece.point @ piece.point)
-            if far2 > piece.radius**2:
+            if piece.touched:
+                great(piece.point)
+            elif far2 > piece.radius**2:
                 circles.append(Circle(piece.point / math.sqrt(far2), math.sqrt(1.0 - piece.radius**2 / far2)))
             continue
         for a, b in zip(piece.corners, np.roll(piece.corners, -1, axis=0), strict=True):

@@ -98,6 +98,20 @@ def test_inside_a_lit_box_all_that_is_not_dark_is_light() -> None:
         assert share(flats.world(own, *walls, lights=[flats.SKY]), place) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("scale", [1.0, 119.79625017903811])
+def test_meridians_see_no_light_where_a_ball_touches_the_place(scale: float) -> None:
+    """Whatever way its radius is rounded; and all of the light if it is the ball that emits."""
+    up = np.array([0.0, 0.0, 1.0])
+    offset = scale * np.array([0.3, -0.7, -6.1])
+    for step in range(-2, 3):
+        radius = 0.5 * scale * (1.0 + step * 2.0**-52)
+        shapes = [flats.plane("floor", offset, up), flats.ball("ball", offset + 0.5 * scale * up, radius)]
+        assert meridians.irradiance(shapes, "floor", offset, up, None)[0] == 0.0
+        assert meridians.irradiance(shapes, "floor", offset, up, "ball")[0] == pytest.approx(math.pi, rel=1e-12)
+        beside = offset + 1e-3 * scale * np.array([1.0, 0.0, 0.0])
+        assert 0.0 < meridians.irradiance(shapes, "floor", beside, up, None)[0] < 1e-4
+
+
 def test_hostile_contacts_are_what_meridians_see() -> None:
     judged = lit = met = sharp = 0
     for seed in range(20_000, 20_025):

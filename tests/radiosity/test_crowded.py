@@ -19,6 +19,7 @@ from symrender.errors import Unsupported
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
 from symrender.radiometric.world import make_world
 from symrender.radiosity import breaks, forest, near
+from symrender.radiosity.cells import cut_along
 from symrender.runtimes.radiosity import met
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
@@ -54,6 +55,34 @@ def test_faces_of_a_mesh_hide_each_other(bounces: Any) -> None:
     assert sum(name == "shapes.F" for name in one.shape) > 6
     assert (one.status == 0).all() and one.indirect.max() > 10 * one.error.max()
     assert (np.abs(one.indirect - other.indirect).max(axis=1) <= one.error + other.error).all()
+
+
+def test_meshes_of_as_many_faces_have_tables_of_their_own() -> None:
+    """Two scenes that differ in vertices of a mesh alone, one after the other."""
+    floor = rectangle("floor", [-1, -1, 0], [2, 0, 0], [0, 2, 0], "white")
+    found = []
+    for far in (0.5, 500.0):
+        sheet = ([[far, -1.0, 0.0], [far, 1.0, 0.0], [far, 1.0, 1.0], [far, -1.0, 1.0]], [[0, 2, 1], [0, 3, 2]])
+        shape = nets.mesh("sheet", sheet, "both", position=[0.0, 0.0, 0.0], scale=1.0, rotation=0.0)
+        sun = {"type": "directional", "name": "sun", "direction": [1, 0, -1], "irradiance": 1.0}
+        scene = sr.load(world(floor, shape, lights=[sun], materials=MATERIALS, bounces=1))
+        found.append(sr.probe(scene, rays=([0, 0, 1], [0, 0, -1]), tol=1e-3).indirect[0, 0])
+    assert found[0] > 0.01 and found[1] < 1e-4 * found[0]
+
+
+@pytest.mark.parametrize("height", [0.0, 3e-16, -3e-16, 3e-14])
+def test_a_cut_through_a_corner_makes_no_needless_corners(height: float) -> None:
+    """A triangle whose last corner stands there twice, but for roundings, is cut through it."""
+    corners = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [height, 1.0, 0.0], [-height, 1.0, 0.0]])
+    parts = cut_along(corners, np.array([[0.0, -1.0, 0.0], [0.0, 2.0, 0.0]]), np.array([0.0, 0.0, 1.0]))
+    assert parts is not None and sorted(len(part) for part in parts) == [3, 3]
+    area = sum(0.5 * abs(float(np.cross(part[1] - part[0], part[2] - part[0])[2])) for part in parts)
+    assert area == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_needle_whose_sides_cross_is_not_cut() -> None:
+    corners = np.array([[-1.0, 1e-9, 0.0], [-1.0, -1e-9, 0.0], [1.0, 1e-9, 0.0], [1.0, -1e-9, 0.0]]) * [1, 10, 1]
+    assert cut_along(corners, np.array([[-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([0.0, 0.0, 1.0])) is None
 
 
 def test_under_a_sky_all_is_as_bright_where_what_is_missing_shines() -> None:

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 from tests.radiometric import seen_nested
 from tests.radiometric.flats import SKY, box, plane, rectangle, world
-from tests.radiosity.rooms import MATERIALS
+from tests.radiosity.plains import plains
+from tests.radiosity.rooms import MATERIALS, reflected_once
 
 import symrender as sr
 from symrender.errors import Unsupported
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
 from symrender.radiometric.world import make_world
-from symrender.radiosity.endless import beyond, netted
+from symrender.radiosity.beyond import Beyond
+from symrender.radiosity.endless import WIDTH, laid, netted
 from symrender.runtimes.bounce import hits
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
@@ -71,15 +73,92 @@ def test_all_bounces_over_a_floor_are_those_of_paths() -> None:
     assert (np.abs(seen.indirect - mean) <= seen.error[:, None] + 6 * wide + 1e-9).all()
 
 
-def test_beyond_the_net_nothing_is_said_to_be_known() -> None:
-    scene = world(FLOOR, BLOCK, lights=[SUN], materials=MATERIALS, bounces=1)
-    seen = sr.probe(scene, rays=([0, 0, 1], [[0, 1, -1e-8], [0, 1, -1e-3], [0.1, 0.1, -1]]), tol=1e-3)
-    assert seen.shape[:2] == ("shapes.floor", "shapes.floor") and seen.status.tolist() == [3, 1, 0]
-    assert np.isinf(seen.error[0]) and 1e-3 < seen.error[1] < 0.05 and seen.error[2] < 1e-4
-    arrays = radiometric_arrays(sr.load(scene))
-    places = np.array([[0, 0, 0], [0, 1e3, 0], [0, 1e8, 0]], float)
-    assert (np.diff(beyond(arrays, places)) > 0.0).all() and beyond(arrays, places)[2] == 1.0
+def test_what_is_missed_beyond_a_net_is_bounded() -> None:
+    """Against a sum over directions below the horizon, of unit normals of all slants."""
+    rng = np.random.default_rng(5)
+    beyond = Beyond(0, np.zeros(3), np.array([0.0, 0.0, 1.0]), 10.0, 1.0)
+    turns = (np.arange(720) + 0.5) * (math.pi / 360.0)
+    slants = (np.arange(4000) + 0.5) * (0.5 * math.pi / 4000)
+    t, p = np.meshgrid(slants, turns, indexing="ij")
+    ways = np.stack([np.cos(t) * np.cos(p), np.cos(t) * np.sin(p), -np.sin(t)], axis=-1)
+    weights = np.cos(t) * (0.5 * math.pi / 4000) / 360.0
+    shares = []
+    for _ in range(60):
+        place = np.array([*rng.uniform(-9, 9, 2), 10.0 ** rng.uniform(-2, 1)])
+        aside = math.hypot(place[0], place[1])
+        if aside > 9.5:
+            continue
+        normal = rng.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        met = place[:2] + (place[2] / np.tan(t))[..., None] * np.stack([np.cos(p), np.sin(p)], axis=-1)
+        out = np.abs(met).max(axis=-1) > 10.0
+        true = float((weights * np.maximum(ways @ normal, 0.0) * out).sum())
+        bound = float(beyond.missed(np.array([1]), place[None])[0])
+        assert true <= 1.001 * bound + 1e-6, (place, normal)
+        shares.append(true / bound)
+    assert len(shares) > 40 and max(shares) > 0.3
+    assert not beyond.missed(np.array([0]), np.ones((1, 3))).any()
+    assert beyond.missed(np.array([1]), np.array([[11.0, 0.0, 1.0]]))[0] == 1.0
+
+
+@pytest.mark.parametrize("far", [1.0, 1e3, 1e7])
+def test_far_out_on_a_floor_a_wall_is_gathered_as_near(far: float) -> None:
+    """An upright wall in the sun, as high as it is far, gives what a strip does at every size."""
+    wall = rectangle("wall", [-500 * far, 0, 0], [0, 0, far], [1000 * far, 0, 0], "white")
+    sun = {"type": "directional", "name": "sun", "direction": [0, -1, -1], "irradiance": 2.0}
+    speck = rectangle("speck", [far, -far, far], [1e-3 * far, 0, 0], [0, 1e-3 * far, 0], "grey")
+    scene = sr.load(world(FLOOR, wall, speck, lights=[sun], materials=MATERIALS, bounces=1))
+    seen = sr.probe(scene, rays=([0, far, 0.1 * far], [0, 0, -1]), tol=1e-4)
+    expected = 0.4 * 0.8 * math.sqrt(2.0) / math.pi * 0.5 * (1.0 - math.sqrt(0.5))
+    assert seen.shape == ("shapes.floor",) and seen.status[0] == 0 and seen.error[0] < 1e-5
+    assert abs(seen.indirect[0, 0] - expected) <= seen.error[0] + 1e-6 * expected
+
+
+def test_places_far_out_gather_what_is_near_the_middle() -> None:
+    scene = world(FLOOR, BLOCK, lights=[SLANT], materials=MATERIALS, bounces=1)
+    origins = np.array([[0.0, -1e7, 1.0], [0.0, -1e3, 1.0], [0.1, -0.1, 1.0]])
+    seen = sr.probe(scene, rays=(origins, [0, 0, -1]), tol=1e-3)
+    assert seen.status.tolist() == [0, 0, 0] and (seen.error < 1e-5).all()
+    near = seen_nested.gathered(scene, np.array([0.0, -1e3, 0.0]), np.array([0.0, 0.0, 1.0]), 1e-14)
+    off = np.abs(0.4 * near.light - seen.indirect[1]).max()
+    # of what is far the share falls with the third power of the way
+    assert seen.indirect[1, 0] > 1e-12 and off <= 0.01 * seen.indirect[1, 0]
+    assert seen.indirect[0, 0] == pytest.approx(1e-12 * seen.indirect[1, 0], rel=0.01)
+
+
+@pytest.mark.parametrize("height", [1e-3, -1e-7, -1e-3])
+def test_a_sun_that_has_set_lights_nothing(height: float) -> None:
+    """The horizon is that of the floor, which has no end, and not that of its net."""
+    wall = rectangle("wall", [0, -1, 0], [0, 2, 0], [0, 0, 1], "both")
+    sun = {"type": "directional", "name": "sun", "direction": [-1, 0, -height], "irradiance": [3.0, 3.0, 3.0]}
+    scene = sr.load(world(FLOOR, wall, lights=[sun], materials=MATERIALS, bounces=1))
+    seen = sr.probe(scene, rays=([0.3, 0.1, 1.0], [0, 0, -1]), tol=1e-3)
+    assert seen.shape == ("shapes.floor",) and seen.status[0] == 0
+    assert (seen.indirect[0] > 0.01).all() if height > 0.0 else (seen.indirect[0] == 0.0).all()
+
+
+def test_hostile_plains_state_what_they_are_off() -> None:
+    """Planes that lean and cross, faces on them and above them, places far out, against lattices of the tracer."""
+    judged = lit = 0
+    for seed, scale in ((2, 1.0), (3, 1e-4), (6, 1e3), (10, 1.0)):
+        scene, origins, directions = plains(seed, scale, 4)
+        seen = sr.probe(scene, rays=(origins, directions), tol=2e-3)
+        at = hits(make_world(radiometric_arrays(sr.load(scene))), origins, directions)
+        for i in np.flatnonzero(at.albedo.max(axis=1) > 0.0).tolist():
+            mean, wide = reflected_once(scene, at.place[i], at.normal[i], 4000, 7 * seed + i)
+            off = np.abs(at.albedo[i] * mean - seen.indirect[i])
+            assert (off <= 1.5 * seen.error[i] + 6.0 * at.albedo[i] * wide + 1e-12).all(), (seed, i, off, seen.error[i])
+            judged, lit = judged + 1, lit + int(seen.indirect[i].max() > max(10 * seen.error[i], 1e-5))
+    assert judged >= 12 and lit >= 4
+
+
+def test_nets_are_laid_over_planes_alone() -> None:
+    arrays = radiometric_arrays(sr.load(world(FLOOR, BLOCK, lights=[SUN], materials=MATERIALS, bounces=1)))
     assert len(netted(arrays).facets) > 50 and not len(arrays.facets)
+    found = laid(arrays)
+    assert len(found.world.pieces) == 7 and len(found.net.pieces) == len(netted(arrays).facets) + 6
+    assert set(found.piece.tolist()) == set(range(7)) and (found.matters == 1.0).sum() == 16
+    assert len(found.beyond) == 1 and found.beyond[0].reach > WIDTH
 
 
 def test_what_is_not_had_beside_planes_is_refused_by_name() -> None:

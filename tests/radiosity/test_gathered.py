@@ -17,6 +17,7 @@ from symrender.leaves import radiometric as leaves
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
 from symrender.radiometric.world import make_world
 from symrender.radiosity import hidden, table
+from symrender.radiosity.endless import laid
 from symrender.runtimes.radiosity import met
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
@@ -119,15 +120,14 @@ def test_what_hides_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
     shapes = [*closed(material="grey"), rectangle("wall", [0.5, 0, 0], [0, 1, 0], [0, 0, 0.9], "both")]
     key = {"type": "point", "name": "key", "position": [0.8, 0.5, 0.5], "intensity": [1, 1, 1]}
     scene = world(*shapes, lights=[key], materials=MATERIALS, bounces=1)
-    small = make_world(radiometric_arrays(sr.load(scene)))
-    dark = table.sendings(small, False, 1e-3)
+    dark = table.sendings(laid(radiometric_arrays(sr.load(scene))), False, 1e-3)
     at = np.zeros(1, np.int64), np.ones(1, np.int64), np.array([[0.1, 0.5, 0.0]])
     found = dark.gathered(*at)[0]
     mean, wide = reflected_once(scene, at[2][0], np.array([0.0, 0, 1]), 20000, 1)
     assert mean[0] > 1e-3 and abs(found[0] - mean[0]) <= 1.5 * found[3] + 6 * wide[0]
     assert hidden.gather_occluders.__name__ == "gather_occluders"
     flat = world(*shapes[:6], lights=[key], materials=MATERIALS, bounces=1)
-    open_room = table.sendings(make_world(radiometric_arrays(sr.load(flat))), False, 1e-3).gathered(*at)[0]
+    open_room = table.sendings(laid(radiometric_arrays(sr.load(flat))), False, 1e-3).gathered(*at)[0]
     assert abs(open_room[0] - mean[0]) > 10 * (1.5 * found[3] + 6 * wide[0])
 
 
@@ -160,7 +160,7 @@ def test_all_bounces_are_those_of_paths() -> None:
 def stated(shapes: list[Any], reflected: bool) -> float:
     """What cells doubt of direct or of reflected light under a point light, on the mean over the faces."""
     key = {"type": "point", "name": "key", "position": [0.7, 0.3, 0.8], "intensity": [1, 1, 1]}
-    small = make_world(radiometric_arrays(sr.load(world(*shapes, lights=[key], materials=MATERIALS, bounces="all"))))
+    small = laid(radiometric_arrays(sr.load(world(*shapes, lights=[key], materials=MATERIALS, bounces="all"))))
     forest = table.sendings(small, reflected, 0.02 if reflected else 1e-3).forests[-1]
     cells = np.asarray(forest.cells)[forest.leaves]
     assert len(forest.cells) > 30
@@ -224,7 +224,7 @@ def test_what_sends_nothing_is_dark() -> None:
 
 def test_a_fault_in_a_table_is_stated() -> None:
     """What cells are off is stated: with a forest of the roots alone the error covers what is missing."""
-    small = make_world(radiometric_arrays(sr.load(lamp_room(1))))
+    small = laid(radiometric_arrays(sr.load(lamp_room(1))))
     fine = table.sendings(small, False, 1e-3)
     owns, fronts = np.zeros(6, np.int64), np.ones(6, np.int64)
     places = np.column_stack([np.linspace(0.05, 0.9, 6), np.full(6, 0.21), np.zeros(6)])

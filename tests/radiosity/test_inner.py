@@ -10,7 +10,6 @@ from tests.radiometric.flats import box, rectangle, world
 from tests.radiosity.rooms import MATERIALS, closed, lamp
 
 import symrender as sr
-from symrender.radiometric.world import make_world
 from symrender.radiosity import table
 from symrender.radiosity.adding import FLAT_ENOUGH, PEAK, SMALL_ENOUGH, bending
 from symrender.radiosity.cells import (
@@ -25,6 +24,7 @@ from symrender.radiosity.cells import (
     node_weights,
     sampled_places,
 )
+from symrender.radiosity.endless import laid
 from symrender.radiosity.inner import inner_of
 from symrender.radiosity.records import NEVER
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -165,7 +165,7 @@ def test_wholes_stand_for_their_leaves() -> None:
     glow = rectangle("glow", [0.3, 0.3, 0.999], [0, 0.4, 0], [0.4, 0, 0])
     shapes = [*closed(), glow, box("block", [0.25, 0.6, 0.2], [0.3, 0.3, 0.4], 25.0)]
     scene = world(*shapes, lights=[lamp(glow, [5, 4, 3])], materials=MATERIALS, bounces=1)
-    small = make_world(radiometric_arrays(sr.load(scene)))
+    small = laid(radiometric_arrays(sr.load(scene)))
     made = table.sendings(small, False, 2e-3)
     rng = np.random.default_rng(2)
     owns, fronts = np.zeros(40, np.int64), np.ones(40, np.int64)

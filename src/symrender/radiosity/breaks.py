@@ -83,8 +83,12 @@ def _crossings(corners: Array, heights: Array) -> Array:
     return np.array(met).reshape(-1, 3)
 
 
-def shadow_edges(world: World, own: int, side: float) -> list[Array]:
-    """Segments (2, 3) that bound where shapes change the direct light of a side of face ``own``, or a spot begins."""
+def shadow_edges(world: World, own: int, side: float, endless: frozenset[int] = frozenset()) -> list[Array]:
+    """Segments (2, 3) that bound where shapes change the direct light of a side of face ``own``, or a spot begins.
+
+    Nets ``endless`` stand for planes, which hide of a light the same everywhere on one side of them: where they meet
+    the face is a contact, and no other edge of theirs bounds anything.
+    """
     face = world.pieces[own]
     found = []
     for light in world.lights:
@@ -96,7 +100,7 @@ def shadow_edges(world: World, own: int, side: float) -> list[Array]:
             found += _lamp_planes(world, face, emitter)
         if light.kind == SPOT:
             found += _cone_edges(face, side, light)
-        for outline in _outlines(world, light, places, int(face.owner), emitter):
+        for outline in _outlines(world, light, places, int(face.owner), endless | {emitter}):
             found += _around(_hull_on(face, side, light, places, outline))
     return found
 
@@ -106,14 +110,14 @@ def _around(corners: Array) -> list[Array]:
     return [np.array(pair) for pair in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
 
 
-def _outlines(world: World, light: Light, places: Array, own: int, emitter: int) -> list[list[Array]]:
-    """Polygons and edges that hide a light together, of all shapes but the ``emitter``.
+def _outlines(world: World, light: Light, places: Array, own: int, but: frozenset[int]) -> list[list[Array]]:
+    """Polygons and edges that hide a light together, of all shapes ``but`` some.
 
     A convex shape hides none of the light of a face of its ``own``.
     """
     owners = np.asarray(world.pieces["owner"]).astype(np.int64)
     found = []
-    for shape in sorted(set(owners.tolist()) - {emitter}):
+    for shape in sorted(set(owners.tolist()) - but):
         some = np.flatnonzero(owners == shape)
         if len(some) > 1 and world.pieces[int(some[0])].solid == 0.0:
             found += [[edge] for edge in _outer_edges(world, light, places, some)]

@@ -24,6 +24,8 @@ _STEEP: Final = 3.0
 """Ratio of its sides from which a cell is halved across the longer one."""
 _SLIVER: Final = 1e-9
 """Distance from a line, in parts of a cell's size, within which the line does not cut it."""
+_ONE: Final = 1e-12
+"""Distance in the same parts within which corners are one, or lie on a line."""
 
 
 @dataclass(frozen=True)
@@ -212,9 +214,17 @@ def cut_along(corners: Array, segment: Array, up: Array) -> list[Array] | None:
     way = b - a
     across = np.cross(up, way)
     size = np.sqrt(max(float(across @ across), 1e-300))
-    heights = (corners - a) @ across / size
+    # from the nearer end, for the other may be so far away that all is rounding
+    near = min((a, b), key=lambda end: float(((end - corners[0]) ** 2).sum()))
+    heights = (corners - near) @ across / size
     extent = float(np.sqrt(((corners - corners.mean(axis=0)) ** 2).sum(axis=1).max()))
     if heights.max() <= _SLIVER * extent or heights.min() >= -_SLIVER * extent:
+        return None
+    # the line bends through corners that lie on it but for roundings: nothing is lost
+    heights[np.abs(heights) <= _ONE * extent] = 0.0
+    signs = np.sign(heights[heights != 0.0])
+    if (signs != np.roll(signs, 1)).sum() > 2:
+        # a needle whose sides cross but for roundings
         return None
     sides: tuple[list[Array], list[Array]] = ([], [])
     met = []
@@ -234,4 +244,10 @@ def cut_along(corners: Array, segment: Array, up: Array) -> list[Array] | None:
     length = float(way @ way)
     if not met or max(along) <= 0.0 or min(along) >= length:
         return None
-    return [part for part in (np.array(each) for each in sides) if len(part) > 2]
+    return [part for part in (_distinct(np.array(each), _ONE * extent) for each in sides) if len(part) > 2]
+
+
+def _distinct(corners: Array, size: float) -> Array:
+    """Corners of a polygon but for those that lie within ``size`` of the one before."""
+    steps = corners - np.roll(corners, 1, axis=0)
+    return np.asarray(corners[(steps**2).sum(axis=1) > size * size])

@@ -1,28 +1,36 @@
 """Planes as nets of triangles: squares about the middle of a scene, each ``GROWTH`` times as wide as the one within.
 
-Tables hold what faces send on cells, and a plane has no end. Beyond the last square, ``WIDTH`` times as far out as
-anything else of the scene, it is left out: what a place at a height h above the plane, so far from the middle as h
-itself, sees of the rest is a share of some h over the half-width, of the brightest that anything sends there.
+Tables hold what faces send on cells, and a plane has no end. So its cells lie on a net, whose last square is ``WIDTH``
+times as far out as anything else of the scene; ``beyond.py`` bounds what is sent from farther out.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from symrender.jit.records import copied, flat, table
+from symrender.radiometric.pieces import owners
 from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import World, make_world
+from symrender.radiosity.beyond import Beyond, sent_at_all, sent_from
+from symrender.radiosity.breaks import corners_of
+from symrender.radiosity.near import Thing
+from symrender.radiosity.records import Ints
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import MESH, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import ALL, MESH, RadiometricArrays
 from symrender.scene.radiometric.records import Facet
 
 GROWTH: Final = 6.0
 RINGS: Final = 7
 WIDTH: Final = GROWTH**RINGS
 """Half-width of the last square, in parts of that of the first, which holds the scene."""
+_NEAR: Final = 10
+_PER_RING: Final = 8
+"""Triangles of a net in its first two squares, and between two others."""
 
 
 def has_planes(arrays: RadiometricArrays) -> bool:
@@ -30,22 +38,87 @@ def has_planes(arrays: RadiometricArrays) -> bool:
     return any(shape.kind == PLANE for shape in arrays.shapes)
 
 
+@dataclass(frozen=True)
+class Laid:
+    """A scene whose faces gather: ``world``, and ``net``, which has nets of triangles in the place of planes.
+
+    Cells lie on pieces of the net; ``piece`` (N,) are those of the world that they belong to. ``matters`` (N,) is 1 but
+    for the outer parts of nets, of which a place near the middle sees a share that falls as fast as they grow: there it
+    is one over the root of how much wider they are. Light is asked of the world.
+    """
+
+    world: World
+    net: World
+    piece: Ints
+    matters: Array
+    beyond: tuple[Beyond, ...]
+
+    @property
+    def endless(self) -> frozenset[int]:
+        """The shapes that are planes."""
+        kinds = np.asarray(self.world.pieces["kind"])
+        return frozenset(owners(self.world.pieces)[kinds == PLANE].tolist())
+
+    def ended(self, things: list[Thing]) -> list[Thing]:
+        """Those of the things of the net that have an end: none is too large beside a plane."""
+        kinds = np.asarray(self.world.pieces["kind"])[self.piece]
+        return [thing for thing in things if thing.piece < 0 or kinds[thing.piece] != PLANE]
+
+    def missed(self, owns: Ints, places: Array) -> Array:
+        """(N,) most that diffuse places of pieces ``owns`` of the world gather from beyond all nets."""
+        found = np.zeros(len(places))
+        for each in self.beyond:
+            found += each.missed(owns, places)
+        return found
+
+    def missed_by(self, faces: Ints, corners: Array) -> Array:
+        """(N,) the same of all places of polygons (N, K, 3) of pieces ``faces`` of the net.
+
+        Where a plane's share is at most some number is convex, so that it is largest at a corner.
+        """
+        count, per = corners.shape[:2]
+        owns, found = np.repeat(self.piece[faces], per), np.zeros(count)
+        for each in self.beyond:
+            found += each.missed(owns, corners.reshape(-1, 3)).reshape(count, per).max(axis=1, initial=0.0)
+        return found
+
+
+def laid(arrays: RadiometricArrays) -> Laid:
+    """A scene of flat shapes as its faces gather."""
+    world = make_world(arrays)
+    if not has_planes(arrays):
+        every = np.arange(len(world.pieces))
+        return Laid(world, world, every, np.ones(len(every)), ())
+    net = make_world(netted(arrays))
+    endless = np.array([shape.kind == PLANE for shape in arrays.shapes])
+    whole, parts = owners(world.pieces), owners(net.pieces)
+    count = len(arrays.shapes)
+    order = np.arange(len(parts)) - np.searchsorted(parts, np.arange(count))[parts]
+    piece = np.searchsorted(whole, np.arange(count))[parts] + np.where(endless[parts], 0, order)
+    middle, half = middle_of(arrays)
+    beyond = []
+    for j in np.searchsorted(whole, np.flatnonzero(endless)).tolist():
+        plane = world.pieces[j]
+        foot, first = _foot(middle, half, plane.place, plane.up)
+        sent = sent_at_all(world) if arrays.bounces == ALL else sent_from(world, plane, foot, WIDTH * first)
+        beyond.append(Beyond(j, foot, np.array(plane.up), WIDTH * first, sent))
+    outer = np.maximum(0, (order - _NEAR) // _PER_RING + 1)
+    matters = np.where(endless[parts], GROWTH ** (-0.5 * outer), 1.0)
+    return Laid(world, net, piece, matters, tuple(beyond))
+
+
 def middle_of(arrays: RadiometricArrays) -> tuple[Array, float]:
-    """(middle, half-width of a cube about it) of all shapes with an end, and of lights that have a place."""
-    places = []
-    for shape in arrays.shapes:
-        if shape.kind == SPHERE:
-            places += [shape.place - shape.radius, shape.place + shape.radius]
-        elif shape.kind == MESH:
-            corners = flat(arrays.facets)[int(shape.start) : int(shape.start + shape.faces)].reshape(-1, 3)
-            reach = shape.radius * float(np.sqrt((corners**2).sum(axis=1)).max())
-            places += [shape.place - reach, shape.place + reach]
-        elif shape.kind != PLANE:
-            # of a box its size, of others two edges or vertices
-            size = np.sqrt((shape.second**2).sum()) + np.sqrt((shape.third**2).sum())
-            places += [shape.place - size, shape.place + size, shape.second, shape.third] if size else [shape.place]
-    low, high = np.min(places, axis=0), np.max(places, axis=0)
+    """(middle, half-width of a cube about it) of all shapes with an end."""
+    world = make_world(arrays)
+    places = np.concatenate([corners_of(piece) for piece in world.pieces if piece.kind != PLANE])
+    low, high = places.min(axis=0), places.max(axis=0)
     return 0.5 * (low + high), 0.5 * float((high - low).max())
+
+
+def _foot(middle: Array, half: float, origin: Array, up: Array) -> tuple[Array, float]:
+    """(the place of a plane below the middle, half-width of the first square about it)."""
+    height = float((middle - origin) @ up)
+    return middle - height * np.asarray(up), 2.0 * (half + abs(height))
 
 
 def netted(arrays: RadiometricArrays) -> RadiometricArrays:
@@ -58,9 +131,8 @@ def netted(arrays: RadiometricArrays) -> RadiometricArrays:
     for shape, frame in zip(shapes, arrays.frames, strict=True):
         if shape.kind != PLANE:
             continue
-        height = float((middle - frame.origin) @ frame.up)
-        foot = middle - height * np.asarray(frame.up)
-        net = _net(foot, np.asarray(frame.east), np.asarray(frame.north), 2.0 * (half + abs(height)))
+        foot, first = _foot(middle, half, frame.origin, frame.up)
+        net = _net(foot, np.asarray(frame.east), np.asarray(frame.north), first)
         shape.kind, shape.place[:], shape.radius, shape.rotation = MESH, 0.0, 1.0, 0.0
         shape.start, shape.faces = start, len(net)
         start += len(net)
@@ -82,17 +154,3 @@ def _net(foot: Array, east: Array, north: Array, half: float) -> Array:
             m = (k + 1) % 4
             found += [[outer[k], outer[m], inner[m]], [outer[k], inner[m], inner[k]]]
     return np.array(found).reshape(len(found), 9)
-
-
-def beyond(arrays: RadiometricArrays, places: Array) -> Array:
-    """(N,) most that places see of what is left out, as a share of all they see; 1 where they lie there themselves."""
-    if not has_planes(arrays):
-        return np.zeros(len(places))
-    middle, half = middle_of(arrays)
-    away = np.sqrt(((places - middle) ** 2).sum(axis=1)) + half
-    found = np.zeros(len(places))
-    for shape, frame in zip(arrays.shapes, arrays.frames, strict=True):
-        if shape.kind == PLANE:
-            reach = 2.0 * WIDTH * (half + abs(float((middle - frame.origin) @ frame.up)))
-            found += np.where(away < 0.01 * reach, 4.0 * away / reach, 1.0)
-    return np.minimum(found, 1.0)

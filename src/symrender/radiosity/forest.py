@@ -93,6 +93,8 @@ class Limits:
     most: int
     things: list[Thing]
     anywhere: bool = False
+    matters: Array | None = None
+    """(pieces,) what deviations on each face count, where some face is seen from far away alone; else all count 1."""
 
 
 def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
@@ -125,7 +127,10 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
         leaf = np.array([growing.first[row] == NONE for row in fresh], dtype=bool)
         share = frames.area / np.array([face_area[f] for f in some.face.tolist()])
         large, covered = too_large(limits.things, some, frames)
-        urgency = missed * (1.0 if limits.anywhere else np.sqrt(share)) / max(limits.target, 1e-300) + large
+        urgency = missed * (1.0 if limits.anywhere else np.sqrt(share)) / max(limits.target, 1e-300)
+        if limits.matters is not None:
+            urgency *= limits.matters[some.face]
+        urgency += large
         room = (limits.most - len(quads)) // 2
         chosen = np.flatnonzero(leaf & ((urgency > 1.0) | large) & (share > SMALLEST))
         if len(chosen) > room:

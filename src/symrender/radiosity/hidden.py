@@ -10,7 +10,7 @@ from symrender.radiometric.cones import edge_on
 from symrender.radiometric.listing import faces_away
 from symrender.radiometric.pieces import POLYGON, Piece, corner, put
 from symrender.radiometric.sight import height_over
-from symrender.radiometric.vectors import Vector, dot, minus, vector
+from symrender.radiometric.vectors import Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
 from symrender.radiosity.records import SPACES, Cell, Receiver, Scratch
 from symrender.scene.arrays import PLANE
@@ -44,6 +44,9 @@ def level_with(face: Piece, place: Vector, normal: Vector, height: float) -> boo
 
     Neighbours in a mesh may, and rounding then says on which side of each other they are.
     """
+    if face.kind == PLANE:
+        x = cross(vector(face.up), normal)
+        return height <= FLAT * max(abs(place[0]), abs(place[1]), abs(place[2])) and dot(x, x) <= FLAT
     size = max(abs(place[0]), abs(place[1]), abs(place[2]))
     for k in range(int(face.count)):
         c = corner(face, k)

@@ -28,6 +28,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import contacts, shadow_edges
 from symrender.radiosity.cells import NODES, Quads, deviations, fitting, monomials, node_weights, sampled_places
+from symrender.radiosity.endless import Laid
 from symrender.radiosity.forest import (
     Doubts,
     Evaluate,
@@ -56,6 +57,10 @@ _CHUNK: Final = 256
 _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
 _MOST_TERMS: Final = 400
+_REST: Final = 0.05
+"""What may be left at the end of a bound's series, in parts of the bound."""
+_LITTLE: Final = 0.1
+"""Part of the target that is a bound large enough where planes have no end."""
 _TRIES: Final = 4
 _COARSE: Final = 4.0
 """Target of the first cells where light is reflected more than once, in parts of the tolerance."""
@@ -105,17 +110,17 @@ def reflecting(world: World) -> Faces:
 class Sendings:
     """What faces send: forests that are gathered together, and how ``fine`` the rule is that gathers them."""
 
-    world: World
+    laid: Laid
     forests: tuple[Forest, ...]
     fine: float
 
     def gathered(self, owns: Ints, fronts: Ints, places: Array, threads: int = 1) -> Array:
         """(N, SUMS): what places of pieces gather, the bound, the rule's error and how many nodes it took."""
-        return gather(self.world, self.forests, owns, fronts, places, self.fine, threads)
+        return gather(self.laid.world, self.forests, owns, fronts, places, self.fine, threads)
 
     def reflected(self, at: Places, fine: float) -> Array:
         """The same of places as they are seen, whose lobes weigh what they gather."""
-        return gather_at(self.world, self.forests, at, fine)
+        return gather_at(self.laid.world, self.forests, at, fine)
 
 
 @dataclass(frozen=True)
@@ -177,35 +182,37 @@ def in_parts(run: Callable[[int], None], count: int, threads: int) -> None:
             raise
 
 
-def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendings:
+def sendings(scene: Laid, bounces: bool, tol: float, threads: int = 1) -> Sendings:
     """What faces send to each other, for values to ``tol``, a radiance; ``bounces`` says whether more than once."""
-    faces = reflecting(world)
+    net, piece = scene.net, scene.piece
+    faces = reflecting(net)
     most = float(faces.albedo.max(initial=0.0))
     # a radiance is rho/pi times an irradiance, which is pi times what is gathered
     fine = 0.05 * tol / max(most, 1e-300)
     if not len(faces.face):
-        return Sendings(world, (), fine)
-    roots = root_cells(world, faces.face, faces.side)
-    edges = [contacts(world, int(f)) for f in faces.face]
-    shadows = [shadow_edges(world, int(f), float(s)) for f, s in zip(faces.face, faces.side, strict=True)]
+        return Sendings(scene, (), fine)
+    roots = root_cells(net, faces.face, faces.side)
+    near = roots.some(np.flatnonzero(scene.matters[roots.face] == 1.0))
+    edges = [contacts(net, int(f)) for f in faces.face]
+    shadows = [shadow_edges(net, int(f), float(s), scene.endless) for f, s in zip(faces.face, faces.side, strict=True)]
 
     def lit(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
-        light = direct(world, face, side, places, threads) / math.pi
+        light = direct(scene.world, piece[face], side, places, threads) / math.pi
         return faces.of(face, places) * light, np.zeros(len(places))
 
     cuts = [a + b for a, b in zip(edges, shadows, strict=True)]
-    glossy = any(world.materials[int(piece.material)].kind != DIFFUSE for piece in world.pieces)
+    glossy = any(net.materials[int(each.material)].kind != DIFFUSE for each in net.pieces)
     target, limits = (_COARSE if bounces else 1.0) * tol, (MOST_SHARP if glossy else MOST_LIT, MOST_GATHERED)
-    solver = _Solver(world, faces, fine, threads)
+    solver = _Solver(scene, faces, fine, threads)
     falls, last = _FALLS, (0.0, 0.0)
     for _ in range(_TRIES):
         aim = min(target, _SHARP * tol) if glossy else target
-        first = grown(world, roots, cuts, lit, Limits(aim, limits[0], lamps(world), glossy))
-        made = Sendings(world, (first,), fine)
+        first = _grown(scene, roots, cuts, lit, Limits(aim, limits[0], scene.ended(lamps(net)), glossy, scene.matters))
+        made = Sendings(scene, (first,), fine)
         if bounces:
-            things = Limits(target, MOST_GATHERED, pieces_of(world))
-            made = Sendings(world, (first, solver.reflected(first, roots, edges, things)), fine)
-        stated = most * np.quantile(_stated(made, roots, threads), _SHARE_MET)
+            things = Limits(target, MOST_GATHERED, scene.ended(pieces_of(net)), matters=scene.matters)
+            made = Sendings(scene, (first, solver.reflected(first, roots, edges, things)), fine)
+        stated = most * np.quantile(_stated(made, near, threads), _SHARE_MET)
         full = any(
             len(forest.cells) >= most_cells - 1 for forest, most_cells in zip(made.forests, limits, strict=False)
         )
@@ -218,12 +225,19 @@ def sendings(world: World, bounces: bool, tol: float, threads: int = 1) -> Sendi
     return made
 
 
+def _grown(scene: Laid, roots: Quads, cuts: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
+    """``grown`` on the net of a scene; cells belong to pieces of its world."""
+    forest = grown(scene.net, roots, cuts, evaluate, limits)
+    forest.cells["face"][:] = scene.piece[np.asarray(forest.cells["face"]).astype(np.int64)]
+    return forest
+
+
 def _stated(made: Sendings, roots: Quads, threads: int) -> Array:
     """What is stated of light gathered at the places at which faces as a whole would be sampled."""
     places = sampled_places(roots)
     per = places.shape[1]
     fronts = np.repeat((roots.side > 0).astype(np.int64), per)
-    sums = made.gathered(np.repeat(roots.face, per), fronts, places.reshape(-1, 3), threads)
+    sums = made.gathered(np.repeat(made.laid.piece[roots.face], per), fronts, places.reshape(-1, 3), threads)
     return np.asarray(sums[:, BOUND] + sums[:, RULE])
 
 
@@ -244,7 +258,7 @@ def direct(world: World, face: Ints, side: Array, places: Array, threads: int) -
 class _Solver:
     """Who finds what faces reflect, starting from what is ``known`` on the cells of the last time."""
 
-    world: World
+    laid: Laid
     faces: Faces
     fine: float
     threads: int
@@ -260,14 +274,14 @@ class _Solver:
 
         def evaluate(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
             fronts = (side > 0).astype(np.int64)
-            sums = gather(self.world, forests, face, fronts, places, self.fine, self.threads)
+            sums = gather(self.laid.world, forests, self.laid.piece[face], fronts, places, self.fine, self.threads)
             return self.faces.of(face, places) * sums[:, :CHANNELS], self.most * sums[:, RULE]
 
         return evaluate
 
     def reflected(self, first: Forest, roots: Quads, edges: list[list[Array]], limits: Limits) -> Forest:
         """All reflections of what ``first`` sends, and what they may be off."""
-        second = grown(self.world, roots, edges, self.gathered((first, *self.known)), limits)
+        second = _grown(self.laid, roots, edges, self.gathered((first, *self.known)), limits)
         rows = second.leaves
         quads = second.quads.some(rows)
         places = sampled_places(quads)
@@ -277,11 +291,11 @@ class _Solver:
         # the residual: what is gathered of both forests, less what the second holds
         values, off = sampled(quads, places, self.gathered((first, second)))
         held = powers @ np.asarray(second.cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).transpose(0, 2, 1)
-        unseen = second.unseen[rows]
+        unseen = second.unseen[rows] + self.most * self.laid.missed_by(quads.face, quads.corners)
         doubts = Doubts(*deviations(powers, fit, values - held), off.max(axis=1) + unseen, off.mean(axis=1) + unseen)
         doubts.write(second.cells, rows)
         second.inner.write_doubts(second.cells)
-        self._bound(first, second, quads, places)
+        self._bound(first, second, quads, places, limits.target)
         self.known = (second,)
         return second
 
@@ -315,11 +329,12 @@ class _Solver:
         put_terms(second.cells, rows, total)
         second.inner.write(second.cells)
 
-    def _bound(self, first: Forest, second: Forest, quads: Quads, places: Array) -> None:
+    def _bound(self, first: Forest, second: Forest, quads: Quads, places: Array, target: float) -> None:
         """Add to what the leaves of the second forest doubt what follows from it, u = rho K(d + u)."""
         rows, cells = second.leaves, second.cells
         few = np.ascontiguousarray(places[:, [0, 3, 12, 15, NODES + 4]])
-        face, fronts = np.repeat(quads.face, few.shape[1]), np.repeat((quads.side > 0).astype(np.int64), few.shape[1])
+        face = np.repeat(self.laid.piece[quads.face], few.shape[1])
+        fronts = np.repeat((quads.side > 0).astype(np.int64), few.shape[1])
         doubts, none = doubts_of(cells, rows), np.zeros(len(rows))
         # bounds alone are gathered: what varies within a cell asks for no finer rule
         spreads = [forest.cells["spread"].copy() for forest in (first, second)]
@@ -327,17 +342,23 @@ class _Solver:
             forest.cells["spread"][:] = 0.0
         rough = cells["rough"].copy()
         grows = np.zeros((len(rows), few.shape[1]))
+        before: Array | None = None
         # a cell sends on what it gathers by its own reflectance
-        reflects = self.faces.of(face, few.reshape(-1, 3)).max(axis=1).reshape(-1, few.shape[1])
+        reflects = (
+            self.faces.of(np.repeat(quads.face, few.shape[1]), few.reshape(-1, 3)).max(axis=1).reshape(-1, few.shape[1])
+        )
         forests: tuple[Forest, ...] = (first, second)
         for _ in range(_MOST_TERMS):
-            sums = gather(self.world, forests, face, fronts, few.reshape(-1, 3), self.fine, self.threads)
+            sums = gather(self.laid.world, forests, face, fronts, few.reshape(-1, 3), self.fine, self.threads)
             more = reflects * sums[:, BOUND].reshape(-1, few.shape[1])
             grows += more
-            largest = float(more.max(initial=0.0)) * self.most / (1.0 - self.most)
-            if largest <= 0.05 * float(grows.max(initial=0.0)):
-                grows += largest
+            rest = _rest(more.max(axis=1), before, self.most)[:, None]
+            # cells far out on planes doubt much, of which little arrives: their largest is no measure of others
+            enough = np.maximum(grows, _LITTLE * target) if self.laid.beyond else grows.max(initial=0.0)
+            if (rest <= _REST * enough).all():
+                grows += rest
                 break
+            before = more.max(axis=1) if self.laid.beyond else None
             # bounds are joined as they are: no cubic stands for them
             forests = (second,)
             cells["rough"][:] = np.where(rough < NEVER, 0.0, rough)
@@ -349,6 +370,19 @@ class _Solver:
         drift, haze = doubts.drift + grows.max(axis=1), doubts.haze + grows.mean(axis=1)
         Doubts(doubts.doubt, doubts.bulk, doubts.even, drift, haze).write(cells, rows)
         second.inner.write_doubts(cells)
+
+
+def _rest(now: Array, before: Array | None, most: float) -> Array:
+    """(N,) bound of what follows the term ``now`` of a series, in which the next term is at most ``most`` of one.
+
+    A gather adds up positive numbers only: if no term is more than q of the one ``before`` of its own cell, none will
+    be, and what follows is q/(1 - q) of it.
+    """
+    rest = np.full(len(now), float(now.max(initial=0.0)) * most / (1.0 - most))
+    if before is None or (now[before <= 0.0] > 0.0).any():
+        return rest
+    ratio = float((now / np.where(before > 0.0, before, 1.0)).max(initial=0.0))
+    return np.minimum(rest, now * ratio / (1.0 - ratio)) if ratio < 1.0 else rest
 
 
 @lru_cache(maxsize=1)

@@ -16,7 +16,7 @@ from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_world
-from symrender.radiosity.endless import beyond, has_planes, netted
+from symrender.radiosity.endless import laid
 from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
@@ -38,11 +38,14 @@ _lock = threading.Lock()
 
 def table_of(arrays: RadiometricArrays, tol: float, threads: int = 1) -> Sendings:
     """What the faces of a scene send each other, for radiances to ``tol``; made once, and kept."""
-    parts = (flat(arrays.materials), flat(arrays.shapes), flat(arrays.lights), np.array([arrays.bounces]))
+    parts = (
+        flat(arrays.materials), flat(arrays.shapes), flat(arrays.facets), flat(arrays.frames), flat(arrays.lights),
+        np.array([arrays.bounces]),
+    )  # fmt: skip
     key = (b"".join(part.tobytes() for part in parts), tol)
     with _lock:
         if key not in _tables:
-            _tables[key] = sendings(make_world(netted(arrays)), arrays.bounces == ALL, tol, threads)
+            _tables[key] = sendings(laid(arrays), arrays.bounces == ALL, tol, threads)
             while len(_tables) > KEPT:
                 _tables.popitem(last=False)
         _tables.move_to_end(key)
@@ -57,9 +60,7 @@ class Gatherer:
 
     def __init__(self, arrays: RadiometricArrays, tol: float, threads: int = 1, lamps: bool = False) -> None:
         self._arrays, self._lamps, self._tol = arrays, lamps, tol
-        # planes that only hide lamps are half spaces and need no nets
-        self._worlds = [make_world(each if lamps else netted(each)) for each in shaken(arrays)]
-        self._whole = None if lamps or not has_planes(arrays) else make_world(arrays)
+        self._worlds = [make_world(each) for each in shaken(arrays)]
         world = self._worlds[0]
         if lamps:
             self._cells, _ = lamp_cells(world)
@@ -83,7 +84,6 @@ class Gatherer:
         """
         first, *others = (self._met(world, *pair, blurred) for world, pair in zip(self._worlds, rays, strict=True))
         found = self._light(*first)
-        self._left_out(first[0], *rays[0], found)
         for at, albedo in others:
             elsewhere = np.flatnonzero((at.own != first[0].own) | (at.front != first[0].front))
             if len(elsewhere):
@@ -93,17 +93,6 @@ class Gatherer:
                 found.evaluations[elsewhere] += again.evaluations
         found.status[:] = np.where(found.error > tol, np.maximum(found.status, CAPPED), MET)
         return found
-
-    def _left_out(self, at: Places, origins: Array, directions: Array, found: Bounced) -> None:
-        """Add to errors what is sent from beyond the nets of planes; of places that lie there nothing is known."""
-        if self._whole is None:
-            return
-        whole, albedo = met(self._whole, origins, directions)
-        share = np.where(whole.own >= 0, beyond(self._arrays, whole.place), 0.0)
-        most = albedo.max(axis=1, initial=0.0)
-        found.error[:] += most * self._brightest * share
-        lost = (share >= 1.0) & (most > 0.0) | ((at.own < 0) & (whole.own >= 0))
-        found.indirect[lost], found.error[lost], found.status[lost] = 0.0, np.inf, UNSUPPORTED
 
     def _met(
         self, world: World, origins: Array, directions: Array, blurred: npt.NDArray[np.bool_] | None
@@ -144,6 +133,7 @@ class Gatherer:
             _lamps_kernel()(world, self._cells, *one, FINE * self._tol / most.max(), self._scratch, sums)
         elif material.kind == DIFFUSE:
             sums = self._sendings.reflected(some_at, self._sendings.fine)
+            sums[:, BOUND] += self._sendings.laid.missed(some_at.own, some_at.place)
         else:
             sums = self._sendings.reflected(some_at, FINE * self._tol / most.max())
         found.incoming[some] = sums[:, :CHANNELS]
