@@ -13,12 +13,13 @@ from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
 from symrender.quadrature.split_setup import UNSUPPORTED
 from symrender.radiometric.pixels import moving
-from symrender.radiometric.pixels.records import CUT, Part
+from symrender.radiometric.pixels.records import COARSE, CUT, Part
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.slopes import seen_moves
 from symrender.radiometric.vectors import Array
@@ -27,7 +28,6 @@ from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
 from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep
 from symrender.runtimes.pixel_parts import (
-    COARSE_ORDERS,
     SMOOTH_ORDERS,
     Canvas,
     Ints,
@@ -59,7 +59,7 @@ class SweptRule(PixelRule):
     are always tried first.
     """
 
-    orders = (SMOOTH_ORDERS, (2, 3, 5, 8, 12), COARSE_ORDERS)
+    orders = (SMOOTH_ORDERS, (2, 3, 5, 8, 12), (2, 3))
     hope = math.inf
     inner = 0.5
     # beside a limb outside of it: of 1/sqrt(x) two rules differ by a third to two thirds of what the better is off by
@@ -76,7 +76,13 @@ class SweptRule(PixelRule):
         # two curves that bend past each other part an area as the cube of the length
         length = np.where(state.parts["kind"] == CUT, np.cbrt(missed), np.sqrt(missed))
         length = np.minimum(length, 0.5 ** np.asarray(state.parts["level"], np.float64))
-        return np.asarray(swing * length * np.where(length > 0.0, state.fastest, 0.0))
+        return np.asarray(swing * length * np.where(length > 0.0, state.fastest, 0.0) + state.rough)
+
+    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int) -> Mean:
+        found = super()._cut_means(columns, rows, look, tol, budget)
+        # a part of which nothing is known may have become ones that are
+        found.status[:] = np.where(np.isfinite(found.error), found.status, UNSUPPORTED)
+        return found
 
     def _sums(
         self, state: State, some: Ints, orders: Ints, pixels: Pixels, look: Look, inner: float, budget: int
@@ -87,8 +93,7 @@ class SweptRule(PixelRule):
         parts = np.asarray(state.parts)[some]
         edges, walls = sweep.edges[: len(own[1])], sweep.walls[: len(own[1])]
         speed = self._speeds.across(Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2]))
-        fast = np.zeros(count)
-        np.maximum.at(fast, own[1], np.abs(speed) * np.hypot(edges[:, 2], edges[:, 3]))
+        fast = _fastest(own[1], np.abs(speed) * np.hypot(edges[:, 2], edges[:, 3]), edges[:, 4] != 0.0, count)
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
@@ -116,8 +121,10 @@ class SweptRule(PixelRule):
         stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
         stated += added(own[1], np.abs(moved) * size[:, CHANNELS], count)
         known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
-        np.maximum.at(pixels.status, state.pixel[some], np.where(known, 0, UNSUPPORTED))
-        return np.where(known[:, None], values, 0.0), np.where(known, stated, np.inf)
+        changed = added(own[0], np.abs(nodes[:, 2]) * np.abs(found[:, :CHANNELS]).max(axis=1), count)
+        # of what is not known rules of a higher order know no more, halves may
+        state.rough[some] = np.where(known, np.where(parts["kind"] == COARSE, changed, 0.0), np.inf)
+        return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0)
 
     def _at(self, parts: Any, places: Array) -> tuple[Array, Array]:
         """Columns and rows of places of the pixels of parts."""
@@ -140,6 +147,16 @@ class SweptRule(PixelRule):
             if sweep.counts[2] == 0 or size > MOST_NODES * len(some):
                 return sweep, ends
             size *= 4
+
+
+def _fastest(owner: Ints, speed: Array, cut: npt.NDArray[np.bool_], count: int) -> Array:
+    """(count,) how fast walls cross parts. Of a part that is cut they are looked at one by one; of one that is not
+    resolved, where each has two rows, for the two sides of the cell, all together may sweep."""
+    found = np.zeros(count)
+    np.maximum.at(found, owner[cut], speed[cut])
+    # along the side that a wall is parallel to it has no speed
+    pairs = np.fmin(*speed[~cut].reshape(-1, 2).T)
+    return np.maximum(found, added(owner[~cut][::2], np.nan_to_num(pairs, nan=np.inf), count))
 
 
 Swept = Callable[[int, int, int, int], dict[str, Mean]]

@@ -235,8 +235,8 @@ def sweep_parts(
 ) -> None:  # fmt: skip
     """List nodes and edges of a rule of an order for each of some parts (``parts.py``).
 
-    Those of part n end before ``ends[n, 0]`` and ``ends[n, 1]``; ``ends[n, 2]`` is 1 where walls are not known. Of a
-    part that is not resolved the walls are listed without weight. Many arguments because a kernel's are.
+    Those of part n end before ``ends[n, 0]`` and ``ends[n, 1]``; ``ends[n, 2]`` is 1 where walls are not known, and then
+    nothing is listed. Of a part that is not resolved the walls are listed without weight. Many arguments because a kernel's are.
     """
     sweep.counts[0], sweep.counts[1], sweep.counts[2] = 0, 0, 0
     for n in range(parts.shape[0]):
@@ -246,7 +246,10 @@ def sweep_parts(
         cell = cell_at(whole, room, int(part.level), 0.0)
         ends[n, 2] = 0
         if part.kind == SMOOTH:
-            sweep_smooth(eye, cell, sweep, order, False)
+            # lines that are too many to be cut at sweep as much as a few do: no mean of the texture tells
+            ends[n, 2] = part.blurred
+            if part.blurred == 0:
+                sweep_smooth(eye, cell, sweep, order, False)
         else:
             limit = put_reach(eye, cell, room)
             count = block_walls(eye, cell, room, candidates)
@@ -255,13 +258,12 @@ def sweep_parts(
             own = int(room.counts[cell.level])
             if not fits or lines < 0:
                 ends[n, 2] = 1
-            if part.kind == CUT and fits and lines >= 0:
+            elif part.kind == CUT:
                 # slopes beside a limb are as one over a root: where its piece shrinks to nothing their sum is as a root
                 sweep_lines(eye, cell, room, sweep, order, own, lines, 4, False)
             else:
                 sweep_smooth(eye, cell, sweep, order, False)
-                if fits and lines >= 0:
-                    sweep_coarse(eye, cell, room, sweep, own, lines)
+                sweep_coarse(eye, cell, room, sweep, own, lines)
         ends[n, 0], ends[n, 1] = sweep.counts[0], sweep.counts[1]
 
 
