@@ -148,6 +148,14 @@ def jumps(walls: Ints, values: Array) -> tuple[Array, Array]:
     return found, size
 
 
+def unresolved(edges: Array, speed: Array) -> tuple[Ints, Array]:
+    """Of walls in cells that are not resolved, (the first row of each, how far it moves at right angles, at most)."""
+    rows = np.flatnonzero(edges[:, 5] == moving.UNRESOLVED)
+    far = np.abs(speed[rows]) * np.hypot(edges[rows, 2], edges[rows, 3])
+    # along the side that it is parallel to a wall has no speed
+    return rows[::2], np.nan_to_num(np.fmin(far[::2], far[1::2]), nan=np.inf)
+
+
 class _Pixel:
     """The sweep of one pixel, copied: nodes, edges, walls of edges, and what is not resolved."""
 
@@ -155,7 +163,7 @@ class _Pixel:
         nodes, edges, over = (int(x) for x in sweep.counts)
         self.nodes, self.edges = sweep.nodes[:nodes].copy(), sweep.edges[:edges].copy()
         self.walls, self.over = sweep.walls[:edges].copy(), bool(over)
-        self.coarse = coarse * spread
+        self.coarse, self.spread = coarse * spread, spread
 
 
 def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:
@@ -235,17 +243,20 @@ def _moved(found: _Pixel, speeds: Speeds, at: tuple[int, int]) -> tuple[Array, f
     rays = speeds.unit_rays(i + 0.5 + reach * nodes[:, 0], j + 0.5 - reach * nodes[:, 1])
     values, light = _pushed_rays(speeds.view, speeds.moves, *rays)
     total = [nodes[:, 2] @ light, nodes[:, 3] @ light]
-    fastest = 0.0
+    coarse, border = found.coarse, 0.0
     if len(edges):
         columns, rows = i + 0.5 + reach * edges[:, 0], j + 0.5 - reach * edges[:, 1]
-        speed = speeds.across(Steps(columns, rows, edges[:, 2:4], found.walls[:, :2]))
-        swept = jumps(found.walls, values)[0] * (edges[:, 4] * speed)[:, None]
-        for rule in range(2):
-            total[rule] += swept[edges[:, 5] == rule].sum(axis=0)
-        fastest = float(np.abs(speed * np.hypot(edges[:, 2], edges[:, 3])).max())
-    error = _SLOW * float(np.abs((total[0] - total[1]).reshape(2, 3).sum(axis=0)).max()) + found.coarse * max(
-        fastest, 1.0
-    )
+        speed, kind = speeds.across(Steps(columns, rows, edges[:, 2:4], found.walls[:, :2])), edges[:, 5]
+        still = (edges[:, 4] == 0.0) | (kind == moving.UNRESOLVED)
+        moved = edges[:, 4] * np.where(still, 0.0, speed)
+        swept = jumps(found.walls, values)[0] * moved[:, None]
+        for rule in (moving.FINER, moving.COARSER):
+            total[rule] += swept[kind == rule].sum(axis=0)
+        border = float(np.abs(swept[kind == moving.BORDER]).reshape(-1, 2, 3).sum(axis=(0, 1)).max(initial=0.0))
+        rows, slowest = unresolved(edges, speed)
+        side = np.hypot(edges[rows, 2], edges[rows, 3])
+        coarse = max(coarse, found.spread * float((edges[rows, 4] * side * slowest).sum()))
+    error = _SLOW * float(np.abs((total[0] - total[1]).reshape(2, 3).sum(axis=0)).max()) + coarse + border
     return np.asarray(total[0]), error if np.isfinite(error) and np.isfinite(total[0]).all() else np.inf
 
 

@@ -13,7 +13,6 @@ from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
@@ -26,7 +25,7 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
-from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep
+from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.runtimes.pixel_parts import (
     SMOOTH_ORDERS,
     Canvas,
@@ -93,7 +92,7 @@ class SweptRule(PixelRule):
         parts = np.asarray(state.parts)[some]
         edges, walls = sweep.edges[: len(own[1])], sweep.walls[: len(own[1])]
         speed = self._speeds.across(Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2]))
-        fast = _fastest(own[1], np.abs(speed) * np.hypot(edges[:, 2], edges[:, 3]), edges[:, 4] != 0.0, count)
+        fast, kind = _fastest(own[1], edges, speed, count), edges[:, 5]
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
@@ -113,12 +112,14 @@ class SweptRule(PixelRule):
         np.maximum.at(pixels.high, pixel, found[:, CHANNELS:_SEEN].max(axis=1))
         parted, size = jumps(walls, found[:, CHANNELS:])
         moved = edges[:, 4] * speed
-        moved[edges[:, 4] == 0.0] = 0.0
+        moved[(edges[:, 4] == 0.0) | (kind == moving.UNRESOLVED)] = 0.0
+        inside, border = np.where(kind == moving.BORDER, 0.0, moved), np.where(kind == moving.BORDER, moved, 0.0)
         values = np.column_stack([
-            added(own[0], nodes[:, 2] * found[:, c], count) + added(own[1], moved * parted[:, c], count)
+            added(own[0], nodes[:, 2] * found[:, c], count) + added(own[1], inside * parted[:, c], count)
             for c in range(CHANNELS)
         ])  # fmt: skip
         stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
+        stated += added(own[1], np.abs(border) * np.abs(parted[:, :CHANNELS]).max(axis=1, initial=0.0), count)
         stated += added(own[1], np.abs(moved) * size[:, CHANNELS], count)
         known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
         changed = added(own[0], np.abs(nodes[:, 2]) * np.abs(found[:, :CHANNELS]).max(axis=1), count)
@@ -149,14 +150,12 @@ class SweptRule(PixelRule):
             size *= 4
 
 
-def _fastest(owner: Ints, speed: Array, cut: npt.NDArray[np.bool_], count: int) -> Array:
-    """(count,) how fast walls cross parts. Of a part that is cut they are looked at one by one; of one that is not
-    resolved, where each has two rows, for the two sides of the cell, all together may sweep."""
-    found = np.zeros(count)
-    np.maximum.at(found, owner[cut], speed[cut])
-    # along the side that a wall is parallel to it has no speed
-    pairs = np.fmin(*speed[~cut].reshape(-1, 2).T)
-    return np.maximum(found, added(owner[~cut][::2], np.nan_to_num(pairs, nan=np.inf), count))
+def _fastest(owner: Ints, edges: Array, speed: Array, count: int) -> Array:
+    """(count,) how fast walls cross parts: of a part that is cut one by one, of one that is not resolved together."""
+    found, cut = np.zeros(count), edges[:, 5] != moving.UNRESOLVED
+    np.maximum.at(found, owner[cut], np.abs(speed[cut]) * np.hypot(edges[cut, 2], edges[cut, 3]))
+    rows, slowest = unresolved(edges, speed)
+    return np.maximum(found, added(owner[rows], slowest, count))
 
 
 Swept = Callable[[int, int, int, int], dict[str, Mean]]
