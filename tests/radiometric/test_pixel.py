@@ -329,3 +329,27 @@ def test_what_has_no_walls_is_refused_by_name() -> None:
         sr.truth("mirror", size=1, filter="box")
     with pytest.raises(OptionError, match="filter: must be one of centre, box, tent, gaussian, mitchell"):
         sr.truth("metal", size=1, filter="sinc")  # type: ignore[arg-type]
+
+
+def test_a_highlight_beside_a_limb_is_seen() -> None:
+    # lit from behind: a five-hundredth of the pixel wide, and no corner of a cell about it lies on the ball
+    scene = load_any({
+        "units": "radiometric", "bounces": 0,
+        "camera": {
+            "type": "look_at", "eye": [-0.30691711504142305, -5.596558989448318, 0.976178153390397],
+            "target": [-0.21540456984914255, -3.9278499721162947, 0.976178153390397], "up": [0.1, 0.2, 1],
+            "fov": 4.12525526554044,
+        },
+        "materials": {"gloss": {"type": "phong", "exponent": 1000, "reflectance": 0.5}},
+        "shapes": [
+            {"type": "sphere", "name": "ball", "center": [0.1554186909665534, -0.3202907183916027, 1.0980254425747675],
+             "radius": 0.04260128961937144, "material": "gloss"},
+        ],
+        "lights": [{"type": "point", "name": "P", "position": [-3.078713114454576, 3.6759033426440424, 6.57541905043871],
+                    "intensity": 13.964821652263883}],
+    })  # fmt: skip
+    whole = sr.truth(scene, size=1, tol=1e-6, filter="box", threads=1, tile=1)
+    parts = sr.truth(scene, size=48, tol=1e-6, filter="box", threads=1)
+    expected = parts.radiance.mean(axis=(0, 1))
+    assert expected.max() > 1e-4 and (parts.radiance > 1e-3).any(axis=2).sum() > 1
+    assert np.abs(whole.radiance[0, 0] - expected).max() <= 1.5 * float(whole.layer("error")[0, 0]) + 1e-6

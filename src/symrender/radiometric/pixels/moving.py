@@ -145,7 +145,7 @@ def put_beside(
 
 @jitable
 def on_edges(room: Room, count: int, wide: float) -> tuple[int, int]:
-    """The curves that lie on the two ends of the line that was located, -1 where there are none; they do not cross it."""
+    """The curves that lie on both ends of the line that was located, -1 where there is none; they do not cross it."""
     first, last = -1, -1
     for k in range(count):
         place = room.places[1, k]

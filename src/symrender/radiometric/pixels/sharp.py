@@ -10,6 +10,7 @@ from symrender.leaves import values
 from symrender.radiometric.pixels.cells import Cell, Eye, ray_of, step
 from symrender.radiometric.pixels.records import Room
 from symrender.radiometric.pixels.sight import may_show
+from symrender.radiometric.pixels.spots import shows_spot
 from symrender.radiometric.sight import height_over, nearest
 from symrender.radiometric.vectors import Vector, dot, minus, vector
 from symrender.radiometric.world import World
@@ -108,6 +109,8 @@ def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
             point = lamp.kind in (POINT, SPOT)
             if point and plane_spreads(world, j, eye.place, vector(lamp.place), cell.v, cell.vx, cell.vy):
                 return True
+    if shows_spot(eye, cell, room, limit):
+        return True
     origin, ray = ray_of(eye, cell.v)
     own, _, place, normal, _ = nearest(world, origin, ray)
     for corner in range(4):
