@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.generated import load_module
@@ -156,14 +157,60 @@ def unresolved(edges: Array, speed: Array) -> tuple[Ints, Array]:
     return rows[::2], np.nan_to_num(np.fmin(far[::2], far[1::2]), nan=np.inf)
 
 
-class _Pixel:
-    """The sweep of one pixel, copied: nodes, edges, walls of edges, and what is not resolved."""
+@dataclass(frozen=True)
+class _Found:
+    """What the derivatives of P pixels are summed from: all their nodes, then all their edges.
 
-    def __init__(self, sweep: Sweep, coarse: float, spread: float) -> None:
+    ``columns`` and ``rows`` are the pixels' middles, ``of_node`` and ``of_edge`` say which one a row is of; ``coarse``
+    and ``spread`` (P,) what cells that are not resolved may add, over a speed, and what radiance spans; ``over`` (P,)
+    where there was no room for all.
+    """
+
+    nodes: Array
+    edges: Array
+    walls: Ints
+    columns: Array
+    rows: Array
+    of_node: Ints
+    of_edge: Ints
+    coarse: Array
+    spread: Array
+    over: npt.NDArray[np.bool_]
+
+
+class _Gathered:
+    """The sweeps of pixels, one by one."""
+
+    def __init__(self) -> None:
+        self._nodes: list[Array] = []
+        self._edges: list[Array] = []
+        self._walls: list[Ints] = []
+        self._pixels: list[tuple[int, int, float, float, bool]] = []
+        self._held = 0
+
+    def add(self, at: tuple[int, int], sweep: Sweep, coarse: float, spread: float) -> int:
+        """Copy what was listed of the pixel at a column and a row; how many nodes that is."""
         nodes, edges, over = (int(x) for x in sweep.counts)
-        self.nodes, self.edges = sweep.nodes[:nodes].copy(), sweep.edges[:edges].copy()
-        self.walls, self.over = sweep.walls[:edges].copy(), bool(over)
-        self.coarse, self.spread = coarse * spread, spread
+        self._pixels.append((*at, coarse * spread, spread, bool(over)))
+        if over:
+            nodes = edges = 0
+        self._nodes.append(sweep.nodes[:nodes].copy())
+        self._edges.append(sweep.edges[:edges].copy())
+        walls = sweep.walls[:edges].copy()
+        walls[:, 2:4] += np.where(walls[:, 2:4] >= 0, self._held, 0)
+        self._walls.append(walls)
+        self._held += nodes
+        return nodes
+
+    def found(self) -> _Found:
+        """All of them."""
+        columns, rows, coarse, spread, over = (np.array(each) for each in zip(*self._pixels, strict=True))
+        which = np.arange(len(columns))
+        return _Found(
+            np.concatenate(self._nodes), np.concatenate(self._edges), np.concatenate(self._walls), columns + 0.5,
+            rows + 0.5, np.repeat(which, [len(each) for each in self._nodes]),
+            np.repeat(which, [len(each) for each in self._edges]), coarse, spread, over.astype(np.bool_),
+        )  # fmt: skip
 
 
 def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:
@@ -186,38 +233,41 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
         if not hasattr(own, "room"):
             own.room = make_room(view.world), np.arange(len(eye.walls)), make_sweep()
         room, candidates, sweep = own.room
+        left = [(i, j) for j in range(y0, y1) for i in range(x0, x1)]
+        best = {name: (np.zeros((y1 - y0, x1 - x0, 6)), np.full((y1 - y0, x1 - x0), np.inf)) for name in moved}
         spent = 0
-        for j in range(y0, y1):
-            for i in range(x0, x1):
+        for finer in _FINER if left else ():
+            gathered, within = _Gathered(), max(1e-12, settings.tol * finer)
+            for i, j in left:
                 # a filter's support is wider than the pixel
                 low, high = 0.5 - settings.reach, 0.5 + settings.reach
                 whole = cells.window_cell(view.window, width, height, i + low, j + low, i + high, j + high, tol)
                 count = _kernel("block_walls")(eye, whole, room, candidates)
-                best: dict[str, tuple[Array, float]] = {}
-                left = list(moved)
-                for finer in _FINER:
-                    within = max(1e-12, settings.tol * finer)
-                    coarse = _kernel("sweep_pixel")(
-                        eye, whole, room, candidates, count, within, settings.budget // 4, sweep
-                    )  # fmt: skip
-                    span = float(max(0.0, (room.span[1] - room.span[0]).max()))
-                    found = _Pixel(sweep, coarse, max(span, eye.bright))
-                    spent += len(found.nodes)
-                    for name in left:
-                        again = _moved(found, moved[name], (i, j))
-                        best[name] = min(best.get(name, again), again, key=lambda each: each[1])
-                    left = [name for name in left if not best[name][1] <= settings.tol]
-                    if not left:
-                        break
-                for name, (value, error) in best.items():
-                    known = np.isfinite(error)
-                    layers[f"emitted:{name}"][j, i] = value[:3] if known else 0.0
-                    layers[f"direct:{name}"][j, i] = value[3:] if known else 0.0
-                    layers[f"radiance:{name}"][j, i] = value[:3] + value[3:] if known else 0.0
-                    layers[f"error:{name}"][j, i] = error
-                    missed = CAPPED if known else UNSUPPORTED
-                    layers[f"status:{name}"][j, i] = missed if error > settings.tol or not known else MET
+                coarse = _kernel("sweep_pixel")(
+                    eye, whole, room, candidates, count, within, settings.budget // 4, sweep
+                )  # fmt: skip
+                span = float(max(0.0, (room.span[1] - room.span[0]).max()))
+                spent += gathered.add((i, j), sweep, coarse, max(span, eye.bright))
+            found, missed = gathered.found(), np.zeros(len(left), np.bool_)
+            at = np.array([j - y0 for _, j in left]), np.array([i - x0 for i, _ in left])
+            for name, (values, errors) in best.items():
+                again, error = _moved(found, moved[name])
+                better = error < errors[at]
+                values[at] = np.where(better[:, None], again, values[at])
+                errors[at] = np.minimum(error, errors[at])
+                missed |= ~(errors[at] <= settings.tol)
+            left = [each for each, more in zip(left, missed.tolist(), strict=True) if more]
+            if not left:
+                break
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
+        for name, (values, errors) in best.items():
+            known = np.isfinite(errors)
+            values[~known] = 0.0
+            layers[f"emitted:{name}"][here], layers[f"direct:{name}"][here] = values[..., :3], values[..., 3:]
+            layers[f"radiance:{name}"][here] = values[..., :3] + values[..., 3:]
+            layers[f"error:{name}"][here] = errors
+            late = np.where(known, CAPPED, UNSUPPORTED)
+            layers[f"status:{name}"][here] = np.where(~(errors <= settings.tol), late, MET)
         unused, hit_class = np.zeros((*shape, 3)), np.zeros(shape)
         place = (width, height, x0, y0, x1, y1)
         _kernel("fill_tile")(*view, *place, sky_room(view.world), unused, unused, hit_class)
@@ -234,30 +284,38 @@ def make_sweep(most: int = MOST_NODES) -> Sweep:
     )  # fmt: skip
 
 
-def _moved(found: _Pixel, speeds: Speeds, at: tuple[int, int]) -> tuple[Array, float]:
-    """(slope of emitted and direct light of a pixel, what it may be off by)."""
-    if found.over:
-        return np.zeros(6), np.inf
-    (i, j), reach = at, speeds.settings.reach
+def _moved(found: _Found, speeds: Speeds) -> tuple[Array, Array]:
+    """(slopes (P, 6) of emitted and direct light of pixels, what each may be off by)."""
+    reach, count = speeds.settings.reach, len(found.over)
     nodes, edges = found.nodes, found.edges
-    rays = speeds.unit_rays(i + 0.5 + reach * nodes[:, 0], j + 0.5 - reach * nodes[:, 1])
+    columns, rows = found.columns[found.of_node], found.rows[found.of_node]
+    rays = speeds.unit_rays(columns + reach * nodes[:, 0], rows - reach * nodes[:, 1])
     values, light = _pushed_rays(speeds.view, speeds.moves, *rays)
-    total = [nodes[:, 2] @ light, nodes[:, 3] @ light]
-    coarse, border = found.coarse, 0.0
+    total = [_sums(found.of_node, nodes[:, column, None] * light, count) for column in (2, 3)]
+    coarse, border = found.coarse, np.zeros(count)
     if len(edges):
-        columns, rows = i + 0.5 + reach * edges[:, 0], j + 0.5 - reach * edges[:, 1]
-        speed, kind = speeds.across(Steps(columns, rows, edges[:, 2:4], found.walls[:, :2])), edges[:, 5]
+        columns, rows = found.columns[found.of_edge], found.rows[found.of_edge]
+        at = Steps(columns + reach * edges[:, 0], rows - reach * edges[:, 1], edges[:, 2:4], found.walls[:, :2])
+        speed, kind = speeds.across(at), edges[:, 5]
         still = (edges[:, 4] == 0.0) | (kind == moving.UNRESOLVED)
-        moved = edges[:, 4] * np.where(still, 0.0, speed)
-        swept = jumps(found.walls, values)[0] * moved[:, None]
+        swept = jumps(found.walls, values)[0] * (edges[:, 4] * np.where(still, 0.0, speed))[:, None]
         for rule in (moving.FINER, moving.COARSER):
-            total[rule] += swept[kind == rule].sum(axis=0)
-        border = float(np.abs(swept[kind == moving.BORDER]).reshape(-1, 2, 3).sum(axis=(0, 1)).max(initial=0.0))
-        rows, slowest = unresolved(edges, speed)
-        side = np.hypot(edges[rows, 2], edges[rows, 3])
-        coarse = max(coarse, found.spread * float((edges[rows, 4] * side * slowest).sum()))
-    error = _SLOW * float(np.abs((total[0] - total[1]).reshape(2, 3).sum(axis=0)).max()) + coarse + border
-    return np.asarray(total[0]), error if np.isfinite(error) and np.isfinite(total[0]).all() else np.inf
+            total[rule] += _sums(found.of_edge[kind == rule], swept[kind == rule], count)
+        two = kind == moving.BORDER
+        border = _sums(found.of_edge[two], np.abs(swept[two]), count).reshape(count, 2, 3).sum(axis=1).max(axis=1)
+        first, slowest = unresolved(edges, speed)
+        swung = edges[first, 4] * np.hypot(edges[first, 2], edges[first, 3]) * slowest
+        coarse = np.maximum(coarse, found.spread * _sums(found.of_edge[first], swung[:, None], count)[:, 0])
+    gap = np.abs((total[0] - total[1]).reshape(count, 2, 3).sum(axis=1)).max(axis=1)
+    error = _SLOW * gap + coarse + border
+    known = np.isfinite(error) & np.isfinite(total[0]).all(axis=1) & ~found.over
+    return np.where(known[:, None], total[0], 0.0), np.where(known, error, np.inf)
+
+
+def _sums(owner: Ints, what: Array, count: int) -> Array:
+    """(count, C) sums of the rows (N, C) that belong to each owner, one after the other."""
+    found = [np.bincount(owner, what[:, c], count) for c in range(what.shape[1])]
+    return np.column_stack(found).astype(np.float64)
 
 
 def _pushed_rays(view: Seen, moves: Seen, rays: Array, turns: Array) -> tuple[Array, Array]:
