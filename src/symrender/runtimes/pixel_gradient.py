@@ -17,7 +17,8 @@ from symrender.jit.generated import load_module
 from symrender.jit.records import Table, table
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric import tile
-from symrender.radiometric.pixels import cells, moving, pixel, walls
+from symrender.radiometric.pixels import moving, sweeps, walls
+from symrender.radiometric.pixels.cells import Eye
 from symrender.radiometric.pixels.moving import Sweep
 from symrender.radiometric.pixels.records import TERMS, Family, Ints, Wall, make_room
 from symrender.radiometric.pixels.rules import GAUSS
@@ -72,7 +73,7 @@ class Speeds:
     """How fast the walls of an eye cross lines while a view moves; ``rates`` and ``turns`` are those of the walls and
     of the coordinates of textures."""
 
-    eye: cells.Eye
+    eye: Eye
     view: Seen
     moves: Seen
     rates: Table[Wall]
@@ -80,7 +81,7 @@ class Speeds:
     settings: Settings
 
     @classmethod
-    def of(cls, eye: cells.Eye, view: Seen, moves: Seen, lister: str, settings: Settings) -> Speeds:
+    def of(cls, eye: Eye, view: Seen, moves: Seen, lister: str, settings: Settings) -> Speeds:
         """Of the walls that the kernel ``lister`` lists."""
         found, rates = (table(Wall, len(eye.walls)) for _ in range(2))
         _pushed(f"{lister}_dot")(view.world, view.eye, found, moves.world, moves.eye, rates)
@@ -179,37 +180,37 @@ class _Found:
 
 
 class _Gathered:
-    """The sweeps of pixels, one by one."""
+    """The sweeps of pixels, some at a time."""
 
     def __init__(self) -> None:
         self._nodes: list[Array] = []
         self._edges: list[Array] = []
         self._walls: list[Ints] = []
-        self._pixels: list[tuple[int, int, float, float, bool]] = []
+        self._pixels: list[Array] = []
+        self._counts: list[Ints] = []
         self._held = 0
 
-    def add(self, at: tuple[int, int], sweep: Sweep, coarse: float, spread: float) -> int:
-        """Copy what was listed of the pixel at a column and a row; how many nodes that is."""
-        nodes, edges, over = (int(x) for x in sweep.counts)
-        self._pixels.append((*at, coarse * spread, spread, bool(over)))
-        if over:
-            nodes = edges = 0
+    def add(self, columns: Ints, rows: Ints, sweep: Sweep, ends: Ints, cells_: Array) -> None:
+        """Copy what was listed of pixels."""
+        nodes, edges = (int(x) for x in sweep.counts[:2])
+        begins = np.zeros((1, 2), np.int64)
+        counts = np.diff(np.concatenate([begins, ends[:, :2]]), axis=0)
+        self._pixels.append(np.column_stack([columns + 0.5, rows + 0.5, cells_[:, 0] * cells_[:, 1], cells_[:, 1]]))
+        self._counts.append(np.column_stack([counts, ends[:, 2]]))
         self._nodes.append(sweep.nodes[:nodes].copy())
         self._edges.append(sweep.edges[:edges].copy())
         walls = sweep.walls[:edges].copy()
         walls[:, 2:4] += np.where(walls[:, 2:4] >= 0, self._held, 0)
         self._walls.append(walls)
         self._held += nodes
-        return nodes
 
     def found(self) -> _Found:
         """All of them."""
-        columns, rows, coarse, spread, over = (np.array(each) for each in zip(*self._pixels, strict=True))
+        (columns, rows, coarse, spread), counts = np.concatenate(self._pixels).T, np.concatenate(self._counts)
         which = np.arange(len(columns))
         return _Found(
-            np.concatenate(self._nodes), np.concatenate(self._edges), np.concatenate(self._walls), columns + 0.5,
-            rows + 0.5, np.repeat(which, [len(each) for each in self._nodes]),
-            np.repeat(which, [len(each) for each in self._edges]), coarse, spread, over.astype(np.bool_),
+            np.concatenate(self._nodes), np.concatenate(self._edges), np.concatenate(self._walls), columns, rows,
+            np.repeat(which, counts[:, 0]), np.repeat(which, counts[:, 1]), coarse, spread, counts[:, 2] != 0,
         )  # fmt: skip
 
 
@@ -227,47 +228,47 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
         move[0]: Speeds.of(eye, view, seen_moves(arrays, move, width, height), "list_walls", settings) for move in wrt
     }
     own = threading.local()
-    tol = max(1e-12, settings.tol * _FINER[0])
 
-    def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+    def swept(columns: Ints, rows: Ints, tol: float) -> _Found:
         if not hasattr(own, "room"):
             own.room = make_room(view.world), np.arange(len(eye.walls)), make_sweep()
         room, candidates, sweep = own.room
-        left = [(i, j) for j in range(y0, y1) for i in range(x0, x1)]
-        best = {name: (np.zeros((y1 - y0, x1 - x0, 6)), np.full((y1 - y0, x1 - x0), np.inf)) for name in moved}
-        spent = 0
-        for finer in _FINER if left else ():
-            gathered, within = _Gathered(), max(1e-12, settings.tol * finer)
-            for i, j in left:
-                # a filter's support is wider than the pixel
-                low, high = 0.5 - settings.reach, 0.5 + settings.reach
-                whole = cells.window_cell(view.window, width, height, i + low, j + low, i + high, j + high, tol)
-                count = _kernel("block_walls")(eye, whole, room, candidates)
-                coarse = _kernel("sweep_pixel")(
-                    eye, whole, room, candidates, count, within, settings.budget // 4, sweep
-                )  # fmt: skip
-                span = float(max(0.0, (room.span[1] - room.span[0]).max()))
-                spent += gathered.add((i, j), sweep, coarse, max(span, eye.bright))
-            found, missed = gathered.found(), np.zeros(len(left), np.bool_)
-            at = np.array([j - y0 for _, j in left]), np.array([i - x0 for i, _ in left])
+        gathered = _Gathered()
+        while len(columns):
+            ends, sums = np.zeros((len(columns), 3), np.int64), np.zeros((len(columns), 2))
+            done = int(
+                _kernel("sweep_pixels")(
+                    eye, view.window, width, height, settings.reach, columns, rows, room, candidates, tol,
+                    settings.budget // 4, sweep, ends, sums,
+                )
+            )  # fmt: skip
+            gathered.add(columns[:done], rows[:done], sweep, ends[:done], sums[:done])
+            columns, rows = columns[done:], rows[done:]
+        return gathered.found()
+
+    def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+        columns, rows = np.tile(np.arange(x0, x1), y1 - y0), np.repeat(np.arange(y0, y1), x1 - x0)
+        best = {name: (np.zeros((len(columns), 6)), np.full(len(columns), np.inf)) for name in moved}
+        left, spent = np.arange(len(columns)), 0
+        for finer in _FINER:
+            if not len(left):
+                break
+            found = swept(columns[left], rows[left], max(1e-12, settings.tol * finer))
+            spent += len(found.nodes)
             for name, (values, errors) in best.items():
                 again, error = _moved(found, moved[name])
-                better = error < errors[at]
-                values[at] = np.where(better[:, None], again, values[at])
-                errors[at] = np.minimum(error, errors[at])
-                missed |= ~(errors[at] <= settings.tol)
-            left = [each for each, more in zip(left, missed.tolist(), strict=True) if more]
-            if not left:
-                break
+                values[left] = np.where((error < errors[left])[:, None], again, values[left])
+                errors[left] = np.minimum(error, errors[left])
+            left = np.flatnonzero(~(np.max([errors for _, errors in best.values()], axis=0) <= settings.tol))
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
-        for name, (values, errors) in best.items():
-            known = np.isfinite(errors)
-            values[~known] = 0.0
-            layers[f"emitted:{name}"][here], layers[f"direct:{name}"][here] = values[..., :3], values[..., 3:]
-            layers[f"radiance:{name}"][here] = values[..., :3] + values[..., 3:]
-            layers[f"error:{name}"][here] = errors
+        for name, (flat, error_) in best.items():
+            image, errors_ = flat.reshape(*shape, 6), error_.reshape(shape)
+            known = np.isfinite(errors_)
+            layers[f"emitted:{name}"][here], layers[f"direct:{name}"][here] = image[..., :3], image[..., 3:]
+            layers[f"radiance:{name}"][here] = image[..., :3] + image[..., 3:]
+            layers[f"error:{name}"][here] = errors_
             late = np.where(known, CAPPED, UNSUPPORTED)
-            layers[f"status:{name}"][here] = np.where(~(errors <= settings.tol), late, MET)
+            layers[f"status:{name}"][here] = np.where(~(errors_ <= settings.tol), late, MET)
         unused, hit_class = np.zeros((*shape, 3)), np.zeros(shape)
         place = (width, height, x0, y0, x1, y1)
         _kernel("fill_tile")(*view, *place, sky_room(view.world), unused, unused, hit_class)
@@ -338,5 +339,5 @@ def _pushed(name: str) -> Any:
 @lru_cache(maxsize=3)
 def _kernel(name: str) -> Any:
     """Compiled function that lists what a pixel's derivative is summed from."""
-    module = next(each for each in (moving, pixel, tile) if hasattr(each, name))
+    module = next(each for each in (sweeps, tile) if hasattr(each, name))
     return compiled(getattr(module, name), _nrt=False)

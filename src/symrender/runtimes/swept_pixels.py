@@ -17,7 +17,7 @@ import numpy as np
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
 from symrender.quadrature.split_setup import UNSUPPORTED
-from symrender.radiometric.pixels import moving
+from symrender.radiometric.pixels import moving, sweeps
 from symrender.radiometric.pixels.records import COARSE, CUT, Part
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.slopes import seen_moves
@@ -217,4 +217,4 @@ def _moving(values: Array, slopes: Array) -> Complex:
 def _kernel() -> Any:
     """Compiled function that lists what derivatives of parts are summed from."""
     # the kernel only borrows arrays; counting references to them would cost more than the arithmetic
-    return compiled(moving.sweep_parts, _nrt=False)
+    return compiled(sweeps.sweep_parts, _nrt=False)

@@ -9,19 +9,14 @@ is all that is listed here, for what they see may be dear.
 
 from __future__ import annotations
 
-import math
 from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.radiometric.pixels.cells import Cell, Eye, cell_at, heaviest, step, weight_of
+from symrender.radiometric.pixels.cells import Cell, Eye, weight_of
 from symrender.radiometric.pixels.curves import put_level
-from symrender.radiometric.pixels.parts import put_path, whole_of
-from symrender.radiometric.pixels.pixel import begin, block_walls, pixel_mean
-from symrender.radiometric.pixels.records import COARSE, CUT, LOGGED, SMOOTH, Family, Ints, Part, Room, Wall
+from symrender.radiometric.pixels.records import Family, Ints, Room, Wall
 from symrender.radiometric.pixels.rules import GAUSS, cutting_mode, half_width, in_order, locate, mapped, put_panels
-from symrender.radiometric.pixels.sight import may_show, put_reach
-from symrender.radiometric.pixels.textures import put_lines, spanned
 from symrender.radiometric.vectors import Array, Vector, dot, vector
 
 _THIN: Final = 1e-11
@@ -29,6 +24,8 @@ _THIN: Final = 1e-11
 _EDGE: Final = 2e-10
 """How near a wall is to the edge of a cell that is said to lie on it: near enough for ``begin`` to list it for the cell
 on its other side too."""
+FULL: Final = 1
+UNKNOWN: Final = 2
 _OUTSIDE: Final = 0.1
 """How far beside a cell a wall on its edge is looked at from, over the piece inside."""
 
@@ -53,7 +50,7 @@ class Sweep(NamedTuple):
     of the piece before, the first of the piece behind, and how many each has; one is -1 where there is no such piece.
     """
     counts: Ints
-    """(3,): nodes, edges, and 1 where there was no room for all."""
+    """(3,): nodes, edges, and FULL where there was no room for all, UNKNOWN where what moves is not known."""
 
 
 @inlined
@@ -246,131 +243,6 @@ def order_before(order: int) -> int:
     if order == 12:
         return 8
     return 5 if order == 8 else (3 if order == 5 else 2)
-
-
-def sweep_pixel(
-    eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, tol: float, budget: int, sweep: Sweep
-) -> float:  # fmt: skip
-    """List what the derivative of a pixel is summed from; returns the length of sides of cells that are not resolved.
-
-    ``room.total`` is left as by ``pixel_mean``.
-    """
-    pixel_mean(eye, whole, room, candidates, count, tol, budget)
-    sweep.counts[0], sweep.counts[1], sweep.counts[2] = 0, 0, 0
-    held = int(room.log[LOGGED, 0])
-    coarse = 0.0
-    if held >= LOGGED - 1:
-        sweep.counts[2] = 1
-        return coarse
-    for index in range(held):
-        log = room.log[index]
-        level, path = int(log[0]), int(log[1])
-        for k in range(level, 0, -1):
-            room.path[k] = path % 4
-            path = path // 4
-        cell = cell_at(whole, room, level, tol)
-        order = int(log[3])
-        limit = put_reach(eye, cell, room)
-        if not begin(eye, cell, room, candidates, count, limit):
-            sweep.counts[2] = 1
-            continue
-        own, lines = int(room.counts[cell.level]), put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-        if log[2] == COARSE or log[4] < 0:
-            coarse += cell.half * heaviest(eye.domain, cell)
-            sweep_coarse(eye, cell, room, sweep, own, max(0, lines))
-            if lines < 0:
-                sweep_means(eye, cell, room, sweep, limit)
-        # walls on its edges alone have not made it one that is cut
-        elif lines < 0:
-            sweep.counts[2] = 1
-            continue
-        elif own + lines > 0 and (log[2] == CUT or cutting_mode(room, own, lines, cell.level) >= 0):
-            for rule in range(2):
-                nodes = order if rule == 0 else order_before(order)
-                sweep_lines(eye, cell, room, sweep, nodes, own, lines, max(0, int(log[4])), rule == 1)
-            continue
-        for rule in range(2):
-            nodes = order if log[2] == SMOOTH else 3
-            sweep_smooth(eye, cell, sweep, nodes if rule == 0 else order_before(nodes), rule == 1)
-    return coarse
-
-
-@jitable
-def sweep_coarse(eye: Eye, cell: Cell, room: Room, sweep: Sweep, own: int, lines: int) -> None:
-    """Add the walls of a cell of which nothing is known, along both of its sides; its weight is the largest."""
-    for curve in range(own + lines):
-        for across in range(2):
-            tx, ty = (cell.half, 0.0) if across == 0 else (0.0, cell.half)
-            k = put_edge(eye, room, sweep, cell.level, own, curve, cell.x, cell.y, tx, ty, 0.0, UNRESOLVED)
-            if k >= 0:
-                sweep.edges[k, 4] = heaviest(eye.domain, cell)
-
-
-@jitable
-def sweep_means(eye: Eye, cell: Cell, room: Room, sweep: Sweep, limit: float) -> None:
-    """Add a line of each texture that is replaced by its mean in a cell, through its corners, as ``sweep_coarse``.
-
-    However many they are, their sweep is about that of one, at the end of the lines along which the other coordinate
-    stays.
-    """
-    for f in range(eye.families.shape[0]):
-        family = eye.families[f]
-        if not may_show(room, family.own, limit):
-            continue
-        low, high = spanned(family, cell.v, cell.vx, cell.vy)
-        if not high - low < math.inf:
-            # towards the horizon they move ever faster
-            sweep.counts[2] = 1
-            continue
-        for corner in range(4):
-            x, y = 1.0 if corner % 2 == 1 else -1.0, 1.0 if corner >= 2 else -1.0
-            v = step(cell.v, x, cell.vx, y, cell.vy)
-            room.numbers[0, 0] = f
-            room.numbers[0, 1] = math.floor(dot(vector(family.numerator), v) / dot(vector(family.denominator), v) + 0.5)
-            for across in range(2):
-                tx, ty = (cell.half, 0.0) if across == 0 else (0.0, cell.half)
-                a, b = cell.x + cell.half * x, cell.y + cell.half * y
-                k = put_edge(eye, room, sweep, cell.level, 0, 0, a, b, tx, ty, 0.0, UNRESOLVED)
-                if k >= 0:
-                    sweep.edges[k, 4] = heaviest(eye.domain, cell)
-
-
-def sweep_parts(
-    eye: Eye, window: Array, width: int, height: int, reach: float, parts: Table[Part], orders: Ints, room: Room,
-    candidates: Ints, sweep: Sweep, ends: Ints,
-) -> None:  # fmt: skip
-    """List nodes and edges of a rule of an order for each of some parts (``parts.py``).
-
-    Those of part n end before ``ends[n, 0]`` and ``ends[n, 1]``; ``ends[n, 2]`` is 1 where walls are not known, and
-    then nothing is. Of a part that is not resolved the walls are listed alone. Many arguments because a kernel's are.
-    """
-    sweep.counts[0], sweep.counts[1], sweep.counts[2] = 0, 0, 0
-    for n in range(parts.shape[0]):
-        part, order = parts[n], int(orders[n])
-        whole = whole_of(window, width, height, reach, int(part.column), int(part.row))
-        put_path(room, int(part.level), int(part.path))
-        cell = cell_at(whole, room, int(part.level), 0.0)
-        ends[n, 2] = 0
-        if part.kind == SMOOTH:
-            # lines that are too many to be cut at sweep as much as a few do: no mean of the texture tells
-            ends[n, 2] = part.blurred
-            if part.blurred == 0:
-                sweep_smooth(eye, cell, sweep, order, False)
-        else:
-            limit = put_reach(eye, cell, room)
-            count = block_walls(eye, cell, room, candidates)
-            fits = begin(eye, cell, room, candidates, count, limit)
-            lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-            own = int(room.counts[cell.level])
-            if not fits or lines < 0:
-                ends[n, 2] = 1
-            elif part.kind == CUT:
-                # slopes beside a limb are as one over a root: where its piece shrinks to nothing their sum is as a root
-                sweep_lines(eye, cell, room, sweep, order, own, lines, 4, False)
-            else:
-                sweep_smooth(eye, cell, sweep, order, False)
-                sweep_coarse(eye, cell, room, sweep, own, lines)
-        ends[n, 0], ends[n, 1] = sweep.counts[0], sweep.counts[1]
 
 
 @jitable
