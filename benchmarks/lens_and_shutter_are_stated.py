@@ -119,7 +119,8 @@ def main() -> None:
             report.say(f"seed {seed} {filter}, {tol:g} asked: {value} stated {stated:.3g}, paths {expected} +- {sigma}")
     report.say(
         f"{judged} pixels, {refused} refused, {lit} lit, {told} that state less than a tenth of themselves, {met} that "
-        f"meet what is asked, {sharp} that paths tell to .3 of it; {seconds / max(1, judged):.3g} CPU s each, scenes laid out"
+        f"meet what is asked, {sharp} that paths tell to .3 of it; {seconds / max(1, judged):.3g} CPU s "
+        "each, scenes laid out"
     )
     report.claim_number("pixels beyond 1.5 times what both runs state", beyond, 0)
     # five standard errors of a scatter that is itself sampled
