@@ -188,7 +188,7 @@ class _Gathered:
         self._walls: list[Ints] = []
         self._pixels: list[Array] = []
         self._counts: list[Ints] = []
-        self._held = 0
+        self._held = self._cells = 0
 
     def add(self, columns: Ints, rows: Ints, sweep: Sweep, ends: Ints, cells_: Array) -> None:
         """Copy what was listed of pixels."""
@@ -197,8 +197,12 @@ class _Gathered:
         counts = np.diff(np.concatenate([begins, ends[:, :2]]), axis=0)
         self._pixels.append(np.column_stack([columns + 0.5, rows + 0.5, cells_[:, 0] * cells_[:, 1], cells_[:, 1]]))
         self._counts.append(np.column_stack([counts, ends[:, 2]]))
-        self._nodes.append(sweep.nodes[:nodes].copy())
-        self._edges.append(sweep.edges[:edges].copy())
+        found, lines = sweep.nodes[:nodes].copy(), sweep.edges[:edges].copy()
+        found[:, 4] += self._cells
+        lines[:, 6] += self._cells
+        self._cells += int(sweep.counts[3]) + 1
+        self._nodes.append(found)
+        self._edges.append(lines)
         walls = sweep.walls[:edges].copy()
         walls[:, 2:4] += np.where(walls[:, 2:4] >= 0, self._held, 0)
         self._walls.append(walls)
@@ -281,7 +285,7 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
 def make_sweep(most: int = MOST_NODES) -> Sweep:
     """Room for the derivative of a pixel."""
     return Sweep(
-        np.zeros((most, 4)), np.zeros((most, 6)), np.zeros((most, 5), np.int64), np.zeros(3, np.int64)
+        np.zeros((most, 5)), np.zeros((most, 7)), np.zeros((most, 5), np.int64), np.zeros(4, np.int64)
     )  # fmt: skip
 
 
@@ -292,25 +296,31 @@ def _moved(found: _Found, speeds: Speeds) -> tuple[Array, Array]:
     columns, rows = found.columns[found.of_node], found.rows[found.of_node]
     rays = speeds.unit_rays(columns + reach * nodes[:, 0], rows - reach * nodes[:, 1])
     values, light = _pushed_rays(speeds.view, speeds.moves, *rays)
-    total = [_sums(found.of_node, nodes[:, column, None] * light, count) for column in (2, 3)]
+    total = _sums(found.of_node, nodes[:, 2, None] * light, count)
     coarse, border = found.coarse, np.zeros(count)
+    # of a pixel's cells, for what one rule has too much another may have too little
+    cells = int(max(nodes[:, 4].max(initial=-1.0), edges[:, 6].max(initial=-1.0))) + 1
+    owner = np.zeros(cells, np.int64)
+    owner[nodes[:, 4].astype(np.int64)] = found.of_node
+    gaps = _sums(nodes[:, 4].astype(np.int64), (nodes[:, 2] - nodes[:, 3])[:, None] * light, cells)
     if len(edges):
         columns, rows = found.columns[found.of_edge], found.rows[found.of_edge]
         at = Steps(columns + reach * edges[:, 0], rows - reach * edges[:, 1], edges[:, 2:4], found.walls[:, :2])
         speed, kind = speeds.across(at), edges[:, 5]
         still = (edges[:, 4] == 0.0) | (kind == moving.UNRESOLVED)
         swept = jumps(found.walls, values)[0] * (edges[:, 4] * np.where(still, 0.0, speed))[:, None]
-        for rule in (moving.FINER, moving.COARSER):
-            total[rule] += _sums(found.of_edge[kind == rule], swept[kind == rule], count)
+        total += _sums(found.of_edge[kind == moving.FINER], swept[kind == moving.FINER], count)
+        for rule, sign in ((moving.FINER, 1.0), (moving.COARSER, -1.0)):
+            gaps += sign * _sums(edges[kind == rule, 6].astype(np.int64), swept[kind == rule], cells)
         two = kind == moving.BORDER
         border = _sums(found.of_edge[two], np.abs(swept[two]), count).reshape(count, 2, 3).sum(axis=1).max(axis=1)
         first, slowest = unresolved(edges, speed)
         swung = edges[first, 4] * np.hypot(edges[first, 2], edges[first, 3]) * slowest
         coarse = np.maximum(coarse, found.spread * _sums(found.of_edge[first], swung[:, None], count)[:, 0])
-    gap = np.abs((total[0] - total[1]).reshape(count, 2, 3).sum(axis=1)).max(axis=1)
+    gap = _sums(owner, np.abs(gaps.reshape(cells, 2, 3).sum(axis=1)), count).max(axis=1)
     error = _SLOW * gap + coarse + border
-    known = np.isfinite(error) & np.isfinite(total[0]).all(axis=1) & ~found.over
-    return np.where(known[:, None], total[0], 0.0), np.where(known, error, np.inf)
+    known = np.isfinite(error) & np.isfinite(total).all(axis=1) & ~found.over
+    return np.where(known[:, None], total, 0.0), np.where(known, error, np.inf)
 
 
 def _sums(owner: Ints, what: Array, count: int) -> Array:

@@ -42,15 +42,15 @@ class Sweep(NamedTuple):
     """What a pixel's derivative is summed from, by two rules: rows of each, and how many there are."""
 
     nodes: Array
-    """(n, 4): place x, y in the pixel, then weights in the finer and in the coarser rule."""
+    """(n, 5): place x, y in the pixel, then weights in the finer and in the coarser rule, and the cell."""
     edges: Array
-    """(n, 6): place, the direction in which t grows, what a unit of t weighs, and a kind: FINER or another."""
+    """(n, 7): place, direction in which t grows, what a unit of t weighs, FINER or another kind, the cell."""
     walls: Ints
     """(n, 5): the wall of each edge, or -1 less the family, and the number, of a line of a texture; then the first node
     of the piece before, the first of the piece behind, and how many each has; one is -1 where there is no such piece.
     """
     counts: Ints
-    """(3,): nodes, edges, and FULL where there was no room for all, UNKNOWN where what moves is not known."""
+    """(4,): nodes, edges, FULL where there was no room for all, UNKNOWN where moves are not known, and cells."""
 
 
 @inlined
@@ -70,6 +70,7 @@ def put_node(sweep: Sweep, x: float, y: float, weight: float, coarser: bool) -> 
         return
     row = sweep.nodes[k]
     row[0], row[1], row[2], row[3] = x, y, 0.0 if coarser else weight, weight if coarser else 0.0
+    row[4] = float(sweep.counts[3])
     sweep.counts[0] = k + 1
 
 
@@ -86,7 +87,7 @@ def put_edge(
     row = sweep.edges[k]
     row[0], row[1], row[2], row[3] = x, y, tx, ty
     row[4] = weight * weight_of(eye.domain, x, y)
-    row[5] = float(kind)
+    row[5], row[6] = float(kind), float(sweep.counts[3])
     if curve < own:
         sweep.walls[k, 0], sweep.walls[k, 1] = room.which[level, curve], 0
     else:

@@ -42,6 +42,7 @@ def sweep_pixel(
         return coarse
     for index in range(held):
         log = room.log[index]
+        sweep.counts[3] += 1
         level, path = int(log[0]), int(log[1])
         for k in range(level, 0, -1):
             room.path[k] = path % 4
@@ -83,7 +84,7 @@ def sweep_pixels(
     much, and then nothing is listed. ``cells[n]`` is what ``sweep_pixel`` returns and what radiance spans. Many
     arguments because a kernel's are.
     """
-    sweep.counts[0], sweep.counts[1] = 0, 0
+    sweep.counts[0], sweep.counts[1], sweep.counts[3] = 0, 0, 0
     for n in range(columns.shape[0]):
         nodes, edges = int(sweep.counts[0]), int(sweep.counts[1])
         sweep.counts[2], ends[n, 2] = 0, 0
