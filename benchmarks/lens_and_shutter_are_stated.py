@@ -86,7 +86,7 @@ def main() -> None:
     words = [int(word) for word in sys.argv[1:] if word.isdigit()]
     first, count = words[0] if words else 0, words[1] if len(words) > 1 else (QUICK if quick else CASES)
     report = Report("lens_and_shutter_are_stated", __doc__.split("\n")[0])
-    judged = lit = told = met = refused = beyond = apart = 0
+    judged = lit = told = met = sharp = refused = beyond = apart = 0
     seconds = 0.0
     for seed in range(first, first + count):
         try:
@@ -113,12 +113,14 @@ def main() -> None:
         if (np.abs(value - expected) > 1.5 * stated + 5 * sigma + 1e-12 * bright).any():
             # few paths may have missed what is small, and then their scatter has too
             expected, sigma = sampled(arrays, filter, 4 * SIDE, seed + CASES)
+        sharp += bool((sigma <= 0.3 * max(stated, tol * bright)).all())
         if (np.abs(value - expected) > 1.5 * stated + 5 * sigma + 1e-12 * bright).any():
             apart += 1
-            report.say(f"seed {seed} {filter}: {value} stated {stated:.3g}, paths {expected} +- {sigma}")
+            report.say(f"seed {seed} {filter}, {tol:g} asked: {value} stated {stated:.3g}, paths {expected} +- {sigma}")
     report.say(
         f"{judged} pixels, {refused} refused, {lit} lit, {told} that state less than a tenth of themselves, {met} that "
-        f"meet what is asked; {seconds / max(1, judged):.3g} CPU s each, scenes laid out"
+        f"meet what is asked, {sharp} that paths tell to .3 of it; {seconds / max(1, judged):.3g} CPU s "
+        "each, scenes laid out"
     )
     report.claim_number("pixels beyond 1.5 times what both runs state", beyond, 0)
     # five standard errors of a scatter that is itself sampled

@@ -329,3 +329,54 @@ def test_what_has_no_walls_is_refused_by_name() -> None:
         sr.truth("mirror", size=1, filter="box")
     with pytest.raises(OptionError, match="filter: must be one of centre, box, tent, gaussian, mitchell"):
         sr.truth("metal", size=1, filter="sinc")  # type: ignore[arg-type]
+
+
+def test_a_highlight_beside_a_limb_is_seen() -> None:
+    # lit from behind: a five-hundredth of the pixel wide, and no corner of a cell about it lies on the ball
+    scene = load_any({
+        "units": "radiometric", "bounces": 0,
+        "camera": {
+            "type": "look_at", "eye": [-0.30691711504142305, -5.596558989448318, 0.976178153390397],
+            "target": [-0.21540456984914255, -3.9278499721162947, 0.976178153390397], "up": [0.1, 0.2, 1],
+            "fov": 4.12525526554044,
+        },
+        "materials": {"gloss": {"type": "phong", "exponent": 1000, "reflectance": 0.5}},
+        "shapes": [
+            {"type": "sphere", "name": "ball", "center": [0.1554186909665534, -0.3202907183916027, 1.0980254425747675],
+             "radius": 0.04260128961937144, "material": "gloss"},
+        ],
+        "lights": [{"type": "point", "name": "P", "position": [-3.078713114454576, 3.6759033426440424, 6.5754190504387],
+                    "intensity": 13.964821652263883}],
+    })  # fmt: skip
+    whole = sr.truth(scene, size=1, tol=1e-6, filter="box", threads=1, tile=1)
+    parts = sr.truth(scene, size=48, tol=1e-6, filter="box", threads=1)
+    expected = parts.radiance.mean(axis=(0, 1))
+    assert expected.max() > 1e-4 and (parts.radiance > 1e-3).any(axis=2).sum() > 1
+    assert np.abs(whole.radiance[0, 0] - expected).max() <= 1.5 * float(whole.layer("error")[0, 0]) + 1e-6
+
+
+def veined(target: tuple[float, float, float]) -> RadiometricScene:
+    """One pixel that sees about a vein and a half of a ball."""
+    made = load_any({
+        "units": "radiometric", "bounces": 0,
+        "camera": {"type": "look_at", "eye": [0.5, -5, 1], "target": list(target), "up": [0.1, 0.2, 1], "fov": 4},
+        "materials": {"marble": {"type": "diffuse", "reflectance": {
+            "type": "marble", "cell": 0.25, "bright": 0.8, "dark": [0.1, 0, 0.3]}}},
+        "shapes": [{"type": "sphere", "name": "ball", "center": [0, 0, 0], "radius": 1, "material": "marble"}],
+        "lights": [{"type": "directional", "name": "sun", "direction": [0.4, 1, -0.5], "irradiance": 3.0}],
+    })  # fmt: skip
+    assert isinstance(made, RadiometricScene)
+    return made
+
+
+def test_veins_that_few_nodes_do_not_tell_are_stated() -> None:
+    rng, met = np.random.default_rng(4), 0
+    for _ in range(60):
+        x, z = rng.uniform(-0.5, 0.5, 2)
+        scene = veined((float(x), -1.0, float(z)))
+        rough, fine = (sr.truth(scene, size=1, tol=tol, filter="box", threads=1, tile=1) for tol in (1e-2, 1e-7))
+        stated, rest = (float(image.layer("error")[0, 0]) for image in (rough, fine))
+        assert fine.radiance.max() > 0.05 and rest <= 1e-7
+        met += stated <= 1e-2
+        assert np.abs(rough.radiance - fine.radiance).max() <= 1.5 * stated + rest
+    assert met == 60

@@ -64,3 +64,76 @@ def test_derivatives_are_those_of_the_means(slopes: dict[str, sr.Image], name: s
     # the means state 1e-9 each, over a step of 1e-3
     assert (gap[known & met] <= 1.5 * error[known & met] + 2e-6).all()
     assert np.median(gap[moving]) < 2e-5 * scale
+
+
+def tiled(at: float, fields: float, fov: float) -> RadiometricScene:
+    """One pixel of a checkered floor with a line of it through the middle; it is ``fields`` wide."""
+    cell = 20 * np.tan(np.radians(fov / 2)) / fields
+    made = load_any({
+        "units": "radiometric", "bounces": 0,
+        "camera": {"type": "look_at", "eye": [at, -3, 10], "target": [at, 0, 0], "up": [0, 1, 0], "fov": fov},
+        "materials": {"floor": {"type": "diffuse", "reflectance": {
+            "type": "checker", "cell": float(cell), "bright": 0.9, "dark": 0.1}}},
+        "shapes": [{"type": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "floor"}],
+        "lights": [{"type": "directional", "name": "sun", "direction": [1, 0.2, -1], "irradiance": 3.0}],
+    })  # fmt: skip
+    assert isinstance(made, RadiometricScene)
+    return made
+
+
+def slope_and_difference(scene: RadiometricScene, name: str, step: float) -> tuple[float, float, float]:
+    """(derivative of the one pixel, what it states, the central difference of its means)."""
+    image = sr.gradient(scene, [name], size=1, tol=1e-2, filter="box", threads=1, tile=1)[name]
+    value = float(get(scene, name))
+    high, low = (
+        sr.truth(scene.replace({name: value + side * step}), size=1, tol=1e-10, filter="box", threads=1, tile=1)
+        for side in (1, -1)
+    )
+    difference = float((high.radiance - low.radiance)[0, 0, 1]) / (2 * step)
+    return float(image.layer("direct")[0, 0, 1]), float(image.layer("error")[0, 0]), difference
+
+
+@pytest.mark.parametrize(
+    ("at", "fields", "fov", "name"),
+    [(0.37, 3.8, 0.75, "shapes.floor.point.z"), (0.31, 6.6, 0.13, "shapes.floor.point.z"),
+     (0.77, 8.1, 0.32, "camera.eye.x")],
+)  # fmt: skip
+def test_walls_on_edges_of_cells_are_swept_once(at: float, fields: float, fov: float, name: str) -> None:
+    scene = tiled(at, fields, fov)
+    found, stated, expected = slope_and_difference(scene, name, 1e-5)
+    assert abs(expected) > 1e-5 and stated < 1e-6
+    assert abs(found - expected) <= 1e-4 * abs(expected) + 1.5 * stated
+
+
+def test_a_wall_on_the_border_of_a_pixel_states_half_of_what_it_parts() -> None:
+    # its lower edge is the line y = 0 of the floor, seen from above; the camera moves along y
+    wide = 2 * 10 * np.tan(np.radians(1.0))
+    camera = {"type": "look_at", "eye": [0.05, wide / 2, 10], "target": [0.05, wide / 2, 0], "up": [0, 1, 0], "fov": 2}
+    scene = load_any({
+        "units": "radiometric", "bounces": 0, "camera": camera,
+        "materials": {"floor": {"type": "diffuse", "reflectance": {
+            "type": "checker", "cell": 1.0, "bright": 0.9, "dark": 0.1}}},
+        "shapes": [{"type": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "floor"}],
+        "lights": [{"type": "directional", "name": "sun", "direction": [0, 0, -1], "irradiance": np.pi}],
+    })  # fmt: skip
+    name = "shapes.floor.point.y"
+    image = sr.gradient(scene, [name], size=1, tol=1e-2, filter="box", threads=1, tile=1)[name]
+    # in one direction a row of fields comes in, in the other nothing; the line x = 0 has the opposite fields beside it
+    one_side = 0.8 / wide
+    assert image.layer("status")[0, 0] != 0
+    assert abs(image.layer("error")[0, 0] - one_side / 2) < 1e-3 * one_side
+    assert abs(abs(image.layer("direct")[0, 0, 1]) - one_side / 2 * (0.1 / wide)) < 1e-3 * one_side
+
+
+def test_cells_that_err_either_way_do_not_hide_each_other() -> None:
+    # the rim of a ball of metal: what the cells' rules differ by adds up to a tenth of what they are off by
+    scene, name = sr.load("metal").replace({"bounces": 0}), "shapes.A.center.x"
+    image = sr.gradient(scene, [name], size=32, tol=1e-4, filter="box", threads=1, tile=32)[name]
+    value = float(get(scene, name))
+    high, low = (
+        sr.truth(scene.replace({name: value + side * 1e-4}), size=32, tol=1e-9, filter="box", threads=1).radiance[9, 7]
+        for side in (1, -1)
+    )
+    expected, stated = (high - low) / 2e-4, float(image.layer("error")[9, 7])
+    assert np.abs(expected).max() > 5e-3 and stated <= 1e-4
+    assert np.abs(image.radiance[9, 7] - expected).max() <= 1.5 * stated + 1e-6

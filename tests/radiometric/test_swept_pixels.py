@@ -119,3 +119,34 @@ def test_slopes_beside_a_limb_are_stated(layer: str, fov: float, away: float, to
     error, rest = loose.layer("error")[0, 0], tight.layer("error")[0, 0]
     assert np.abs(tight.layer(layer)).max() > 0.3 and rest < 0.1 * error <= tol
     assert np.abs(loose.layer(layer) - tight.layer(layer)).max() <= 1.5 * error + rest
+
+
+def striped(at: float, cell: float) -> RadiometricScene:
+    """One pixel that sees some twenty stripes of a floor from above, lit by a ball beside it."""
+    made = load_any({
+        "units": "radiometric", "bounces": 1,
+        "camera": {"type": "look_at", "eye": [at, 0, 20], "target": [at, 0, 0], "up": [0, 1, 0], "fov": 4},
+        "materials": {
+            "floor": {"type": "diffuse",
+                      "reflectance": {"type": "stripes", "cell": cell, "bright": 0.9, "dark": 0.1}},
+            "white": {"type": "diffuse", "reflectance": 0.8},
+        },
+        "shapes": [
+            {"type": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "floor"},
+            {"type": "sphere", "name": "ball", "center": [4, 0, 2], "radius": 2.5, "material": "white"},
+        ],
+        "lights": [{"type": "directional", "name": "sun", "direction": [1, 0.2, -1], "irradiance": 3.0}],
+    })  # fmt: skip
+    assert isinstance(made, RadiometricScene)
+    return made
+
+
+def test_stripes_that_nodes_do_not_tell_are_counted() -> None:
+    # the nodes of the first rules all fall on dark stripes, and agree
+    scene, name = striped(0.1159, 0.07161), "shapes.ball.center.x"
+    image = sr.gradient(scene, [name], size=1, tol=1e-2, filter="box", threads=1, tile=1)[name]
+    found, error = image.layer("indirect")[0, 0], float(image.layer("error")[0, 0])
+    expected, doubt = differences(scene, name, "box", 5e-3)
+    assert np.abs(expected).max() > 5e-3 and doubt < 0.05 * np.abs(expected).max()
+    assert image.layer("status")[0, 0] == 0 and error <= 1e-2
+    assert np.abs(found - expected).max() <= 1.5 * error + doubt

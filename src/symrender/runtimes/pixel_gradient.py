@@ -10,13 +10,15 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.generated import load_module
 from symrender.jit.records import Table, table
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric import tile
-from symrender.radiometric.pixels import cells, moving, pixel, walls
+from symrender.radiometric.pixels import moving, sweeps, walls
+from symrender.radiometric.pixels.cells import Eye
 from symrender.radiometric.pixels.moving import Sweep
 from symrender.radiometric.pixels.records import TERMS, Family, Ints, Wall, make_room
 from symrender.radiometric.pixels.rules import GAUSS
@@ -71,7 +73,7 @@ class Speeds:
     """How fast the walls of an eye cross lines while a view moves; ``rates`` and ``turns`` are those of the walls and
     of the coordinates of textures."""
 
-    eye: cells.Eye
+    eye: Eye
     view: Seen
     moves: Seen
     rates: Table[Wall]
@@ -79,7 +81,7 @@ class Speeds:
     settings: Settings
 
     @classmethod
-    def of(cls, eye: cells.Eye, view: Seen, moves: Seen, lister: str, settings: Settings) -> Speeds:
+    def of(cls, eye: Eye, view: Seen, moves: Seen, lister: str, settings: Settings) -> Speeds:
         """Of the walls that the kernel ``lister`` lists."""
         found, rates = (table(Wall, len(eye.walls)) for _ in range(2))
         _pushed(f"{lister}_dot")(view.world, view.eye, found, moves.world, moves.eye, rates)
@@ -148,14 +150,72 @@ def jumps(walls: Ints, values: Array) -> tuple[Array, Array]:
     return found, size
 
 
-class _Pixel:
-    """The sweep of one pixel, copied: nodes, edges, walls of edges, and what is not resolved."""
+def unresolved(edges: Array, speed: Array) -> tuple[Ints, Array]:
+    """Of walls in cells that are not resolved, (the first row of each, how far it moves at right angles, at most)."""
+    rows = np.flatnonzero(edges[:, 5] == moving.UNRESOLVED)
+    far = np.abs(speed[rows]) * np.hypot(edges[rows, 2], edges[rows, 3])
+    # along the side that it is parallel to a wall has no speed
+    return rows[::2], np.nan_to_num(np.fmin(far[::2], far[1::2]), nan=np.inf)
 
-    def __init__(self, sweep: Sweep, coarse: float, spread: float) -> None:
-        nodes, edges, over = (int(x) for x in sweep.counts)
-        self.nodes, self.edges = sweep.nodes[:nodes].copy(), sweep.edges[:edges].copy()
-        self.walls, self.over = sweep.walls[:edges].copy(), bool(over)
-        self.coarse = coarse * spread
+
+@dataclass(frozen=True)
+class _Found:
+    """What the derivatives of P pixels are summed from: all their nodes, then all their edges.
+
+    ``columns`` and ``rows`` are the pixels' middles, ``of_node`` and ``of_edge`` say which one a row is of; ``coarse``
+    and ``spread`` (P,) what cells that are not resolved may add, over a speed, and what radiance spans; ``over`` (P,)
+    where there was no room for all.
+    """
+
+    nodes: Array
+    edges: Array
+    walls: Ints
+    columns: Array
+    rows: Array
+    of_node: Ints
+    of_edge: Ints
+    coarse: Array
+    spread: Array
+    over: npt.NDArray[np.bool_]
+
+
+class _Gathered:
+    """The sweeps of pixels, some at a time."""
+
+    def __init__(self) -> None:
+        self._nodes: list[Array] = []
+        self._edges: list[Array] = []
+        self._walls: list[Ints] = []
+        self._pixels: list[Array] = []
+        self._counts: list[Ints] = []
+        self._held = self._cells = 0
+
+    def add(self, columns: Ints, rows: Ints, sweep: Sweep, ends: Ints, cells_: Array) -> None:
+        """Copy what was listed of pixels."""
+        nodes, edges = (int(x) for x in sweep.counts[:2])
+        begins = np.zeros((1, 2), np.int64)
+        counts = np.diff(np.concatenate([begins, ends[:, :2]]), axis=0)
+        self._pixels.append(np.column_stack([columns + 0.5, rows + 0.5, cells_[:, 0] * cells_[:, 1], cells_[:, 1]]))
+        self._counts.append(np.column_stack([counts, ends[:, 2]]))
+        found, lines = sweep.nodes[:nodes].copy(), sweep.edges[:edges].copy()
+        found[:, 4] += self._cells
+        lines[:, 6] += self._cells
+        self._cells += int(sweep.counts[3]) + 1
+        self._nodes.append(found)
+        self._edges.append(lines)
+        walls = sweep.walls[:edges].copy()
+        walls[:, 2:4] += np.where(walls[:, 2:4] >= 0, self._held, 0)
+        self._walls.append(walls)
+        self._held += nodes
+
+    def found(self) -> _Found:
+        """All of them."""
+        (columns, rows, coarse, spread), counts = np.concatenate(self._pixels).T, np.concatenate(self._counts)
+        which = np.arange(len(columns))
+        return _Found(
+            np.concatenate(self._nodes), np.concatenate(self._edges), np.concatenate(self._walls), columns, rows,
+            np.repeat(which, counts[:, 0]), np.repeat(which, counts[:, 1]), coarse, spread, counts[:, 2] != 0,
+        )  # fmt: skip
 
 
 def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:
@@ -172,44 +232,47 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
         move[0]: Speeds.of(eye, view, seen_moves(arrays, move, width, height), "list_walls", settings) for move in wrt
     }
     own = threading.local()
-    tol = max(1e-12, settings.tol * _FINER[0])
 
-    def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+    def swept(columns: Ints, rows: Ints, tol: float) -> _Found:
         if not hasattr(own, "room"):
             own.room = make_room(view.world), np.arange(len(eye.walls)), make_sweep()
         room, candidates, sweep = own.room
-        spent = 0
-        for j in range(y0, y1):
-            for i in range(x0, x1):
-                # a filter's support is wider than the pixel
-                low, high = 0.5 - settings.reach, 0.5 + settings.reach
-                whole = cells.window_cell(view.window, width, height, i + low, j + low, i + high, j + high, tol)
-                count = _kernel("block_walls")(eye, whole, room, candidates)
-                best: dict[str, tuple[Array, float]] = {}
-                left = list(moved)
-                for finer in _FINER:
-                    within = max(1e-12, settings.tol * finer)
-                    coarse = _kernel("sweep_pixel")(
-                        eye, whole, room, candidates, count, within, settings.budget // 4, sweep
-                    )  # fmt: skip
-                    span = float(max(0.0, (room.span[1] - room.span[0]).max()))
-                    found = _Pixel(sweep, coarse, max(span, eye.bright))
-                    spent += len(found.nodes)
-                    for name in left:
-                        again = _moved(found, moved[name], (i, j))
-                        best[name] = min(best.get(name, again), again, key=lambda each: each[1])
-                    left = [name for name in left if not best[name][1] <= settings.tol]
-                    if not left:
-                        break
-                for name, (value, error) in best.items():
-                    known = np.isfinite(error)
-                    layers[f"emitted:{name}"][j, i] = value[:3] if known else 0.0
-                    layers[f"direct:{name}"][j, i] = value[3:] if known else 0.0
-                    layers[f"radiance:{name}"][j, i] = value[:3] + value[3:] if known else 0.0
-                    layers[f"error:{name}"][j, i] = error
-                    missed = CAPPED if known else UNSUPPORTED
-                    layers[f"status:{name}"][j, i] = missed if error > settings.tol or not known else MET
+        gathered = _Gathered()
+        while len(columns):
+            ends, sums = np.zeros((len(columns), 3), np.int64), np.zeros((len(columns), 2))
+            done = int(
+                _kernel("sweep_pixels")(
+                    eye, view.window, width, height, settings.reach, columns, rows, room, candidates, tol,
+                    settings.budget // 4, sweep, ends, sums,
+                )
+            )  # fmt: skip
+            gathered.add(columns[:done], rows[:done], sweep, ends[:done], sums[:done])
+            columns, rows = columns[done:], rows[done:]
+        return gathered.found()
+
+    def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
+        columns, rows = np.tile(np.arange(x0, x1), y1 - y0), np.repeat(np.arange(y0, y1), x1 - x0)
+        best = {name: (np.zeros((len(columns), 6)), np.full(len(columns), np.inf)) for name in moved}
+        left, spent = np.arange(len(columns)), 0
+        for finer in _FINER:
+            if not len(left):
+                break
+            found = swept(columns[left], rows[left], max(1e-12, settings.tol * finer))
+            spent += len(found.nodes)
+            for name, (values, errors) in best.items():
+                again, error = _moved(found, moved[name])
+                values[left] = np.where((error < errors[left])[:, None], again, values[left])
+                errors[left] = np.minimum(error, errors[left])
+            left = np.flatnonzero(~(np.max([errors for _, errors in best.values()], axis=0) <= settings.tol))
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
+        for name, (flat, error_) in best.items():
+            image, errors_ = flat.reshape(*shape, 6), error_.reshape(shape)
+            known = np.isfinite(errors_)
+            layers[f"emitted:{name}"][here], layers[f"direct:{name}"][here] = image[..., :3], image[..., 3:]
+            layers[f"radiance:{name}"][here] = image[..., :3] + image[..., 3:]
+            layers[f"error:{name}"][here] = errors_
+            late = np.where(known, CAPPED, UNSUPPORTED)
+            layers[f"status:{name}"][here] = np.where(~(errors_ <= settings.tol), late, MET)
         unused, hit_class = np.zeros((*shape, 3)), np.zeros(shape)
         place = (width, height, x0, y0, x1, y1)
         _kernel("fill_tile")(*view, *place, sky_room(view.world), unused, unused, hit_class)
@@ -222,31 +285,48 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
 def make_sweep(most: int = MOST_NODES) -> Sweep:
     """Room for the derivative of a pixel."""
     return Sweep(
-        np.zeros((most, 4)), np.zeros((most, 6)), np.zeros((most, 5), np.int64), np.zeros(3, np.int64)
+        np.zeros((most, 5)), np.zeros((most, 7)), np.zeros((most, 5), np.int64), np.zeros(4, np.int64)
     )  # fmt: skip
 
 
-def _moved(found: _Pixel, speeds: Speeds, at: tuple[int, int]) -> tuple[Array, float]:
-    """(slope of emitted and direct light of a pixel, what it may be off by)."""
-    if found.over:
-        return np.zeros(6), np.inf
-    (i, j), reach = at, speeds.settings.reach
+def _moved(found: _Found, speeds: Speeds) -> tuple[Array, Array]:
+    """(slopes (P, 6) of emitted and direct light of pixels, what each may be off by)."""
+    reach, count = speeds.settings.reach, len(found.over)
     nodes, edges = found.nodes, found.edges
-    rays = speeds.unit_rays(i + 0.5 + reach * nodes[:, 0], j + 0.5 - reach * nodes[:, 1])
+    columns, rows = found.columns[found.of_node], found.rows[found.of_node]
+    rays = speeds.unit_rays(columns + reach * nodes[:, 0], rows - reach * nodes[:, 1])
     values, light = _pushed_rays(speeds.view, speeds.moves, *rays)
-    total = [nodes[:, 2] @ light, nodes[:, 3] @ light]
-    fastest = 0.0
+    total = _sums(found.of_node, nodes[:, 2, None] * light, count)
+    coarse, border = found.coarse, np.zeros(count)
+    # of a pixel's cells, for what one rule has too much another may have too little
+    cells = int(max(nodes[:, 4].max(initial=-1.0), edges[:, 6].max(initial=-1.0))) + 1
+    owner = np.zeros(cells, np.int64)
+    owner[nodes[:, 4].astype(np.int64)] = found.of_node
+    gaps = _sums(nodes[:, 4].astype(np.int64), (nodes[:, 2] - nodes[:, 3])[:, None] * light, cells)
     if len(edges):
-        columns, rows = i + 0.5 + reach * edges[:, 0], j + 0.5 - reach * edges[:, 1]
-        speed = speeds.across(Steps(columns, rows, edges[:, 2:4], found.walls[:, :2]))
-        swept = jumps(found.walls, values)[0] * (edges[:, 4] * speed)[:, None]
-        for rule in range(2):
-            total[rule] += swept[edges[:, 5] == rule].sum(axis=0)
-        fastest = float(np.abs(speed * np.hypot(edges[:, 2], edges[:, 3])).max())
-    error = _SLOW * float(np.abs((total[0] - total[1]).reshape(2, 3).sum(axis=0)).max()) + found.coarse * max(
-        fastest, 1.0
-    )
-    return np.asarray(total[0]), error if np.isfinite(error) and np.isfinite(total[0]).all() else np.inf
+        columns, rows = found.columns[found.of_edge], found.rows[found.of_edge]
+        at = Steps(columns + reach * edges[:, 0], rows - reach * edges[:, 1], edges[:, 2:4], found.walls[:, :2])
+        speed, kind = speeds.across(at), edges[:, 5]
+        still = (edges[:, 4] == 0.0) | (kind == moving.UNRESOLVED)
+        swept = jumps(found.walls, values)[0] * (edges[:, 4] * np.where(still, 0.0, speed))[:, None]
+        total += _sums(found.of_edge[kind == moving.FINER], swept[kind == moving.FINER], count)
+        for rule, sign in ((moving.FINER, 1.0), (moving.COARSER, -1.0)):
+            gaps += sign * _sums(edges[kind == rule, 6].astype(np.int64), swept[kind == rule], cells)
+        two = kind == moving.BORDER
+        border = _sums(found.of_edge[two], np.abs(swept[two]), count).reshape(count, 2, 3).sum(axis=1).max(axis=1)
+        first, slowest = unresolved(edges, speed)
+        swung = edges[first, 4] * np.hypot(edges[first, 2], edges[first, 3]) * slowest
+        coarse = np.maximum(coarse, found.spread * _sums(found.of_edge[first], swung[:, None], count)[:, 0])
+    gap = _sums(owner, np.abs(gaps.reshape(cells, 2, 3).sum(axis=1)), count).max(axis=1)
+    error = _SLOW * gap + coarse + border
+    known = np.isfinite(error) & np.isfinite(total).all(axis=1) & ~found.over
+    return np.where(known[:, None], total, 0.0), np.where(known, error, np.inf)
+
+
+def _sums(owner: Ints, what: Array, count: int) -> Array:
+    """(count, C) sums of the rows (N, C) that belong to each owner, one after the other."""
+    found = [np.bincount(owner, what[:, c], count) for c in range(what.shape[1])]
+    return np.column_stack(found).astype(np.float64)
 
 
 def _pushed_rays(view: Seen, moves: Seen, rays: Array, turns: Array) -> tuple[Array, Array]:
@@ -269,5 +349,5 @@ def _pushed(name: str) -> Any:
 @lru_cache(maxsize=3)
 def _kernel(name: str) -> Any:
     """Compiled function that lists what a pixel's derivative is summed from."""
-    module = next(each for each in (moving, pixel, tile) if hasattr(each, name))
+    module = next(each for each in (sweeps, tile) if hasattr(each, name))
     return compiled(getattr(module, name), _nrt=False)

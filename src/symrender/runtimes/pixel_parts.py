@@ -118,6 +118,8 @@ class State:
     """How many rules it took beyond the first two; -1 before these."""
     fastest: Array
     """Of what moves: how fast the walls of a part cross it."""
+    rough: Array
+    """Of what moves: what nodes of a part that is not resolved see change."""
 
     @staticmethod
     def of(parts: Table[Part], pixel: Ints, channels: int) -> State:
@@ -125,7 +127,7 @@ class State:
         n = len(parts)
         return State(
             parts, pixel, np.zeros((n, channels)), np.full(n, np.inf), np.full(n, np.inf), np.zeros(n),
-            np.full(n, -1, np.int64), np.zeros(n),
+            np.full(n, -1, np.int64), np.zeros(n), np.zeros(n),
         )  # fmt: skip
 
     def kept(self, keep: npt.NDArray[np.bool_], more: State) -> State:
@@ -133,7 +135,7 @@ class State:
         old = chosen(self.parts, keep)
         pairs = [
             np.concatenate([getattr(self, name)[keep], getattr(more, name)])
-            for name in ("pixel", "values", "gap", "error", "inner", "stage", "fastest")
+            for name in ("pixel", "values", "gap", "error", "inner", "stage", "fastest", "rough")
         ]
         return State(joined(Part, [old, more.parts]), *pairs)
 

@@ -22,7 +22,7 @@ from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, World, seen_all
-from symrender.scene.arrays import CHECKER, PLANE, SOLID, STRIPES
+from symrender.scene.arrays import CHECKER, MARBLE, PLANE, SOLID, STRIPES
 from symrender.scene.radiometric.arrays import (
     AREA,
     BECKMANN,
@@ -153,8 +153,9 @@ def mean_world(world: World) -> World:
 
 
 def delicate(arrays: RadiometricArrays) -> bool:
-    """Whether nodes may miss what is smooth: something near a light, or a highlight."""
-    glossy = any(arrays.materials[int(shape.material)].kind in (CONDUCTOR, PHONG) for shape in arrays.shapes)
+    """Whether nodes may miss what is smooth: something near a light, a highlight, or veins."""
+    held = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
+    glossy = any(each.kind in (CONDUCTOR, PHONG) or each.texture == MARBLE for each in held)
     return glossy or any(light.kind in (POINT, SPOT, AREA) for light in arrays.lights)
 
 

@@ -17,17 +17,16 @@ import numpy as np
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
 from symrender.quadrature.split_setup import UNSUPPORTED
-from symrender.radiometric.pixels import moving
-from symrender.radiometric.pixels.records import CUT, Part
+from symrender.radiometric.pixels import moving, sweeps
+from symrender.radiometric.pixels.records import COARSE, CUT, Part
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.slopes import seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
-from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep
+from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.runtimes.pixel_parts import (
-    COARSE_ORDERS,
     SMOOTH_ORDERS,
     Canvas,
     Ints,
@@ -59,7 +58,7 @@ class SweptRule(PixelRule):
     are always tried first.
     """
 
-    orders = (SMOOTH_ORDERS, (2, 3, 5, 8, 12), COARSE_ORDERS)
+    orders = (SMOOTH_ORDERS, (2, 3, 5, 8, 12), (2, 3))
     hope = math.inf
     inner = 0.5
     # beside a limb outside of it: of 1/sqrt(x) two rules differ by a third to two thirds of what the better is off by
@@ -76,7 +75,13 @@ class SweptRule(PixelRule):
         # two curves that bend past each other part an area as the cube of the length
         length = np.where(state.parts["kind"] == CUT, np.cbrt(missed), np.sqrt(missed))
         length = np.minimum(length, 0.5 ** np.asarray(state.parts["level"], np.float64))
-        return np.asarray(swing * length * np.where(length > 0.0, state.fastest, 0.0))
+        return np.asarray(swing * length * np.where(length > 0.0, state.fastest, 0.0) + state.rough)
+
+    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int) -> Mean:
+        found = super()._cut_means(columns, rows, look, tol, budget)
+        # a part of which nothing is known may have become ones that are
+        found.status[:] = np.where(np.isfinite(found.error), found.status, UNSUPPORTED)
+        return found
 
     def _sums(
         self, state: State, some: Ints, orders: Ints, pixels: Pixels, look: Look, inner: float, budget: int
@@ -87,8 +92,7 @@ class SweptRule(PixelRule):
         parts = np.asarray(state.parts)[some]
         edges, walls = sweep.edges[: len(own[1])], sweep.walls[: len(own[1])]
         speed = self._speeds.across(Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2]))
-        fast = np.zeros(count)
-        np.maximum.at(fast, own[1], np.abs(speed) * np.hypot(edges[:, 2], edges[:, 3]))
+        fast, kind = _fastest(own[1], edges, speed, count), edges[:, 5]
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
@@ -108,16 +112,20 @@ class SweptRule(PixelRule):
         np.maximum.at(pixels.high, pixel, found[:, CHANNELS:_SEEN].max(axis=1))
         parted, size = jumps(walls, found[:, CHANNELS:])
         moved = edges[:, 4] * speed
-        moved[edges[:, 4] == 0.0] = 0.0
+        moved[(edges[:, 4] == 0.0) | (kind == moving.UNRESOLVED)] = 0.0
+        inside, border = np.where(kind == moving.BORDER, 0.0, moved), np.where(kind == moving.BORDER, moved, 0.0)
         values = np.column_stack([
-            added(own[0], nodes[:, 2] * found[:, c], count) + added(own[1], moved * parted[:, c], count)
+            added(own[0], nodes[:, 2] * found[:, c], count) + added(own[1], inside * parted[:, c], count)
             for c in range(CHANNELS)
         ])  # fmt: skip
         stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
+        stated += added(own[1], np.abs(border) * np.abs(parted[:, :CHANNELS]).max(axis=1, initial=0.0), count)
         stated += added(own[1], np.abs(moved) * size[:, CHANNELS], count)
         known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
-        np.maximum.at(pixels.status, state.pixel[some], np.where(known, 0, UNSUPPORTED))
-        return np.where(known[:, None], values, 0.0), np.where(known, stated, np.inf)
+        changed = added(own[0], np.abs(nodes[:, 2]) * np.abs(found[:, :CHANNELS]).max(axis=1), count)
+        # of what is not known rules of a higher order know no more, halves may
+        state.rough[some] = np.where(known, np.where(parts["kind"] == COARSE, changed, 0.0), np.inf)
+        return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0)
 
     def _at(self, parts: Any, places: Array) -> tuple[Array, Array]:
         """Columns and rows of places of the pixels of parts."""
@@ -140,6 +148,14 @@ class SweptRule(PixelRule):
             if sweep.counts[2] == 0 or size > MOST_NODES * len(some):
                 return sweep, ends
             size *= 4
+
+
+def _fastest(owner: Ints, edges: Array, speed: Array, count: int) -> Array:
+    """(count,) how fast walls cross parts: of a part that is cut one by one, of one that is not resolved together."""
+    found, cut = np.zeros(count), edges[:, 5] != moving.UNRESOLVED
+    np.maximum.at(found, owner[cut], np.abs(speed[cut]) * np.hypot(edges[cut, 2], edges[cut, 3]))
+    rows, slowest = unresolved(edges, speed)
+    return np.maximum(found, added(owner[rows], slowest, count))
 
 
 Swept = Callable[[int, int, int, int], dict[str, Mean]]
@@ -201,4 +217,4 @@ def _moving(values: Array, slopes: Array) -> Complex:
 def _kernel() -> Any:
     """Compiled function that lists what derivatives of parts are summed from."""
     # the kernel only borrows arrays; counting references to them would cost more than the arithmetic
-    return compiled(moving.sweep_parts, _nrt=False)
+    return compiled(sweeps.sweep_parts, _nrt=False)

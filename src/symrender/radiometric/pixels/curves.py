@@ -13,6 +13,8 @@ from symrender.radiometric.vectors import Array, Vector, dot, vector
 
 SLACK: Final = 1e-13
 """What a curve may lie beside where its coefficients, of which the largest is 1 in a pixel, say."""
+BESIDE: Final = 1e-8
+"""The same of one that is scaled to its cell: what lies on an edge of cells is listed on both sides of it."""
 
 
 def _turn() -> Array:
@@ -130,9 +132,9 @@ def put_curve(wall: Wall, v: Vector, vx: Vector, vy: Vector, work: Array, out: A
 
 
 @jitable
-def misses(curve: Array) -> bool:
-    """Whether a curve is proved not to enter its cell."""
-    rest = SLACK
+def misses(curve: Array, slack: float) -> bool:
+    """Whether a curve is proved not to enter its cell, nor to come nearer than about ``slack`` of its size."""
+    rest = slack
     for k in range(1, TERMS):
         rest += abs(curve[k])
     return bool(abs(curve[0]) > rest)

@@ -13,33 +13,44 @@ from typing import Final, NamedTuple
 
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.radiometric.pixels.cells import Cell, Eye, cell_at, heaviest, weight_of
+from symrender.radiometric.pixels.cells import Cell, Eye, weight_of
 from symrender.radiometric.pixels.curves import put_level
-from symrender.radiometric.pixels.parts import put_path, whole_of
-from symrender.radiometric.pixels.pixel import begin, block_walls, pixel_mean
-from symrender.radiometric.pixels.records import COARSE, CUT, LOGGED, SMOOTH, Family, Ints, Part, Room, Wall
+from symrender.radiometric.pixels.records import Family, Ints, Room, Wall
 from symrender.radiometric.pixels.rules import GAUSS, cutting_mode, half_width, in_order, locate, mapped, put_panels
-from symrender.radiometric.pixels.sight import put_reach
-from symrender.radiometric.pixels.textures import put_lines
 from symrender.radiometric.vectors import Array, Vector, dot, vector
 
 _THIN: Final = 1e-11
 """A piece between walls that coincide."""
+_EDGE: Final = 2e-10
+"""How near a wall is to the edge of a cell that is said to lie on it: near enough for ``begin`` to list it for the cell
+on its other side too."""
+FULL: Final = 1
+UNKNOWN: Final = 2
+_OUTSIDE: Final = 0.1
+"""How far beside a cell a wall on its edge is looked at from, over the piece inside."""
+
+# what a row of ``Sweep.edges`` is
+FINER: Final = 0
+COARSER: Final = 1
+BORDER: Final = 2
+"""On the border of the pixel, where means have two derivatives: once more, for the half that these differ by."""
+UNRESOLVED: Final = 3
+"""Of a cell that is not resolved: two rows, for its two sides, with nothing on either."""
 
 
 class Sweep(NamedTuple):
     """What a pixel's derivative is summed from, by two rules: rows of each, and how many there are."""
 
     nodes: Array
-    """(n, 4): place x, y in the pixel, then weights in the finer and in the coarser rule."""
+    """(n, 5): place x, y in the pixel, then weights in the finer and in the coarser rule, and the cell."""
     edges: Array
-    """(n, 6): place, the direction in which t grows, what a unit of t weighs, and 0 or 1 as the rule is the coarser."""
+    """(n, 7): place, direction in which t grows, what a unit of t weighs, FINER or another kind, the cell."""
     walls: Ints
     """(n, 5): the wall of each edge, or -1 less the family, and the number, of a line of a texture; then the first node
-    of the piece before, the first of the piece behind, and how many each has; the first is -1 where nothing is swept.
+    of the piece before, the first of the piece behind, and how many each has; one is -1 where there is no such piece.
     """
     counts: Ints
-    """(3,): nodes, edges, and 1 where there was no room for all."""
+    """(4,): nodes, edges, FULL where there was no room for all, UNKNOWN where moves are not known, and cells."""
 
 
 @inlined
@@ -59,13 +70,14 @@ def put_node(sweep: Sweep, x: float, y: float, weight: float, coarser: bool) -> 
         return
     row = sweep.nodes[k]
     row[0], row[1], row[2], row[3] = x, y, 0.0 if coarser else weight, weight if coarser else 0.0
+    row[4] = float(sweep.counts[3])
     sweep.counts[0] = k + 1
 
 
 @jitable
 def put_edge(
     eye: Eye, room: Room, sweep: Sweep, level: int, own: int, curve: int, x: float, y: float, tx: float, ty: float,
-    weight: float, coarser: bool,
+    weight: float, kind: int,
 ) -> int:  # fmt: skip
     """Add a wall that crosses a line; returns its row, in which what it parts is still to be written, -1 if none."""
     k = int(sweep.counts[1])
@@ -75,7 +87,7 @@ def put_edge(
     row = sweep.edges[k]
     row[0], row[1], row[2], row[3] = x, y, tx, ty
     row[4] = weight * weight_of(eye.domain, x, y)
-    row[5] = 1.0 if coarser else 0.0
+    row[5], row[6] = float(kind), float(sweep.counts[3])
     if curve < own:
         sweep.walls[k, 0], sweep.walls[k, 1] = room.which[level, curve], 0
     else:
@@ -86,6 +98,63 @@ def put_edge(
 
 
 @jitable
+def put_parted(
+    eye: Eye, cell: Cell, room: Room, sweep: Sweep, weight: float, own: int, curve: int, mode: int, t: float, s: float,
+    kind: int, before: int, behind: int, order: int,
+) -> None:  # fmt: skip
+    """Add a wall that crosses a line at t, between the pieces whose nodes begin at ``before`` and ``behind``; many
+    arguments because a cell's cut has them."""
+    half = cell.half
+    x, y = place_of(mode, t, s)
+    ox, oy = place_of(mode, 0.0, 0.0)
+    dx, dy = place_of(mode, 1.0, 0.0)
+    k = put_edge(
+        eye, room, sweep, cell.level, own, curve, cell.x + half * x, cell.y + half * y, half * (dx - ox),
+        half * (dy - oy), weight, kind,
+    )  # fmt: skip
+    if k >= 0:
+        sweep.walls[k, 2], sweep.walls[k, 3], sweep.walls[k, 4] = before, behind, order
+
+
+@jitable
+def put_beside(
+    eye: Eye, cell: Cell, room: Room, sweep: Sweep, weight: float, own: int, curve: int, mode: int, t: float, s: float,
+    coarser: bool, inner: int, order: int, length: float,
+) -> None:  # fmt: skip
+    """Add a wall on the end t of a line, where the piece inside has its nodes from ``inner`` on and is ``length`` long.
+
+    Cells on both sides of it count a half. What lies beside the cell is looked at by nodes without weight; where that
+    is beside the pixel the mean has two derivatives, and the wall is listed once more. Many arguments because a cell's
+    cut has them.
+    """
+    half, outer = cell.half, int(sweep.counts[0])
+    for i in range(order):
+        u = GAUSS[0, order, i]
+        beyond = _OUTSIDE * length * (u * u if t > 0.0 else -(1.0 - u) * (1.0 - u))
+        x, y = place_of(mode, t + beyond, s)
+        put_node(sweep, cell.x + half * x, cell.y + half * y, 0.0, coarser)
+    before, behind = inner if t > 0.0 else outer, outer if t > 0.0 else inner
+    kind = COARSER if coarser else FINER
+    put_parted(eye, cell, room, sweep, 0.5 * weight, own, curve, mode, t, s, kind, before, behind, order)
+    x, y = place_of(mode, t, s)
+    if not coarser and max(abs(cell.x + half * x), abs(cell.y + half * y)) >= 1.0 - 1e-8:
+        put_parted(eye, cell, room, sweep, 0.5 * weight, own, curve, mode, t, s, BORDER, before, behind, order)
+
+
+@jitable
+def on_edges(room: Room, count: int, wide: float) -> tuple[int, int]:
+    """The curves that lie on both ends of the line that was located, -1 where there is none; they do not cross it."""
+    first, last = -1, -1
+    for k in range(count):
+        place = room.places[1, k]
+        if abs(place + wide) <= _EDGE:
+            first, room.states[1, k] = k, -1
+        elif abs(place - wide) <= _EDGE:
+            last, room.states[1, k] = k, 1
+    return first, last
+
+
+@jitable
 def sweep_line(
     eye: Eye, cell: Cell, room: Room, sweep: Sweep, weight: float, order: int, own: int, count: int, mode: int,
     s: float, coarser: bool,
@@ -93,14 +162,14 @@ def sweep_line(
     """Add the nodes of a line and the walls that cross it; many arguments because a cell's cut has them."""
     wide, half, cx, cy = half_width(mode, s), cell.half, cell.x, cell.y
     locate(room, count, mode, s, 1)
+    wall, ending = on_edges(room, count, wide)
     found = in_order(room, count)
-    ox, oy = place_of(mode, 0.0, 0.0)
-    dx, dy = place_of(mode, 1.0, 0.0)
-    start, hard, wall, at, before = -wide, True, -1, 0.0, -1
+    hard, ends = (wall < 0 or room.soft[wall] == 0.0), (ending < 0 or room.soft[ending] == 0.0)
+    start, at, before, length = -wide, -wide, -1, 0.0
     for piece in range(found + 1):
         last = piece == found
         stop = wide if last else min(max(room.places[3, piece], start), wide)
-        free = last or room.soft[room.states[3, piece]] == 0.0
+        free = ends if last else room.soft[room.states[3, piece]] == 0.0
         if stop - start > _THIN:
             first = int(sweep.counts[0])
             for i in range(order):
@@ -110,15 +179,14 @@ def sweep_line(
                 share *= weight_of(eye.domain, cx + half * x, cy + half * y)
                 put_node(sweep, cx + half * x, cy + half * y, share, coarser)
             if wall >= 0 and before >= 0:
-                x, y = place_of(mode, at, s)
-                k = put_edge(
-                    eye, room, sweep, cell.level, own, wall, cx + half * x, cy + half * y, half * (dx - ox),
-                    half * (dy - oy), weight, coarser,
+                kind = COARSER if coarser else FINER
+                put_parted(eye, cell, room, sweep, weight, own, wall, mode, at, s, kind, before, first, order)
+            elif wall >= 0:
+                put_beside(
+                    eye, cell, room, sweep, weight, own, wall, mode, -wide, s, coarser, first, order, stop - start
                 )  # fmt: skip
-                if k >= 0:
-                    sweep.walls[k, 2], sweep.walls[k, 3], sweep.walls[k, 4] = before, first, order
             # of walls that coincide the last before a piece is the one that is taken to move
-            wall, before = -1, first
+            wall, before, length = -1, first, stop - start
         if not last and start >= -wide:
             if wall < 0:
                 wall, at = int(room.states[3, piece]), room.places[3, piece]
@@ -127,6 +195,8 @@ def sweep_line(
             else:
                 hard = hard and free
         start = stop
+    if ending >= 0 and before >= 0:
+        put_beside(eye, cell, room, sweep, weight, own, ending, mode, wide, s, coarser, before, order, length)
 
 
 @jitable
@@ -174,95 +244,6 @@ def order_before(order: int) -> int:
     if order == 12:
         return 8
     return 5 if order == 8 else (3 if order == 5 else 2)
-
-
-def sweep_pixel(
-    eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, tol: float, budget: int, sweep: Sweep
-) -> float:  # fmt: skip
-    """List what the derivative of a pixel is summed from; returns the length of sides of cells that are not resolved.
-
-    ``room.total`` is left as by ``pixel_mean``.
-    """
-    pixel_mean(eye, whole, room, candidates, count, tol, budget)
-    sweep.counts[0], sweep.counts[1], sweep.counts[2] = 0, 0, 0
-    held = int(room.log[LOGGED, 0])
-    coarse = 0.0
-    if held >= LOGGED - 1:
-        sweep.counts[2] = 1
-        return coarse
-    for index in range(held):
-        log = room.log[index]
-        level, path = int(log[0]), int(log[1])
-        for k in range(level, 0, -1):
-            room.path[k] = path % 4
-            path = path // 4
-        cell = cell_at(whole, room, level, tol)
-        order, cut = int(log[3]), log[2] == CUT and log[4] >= 0
-        if log[2] == COARSE or log[4] < 0:
-            coarse += cell.half * heaviest(eye.domain, cell)
-        if cut:
-            limit = put_reach(eye, cell, room)
-            if not begin(eye, cell, room, candidates, count, limit):
-                sweep.counts[2] = 1
-                continue
-            lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-            if lines < 0:
-                sweep.counts[2] = 1
-                continue
-            own = int(room.counts[cell.level])
-            for rule in range(2):
-                nodes = order if rule == 0 else order_before(order)
-                sweep_lines(eye, cell, room, sweep, nodes, own, lines, int(log[4]), rule == 1)
-        else:
-            for rule in range(2):
-                nodes = order if log[2] == SMOOTH else 3
-                sweep_smooth(eye, cell, sweep, nodes if rule == 0 else order_before(nodes), rule == 1)
-    return coarse
-
-
-@jitable
-def sweep_coarse(eye: Eye, cell: Cell, room: Room, sweep: Sweep, own: int, lines: int) -> None:
-    """Add the walls that enter a cell of which nothing is known, weightless, along both of its sides."""
-    for curve in range(own + lines):
-        for across in range(2):
-            tx, ty = (cell.half, 0.0) if across == 0 else (0.0, cell.half)
-            put_edge(eye, room, sweep, cell.level, own, curve, cell.x, cell.y, tx, ty, 0.0, False)
-
-
-def sweep_parts(
-    eye: Eye, window: Array, width: int, height: int, reach: float, parts: Table[Part], orders: Ints, room: Room,
-    candidates: Ints, sweep: Sweep, ends: Ints,
-) -> None:  # fmt: skip
-    """List nodes and edges of a rule of an order for each of some parts (``parts.py``).
-
-    Those of part n end before ``ends[n, 0]`` and ``ends[n, 1]``; ``ends[n, 2]`` is 1 where walls are not known. Of a
-    part that is not resolved the walls are listed without weight. Many arguments because a kernel's are.
-    """
-    sweep.counts[0], sweep.counts[1], sweep.counts[2] = 0, 0, 0
-    for n in range(parts.shape[0]):
-        part, order = parts[n], int(orders[n])
-        whole = whole_of(window, width, height, reach, int(part.column), int(part.row))
-        put_path(room, int(part.level), int(part.path))
-        cell = cell_at(whole, room, int(part.level), 0.0)
-        ends[n, 2] = 0
-        if part.kind == SMOOTH:
-            sweep_smooth(eye, cell, sweep, order, False)
-        else:
-            limit = put_reach(eye, cell, room)
-            count = block_walls(eye, cell, room, candidates)
-            fits = begin(eye, cell, room, candidates, count, limit)
-            lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-            own = int(room.counts[cell.level])
-            if not fits or lines < 0:
-                ends[n, 2] = 1
-            if part.kind == CUT and fits and lines >= 0:
-                # slopes beside a limb are as one over a root: where its piece shrinks to nothing their sum is as a root
-                sweep_lines(eye, cell, room, sweep, order, own, lines, 4, False)
-            else:
-                sweep_smooth(eye, cell, sweep, order, False)
-                if fits and lines >= 0:
-                    sweep_coarse(eye, cell, room, sweep, own, lines)
-        ends[n, 0], ends[n, 1] = sweep.counts[0], sweep.counts[1]
 
 
 @jitable

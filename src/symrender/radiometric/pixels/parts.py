@@ -17,7 +17,7 @@ from symrender.radiometric.pixels.cells import BOX, Cell, Eye, cell_at, heaviest
 from symrender.radiometric.pixels.pixel import begin, block_walls
 from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, MOST_CUTS, SMOOTH, Ints, Part, Room
 from symrender.radiometric.pixels.rules import cut_rule, cutting_mode, put_panels, tensor_rule
-from symrender.radiometric.pixels.sharp import too_sharp
+from symrender.radiometric.pixels.sharp import too_sharp, veins_turn
 from symrender.radiometric.pixels.sight import put_reach
 from symrender.radiometric.pixels.textures import mean_error, put_lines
 from symrender.radiometric.sight import nearest
@@ -61,20 +61,22 @@ def lobes_turn(eye: Eye, cell: Cell, steps: float) -> bool:
     """
     world = eye.world
     origin, ray = ray_of(eye, step(cell.v, -1.0, cell.vx, -1.0, cell.vy))
-    own, _, _, normal, _ = nearest(world, origin, ray)
+    own, _, place, normal, _ = nearest(world, origin, ray)
     for corner in range(1, 4):
         # about the cell, not across it
         a, b = 1.0 if corner in (1, 2) else -1.0, 1.0 if corner >= 2 else -1.0
         origin, d = ray_of(eye, step(cell.v, a, cell.vx, b, cell.vy))
-        other, _, _, facing, _ = nearest(world, origin, d)
+        other, _, at, facing, _ = nearest(world, origin, d)
         if own >= 0 and other == own:
+            if veins_turn(world, own, place, at):
+                return True
             material = world.materials[int(world.pieces[own].material)]
             x, y, z = lobe_axis(material, ray, normal)
             p, q, r = lobe_axis(material, d, facing)
             turned = math.sqrt((x - p) * (x - p) + (y - q) * (y - q) + (z - r) * (z - r))
             if turned > _TURNED * steps * lobe_width(material):
                 return True
-        own, ray, normal = other, d, facing
+        own, ray, place, normal = other, d, at, facing
     return False
 
 

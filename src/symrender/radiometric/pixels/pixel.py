@@ -24,7 +24,7 @@ from symrender.radiometric.pixels.cells import (
     outside,
     window_cell,
 )
-from symrender.radiometric.pixels.curves import misses, put_curve, put_quarter
+from symrender.radiometric.pixels.curves import BESIDE, SLACK, misses, put_curve, put_quarter
 from symrender.radiometric.pixels.records import (
     COARSE,
     CUT,
@@ -74,7 +74,7 @@ def keep(eye: Eye, room: Room, level: int, limit: float) -> bool:
         if not (may_show(room, wall.own, limit) and may_show(room, wall.other, limit)):
             continue
         put_quarter(above[k], int(room.path[level]), here[found])
-        if misses(here[found]):
+        if misses(here[found], SLACK):
             continue
         room.which[level, found] = room.which[level - 1, k]
         found += 1
@@ -94,7 +94,7 @@ def begin(eye: Eye, cell: Cell, room: Room, candidates: Ints, count: int, limit:
             return False
         if not put_curve(wall, cell.v, cell.vx, cell.vy, room.work, room.curves[level, found]):
             continue
-        if misses(room.curves[level, found]):
+        if misses(room.curves[level, found], BESIDE):
             continue
         room.which[level, found] = candidates[k]
         found += 1
@@ -311,7 +311,7 @@ def block_walls(eye: Eye, block: Cell, room: Room, candidates: Ints) -> int:
     """List the walls that may pass through a block of pixels; returns how many."""
     found, curve = 0, room.work[7]
     for k in range(eye.walls.shape[0]):
-        if put_curve(eye.walls[k], block.v, block.vx, block.vy, room.work, curve) and not misses(curve):
+        if put_curve(eye.walls[k], block.v, block.vx, block.vy, room.work, curve) and not misses(curve, BESIDE):
             candidates[found] = k
             found += 1
     return found

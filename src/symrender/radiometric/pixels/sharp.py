@@ -6,13 +6,16 @@ import math
 from typing import Final
 
 from symrender.jit.marks import jitable
+from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
 from symrender.radiometric.pixels.cells import Cell, Eye, ray_of, step
 from symrender.radiometric.pixels.records import Room
 from symrender.radiometric.pixels.sight import may_show
+from symrender.radiometric.pixels.spots import shows_spot
 from symrender.radiometric.sight import height_over, nearest
 from symrender.radiometric.vectors import Vector, dot, minus, vector
 from symrender.radiometric.world import World
+from symrender.scene.arrays import MARBLE
 from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, DIRECTIONAL, POINT, SKY, SPHERE, SPOT
 from symrender.scene.radiometric.records import Material
 
@@ -20,6 +23,10 @@ _NEAR: Final = 0.8
 """Largest part of the way to a light that a cell's places may spread over."""
 _WIDE: Final = 0.7
 """Largest part of a highlight's width, or of the way to its middle, that a cell may spread over."""
+_VEINS: Final = 0.5
+"""Largest part of a vein that a side of a cell may spread over."""
+_BENT: Final = 3.3
+"""By how much veins bend along the other coordinate, at most."""
 
 
 @jitable
@@ -95,6 +102,24 @@ def place_spreads(
 
 
 @jitable
+def veins_turn(world: World, own: int, place: Vector, other: Vector) -> bool:
+    """Whether the veins of a sphere turn too far between two places of shape ``own`` for nodes to tell them.
+
+    Those of planes are looked at where lines of textures are listed.
+    """
+    ball = world.pieces[own]
+    material = world.materials[int(ball.material)]
+    if ball.kind != SPHERE or material.texture != MARBLE:
+        return False
+    center, r = vector(ball.place), float(ball.radius)
+    first, second = minus(place, center), minus(other, center)
+    x, y = leaves.sphere_turns(first[0] / r, first[1] / r, first[2] / r)
+    a, b = leaves.sphere_turns(second[0] / r, second[1] / r, second[2] / r)
+    round_ = abs(x - a)
+    return min(round_, 2.0 - round_) + _BENT * abs(y - b) > _VEINS * material.cell
+
+
+@jitable
 def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
     """Whether nodes of a cell may miss what is sharp in it."""
     if not eye.delicate:
@@ -108,6 +133,8 @@ def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
             point = lamp.kind in (POINT, SPOT)
             if point and plane_spreads(world, j, eye.place, vector(lamp.place), cell.v, cell.vx, cell.vy):
                 return True
+    if shows_spot(eye, cell, room, limit):
+        return True
     origin, ray = ray_of(eye, cell.v)
     own, _, place, normal, _ = nearest(world, origin, ray)
     for corner in range(4):
@@ -115,6 +142,8 @@ def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
         origin, d = ray_of(eye, step(cell.v, a, cell.vx, b, cell.vy))
         other, _, at, facing, _ = nearest(world, origin, d)
         if own >= 0 and other == own:
+            if veins_turn(world, own, place, at):
+                return True
             for i in range(world.lights.shape[0]):
                 if place_spreads(world, own, i, ray, place, normal, d, at, facing):
                     return True

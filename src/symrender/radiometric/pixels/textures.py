@@ -12,7 +12,7 @@ from typing import Final
 
 from symrender.jit.marks import jitable
 from symrender.jit.records import Table
-from symrender.radiometric.pixels.curves import misses, put_linear
+from symrender.radiometric.pixels.curves import BESIDE, misses, put_linear
 from symrender.radiometric.pixels.records import MOST_LINES, Family, Room
 from symrender.radiometric.pixels.sight import linear_range, may_show
 from symrender.radiometric.vectors import Array, Vector, dot, vector
@@ -57,7 +57,7 @@ def put_lines(families: Table[Family], v: Vector, vx: Vector, vy: Vector, room: 
         if not high - low <= 2.0 * MOST_LINES:
             return _MANY
         n, u = family.numerator, family.denominator
-        first, last = math.ceil(low - 1e-9), math.floor(high + 1e-9)
+        first, last = math.ceil(low - 1e-7), math.floor(high + 1e-7)
         for k in range(first, last + 1):
             line = (n[0] - k * u[0], n[1] - k * u[1], n[2] - k * u[2])
             put_linear(line, 0.0, v, vx, vy, room.lines[found])
@@ -67,7 +67,7 @@ def put_lines(families: Table[Family], v: Vector, vx: Vector, vy: Vector, room: 
                 continue
             for c in range(row.shape[0]):
                 row[c] /= most
-            if misses(row):
+            if misses(row, BESIDE):
                 continue
             room.numbers[found, 0], room.numbers[found, 1] = f, k
             found += 1
