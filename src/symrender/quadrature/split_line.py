@@ -12,7 +12,7 @@ from symrender.chambers.labels import HIDDEN, PARTLY
 from symrender.chambers.leaf_rows import eye_view_rows
 from symrender.chambers.lobes.density import facing_of, facing_share
 from symrender.chambers.lobes.rows import densities, lean_line, least_error, tint
-from symrender.chambers.lobes.sending import end_power
+from symrender.chambers.lobes.sending import end_power, reflects_wholly
 from symrender.chambers.lobes.width import BLUNT, broken_rim
 from symrender.chambers.records import NODES, Chart, Piece
 from symrender.chambers.senders import sender_of
@@ -87,9 +87,13 @@ def kinked(view: View) -> bool:
 
 @inlined
 def ends_bluntly(view: View, chart: Chart) -> bool:
-    """The same of the charted shape, where it is of phong's material."""
-    power = end_power(sender_of(view, chart), view.senders)
-    return bool(0.0 < power < BLUNT and power != math.floor(power))
+    """The same of the charted shape, where it is of phong's material, or reflects wholly beyond a critical angle.
+
+    Where the angle between a light and P is twice that one, reflectance goes as a root, on a curve that is no circle.
+    """
+    sender = sender_of(view, chart)
+    power = end_power(sender, view.senders)
+    return bool(0.0 < power < BLUNT and power != math.floor(power)) or reflects_wholly(sender, view.senders)
 
 
 @inlined

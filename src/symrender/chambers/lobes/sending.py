@@ -6,6 +6,7 @@ import math
 
 from symrender.chambers.leaf_rows import lit_beckmann_rows, lit_conductor_rows, lit_phong_rows
 from symrender.chambers.lobes.fit import FIT_OVER, fit_over_exact
+from symrender.chambers.lobes.levels import is_critical
 from symrender.chambers.lobes.record import CONDUCTOR, LAMBERT, POWER, Sender
 from symrender.chambers.records import INVERSE_SQUARE, NODES, LightPoint, Nodes
 from symrender.chambers.row_powers import powers
@@ -62,6 +63,20 @@ def end_power(row: int, senders: Table[Sender] | None) -> float:
     if row < 0:
         return 0.0
     return float(senders[row].exponent) if senders[row].kind == POWER else 0.0
+
+
+@jitable
+def reflects_wholly(row: int, senders: Table[Sender] | None) -> bool:
+    """Whether a shape's material reflects wholly beyond a critical angle in some channel."""
+    if senders is None:
+        return False
+    if row < 0 or senders[row].kind != CONDUCTOR:
+        return False
+    metal = senders[row].conductor
+    found = False
+    for a in range(3):
+        found = found or is_critical(metal.eta[a], metal.k[a])
+    return found
 
 
 @jitable
