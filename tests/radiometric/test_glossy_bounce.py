@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from tests.quadrature.half_vector import Rough, albedo
+from tests.quadrature.half_vector import Rough, albedo, fresnel, masking
 
 import symrender as sr
 from symrender.chambers.lobes.record import CONDUCTOR, LAMBERT, POWER, Sender
@@ -230,3 +230,46 @@ def test_a_highlight_that_ends_with_a_low_power_is_integrated(exponent: float) -
         for seen, expected in ((seeing, known), (sending, cosine * known)):
             assert 100 < seen.evaluations[0] < 400_000
             assert np.abs(seen.indirect[0] - expected).max() <= 1e-9 and seen.error[0] < 1e-7
+
+
+def test_total_reflection_of_what_is_seen_is_stated() -> None:
+    """A light on the axis below a place over a plain: an integral over rings, cut at those of critical angles.
+
+    With k = 0 and eta < 1 reflectance is a root beside them, and no wall stands there.
+    """
+    height, low, eta = 1.0 - PEA, 0.4, np.array([0.19, 0.92, 0.21])
+    rough = Rough(0.65, True, eta, np.zeros(3))
+    plain = {"type": "conductor", "distribution": "ggx", "alpha": rough.alpha, "masking": "correlated"}
+    scene = over_a_plain(WHITE, plain | {"eta": eta.tolist(), "k": [0, 0, 0]}, 1.0)
+    scene["lights"] = [{"type": "point", "name": "lamp", "position": [0, 0, low], "intensity": [1, 1, 1]}]
+
+    def ring(r: Array) -> Array:
+        """(N, 3) what rings of these radii send upwards, an angle to the axis each."""
+        far, near = np.hypot(r, height), np.hypot(r, low)
+        seen, lit = height / far, low / near
+        half = np.stack([-r / far - r / near, seen + lit], axis=1)
+        size = np.linalg.norm(half, axis=1)
+        cos_h = half[:, 1] / size
+        d = rough.alpha**2 / (math.pi * (cos_h**2 * (rough.alpha**2 - 1.0) + 1.0) ** 2)
+        smith = np.array([masking(lit[i : i + 1], float(seen[i]), rough)[0] for i in range(len(r))])
+        share = d * smith / (4.0 * seen * lit) * lit / near**2 * seen**2 / far**2 * 2.0 * r
+        return np.asarray(share[:, None] * fresnel(0.5 * size, eta, np.zeros(3)))
+
+    x, w = np.polynomial.legendre.leggauss(60)
+    s = 0.5 * (x + 1.0)
+    for a in (0, 2):
+        # tan of the angle that light and place are seen apart, tangents of twice the critical angle
+        apart = math.tan(math.acos(1.0 - 2.0 * eta[a] ** 2))
+        spread = math.sqrt((height - low) ** 2 - 4.0 * apart * apart * height * low)
+        rings = [(height - low - sign * spread) / (2.0 * apart) for sign in (1.0, -1.0)]
+        assert 0.1 < rings[0] < rings[1] < 3.0
+        known = 0.0
+        for begin, end in zip([0.0, *rings], [*rings, 20.0], strict=True):
+            r = begin + (end - begin) * s * s * (3.0 - 2.0 * s)
+            known += float((ring(r)[:, a] * 0.5 * w * (end - begin) * 6.0 * s * (1.0 - s)).sum())
+        t = 1.0 / 20.0 * s
+        known += float((ring(1.0 / t)[:, a] * 0.5 * w / 20.0 / t**2).sum())
+        for tol in (1e-3, 1e-5, 1e-7, 1e-9):
+            found = sr.probe(scene, rays=tuple(np.array([each]) for each in from_below(0.7)), tol=tol)
+            assert found.error[0] < 3.0 * tol
+            assert abs(found.indirect[0, a] - known) <= found.error[0] + 1e-10
