@@ -25,6 +25,8 @@ from .rough_lattice import DIFFUSE, PHONG
 Array = npt.NDArray[np.float64]
 SAMPLES = 24
 """Samples of a piece of a line whose signatures are compared."""
+PATCH = 30.0
+"""Heights of a light over a surface within which it lights a patch."""
 CUTS = 12_000
 FIELDS = 3_000
 """Most edges of fields that a piece of a line is cut at; adaptive halving has the rest."""
@@ -219,6 +221,41 @@ def _glints(
 
 
 @numba.njit(cache=False)
+def _foot(light: Array, s: Array) -> tuple[Array, float]:
+    """The place of a shape's surface that is nearest to a light, and how far they are apart."""
+    if s[0] == 1.0:
+        high = (light[1:4] - s[1:4]) @ s[5:8]
+        return light[1:4] - high * s[5:8], abs(high)
+    b = light[1:4] - s[1:4]
+    far = math.sqrt(b @ b)
+    return s[1:4] + (s[4] / max(far, 1e-300)) * b, abs(far - s[4])
+
+
+@numba.njit(cache=False)
+def _patches(q: Array, n: Array, e: Array, own: int, w: rough_lattice.World, more: Array, count: int) -> int:
+    """Cut a meridian, in geometric steps, where it passes the patch that a light lights close by; the new number."""
+    shapes, aside = w.known.shapes, np.cross(n, e)
+    for j in range(shapes.shape[0]):
+        for i in range(w.known.lights.shape[0]):
+            light = w.known.lights[i]
+            if j == own or light[0] == 1.0:
+                continue
+            foot, high = _foot(light, shapes[j])
+            d = foot - q
+            far = math.sqrt(d @ d)
+            if high > 0.1 * far or abs(d @ aside) > PATCH * high or d @ e <= 0.0:
+                continue
+            middle, step = math.atan2(d @ e, d @ n), 0.25 * max(1e-6, high / far)
+            while step < 0.5 and count + 2 < more.shape[0]:
+                for t in (middle - step, middle + step):
+                    if 0.0 < t < 0.5 * math.pi:
+                        more[count] = t
+                        count += 1
+                step *= 2.0
+    return count
+
+
+@numba.njit(cache=False)
 def _line(
     phi: float, q: Array, n: Array, x: Array, y: Array, own: int, seen: Array, w: nested.World, tol: float,
     cuts: Array, more: Array, stack: Array, out: Array,
@@ -259,6 +296,7 @@ def _line(
                 last = at
         if known.materials[j, 0] != DIFFUSE:
             count = _glints(q, n, e, own, a, b, known, more, count)
+    count = _patches(q, n, e, own, known, more, count)
     more[:count].sort()
     out[:] = 0.0
     error, cost = 0.0, 0
@@ -323,7 +361,7 @@ def _seen(q: Array, own: int, d: Array, w: nested.World, out: Array) -> None:
 
 @numba.njit(cache=False)
 def _mirrors(q: Array, own: int, n: Array, x: Array, y: Array, w: rough_lattice.World, ends: Array, count: int) -> int:
-    """Add azimuths, in geometric steps, about every direction in which a shape mirrors a light; the new number."""
+    """Add azimuths, in geometric steps, about where shapes mirror lights and where they are close; the new number."""
     shapes = w.known.shapes
     for j in range(shapes.shape[0]):
         s = shapes[j]
@@ -372,6 +410,19 @@ def _mirrors(q: Array, own: int, n: Array, x: Array, y: Array, w: rough_lattice.
                 ends[count], ends[count + 1] = phi - step, phi + step
                 count += 2
                 step *= 4.0
+            if sun:
+                continue
+            # a light close by a shape lights a patch about its foot
+            foot, high = _foot(light, s)
+            d = foot - q
+            phi = math.atan2(d @ y, d @ x)
+            step = 0.1 * max(1e-6, high / math.sqrt(d @ d))
+            ends[count] = phi
+            count += 1
+            while step < 1.0 and count < ends.shape[0] - 60:
+                ends[count], ends[count + 1] = phi - step, phi + step
+                count += 2
+                step *= 2.0
     for k in range(count):
         ends[k] -= 2.0 * math.pi * math.floor((ends[k] + math.pi) / (2.0 * math.pi))
     return count
