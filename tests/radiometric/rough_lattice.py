@@ -80,9 +80,9 @@ def _smith(cosine: float, m: Array) -> float:
 
 
 @numba.njit(cache=False)
-def _spread(cosine: float, m: Array) -> float:
-    """Density of normals at this cosine."""
-    slope = (1.0 / cosine**2 - 1.0) / m[1] ** 2
+def _spread(cosine: float, sine2: float, m: Array) -> float:
+    """Density of normals at this cosine; the square of the sine is told, of which a cosine knows few digits."""
+    slope = sine2 / (cosine * m[1]) ** 2
     if m[0] == GGX:
         return 1.0 / (math.pi * m[1] ** 2 * cosine**4 * (1.0 + slope) ** 2)
     return math.exp(-slope) / (math.pi * m[1] ** 2 * cosine**4)
@@ -107,13 +107,14 @@ def _scattered(m: Array, n: Array, seen: Array, light: Array, out: Array) -> Non
     h /= math.sqrt(h @ h)
     one, other = _smith(up, m), _smith(over, m)
     g = 1.0 / (1.0 + one + other) if m[2] != 0.0 else 1.0 / ((1.0 + one) * (1.0 + other))
-    cosine = min(1.0, h @ n)
+    cosine, across = min(1.0, h @ n), np.cross(h, n)
+    sine2 = across @ across
     c = min(1.0, h @ seen) + 0j
     for a in range(3):
         index = m[3 + a] + 1j * m[6 + a]
         inside = np.sqrt(1.0 - (1.0 - c * c) / index**2)
         upright, tilted = (c - index * inside) / (c + index * inside), (index * c - inside) / (index * c + inside)
-        out[a] = 0.5 * (abs(upright) ** 2 + abs(tilted) ** 2) * _spread(cosine, m) * g / (4.0 * up * over)
+        out[a] = 0.5 * (abs(upright) ** 2 + abs(tilted) ** 2) * _spread(cosine, sine2, m) * g / (4.0 * up * over)
 
 
 @numba.njit(cache=False)
