@@ -360,6 +360,18 @@ def _seen(q: Array, own: int, d: Array, w: nested.World, out: Array) -> None:
 
 
 @numba.njit(cache=False)
+def _about(phi: float, step: float, growth: float, ends: Array, count: int) -> int:
+    """Add an azimuth and, on both sides of it, steps that grow by a factor; the new number."""
+    ends[count] = phi
+    count += 1
+    while step < 1.0 and count < ends.shape[0] - 60:
+        ends[count], ends[count + 1] = phi - step, phi + step
+        count += 2
+        step *= growth
+    return count
+
+
+@numba.njit(cache=False)
 def _mirrors(q: Array, own: int, n: Array, x: Array, y: Array, w: rough_lattice.World, ends: Array, count: int) -> int:
     """Add azimuths, in geometric steps, about where shapes mirror lights and where they are close; the new number."""
     shapes = w.known.shapes
@@ -403,26 +415,14 @@ def _mirrors(q: Array, own: int, n: Array, x: Array, y: Array, w: rough_lattice.
                 d = foot - q
             phi = math.atan2(d @ y, d @ x)
             width = 1.0 if w.materials[j, 0] == DIFFUSE else nested._width(w.materials[j])
-            step = 1e-3 * width
-            ends[count] = phi
-            count += 1
-            while step < 1.0 and count < ends.shape[0] - 60:
-                ends[count], ends[count + 1] = phi - step, phi + step
-                count += 2
-                step *= 4.0
+            count = _about(phi, 1e-3 * width, 4.0, ends, count)
             if sun:
                 continue
             # a light close by a shape lights a patch about its foot
             foot, high = _foot(light, s)
             d = foot - q
             phi = math.atan2(d @ y, d @ x)
-            step = 0.1 * max(1e-6, high / math.sqrt(d @ d))
-            ends[count] = phi
-            count += 1
-            while step < 1.0 and count < ends.shape[0] - 60:
-                ends[count], ends[count + 1] = phi - step, phi + step
-                count += 2
-                step *= 2.0
+            count = _about(phi, 0.1 * max(1e-6, high / math.sqrt(d @ d)), 2.0, ends, count)
     for k in range(count):
         ends[k] -= 2.0 * math.pi * math.floor((ends[k] + math.pi) / (2.0 * math.pi))
     return count

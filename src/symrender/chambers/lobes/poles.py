@@ -24,7 +24,7 @@ from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 
 STEPS: Final = 6
-"""Most steps of Newton's method; where it has not settled, the quadratic form's zero stands."""
+"""Most steps of Newton's method, from the quadratic form's zero and then from where p is least on the line."""
 SETTLED: Final = 1e-4
 """Relative change after which it has."""
 STRIDE: Final = 0.2

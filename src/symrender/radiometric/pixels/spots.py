@@ -16,7 +16,7 @@ from symrender.radiometric.pixels.cells import Cell, Eye
 from symrender.radiometric.pixels.records import Room
 from symrender.radiometric.pixels.sight import may_show
 from symrender.radiometric.sight import height_over
-from symrender.radiometric.vectors import Vector, cross, dot, minus, vector
+from symrender.radiometric.vectors import Vector, cross, dot, minus, minus_of, vector
 from symrender.scene.radiometric.arrays import CONDUCTOR, DIFFUSE, DIRECTIONAL, POINT, SPHERE, SPOT
 from symrender.scene.radiometric.records import Light, Material
 
@@ -31,6 +31,18 @@ _ABOUT: Final = 2.0
 def added(v: Vector, a: float, w: Vector) -> Vector:
     """v + a w"""
     return v[0] + a * w[0], v[1] + a * w[1], v[2] + a * w[2]
+
+
+@jitable
+def shortened(v: Vector, size: float) -> Vector:
+    """v/size"""
+    return v[0] / size, v[1] / size, v[2] / size
+
+
+@jitable
+def some_side(v: Vector) -> Vector:
+    """Some vector across a direction, of no length in particular."""
+    return cross(v, (1.0, 0.0, 0.0) if abs(v[0]) < 0.6 else (0.0, 1.0, 0.0))
 
 
 @jitable
@@ -71,10 +83,10 @@ def toward_lamp(lamp: Light, place: Vector) -> tuple[Vector, float]:
     """(unit direction from a place to a light, how far it is)."""
     at = vector(lamp.place)
     if lamp.kind == DIRECTIONAL:
-        return (-at[0], -at[1], -at[2]), math.inf
+        return minus_of(at), math.inf
     way = minus(at, place)
     far = math.sqrt(dot(way, way))
-    return (way[0] / far, way[1] / far, way[2] / far), far
+    return shortened(way, far), far
 
 
 @jitable
@@ -83,7 +95,7 @@ def ball_spot(eye: Eye, cell: Cell, ball: Piece, material: Material, lamp: Light
     center, radius = vector(ball.place), float(ball.radius)
     back = minus(eye.place, center)
     far = math.sqrt(dot(back, back))
-    u = (back[0] / far, back[1] / far, back[2] / far)
+    u = shortened(back, far)
     w, away = toward_lamp(lamp, center)
     if far <= radius or away <= radius:
         return False
@@ -94,10 +106,9 @@ def ball_spot(eye: Eye, cell: Cell, ball: Piece, material: Material, lamp: Light
         # opposite to the eye it lights what is not seen; beside it any plane will do
         if cosine < 0.0:
             return False
-        least = (1.0, 0.0, 0.0) if abs(u[0]) < 0.6 else (0.0, 1.0, 0.0)
-        side = cross(u, least)
+        side = some_side(u)
         size = math.sqrt(dot(side, side))
-    side = (side[0] / size, side[1] / size, side[2] / size)
+    side = shortened(side, size)
     low, high = 0.0, math.acos(cosine)
     normal, slant, near = u, 1.0, far - radius
     for _ in range(_BISECTIONS):
@@ -139,16 +150,15 @@ def flat_spot(eye: Eye, cell: Cell, piece: Piece, material: Material, lamp: Ligh
     else:
         q = added(minus(vector(lamp.place), eye.place), -2.0 * over, up)
         size = math.sqrt(dot(q, q))
-        q = (q[0] / size, q[1] / size, q[2] / size)
+        q = shortened(q, size)
         # how much of the way from the eye to the mirrored lamp is behind the plane
         share = abs(over) / (abs(over) + abs(height))
     across = cross(q, up)
     size = math.sqrt(dot(across, across))
     if size < 1e-9:
-        least = (1.0, 0.0, 0.0) if abs(q[0]) < 0.6 else (0.0, 1.0, 0.0)
-        across = cross(q, least)
+        across = some_side(q)
         size = math.sqrt(dot(across, across))
-    across = (across[0] / size, across[1] / size, across[2] / size)
+    across = shortened(across, size)
     inner = cross(across, q)
     wide = 2.0 * spread_of(material) * share
     # across, a half vector turns the more the flatter it is looked at
