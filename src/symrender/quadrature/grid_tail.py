@@ -1,11 +1,12 @@
 """What a taper cannot see of endless squares: places beyond it where the checker's signs do not cancel.
 
 The checker is a sum of plane waves, +-(8 / pi^2) / (p q) cos(k.x) with k = (p, +-q) pi / cell, p and q odd; stripes are
-(4 / pi) / p sin(k.x) with q = 0. Integrated
-over one side of a wall each leaves an integral along the wall, which cancels but for two kinds of places: where the
-wall runs along the wave's crests, so that its sign does not change (stationary phase), and where two walls meet. Within
-reach of the taper both are integrated; two tapers that end before such a place agree, and say nothing about it. So the
-places are looked for in closed form, and what they leave is estimated by the leading term of its expansion,
+(4 / pi) / p sin(k.x) with q = 0, and marble J_n sin(k.x) with k = (2, 3 n) pi / cell (``quadrature/veins.py``).
+Integrated over one side of a wall each leaves an integral along the wall, which cancels but for two kinds of places:
+where the wall runs along the wave's crests, so that its sign does not change (stationary phase), and where two walls
+meet. Within reach of the taper both are integrated; two tapers that end before such a place agree, and say nothing
+about it. So the places are looked for in closed form, and what they leave is estimated by the leading term of its
+expansion,
 
     f sqrt(2 pi / (|k| curvature)) / |k|    and    f |t x t'| / (|k.t| |k.t'|),
 
@@ -34,7 +35,8 @@ from symrender.quadrature.fall_off import most_floor_light, most_light
 from symrender.quadrature.glow_nodes import glow_at
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.square_nodes import seen
-from symrender.scene.arrays import STRIPES
+from symrender.quadrature.veins import ALONG, RISE, SWINGS
+from symrender.scene.arrays import MARBLE, STRIPES
 
 Array = npt.NDArray[np.float64]
 
@@ -58,15 +60,23 @@ FARTHEST: Final = 30.0
 
 
 @inlined
-def waves(most: int, view: View) -> tuple[int, int, int]:
-    """(first p, first q, end of q) of the waves of the floor's texture: stripes are those of q = 0."""
-    return (1, 0, 1) if view.floor.kind == STRIPES else (-most, 1, most + 1)
+def waves(most: int, view: View) -> tuple[int, int, int, int, int]:
+    """(first p, end of p, first q, end of q, step of q) of the waves of the floor's texture; p goes by twos.
+
+    Stripes are those of q = 0, marble has one p and all multiples of three.
+    """
+    if view.floor.kind == MARBLE:
+        end = RISE * (len(SWINGS) - 1)
+        return ALONG, ALONG + 1, -end, end + 1, RISE
+    return (1, most + 1, 0, 1, 2) if view.floor.kind == STRIPES else (-most, most + 1, 1, most + 1, 2)
 
 
 @inlined
-def faintness(p: float, q: float) -> float:
-    """8/pi^2 over the amplitude of a wave: that of a checker, or, where q is 0, the 4/(pi p) of stripes."""
-    return abs(p * q) if q != 0.0 else 2.0 / math.pi * abs(p)
+def faintness(p: int, q: int, view: View) -> float:
+    """8/pi^2 over the amplitude of a wave: that of a checker, the 4/(pi p) of stripes, or that of veins."""
+    if view.floor.kind == MARBLE:
+        return 8.0 / (math.pi**2 * SWINGS[abs(q) // RISE])
+    return abs(p * q) if q != 0 else 2.0 / math.pi * abs(p)
 
 
 @inlined
@@ -115,7 +125,7 @@ def most_density(x: float, y: float, lobe: Array, view: View, work: Work) -> flo
 
 @inlined
 def along_wall(
-    row: Conic, p: float, q: float, x: float, y: float, lobe: Array, view: View, work: Work, states: Array
+    row: Conic, p: int, q: int, x: float, y: float, lobe: Array, view: View, work: Work, states: Array
 ) -> tuple[float, float]:
     """What the wave (p, q) leaves where it runs along the wall at (x, y), in units of ``value``, and |k| times that."""
     cell = view.floor.cell
@@ -128,10 +138,10 @@ def along_wall(
     jump = jump_across(x, y, nx, ny, lobe, view, work, states)
     if jump == 0.0:
         return 0.0, 0.0
-    k = math.pi * math.sqrt(p * p + q * q) / cell
+    k = math.pi * math.sqrt(float(p * p + q * q)) / cell
     curved = abs(2.0 * (row.xx * ny * ny - 2.0 * row.xy * nx * ny + row.yy * nx * nx)) / steep
     length = min(math.sqrt(2.0 * math.pi / (k * max(curved, 1e-300))), away)
-    swing = 8.0 / (math.pi**2 * faintness(p, q)) * most_density(x, y, lobe, view, work) * jump * length
+    swing = 8.0 / (math.pi**2 * faintness(p, q, view)) * most_density(x, y, lobe, view, work) * jump * length
     return swing / k, swing
 
 
@@ -162,12 +172,12 @@ def at_corner(
         return 0.0, 0.0
     left, swing = 0.0, 0.0
     least = 1.0 / math.sqrt(x * x + y * y)
-    first, low, high = waves(MODES, view)
-    for p in range(first, MODES + 1, 2):
-        for q in range(low, high, 2):
+    first, last, low, high, rise = waves(MODES, view)
+    for p in range(first, last, 2):
+        for q in range(low, high, rise):
             kx, ky = math.pi * p / cell, math.pi * q / cell
             one, other = max(least, abs(kx * ax + ky * ay)), max(least, abs(kx * bx + ky * by))
-            wave = 1.0 / (faintness(float(p), float(q)) * one * other)
+            wave = 1.0 / (faintness(p, q, view) * one * other)
             left += wave
             swing += wave * math.sqrt(kx * kx + ky * ky)
     sine = abs(ax * by - ay * bx)
@@ -277,12 +287,12 @@ def along_straight(
     # onto the conic itself
     x, y = x - level / steep * gx, y - level / steep * gy
     left, swing = 0.0, 0.0
-    first, low, high = waves(STEEPEST, view)
-    for p in range(first, STEEPEST + 1, 2):
-        for q in range(low, high, 2):
+    first, last, low, high, rise = waves(STEEPEST, view)
+    for p in range(first, last, 2):
+        for q in range(low, high, rise):
             turn = math.pi / cell * abs(p * tx + q * ty)
             if turn * begin < TURNS:
-                wave = 1.0 / (faintness(float(p), float(q)) * max(turn, 1.0 / begin))
+                wave = 1.0 / (faintness(p, q, view) * max(turn, 1.0 / begin))
                 left += wave / (math.pi / cell * math.sqrt(float(p * p + q * q)))
                 swing += wave
     if left == 0.0:
@@ -333,18 +343,18 @@ def remainders_of(
     n = 0
     # what a wave with p q |(p, q)| = 1 can leave: density falls faster than the length grows along which it runs
     peak = 8.0 / math.pi**3 * view.floor.cell * begin * most_floor_light(view) * densest_beyond(begin, work)
-    first, low, high = waves(MODES, view)
+    first, last, low, high, rise = waves(MODES, view)
     for i in range(count):
         row = conics[i]
-        for p in range(first, MODES + 1, 2):
-            for q in range(low, high, 2):
-                if peak < NEGLIGIBLE * tol * faintness(float(p), float(q)) * math.sqrt(float(p * p + q * q)):
+        for p in range(first, last, 2):
+            for q in range(low, high, rise):
+                if peak < NEGLIGIBLE * tol * faintness(p, q, view) * math.sqrt(float(p * p + q * q)):
                     continue
                 found, x0, y0, x1, y1 = point_of_wave(row, float(p), float(q))
                 for k in range(found):
                     x, y = x0 if k == 0 else x1, y0 if k == 0 else y1
                     if x * x + y * y > begin * begin:
-                        left, swing = along_wall(row, float(p), float(q), x, y, lobe, view, work, states)
+                        left, swing = along_wall(row, p, q, x, y, lobe, view, work, states)
                         n = note_remainder(x, y, left, swing, i, -1, rows, n)
         parts, mx, my, ax, ay, bx, by = straight_parts(row)
         for end in range(2 * parts):

@@ -19,6 +19,7 @@ from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.line_errors import tail_error
 from symrender.quadrature.records import Conic
+from symrender.scene.arrays import CHECKER, STRIPES
 
 Array = npt.NDArray[np.float64]
 
@@ -47,19 +48,21 @@ def slope_error(total: float, value: Array, scratch: Array) -> float:
 
 @inlined
 def block_error(
-    n: int, level: int, striped: bool, last_x: float, before_x: float, middle_x: float, last_y: float, before_y: float,
-    middle_y: float, whole: float, log_rho: float,
+    n: int, level: int, weighed: bool, kind: float, last_x: float, before_x: float, middle_x: float, last_y: float,
+    before_y: float, middle_y: float, whole: float, log_rho: float,
 ) -> float:  # fmt: skip
-    """Error of a block's rule by the magnitudes of its coefficients along both axes; along y stripes have no signs."""
-    if level == 0:
+    """Error of a block's rule by the magnitudes of its coefficients along both axes.
+
+    Along y stripes have no signs, and marble has a mean beside its waves. ``weighed`` blocks have them in the weights.
+    """
+    if not weighed:
         along = tail_error(n, last_x, before_x, middle_x, whole, log_rho)
         return float(along + tail_error(n, last_y, before_y, middle_y, whole, log_rho))
     # the rule leaves out what the next coefficients hold, times the mean of the signs times their polynomial
     top_x, top_y = max(last_x, 0.5 * before_x), max(last_y, 0.5 * before_y)
-    if striped:
-        across = 2.0 * top_x * 2.0**-level * math.exp(-0.5 * log_rho)
-        return float(across + tail_error(n, last_y, before_y, middle_y, whole, log_rho))
-    return 2.0 * (top_x + top_y) * 2.0**-level * math.exp(-0.5 * log_rho)
+    known = tail_error(n, last_y, before_y, middle_y, whole, log_rho) if kind != CHECKER else 0.0
+    waves = top_x if kind == STRIPES else top_x + top_y
+    return float(2.0 * waves * 2.0**-level * math.exp(-0.5 * log_rho) + known)
 
 
 @inlined

@@ -34,7 +34,8 @@ from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
 from symrender.quadrature.split_square import cut_square
 from symrender.quadrature.square_nodes import floor_nodes, seen
-from symrender.scene.arrays import STRIPES
+from symrender.quadrature.veins import SMALL_PART, TAME_VEINS, VEINS
+from symrender.scene.arrays import CHECKER, MARBLE, STRIPES
 
 Array = npt.NDArray[np.float64]
 
@@ -110,11 +111,18 @@ def smooth_block(
 
     ``out[3:9]`` is the same under the two shorter tapers. Returns its error, read off its coefficients.
     """
-    base = n * (n - 1) // 2
-    weights = gauss[1] if level == 0 else gauss[3 + level]
+    chart, base, kind = work.chart, n * (n - 1) // 2, view.floor.kind
+    veined = kind == MARBLE and side > 0.5 * view.floor.cell
+    weighed = level > 0 or veined
+    weights = gauss[3 + level] if level > 0 else gauss[1]
     # along stripes no sign changes
-    striped = view.floor.kind == STRIPES
-    down = gauss[1] if striped else weights
+    down = gauss[1] if kind == STRIPES else weights
+    other, under, odd = weights, down, 0.0
+    if veined:
+        rows = VEINS + 4 * level
+        weights, other, down, under = gauss[rows], gauss[rows + 1], gauss[rows + 2], gauss[rows + 3]
+        begin = math.floor((y0 + chart.point[1] - view.floor.offset[1]) / view.floor.cell + 0.5)
+        odd = 1.0 if begin % 2 == 0 else -1.0
     work.counts.evaluations += n * n
     b, row = work.nodes, work.pieces[0]
     row.cell, row.first, row.count = 0, 0, n * n
@@ -125,8 +133,8 @@ def smooth_block(
             b.sine[n * q + e] = x0 + side * gauss[0, base + e]
             b.cosine[n * q + e] = y0 + side * gauss[0, base + q]
             b.weight[n * q + e] = side * side
-    floor_nodes(n * n, 1, step, reach, lobe, view, work, gauss)
-    whole, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0
+    floor_nodes(n * n, 1, step, reach, kind == MARBLE and not veined, lobe, view, work, gauss)
+    whole, size, last_x, before_x, last_y, before_y = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     middle_x, middle_y, lower_y = 0.0, 0.0, 0.0
     steep, steep_last, steep_before, steep_middle = 0.0, 0.0, 0.0, 0.0
     for t in range(9):
@@ -137,6 +145,8 @@ def smooth_block(
             i = n * q + e
             red, green, blue = b.radiance[0, i], b.radiance[1, i], b.radiance[2, i]
             w, near, between = down[base + q] * weights[base + e], b.near[i], b.between[i]
+            if veined:
+                w += odd * under[base + q] * other[base + e]
             out[0] += w * red
             out[1] += w * green
             out[2] += w * blue
@@ -152,7 +162,9 @@ def smooth_block(
             before += value * gauss[3, base + e]
             middle += value * gauss[MIDDLE, base + e]
             lower += value * gauss[MIDDLE + 1, base + e]
-        whole += line
+            size += abs(value)
+        # veins have both signs
+        whole = size if kind == MARBLE else whole + line
         last_x += abs(last)
         before_x += abs(before)
         middle_x += max(abs(middle), abs(lower))
@@ -165,13 +177,13 @@ def smooth_block(
         middle_y += line * gauss[MIDDLE, base + q]
         lower_y += line * gauss[MIDDLE + 1, base + q]
     miss = block_error(
-        n, level, striped, last_x, before_x, middle_x, abs(last_y), abs(before_y), max(abs(middle_y), abs(lower_y)),
-        whole, log_rho,
+        n, level, weighed, kind, last_x, before_x, middle_x, abs(last_y), abs(before_y),
+        max(abs(middle_y), abs(lower_y)), whole, log_rho,
     )  # fmt: skip
     if moves(miss):
         missed = block_error(
-            n, level, striped, steep_last, steep_before, steep_middle, abs(tangent(last_y)), abs(tangent(before_y)),
-            max(abs(tangent(middle_y)), abs(tangent(lower_y))), steep, held(log_rho),
+            n, level, weighed, kind, steep_last, steep_before, steep_middle, abs(tangent(last_y)),
+            abs(tangent(before_y)), max(abs(tangent(middle_y)), abs(tangent(lower_y))), steep, held(log_rho),
         )  # fmt: skip
         return moved(held(miss), missed)
     return miss
@@ -188,7 +200,7 @@ def grid_once(
     one whose rule does not come within ``aim``.
     """
     chart = work.chart
-    cell = view.floor.cell
+    cell, kind = view.floor.cell, view.floor.kind
     light = most_floor_light(view)
     part, crossing = stack[0], stack[1]
     blocks, scratch = stack[2:160], stack[160:]
@@ -228,14 +240,22 @@ def grid_once(
                     crossings += 1
                     if level > 0:
                         break
+            if kind == MARBLE and (crossings > 0 or side < 0.75 * cell):
+                # here veins are taken at nodes
+                ratio = min(ratio, TAME_VEINS * cell / side)
+                span, log_rho = ratio * side, math.log(ratio + math.sqrt(1.0 + ratio * ratio))
+                quarter = side > SMALL_PART * cell
             fall = math.log(bound / aim)
             step = step_of(fall)
-            if crossings == 0:
+            if quarter:
+                # in parts that are small beside the veins
+                miss = bound
+            elif crossings == 0:
                 if not seen(x + half, y + half, lobe, view, work, states):
                     continue
                 n = max(2, math.ceil(0.5 * fall / log_rho))
-                if level > 0 and view.floor.kind != STRIPES:
-                    n = max(2, math.ceil((fall - 0.693 * level) / log_rho))
+                if level > 0 and kind != STRIPES:
+                    n = max(2 if kind == CHECKER else n, math.ceil((fall - 0.693 * level) / log_rho))
                 quarter = n > MAX_BLOCK_ORDER
                 if not quarter:
                     miss = smooth_block(
@@ -260,7 +280,7 @@ def grid_once(
             top = push_quarters(x, y, side, level, blocks, top)
             continue
         error += miss
-        sign = block_sign(x - low_x, y - low_y, side, view.floor)
+        sign = 1.0 if kind == MARBLE else block_sign(x - low_x, y - low_y, side, view.floor)
         for t in range(9):
             out[t] += sign * part[t]
     return error
@@ -321,8 +341,9 @@ def split_grid(
             aim *= max(0.05, 0.4 * tol / error)
         else:
             break
-    # the sign of the lowest square of all
-    sign = 1.0 if (ci + (0 if view.floor.kind == STRIPES else cj)) % 2 == 0 else -1.0
+    # the sign of the lowest square of all; marble has its own
+    kind = view.floor.kind
+    sign = 1.0 if kind == MARBLE or (ci + (0 if kind == STRIPES else cj)) % 2 == 0 else -1.0
     for t in range(3):
         value[t] += sign * best[t]
     return found + held(beyond)

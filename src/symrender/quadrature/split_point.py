@@ -57,7 +57,8 @@ from symrender.quadrature.split_setup import (
     sphere_strips,
     stand_in_frame,
 )
-from symrender.scene.arrays import BRDF_NORMALISED, SOLID, SceneArrays
+from symrender.quadrature.veins import veined_table
+from symrender.scene.arrays import BRDF_NORMALISED, MARBLE, SOLID, SceneArrays
 from symrender.scene.radiometric.records import Glow
 from symrender.scene.radiometric.records import Light as Beam
 
@@ -276,7 +277,7 @@ def split_work(arrays: SceneArrays, points: Table[LightPoint], glowing: bool = F
     touching = balls * (balls - 1) + 2 * balls * planes if glowing else 0
     return SplitWork(
         work=work_arrays(len(arrays.spheres), len(points)),
-        gauss=gauss_table(),
+        gauss=veined_table() if (arrays.planes["kind"] == MARBLE).any() else gauss_table(),
         panels=table(Panel, MAX_PANELS),
         spans=table(Span, 256),
         ids=np.zeros((3, MAX_ROOTS + 8), np.int64),

@@ -21,6 +21,7 @@ from symrender.quadrature.panel_maps import azimuth, ellipse_sum
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_line import SOFT_LOG
 from symrender.quadrature.square_nodes import floor_nodes, seen
+from symrender.scene.arrays import MARBLE
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -137,13 +138,13 @@ def add_pieces(
 
     ``base`` is where the rule of the lines begins.
     """
-    floor_nodes(m, pieces, step, reach, lobe, view, work, gauss)
+    floor_nodes(m, pieces, step, reach, view.floor.kind == MARBLE, lobe, view, work, gauss)
     b = work.nodes
     for k in range(pieces):
         row = work.pieces[k]
         first, n, q = row.first, row.count, row.line
         start = n * (n - 1) // 2
-        whole, top, second, half, under = 0.0, 0.0, 0.0, 0.0, 0.0
+        whole, size, top, second, half, under = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for e in range(n):
             red, green, blue = b.radiance[0, first + e], b.radiance[1, first + e], b.radiance[2, first + e]
             near, between = b.near[first + e], b.between[first + e]
@@ -158,18 +159,21 @@ def add_pieces(
             out[8] += between * blue
             value = red + green + blue
             whole += value
+            size += abs(value)
             top += value * gauss[2, start + e]
             second += value * gauss[3, start + e]
             half += value * gauss[MIDDLE, start + e]
             under += value * gauss[MIDDLE + 1, start + e]
-        miss = tail_error(n, top, second, max(abs(half), abs(under)), abs(whole), row.log_rho)
+        # veins have both signs
+        size = size if view.floor.kind == MARBLE else abs(whole)
+        miss = tail_error(n, top, second, max(abs(half), abs(under)), size, row.log_rho)
         if moves(whole):
             steep, between = abs(tangent(whole)), max(abs(tangent(half)), abs(tangent(under)))
             missed = tail_error(n, tangent(top), tangent(second), between, steep, held(row.log_rho))
-            sums[0] += moved(held(abs(whole)), steep)
+            sums[0] += moved(held(size), steep)
             sums[1] += moved(held(miss), missed)
         else:
-            sums[0] += abs(whole)
+            sums[0] += size
             sums[1] += miss
         sums[2] += whole * gauss[2, base + q]
         sums[3] += whole * gauss[3, base + q]

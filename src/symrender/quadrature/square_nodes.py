@@ -17,6 +17,7 @@ from symrender.quadrature.gauss import FALLS
 from symrender.quadrature.glow_nodes import add_glows
 from symrender.quadrature.light_nodes import light_nodes
 from symrender.quadrature.node_rows import whole_vectors
+from symrender.quadrature.veins import vein_wave
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -41,13 +42,13 @@ def seen(x: float, y: float, lobe: Array, view: View, work: Work, states: Array)
 
 @inlined
 def floor_nodes(
-    m: int, pieces: int, step: int, reach: float, lobe: Array, view: View, work: Work, gauss: Array
+    m: int, pieces: int, step: int, reach: float, veined: bool, lobe: Array, view: View, work: Work, gauss: Array
 ) -> None:  # fmt: skip
     """Fill ``radiance`` of ``m`` nodes, (``sine``, ``cosine``) from the foot, with what the deviation holds there.
 
     That is ``weight`` times the taper to ``reach`` times lobe density times solid angle per area times the sum of
-    colour N.l over the lights that the nodes' pieces see. ``near`` and ``between`` get the
-    shorter tapers over the longest one.
+    colour N.l over the lights that the nodes' pieces see, and where ``veined`` times the waves of a marble. ``near``
+    and ``between`` get the shorter tapers over the longest one.
     """
     m = whole_vectors(m)
     chart, b = work.chart, work.nodes
@@ -68,6 +69,11 @@ def floor_nodes(
     for i in range(m):
         b.factor[0, i] = b.factor[1, i] = b.factor[2, i] = 1.0
         b.radiance[0, i] = b.radiance[1, i] = b.radiance[2, i] = 0.0
+    if veined:
+        floor = view.floor
+        for i in range(m):
+            x, y = b.place[0, i] - floor.offset[0], b.place[1, i] - floor.offset[1]
+            b.weight[i] *= vein_wave(x / floor.cell, y / floor.cell)
     lean_square(m, lobe, chart, b, view.conductors)
     densities(m, FALLS[step], b, chart.lobe, view.conductors)
     light_nodes(pieces, step, 0.0, view, work, gauss)

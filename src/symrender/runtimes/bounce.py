@@ -37,6 +37,8 @@ SLACK: Final = 16.0
 ULP: Final = 2.0**-52
 STEPS: Final = 4.0
 """Places whose reflectances differ by no more than the root of 2 of this degree share a tolerance."""
+LEAST_SHARE: Final = 1e-9
+"""What reflects less is asked for as much."""
 AGAIN: Final = ((0.3, 1e3), (0.2, 1e6))
 """Parts of a budget, beyond it, each for a tolerance so many times looser."""
 HOPELESS: Final = 10.0
@@ -278,11 +280,12 @@ class Bouncer:
 
 
 def _reflected(albedo: Array) -> Ints:
-    """The power of the ``STEPS``-th root of 2 that is no less than any channel of ``albedo`` (N, 3), which is not 0.
+    """The power of the ``STEPS``-th root of 2 that is no less than any channel of ``albedo`` (N, 3).
 
     What a place reflects little of need not be known as well; places of one power are asked together.
     """
-    return np.ceil(STEPS * np.log2(albedo.max(axis=1))).astype(np.int64)
+    powers: Ints = np.ceil(STEPS * np.log2(np.maximum(albedo.max(axis=1), LEAST_SHARE))).astype(np.int64)
+    return powers
 
 
 def gloss_within(

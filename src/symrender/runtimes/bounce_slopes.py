@@ -169,9 +169,13 @@ class SlopeBouncer(Bouncer):
         return found
 
     def _integrate(
-        self, some: Ints, turned: npt.NDArray[np.bool_], hits: Hits, tol: float, budget: int, found: Bounced
-    ) -> None:
-        """Fill what was found by ``_at`` at places ``some``, all of one shape, with ``turned`` planes."""
+        self, some: Ints, turned: npt.NDArray[np.bool_], part: float, hits: Hits, tol: float, budget: int,
+        found: Bounced,
+    ) -> None:  # fmt: skip
+        """Fill what was found by ``_at`` at places ``some``, all of one shape, with ``turned`` planes.
+
+        ``part`` has no say: a place that reflects little may soon reflect much.
+        """
         for q in range(len(self._moves)):
             left = some
             assert self._found is not None

@@ -84,8 +84,6 @@ def bounce_refusal(arrays: RadiometricArrays) -> str:
         return "a disk"
     flat = [j for j, shape in enumerate(arrays.shapes) if shape.kind != SPHERE]
     planes = [_material(arrays, j) for j in flat if not _is_dark(arrays, j)]
-    if any(material.texture == MARBLE for material in planes):
-        return "marble on a plane"
     if any(material.texture != SOLID and material.kind != DIFFUSE for material in planes):
         return "a texture on a plane of a conductor or a phong material"
     if len(flat) > MAX_PLANES:
@@ -211,6 +209,9 @@ def _lay_plane(arrays: RadiometricArrays, j: int, turned: bool, share: float, ro
     row.point[:] = frame.origin
     # seen from behind, y of the texture runs the other way, and stripes show none; squares let x and y change places
     swapped = turned and material.texture == CHECKER
+    if turned and material.texture == MARBLE:
+        # sin(3 pi y) is odd, and of the other sign a cell further on
+        row.point[:] += material.cell * frame.north
     row.normal[:], row.along[:] = -frame.up if turned else frame.up, frame.north if swapped else frame.east
     row.kind, row.cell = material.texture, material.cell
     row.bright[:], row.dark[:] = share * material.bright, share * material.dark
