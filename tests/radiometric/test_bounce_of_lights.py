@@ -268,7 +268,3 @@ def test_what_is_not_integrated_is_refused_by_name() -> None:
         refused = f"in a scene with {words} beside a conductor or a phong material that reflects after the first hit"
         with pytest.raises(Unsupported, match=f"bounces: 1 is not yet integrated {refused}"):
             sr.truth(crowd(lights, "metal"), size=4)
-    made = crowd([SKY], "tiles")
-    made["materials"]["tiles"]["reflectance"]["type"] = "marble"
-    with pytest.raises(Unsupported, match="bounces: 1 is not yet integrated in a scene with marble on a plane"):
-        sr.truth(made, size=4)
