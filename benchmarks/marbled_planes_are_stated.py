@@ -3,7 +3,7 @@
     python benchmarks/marbled_planes_are_stated.py [--quick] [SEED [COUNT]]
 
 The hostile balls and planes of ``tolerances_agree.py``, all of them diffuse, the planes with marble of cells from a
-twentieth to five of the scene's units, some seen from behind; points near surfaces, spots and suns. Of a scene two
+twentieth to five of the scene's units, some seen from behind; points, spots and suns. Of a scene two
 places are asked, at three tolerances each. The judge halves rules over single rays of direct light until they agree,
 which knows neither waves nor walls (``tests/radiometric/seen_nested.py``).
 """
@@ -30,6 +30,8 @@ CLOSER = 0.02
 TOLD = 0.25
 """Share of what is stated that the judge may be off and tell."""
 LOOSEST = 1.5
+CLOSE = 0.1
+"""Lights are no nearer to shapes: what a spot lights of one from close by may lie between all rays of the judge."""
 
 
 class Value(NamedTuple):
@@ -43,6 +45,14 @@ class Value(NamedTuple):
     light: float
     doubt: float
     met: bool
+
+
+def nearest(place: np.ndarray, shapes: list[Scene]) -> float:
+    """Distance to the nearest shape."""
+    apart = [abs(np.linalg.norm(place - shape["center"]) - shape["radius"]) for shape in shapes if "center" in shape]
+    flat = [shape for shape in shapes if "normal" in shape]
+    apart += [abs((place - shape["point"]) @ shape["normal"]) / np.linalg.norm(shape["normal"]) for shape in flat]
+    return float(min(apart))
 
 
 def drawn(seed: int) -> tuple[Scene, list[tuple[np.ndarray, np.ndarray]]]:
@@ -60,6 +70,9 @@ def drawn(seed: int) -> tuple[Scene, list[tuple[np.ndarray, np.ndarray]]]:
         cell = float(10.0 ** rng.uniform(-1.3, 0.7))
         marble = {"type": "marble", "bright": bright, "dark": dark, "cell": cell}
         materials[name] = {"type": "diffuse", "reflectance": marble, "two_sided": bool(rng.random() < 0.5)}
+    lights = points_of(rng, shapes)
+    while any("position" in light and nearest(np.array(light["position"]), shapes) < CLOSE for light in lights):
+        lights = points_of(rng, shapes)
     scene = {
         "units": "radiometric",
         "name": f"veins {seed}",
@@ -67,7 +80,7 @@ def drawn(seed: int) -> tuple[Scene, list[tuple[np.ndarray, np.ndarray]]]:
         "camera": {"type": "look_at", "eye": [0, -9, 1], "target": [0, 0, 0]},
         "materials": materials,
         "shapes": shapes,
-        "lights": points_of(rng, shapes),
+        "lights": lights,
     }
     return scene, [ray_to(rng, shapes) for _ in range(PLACES)]
 

@@ -75,7 +75,8 @@ def waves(most: int, view: View) -> tuple[int, int, int, int, int]:
 def faintness(p: int, q: int, view: View) -> float:
     """8/pi^2 over the amplitude of a wave: that of a checker, the 4/(pi p) of stripes, or that of veins."""
     if view.floor.kind == MARBLE:
-        return 8.0 / (math.pi**2 * SWINGS[abs(q) // RISE])
+        n = abs(q) // RISE
+        return 8.0 / (math.pi**2 * SWINGS[n])
     return abs(p * q) if q != 0 else 2.0 / math.pi * abs(p)
 
 

@@ -70,8 +70,8 @@ def veined_table() -> Array:
     even y, and of the other sign at an odd one.
     """
     plain = gauss_table()
-    table = np.zeros((VEINS + 4 * BLOCK_LEVELS, plain.shape[1]))
-    table[: len(plain)] = plain
+    gauss = np.zeros((VEINS + 4 * BLOCK_LEVELS, plain.shape[1]))
+    gauss[: len(plain)] = plain
     even, odd = harmonics()
     orders = np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES).astype(int)
     for level in range(BLOCK_LEVELS):
@@ -89,5 +89,5 @@ def veined_table() -> Array:
             start = n * (n - 1) // 2
             legendre = np.polynomial.legendre.legvander(x, n - 1) * (2.0 * np.arange(n) + 1.0)
             for row, mean in enumerate(moments):
-                table[VEINS + 4 * level + row, start : start + n] = 0.5 * w * (legendre @ mean[:n])
-    return table
+                gauss[VEINS + 4 * level + row, start : start + n] = 0.5 * w * (legendre @ mean[:n])
+    return gauss
