@@ -20,7 +20,7 @@ import numpy as np
 from measure import Report, arguments, cpu_seconds
 
 import symrender as sr
-from symrender.runtimes import radiosity
+from symrender.runtimes import tables
 from symrender.scene.load import AnyScene
 
 SIZE, QUICK_SIZE = (64, 64), (24, 24)
@@ -81,7 +81,7 @@ def compare(
 
     def ours(tol: float) -> None:
         # a table is part of the work
-        radiosity._tables.clear()
+        tables._tables.clear()
         images[tol] = sr.probe(scene, rays=(origins, directions), tol=tol).radiance
 
     ours(1.0)

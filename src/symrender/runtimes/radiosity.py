@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
 from functools import lru_cache
 from typing import Any, Final
 
@@ -11,45 +9,23 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
-from symrender.jit.records import flat
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_world
-from symrender.radiosity.endless import laid
+from symrender.radiosity.gathered import Places
 from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
-from symrender.radiosity.table import Places, Sendings, sendings
 from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, sharpness
-from symrender.scene.radiometric.arrays import ALL, AREA, DIFFUSE, SPHERE, RadiometricArrays
+from symrender.runtimes.tables import Need, table_of
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SPHERE, RadiometricArrays
 
-KEPT: Final = 16
-"""Tables that are kept in memory; a derivative has its own."""
 SLACK: Final = 64.0
 """Roundings a term goes through."""
 ULP: Final = 2.0**-52
 FINE: Final = 0.05
 """Part of the tolerance that rules of one lobe may take."""
-
-_tables: OrderedDict[tuple[bytes, float], Sendings] = OrderedDict()
-_lock = threading.Lock()
-
-
-def table_of(arrays: RadiometricArrays, tol: float, threads: int = 1) -> Sendings:
-    """What the faces of a scene send each other, for radiances to ``tol``; made once, and kept."""
-    parts = (
-        flat(arrays.materials), flat(arrays.shapes), flat(arrays.facets), flat(arrays.frames), flat(arrays.lights),
-        np.array([arrays.bounces]),
-    )  # fmt: skip
-    key = (b"".join(part.tobytes() for part in parts), tol)
-    with _lock:
-        if key not in _tables:
-            _tables[key] = sendings(laid(arrays), arrays.bounces == ALL, tol, threads)
-            while len(_tables) > KEPT:
-                _tables.popitem(last=False)
-        _tables.move_to_end(key)
-        return _tables[key]
 
 
 class Gatherer:
@@ -67,7 +43,7 @@ class Gatherer:
             self._scratch = make_scratch(len(world.pieces), len(self._cells))
             self._brightest = float(max(light.emitted.max() for light in world.lights if light.kind == AREA))
         else:
-            self._sendings = table_of(arrays, tol, threads)
+            self._sendings = table_of(Need(arrays, tol), threads)
             # what cells with halves hold may be far more, and is then not sent
             sent = [np.asarray(forest.cells["terms"])[forest.leaves] for forest in self._sendings.forests]
             self._brightest = sum(float(np.abs(each).sum(axis=1).max(initial=0.0)) for each in sent)
