@@ -45,7 +45,9 @@ def need() -> Need:
     """A table that is made soon: of bare walls and a rug."""
     key = {"type": "point", "name": "key", "position": [0.7, 0.3, 0.8], "intensity": [0.1, 0.08, 0.05]}
     rug = rectangle("rug", [0.1, 0.1, 0.2], [0.3, 0, 0], [0, 0.3, 0], "grey")
-    return Need(radiometric_arrays(sr.load(world(*closed(), rug, lights=[key], materials=MATERIALS, bounces="all"))), TOL)
+    return Need(
+        radiometric_arrays(sr.load(world(*closed(), rug, lights=[key], materials=MATERIALS, bounces="all"))), TOL
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -169,8 +171,6 @@ def test_a_table_that_is_interrupted_goes_on(need: Need, threads: int, monkeypat
         left.most = float("inf")
         assert numbers(table_of(need, threads, left)) == whole
         assert left.found == most and len(left.rows) == every
-
-
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
@@ -177,30 +177,40 @@ class Sent:
     evaluations: Ints
 
 
-def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: float, budget: int = BUDGET) -> Sent:
-    """What comes back along unit rays, each to ``tol``, absolute; Unsupported where ``check`` says so."""
+def ray_answers(arrays: RadiometricArrays, tol: float, budget: int = BUDGET) -> Callable[[Array, Array], Sent]:
+    """What answers for origins and unit directions (N, 3), each to ``tol``, absolute.
+
+    Unsupported where ``check`` says so. Threads may ask at the same time.
+    """
     check(arrays)
-    count, sent = len(origins), shaken_rays(arrays, origins, directions)
-    found = []
-    for world, pair in zip(make_worlds(shaken(arrays)), sent, strict=True):
-        one = (np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count))
-        _kernel("fill_rays")(world, *pair, sky_room(world), *one)
-        found.append(one)
-    emitted, direct, hit_class = found[0]
-    error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
-    lost = ~np.isfinite(error)
-    direct[lost], error[lost] = 0.0, np.inf
-    indirect, evaluations = np.zeros((count, 3)), np.ones(count, np.int64)
-    status = np.where(lost, UNSUPPORTED, MET)
-    for name in integrated_layers(arrays):
-        bounced = _bouncer(arrays, name, tol).sent(sent, tol, budget)
-        if name == "direct":
-            direct = direct + bounced.indirect
-        else:
-            indirect = bounced.indirect
-        status, evaluations = np.maximum(status, bounced.status), evaluations + bounced.evaluations
-        error = error + bounced.error
-    return Sent(emitted, direct, indirect, hit_class, error, _status(error, status, tol), evaluations)
+    worlds, integrated, own = make_worlds(shaken(arrays)), integrated_layers(arrays), threading.local()
+
+    def answer(origins: Array, directions: Array) -> Sent:
+        count, sent = len(origins), shaken_rays(arrays, origins, directions)
+        found = []
+        for world, pair in zip(worlds, sent, strict=True):
+            one = (np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count))
+            _kernel("fill_rays")(world, *pair, sky_room(world), *one)
+            found.append(one)
+        emitted, direct, hit_class = found[0]
+        error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
+        lost = ~np.isfinite(error)
+        direct[lost], error[lost] = 0.0, np.inf
+        indirect, evaluations = np.zeros((count, 3)), np.ones(count, np.int64)
+        status = np.where(lost, UNSUPPORTED, MET)
+        if not hasattr(own, "bouncers"):
+            own.bouncers = {name: _bouncer(arrays, name, tol) for name in integrated}
+        for name, bouncer in own.bouncers.items():
+            bounced = bouncer.sent(sent, tol, budget)
+            if name == "direct":
+                direct = direct + bounced.indirect
+            else:
+                indirect = bounced.indirect
+            status, evaluations = np.maximum(status, bounced.status), evaluations + bounced.evaluations
+            error = error + bounced.error
+        return Sent(emitted, direct, indirect, hit_class, error, _status(error, status, tol), evaluations)
+
+    return answer
 
 
 def integrated_layers(arrays: RadiometricArrays) -> tuple[str, ...]:

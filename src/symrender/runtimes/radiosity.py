@@ -103,15 +103,17 @@ class Gatherer:
         world, some_at = self._worlds[0], at.some(some)
         material = world.materials[m]
         most = albedo[some].max(axis=1, initial=0.0)
+        # of all of the material, not of these places alone: what a place gathers does not depend on its neighbours
+        fine = FINE * self._tol / float(np.maximum(material.bright, material.dark).max())
         if self._lamps:
             sums = np.zeros((len(some), SUMS))
             one = (some_at.own, some_at.front, some_at.place, some_at.normal, some_at.view)
-            _lamps_kernel()(world, self._cells, *one, FINE * self._tol / most.max(), self._scratch, sums)
+            _lamps_kernel()(world, self._cells, *one, fine, self._scratch, sums)
         elif material.kind == DIFFUSE:
             sums = self._sendings.reflected(some_at, self._sendings.fine)
             sums[:, BOUND] += self._sendings.laid.missed(some_at.own, some_at.place)
         else:
-            sums = self._sendings.reflected(some_at, FINE * self._tol / most.max())
+            sums = self._sendings.reflected(some_at, fine)
         found.incoming[some] = sums[:, :CHANNELS]
         found.indirect[some] = albedo[some] * found.incoming[some]
         size = self._extent + np.abs(some_at.place).max(axis=1, initial=0.0)
