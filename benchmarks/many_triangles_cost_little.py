@@ -3,8 +3,8 @@
 A ball as one mesh, under a point light, a lamp and a sky. Beside it, without a claim, what has more outlines the more
 faces it has: a ball with dents as deep as its faces are wide, and boxes of their own through each other. Time is of one
 processor and of the kernel of an image. With every piece in leaves that nothing passes by values are the same. Beside
-it stands of how many stretches of outlines the closed form is the sum under a sky, on an average of places on the floor:
-no sum of them takes less.
+it stands of how many stretches of outlines the closed form is the sum under a sky, on an average of places on the
+floor: no sum of them takes less.
 
     python benchmarks/many_triangles_cost_little.py [--quick]
 """
@@ -119,12 +119,14 @@ def main() -> None:
                 apart = max(apart, float(np.abs(before[0] - after[0]).max() / before[0].max()))
                 pixels += int((before[0] > 1e-6).any(axis=2).sum())
             growth = math.log(seconds[count] / seconds[last]) / math.log(count / last) if count > last else math.nan
-            bounding[count] = math.nan if kind in ("point", "lamp") else stretches(view.world)
-            rows.append([kind, count, 1e6 * seconds[count] / (SIZE[0] * SIZE[1]), growth, bounding[count]])
+            sums = kind not in ("point", "lamp")
+            bounding[count] = stretches(view.world) if sums else 1.0
+            cost = 1e6 * seconds[count] / (SIZE[0] * SIZE[1])
+            rows.append([kind, count, cost, growth, bounding[count] if sums else ""])
             last = count
         whole = math.log(seconds[counts[-1]] / seconds[counts[0]]) / math.log(counts[-1] / counts[0])
         least = math.log(bounding[counts[-1]] / bounding[counts[0]]) / math.log(counts[-1] / counts[0])
-        rows.append([kind, f"{counts[0]} to {counts[-1]}", "", whole, f"power {least:.2g}"])
+        rows.append([kind, f"{counts[0]} to {counts[-1]}", "", whole, f"power {least:.2g}" if least else ""])
         worst = max(worst, whole if kind in LIGHTS else 0.0)
     report.say(f"{SIZE[0]} x {SIZE[1]} pixels, the kernel of an image, without the scenes shaken for its error.")
     report.table(("scene", "triangles", "CPU us a pixel", "exponent", "stretches"), rows)

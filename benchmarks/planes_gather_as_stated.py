@@ -7,8 +7,8 @@ across each other, with faces on them, 1e-6 to 1e3 above them and through them, 
 points and spots near planes and up to 1e6 away, lamps at planes and skies, sizes 1e-4 to 1e3; places are near the
 middle and up to 1e7 far out. The judge halves rules over single rays of direct light until two agree, and knows neither
 nets nor cells (``tests/radiometric/seen_nested.py``). What looks beyond is judged again, to 1e-9 of every piece. With
-``--all`` all bounces are asked, and paths are the judge. Of those scenes most places are dark; with ``--lit`` faces show
-both sides, the sun is up, lights are near and few places are far out.
+``--all`` all bounces are asked, and paths are the judge. Of those scenes most places are dark; with ``--lit`` faces
+show both sides, the sun is up, lights are near and few places are far out.
 """
 
 from __future__ import annotations
