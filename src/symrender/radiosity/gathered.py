@@ -13,6 +13,7 @@ from symrender.jit.compiled import compiled
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
+from symrender.radiosity.endless import Laid
 from symrender.radiosity.forest import Forest
 from symrender.radiosity.gather import gather_places
 from symrender.radiosity.places import fill_lit
@@ -44,21 +45,22 @@ class Places:
 
 
 def gather(
-    world: World, forests: Sequence[Forest], owns: Ints, fronts: Ints, places: Array, fine: float, work: Work = ALONE
+    scene: Laid, forests: Sequence[Forest], owns: Ints, fronts: Ints, places: Array, fine: float, work: Work = ALONE
 ) -> Array:  # fmt: skip
     """(N, SUMS) of ``gather_places`` for places of flat pieces, over all forests."""
-    normals = np.asarray(world.pieces["up"])[owns] * np.where(fronts > 0, 1.0, -1.0)[:, None]
-    return gather_at(world, forests, Places(owns, fronts, places, normals, normals), fine, work)
+    normals = np.asarray(scene.world.pieces["up"])[owns] * np.where(fronts > 0, 1.0, -1.0)[:, None]
+    return gather_at(scene, forests, Places(owns, fronts, places, normals, normals), fine, work)
 
 
-def gather_at(world: World, forests: Sequence[Forest], at: Places, fine: float, work: Work = ALONE) -> Array:
+def gather_at(scene: Laid, forests: Sequence[Forest], at: Places, fine: float, work: Work = ALONE) -> Array:
     """(N, SUMS) of ``gather_places``, over all forests."""
+    world = scene.world
     each = (at.own, at.front, at.place, at.normal, at.view)
 
     def fill(part: slice, sums: Array) -> None:
         some = tuple(rows[part] for rows in each)
         for forest in forests:
-            scratch = make_scratch(len(world.pieces), len(forest.cells))
+            scratch = make_scratch(len(world.pieces), len(forest.cells), len(scene.rims), scene.corners)
             _gather_kernel()(world, forest.cells, forest.roots, *some, fine, scratch, sums)
 
     common = [_GATHERED, np.array([fine]), *(part for forest in forests for part in (forest.cells, forest.roots))]

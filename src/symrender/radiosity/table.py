@@ -113,11 +113,23 @@ class Sendings:
 
     def gathered(self, owns: Ints, fronts: Ints, places: Array, work: Work = ALONE) -> Array:
         """(N, SUMS): what places of pieces gather, the bound, the rule's error and how many nodes it took."""
-        return gather(self.laid.world, self.forests, owns, fronts, places, self.fine, work)
+        return gather(self.laid, self.forests, owns, fronts, places, self.fine, work)
 
     def reflected(self, at: Places, fine: float) -> Array:
         """The same of places as they are seen, whose lobes weigh what they gather."""
-        return gather_at(self.laid.world, self.forests, at, fine)
+        return gather_at(self.laid, self.forests, at, fine)
+
+    def missed(self, owns: Ints, places: Array) -> Array:
+        """(N,) most that diffuse places of pieces ``owns`` gather beside all cells: beyond nets, and along rims."""
+        found = self.laid.missed(owns, places)
+        return found + brightest(self.forests) * self.laid.rim_share(owns, places) if self.laid.rims else found
+
+
+def brightest(forests: tuple[Forest, ...]) -> float:
+    """A bound of what anything sends."""
+    # what cells with halves hold may be far more, and is then not sent
+    sent = [np.asarray(forest.cells["terms"])[forest.leaves] for forest in forests]
+    return sum(float(np.abs(each).sum(axis=1).max(initial=0.0)) for each in sent)
 
 
 def sendings(scene: Laid, bounces: bool, tol: float, work: Work = ALONE) -> Sendings:
@@ -131,8 +143,8 @@ def sendings(scene: Laid, bounces: bool, tol: float, work: Work = ALONE) -> Send
         return Sendings(scene, (), fine)
     roots = root_cells(net, faces.face, faces.side)
     near = roots.some(np.flatnonzero(scene.matters[roots.face] == 1.0))
-    edges = [contacts(net, int(f)) for f in faces.face]
-    shadows = [shadow_edges(net, int(f), float(s), scene.endless) for f, s in zip(faces.face, faces.side, strict=True)]
+    edges = [contacts(net, int(f), scene.disks) for f in faces.face]
+    shadows = [shadow_edges(net, int(f), float(s), scene.netted) for f, s in zip(faces.face, faces.side, strict=True)]
 
     def lit(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
         light = direct(scene.world, piece[face], side, places, work) / math.pi
@@ -201,7 +213,7 @@ class _Solver:
 
         def evaluate(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
             fronts = (side > 0).astype(np.int64)
-            sums = gather(self.laid.world, forests, self.laid.piece[face], fronts, places, self.fine, self.work)
+            sums = gather(self.laid, forests, self.laid.piece[face], fronts, places, self.fine, self.work)
             return self.faces.of(face, places) * sums[:, :CHANNELS], self.most * sums[:, RULE]
 
         return evaluate
@@ -277,7 +289,7 @@ class _Solver:
             self.faces.of(np.repeat(quads.face, few.shape[1]), few.reshape(-1, 3)).max(axis=1).reshape(-1, few.shape[1])
         )
         for _ in range(_MOST_TERMS):
-            sums = gather(self.laid.world, forests, face, fronts, few.reshape(-1, 3), self.fine, self.work)
+            sums = gather(self.laid, forests, face, fronts, few.reshape(-1, 3), self.fine, self.work)
             more = reflects * sums[:, BOUND].reshape(-1, few.shape[1])
             grows += more
             rest = _rest(more.max(axis=1), before, self.most)[:, None]

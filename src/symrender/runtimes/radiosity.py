@@ -17,6 +17,7 @@ from symrender.radiosity.gathered import Places
 from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
+from symrender.radiosity.table import brightest
 from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, sharpness
 from symrender.runtimes.tables import Need, table_of
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SPHERE, RadiometricArrays
@@ -44,9 +45,7 @@ class Gatherer:
             self._brightest = float(max(light.emitted.max() for light in world.lights if light.kind == AREA))
         else:
             self._sendings = table_of(Need(arrays, tol), threads)
-            # what cells with halves hold may be far more, and is then not sent
-            sent = [np.asarray(forest.cells["terms"])[forest.leaves] for forest in self._sendings.forests]
-            self._brightest = sum(float(np.abs(each).sum(axis=1).max(initial=0.0)) for each in sent)
+            self._brightest = brightest(self._sendings.forests)
         corners = float(np.abs(np.asarray(world.pieces["corners"])).max(initial=0.0))
         places = np.abs(np.asarray(world.pieces["place"])).max(axis=1, initial=0.0) + np.asarray(world.pieces["radius"])
         self._extent = max(corners, float(places.max(initial=0.0)))
@@ -111,7 +110,7 @@ class Gatherer:
             _lamps_kernel()(world, self._cells, *one, fine, self._scratch, sums)
         elif material.kind == DIFFUSE:
             sums = self._sendings.reflected(some_at, self._sendings.fine)
-            sums[:, BOUND] += self._sendings.laid.missed(some_at.own, some_at.place)
+            sums[:, BOUND] += self._sendings.missed(some_at.own, some_at.place)
         else:
             sums = self._sendings.reflected(some_at, fine)
         found.incoming[some] = sums[:, :CHANNELS]
