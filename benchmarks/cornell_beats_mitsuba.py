@@ -5,9 +5,9 @@
 Rays go through the centres of pixels of the gallery's ``cornell``, once with one bounce and once with all. Mitsuba runs
 by ``PYTHON_WITH_MITSUBA`` (``DRJIT_LIBLLVM_PATH`` may have to name LLVM's library: 14 is too old, and 15 aborts on
 processors with AVX-512 in halves, for which it cannot select an instruction; 19 does); its noise is told by its own
-second moments, and its time to an error extrapolated at half an order from there. symrender's time holds its table; its error
-is the difference from its own value to a smaller tolerance, whose stated error is printed. The scene is exported at
-scale 1000, where what Mitsuba's secondary rays start above surfaces is nothing. Compilation is counted for neither.
+second moments, and its time to an error extrapolated at half an order from there. symrender's time holds its table; its
+error is the difference from its own value to a smaller tolerance, whose stated error is printed. The scene is exported
+at scale 1000, where what Mitsuba's secondary rays start above surfaces is nothing. Compilation is counted for neither.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def hostile(seed: int, scale: float) -> Scene:
 def with_disks(seed: int, scale: float) -> Scene:
     """A room with disks in any position: large and tiny, a little over walls, in a box, through each other and walls.
 
-    Under a point, a spot, a sun through an open side, a sky, or a rectangle or a disk that emits.
+    Under a point, a spot, a sun through an open side, or, one of them, under a sky, a rectangle or a disk that emits.
     """
     rng = np.random.default_rng([seed, 99])
     shapes = closed(1.0, material="grey")
@@ -83,7 +83,7 @@ def with_disks(seed: int, scale: float) -> Scene:
     kind = int(rng.integers(6))
     if kind in (2, 3):
         del shapes[int(rng.choice([1, 3]))]
-    for k in range(int(rng.integers(1, 4))):
+    for k in range(int(rng.integers(1, 4)) if kind < 3 else 1):
         material = ["white", "both", "both", "red"][int(rng.integers(4))]
         radius, gap = 10.0 ** rng.uniform(-2.5, -0.4), 10.0 ** -float(rng.integers(1, 7))
         middle, way = rng.uniform(0.2, 0.8, 3), rng.normal(size=3)

@@ -16,7 +16,7 @@ from symrender.radiometric.world import make_world
 from symrender.radiosity import table
 from symrender.radiosity.endless import laid
 from symrender.radiosity.records import BOUND
-from symrender.radiosity.rims import CORNERS, Rim
+from symrender.radiosity.rims import FEWEST, MOST, Rim, rim_corners
 from symrender.runtimes.radiosity import met
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
@@ -40,11 +40,12 @@ def polygon_share(corners: np.ndarray, place: np.ndarray, normal: np.ndarray) ->
     return abs(total) / (2.0 * math.pi)
 
 
-def rim_corners(shape: Any) -> np.ndarray:
+def polygon_of(shape: Any) -> np.ndarray:
     """The polygon that stands for a disk: it begins along the disk's east."""
     arrays = radiometric_arrays(sr.load(room(shape)))
     frame = arrays.frames[-1]
-    turns = 2.0 * math.pi * np.arange(CORNERS) / CORNERS
+    corners = rim_corners(shape["radius"], 0.5)
+    turns = 2.0 * math.pi * np.arange(corners) / corners
     way = np.cos(turns)[:, None] * frame.east + np.sin(turns)[:, None] * frame.north
     return np.asarray(np.array(shape["center"]) + shape["radius"] * way)
 
@@ -73,7 +74,7 @@ def test_a_disk_hides_and_sends_what_its_polygon_does(radius: float, material: s
     places = np.column_stack([rng.uniform(0.05, 0.95, (24, 2)), np.zeros(24)])
     found = made.gathered(np.zeros(24, np.int64), np.ones(24, np.int64), places)[:, :3]
     up = np.array([0.0, 0.0, 1.0])
-    shares = np.array([polygon_share(rim_corners(shape), place, up) for place in places])
+    shares = np.array([polygon_share(polygon_of(shape), place, up) for place in places])
     assert shares.min() > 1e-5 and shares.max() > 0.5 * radius * radius
     wanted = 1.0 - shares if material == "coal" else np.ones(24)
     np.testing.assert_allclose(found, np.tile(wanted[:, None], 3), atol=2e-11)
@@ -101,7 +102,7 @@ def test_what_lies_along_a_rim_is_bounded() -> None:
     nearest: list[float] = []
     for _ in range(300):
         radius = 10.0 ** rng.uniform(-2, 1)
-        rim = Rim(0, np.zeros(3), np.array([0.0, 0.0, 1.0]), radius)
+        rim = Rim(0, np.zeros(3), np.array([0.0, 0.0, 1.0]), radius, 64)
         width = rim.width
         place = np.array([rng.uniform(0, 2.5) * radius, 0.0, 10.0 ** rng.uniform(-3, 1) * radius])
         far = math.hypot(place[2], place[0] - radius)
@@ -119,9 +120,13 @@ def test_what_lies_along_a_rim_is_bounded() -> None:
         nearest.append(true / bound)
     assert len(nearest) > 200 and max(nearest) > 0.5
     assert (
-        not Rim(3, np.zeros(3), np.array([0.0, 0.0, 1.0]), 1.0).share(np.array([3]), np.array([[0.9, 0.0, 0.0]])).any()
+        not Rim(3, np.zeros(3), np.array([0.0, 0.0, 1.0]), 1.0, 64)
+        .share(np.array([3]), np.array([[0.9, 0.0, 0.0]]))
+        .any()
     )
-    assert Rim(3, np.zeros(3), np.array([0.0, 0.0, 1.0]), 1.0).share(np.array([2]), np.array([[1.0, 0.0, 0.0]])) == 1.0
+    assert (
+        Rim(3, np.zeros(3), np.array([0.0, 0.0, 1.0]), 1.0, 64).share(np.array([2]), np.array([[1.0, 0.0, 0.0]])) == 1.0
+    )
 
 
 def aimed(count: int = 20) -> tuple[np.ndarray, np.ndarray]:
@@ -192,3 +197,9 @@ def test_what_is_not_had_is_refused_by_name() -> None:
     ):
         with pytest.raises(Unsupported, match=words):
             sr.probe(scene, rays=([0.5, 0.5, 0.5], [0, 0, -1]), tol=1e-2)
+
+
+def test_small_disks_have_fewer_corners() -> None:
+    counts = [rim_corners(10.0**k, 1.0) for k in np.linspace(-6, 2, 60)]
+    assert counts == sorted(counts) and {FEWEST, MOST} <= set(counts) <= {32, 64, 128, 256}
+    assert rim_corners(0.1, 1.0) == rim_corners(1e-5, 1e-4) == rim_corners(1e4, 1e5)

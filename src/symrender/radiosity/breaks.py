@@ -10,6 +10,7 @@ about it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -43,16 +44,17 @@ def corners_of(piece: Piece) -> Array:
     return np.asarray(piece.corners).reshape(-1, 3)[: int(piece.count)].copy()
 
 
-def contacts(world: World, own: int, disks: frozenset[int] = frozenset()) -> list[Array]:
+def contacts(world: World, own: int, disks: Sequence[Piece] = ()) -> list[Array]:
     """Segments (2, 3) in which other faces meet the plane of face ``own``; of one in the plane its edges.
 
-    Of ``disks``, which are nets of many faces, none meet each other.
+    ``disks`` are the pieces of shapes that are nets of many faces in ``world``: each meets the plane in one segment.
     """
     face = world.pieces[own]
-    found = []
+    found = [chord for disk in disks if disk.owner != face.owner for chord in _chords(face, disk)]
+    netted = {float(disk.owner) for disk in disks}
     for j in _reaching(world, own):
         piece = world.pieces[j]
-        if piece.owner == face.owner and int(face.owner) in disks:
+        if piece.owner in netted:
             continue
         corners = corners_of(piece)
         heights = (corners - face.place) @ face.up
@@ -67,6 +69,21 @@ def contacts(world: World, own: int, disks: frozenset[int] = frozenset()) -> lis
             apart = met - met[0]
             found.append(np.array([met[0], met[int(np.argmax((apart**2).sum(axis=1)))]]))
     return found
+
+
+def _chords(face: Piece, disk: Piece) -> list[Array]:
+    """The segment in which a disk meets the plane of a face; none where both lie in parallel planes."""
+    along = np.cross(face.up, disk.up)
+    sine = float(np.sqrt(along @ along))
+    height = float((disk.place - face.place) @ face.up)
+    if sine <= TOUCH or abs(height) >= disk.radius * sine:
+        return []
+    # down along the disk to the plane
+    way = np.cross(along, disk.up) / sine
+    rise = float(way @ face.up)
+    middle = disk.place - height / rise * way
+    half = np.sqrt(disk.radius**2 - (height / rise) ** 2) * along / sine
+    return [np.array([middle - half, middle + half])]
 
 
 def _reaching(world: World, own: int) -> list[int]:

@@ -14,14 +14,14 @@ from typing import Final
 import numpy as np
 
 from symrender.jit.records import copied, flat, table
-from symrender.radiometric.pieces import owners
+from symrender.radiometric.pieces import Piece, owners
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_world
 from symrender.radiosity.beyond import Beyond, sent_at_all, sent_from
 from symrender.radiosity.breaks import corners_of
 from symrender.radiosity.near import Thing, thing_of
 from symrender.radiosity.records import Ints
-from symrender.radiosity.rims import CORNERS, Rim, disk_net, rim_of
+from symrender.radiosity.rims import Rim, disk_net, rim_corners, rim_of
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import ALL, DISK, MESH, RadiometricArrays
 from symrender.scene.radiometric.records import Facet
@@ -38,11 +38,6 @@ _PER_RING: Final = 8
 def has_nets(arrays: RadiometricArrays) -> bool:
     """Whether some shape is a plane or a disk."""
     return any(shape.kind in (PLANE, DISK) for shape in arrays.shapes)
-
-
-def has_planes(arrays: RadiometricArrays) -> bool:
-    """Whether some shape has no end."""
-    return any(shape.kind == PLANE for shape in arrays.shapes)
 
 
 @dataclass(frozen=True)
@@ -68,9 +63,9 @@ class Laid:
         return frozenset(owners(self.world.pieces)[(kinds == PLANE) | (kinds == DISK)].tolist())
 
     @property
-    def disks(self) -> frozenset[int]:
-        """The shapes that are disks."""
-        return frozenset(owners(self.world.pieces)[np.asarray(self.world.pieces["kind"]) == DISK].tolist())
+    def disks(self) -> list[Piece]:
+        """The pieces of the world that are disks."""
+        return [piece for piece in self.world.pieces if piece.kind == DISK]
 
     def ended(self, things: list[Thing]) -> list[Thing]:
         """The things of the net, a disk as one, without what has no end: none is too large beside a plane."""
@@ -85,8 +80,8 @@ class Laid:
 
     @property
     def corners(self) -> int:
-        """How many corners the polygons have that stand for disks; 0 if there are none."""
-        return CORNERS if self.rims else 0
+        """The most corners of polygons that stand for disks; 0 if there are none."""
+        return max((rim.corners for rim in self.rims), default=0)
 
     def rim_share(self, owns: Ints, places: Array) -> Array:
         """(N,) most form factor, from places of pieces ``owns`` of the world, of what disks have beside their nets."""
@@ -127,7 +122,7 @@ def laid(arrays: RadiometricArrays) -> Laid:
     count = len(arrays.shapes)
     order = np.arange(len(parts)) - np.searchsorted(parts, np.arange(count))[parts]
     piece = np.searchsorted(whole, np.arange(count))[parts] + np.where(parted[parts], 0, order)
-    middle, half = middle_of(arrays) if endless.any() else (np.zeros(3), 0.0)
+    middle, half = middle_of(arrays)
     beyond = []
     for j in np.searchsorted(whole, np.flatnonzero(endless)).tolist():
         plane = world.pieces[j]
@@ -137,7 +132,10 @@ def laid(arrays: RadiometricArrays) -> Laid:
     outer = np.maximum(0, (order - _NEAR) // _PER_RING + 1)
     matters = np.where(endless[parts], GROWTH ** (-0.5 * outer), 1.0)
     disks = np.flatnonzero(np.asarray(world.pieces["kind"]) == DISK).tolist()
-    rims = tuple(rim_of(j, world.pieces[j]) for j in disks)
+    rims = tuple(rim_of(j, world.pieces[j], rim_corners(float(world.pieces[j].radius), half)) for j in disks)
+    for rim in rims:
+        # kernels gather of a disk, and hide behind it, by its polygon
+        world.pieces[rim.own].face = float(rim.corners)
     return Laid(world, net, piece, matters, tuple(beyond), rims)
 
 
@@ -159,7 +157,7 @@ def netted(arrays: RadiometricArrays) -> RadiometricArrays:
     """The scene with a net of triangles in the place of every plane and every disk."""
     if not has_nets(arrays):
         return arrays
-    middle, half = middle_of(arrays) if has_planes(arrays) else (np.zeros(3), 0.0)
+    middle, half = middle_of(arrays)
     shapes, nets = copied(arrays.shapes), [flat(arrays.facets).reshape(-1, 9)]
     start = len(arrays.facets)
     for shape, frame in zip(shapes, arrays.frames, strict=True):
@@ -167,7 +165,7 @@ def netted(arrays: RadiometricArrays) -> RadiometricArrays:
             foot, first = _foot(middle, half, frame.origin, frame.up)
             net = _net(foot, np.asarray(frame.east), np.asarray(frame.north), first)
         elif shape.kind == DISK:
-            net = disk_net(frame, np.array(shape.place), float(shape.radius))
+            net = disk_net(frame, np.array(shape.place), float(shape.radius), rim_corners(float(shape.radius), half))
         else:
             continue
         shape.kind, shape.place[:], shape.radius, shape.rotation = MESH, 0.0, 1.0, 0.0

@@ -105,7 +105,7 @@ def put_edge_space(scratch: Scratch, b: int, k: int, here: Vector, other: Vector
 def put_rim_spaces(scratch: Scratch, b: int, disk: Piece, place: Vector, sign: float) -> int:
     """Write the half spaces of the edges of the polygon in a disk's rim; returns how many."""
     middle, east, north = minus(vector(disk.place), place), vector(disk.east), vector(disk.north)
-    count, r, c, s = scratch.stride - 1, disk.radius, 1.0, 0.0
+    count, r, c, s = int(disk.face), disk.radius, 1.0, 0.0
     cosine, sine = math.cos(2.0 * math.pi / count), math.sin(2.0 * math.pi / count)
     here = (middle[0] + r * east[0], middle[1] + r * east[1], middle[2] + r * east[2])
     for k in range(count):

@@ -143,8 +143,7 @@ def sendings(scene: Laid, bounces: bool, tol: float, work: Work = ALONE) -> Send
         return Sendings(scene, (), fine)
     roots = root_cells(net, faces.face, faces.side)
     near = roots.some(np.flatnonzero(scene.matters[roots.face] == 1.0))
-    edges = [contacts(net, int(f), scene.disks) for f in faces.face]
-    shadows = [shadow_edges(net, int(f), float(s), scene.netted) for f, s in zip(faces.face, faces.side, strict=True)]
+    edges, shadows = _edges(scene, faces)
 
     def lit(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
         light = direct(scene.world, piece[face], side, places, work) / math.pi
@@ -174,6 +173,24 @@ def sendings(scene: Laid, bounces: bool, tol: float, work: Work = ALONE) -> Send
         last = (target, stated)
         target *= max(1e-3, (_AIM * tol / stated) ** (1.0 / falls))
     return made
+
+
+def _edges(scene: Laid, faces: Faces) -> tuple[list[list[Array]], list[list[Array]]]:
+    """Segments of the sides of faces in which others meet them, and those in which shadows begin."""
+    net, disks = scene.net, scene.disks
+    edges = [contacts(net, int(f), disks) for f in faces.face]
+    owner, level = np.asarray(net.pieces["owner"])[faces.face], {disk.owner for disk in disks}
+    shadows: list[list[Array]] = []
+    known: dict[tuple[float, float], list[Array]] = {}
+    for f, side, shape in zip(faces.face.tolist(), faces.side.tolist(), owner.tolist(), strict=True):
+        # faces of the net of a disk have one plane
+        found = known.get((shape, side))
+        if found is None:
+            found = shadow_edges(net, f, side, scene.netted)
+        if shape in level:
+            known[shape, side] = found
+        shadows.append(found)
+    return edges, shadows
 
 
 def _grown(scene: Laid, roots: Quads, cuts: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Grown:
