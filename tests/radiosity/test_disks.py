@@ -13,7 +13,7 @@ from tests.radiosity.rooms import MATERIALS, closed, lamp, reflected_once
 import symrender as sr
 from symrender.errors import Unsupported
 from symrender.radiometric.world import make_world
-from symrender.radiosity import table
+from symrender.radiosity import breaks, table
 from symrender.radiosity.endless import laid
 from symrender.radiosity.records import BOUND
 from symrender.radiosity.rims import FEWEST, MOST, Rim, rim_corners
@@ -203,3 +203,36 @@ def test_small_disks_have_fewer_corners() -> None:
     counts = [rim_corners(10.0**k, 1.0) for k in np.linspace(-6, 2, 60)]
     assert counts == sorted(counts) and {FEWEST, MOST} <= set(counts) <= {32, 64, 128, 256}
     assert rim_corners(0.1, 1.0) == rim_corners(1e-5, 1e-4) == rim_corners(1e4, 1e5)
+
+
+def test_chords_lie_on_the_rim_and_in_the_plane() -> None:
+    """Where a tilted disk passes through a wall cells are cut; where it does not reach it nothing is."""
+    rng, met_walls = np.random.default_rng(2), 0
+    for _ in range(60):
+        shape = disk("D", rng.uniform(0.1, 0.9, 3), rng.normal(size=3), float(rng.uniform(0.05, 0.6)), "both")
+        pieces = make_world(radiometric_arrays(sr.load(room(shape)))).pieces
+        for wall in range(6):
+            face, round_ = pieces[wall], pieces[6]
+            chords = breaks._chords(face, round_)
+            sine = float(np.linalg.norm(np.cross(face.up, round_.up)))
+            height = abs(float((round_.place - face.place) @ face.up))
+            assert len(chords) == int(height < round_.radius * sine)
+            for end in chords[0] if chords else ():
+                met_walls += 1
+                assert abs(float((end - face.place) @ face.up)) < 1e-12
+                assert abs(float((end - round_.place) @ round_.up)) < 1e-12
+                assert float(np.linalg.norm(end - round_.place)) == pytest.approx(round_.radius, abs=1e-12)
+    assert met_walls > 100
+
+
+def test_what_a_ray_meets_close_to_a_rim_states_it() -> None:
+    """The bound of what lies along the rim is part of what is stated of the light a ray finds."""
+    shape = disk("D", [0.5, 0.5, 0.001], [0, 0, 1], 0.25, "both")
+    scene = room(shape)
+    made = table.sendings(laid(radiometric_arrays(sr.load(scene))), False, 1e-2)
+    places = np.array([[0.751, 0.5, 0.0], [0.76, 0.5, 0.0]])
+    seen = sr.probe(scene, rays=(places + np.array([0, 0, 0.1]), [[0, 0, -1.0], [0, 0, -1.0]]), tol=1e-2)
+    assert set(seen.shape) == {"shapes.floor"}
+    missed = 0.9 * made.missed(np.zeros(2, np.int64), places)
+    assert (seen.error >= missed).all() and missed[0] > 5.0 * missed[1] > 0.0
+    assert seen.error[0] > 1.5 * seen.error[1] and seen.status[0] == 1
