@@ -28,6 +28,8 @@ _BELOW: Final = 1.0 - 1e-6
 """Part of a light's height up to which what is between it and a face is projected."""
 _CUBE: Final = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _SQUARE: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_RIM: Final = 8
+"""Corners of the polygon about a disk."""
 _SIDES: Final = 12
 _WIDEST: Final = 80.0
 """Sides of a pyramid about the cone of a spot, and the angle in degrees from which there is none."""
@@ -108,28 +110,38 @@ def _crossings(corners: Array, heights: Array) -> Array:
     return np.array(met).reshape(-1, 3)
 
 
-def shadow_edges(world: World, own: int, side: float, nets: frozenset[int] = frozenset()) -> list[Array]:
+def shadow_edges(
+    world: World, own: int, side: float, nets: frozenset[int] = frozenset(), disks: Sequence[Piece] = ()
+) -> list[Array]:  # fmt: skip
     """Segments (2, 3) that bound where shapes change the direct light of a side of face ``own``, or a spot begins.
 
     Shapes that are ``nets`` stand for planes, which hide of a light the same everywhere on one side of them, or for
-    disks, whose shadows have no straight edges: where they meet the face is a contact, and no other edge is told.
+    ``disks``: where they meet the face is a contact. Of a disk the hull of a polygon about it is told: without, samples
+    might pass by all of its shadow.
     """
     face = world.pieces[own]
+    about = {int(disk.owner): _about(disk) for disk in disks}
     found = []
     for light in world.lights:
         if light.kind == SKY:
             continue
-        places = light_corners(world, light)
         emitter = int(light.emitter) if light.kind == AREA else -1
+        places = about[emitter] if emitter in about else light_corners(world, light)
         if light.kind == AREA:
-            found += _lamp_planes(world, face, emitter, emitter in nets)
-        if emitter in nets:
-            continue
+            found += _lamp_planes(world, face, emitter, emitter in about)
         if light.kind == SPOT:
             found += _cone_edges(face, side, light)
-        for outline in _outlines(world, light, places, int(face.owner), nets | {emitter}):
+        outlines = _outlines(world, light, places, int(face.owner), nets | {emitter})
+        outlines += [[rim] for shape, rim in about.items() if shape not in (emitter, int(face.owner))]
+        for outline in outlines:
             found += _around(_hull_on(face, side, light, places, outline))
     return found
+
+
+def _about(disk: Piece) -> Array:
+    """(_RIM, 3) corners of a polygon about a disk."""
+    turns, reach = 2.0 * np.pi * np.arange(_RIM) / _RIM, disk.radius / np.cos(np.pi / _RIM)
+    return np.asarray(disk.place + reach * (np.cos(turns)[:, None] * disk.east + np.sin(turns)[:, None] * disk.north))
 
 
 def _around(corners: Array) -> list[Array]:

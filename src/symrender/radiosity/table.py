@@ -186,7 +186,7 @@ def _edges(scene: Laid, faces: Faces) -> tuple[list[list[Array]], list[list[Arra
         # faces of the net of a disk have one plane
         found = known.get((shape, side))
         if found is None:
-            found = shadow_edges(net, f, side, scene.netted)
+            found = shadow_edges(net, f, side, scene.netted, disks)
         if shape in level:
             known[shape, side] = found
         shadows.append(found)
