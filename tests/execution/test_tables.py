@@ -305,7 +305,7 @@ def test_workers_share_the_table_of_who_asks(local: Cluster) -> None:
         time.sleep(0.1)
     assert len(workers) == 2 and victim not in workers.values()
     assert all(local._client.run(had, job).values())
-    local.forget_tables()
+    local.tables.forget()
 
 
 def test_bytes_of_tables_are_those_of_all(tmp_path: Path) -> None:

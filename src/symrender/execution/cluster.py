@@ -36,9 +36,8 @@ from urllib.parse import urlsplit
 from symrender import version
 from symrender.errors import OptionError, Unsupported, remedy
 from symrender.execution.jobs import Done, Job, Tile, blocks, code_digest, compute
-from symrender.execution.tables import all_given, tables_needed, take_all
+from symrender.execution.shared import SharedTables
 from symrender.execution.tiles import Finished, next_of
-from symrender.runtimes.tables import is_had
 from symrender.scene.arrays import Array
 from symrender.scene.printable import printable
 
@@ -87,7 +86,7 @@ def connect(address: str, *, insecure: bool = False) -> Iterator[Cluster]:
         yield cluster
         if not count:
             # a scheduler that was joined goes on
-            cluster.forget_tables()
+            cluster.tables.forget()
 
 
 class Cluster:
@@ -97,7 +96,7 @@ class Cluster:
         self.count = count
         self._client, self._address, self._revive = client, address, revive
         self._equal: set[Job] = set()
-        self._shared: set[str] = set()
+        self.tables = SharedTables(client)
 
     def run(self, job: Job, layers: Mapping[str, Array], work: Sequence[Tile], finished: Finished) -> None:
         """Fill ``layers`` with what the workers return.
@@ -105,7 +104,7 @@ class Cluster:
         Ctrl-C or an error in a kernel gives up what is under way. A tile whose workers die is given to others; after
         ``RETRIES`` times OptionError names it.
         """
-        self._share_tables(job)
+        self.tables.share(job)
         self._require_equal_bytes(job)
         coming, tries = iter(work), dict.fromkeys(work, 0)
         running: dict[Any, tuple[Tile, ...]] = {}
@@ -138,24 +137,6 @@ class Cluster:
         finally:
             # what nobody waits for any more, the scheduler drops
             running.clear()
-
-    def _share_tables(self, job: Job) -> None:
-        """Give every worker, and whoever joins later, the tables of a job that this process has, so that none is made.
-
-        What a worker cannot take, of another machine or code, it makes itself.
-        """
-        needed = tables_needed(job)
-        name = "symrender " + hashlib.sha256("".join(need.key for need in needed).encode()).hexdigest()
-        if needed and name not in self._shared and all(is_had(need) for need in needed):
-            self._client.register_plugin(_plugin(job, all_given(needed)), name=name)
-            self._shared.add(name)
-
-    def forget_tables(self) -> None:
-        """Let the scheduler drop the tables that were shared."""
-        for name in self._shared:
-            with contextlib.suppress(Exception):
-                self._client.unregister_worker_plugin(name)
-        self._shared.clear()
 
     def _next(self, ended: SimpleQueue[Any]) -> Any:
         last_look = workers_seen = time.monotonic()
@@ -213,17 +194,6 @@ def batch_size(count: int, tiles: int) -> int:
     A scheduler spends milliseconds on a task, whatever its length (``docs/scaling.md``).
     """
     return max(1, min(math.ceil(count / _WORKERS_A_TILE), tiles // (_AHEAD * count)))
-
-
-def _plugin(job: Job, data: bytes) -> Any:
-    """What the scheduler hands to workers as they come: they take the tables of a job as they begin."""
-    from distributed import WorkerPlugin
-
-    class Tables(WorkerPlugin):  # type: ignore[misc]
-        def setup(self, worker: Any) -> None:
-            take_all(tables_needed(job), data)
-
-    return Tables()
 
 
 def _units(job: Job, batch: tuple[Tile, ...]) -> tuple[str, list[Done]]:
