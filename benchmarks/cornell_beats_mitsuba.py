@@ -3,10 +3,11 @@
     python benchmarks/cornell_beats_mitsuba.py PYTHON_WITH_MITSUBA [--quick]
 
 Rays go through the centres of pixels of the gallery's ``cornell``, once with one bounce and once with all. Mitsuba runs
-by ``PYTHON_WITH_MITSUBA`` (``DRJIT_LIBLLVM_PATH`` may have to name LLVM's library); its noise is told by its own second
-moments, and its time to an error extrapolated at half an order from there. symrender's time holds its table; its error
-is the difference from its own value to a smaller tolerance, whose stated error is printed. The scene is exported at
-scale 1000, where what Mitsuba's secondary rays start above surfaces is nothing. Compilation is counted for neither.
+by ``PYTHON_WITH_MITSUBA`` (``DRJIT_LIBLLVM_PATH`` may have to name LLVM's library: 14 is too old, and 15 aborts on
+processors with AVX-512 in halves, for which it cannot select an instruction; 19 does); its noise is told by its own
+second moments, and its time to an error extrapolated at half an order from there. symrender's time holds its table; its
+error is the difference from its own value to a smaller tolerance, whose stated error is printed. The scene is exported
+at scale 1000, where what Mitsuba's secondary rays start above surfaces is nothing. Compilation is counted for neither.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import numpy as np
 from measure import Report, arguments, cpu_seconds
 
 import symrender as sr
-from symrender.runtimes import radiosity
+from symrender.runtimes import tables
 from symrender.scene.load import AnyScene
 
 SIZE, QUICK_SIZE = (64, 64), (24, 24)
@@ -81,7 +82,7 @@ def compare(
 
     def ours(tol: float) -> None:
         # a table is part of the work
-        radiosity._tables.clear()
+        tables._tables.clear()
         images[tol] = sr.probe(scene, rays=(origins, directions), tol=tol).radiance
 
     ours(1.0)

@@ -1,11 +1,12 @@
 """No light gathered between flat faces is beyond what it states.
 
-    python benchmarks/gathered_light_is_stated.py [--quick] [--crowded] [SEED [COUNT]]
+    python benchmarks/gathered_light_is_stated.py [--quick] [--crowded | --disks] [SEED [COUNT]]
 
 Scenes are the hostile rooms of ``tests/radiosity/rooms.py``: walls, blocks and partitions that touch, thin boxes,
 needles, gaps of 1e-2 to 1e-6, shapes that cross walls, both sides, sizes 1e-4 to 1e3, under a point light. Those of
 ``--crowded`` hold meshes with dents and folds, open and turned over, squares and stripes, under a point, a spot, a lamp
-or a sky that comes in where a wall is missing. The judge is
+or a sky that comes in where a wall is missing. Those of ``--disks`` hold disks, large and tiny, a little over walls and
+through them, under all kinds of lights, disks too. The judge is
 a mean over shifted lattices of rays of the numeric pipeline. What looks beyond is judged again by thirty-two times as
 many rays.
 """
@@ -20,7 +21,7 @@ from measure import Report
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from tests.radiosity.rooms import crowded, hostile, reflected_once
+from tests.radiosity.rooms import crowded, hostile, reflected_once, with_disks
 
 import symrender as sr
 from symrender.errors import Unsupported
@@ -39,12 +40,13 @@ def main() -> None:
     numbers = [int(word) for word in sys.argv[1:] if not word.startswith("-")]
     first = numbers[0] if numbers else 0
     count = numbers[1] if len(numbers) > 1 else (QUICK if "--quick" in sys.argv else COUNT)
+    make = crowded if "--crowded" in sys.argv else with_disks if "--disks" in sys.argv else hostile
     report = Report("gathered_light_is_stated", "No light gathered between flat faces is beyond what it states.")
     judged = lit = kept = refused = 0
     beyond: list[str] = []
     for seed in range(first, first + count):
         scale, tol = SCALES[seed // 4 % len(SCALES)], TOLERANCES[seed % len(TOLERANCES)]
-        scene = (crowded if "--crowded" in sys.argv else hostile)(seed, scale)
+        scene = make(seed, scale)
         rng = np.random.default_rng([seed, 1])
         origins = scale * rng.uniform(0.2, 0.8, (PLACES, 3))
         directions = rng.normal(size=(PLACES, 3))

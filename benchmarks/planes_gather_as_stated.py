@@ -1,13 +1,14 @@
 """No light gathered among flat faces and endless planes is beyond what it states.
 
-    python benchmarks/planes_gather_as_stated.py [--quick] [--all] [SEED [COUNT]]
+    python benchmarks/planes_gather_as_stated.py [--quick] [--all] [--lit] [SEED [COUNT]]
 
 Scenes are those of ``tests/radiosity/plains.py``: one to three planes in any position, parallel, all but parallel and
 across each other, with faces on them, 1e-6 to 1e3 above them and through them, under suns that graze or have set,
 points and spots near planes and up to 1e6 away, lamps at planes and skies, sizes 1e-4 to 1e3; places are near the
 middle and up to 1e7 far out. The judge halves rules over single rays of direct light until two agree, and knows neither
 nets nor cells (``tests/radiometric/seen_nested.py``). What looks beyond is judged again, to 1e-9 of every piece. With
-``--all`` all bounces are asked, and paths are the judge.
+``--all`` all bounces are asked, and paths are the judge. Of those scenes most places are dark; with ``--lit`` faces
+show both sides, the sun is up, lights are near and few places are far out.
 """
 
 from __future__ import annotations
@@ -72,6 +73,7 @@ def main() -> None:
     first = numbers[0] if numbers else 0
     count = numbers[1] if len(numbers) > 1 else (QUICK if "--quick" in sys.argv else COUNT)
     report = Report("planes_gather_as_stated", "No light gathered among planes is beyond what it states.")
+    lit_scenes = "--lit" in sys.argv
     judge, bounces = (by_paths, "all") if "--all" in sys.argv else (by_rays, 1)
     seen_nested.MOST = MOST_RAYS
     judged = lit = kept = told = refused = unknown = 0
@@ -80,7 +82,7 @@ def main() -> None:
         scale, tol = SCALES[seed // 4 % len(SCALES)], TOLERANCES[seed % len(TOLERANCES)]
         if bounces == "all":
             tol = max(tol, 1e-2)
-        scene, origins, directions = plains(seed, scale, PLACES, bounces)
+        scene, origins, directions = plains(seed, scale, PLACES, bounces, lit_scenes)
         try:
             seen = sr.probe(scene, rays=(origins, directions), tol=tol)
         except Unsupported as error:

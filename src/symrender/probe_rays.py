@@ -12,7 +12,7 @@ import numpy.typing as npt
 from symrender.errors import OptionError, Unsupported
 from symrender.execution.finite import hit_names
 from symrender.ledger.tables import html_table
-from symrender.runtimes.radiometric import BUDGET, Sent, check, rays
+from symrender.runtimes.radiometric import BUDGET, Sent, check, ray_answers
 from symrender.runtimes.ray_slopes import SentSlopes, ray_slopes
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.moves import radiometric_moves
@@ -92,8 +92,9 @@ def probe_rays(
     moved = radiometric_moves(scene, wrt) if wrt else ()
     slopes_of = ray_slopes(arrays, moved, tol, budget) if moved else None
     # a part without rays stands in for none
-    parts = [rays(arrays, origins[:0], directions[:0], tol, budget)]
-    parts += in_batches(lambda part: rays(arrays, origins[part], directions[part], tol, budget), len(origins))
+    answer = ray_answers(arrays, tol, budget)
+    parts = [answer(origins[:0], directions[:0])]
+    parts += in_batches(lambda part: answer(origins[part], directions[part]), len(origins))
     sent = Sent(*(np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Sent)))
     names = hit_names(scene)
     shapes = tuple(names[int(hit)] for hit in sent.hit_class)

@@ -93,10 +93,13 @@ def _shapes(rng: np.random.Generator, planes: list[tuple[Array, Array]]) -> list
     return shapes
 
 
-def _light(rng: np.random.Generator, planes: list[tuple[Array, Array]], shapes: list[Scene]) -> Scene:
-    """A sun that grazes or has set, a point or a spot near a plane or far away, a lamp at a plane, a sky."""
+def _light(rng: np.random.Generator, planes: list[tuple[Array, Array]], shapes: list[Scene], lit: bool) -> Scene:
+    """A sun that grazes or has set, a point or a spot near a plane or far away, a lamp at a plane, a sky.
+
+    Where much is to be ``lit`` the sun is up, and what is near stands well over its plane.
+    """
     point, normal = planes[int(rng.integers(len(planes)))]
-    kind = int(rng.integers(8))
+    kind = int(rng.choice([0, 2, 3, 4, 5])) if lit else int(rng.integers(8))
     side = _about(rng, normal, 0.5 * math.pi)
     if kind < 2:
         height = float(rng.choice([-1.0, 1.0, 1.0])) * 10.0 ** rng.uniform(-9, -1) if kind else rng.uniform(0.1, 3.0)
@@ -109,9 +112,9 @@ def _light(rng: np.random.Generator, planes: list[tuple[Array, Array]], shapes: 
         turn = normal if rng.random() < 0.5 else np.cross(normal, side)
         shapes.append(rectangle("glow", foot, a * side, b * turn * rng.choice([-1.0, 1.0]), "grey"))
         return lamp(shapes[-1], list(LIGHT))
-    high = 10.0 ** rng.uniform(-4.0, 0.3)
+    high = 10.0 ** rng.uniform(-0.7 if lit else -4.0, 0.3)
     far = 0.0 if kind < 6 else 10.0 ** rng.uniform(1.0, FARTHEST - 1.0)
-    at = _on(rng, normal, point, 0.7) + far * side + high * normal * (-1.0 if rng.random() < 0.1 else 1.0)
+    at = _on(rng, normal, point, 0.7) + far * side + high * normal * (-1.0 if rng.random() < 0.1 and not lit else 1.0)
     light: Scene = {"position": at.tolist(), "intensity": [c * (1.0 + far) ** 2 for c in LIGHT]}
     if kind in (5, 7):
         aim = -_about(rng, side if far else normal, float(rng.uniform(0.0, 1.4)))
@@ -120,12 +123,19 @@ def _light(rng: np.random.Generator, planes: list[tuple[Array, Array]], shapes: 
     return light | {"type": "point"}
 
 
-def plains(seed: int, scale: float, count: int, bounces: Any = 1) -> tuple[Scene, Array, Array]:
-    """(scene, origins, unit directions of ``count`` rays): some towards faces, some far out on planes."""
+def plains(
+    seed: int, scale: float, count: int, bounces: Any = 1, lit: bool = False
+) -> tuple[Scene, Array, Array]:  # fmt: skip
+    """(scene, origins, unit directions of ``count`` rays): some towards faces, some far out on planes.
+
+    Where much is to be ``lit`` faces show both sides, lights are not hidden by planes, and few places are far out.
+    """
     rng = np.random.default_rng([seed, 4711])
     planes = _planes(rng)
     shapes = _shapes(rng, planes)
-    light = {"name": "key"} | _light(rng, planes, shapes)
+    if lit:
+        shapes = [shape | {"material": "both"} for shape in shapes]
+    light = {"name": "key"} | _light(rng, planes, shapes, lit)
     made = [plane(f"p{k}", p, n, COLOURS[int(rng.integers(4))]) for k, (p, n) in enumerate(planes)]
     if rng.random() < 0.5:
         shapes = [*made, *shapes]
@@ -134,7 +144,7 @@ def plains(seed: int, scale: float, count: int, bounces: Any = 1) -> tuple[Scene
     origins, directions = [], []
     for _ in range(count):
         point, normal = planes[int(rng.integers(len(planes)))]
-        if rng.random() < 0.25:
+        if rng.random() < (0.05 if lit else 0.25):
             target = _on(rng, normal, point, 10.0 ** rng.uniform(0.0, FARTHEST))
             eye = target + 10.0 ** rng.uniform(-1, 2) * _about(rng, normal, float(rng.uniform(0, 1.4)))
         else:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from tests.radiometric import nets
-from tests.radiometric.flats import SKY, box, rectangle, triangle, world
+from tests.radiometric.flats import SKY, box, disk, rectangle, triangle, world
 
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
 from symrender.scene.load import load_any
@@ -72,12 +72,67 @@ def hostile(seed: int, scale: float) -> Scene:
     return world(*shapes, lights=[key], materials=MATERIALS, bounces=1)
 
 
+def with_disks(seed: int, scale: float) -> Scene:
+    """A room with disks in any position: large and tiny, a little over walls, in a box, through each other and walls.
+
+    Under a point, a spot, a sun through an open side, or, one of them, under a sky, a rectangle or a disk that emits.
+    """
+    rng = np.random.default_rng([seed, 99])
+    shapes = closed(1.0, material="grey")
+    shapes[2]["material"], shapes[4]["material"] = "red", "both"
+    kind = int(rng.integers(6))
+    if kind in (2, 3):
+        del shapes[int(rng.choice([1, 3]))]
+    for k in range(int(rng.integers(1, 4)) if kind < 3 else 1):
+        material = ["white", "both", "both", "red"][int(rng.integers(4))]
+        radius, gap = 10.0 ** rng.uniform(-2.5, -0.4), 10.0 ** -float(rng.integers(1, 7))
+        middle, way = rng.uniform(0.2, 0.8, 3), rng.normal(size=3)
+        way /= np.sqrt((way**2).sum())
+        where = int(rng.integers(5))
+        if where == 0:
+            # over the floor, as level as it or all but
+            middle[2], way = gap, np.array([0.0, 0.0, 1.0]) + gap * way * (rng.random() < 0.5)
+            middle[2] += gap * radius
+        elif where == 1:
+            # through a wall
+            middle[int(rng.integers(3))] = float(rng.choice([0.0, 1.0]))
+        elif where == 2 and k:
+            # through the one before, or level with it
+            middle = np.array(shapes[-1].get("center", middle)) + gap * way
+        elif where == 3:
+            # its rim on a wall
+            middle[0] = radius * float(np.sqrt(max(0.0, 1.0 - way[0] ** 2)))
+        shapes.append(disk(f"o{k}", middle, way, radius, material))
+    if rng.random() < 0.5:
+        shapes.append(box("b", rng.uniform(0.3, 0.7, 3), rng.uniform(0.1, 0.4, 3), float(rng.uniform(0, 90)), "white"))
+    glow = (
+        rectangle("glow", [0.3, 0.3, 0.999], [0, 0.3, 0], [0.3, 0, 0], "grey")
+        if rng.random() < 0.5
+        else disk("glow", [0.5, 0.5, 0.98], [*rng.uniform(-0.2, 0.2, 2), -1.0], float(rng.uniform(0.02, 0.3)), "grey")
+    )
+    light: Scene = {"type": "point", "name": "key", "intensity": [scale * scale * c for c in (0.9, 0.5, 0.2)]}
+    light["position"] = [scale * c for c in rng.uniform(0.3, 0.7, 3)]
+    if kind == 1:
+        light |= {"type": "spot", "direction": rng.normal(size=3).tolist(), "cutoff": 50.0, "beam": 20.0}
+    elif kind == 2:
+        light = {"type": "directional", "name": "key", "direction": [0.2, 0.5, -0.9], "irradiance": [2.0, 1.5, 1.0]}
+    elif kind == 3:
+        light = SKY | {"radiance": [0.9, 0.5, 0.2]}
+    elif kind > 3:
+        shapes.append(glow)
+        light = lamp(glow, [6.0, 4.0, 2.0])
+    grow(shapes, scale)
+    return world(*shapes, lights=[light], materials=MATERIALS, bounces=1)
+
+
 def grow(shapes: list[Scene], scale: float) -> None:
     """Make flat shapes larger, about the origin."""
     for shape in shapes:
         for key in ("corner", "edge_u", "edge_v", "center", "size", "position"):
             if key in shape:
                 shape[key] = [scale * c for c in shape[key]]
+        if shape["type"] == "disk":
+            shape["radius"] *= scale
         if shape["type"] == "mesh":
             shape["scale"] *= scale
         elif "vertices" in shape:

@@ -250,3 +250,33 @@ def test_what_is_not_had_is_refused_by_name() -> None:
         materials=GLOSSY | {"walter": walter}, bounces=0,
     )  # fmt: skip
     refused("a box or a mesh, and a conductor of g1: walter", plates)
+
+
+@pytest.mark.parametrize("bounces", [0, 1])
+def test_a_ray_does_not_know_its_neighbours(bounces: int) -> None:
+    """A glossy checker's fields are as fine as its brightest wherever they are asked, alone, in a batch or a tile."""
+    tiles = {
+        "type": "phong",
+        "exponent": 20,
+        "reflectance": {"type": "checker", "bright": 0.8, "dark": 0.1, "cell": 0.1},
+    }
+    key = {"type": "point", "name": "key", "position": [0.7, 0.3, 0.8], "intensity": [1, 0.8, 0.5]}
+    rug = rectangle("rug", [0.1, 0.1, 0.2], [0.6, 0, 0], [0, 0.6, 0], "tiles")
+    glow = rectangle("glow", [0.3, 0.3, 0.999], [0, 0.4, 0], [0.4, 0, 0])
+    scene = world(
+        *closed(), rug, glow, lights=[key, lamp(glow, [5, 4, 3])], materials=MATERIALS | {"tiles": tiles},
+        bounces=bounces, gloss="first_hit",
+    )  # fmt: skip
+    scene["camera"] = {"type": "look_at", "eye": [0.5, 0.2, 0.9], "target": [0.41, 0.4, 0.2], "fov": 50}
+    one, two = (sr.truth(scene, size=(8, 6), tol=1e-2, tile=side, threads=1) for side in (1, 8))
+    assert len(np.unique(one.layer("radiance").round(6))) > 40
+    for name, layer in one.layers.items():
+        np.testing.assert_array_equal(layer, two.layers[name], name)
+    rng = np.random.default_rng(0)
+    origins = np.tile([0.5, 0.2, 0.9], (12, 1))
+    directions = np.column_stack([rng.uniform(0.12, 0.68, (12, 2)), np.full(12, 0.2)]) - origins
+    every = sr.probe(scene, rays=(origins, directions), tol=1e-2)
+    assert set(every.shape) == {"shapes.rug"}
+    for k in range(12):
+        alone = sr.probe(scene, rays=(origins[k], directions[k]), tol=1e-2)
+        assert (alone.radiance == every.radiance[k]).all() and alone.error[0] == every.error[k]

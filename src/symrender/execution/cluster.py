@@ -36,6 +36,7 @@ from urllib.parse import urlsplit
 from symrender import version
 from symrender.errors import OptionError, Unsupported, remedy
 from symrender.execution.jobs import Done, Job, Tile, blocks, code_digest, compute
+from symrender.execution.shared import SharedTables
 from symrender.execution.tiles import Finished, next_of
 from symrender.scene.arrays import Array
 from symrender.scene.printable import printable
@@ -81,7 +82,11 @@ def connect(address: str, *, insecure: bool = False) -> Iterator[Cluster]:
         if not workers:
             raise OptionError(f"cluster: {address} has no workers")
         _refuse_other_code(client, address)
-        yield Cluster(client, address, sum(worker["nthreads"] for worker in workers.values()), revive)
+        cluster = Cluster(client, address, sum(worker["nthreads"] for worker in workers.values()), revive)
+        yield cluster
+        if not count:
+            # a scheduler that was joined goes on
+            cluster.tables.forget()
 
 
 class Cluster:
@@ -91,6 +96,7 @@ class Cluster:
         self.count = count
         self._client, self._address, self._revive = client, address, revive
         self._equal: set[Job] = set()
+        self.tables = SharedTables(client)
 
     def run(self, job: Job, layers: Mapping[str, Array], work: Sequence[Tile], finished: Finished) -> None:
         """Fill ``layers`` with what the workers return.
@@ -98,6 +104,7 @@ class Cluster:
         Ctrl-C or an error in a kernel gives up what is under way. A tile whose workers die is given to others; after
         ``RETRIES`` times OptionError names it.
         """
+        self.tables.share(job)
         self._require_equal_bytes(job)
         coming, tries = iter(work), dict.fromkeys(work, 0)
         running: dict[Any, tuple[Tile, ...]] = {}

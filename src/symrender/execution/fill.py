@@ -15,6 +15,7 @@ from symrender.execution.journal import PATIENCE, Entry, Journal, Start
 from symrender.execution.notebook import in_notebook, notebook_preview, notebook_progress
 from symrender.execution.preview import Watch
 from symrender.execution.silhouettes import smooth
+from symrender.execution.tables import have_tables
 from symrender.execution.tiles import Progress, Threads, Workers, measured_side, spread, tiles
 from symrender.ledger.ledger import Timing
 from symrender.scene.arrays import Array
@@ -85,6 +86,7 @@ class Crew:
         layers = job.empty_layers()
         left = self._take_over(job, layers)
         with first_use(job.kind, self.progress):
+            self._have_tables(job)
             prepared(job)
         side = left.side or self._means.tile or measured_side(self._workers, job, layers)
         all_tiles = spread(list(tiles(job.settings.width, job.settings.height, side)), side)
@@ -119,6 +121,13 @@ class Crew:
         """The output stands: delete the journal."""
         if self._journal is not None:
             self._journal.remove()
+
+    def _have_tables(self, job: Job) -> None:
+        """The tables of an image lie beside its journal."""
+        means, journal = self._means, self._means.journal
+        path = None if journal is None else journal.with_suffix(".table")
+        fresh = means.start == "restart"
+        have_tables(job, path, self._journal, fresh=fresh, patience=means.patience, progress=self.progress)
 
     def _take_over(self, job: Job, layers: dict[str, Array]) -> _Left:
         """Copy into ``layers`` what the journal holds of them."""

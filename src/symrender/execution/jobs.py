@@ -20,11 +20,11 @@ from typing import Final
 import numpy as np
 
 from symrender import version
-from symrender.scene.arrays import Array, scene_arrays
+from symrender.scene.arrays import Array, SceneArrays, scene_arrays
 from symrender.scene.dump import to_yaml
 from symrender.scene.load import AnyScene, parse_any
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import radiometric_arrays
+from symrender.scene.radiometric.arrays import RadiometricArrays, radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.settings import Settings
 
@@ -43,7 +43,7 @@ class Kind:
 
     ``side`` is the pipeline whose image it is where two are compared, ``numeric`` or ``symbolic``. ``each`` are layers
     filled once for every parameter of a job, under the name ``layer:parameter``. ``radiometric`` says which scenes it
-    makes an image of.
+    makes an image of, and ``tabled`` that its module's ``tables_needed`` names tables that are made before.
     """
 
     module: str
@@ -51,6 +51,7 @@ class Kind:
     side: str = "symbolic"
     each: tuple[tuple[str, int], ...] = ()
     radiometric: bool = False
+    tabled: bool = False
 
 
 _RADIOMETRIC: Final = (*((name, 3) for name in ("emitted", "direct", "indirect", "radiance")), ("hit_class", 1))
@@ -64,13 +65,17 @@ KINDS: Final[Mapping[str, Kind]] = {
     ),
     "paths": Kind("symrender.numeric.radiometric.pipeline", _RADIOMETRIC, "numeric", radiometric=True),
     "radiometric": Kind(
-        "symrender.runtimes.radiometric", (*_RADIOMETRIC, ("error", 1), ("status", 1)), radiometric=True
+        "symrender.runtimes.radiometric",
+        (*_RADIOMETRIC, ("error", 1), ("status", 1)),
+        radiometric=True,
+        tabled=True,
     ),
     "radiometric_gradient": Kind(
         "symrender.runtimes.radiometric_gradient",
         (("hit_class", 1),),
         each=(*_RADIOMETRIC[:4], ("error", 1), ("status", 1)),
         radiometric=True,
+        tabled=True,
     ),
     "gradient": Kind(
         "symrender.runtimes.gradient",
@@ -144,13 +149,17 @@ def blocks(layers: Mapping[str, Array], tile: Tile) -> dict[str, Array]:
 def prepared(job: Job) -> TileKernel:
     """Kernel of ``job``, compiled or read from the cache before any clock runs."""
     kind = KINDS[job.kind]
-    scene = parse_any(job.scene, "scene")
-    arrays = radiometric_arrays(scene) if isinstance(scene, RadiometricScene) else scene_arrays(scene)
-    what = (arrays, job.settings, *((job.wrt,) if kind.each else ()))
+    what = (arrays_of(job), job.settings, *((job.wrt,) if kind.each else ()))
     kernel: TileKernel = importlib.import_module(kind.module).prepare(*what)
     # an empty tile is what makes the runtime compile
     kernel(0, 0, 0, 0, _zeros(job, 1, 1))
     return kernel
+
+
+def arrays_of(job: Job) -> SceneArrays | RadiometricArrays:
+    """The numbers of a job's scene."""
+    scene = parse_any(job.scene, "scene")
+    return radiometric_arrays(scene) if isinstance(scene, RadiometricScene) else scene_arrays(scene)
 
 
 @lru_cache(maxsize=1)

@@ -1,5 +1,7 @@
 """The journal of a run: every finished tile, appended to a file beside the output, so that nothing is done twice.
 
+What is dear before the first tile, the rows of tables, goes there too.
+
 A journal is records one after another: a mark of 16 bytes, the length of the body, its CRC-32, the body. A body is one
 line of JSON and the tile's float64 layers. The first record is the header, the fields that decide the image; every
 other record carries the digest of those fields, so each stands for itself: what is torn, altered or foreign is
@@ -75,6 +77,7 @@ class Journal:
     _flushed: float = field(default=0.0, init=False)
     _held: list[bytes] = field(default_factory=list, init=False)
     _written: bool = field(default=False, init=False)
+    _kept: dict[str, Array] | None = field(default=None, init=False)
 
     def __enter__(self) -> Self:
         check_target(self.path)
@@ -134,6 +137,18 @@ class Journal:
     def note(self, facts: Mapping[str, Any]) -> None:
         """Add plain data that says something else than a tile is finished."""
         self._add(json.dumps({"run": self.digest, "note": dict(facts)}).encode() + b"\n")
+
+    def keep(self, name: str, values: Array) -> None:
+        """Add an array that is no tile, under a name that nothing else has."""
+        head = json.dumps({"run": self.digest, "kept": name, "shape": values.shape}).encode() + b"\n"
+        self._add(head + values.astype("<f8").tobytes())
+
+    def find(self, name: str) -> Array | None:
+        """What an earlier process kept under this name, if that is intact."""
+        if self._kept is None:
+            whole = ((note, _kept(note, body)) for note, body in _records(self._file) if note.get("run") == self.digest)
+            self._kept = {str(note["kept"]): values for note, values in whole if values is not None}
+        return self._kept.get(name)
 
     def remove(self) -> None:
         """Delete the journal: the output stands."""
@@ -246,6 +261,13 @@ def _entry(note: dict[str, Any], body: bytes) -> Entry | None:
         counts = (int(note["side"]), int(note["evaluations"]))
         return Entry(str(note["image"]), (x0, y0, x1, y1), *counts, float(note["seconds"]), blocks)
     except (KeyError, TypeError, ValueError):  # a whole record that is no tile: the header, or another format
+        return None
+
+
+def _kept(note: dict[str, Any], body: bytes) -> Array | None:
+    try:
+        return np.frombuffer(body, "<f8").reshape(note["shape"]) if isinstance(note["kept"], str) else None
+    except (KeyError, TypeError, ValueError):
         return None
 
 

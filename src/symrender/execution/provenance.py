@@ -9,7 +9,7 @@ from symrender.execution.jobs import CHANGES_NO_BYTE
 from symrender.scene.dump import to_yaml
 from symrender.scene.load import AnyScene
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Rectangle, Triangle
+from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Rectangle, Triangle
 from symrender.scene.scene import Scene
 from symrender.settings import Settings
 from symrender.version import VERSION
@@ -39,7 +39,7 @@ def sent_by(scene: RadiometricScene, settings: Settings) -> str:
         return "means over pixels cut at their edges"
     if scene.bounces == 0:
         return "closed forms"
-    if any(isinstance(shape, Rectangle | Triangle | Box) for shape in scene.shapes):
+    if any(isinstance(shape, Rectangle | Triangle | Disk | Box | Mesh) for shape in scene.shapes):
         return f"closed forms, bounces ({scene.bounces}) gathered from the cells of faces"
     return f"closed forms, one bounce split at the walls, budget {settings.budget}"
 

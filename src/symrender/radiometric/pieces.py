@@ -42,7 +42,8 @@ class Piece(Record):
     ``place`` is the origin of the texture, of a sphere and a disk the centre; ``up``, ``east`` and ``north`` are the
     unit axes of what is flat. The ``count`` corners of a polygon, three numbers each, go counter-clockwise about up.
     ``beside`` is, of the edge that leaves each of them, the one polygon that has the same edge the other way round, -1
-    if there is none or several. Of a face of a box ``solid`` is 1 and ``face`` its number. Of a face of a closed mesh
+    if there is none or several. Of a face of a box ``solid`` is 1 and ``face`` its number; of a disk that sends
+    light ``face`` is how many corners the polygon has that stands for it. Of a face of a closed mesh
     the whole mesh lies within ``reach`` of ``middle``; of other pieces the reach is 0. Pieces of one ``body``, a number
     from 1 on, are the faces of a box or of a closed convex mesh; of others it is 0.
     """

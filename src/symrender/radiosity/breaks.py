@@ -10,6 +10,7 @@ about it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -18,7 +19,7 @@ from symrender.radiometric.pieces import Piece
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.records import Ints
-from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, POINT, SKY, SPHERE, SPOT
+from symrender.scene.radiometric.arrays import AREA, DIRECTIONAL, DISK, POINT, SKY, SPHERE, SPOT
 from symrender.scene.radiometric.records import Light
 
 TOUCH: Final = 1e-12
@@ -26,6 +27,9 @@ TOUCH: Final = 1e-12
 _BELOW: Final = 1.0 - 1e-6
 """Part of a light's height up to which what is between it and a face is projected."""
 _CUBE: Final = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+_SQUARE: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_RIM: Final = 8
+"""Corners of the polygon about a disk."""
 _SIDES: Final = 12
 _WIDEST: Final = 80.0
 """Sides of a pyramid about the cone of a spot, and the angle in degrees from which there is none."""
@@ -34,18 +38,26 @@ _LONGER: Final = 4.0
 
 
 def corners_of(piece: Piece) -> Array:
-    """(n, 3); of a sphere those of a cube about it, beyond whose hull it changes nothing."""
+    """(n, 3); of a sphere those of a cube about it, of a disk of a square: beyond their hull it changes nothing."""
+    if piece.kind == DISK:
+        return np.asarray(piece.place + piece.radius * (_SQUARE[:, :1] * piece.east + _SQUARE[:, 1:] * piece.north))
     if piece.kind == SPHERE:
         return np.asarray(piece.place) + piece.radius * _CUBE
     return np.asarray(piece.corners).reshape(-1, 3)[: int(piece.count)].copy()
 
 
-def contacts(world: World, own: int) -> list[Array]:
-    """Segments (2, 3) in which other faces meet the plane of face ``own``; of one in the plane its edges."""
+def contacts(world: World, own: int, disks: Sequence[Piece] = ()) -> list[Array]:
+    """Segments (2, 3) in which other faces meet the plane of face ``own``; of one in the plane its edges.
+
+    ``disks`` are the pieces of shapes that are nets of many faces in ``world``: each meets the plane in one segment.
+    """
     face = world.pieces[own]
-    found = []
+    found = [chord for disk in disks if disk.owner != face.owner for chord in _chords(face, disk)]
+    netted = {float(disk.owner) for disk in disks}
     for j in _reaching(world, own):
         piece = world.pieces[j]
+        if piece.owner in netted:
+            continue
         corners = corners_of(piece)
         heights = (corners - face.place) @ face.up
         size = TOUCH * max(np.abs(corners).max(), np.abs(np.asarray(face.corners)).max())
@@ -59,6 +71,21 @@ def contacts(world: World, own: int) -> list[Array]:
             apart = met - met[0]
             found.append(np.array([met[0], met[int(np.argmax((apart**2).sum(axis=1)))]]))
     return found
+
+
+def _chords(face: Piece, disk: Piece) -> list[Array]:
+    """The segment in which a disk meets the plane of a face; none where both lie in parallel planes."""
+    along = np.cross(face.up, disk.up)
+    sine = float(np.sqrt(along @ along))
+    height = float((disk.place - face.place) @ face.up)
+    if sine <= TOUCH or abs(height) >= disk.radius * sine:
+        return []
+    # down along the disk to the plane
+    way = np.cross(along, disk.up) / sine
+    rise = float(way @ face.up)
+    middle = disk.place - height / rise * way
+    half = np.sqrt(disk.radius**2 - (height / rise) ** 2) * along / sine
+    return [np.array([middle - half, middle + half])]
 
 
 def _reaching(world: World, own: int) -> list[int]:
@@ -83,26 +110,38 @@ def _crossings(corners: Array, heights: Array) -> Array:
     return np.array(met).reshape(-1, 3)
 
 
-def shadow_edges(world: World, own: int, side: float, endless: frozenset[int] = frozenset()) -> list[Array]:
+def shadow_edges(
+    world: World, own: int, side: float, nets: frozenset[int] = frozenset(), disks: Sequence[Piece] = ()
+) -> list[Array]:  # fmt: skip
     """Segments (2, 3) that bound where shapes change the direct light of a side of face ``own``, or a spot begins.
 
-    Nets ``endless`` stand for planes, which hide of a light the same everywhere on one side of them: where they meet
-    the face is a contact, and no other edge of theirs bounds anything.
+    Shapes that are ``nets`` stand for planes, which hide of a light the same everywhere on one side of them, or for
+    ``disks``: where they meet the face is a contact. Of a disk the hull of a polygon about it is told: without, samples
+    might pass by all of its shadow.
     """
     face = world.pieces[own]
+    about = {int(disk.owner): _about(disk) for disk in disks}
     found = []
     for light in world.lights:
         if light.kind == SKY:
             continue
-        places = light_corners(world, light)
         emitter = int(light.emitter) if light.kind == AREA else -1
+        places = about[emitter] if emitter in about else light_corners(world, light)
         if light.kind == AREA:
-            found += _lamp_planes(world, face, emitter)
+            found += _lamp_planes(world, face, emitter, emitter in about)
         if light.kind == SPOT:
             found += _cone_edges(face, side, light)
-        for outline in _outlines(world, light, places, int(face.owner), endless | {emitter}):
+        outlines = _outlines(world, light, places, int(face.owner), nets | {emitter})
+        outlines += [[rim] for shape, rim in about.items() if shape not in (emitter, int(face.owner))]
+        for outline in outlines:
             found += _around(_hull_on(face, side, light, places, outline))
     return found
+
+
+def _about(disk: Piece) -> Array:
+    """(_RIM, 3) corners of a polygon about a disk."""
+    turns, reach = 2.0 * np.pi * np.arange(_RIM) / _RIM, disk.radius / np.cos(np.pi / _RIM)
+    return np.asarray(disk.place + reach * (np.cos(turns)[:, None] * disk.east + np.sin(turns)[:, None] * disk.north))
 
 
 def _around(corners: Array) -> list[Array]:
@@ -175,8 +214,8 @@ def _cone_edges(face: Piece, side: float, light: Light) -> list[Array]:
     return found
 
 
-def _lamp_planes(world: World, face: Piece, emitter: int) -> list[Array]:
-    """Where the planes of a lamp's faces cut the plane of a face."""
+def _lamp_planes(world: World, face: Piece, emitter: int, level: bool) -> list[Array]:
+    """Where the planes of a lamp's faces cut the plane of a face; those of a net, which are one, if it is ``level``."""
     found = []
     corners = corners_of(face)
     for piece in world.pieces:
@@ -187,11 +226,13 @@ def _lamp_planes(world: World, face: Piece, emitter: int) -> list[Array]:
         if square < TOUCH:
             continue
         # the place of both planes nearest the origin of the face
-        level = float((piece.place - face.place) @ piece.up)
-        place = face.place + level * np.cross(way, face.up) / square
+        rise = float((piece.place - face.place) @ piece.up)
+        place = face.place + rise * np.cross(way, face.up) / square
         # longer than the face, wherever it is from there
         size = _LONGER * float(np.sqrt(((corners - place) ** 2).sum(axis=1)).max() / np.sqrt(square))
         found.append(np.array([place - size * way, place + size * way]))
+        if level:
+            break
     return found
 
 

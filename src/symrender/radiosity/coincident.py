@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
-from symrender.radiometric.pieces import POLYGON, Piece
+from symrender.radiometric.pieces import POLYGON, Piece, owners
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import TOUCH, corners_of
-from symrender.scene.radiometric.arrays import BOX, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import BOX, DISK, SPHERE, RadiometricArrays
 
 _PARALLEL: Final = 0.5
 """Cosine between normals from which faces may lie in one plane: of needles normals are rounded."""
@@ -23,7 +24,8 @@ def coincident(arrays: RadiometricArrays, world: World) -> tuple[int, int] | Non
 
     A face of a box against another's is not seen, and one that stands on a face is not if nothing is behind that.
     """
-    for i, j in _pairs(world):
+    disks = np.array([shape.kind == DISK for shape in arrays.shapes])
+    for i, j in _pairs(world, disks):
         a, b = world.pieces[i], world.pieces[j]
         if not _in_one_plane(a, b) or not _overlap(a, b):
             continue
@@ -35,18 +37,23 @@ def coincident(arrays: RadiometricArrays, world: World) -> tuple[int, int] | Non
     return None
 
 
-def _pairs(world: World) -> list[tuple[int, int]]:
-    """Pairs of polygons whose bounds meet and whose normals are about parallel: no others lie in one plane."""
+def _pairs(world: World, disks: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Pairs of polygons whose bounds meet and whose normals are about parallel: no others lie in one plane.
+
+    Those of the net of one of the shapes that are ``disks`` overlap nowhere.
+    """
     some = np.flatnonzero(np.asarray(world.pieces["kind"]) == POLYGON)
     ups, counts = np.asarray(world.pieces["up"])[some], np.asarray(world.pieces["count"])[some]
     corners = np.asarray(world.pieces["corners"])[some].reshape(len(some), -1, 3)
     inside = (np.arange(corners.shape[1]) < counts[:, None])[..., None]
     size = TOUCH * np.abs(corners).max(initial=0.0)
     low, high = np.where(inside, corners, np.inf).min(axis=1), np.where(inside, corners, -np.inf).max(axis=1)
+    belongs = owners(world.pieces)[some]
     found = []
     for k in range(len(some)):
         near = (low[:k] <= high[k] + size).all(axis=1) & (high[:k] >= low[k] - size).all(axis=1)
-        for i in np.flatnonzero(near & (np.abs(ups[:k] @ ups[k]) > _PARALLEL)).tolist():
+        apart = (belongs[:k] != belongs[k]) | ~disks[belongs[k]]
+        for i in np.flatnonzero(near & apart & (np.abs(ups[:k] @ ups[k]) > _PARALLEL)).tolist():
             found.append((int(some[i]), int(some[k])))
     return found
 

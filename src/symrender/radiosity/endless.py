@@ -1,7 +1,8 @@
 """Planes as nets of triangles: squares about the middle of a scene, each ``GROWTH`` times as wide as the one within.
 
 Tables hold what faces send on cells, and a plane has no end. So its cells lie on a net, whose last square is ``WIDTH``
-times as far out as anything else of the scene; ``beyond.py`` bounds what is sent from farther out.
+times as far out as anything else of the scene; ``beyond.py`` bounds what is sent from farther out. Disks are nets, too:
+``rims.py``.
 """
 
 from __future__ import annotations
@@ -13,15 +14,16 @@ from typing import Final
 import numpy as np
 
 from symrender.jit.records import copied, flat, table
-from symrender.radiometric.pieces import owners
+from symrender.radiometric.pieces import Piece, owners
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_world
 from symrender.radiosity.beyond import Beyond, sent_at_all, sent_from
 from symrender.radiosity.breaks import corners_of
-from symrender.radiosity.near import Thing
+from symrender.radiosity.near import Thing, thing_of
 from symrender.radiosity.records import Ints
+from symrender.radiosity.rims import Rim, disk_net, rim_corners, rim_of
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import ALL, MESH, RadiometricArrays
+from symrender.scene.radiometric.arrays import ALL, DISK, MESH, RadiometricArrays
 from symrender.scene.radiometric.records import Facet
 
 GROWTH: Final = 6.0
@@ -33,14 +35,14 @@ _PER_RING: Final = 8
 """Triangles of a net in its first two squares, and between two others."""
 
 
-def has_planes(arrays: RadiometricArrays) -> bool:
-    """Whether some shape has no end."""
-    return any(shape.kind == PLANE for shape in arrays.shapes)
+def has_nets(arrays: RadiometricArrays) -> bool:
+    """Whether some shape is a plane or a disk."""
+    return any(shape.kind in (PLANE, DISK) for shape in arrays.shapes)
 
 
 @dataclass(frozen=True)
 class Laid:
-    """A scene whose faces gather: ``world``, and ``net``, which has nets of triangles in the place of planes.
+    """A scene whose faces gather: ``world``, and ``net``, which has nets of triangles in the place of planes and disks.
 
     Cells lie on pieces of the net; ``piece`` (N,) are those of the world that they belong to. ``matters`` (N,) is 1 but
     for the outer parts of nets, of which a place near the middle sees a share that falls as fast as they grow: there it
@@ -52,17 +54,41 @@ class Laid:
     piece: Ints
     matters: Array
     beyond: tuple[Beyond, ...]
+    rims: tuple[Rim, ...] = ()
 
     @property
-    def endless(self) -> frozenset[int]:
-        """The shapes that are planes."""
+    def netted(self) -> frozenset[int]:
+        """The shapes that are nets."""
         kinds = np.asarray(self.world.pieces["kind"])
-        return frozenset(owners(self.world.pieces)[kinds == PLANE].tolist())
+        return frozenset(owners(self.world.pieces)[(kinds == PLANE) | (kinds == DISK)].tolist())
+
+    @property
+    def disks(self) -> list[Piece]:
+        """The pieces of the world that are disks."""
+        return [piece for piece in self.world.pieces if piece.kind == DISK]
 
     def ended(self, things: list[Thing]) -> list[Thing]:
-        """Those of the things of the net that have an end: none is too large beside a plane."""
+        """The things of the net, a disk as one, without what has no end: none is too large beside a plane."""
         kinds = np.asarray(self.world.pieces["kind"])[self.piece]
-        return [thing for thing in things if thing.piece < 0 or kinds[thing.piece] != PLANE]
+        found, disks = [], set()
+        for thing in things:
+            if thing.piece < 0 or kinds[thing.piece] not in (PLANE, DISK):
+                found.append(thing)
+            elif kinds[thing.piece] == DISK:
+                disks.add(int(self.piece[thing.piece]))
+        return found + [thing_of(self.world.pieces[j], -1) for j in sorted(disks)]
+
+    @property
+    def corners(self) -> int:
+        """The most corners of polygons that stand for disks; 0 if there are none."""
+        return max((rim.corners for rim in self.rims), default=0)
+
+    def rim_share(self, owns: Ints, places: Array) -> Array:
+        """(N,) most form factor, from places of pieces ``owns`` of the world, of what disks have beside their nets."""
+        found = np.zeros(len(places))
+        for each in self.rims:
+            found += each.share(owns, places)
+        return found
 
     def missed(self, owns: Ints, places: Array) -> Array:
         """(N,) most that diffuse places of pieces ``owns`` of the world gather from beyond all nets."""
@@ -86,15 +112,16 @@ class Laid:
 def laid(arrays: RadiometricArrays) -> Laid:
     """A scene of flat shapes as its faces gather."""
     world = make_world(arrays)
-    if not has_planes(arrays):
+    if not has_nets(arrays):
         every = np.arange(len(world.pieces))
         return Laid(world, world, every, np.ones(len(every)), ())
     net = make_world(netted(arrays))
+    parted = np.array([shape.kind in (PLANE, DISK) for shape in arrays.shapes])
     endless = np.array([shape.kind == PLANE for shape in arrays.shapes])
     whole, parts = owners(world.pieces), owners(net.pieces)
     count = len(arrays.shapes)
     order = np.arange(len(parts)) - np.searchsorted(parts, np.arange(count))[parts]
-    piece = np.searchsorted(whole, np.arange(count))[parts] + np.where(endless[parts], 0, order)
+    piece = np.searchsorted(whole, np.arange(count))[parts] + np.where(parted[parts], 0, order)
     middle, half = middle_of(arrays)
     beyond = []
     for j in np.searchsorted(whole, np.flatnonzero(endless)).tolist():
@@ -104,7 +131,12 @@ def laid(arrays: RadiometricArrays) -> Laid:
         beyond.append(Beyond(j, foot, np.array(plane.up), WIDTH * first, sent))
     outer = np.maximum(0, (order - _NEAR) // _PER_RING + 1)
     matters = np.where(endless[parts], GROWTH ** (-0.5 * outer), 1.0)
-    return Laid(world, net, piece, matters, tuple(beyond))
+    disks = np.flatnonzero(np.asarray(world.pieces["kind"]) == DISK).tolist()
+    rims = tuple(rim_of(j, world.pieces[j], rim_corners(float(world.pieces[j].radius), half)) for j in disks)
+    for rim in rims:
+        # kernels gather of a disk, and hide behind it, by its polygon
+        world.pieces[rim.own].face = float(rim.corners)
+    return Laid(world, net, piece, matters, tuple(beyond), rims)
 
 
 def middle_of(arrays: RadiometricArrays) -> tuple[Array, float]:
@@ -122,17 +154,20 @@ def _foot(middle: Array, half: float, origin: Array, up: Array) -> tuple[Array, 
 
 
 def netted(arrays: RadiometricArrays) -> RadiometricArrays:
-    """The scene with a net of triangles in the place of every plane."""
-    if not has_planes(arrays):
+    """The scene with a net of triangles in the place of every plane and every disk."""
+    if not has_nets(arrays):
         return arrays
     middle, half = middle_of(arrays)
     shapes, nets = copied(arrays.shapes), [flat(arrays.facets).reshape(-1, 9)]
     start = len(arrays.facets)
     for shape, frame in zip(shapes, arrays.frames, strict=True):
-        if shape.kind != PLANE:
+        if shape.kind == PLANE:
+            foot, first = _foot(middle, half, frame.origin, frame.up)
+            net = _net(foot, np.asarray(frame.east), np.asarray(frame.north), first)
+        elif shape.kind == DISK:
+            net = disk_net(frame, np.array(shape.place), float(shape.radius), rim_corners(float(shape.radius), half))
+        else:
             continue
-        foot, first = _foot(middle, half, frame.origin, frame.up)
-        net = _net(foot, np.asarray(frame.east), np.asarray(frame.north), first)
         shape.kind, shape.place[:], shape.radius, shape.rotation = MESH, 0.0, 1.0, 0.0
         shape.start, shape.faces = start, len(net)
         start += len(net)

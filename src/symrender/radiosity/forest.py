@@ -39,16 +39,23 @@ CUTS: Final = 4000
 """Most cells a forest is cut into along segments."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Forest:
-    """Cells in a table whose first rows are the ``roots``; ``leaves`` are the rows of leaves.
-
-    ``unseen`` is the part of their doubt that stands for what no sample may have met; ``inner`` are those with halves.
-    """
+    """Cells in a table whose first rows are the ``roots``; ``leaves`` are the rows of leaves."""
 
     cells: Table[Cell]
     roots: Ints
     leaves: Ints
+
+
+@dataclass(frozen=True)
+class Grown:
+    """A forest and what its cells are filled by: their ``quads`` and ``frames``.
+
+    ``unseen`` is the part of their doubt that stands for what no sample may have met; ``inner`` are those with halves.
+    """
+
+    forest: Forest
     quads: Quads
     frames: Frames
     unseen: Array
@@ -97,7 +104,7 @@ class Limits:
     """(pieces,) what deviations on each face count, where some face is seen from far away alone; else all count 1."""
 
 
-def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
+def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Grown:
     """The forest of ``roots``, cut along the ``segments`` of each and its texture's, then halved as ``limits`` say."""
     growing = _Growing()
     growing.add(roots)
@@ -227,7 +234,7 @@ def doubts_of(cells: Table[Cell], rows: Ints) -> Doubts:
     return Doubts(*(np.asarray(cells[name])[rows].copy() for name in ("doubt", "bulk", "even", "drift", "haze")))
 
 
-def _laid(world: World, growing: _Growing, quads: Quads, roots: int, found: tuple[Array, Doubts]) -> Forest:
+def _laid(world: World, growing: _Growing, quads: Quads, roots: int, found: tuple[Array, Doubts]) -> Grown:
     """The forest as records; ``found`` are terms and what they doubt."""
     terms, doubts = found
     frames = frames_of(quads, _ups(world, quads))
@@ -251,7 +258,7 @@ def _laid(world: World, growing: _Growing, quads: Quads, roots: int, found: tupl
     inner.write(cells)
     doubts.some(leaves).write(cells, leaves)
     inner.write_doubts(cells)
-    return Forest(cells, np.arange(roots), leaves, quads, frames, doubts.drift, inner)
+    return Grown(Forest(cells, np.arange(roots), leaves), quads, frames, doubts.drift, inner)
 
 
 def put_terms(cells: Table[Cell], rows: Ints, terms: Array) -> None:

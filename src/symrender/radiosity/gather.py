@@ -35,11 +35,9 @@ from symrender.radiosity.records import (
     BOUND,
     CHANNELS,
     FREE,
-    MOST,
     NEAR,
     NEVER,
     RULE,
-    SPACES,
     WORK,
     Cell,
     Ints,
@@ -137,14 +135,14 @@ def add_cell(
             waiting -= 1
             continue
         b = scratch.done[part]
-        full = waiting + SPACES + 2 >= scratch.sizes.shape[0] or sums[WORK] > ENOUGH
+        full = waiting + scratch.stride + 2 >= scratch.sizes.shape[0] or sums[WORK] > ENOUGH
         if b < occluders:
             waiting = subtract(scratch, part, b)
             continue
         if b < hidden:
             waiting = surround(scratch, part, b, b - occluders)
             continue
-        if scratch.sizes[part] == MOST:
+        if scratch.sizes[part] == scratch.most:
             # it may have had more corners than were kept
             sums[RULE] += math.inf
         if material.kind == DIFFUSE and scratch.rings[part] == FREE:
@@ -177,7 +175,7 @@ def subtract(scratch: Scratch, part: int, b: int) -> int:
     """
     count = scratch.counts[b]
     for k in range(count):
-        space = scratch.spaces[SPACES * b + k]
+        space = scratch.spaces[scratch.stride * b + k]
         low, high = range_over(scratch, part, vector(space.normal), space.level)
         if high <= 0.0:
             scratch.done[part] = b + 1
@@ -185,7 +183,7 @@ def subtract(scratch: Scratch, part: int, b: int) -> int:
     # the rest goes from place to place ahead of the parts that are left, and is dropped at the end
     rest = part
     for k in range(count):
-        space = scratch.spaces[SPACES * b + k]
+        space = scratch.spaces[scratch.stride * b + k]
         n = vector(space.normal)
         low, high = range_over(scratch, rest, n, space.level)
         if low >= 0.0:

@@ -39,7 +39,7 @@ class Thing:
 
 def pieces_of(world: World) -> list[Thing]:
     """All pieces."""
-    return [_thing(piece, j) for j, piece in enumerate(world.pieces)]
+    return [thing_of(piece, j) for j, piece in enumerate(world.pieces)]
 
 
 def lamps(world: World) -> list[Thing]:
@@ -51,13 +51,14 @@ def lamps(world: World) -> list[Thing]:
             found.append(Thing(np.array([light.place]), 0.0, 0.0, -1))
         elif light.kind == AREA:
             shining = np.flatnonzero(owners == int(light.emitter)).tolist()
-            found += [_thing(world.pieces[j], j) for j in shining]
+            found += [thing_of(world.pieces[j], j) for j in shining]
         elif light.kind == SKY:
             found += pieces_of(world)
     return found
 
 
-def _thing(piece: Piece, index: int) -> Thing:
+def thing_of(piece: Piece, index: int) -> Thing:
+    """A piece, of the number ``index``, as what is near a cell."""
     if piece.kind == SPHERE:
         size = float(piece.radius)
         return Thing(np.array([piece.place]), 2.0 * size, float(np.pi) * size * size, index, size)

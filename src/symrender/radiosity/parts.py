@@ -5,7 +5,7 @@ from __future__ import annotations
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.vectors import Vector, dot, minus, vector
-from symrender.radiosity.records import MOST, TERMS, Cell, HalfSpace, Scratch
+from symrender.radiosity.records import TERMS, Cell, HalfSpace, Scratch
 
 
 @inlined
@@ -62,9 +62,9 @@ def sent_from_middle(scratch: Scratch, part: int, cell: Cell, way: Vector) -> Ve
 
 @jitable
 def cut(scratch: Scratch, part: int, into: int, normal: Vector, level: float, sign: float) -> int:
-    """Write what of a part lies where ``sign`` (normal.w + level) is positive; returns how many corners, at most MOST.
+    """Write what of a part lies where ``sign`` (normal.w + level) is positive; returns how many corners.
 
-    A part of more corners than fit is written without those that are too many.
+    A part of more corners than ``most`` is written without those that are too many.
     """
     count, found = scratch.sizes[part], 0
     for k in range(count):
@@ -73,10 +73,10 @@ def cut(scratch: Scratch, part: int, into: int, normal: Vector, level: float, si
         other = k + 1 if k + 1 < count else 0
         here, there = scratch.kept[k], scratch.kept[other]
         a, b = part_corner(scratch, part, k), part_corner(scratch, part, other)
-        if here >= 0.0 and found < MOST:
+        if here >= 0.0 and found < scratch.most:
             put_corner(scratch, into, found, a)
             found += 1
-        if ((here > 0.0 and there < 0.0) or (here < 0.0 and there > 0.0)) and found < MOST:
+        if ((here > 0.0 and there < 0.0) or (here < 0.0 and there > 0.0)) and found < scratch.most:
             t = here / (here - there)
             put_corner(
                 scratch, into, found, (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]))

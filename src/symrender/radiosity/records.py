@@ -72,10 +72,8 @@ class HalfSpace(Record):
     level: float
 
 
-SPACES: Final = CORNERS + 1
-"""Half spaces of what one face hides: of its edges, and what lies behind it."""
 MOST: Final = 16
-"""Most corners of a part of a cell."""
+"""Most corners of a part of a cell, but for what is cut out of it along rims."""
 SPARE: Final = 64
 """Parts of a cell that may wait beside those that occluders leave."""
 
@@ -112,16 +110,17 @@ FREE: Final = -1
 """What stands for the ring of a part that no circle may pass through."""
 MANY: Final = -2
 """What stands for it where several circles may."""
-TURNS: Final = 3 * MOST
-"""Most angles at which a ray from the middle of a ring meets another edge of a part."""
+TURNS: Final = 3
+"""Most angles, for each of its corners, at which a ray from the middle of a ring meets another edge of a part."""
 
 
 class Scratch(NamedTuple):
     """What a gather works in: half spaces of occluders, cells that wait, parts of a cell that wait.
 
-    Occluder b has ``counts[b]`` half spaces, from ``spaces[SPACES b]``. A part has ``sizes`` corners, relative to the
-    place that gathers, and is free of the first ``done`` occluders, of which the last are ``circles``; the one that
-    may pass through it is ``rings``. ``levels`` and ``turns`` are those of the edges of one part.
+    Occluder b has ``counts[b]`` half spaces, from ``spaces[stride b]``, for none has more: of its edges, and what lies
+    behind it. A part has ``sizes`` corners, no more than ``most``, relative to the place that gathers, and is free of
+    the first ``done`` occluders, of which the last are ``circles``; the one that may pass through it is ``rings``.
+    ``levels`` and ``turns`` are those of the edges of one part.
     """
 
     spaces: Table[HalfSpace]
@@ -136,13 +135,20 @@ class Scratch(NamedTuple):
     levels: Array
     turns: Array
     lamp: Table[Cell]
+    stride: int
+    most: int
 
 
-def make_scratch(pieces: int, cells: int) -> Scratch:
-    """Scratch of one thread for so many pieces and cells."""
-    parts = (SPACES + 1) * pieces + SPARE
+def make_scratch(pieces: int, cells: int, disks: int = 0, rim: int = 0) -> Scratch:
+    """Scratch of one thread for so many pieces and cells; some pieces are disks, which polygons of ``rim`` corners are.
+
+    What is cut out of a cell along rims may have as many corners more.
+    """
+    stride, most = max(CORNERS, rim) + 1, MOST + rim
+    parts = (CORNERS + 2) * pieces + (rim + 2) * disks + SPARE
     return Scratch(
-        table(HalfSpace, SPACES * (pieces + 1)), np.zeros(pieces + 1, np.int64), np.zeros(cells + 2, np.int64),
-        np.zeros((parts, 3 * MOST)), np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(2 * MOST),
-        np.zeros(parts, np.int64), table(Ring, pieces + 1), np.zeros((MOST, 3)), np.zeros(TURNS + 1), table(Cell, 1),
+        table(HalfSpace, stride * (pieces + 1)), np.zeros(pieces + 1, np.int64), np.zeros(cells + 2, np.int64),
+        np.zeros((parts, 3 * most)), np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(2 * most),
+        np.zeros(parts, np.int64), table(Ring, pieces + 1), np.zeros((most, 3)), np.zeros(TURNS * most + 1),
+        table(Cell, 1), stride, most,
     )  # fmt: skip

@@ -12,9 +12,6 @@ sure as the largest deviation that was sampled is the largest of its cell.
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
@@ -23,7 +20,6 @@ import numpy as np
 
 from symrender.jit.compiled import compiled
 from symrender.radiometric.pieces import POLYGON
-from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import contacts, shadow_edges
@@ -33,6 +29,7 @@ from symrender.radiosity.forest import (
     Doubts,
     Evaluate,
     Forest,
+    Grown,
     Limits,
     doubts_of,
     grown,
@@ -40,10 +37,11 @@ from symrender.radiosity.forest import (
     root_cells,
     sampled,
 )
-from symrender.radiosity.gather import gather_places
+from symrender.radiosity.gathered import ALONE, Places, direct, gather, gather_at
 from symrender.radiosity.near import lamps, pieces_of
-from symrender.radiosity.places import fill_lit, fill_reflects
-from symrender.radiosity.records import BOUND, CHANNELS, NEVER, RULE, SUMS, Ints, make_scratch
+from symrender.radiosity.places import fill_reflects
+from symrender.radiosity.records import BOUND, CHANNELS, NEVER, RULE, Ints
+from symrender.radiosity.work import Work
 from symrender.scene.radiometric.arrays import DIFFUSE
 
 MOST_LIT: Final = 12_000
@@ -53,7 +51,6 @@ MOST_SHARP: Final = 40_000
 """The same of direct light where some shape is glossy."""
 _SHARP: Final = 0.5
 """Part of the tolerance that direct light may be off anywhere where some shape is glossy."""
-_CHUNK: Final = 256
 _TAIL: Final = 0.02
 """Part of the tolerance that may be left out at the end of the series."""
 _MOST_TERMS: Final = 400
@@ -114,75 +111,28 @@ class Sendings:
     forests: tuple[Forest, ...]
     fine: float
 
-    def gathered(self, owns: Ints, fronts: Ints, places: Array, threads: int = 1) -> Array:
+    def gathered(self, owns: Ints, fronts: Ints, places: Array, work: Work = ALONE) -> Array:
         """(N, SUMS): what places of pieces gather, the bound, the rule's error and how many nodes it took."""
-        return gather(self.laid.world, self.forests, owns, fronts, places, self.fine, threads)
+        return gather(self.laid, self.forests, owns, fronts, places, self.fine, work)
 
     def reflected(self, at: Places, fine: float) -> Array:
         """The same of places as they are seen, whose lobes weigh what they gather."""
-        return gather_at(self.laid.world, self.forests, at, fine)
+        return gather_at(self.laid, self.forests, at, fine)
+
+    def missed(self, owns: Ints, places: Array) -> Array:
+        """(N,) most that diffuse places of pieces ``owns`` gather beside all cells: beyond nets, and along rims."""
+        found = self.laid.missed(owns, places)
+        return found + brightest(self.forests) * self.laid.rim_share(owns, places) if self.laid.rims else found
 
 
-@dataclass(frozen=True)
-class Places:
-    """Places that gather: pieces ``own`` and whether their ``front`` (N,), then (N, 3) arrays.
-
-    ``normal`` and the way to who looks, ``view``, are unit.
-    """
-
-    own: Ints
-    front: Ints
-    place: Array
-    normal: Array
-    view: Array
-
-    def some(self, which: Ints) -> Places:
-        """Those of ``which``."""
-        return Places(self.own[which], self.front[which], self.place[which], self.normal[which], self.view[which])
+def brightest(forests: tuple[Forest, ...]) -> float:
+    """A bound of what anything sends."""
+    # what cells with halves hold may be far more, and is then not sent
+    sent = [np.asarray(forest.cells["terms"])[forest.leaves] for forest in forests]
+    return sum(float(np.abs(each).sum(axis=1).max(initial=0.0)) for each in sent)
 
 
-def gather(
-    world: World, forests: tuple[Forest, ...], owns: Ints, fronts: Ints, places: Array, fine: float, threads: int = 1
-) -> Array:  # fmt: skip
-    """(N, SUMS) of ``gather_places`` for places of flat pieces, over all forests."""
-    normals = np.asarray(world.pieces["up"])[owns] * np.where(fronts > 0, 1.0, -1.0)[:, None]
-    return gather_at(world, forests, Places(owns, fronts, places, normals, normals), fine, threads)
-
-
-def gather_at(world: World, forests: tuple[Forest, ...], at: Places, fine: float, threads: int = 1) -> Array:
-    """(N, SUMS) of ``gather_places``, over all forests."""
-    sums = np.zeros((len(at.own), SUMS))
-
-    def run(begin: int) -> None:
-        part = slice(begin, min(begin + _CHUNK, len(at.own)))
-        some = (at.own[part], at.front[part], at.place[part], at.normal[part], at.view[part])
-        for forest in forests:
-            scratch = make_scratch(len(world.pieces), len(forest.cells))
-            _gather_kernel()(world, forest.cells, forest.roots, *some, fine, scratch, sums[part])
-
-    in_parts(run, len(at.own), threads)
-    return sums
-
-
-def in_parts(run: Callable[[int], None], count: int, threads: int) -> None:
-    """Call ``run`` with the beginning of every part of ``count`` places."""
-    begins = range(0, count, _CHUNK)
-    threads = threads or os.cpu_count() or 1
-    if threads == 1 or len(begins) < 2:
-        for begin in begins:
-            run(begin)
-        return
-    with ThreadPoolExecutor(threads) as pool:
-        try:
-            for _ in pool.map(run, begins):
-                pass
-        except BaseException:
-            # what waits is dropped, so that Ctrl-C is heard within a part
-            pool.shutdown(cancel_futures=True)
-            raise
-
-
-def sendings(scene: Laid, bounces: bool, tol: float, threads: int = 1) -> Sendings:
+def sendings(scene: Laid, bounces: bool, tol: float, work: Work = ALONE) -> Sendings:
     """What faces send to each other, for values to ``tol``, a radiance; ``bounces`` says whether more than once."""
     net, piece = scene.net, scene.piece
     faces = reflecting(net)
@@ -193,26 +143,26 @@ def sendings(scene: Laid, bounces: bool, tol: float, threads: int = 1) -> Sendin
         return Sendings(scene, (), fine)
     roots = root_cells(net, faces.face, faces.side)
     near = roots.some(np.flatnonzero(scene.matters[roots.face] == 1.0))
-    edges = [contacts(net, int(f)) for f in faces.face]
-    shadows = [shadow_edges(net, int(f), float(s), scene.endless) for f, s in zip(faces.face, faces.side, strict=True)]
+    edges, shadows = _edges(scene, faces)
 
     def lit(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
-        light = direct(scene.world, piece[face], side, places, threads) / math.pi
+        light = direct(scene.world, piece[face], side, places, work) / math.pi
         return faces.of(face, places) * light, np.zeros(len(places))
 
     cuts = [a + b for a, b in zip(edges, shadows, strict=True)]
     glossy = any(net.materials[int(each.material)].kind != DIFFUSE for each in net.pieces)
     target, limits = (_COARSE if bounces else 1.0) * tol, (MOST_SHARP if glossy else MOST_LIT, MOST_GATHERED)
-    solver = _Solver(scene, faces, fine, threads)
+    solver = _Solver(scene, faces, fine, work)
     falls, last = _FALLS, (0.0, 0.0)
     for _ in range(_TRIES):
         aim = min(target, _SHARP * tol) if glossy else target
-        first = _grown(scene, roots, cuts, lit, Limits(aim, limits[0], scene.ended(lamps(net)), glossy, scene.matters))
+        lit_by = Limits(aim, limits[0], scene.ended(lamps(net)), glossy, scene.matters)
+        first = _grown(scene, roots, cuts, lit, lit_by).forest
         made = Sendings(scene, (first,), fine)
         if bounces:
             things = Limits(target, MOST_GATHERED, scene.ended(pieces_of(net)), matters=scene.matters)
             made = Sendings(scene, (first, solver.reflected(first, roots, edges, things)), fine)
-        stated = most * np.quantile(_stated(made, near, threads), _SHARE_MET)
+        stated = most * np.quantile(_stated(made, near, work), _SHARE_MET)
         full = any(
             len(forest.cells) >= most_cells - 1 for forest, most_cells in zip(made.forests, limits, strict=False)
         )
@@ -225,33 +175,39 @@ def sendings(scene: Laid, bounces: bool, tol: float, threads: int = 1) -> Sendin
     return made
 
 
-def _grown(scene: Laid, roots: Quads, cuts: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Forest:
+def _edges(scene: Laid, faces: Faces) -> tuple[list[list[Array]], list[list[Array]]]:
+    """Segments of the sides of faces in which others meet them, and those in which shadows begin."""
+    net, disks = scene.net, scene.disks
+    edges = [contacts(net, int(f), disks) for f in faces.face]
+    owner, level = np.asarray(net.pieces["owner"])[faces.face], {disk.owner for disk in disks}
+    shadows: list[list[Array]] = []
+    known: dict[tuple[float, float], list[Array]] = {}
+    for f, side, shape in zip(faces.face.tolist(), faces.side.tolist(), owner.tolist(), strict=True):
+        # faces of the net of a disk have one plane
+        found = known.get((shape, side))
+        if found is None:
+            found = shadow_edges(net, f, side, scene.netted, disks)
+        if shape in level:
+            known[shape, side] = found
+        shadows.append(found)
+    return edges, shadows
+
+
+def _grown(scene: Laid, roots: Quads, cuts: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Grown:
     """``grown`` on the net of a scene; cells belong to pieces of its world."""
-    forest = grown(scene.net, roots, cuts, evaluate, limits)
-    forest.cells["face"][:] = scene.piece[np.asarray(forest.cells["face"]).astype(np.int64)]
-    return forest
+    made = grown(scene.net, roots, cuts, evaluate, limits)
+    faces = made.forest.cells["face"]
+    faces[:] = scene.piece[np.asarray(faces).astype(np.int64)]
+    return made
 
 
-def _stated(made: Sendings, roots: Quads, threads: int) -> Array:
+def _stated(made: Sendings, roots: Quads, work: Work) -> Array:
     """What is stated of light gathered at the places at which faces as a whole would be sampled."""
     places = sampled_places(roots)
     per = places.shape[1]
     fronts = np.repeat((roots.side > 0).astype(np.int64), per)
-    sums = made.gathered(np.repeat(made.laid.piece[roots.face], per), fronts, places.reshape(-1, 3), threads)
+    sums = made.gathered(np.repeat(made.laid.piece[roots.face], per), fronts, places.reshape(-1, 3), work)
     return np.asarray(sums[:, BOUND] + sums[:, RULE])
-
-
-def direct(world: World, face: Ints, side: Array, places: Array, threads: int) -> Array:
-    """(N, 3): the irradiance by all lights of places of faces."""
-    found = np.zeros((len(places), CHANNELS))
-    fronts = (side > 0).astype(np.int64)
-
-    def run(begin: int) -> None:
-        part = slice(begin, min(begin + _CHUNK, len(places)))
-        _lit_kernel()(world, face[part], fronts[part], places[part], sky_room(world), found[part])
-
-    in_parts(run, len(places), threads)
-    return found
 
 
 @dataclass
@@ -261,7 +217,7 @@ class _Solver:
     laid: Laid
     faces: Faces
     fine: float
-    threads: int
+    work: Work
     known: tuple[Forest, ...] = ()
 
     @property
@@ -274,7 +230,7 @@ class _Solver:
 
         def evaluate(face: Ints, side: Array, places: Array) -> tuple[Array, Array]:
             fronts = (side > 0).astype(np.int64)
-            sums = gather(self.laid.world, forests, self.laid.piece[face], fronts, places, self.fine, self.threads)
+            sums = gather(self.laid, forests, self.laid.piece[face], fronts, places, self.fine, self.work)
             return self.faces.of(face, places) * sums[:, :CHANNELS], self.most * sums[:, RULE]
 
         return evaluate
@@ -282,37 +238,37 @@ class _Solver:
     def reflected(self, first: Forest, roots: Quads, edges: list[list[Array]], limits: Limits) -> Forest:
         """All reflections of what ``first`` sends, and what they may be off."""
         second = _grown(self.laid, roots, edges, self.gathered((first, *self.known)), limits)
-        rows = second.leaves
+        cells, rows = second.forest.cells, second.forest.leaves
         quads = second.quads.some(rows)
         places = sampled_places(quads)
         powers = monomials(second.frames.some(rows), places)
         fit = fitting(powers, node_weights(quads))
         self._iterate(first, second, places[:, :NODES], powers[:, :NODES], fit, limits.target)
         # the residual: what is gathered of both forests, less what the second holds
-        values, off = sampled(quads, places, self.gathered((first, second)))
-        held = powers @ np.asarray(second.cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).transpose(0, 2, 1)
+        values, off = sampled(quads, places, self.gathered((first, second.forest)))
+        held = powers @ np.asarray(cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).transpose(0, 2, 1)
         unseen = second.unseen[rows] + self.most * self.laid.missed_by(quads.face, quads.corners)
         doubts = Doubts(*deviations(powers, fit, values - held), off.max(axis=1) + unseen, off.mean(axis=1) + unseen)
-        doubts.write(second.cells, rows)
-        second.inner.write_doubts(second.cells)
+        doubts.write(cells, rows)
+        second.inner.write_doubts(cells)
         self._bound(first, second, quads, places, limits.target)
-        self.known = (second,)
-        return second
+        self.known = (second.forest,)
+        return second.forest
 
     def _iterate(
-        self, first: Forest, second: Forest, nodes: Array, powers: Array, fit: Array, target: float
+        self, first: Forest, second: Grown, nodes: Array, powers: Array, fit: Array, target: float
     ) -> None:  # fmt: skip
         """Fill the second forest with all reflections, from what it holds on."""
-        rows, most = second.leaves, self.most
+        cells, rows, most = second.forest.cells, second.forest.leaves, self.most
         quads = second.quads.some(rows)
-        total = np.asarray(second.cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).copy()
+        total = np.asarray(cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).copy()
         term, before = total, (powers @ total.transpose(0, 2, 1)).reshape(-1, CHANNELS)
         # without something known the second forest holds the first term of the series, else all but a residual of it
         missing = bool(self.known)
         for _ in range(_MOST_TERMS):
-            put_terms(second.cells, rows, term)
-            second.inner.write(second.cells)
-            values, _ = sampled(quads, nodes, self.gathered((first, second) if missing else (second,)))
+            put_terms(cells, rows, term)
+            second.inner.write(cells)
+            values, _ = sampled(quads, nodes, self.gathered((first, second.forest) if missing else (second.forest,)))
             now = values.reshape(-1, CHANNELS)
             if missing:
                 now, before = now - before, np.zeros_like(before)
@@ -326,19 +282,21 @@ class _Solver:
             if float(off) * most / (1.0 - most) < _TAIL * target:
                 total += term * (ratio / (1.0 - ratio))[None, :, None]
                 break
-        put_terms(second.cells, rows, total)
-        second.inner.write(second.cells)
+        put_terms(cells, rows, total)
+        second.inner.write(cells)
 
-    def _bound(self, first: Forest, second: Forest, quads: Quads, places: Array, target: float) -> None:
+    def _bound(self, first: Forest, second: Grown, quads: Quads, places: Array, target: float) -> None:
         """Add to what the leaves of the second forest doubt what follows from it, u = rho K(d + u)."""
-        rows, cells = second.leaves, second.cells
+        rows, cells = second.forest.leaves, second.forest.cells
         few = np.ascontiguousarray(places[:, [0, 3, 12, 15, NODES + 4]])
         face = np.repeat(self.laid.piece[quads.face], few.shape[1])
         fronts = np.repeat((quads.side > 0).astype(np.int64), few.shape[1])
         doubts, none = doubts_of(cells, rows), np.zeros(len(rows))
         # bounds alone are gathered: what varies within a cell asks for no finer rule
-        spreads = [forest.cells["spread"].copy() for forest in (first, second)]
-        for forest in (first, second):
+        forests: tuple[Forest, ...] = (first, second.forest)
+        both = forests
+        spreads = [forest.cells["spread"].copy() for forest in both]
+        for forest in both:
             forest.cells["spread"][:] = 0.0
         rough = cells["rough"].copy()
         grows = np.zeros((len(rows), few.shape[1]))
@@ -347,9 +305,8 @@ class _Solver:
         reflects = (
             self.faces.of(np.repeat(quads.face, few.shape[1]), few.reshape(-1, 3)).max(axis=1).reshape(-1, few.shape[1])
         )
-        forests: tuple[Forest, ...] = (first, second)
         for _ in range(_MOST_TERMS):
-            sums = gather(self.laid.world, forests, face, fronts, few.reshape(-1, 3), self.fine, self.threads)
+            sums = gather(self.laid, forests, face, fronts, few.reshape(-1, 3), self.fine, self.work)
             more = reflects * sums[:, BOUND].reshape(-1, few.shape[1])
             grows += more
             rest = _rest(more.max(axis=1), before, self.most)[:, None]
@@ -360,11 +317,11 @@ class _Solver:
                 break
             before = more.max(axis=1) if self.laid.beyond else None
             # bounds are joined as they are: no cubic stands for them
-            forests = (second,)
+            forests = (second.forest,)
             cells["rough"][:] = np.where(rough < NEVER, 0.0, rough)
             Doubts(none, none, none, more.max(axis=1), more.mean(axis=1)).write(cells, rows)
             second.inner.write_doubts(cells)
-        for forest, spread in zip((first, second), spreads, strict=True):
+        for forest, spread in zip(both, spreads, strict=True):
             forest.cells["spread"][:] = spread
         cells["rough"][:] = rough
         drift, haze = doubts.drift + grows.max(axis=1), doubts.haze + grows.mean(axis=1)
@@ -383,16 +340,6 @@ def _rest(now: Array, before: Array | None, most: float) -> Array:
         return rest
     ratio = float((now / np.where(before > 0.0, before, 1.0)).max(initial=0.0))
     return np.minimum(rest, now * ratio / (1.0 - ratio)) if ratio < 1.0 else rest
-
-
-@lru_cache(maxsize=1)
-def _gather_kernel() -> Any:
-    return compiled(gather_places, _nrt=False)
-
-
-@lru_cache(maxsize=1)
-def _lit_kernel() -> Any:
-    return compiled(fill_lit, _nrt=False)
 
 
 @lru_cache(maxsize=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
@@ -28,7 +28,8 @@ from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prep
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixels import prepare_means
-from symrender.runtimes.radiosity import Gatherer, table_of
+from symrender.runtimes.radiosity import Gatherer
+from symrender.runtimes.tables import Need, table_of
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal, shape_classes
@@ -58,8 +59,8 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     width, height = settings.width, settings.height
     views = seen_all(shaken(arrays), width, height)
     own, integrated = threading.local(), integrated_layers(arrays)
-    if arrays.bounces and is_flat(arrays):
-        table_of(arrays, settings.tol, settings.threads)
+    for need in tables_needed(arrays, settings):
+        table_of(need, settings.threads)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
@@ -115,8 +116,8 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
     bounced = None
     if arrays.bounces and not is_exposed(arrays):
         tol = node_tolerance(settings.tol)
-        if is_flat(arrays):
-            table_of(arrays, tol, settings.threads)
+        for need in tables_needed(arrays, settings):
+            table_of(need, settings.threads)
         bounced = prepare_bounced(arrays, settings, lambda: _bouncer(arrays, "indirect", tol))
     closed = replace(settings, tol=DIRECT_SHARE * settings.tol) if bounced else settings
     means = (prepare_exposed if is_exposed(arrays) else prepare_means)(arrays, closed)
@@ -140,6 +141,13 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         return spent
 
     return render
+
+
+def tables_needed(arrays: RadiometricArrays, settings: Settings) -> tuple[Need, ...]:
+    """The tables of what faces send each other that ``prepare`` makes, unless they are had before."""
+    if not arrays.bounces or not is_flat(arrays) or is_exposed(arrays):
+        return ()
+    return (Need(arrays, settings.tol if settings.filter == "centre" else node_tolerance(settings.tol)),)
 
 
 def _bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | Gatherer:
@@ -169,30 +177,40 @@ class Sent:
     evaluations: Ints
 
 
-def rays(arrays: RadiometricArrays, origins: Array, directions: Array, tol: float, budget: int = BUDGET) -> Sent:
-    """What comes back along unit rays, each to ``tol``, absolute; Unsupported where ``check`` says so."""
+def ray_answers(arrays: RadiometricArrays, tol: float, budget: int = BUDGET) -> Callable[[Array, Array], Sent]:
+    """What answers for origins and unit directions (N, 3), each to ``tol``, absolute.
+
+    Unsupported where ``check`` says so. Threads may ask at the same time.
+    """
     check(arrays)
-    count, sent = len(origins), shaken_rays(arrays, origins, directions)
-    found = []
-    for world, pair in zip(make_worlds(shaken(arrays)), sent, strict=True):
-        one = (np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count))
-        _kernel("fill_rays")(world, *pair, sky_room(world), *one)
-        found.append(one)
-    emitted, direct, hit_class = found[0]
-    error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
-    lost = ~np.isfinite(error)
-    direct[lost], error[lost] = 0.0, np.inf
-    indirect, evaluations = np.zeros((count, 3)), np.ones(count, np.int64)
-    status = np.where(lost, UNSUPPORTED, MET)
-    for name in integrated_layers(arrays):
-        bounced = _bouncer(arrays, name, tol).sent(sent, tol, budget)
-        if name == "direct":
-            direct = direct + bounced.indirect
-        else:
-            indirect = bounced.indirect
-        status, evaluations = np.maximum(status, bounced.status), evaluations + bounced.evaluations
-        error = error + bounced.error
-    return Sent(emitted, direct, indirect, hit_class, error, _status(error, status, tol), evaluations)
+    worlds, integrated, own = make_worlds(shaken(arrays)), integrated_layers(arrays), threading.local()
+
+    def answer(origins: Array, directions: Array) -> Sent:
+        count, sent = len(origins), shaken_rays(arrays, origins, directions)
+        found = []
+        for world, pair in zip(worlds, sent, strict=True):
+            one = (np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count))
+            _kernel("fill_rays")(world, *pair, sky_room(world), *one)
+            found.append(one)
+        emitted, direct, hit_class = found[0]
+        error = doubt(emitted + direct, [e + d for e, d, _ in found[1:]])
+        lost = ~np.isfinite(error)
+        direct[lost], error[lost] = 0.0, np.inf
+        indirect, evaluations = np.zeros((count, 3)), np.ones(count, np.int64)
+        status = np.where(lost, UNSUPPORTED, MET)
+        if not hasattr(own, "bouncers"):
+            own.bouncers = {name: _bouncer(arrays, name, tol) for name in integrated}
+        for name, bouncer in own.bouncers.items():
+            bounced = bouncer.sent(sent, tol, budget)
+            if name == "direct":
+                direct = direct + bounced.indirect
+            else:
+                indirect = bounced.indirect
+            status, evaluations = np.maximum(status, bounced.status), evaluations + bounced.evaluations
+            error = error + bounced.error
+        return Sent(emitted, direct, indirect, hit_class, error, _status(error, status, tol), evaluations)
+
+    return answer
 
 
 def integrated_layers(arrays: RadiometricArrays) -> tuple[str, ...]:

@@ -21,12 +21,13 @@ from symrender.radiometric.world import Seen, seen_all
 from symrender.runtimes.bounce_moves import check_moves
 from symrender.runtimes.bounce_slopes import Ints, moving_rays
 from symrender.runtimes.bounced_pixels import DIRECT_SHARE
-from symrender.runtimes.emission_slopes import bouncer_of, check_emission
+from symrender.runtimes.emission_slopes import alone, bouncer_of, check_emission
 from symrender.runtimes.exposed import is_exposed
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_gradient import prepare_box
 from symrender.runtimes.radiometric import check, integrated_layers
 from symrender.runtimes.swept_pixels import prepare_swept
+from symrender.runtimes.tables import Need
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.scene.radiometric.flat import is_round
@@ -104,6 +105,13 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
         return count
 
     return render
+
+
+def tables_needed(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> tuple[Need, ...]:
+    """The tables of what faces send each other that the kernel of ``prepare`` makes, unless they are had before."""
+    if not arrays.bounces or is_round(arrays):
+        return ()
+    return tuple(Need(alone(arrays, move), settings.tol) for move in wrt)
 
 
 def _prepare_means(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
 from functools import lru_cache
 from typing import Any, Final
 
@@ -11,45 +9,24 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
-from symrender.jit.records import flat
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_world
-from symrender.radiosity.endless import laid
+from symrender.radiosity.gathered import Places
 from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
-from symrender.radiosity.table import Places, Sendings, sendings
+from symrender.radiosity.table import brightest
 from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, sharpness
-from symrender.scene.radiometric.arrays import ALL, AREA, DIFFUSE, SPHERE, RadiometricArrays
+from symrender.runtimes.tables import Need, table_of
+from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SPHERE, RadiometricArrays
 
-KEPT: Final = 16
-"""Tables that are kept in memory; a derivative has its own."""
 SLACK: Final = 64.0
 """Roundings a term goes through."""
 ULP: Final = 2.0**-52
 FINE: Final = 0.05
 """Part of the tolerance that rules of one lobe may take."""
-
-_tables: OrderedDict[tuple[bytes, float], Sendings] = OrderedDict()
-_lock = threading.Lock()
-
-
-def table_of(arrays: RadiometricArrays, tol: float, threads: int = 1) -> Sendings:
-    """What the faces of a scene send each other, for radiances to ``tol``; made once, and kept."""
-    parts = (
-        flat(arrays.materials), flat(arrays.shapes), flat(arrays.facets), flat(arrays.frames), flat(arrays.lights),
-        np.array([arrays.bounces]),
-    )  # fmt: skip
-    key = (b"".join(part.tobytes() for part in parts), tol)
-    with _lock:
-        if key not in _tables:
-            _tables[key] = sendings(laid(arrays), arrays.bounces == ALL, tol, threads)
-            while len(_tables) > KEPT:
-                _tables.popitem(last=False)
-        _tables.move_to_end(key)
-        return _tables[key]
 
 
 class Gatherer:
@@ -67,10 +44,8 @@ class Gatherer:
             self._scratch = make_scratch(len(world.pieces), len(self._cells))
             self._brightest = float(max(light.emitted.max() for light in world.lights if light.kind == AREA))
         else:
-            self._sendings = table_of(arrays, tol, threads)
-            # what cells with halves hold may be far more, and is then not sent
-            sent = [np.asarray(forest.cells["terms"])[forest.leaves] for forest in self._sendings.forests]
-            self._brightest = sum(float(np.abs(each).sum(axis=1).max(initial=0.0)) for each in sent)
+            self._sendings = table_of(Need(arrays, tol), threads)
+            self._brightest = brightest(self._sendings.forests)
         corners = float(np.abs(np.asarray(world.pieces["corners"])).max(initial=0.0))
         places = np.abs(np.asarray(world.pieces["place"])).max(axis=1, initial=0.0) + np.asarray(world.pieces["radius"])
         self._extent = max(corners, float(places.max(initial=0.0)))
@@ -127,15 +102,17 @@ class Gatherer:
         world, some_at = self._worlds[0], at.some(some)
         material = world.materials[m]
         most = albedo[some].max(axis=1, initial=0.0)
+        # of all of the material, not of these places alone: what a place gathers does not depend on its neighbours
+        fine = FINE * self._tol / float(np.maximum(material.bright, material.dark).max())
         if self._lamps:
             sums = np.zeros((len(some), SUMS))
             one = (some_at.own, some_at.front, some_at.place, some_at.normal, some_at.view)
-            _lamps_kernel()(world, self._cells, *one, FINE * self._tol / most.max(), self._scratch, sums)
+            _lamps_kernel()(world, self._cells, *one, fine, self._scratch, sums)
         elif material.kind == DIFFUSE:
             sums = self._sendings.reflected(some_at, self._sendings.fine)
-            sums[:, BOUND] += self._sendings.laid.missed(some_at.own, some_at.place)
+            sums[:, BOUND] += self._sendings.missed(some_at.own, some_at.place)
         else:
-            sums = self._sendings.reflected(some_at, FINE * self._tol / most.max())
+            sums = self._sendings.reflected(some_at, fine)
         found.incoming[some] = sums[:, :CHANNELS]
         found.indirect[some] = albedo[some] * found.incoming[some]
         size = self._extent + np.abs(some_at.place).max(axis=1, initial=0.0)

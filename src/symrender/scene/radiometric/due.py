@@ -9,7 +9,7 @@ def refuse_bounces(bounces: int | str, reason: str, flat: bool) -> None:
     """Raise ``Unsupported`` where more light is asked of what has no noise than it integrates.
 
     ``reason`` is what of the scene keeps bounced light from being integrated, empty if nothing does; ``flat`` says
-    whether it has rectangles, triangles, boxes and meshes only, between which every bounce is.
+    whether it has rectangles, triangles, disks, boxes and meshes only, between which every bounce is.
     """
     if bounces == 0 or (not reason and (flat or bounces == 1)):
         return
@@ -17,7 +17,7 @@ def refuse_bounces(bounces: int | str, reason: str, flat: bool) -> None:
     raise Unsupported(
         f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between diffuse, "
         "conductor and phong spheres and planes under points, spots and directional lights, and between diffuse ones "
-        "under a sky and spheres that emit, 1 and all are between diffuse rectangles, triangles, boxes and meshes "
-        "under a sky, points, spots, directional lights and rectangles, triangles and boxes that emit, and the numeric "
+        "under a sky and spheres that emit, 1 and all are between diffuse rectangles, triangles, boxes and meshes, "
+        "and 1 among disks, under a sky, points, spots, directional lights and those that emit, and the numeric "
         "pipeline samples any"
     )

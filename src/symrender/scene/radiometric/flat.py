@@ -11,6 +11,7 @@ from symrender.scene.radiometric.arrays import (
     BOX,
     CONDUCTOR,
     DIFFUSE,
+    DISK,
     MESH,
     RECTANGLE,
     SPHERE,
@@ -18,11 +19,11 @@ from symrender.scene.radiometric.arrays import (
     RadiometricArrays,
 )
 
-_FLAT: Final = frozenset({RECTANGLE, TRIANGLE, BOX, MESH})
+_FLAT: Final = frozenset({RECTANGLE, TRIANGLE, DISK, BOX, MESH})
 
 
 def is_flat(arrays: RadiometricArrays) -> bool:
-    """Whether a scene has rectangles, triangles, boxes and meshes, and nothing beside them but spheres and planes."""
+    """Whether a scene has shapes that are flat and end, and nothing beside them but spheres and planes."""
     kinds = {int(shape.kind) for shape in arrays.shapes}
     return bool(kinds & _FLAT) and kinds <= _FLAT | {SPHERE, PLANE}
 
@@ -42,7 +43,14 @@ def flat_refusal(arrays: RadiometricArrays) -> str:
     endless = any(shape.kind == PLANE for shape in arrays.shapes)
     if endless and any(material.kind != DIFFUSE for material in used):
         return "a conductor or a phong material, and a plane"
+    if any(shape.kind == DISK for shape in arrays.shapes):
+        if any(material.kind != DIFFUSE for material in used):
+            return "a conductor or a phong material, and a disk"
+        if arrays.bounces == ALL:
+            return "a disk (bounces: 1 is)"
     for shape, material in zip(arrays.shapes, used, strict=True):
+        if shape.kind == DISK and material.texture != SOLID:
+            return "a texture on a disk"
         if shape.kind == PLANE and material.texture != SOLID:
             return "a texture on a plane beside other flat shapes"
         if shape.kind == SPHERE and material.kind == DIFFUSE and (material.bright.any() or material.dark.any()):
