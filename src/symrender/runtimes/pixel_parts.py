@@ -158,7 +158,8 @@ class PixelRule:
 
     ``orders`` are those of the rules of parts, by their kind, ``hope`` how many times what it may take a part may be
     off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance. ``slow`` is how
-    many times their difference rules of what no curve enters may be off by.
+    many times their difference rules of what no curve enters may be off by. A mean may be the sum of several
+    ``terms``, of which each has a say in what rules differ by: what one has too much another may have too little.
     """
 
     orders: tuple[tuple[int, ...], ...] = (SMOOTH_ORDERS, _CUT_ORDERS, COARSE_ORDERS)
@@ -166,8 +167,8 @@ class PixelRule:
     inner: float = INNER
     slow: float = 1.0
 
-    def __init__(self, canvas: Canvas, channels: int) -> None:
-        self.canvas, self._channels = canvas, channels
+    def __init__(self, canvas: Canvas, channels: int, terms: int = 1) -> None:
+        self.canvas, self._channels, self._terms = canvas, channels, terms
         self._own = threading.local()
 
     def means(self, x0: int, y0: int, x1: int, y1: int, look: Look, tol: float, budget: int) -> Mean:
@@ -208,7 +209,7 @@ class PixelRule:
         pixels = Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64))
         grain = _GRAIN * tol / canvas.bright
         parts, origins = self._cut(starts, grain)
-        state = State.of(parts, origins, channels)
+        state = State.of(parts, origins, channels * self._terms)
         inner, whole = self.inner * tol, np.zeros(count)
         each = max(_LEAST, budget // _SHARE)
         for _ in range(_ROUNDS):
@@ -221,7 +222,8 @@ class PixelRule:
             self._integrate(state, raised, pixels, look, inner, each)
             if len(halved):
                 state = self._halve(state, halved, grain)
-        values = np.column_stack([added(state.pixel, state.values[:, c], count) for c in range(channels)])
+        held = state.values.reshape(-1, self._terms, channels).sum(axis=1)
+        values = np.column_stack([added(state.pixel, held[:, c], count) for c in range(channels)])
         return Mean(values, whole, pixels.status, pixels.evaluations)
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:
@@ -260,7 +262,7 @@ class PixelRule:
         parts, origins = self._cut(starts, grain)
         keep = np.ones(len(state.pixel), np.bool_)
         keep[halved] = False
-        return state.kept(keep, State.of(parts, state.pixel[halved][origins // 4], self._channels))
+        return state.kept(keep, State.of(parts, state.pixel[halved][origins // 4], state.values.shape[1]))
 
     def _integrate(
         self, state: State, some: Ints, pixels: Pixels, look: Look, inner: float, budget: int
@@ -269,15 +271,17 @@ class PixelRule:
         if not len(some):
             return
         kinds, stage = _kinds(state.parts)[some], state.stage[some] + 1
-        sequences = [np.array(each) for each in self.orders]
-        fresh = np.flatnonzero(stage == 0)
-        orders = np.array([sequences[k][min(s + 1, len(sequences[k]) - 1)] for k, s in zip(kinds, stage, strict=True)])
-        before = np.array([sequences[k][0] for k in kinds[fresh]], np.int64)
+        fresh, sequences = np.flatnonzero(stage == 0), _padded(self.orders)
+        orders = np.concatenate([sequences[kinds, np.minimum(stage + 1, sequences.shape[1] - 1)],
+                                 sequences[kinds[fresh], 0]])  # fmt: skip
         two = np.concatenate([some, some[fresh]])
-        values, error = self._sums(state, two, np.concatenate([orders, before]), pixels, look, inner, budget)
+        # both rules of a part one after the other, so that what it is cut at is made once
+        beside = np.argsort(two, kind="stable")
+        values, error = np.zeros((len(two), state.values.shape[1])), np.zeros(len(two))
+        values[beside], error[beside] = self._sums(state, two[beside], orders[beside], pixels, look, inner, budget)
         new, old = values[: len(some)], state.values[some]
         old[fresh] = values[len(some) :]
-        gap = np.abs(new - old).max(axis=1)
+        gap = np.abs(new - old).reshape(len(some), self._terms, self._channels).max(axis=2).sum(axis=1)
         slow = np.where(kinds == CUT, 1.0, self.slow)
         first = slow * np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
         last = np.where(stage == 0, 0.0, state.gap[some])
@@ -358,6 +362,12 @@ def added(owner: Ints, what: Array, count: int) -> Array:
     found = np.zeros(count)
     np.add.at(found, owner, what)
     return found
+
+
+def _padded(orders: tuple[tuple[int, ...], ...]) -> Ints:
+    """(kinds, rules) orders of the rules of parts; the last stands for all that would follow."""
+    most = max(len(each) for each in orders)
+    return np.array([each + each[-1:] * (most - len(each)) for each in orders])
 
 
 def _kinds(parts: Table[Part]) -> Ints:

@@ -25,7 +25,6 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
-from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.runtimes.pixel_parts import (
     SMOOTH_ORDERS,
     Canvas,
@@ -39,12 +38,13 @@ from symrender.runtimes.pixel_parts import (
     State,
     added,
 )
+from symrender.runtimes.speeds import Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
 
-_SEEN: Final = 2 * CHANNELS
-"""Where in what nodes see the error of the light stands, behind the slopes and the light."""
+_MOST_NODES: Final = 200_000
+"""Nodes, and crossings of walls, of a part, at most."""
 _BUDGET: Final = 16
 """Evaluations of a derivative, over those of a value: nodes are asked for ten times less, and rules are of slopes."""
 _SLOW: Final = 128.0
@@ -52,8 +52,11 @@ _SLOW: Final = 128.0
 
 
 class SweptRule(PixelRule):
-    """Derivatives of means along one move. What nodes see are (N, 7): slopes, light, and what light may be off by.
+    """Derivatives of means of C channels along M moves, one after the other in what is found.
 
+    What nodes see are (N, (M + 1) C + 1): slopes along each move, light, and what light may be off by. What nodes see
+    change and what walls sweep are two terms of a mean, for beside a limb what one has too much the other has too
+    little.
     Halves of a part beside a limb are hardly better, for slopes there are as one over a root: rules of higher orders
     are always tried first.
     """
@@ -64,9 +67,9 @@ class SweptRule(PixelRule):
     # beside a limb outside of it: of 1/sqrt(x) two rules differ by a third to two thirds of what the better is off by
     slow = 3.0
 
-    def __init__(self, canvas: Canvas, speeds: Speeds) -> None:
-        super().__init__(canvas, CHANNELS)
-        self._speeds = speeds
+    def __init__(self, canvas: Canvas, light: int, speeds: tuple[Speeds, ...]) -> None:
+        super().__init__(canvas, light * len(speeds), 2)
+        self._light, self._speeds = light, speeds
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:
         """What parts may be off by: of what may be cut off unseen the length, times what walls part and their speed."""
@@ -91,16 +94,43 @@ class SweptRule(PixelRule):
         count, own = len(some), [np.repeat(np.arange(len(some)), np.diff(ends[:, k], prepend=0)) for k in range(2)]
         parts = np.asarray(state.parts)[some]
         edges, walls = sweep.edges[: len(own[1])], sweep.walls[: len(own[1])]
-        speed = self._speeds.across(Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2]))
-        fast, kind = _fastest(own[1], edges, speed, count), edges[:, 5]
+        at = Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2])
+        speeds = [each.across(at) for each in self._speeds]
+        fast: Array = np.max([_fastest(own[1], edges, speed, count) for speed in speeds], axis=0)
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
+        nodes, pixel = sweep.nodes[: len(own[0])], state.pixel[some][own[0]]
+        found, error = self._seen(parts[own[0]], nodes, fast[own[0]], pixel, pixels, look, inner, budget)
+        slopes, light = found[:, : self._channels], found[:, self._channels :]
+        np.minimum.at(pixels.low, pixel, light[:, : self._light].min(axis=1))
+        np.maximum.at(pixels.high, pixel, light[:, : self._light].max(axis=1))
+        parted, size = jumps(walls, light)
+        still, border = (edges[:, 4] == 0.0) | (edges[:, 5] == moving.UNRESOLVED), edges[:, 5] == moving.BORDER
+        values, stated = np.zeros((count, 2 * self._channels)), added(own[0], np.abs(nodes[:, 2]) * error, count)
+        for c in range(self._channels):
+            values[:, c] = added(own[0], nodes[:, 2] * slopes[:, c], count)
+        for k, speed in enumerate(speeds):
+            moved = np.where(still, 0.0, edges[:, 4] * speed)
+            inside, outside = np.where(border, 0.0, moved), np.where(border, np.abs(moved), 0.0)
+            for c in range(self._light):
+                swept = added(own[1], inside * parted[:, c], count)
+                values[:, self._channels + k * self._light + c] = swept
+            most = np.abs(parted[:, : self._light]).max(axis=1, initial=0.0)
+            stated += added(own[1], outside * most + np.abs(moved) * size[:, self._light], count)
+        known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
+        changed = added(own[0], np.abs(nodes[:, 2]) * np.abs(slopes).max(axis=1), count)
+        # of what is not known rules of a higher order know no more, halves may
+        state.rough[some] = np.where(known, np.where(parts["kind"] == COARSE, changed, 0.0), np.inf)
+        return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0)
+
+    def _seen(
+        self, parts: Any, nodes: Array, fast: Array, pixel: Ints, pixels: Pixels, look: Look, inner: float, budget: int
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """(what nodes see, what each may be off by), where walls of their parts are ``fast``."""
+        columns, rows = self._at(parts, nodes)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
-        power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)[own[0]]
-        nodes = sweep.nodes[: len(own[0])]
-        columns, rows = self._at(parts[own[0]], nodes)
-        found = np.zeros((len(nodes), _SEEN + 1))
-        error, pixel = np.zeros(len(nodes)), state.pixel[some][own[0]]
+        power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)
+        found, error = np.zeros((len(nodes), self._channels + self._light + 1)), np.zeros(len(nodes))
         for each in np.unique(power).tolist():
             which = np.flatnonzero(power == each)
             places = Places(columns[which], rows[which], np.zeros(len(which), np.bool_))
@@ -108,24 +138,7 @@ class SweptRule(PixelRule):
             found[which], error[which] = seen.values, seen.error
             np.maximum.at(pixels.status, pixel[which], seen.status)
             np.add.at(pixels.evaluations, pixel[which], seen.evaluations)
-        np.minimum.at(pixels.low, pixel, found[:, CHANNELS:_SEEN].min(axis=1))
-        np.maximum.at(pixels.high, pixel, found[:, CHANNELS:_SEEN].max(axis=1))
-        parted, size = jumps(walls, found[:, CHANNELS:])
-        moved = edges[:, 4] * speed
-        moved[(edges[:, 4] == 0.0) | (kind == moving.UNRESOLVED)] = 0.0
-        inside, border = np.where(kind == moving.BORDER, 0.0, moved), np.where(kind == moving.BORDER, moved, 0.0)
-        values = np.column_stack([
-            added(own[0], nodes[:, 2] * found[:, c], count) + added(own[1], inside * parted[:, c], count)
-            for c in range(CHANNELS)
-        ])  # fmt: skip
-        stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
-        stated += added(own[1], np.abs(border) * np.abs(parted[:, :CHANNELS]).max(axis=1, initial=0.0), count)
-        stated += added(own[1], np.abs(moved) * size[:, CHANNELS], count)
-        known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
-        changed = added(own[0], np.abs(nodes[:, 2]) * np.abs(found[:, :CHANNELS]).max(axis=1), count)
-        # of what is not known rules of a higher order know no more, halves may
-        state.rough[some] = np.where(known, np.where(parts["kind"] == COARSE, changed, 0.0), np.inf)
-        return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0)
+        return found, error
 
     def _at(self, parts: Any, places: Array) -> tuple[Array, Array]:
         """Columns and rows of places of the pixels of parts."""
@@ -145,7 +158,7 @@ class SweptRule(PixelRule):
                 canvas.eye, canvas.window, canvas.width, canvas.height, canvas.reach, rows, orders, room, candidates,
                 sweep, ends,
             )  # fmt: skip
-            if sweep.counts[2] == 0 or size > MOST_NODES * len(some):
+            if sweep.counts[2] == 0 or size > _MOST_NODES * len(some):
                 return sweep, ends
             size *= 4
 
@@ -175,7 +188,7 @@ def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
             Speeds.of(canvas.eye, view, each, "list_seen_walls", settings)
             for view, each in zip(views, moves, strict=True)
         ]
-        rules[move[0]] = SweptRule(canvas, turns[move[0]][0])
+        rules[move[0]] = SweptRule(canvas, CHANNELS, (turns[move[0]][0],))
     own = threading.local()
     tol = (1.0 - DIRECT_SHARE) * settings.tol
 
