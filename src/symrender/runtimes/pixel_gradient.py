@@ -18,8 +18,8 @@ from symrender.radiometric.world import seen
 from symrender.runtimes.image import TileKernel
 from symrender.runtimes.pixel_parts import Canvas, Light, Look, Places
 from symrender.runtimes.pixels import DOMAINS, check_pixels, eye_of
-from symrender.runtimes.speeds import Speeds, pushed_rays
-from symrender.runtimes.swept_pixels import SweptRule
+from symrender.runtimes.speeds import Speeds, pushed_light
+from symrender.runtimes.swept_pixels import Beginning, SweptRule
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
@@ -46,50 +46,41 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
     view = seen(arrays, width, height)
     eye = eye_of(arrays, view, DOMAINS[settings.filter])
     canvas = Canvas(eye, view.window, width, height, settings.reach, eye.bright, False)
-    moved = tuple(Speeds.of(eye, view, seen_moves(arrays, move, width, height), "list_walls", settings) for move in wrt)
-    rule, look = _DirectRule(canvas, _CHANNELS, moved), _look(moved)
+    beginning, rules = Beginning(), {}
+    for move in wrt:
+        speeds = Speeds.of(eye, view, seen_moves(arrays, move, width, height), "list_walls", settings)
+        rules[move[0]] = _DirectRule(canvas, _CHANNELS, speeds, beginning), _look(speeds)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
-        found = rule.means(x0, y0, x1, y1, look, settings.tol, settings.budget)
-        here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
-        errors = found.error.reshape(shape)
-        missed = np.where(np.isfinite(errors), CAPPED, UNSUPPORTED)
-        for k, (name, _) in enumerate(wrt):
-            image = found.values[:, k * _CHANNELS : (k + 1) * _CHANNELS].reshape(*shape, _CHANNELS)
+        here, shape, spent = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0), 0
+        for name, (rule, look) in rules.items():
+            found = rule.means(x0, y0, x1, y1, look, settings.tol, settings.budget)
+            image, errors = found.values.reshape(*shape, _CHANNELS), found.error.reshape(shape)
+            missed = np.where(np.isfinite(errors), CAPPED, UNSUPPORTED)
             layers[f"radiance:{name}"][here], layers[f"emitted:{name}"][here] = image[..., :3], image[..., 3:]
             layers[f"direct:{name}"][here] = image[..., :3] - image[..., 3:]
             layers[f"error:{name}"][here] = errors
             layers[f"status:{name}"][here] = np.where(~(errors <= settings.tol), missed, MET)
+            spent += int(found.evaluations.sum())
         unused, hit_class = np.zeros((*shape, 3)), np.zeros(shape)
         place = (width, height, x0, y0, x1, y1)
         _kernel()(*view, *place, sky_room(view.world), unused, unused, hit_class)
         layers["hit_class"][here] = hit_class
-        return int(found.evaluations.sum())
+        return spent
 
     return render
 
 
-def _look(moved: tuple[Speeds, ...]) -> Look:
+def _look(speeds: Speeds) -> Look:
     """What answers for nodes."""
 
     def look(places: Places, _tol: float, _budget: int) -> Light:
-        values, slopes = np.zeros(0), []
-        for each in moved:
-            values, slope = pushed_rays(each.view, each.moves, *each.unit_rays(places.columns, places.rows))
-            slopes.append(slope)
-        count = len(places.columns)
-        found = [_with_radiance(each) for each in (*slopes, values)]
-        return Light(
-            np.concatenate([*found, np.zeros((count, 1))], axis=1), np.zeros(count), np.full(count, MET),
-            np.ones(count, np.int64),
-        )  # fmt: skip
+        values, slopes = pushed_light(speeds, places.columns, places.rows)
+        count = len(values)
+        found = np.concatenate([slopes, values, np.zeros((count, 1))], axis=1)
+        return Light(found, np.zeros(count), np.full(count, MET), np.ones(count, np.int64))
 
     return look
-
-
-def _with_radiance(light: Array) -> Array:
-    """(N, 6) emitted and direct light as radiance and emitted light."""
-    return np.concatenate([light[:, :3] + light[:, 3:], light[:, :3]], axis=1)
 
 
 @lru_cache(maxsize=1)

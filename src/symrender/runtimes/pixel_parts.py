@@ -359,9 +359,7 @@ class PixelRule:
 
 def added(owner: Ints, what: Array, count: int) -> Array:
     """(count,) sums of what belongs to each owner."""
-    found = np.zeros(count)
-    np.add.at(found, owner, what)
-    return found
+    return np.asarray(np.bincount(owner, what, count), np.float64)
 
 
 def _padded(orders: tuple[tuple[int, ...], ...]) -> Ints:

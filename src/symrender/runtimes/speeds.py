@@ -28,7 +28,7 @@ from symrender.settings import Settings
 @lru_cache(maxsize=1)
 def pushed_text() -> str:
     """Text of the kernels that push rays and walls forward."""
-    return pushed((walls.list_walls, walls.list_seen_walls, walls.list_families, moving.fill_levels, tile.fill_rays))
+    return pushed((walls.list_walls, walls.list_seen_walls, walls.list_families, moving.fill_levels, tile.fill_places))
 
 
 def pushed_module() -> ModuleType:
@@ -144,15 +144,16 @@ def make_sweep(most: int) -> Sweep:
     return Sweep(np.zeros((most, 3)), np.zeros((most, 6)), np.zeros((most, 5), np.int64), np.zeros(3, np.int64))
 
 
-def pushed_rays(view: Seen, moves: Seen, rays: Array, turns: Array) -> tuple[Array, Array]:
-    """(n, 6) emitted and direct light along rays from the eye, and its slopes."""
-    count = len(rays)
-    eyes, shifts = np.tile(view.eye, (count, 1)), np.tile(moves.eye, (count, 1))
-    values = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
-    slopes = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
+def pushed_light(speeds: Speeds, columns: Array, rows: Array) -> tuple[Array, Array]:
+    """(n, 6) radiance and emitted light through places of the image, in pixels, and its slopes."""
+    view, moves, settings = speeds.view, speeds.moves, speeds.settings
+    values, slopes, still = np.zeros((len(columns), 6)), np.zeros((len(columns), 6)), np.zeros(len(columns))
     room, shaking = sky_room(view.world), sky_room(view.world)
-    _pushed("fill_rays_dot")(view.world, eyes, rays, room, *values, moves.world, shifts, turns, shaking, *slopes)
-    return np.concatenate(values[:2], axis=1), np.concatenate(slopes[:2], axis=1)
+    _pushed("fill_places_dot")(
+        *view, settings.width, settings.height, columns, rows, room, values,
+        *moves, still, still, shaking, slopes,
+    )  # fmt: skip
+    return values, slopes
 
 
 @lru_cache(maxsize=4)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any, Final
 
 import numpy as np
@@ -51,12 +51,46 @@ _SLOW: Final = 128.0
 """Steps of a wall, over those that a parameter's unit makes, up to which what it sweeps is no dearer than slopes."""
 
 
-class SweptRule(PixelRule):
-    """Derivatives of means of C channels along M moves, one after the other in what is found.
+Cut = Callable[[Table[Part], float], tuple[Table[Part], Ints]]
+List = Callable[[Table[Part], Ints, Ints], tuple[moving.Sweep, Ints]]
 
-    What nodes see are (N, (M + 1) C + 1): slopes along each move, light, and what light may be off by. What nodes see
-    change and what walls sweep are two terms of a mean, for beside a limb what one has too much the other has too
-    little.
+
+class Beginning:
+    """What derivatives of a tile along several moves begin with: parts of its pixels, and what their first rules sum.
+
+    It is listed for the first of them and kept for the others, of every thread its own.
+    """
+
+    def __init__(self) -> None:
+        self._own = threading.local()
+
+    def cut(self, starts: Table[Part], grain: float, make: Cut) -> tuple[Table[Part], Ints]:
+        """The parts of whole pixels as they were listed last, or those that ``make`` lists."""
+        if np.asarray(starts)["level"].any():
+            return make(starts, grain)
+        asked = np.asarray(starts).tobytes(), grain
+        if getattr(self._own, "asked", None) != asked:
+            self._own.asked, self._own.parts, self._own.orders = asked, make(starts, grain), None
+        kept: tuple[Table[Part], Ints] = self._own.parts
+        return kept
+
+    def swept(self, parts: Table[Part], some: Ints, orders: Ints, make: List) -> tuple[moving.Sweep, Ints]:
+        """What the rules of kept parts sum, two of each one after the other, or what ``make`` lists."""
+        held = getattr(self._own, "parts", None)
+        if held is None or parts is not held[0] or not np.array_equal(some, np.repeat(np.arange(len(parts)), 2)):
+            return make(parts, some, orders)
+        if self._own.orders is None:
+            self._own.orders, self._own.sweep = orders.copy(), make(parts, some, orders)
+        assert np.array_equal(orders, self._own.orders)
+        kept: tuple[moving.Sweep, Ints] = self._own.sweep
+        return kept
+
+
+class SweptRule(PixelRule):
+    """Derivatives of means of C channels along one move.
+
+    What nodes see are (N, 2 C + 1): slopes, light, and what light may be off by. What nodes see change and what walls
+    sweep are two terms of a mean, for beside a limb what one has too much the other has too little.
     Halves of a part beside a limb are hardly better, for slopes there are as one over a root: rules of higher orders
     are always tried first.
     """
@@ -67,9 +101,9 @@ class SweptRule(PixelRule):
     # beside a limb outside of it: of 1/sqrt(x) two rules differ by a third to two thirds of what the better is off by
     slow = 3.0
 
-    def __init__(self, canvas: Canvas, light: int, speeds: tuple[Speeds, ...]) -> None:
-        super().__init__(canvas, light * len(speeds), 2)
-        self._light, self._speeds = light, speeds
+    def __init__(self, canvas: Canvas, channels: int, speeds: Speeds, beginning: Beginning | None = None) -> None:
+        super().__init__(canvas, channels, 2)
+        self._speeds, self._beginning = speeds, beginning or Beginning()
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:
         """What parts may be off by: of what may be cut off unseen the length, times what walls part and their speed."""
@@ -95,32 +129,31 @@ class SweptRule(PixelRule):
         parts = np.asarray(state.parts)[some]
         edges, walls = sweep.edges[: len(own[1])], sweep.walls[: len(own[1])]
         at = Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2])
-        speeds = [each.across(at) for each in self._speeds]
-        fast: Array = np.max([_fastest(own[1], edges, speed, count) for speed in speeds], axis=0)
+        speed = self._speeds.across(at)
+        fast = _fastest(own[1], edges, speed, count)
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
         nodes, pixel = sweep.nodes[: len(own[0])], state.pixel[some][own[0]]
         found, error = self._seen(parts[own[0]], nodes, fast[own[0]], pixel, pixels, look, inner, budget)
         slopes, light = found[:, : self._channels], found[:, self._channels :]
-        np.minimum.at(pixels.low, pixel, light[:, : self._light].min(axis=1))
-        np.maximum.at(pixels.high, pixel, light[:, : self._light].max(axis=1))
+        np.minimum.at(pixels.low, pixel, reduce(np.minimum, light[:, :CHANNELS].T))
+        np.maximum.at(pixels.high, pixel, reduce(np.maximum, light[:, :CHANNELS].T))
         parted, size = jumps(walls, light)
-        still, border = (edges[:, 4] == 0.0) | (edges[:, 5] == moving.UNRESOLVED), edges[:, 5] == moving.BORDER
-        values, stated = np.zeros((count, 2 * self._channels)), added(own[0], np.abs(nodes[:, 2]) * error, count)
-        for c in range(self._channels):
-            values[:, c] = added(own[0], nodes[:, 2] * slopes[:, c], count)
-        for k, speed in enumerate(speeds):
-            moved = np.where(still, 0.0, edges[:, 4] * speed)
-            inside, outside = np.where(border, 0.0, moved), np.where(border, np.abs(moved), 0.0)
-            for c in range(self._light):
-                swept = added(own[1], inside * parted[:, c], count)
-                values[:, self._channels + k * self._light + c] = swept
-            most = np.abs(parted[:, : self._light]).max(axis=1, initial=0.0)
-            stated += added(own[1], outside * most + np.abs(moved) * size[:, self._light], count)
+        moved = np.where((edges[:, 4] == 0.0) | (edges[:, 5] == moving.UNRESOLVED), 0.0, edges[:, 4] * speed)
+        border = edges[:, 5] == moving.BORDER
+        inside, outside = np.where(border, 0.0, moved), np.where(border, np.abs(moved), 0.0)
+        values = np.column_stack(
+            [added(own[0], nodes[:, 2] * slopes[:, c], count) for c in range(self._channels)]
+            + [added(own[1], inside * parted[:, c], count) for c in range(self._channels)]
+        )  # fmt: skip
+        most = np.abs(parted[:, : self._channels]).max(axis=1, initial=0.0)
+        stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
+        stated += added(own[1], outside * most + np.abs(moved) * size[:, self._channels], count)
         known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
-        changed = added(own[0], np.abs(nodes[:, 2]) * np.abs(slopes).max(axis=1), count)
+        rough = np.flatnonzero((parts["kind"] == COARSE)[own[0]])
+        changed = added(own[0][rough], np.abs(nodes[rough, 2]) * np.abs(slopes[rough]).max(axis=1, initial=0.0), count)
         # of what is not known rules of a higher order know no more, halves may
-        state.rough[some] = np.where(known, np.where(parts["kind"] == COARSE, changed, 0.0), np.inf)
+        state.rough[some] = np.where(known, changed, np.inf)
         return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0)
 
     def _seen(
@@ -130,7 +163,7 @@ class SweptRule(PixelRule):
         columns, rows = self._at(parts, nodes)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
         power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)
-        found, error = np.zeros((len(nodes), self._channels + self._light + 1)), np.zeros(len(nodes))
+        found, error = np.zeros((len(nodes), 2 * self._channels + 1)), np.zeros(len(nodes))
         for each in np.unique(power).tolist():
             which = np.flatnonzero(power == each)
             places = Places(columns[which], rows[which], np.zeros(len(which), np.bool_))
@@ -145,8 +178,14 @@ class SweptRule(PixelRule):
         reach = self.canvas.reach
         return parts["column"] + 0.5 + reach * places[:, 0], parts["row"] + 0.5 - reach * places[:, 1]
 
+    def _cut(self, starts: Table[Part], grain: float) -> tuple[Table[Part], Ints]:
+        return self._beginning.cut(starts, grain, super()._cut)
+
     def _swept(self, parts: Table[Part], some: Ints, orders: Ints) -> tuple[moving.Sweep, Ints]:
         """What rules sum, and where what belongs to each part ends."""
+        return self._beginning.swept(parts, some, orders, self._listed)
+
+    def _listed(self, parts: Table[Part], some: Ints, orders: Ints) -> tuple[moving.Sweep, Ints]:
         canvas = self.canvas
         room, candidates, _ = self.scratch()
         rows, size = table(Part, len(some)), 64 * len(some)
@@ -181,14 +220,14 @@ def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
     worlds = shaken(arrays)
     views = seen_all(worlds, settings.width, settings.height)
     canvas = canvas_of(views[0], settings)
-    rules, turns = {}, {}
+    rules, turns, beginning = {}, {}, Beginning()
     for move in wrt:
         moves = [seen_moves(each, move, settings.width, settings.height) for each in worlds]
         turns[move[0]] = [
             Speeds.of(canvas.eye, view, each, "list_seen_walls", settings)
             for view, each in zip(views, moves, strict=True)
         ]
-        rules[move[0]] = SweptRule(canvas, CHANNELS, (turns[move[0]][0],))
+        rules[move[0]] = SweptRule(canvas, CHANNELS, turns[move[0]][0], beginning)
     own = threading.local()
     tol = (1.0 - DIRECT_SHARE) * settings.tol
 
