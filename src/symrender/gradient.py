@@ -21,13 +21,15 @@ from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
 from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric_gradient import check_gradient
+from symrender.runtimes.series_refusals import check_series_pixels
+from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.moves import radiometric_moves
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
-from symrender.settings import Antialias, Filter, Settings, refuse_filter, split_settings
+from symrender.settings import Antialias, Filter, Settings, split_settings
 
 STATUS: Final = {MET: "met", CAPPED: "capped", UNSUPPORTED: "unsupported", EVENT: "one-sided"}
 """What the numbers of a gradient's status layer mean."""
@@ -107,8 +109,10 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
         check_gradient(arrays, moved, settings.filter)
         check_means(arrays, settings)
         return Job.of("radiometric_gradient", scene, settings, moved)
-    refuse_filter(settings)
     check_decided(scene)
+    if settings.filter != "centre":
+        check_series_pixels(scene_arrays(scene), settings)
+        return Job.of("mean_gradient", scene, settings, moves(scene, wrt))
     return Job.of("gradient", scene, settings, moves(scene, wrt))
 
 

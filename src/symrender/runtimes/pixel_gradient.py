@@ -28,12 +28,13 @@ _CHANNELS: Final = 6
 """Radiance, and emitted light, which is a part of it."""
 
 
-class _DirectRule(SweptRule):
+class DirectRule(SweptRule):
     """What nodes see costs next to nothing and is exact: rules begin where they are worth the walls of their part."""
 
     orders = ((2, 3, 5, 8), (2, 3, 5, 8, 12), (2, 3))
     # four times what two rules differ by: halved for the first two of smooth parts
     slow = 8.0
+    eager = True
 
 
 def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:
@@ -49,7 +50,7 @@ def prepare_box(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, 
     beginning, rules = Beginning(), {}
     for move in wrt:
         speeds = Speeds.of(eye, view, seen_moves(arrays, move, width, height), "list_walls", settings)
-        rules[move[0]] = _DirectRule(canvas, _CHANNELS, speeds, beginning), _look(speeds)
+        rules[move[0]] = DirectRule(canvas, _CHANNELS, speeds, beginning), _look(speeds)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         here, shape, spent = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0), 0

@@ -141,6 +141,22 @@ class State:
 
 
 @dataclass
+class Best:
+    """The means (N, C) of pixels that stated least: halves of a part may be known less well than it was."""
+
+    values: Array
+    error: Array
+
+    def keep(self, state: State, whole: Array, channels: int, tol: float) -> None:
+        """Take over what states less, ``whole``, unless it was within ``tol`` before."""
+        better = (whole < self.error) & (self.error > tol)
+        if better.any():
+            held = state.values.reshape(len(state.pixel), -1, channels).sum(axis=1)
+            found = np.column_stack([added(state.pixel, held[:, c], len(whole)) for c in range(channels)])
+            self.values[better], self.error[better] = found[better], whole[better]
+
+
+@dataclass
 class Pixels:
     """What is known of the pixels of a tile."""
 
@@ -158,14 +174,17 @@ class PixelRule:
 
     ``orders`` are those of the rules of parts, by their kind, ``hope`` how many times what it may take a part may be
     off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance. ``slow`` is how
-    many times their difference rules of what no curve enters may be off by. A mean may be the sum of several
-    ``terms``, of which each has a say in what rules differ by: what one has too much another may have too little.
+    many times their difference rules of what no curve enters may be off by. Where nodes are cheap it is ``eager``: all
+    parts are looked at more closely but those that together make no more than half of the tolerance. A mean may be the
+    sum of several ``terms``, of which each has a say in what rules differ by: what one has too much another may have
+    too little.
     """
 
     orders: tuple[tuple[int, ...], ...] = (SMOOTH_ORDERS, _CUT_ORDERS, COARSE_ORDERS)
     hope: float = 300.0
     inner: float = INNER
     slow: float = 1.0
+    eager: bool = False
 
     def __init__(self, canvas: Canvas, channels: int, terms: int = 1) -> None:
         self.canvas, self._channels, self._terms = canvas, channels, terms
@@ -211,20 +230,19 @@ class PixelRule:
         parts, origins = self._cut(starts, grain)
         state = State.of(parts, origins, channels * self._terms)
         inner, whole = self.inner * tol, np.zeros(count)
-        each = max(_LEAST, budget // _SHARE)
+        each, best = max(_LEAST, budget // _SHARE), Best(np.zeros((count, channels)), np.full(count, np.inf))
         for _ in range(_ROUNDS):
             self._integrate(state, np.flatnonzero(state.stage < 0), pixels, look, inner, each)
             outer = state.error + self._unseen(state, pixels)
             whole = added(state.pixel, outer + state.inner, count)
+            best.keep(state, whole, channels, tol)
             raised, halved = self._next(state, outer, whole, pixels, tol, budget)
             if not (len(raised) or len(halved)):
                 break
             self._integrate(state, raised, pixels, look, inner, each)
             if len(halved):
                 state = self._halve(state, halved, grain)
-        held = state.values.reshape(-1, self._terms, channels).sum(axis=1)
-        values = np.column_stack([added(state.pixel, held[:, c], count) for c in range(channels)])
-        return Mean(values, whole, pixels.status, pixels.evaluations)
+        return Mean(best.values, best.error, pixels.status, pixels.evaluations)
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:
         """What parts may be off by, for what no node sees."""
@@ -242,6 +260,8 @@ class PixelRule:
         stuck = added(state.pixel, state.inner, len(whole)) > tol
         going = (whole > tol) & ~stuck & (pixels.evaluations <= budget)
         asked = going[state.pixel] & (outer >= _WORST * worst[state.pixel]) & (outer > _FLOOR * tol)
+        if self.eager:
+            asked = going[state.pixel] & ~_spared(state.pixel, outer, 0.5 * tol)
         area = 0.25 ** state.parts["level"]
         allowed = tol * (0.5 * area + 0.01)
         most = np.array([len(each) for each in self.orders])[_kinds(state.parts)] - 2
@@ -360,6 +380,17 @@ class PixelRule:
 def added(owner: Ints, what: Array, count: int) -> Array:
     """(count,) sums of what belongs to each owner."""
     return np.asarray(np.bincount(owner, what, count), np.float64)
+
+
+def _spared(pixel: Ints, error: Array, most: float) -> npt.NDArray[np.bool_]:
+    """(N,) the parts of the smallest errors of each pixel, as many as make no more than ``most`` together."""
+    order = np.lexsort((error, pixel))
+    sums = np.cumsum(np.minimum(error[order], 1e300 / max(1, len(error))))
+    first = np.flatnonzero(np.diff(pixel[order], prepend=-1))
+    before = np.concatenate([[0.0], sums])[first]
+    found = np.zeros(len(pixel), np.bool_)
+    found[order] = sums - np.repeat(before, np.diff(first, append=len(order))) <= most
+    return found
 
 
 def _padded(orders: tuple[tuple[int, ...], ...]) -> Ints:

@@ -16,7 +16,7 @@ from symrender.radiometric import tile
 from symrender.radiometric.pixels import moving, walls
 from symrender.radiometric.pixels.cells import Eye
 from symrender.radiometric.pixels.moving import Sweep
-from symrender.radiometric.pixels.records import TERMS, Family, Ints, Wall
+from symrender.radiometric.pixels.records import TERMS, Family, Ints, Section, Wall
 from symrender.radiometric.pixels.rules import GAUSS
 from symrender.radiometric.pushforward import pushed
 from symrender.radiometric.sky import sky_room
@@ -28,7 +28,8 @@ from symrender.settings import Settings
 @lru_cache(maxsize=1)
 def pushed_text() -> str:
     """Text of the kernels that push rays and walls forward."""
-    return pushed((walls.list_walls, walls.list_seen_walls, walls.list_families, moving.fill_levels, tile.fill_places))
+    listers = walls.list_walls, walls.list_seen_walls, walls.list_series_walls, walls.list_families
+    return pushed((*listers, moving.fill_levels, tile.fill_places))
 
 
 def pushed_module() -> ModuleType:
@@ -62,10 +63,14 @@ class Speeds:
     settings: Settings
 
     @classmethod
-    def of(cls, eye: Eye, view: Seen, moves: Seen, lister: str, settings: Settings) -> Speeds:
-        """Of the walls that the kernel ``lister`` lists."""
+    def of(
+        cls, eye: Eye, view: Seen, moves: Seen, lister: str, settings: Settings, *sections: Table[Section]
+    ) -> Speeds:  # fmt: skip
+        """Of the walls that the kernel ``lister`` lists, of ``list_series_walls`` with sections and their moves."""
         found, rates = (table(Wall, len(eye.walls)) for _ in range(2))
-        _pushed(f"{lister}_dot")(view.world, view.eye, found, moves.world, moves.eye, rates)
+        _pushed(f"{lister}_dot")(
+            view.world, view.eye, *sections[:1], found, moves.world, moves.eye, *sections[1:], rates
+        )  # fmt: skip
         families, turns = (table(Family, len(eye.families)) for _ in range(2))
         _pushed("list_families_dot")(view.world, view.eye, families, moves.world, moves.eye, turns)
         return cls(eye, view, moves, rates, turns, settings)

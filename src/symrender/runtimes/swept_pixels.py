@@ -45,7 +45,7 @@ from symrender.settings import Settings
 
 _MOST_NODES: Final = 200_000
 """Nodes, and crossings of walls, of a part, at most."""
-_BUDGET: Final = 16
+BUDGET: Final = 16
 """Evaluations of a derivative, over those of a value: nodes are asked for ten times less, and rules are of slopes."""
 _SLOW: Final = 128.0
 """Steps of a wall, over those that a parameter's unit makes, up to which what it sweeps is no dearer than slopes."""
@@ -237,7 +237,7 @@ def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
         found = {}
         for name, rule in rules.items():
             look = _look(own.bouncers[name], turns[name])
-            found[name] = rule.means(x0, y0, x1, y1, look, tol, _BUDGET * settings.budget)
+            found[name] = rule.means(x0, y0, x1, y1, look, tol, BUDGET * settings.budget)
         return found
 
     return slopes

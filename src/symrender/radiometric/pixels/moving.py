@@ -194,14 +194,19 @@ def sweep_line(
 @jitable
 def sweep_lines(
     eye: Eye, cell: Cell, room: Room, sweep: Sweep, order: int, own: int, lines: int
-) -> None:  # fmt: skip
-    """Add a cell that is integrated line by line, by a rule: ``own`` curves and ``lines`` of textures cut it."""
+) -> bool:  # fmt: skip
+    """Add a cell that is integrated line by line, by a rule: ``own`` curves and ``lines`` of textures cut it.
+
+    False where they are monotone along no lines, and then nothing is added.
+    """
     count, soft = own + lines, False
     for k in range(count):
         room.soft[k] = eye.walls[int(room.which[cell.level, k])].soft if k < own else 0.0
         # slopes beside a limb are as one over a root: where its piece shrinks to nothing their sum is as a root
         soft = soft or room.soft[k] != 0.0
     mode = cutting_mode(room, own, lines, cell.level)
+    if mode < 0:
+        return False
     panels, _ = put_panels(room, count, mode)
     scale = cell.area * (0.25 if mode < 2 else 0.5)
     for panel in range(panels):
@@ -211,6 +216,7 @@ def sweep_lines(
             weight = scale * (stop - start) * slope * GAUSS[1, order, i]
             s = start + (stop - start) * place
             sweep_line(eye, cell, room, sweep, weight, order, own, count, mode, s)
+    return True
 
 
 @jitable

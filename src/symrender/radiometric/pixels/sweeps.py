@@ -69,7 +69,7 @@ def sweep_parts(
             if not known or held < 0:
                 ends[n, 2] = 1
             elif part.kind == CUT:
-                sweep_lines(eye, cell, room, sweep, order, own, held)
+                ends[n, 2] = 0 if sweep_lines(eye, cell, room, sweep, order, own, held) else 1
             else:
                 sweep_smooth(eye, cell, sweep, order)
                 sweep_coarse(eye, cell, room, sweep, own, held)
