@@ -138,8 +138,9 @@ def main() -> None:
             report.say(row["said"])
     report.say(
         f"{sums['judged']} derivatives judged, {sums['refused']} refused, {sums['unknown']} unknown, {sums['met']} "
-        f"that meet what is asked, {sums['moves']} larger than a thousandth of the brightest light, {sums['told']} told "
-        f"to a tenth of themselves, {sums['close']} by differences closer than half of what is stated or asked; "
+        f"that meet what is asked, {sums['moves']} larger than a thousandth of the brightest light, "
+        f"{sums['told']} told to a tenth of themselves, {sums['close']} by differences closer than half "
+        "of what is stated or asked; "
         f"{seconds / max(1, sums['judged'] + sums['unknown']):.3g} CPU s each"
     )
     report.claim_number("derivatives beyond 1.5 times what they state", sums["beyond"], 0)

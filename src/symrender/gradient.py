@@ -71,8 +71,9 @@ def gradient(
     ``radiance``, ``error`` and ``status``. Values are functions of what the ray through the pixel's centre meets, and
     so are their derivatives: no edge inside the pixel contributes, all edges that bounced light sees do. ``error`` is
     how far roundings could have moved one, and with ``bounces: 1`` what the rules of bounced light may miss.
-    With ``filter="box"`` they are those of the means over pixels, silhouettes, shadows and textures that move across
-    them included, and ``error`` is the difference of two rules.
+    With ``filter="box"``, of scenes of both kinds, they are those of the means over pixels, silhouettes, shadows and
+    textures that move across them included, and ``error`` is what rules differ by. ``gloss`` is then weighed by the
+    lobes' weights, as it is in ``truth``.
     Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
     parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
     or where the scene changes its structure, Unsupported for a wall the method does not cover.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
 
@@ -17,15 +17,14 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
-from symrender.jit.records import Table, chosen, joined, table
+from symrender.jit.records import Table, chosen, table
 from symrender.radiometric.pixels import parts as kernels
 from symrender.radiometric.pixels.cells import BOX, Eye
 from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, Nodes, Part, Room, make_room
 from symrender.radiometric.vectors import Array
+from symrender.runtimes.part_states import Best, Ints, Pixels, State, added, spared
 from symrender.runtimes.pixel_blocks import INNER as BLOCK_INNER
 from symrender.runtimes.pixel_blocks import Known, Picture, block_means
-
-Ints = npt.NDArray[np.int64]
 
 INNER: Final = 0.25
 """Part of the tolerance that single rays take."""
@@ -101,72 +100,6 @@ class Mean:
     error: Array
     status: Ints
     evaluations: Ints
-
-
-@dataclass
-class State:
-    """Parts of the pixels of a tile, and what is known of each."""
-
-    parts: Table[Part]
-    pixel: Ints
-    values: Array
-    gap: Array
-    """What the last two rules differed by."""
-    error: Array
-    inner: Array
-    stage: Ints
-    """How many rules it took beyond the first two; -1 before these."""
-    fastest: Array
-    """Of what moves: how fast the walls of a part cross it."""
-    rough: Array
-    """Of what moves: what nodes of a part that is not resolved see change."""
-
-    @staticmethod
-    def of(parts: Table[Part], pixel: Ints, channels: int) -> State:
-        """Parts of which nothing is known yet."""
-        n = len(parts)
-        return State(
-            parts, pixel, np.zeros((n, channels)), np.full(n, np.inf), np.full(n, np.inf), np.zeros(n),
-            np.full(n, -1, np.int64), np.zeros(n), np.zeros(n),
-        )  # fmt: skip
-
-    def kept(self, keep: npt.NDArray[np.bool_], more: State) -> State:
-        """Those of ``keep``, and more."""
-        old = chosen(self.parts, keep)
-        pairs = [
-            np.concatenate([getattr(self, name)[keep], getattr(more, name)])
-            for name in ("pixel", "values", "gap", "error", "inner", "stage", "fastest", "rough")
-        ]
-        return State(joined(Part, [old, more.parts]), *pairs)
-
-
-@dataclass
-class Best:
-    """The means (N, C) of pixels that stated least: halves of a part may be known less well than it was."""
-
-    values: Array
-    error: Array
-
-    def keep(self, state: State, whole: Array, channels: int, tol: float) -> None:
-        """Take over what states less, ``whole``, unless it was within ``tol`` before."""
-        better = (whole < self.error) & (self.error > tol)
-        if better.any():
-            held = state.values.reshape(len(state.pixel), -1, channels).sum(axis=1)
-            found = np.column_stack([added(state.pixel, held[:, c], len(whole)) for c in range(channels)])
-            self.values[better], self.error[better] = found[better], whole[better]
-
-
-@dataclass
-class Pixels:
-    """What is known of the pixels of a tile."""
-
-    low: Array
-    high: Array
-    status: Ints
-    evaluations: Ints = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.evaluations = np.zeros(len(self.low), np.int64)
 
 
 class PixelRule:
@@ -261,7 +194,7 @@ class PixelRule:
         going = (whole > tol) & ~stuck & (pixels.evaluations <= budget)
         asked = going[state.pixel] & (outer >= _WORST * worst[state.pixel]) & (outer > _FLOOR * tol)
         if self.eager:
-            asked = going[state.pixel] & ~_spared(state.pixel, outer, 0.5 * tol)
+            asked = going[state.pixel] & ~spared(state.pixel, outer, 0.5 * tol)
         area = 0.25 ** state.parts["level"]
         allowed = tol * (0.5 * area + 0.01)
         most = np.array([len(each) for each in self.orders])[_kinds(state.parts)] - 2
@@ -375,22 +308,6 @@ class PixelRule:
             if found <= size:
                 return nodes.places[:found], nodes.weights[:found], ends
             size = found
-
-
-def added(owner: Ints, what: Array, count: int) -> Array:
-    """(count,) sums of what belongs to each owner."""
-    return np.asarray(np.bincount(owner, what, count), np.float64)
-
-
-def _spared(pixel: Ints, error: Array, most: float) -> npt.NDArray[np.bool_]:
-    """(N,) the parts of the smallest errors of each pixel, as many as make no more than ``most`` together."""
-    order = np.lexsort((error, pixel))
-    sums = np.cumsum(np.minimum(error[order], 1e300 / max(1, len(error))))
-    first = np.flatnonzero(np.diff(pixel[order], prepend=-1))
-    before = np.concatenate([[0.0], sums])[first]
-    found = np.zeros(len(pixel), np.bool_)
-    found[order] = sums - np.repeat(before, np.diff(first, append=len(order))) <= most
-    return found
 
 
 def _padded(orders: tuple[tuple[int, ...], ...]) -> Ints:

@@ -25,19 +25,8 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
-from symrender.runtimes.pixel_parts import (
-    SMOOTH_ORDERS,
-    Canvas,
-    Ints,
-    Light,
-    Look,
-    Mean,
-    PixelRule,
-    Pixels,
-    Places,
-    State,
-    added,
-)
+from symrender.runtimes.part_states import Ints, Pixels, State, added
+from symrender.runtimes.pixel_parts import SMOOTH_ORDERS, Canvas, Light, Look, Mean, PixelRule, Places
 from symrender.runtimes.speeds import Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
