@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 SCALE = 100.0
-FLOOR = {1.0: 20.0, SCALE: 200.0}
-"""Half a side of the square that stands for the plane, at either scale."""
+FLOOR, FAR_FLOOR = 20.0, 200.0
+"""Half a side of the square that stands for the plane, and the same where light bounces, which sees more of it."""
 ROTATIONS = 64
 BATCH = 1 << 20
 
@@ -101,11 +101,11 @@ def cases() -> list[dict]:
     return rows
 
 
-def moved(mi, row: dict, turn: np.ndarray, scale: float):
-    """Mitsuba's scene and ray of a case, scaled, moved to the place, and turned."""
+def moved(mi, row: dict, turn: np.ndarray, scale: float, center: list[float], side: float):
+    """Mitsuba's scene and ray of a case, scaled about the center, which becomes the origin, and turned."""
 
     def to(p) -> list[float]:
-        return (scale * turn @ (np.array(p) - np.array(row["place"]))).tolist()
+        return (scale * turn @ (np.array(p) - np.array(center))).tolist()
 
     def along(d) -> list[float]:
         return (turn @ np.array(d)).tolist()
@@ -127,7 +127,7 @@ def moved(mi, row: dict, turn: np.ndarray, scale: float):
                                     "bsdf": material}  # fmt: skip
         else:
             matrix = np.eye(4)
-            matrix[:3, :3] = turn @ np.diag([scale * FLOOR[scale], scale * FLOOR[scale], 1.0])
+            matrix[:3, :3] = turn @ np.diag([scale * side, scale * side, 1.0])
             foot = [row["place"][0], row["place"][1], 0.0]
             matrix[:3, 3] = to(foot)
             scene[shape["name"]] = {"type": "rectangle", "to_world": mi.ScalarTransform4f(matrix), "bsdf": material}
@@ -154,7 +154,7 @@ def direct(mi, row: dict) -> tuple[list[float], list[float]]:
     sampler = mi.load_dict({"type": "independent"})
     values = []
     for _ in range(ROTATIONS):
-        scene, origin, way = moved(mi, row, rotation(random), 1.0)
+        scene, origin, way = moved(mi, row, rotation(random), 1.0, row["place"], FLOOR)
         ray = mi.RayDifferential3f(mi.Point3f(origin), mi.Vector3f(way))
         values.append(np.array(integrator.sample(scene, sampler, ray)[0], dtype=np.float64))
     values = np.array(values)
@@ -162,31 +162,48 @@ def direct(mi, row: dict) -> tuple[list[float], list[float]]:
 
 
 def bounced(mi, row: dict, samples: int, seed: int) -> dict:
-    """Sums over samples of the light at depth 3."""
-    import drjit as dr
-
-    scene, origin, way = moved(mi, row, np.eye(3), SCALE)
-    integrator = mi.load_dict({"type": "path", "max_depth": 3, "rr_depth": 100})
-    sampler = mi.load_dict({"type": "independent"})
+    """Sums over samples of the light at depth 3, and beside them the direct light that stands in each of them."""
     total, square, batches = np.zeros(3), np.zeros(3), -(-samples // BATCH)
+    scaled = placed(mi, row, SCALE, row["place"])
     for k in range(batches):
-        sampler.seed(seed + k, BATCH)
-        o = dr.tile(mi.Point3f(origin), BATCH)
-        ray = mi.RayDifferential3f(o, dr.tile(mi.Vector3f(way), BATCH))
-        found = np.array(integrator.sample(scene, sampler, ray)[0], dtype=np.float64)
+        found = drawn(mi, scaled, 3, BATCH, seed + k)
         total += found.sum(axis=1)
         square += (found**2).sum(axis=1)
+    direct = drawn(mi, scaled, 2, 1, 0).ravel().tolist()
+    sums = {"samples": batches * BATCH, "seed": seed, "sum": total.tolist(), "sum_of_squares": square.tolist()}
+    return sums | {"direct": direct}
+
+
+def unscaled(mi, row: dict, samples: int, seed: int) -> dict:
+    """Sums over samples of what depth 3 adds to depth 2 in the scene as it stands less what it adds in the scaled one.
+
+    Both see the same random numbers, so that all that is left is what the ray offset changes.
+    """
+    total, square, batches = np.zeros(3), np.zeros(3), -(-samples // BATCH)
+    standing, scaled = placed(mi, row, 1.0, [0.0, 0.0, 0.0]), placed(mi, row, SCALE, row["place"])
+    direct = drawn(mi, standing, 2, 1, 0) - drawn(mi, scaled, 2, 1, 0)
+    for k in range(batches):
+        more = drawn(mi, standing, 3, BATCH, seed + k) - drawn(mi, scaled, 3, BATCH, seed + k) - direct
+        total += more.sum(axis=1)
+        square += (more**2).sum(axis=1)
     return {"samples": batches * BATCH, "seed": seed, "sum": total.tolist(), "sum_of_squares": square.tolist()}
 
 
-def beside(mi, row: dict) -> list[float]:
-    """Direct light as it stands in the samples of ``bounced``, with its roundings, to be taken off their mean."""
-    scene, origin, way = moved(mi, row, np.eye(3), SCALE)
-    integrator = mi.load_dict({"type": "path", "max_depth": 2, "rr_depth": 100})
+def placed(mi, row: dict, scale: float, center: list[float]) -> tuple:
+    """Mitsuba's scene and ray of a case, scaled about the center, which becomes the origin."""
+    return moved(mi, row, np.eye(3), scale, center, FAR_FLOOR)
+
+
+def drawn(mi, scene_and_ray: tuple, depth: int, count: int, seed: int) -> np.ndarray:
+    """Samples (3, count) of the light along the ray."""
+    import drjit as dr
+
+    scene, origin, way = scene_and_ray
+    integrator = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 100})
     sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(0, 1)
-    ray = mi.RayDifferential3f(mi.Point3f(origin), mi.Vector3f(way))
-    return np.array(integrator.sample(scene, sampler, ray)[0], dtype=np.float64).ravel().tolist()
+    sampler.seed(seed, count)
+    ray = mi.RayDifferential3f(dr.tile(mi.Point3f(origin), count), dr.tile(mi.Vector3f(way), count))
+    return np.array(integrator.sample(scene, sampler, ray)[0], dtype=np.float64)
 
 
 def main(path: str, samples: int) -> None:
@@ -204,10 +221,11 @@ def main(path: str, samples: int) -> None:
     if samples:
         mi.set_variant("llvm_ad_rgb")
         for index, row in enumerate(rows):
-            if "bounced" not in row and row["scene"]["lights"][0]["type"] == "point":
-                row["bounced"] = bounced(mi, row, samples, 1000 * (index + 1)) | {"direct": beside(mi, row)}
-                print(row["scene"]["name"], row["bounced"], flush=True)
-                out.write_text(json.dumps({"mitsuba": mi.__version__, "rays": rows}, indent=1) + "\n")
+            for name, record in (("bounced", bounced), ("unscaled", unscaled)):
+                if name not in row and row["scene"]["lights"][0]["type"] == "point":
+                    row[name] = record(mi, row, samples, 1000 * (index + 1))
+                    print(row["scene"]["name"], name, row[name], flush=True)
+                    out.write_text(json.dumps({"mitsuba": mi.__version__, "rays": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,9 @@ Array = npt.NDArray[np.float64]
 
 
 NARROW = 0.08
-"""Strips below which node counts are chosen by the highlight; wider ones are made sure to be seen, no more."""
+"""``narrow`` of highlights that are powers of a cosine: beside it they are soft, and coefficients soon tell of them."""
+BETWEEN_POLES = 0.25
+"""``narrow`` of those of conductors, which have poles as far off as they are wide."""
 SPACING = 1.05
 """Gauss nodes of a piece are no farther apart than pi/2 of its length over their number, 3 widths."""
 
@@ -38,7 +40,7 @@ def highlights_between(a: float, b: float, work: Work) -> tuple[float, float]:
         row = rows[i]
         if row.first < b and row.last > a:
             narrowest = min(narrowest, row.strip)
-            if row.strip < NARROW:
+            if row.strip < work.chart.narrow:
                 nearest = min(nearest, nearest_sum(a, b, row.first, row.last, row.strip))
     return nearest, narrowest
 
@@ -77,7 +79,7 @@ def piece_highlights(start: float, stop: float, work: Work) -> tuple[float, floa
         row = work.highlights[work.felt[i]]
         if stop >= row.innermost and start <= row.outermost:
             narrowest = min(narrowest, row.along)
-            if row.along < NARROW:
+            if row.along < work.chart.narrow:
                 nearest = min(nearest, nearest_sum(start, stop, row.innermost, row.outermost, row.along))
     return nearest, narrowest
 

@@ -20,6 +20,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.highlight_strips import NARROW
 from symrender.chambers.lobes.density import log_fall, log_peak
 from symrender.chambers.records import Box
 from symrender.chambers.work import View, Work
@@ -312,7 +313,7 @@ def find_highlights(tol: float, low: float, high: float, view: View, work: Work)
     """Fill ``Work.highlights`` of the chart between two azimuths, for a tolerance; what those left out may hold."""
     chart, shading, boxes = work.chart, view.shading, work.boxes
     work.counts.highlights = 0
-    chart.least = math.inf
+    chart.least, chart.narrow = math.inf, NARROW
     lights = view.points.shape[0]
     floor = chart.shape_index < 0.0
     if not shading.ks > 0.0 or lights == 0 or (floor and chart.side < 0.0):

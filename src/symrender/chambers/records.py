@@ -99,6 +99,8 @@ class Chart(Record):
     ball_radius: float
     least: float
     """No highlight that can hold less than this of a lobe is looked for."""
+    narrow: float
+    """Strips of highlights below which these choose node counts; wider ones are made sure to be seen, no more."""
     clipped: int
     """1 where highlights begin at walls of their own: a line may then see none beside one that does."""
     apart: float

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from symrender.chambers.highlight_strips import BETWEEN_POLES, NARROW
 from symrender.chambers.highlights import (
     COARSEST,
     DOUBTED,
@@ -215,6 +216,7 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
     if floor and chart.side < 0.0:
         return 0.0
     phong, albedo = is_phong(row, view.senders), sender_albedo(view, chart)
+    chart.narrow = NARROW if phong else BETWEEN_POLES
     last = HALF_PI if floor else chart.gamma_max
     whole = math.log(4.0 * math.pi) + 2.0 * math.log(math.sin(0.5 * chart.beta_max))
     ample = whole + log_peak(chart.lobe)

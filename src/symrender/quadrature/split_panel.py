@@ -18,14 +18,15 @@ from symrender.chambers.events import ROOT, SMOOTH, line_range
 from symrender.chambers.highlight_strips import highlight_end
 from symrender.chambers.highlights import find_highlights
 from symrender.chambers.lobes.density import largest_density
-from symrender.chambers.records import Event
+from symrender.chambers.records import Chart, Event, Wall
 from symrender.chambers.senders import find_sent, sender_of
 from symrender.chambers.walls import (
     NORMAL,
+    TOUCH,
     UNBOUNDED,
 )
 from symrender.chambers.work import View, Work, is_crowded, is_spent
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER
@@ -50,6 +51,8 @@ LATE = 104
 """The turn from which on a panel that was looked at is not halved any more; its parts would need several more."""
 MUCH = 40.0
 """How many times its share a panel with events inside may hold and still be tried in one piece."""
+POINTS = 1e-3
+"""Share of the tolerance that circles may hold which are taken for points."""
 ROUNDED_LEVEL = 2.5e-16
 """Error of the cosine of a circle, and of a place's cosine from its axis."""
 FINE = 0.05
@@ -105,6 +108,45 @@ def cut_panel(
     return n
 
 
+@inlined
+def nearest_of(row: Wall, chart: Chart) -> float:
+    """Distance from P to the nearest place of a circle of normals, in radii of the sphere."""
+    gap = (1.0 - chart.ratio) / chart.ratio
+    turned = row.axis[0] * row.cos + math.sqrt(max(0.0, 1.0 - row.axis[0] * row.axis[0])) * row.sin
+    return math.sqrt(gap * gap + 2.0 * max(0.0, 1.0 - turned) / chart.ratio)
+
+
+@inlined
+def held_at_most(share: float, chart: Chart) -> float:
+    """What so many steradians of the charted sphere hold at most."""
+    low = max(0.0, chart.lobe_beta - chart.beta_max)
+    return chart.bright * min(1.0, largest_density(4.0 * math.sin(0.5 * min(low, math.pi)) ** 2, chart.lobe) * share)
+
+
+@jitable
+def leave_points(tol: float, work: Work) -> float:
+    """Take circles that are no more than points off the chart's walls; what they hold at most, twice.
+
+    The horizon of a floor, and the floor itself, cut a ball that stands on it in a circle of radius 1e-8, whose
+    tangencies would draw lines as if it were a wall. What is in it is then taken for what is around it.
+    """
+    chart, walls = work.chart, work.walls
+    left_out, kept = 0.0, 0
+    for i in range(work.counts.walls):
+        row = walls[i]
+        if row.kind == NORMAL and row.sin < TOUCH and chart.shape_index >= 0:
+            across = row.sin / max(nearest_of(row, chart), 1e-300)
+            holds = 2.0 * held_at_most(math.pi * across * across, chart)
+            if left_out + holds < POINTS * tol:
+                left_out += holds
+                continue
+        if kept < i:
+            walls[kept] = row
+        kept += 1
+    work.counts.walls = kept
+    return left_out
+
+
 @jitable
 def rounded_walls(work: Work) -> float:
     """What the rounding of the circles of normals that lines met may move from one side of them to the other.
@@ -116,17 +158,13 @@ def rounded_walls(work: Work) -> float:
     chart, most = work.chart, 0.0
     if chart.shape_index < 0 or chart.bright >= UNBOUNDED:
         return most
-    gap = (1.0 - chart.ratio) / chart.ratio
     for i in range(min(work.counts.walls, work.walls.shape[0])):
         row = work.walls[i]
         if row.kind != NORMAL or row.met == 0.0:
             continue
-        turned = row.axis[0] * row.cos + math.sqrt(max(0.0, 1.0 - row.axis[0] * row.axis[0])) * row.sin
-        away = math.sqrt(gap * gap + 2.0 * max(0.0, 1.0 - turned) / chart.ratio)
-        sine = max(row.sin, 1e-300)
+        away, sine = nearest_of(row, chart), max(row.sin, 1e-300)
         most += min(4.0, ROUNDED_LEVEL / (away * sine)) * 2.0 * math.pi * min(1.0, sine / away)
-    low = max(0.0, chart.lobe_beta - chart.beta_max)
-    return chart.bright * min(1.0, largest_density(4.0 * math.sin(0.5 * min(low, math.pi)) ** 2, chart.lobe) * most)
+    return held_at_most(most, chart)
 
 
 @jitable
@@ -145,6 +183,7 @@ def split_chart(
     if is_crowded(work):
         # a wall that nobody knows of may run through any line
         return moved(held(bound), math.inf) if moves(bound) else bound, 0
+    points = leave_points(tol, work)
     sender = sender_of(view, work.chart)
     if sender >= 0:
         left_out = find_sent(tol, low, high, sender, view, work)
@@ -241,7 +280,7 @@ def split_chart(
             p.per_radian = out[4] / width
             if moves(width):
                 p.per_radian = moved(held(p.per_radian), tangent(out[4]) / held(width))
-    error = held(left_out) + held(rounded_walls(work))
+    error = held(left_out) + held(points) + held(rounded_walls(work))
     for i in range(work.counts.walls):
         if work.walls[i].met != 0.0:
             work.counts.crossings += 1

@@ -35,6 +35,8 @@ SHARE: Final = 0.9
 SLACK: Final = 16.0
 """Roundings a term goes through."""
 ULP: Final = 2.0**-52
+STEPS: Final = 4.0
+"""Places whose reflectances differ by no more than the root of 2 of this degree share a tolerance."""
 AGAIN: Final = ((0.3, 1e3), (0.2, 1e6))
 """Parts of a budget, beyond it, each for a tolerance so many times looser."""
 HOPELESS: Final = 10.0
@@ -187,10 +189,10 @@ class Bouncer:
             own = hits.shape[work] == j
             above = (hits.place[work] - frame.origin) @ frame.up
             turned[:, j] = np.where(own, hits.behind[work] != 0.0, above < 0.0)
-        keys = np.column_stack([turned, hits.shape[work]])
+        keys = np.column_stack([turned, hits.shape[work], _reflected(hits.albedo[work])])
         for key in np.unique(keys, axis=0) if len(work) else ():
             some = work[(keys == key).all(axis=1)]
-            self._integrate(some, key[:-1].astype(bool), hits, tol, budget, found)
+            self._integrate(some, key[:-2].astype(bool), 2.0 ** (key[-1] / STEPS), hits, tol, budget, found)
         return found
 
     def _in_a_plane(self, hits: Hits) -> npt.NDArray[np.bool_]:
@@ -222,9 +224,13 @@ class Bouncer:
         return np.asarray(1.0 + size / np.maximum(nearest, 1e-300))
 
     def _integrate(
-        self, some: Ints, turned: npt.NDArray[np.bool_], hits: Hits, tol: float, budget: int, found: Bounced
-    ) -> None:
-        """Fill ``found`` at places ``some``, all of one shape, with the planes ``turned`` that show their backs."""
+        self, some: Ints, turned: npt.NDArray[np.bool_], part: float, hits: Hits, tol: float, budget: int,
+        found: Bounced,
+    ) -> None:  # fmt: skip
+        """Fill ``found`` at places ``some``, all of one shape, with the planes ``turned`` that show their backs.
+
+        None of the places reflects more than ``part`` in any channel.
+        """
         own = int(hits.shape[some[0]])
         material = self._arrays.materials[int(self._arrays.shapes[own].material)]
         key = turned.tobytes() + bytes([int(material.kind == PHONG)])
@@ -232,15 +238,15 @@ class Bouncer:
             bounce = (lamp_scene if self._lamps else bounce_scenes)(self._arrays, turned, own)
             self._scenes[key] = ready(self._arrays, bounce, own, self._lamps)
         bounce, conductors = self._scenes[key].bounce, self._scenes[key].conductors
-        most = float(max(material.bright.max(), material.dark.max()))
+        most = min(part, float(max(material.bright.max(), material.dark.max())))
         place, normal, travel = hits.place[some], hits.normal[some], hits.travel[some]
         total, missed = np.zeros((len(some), 3)), np.zeros(len(some))
-        for part, scene in zip(bounce.parts, self._scenes[key].scenes, strict=True):
+        for world, scene in zip(bounce.parts, self._scenes[key].scenes, strict=True):
             if self._scratch is None:
-                self._scratch = split_work(part, scene.lights, bounce.glows is not None)
+                self._scratch = split_work(world, scene.lights, bounce.glows is not None)
             surface = np.full(len(some), bounce.classes[own])
             share = SHARE * tol / (most * len(bounce.parts))
-            sky = part.shading.background
+            sky = world.shading.background
             under = float(sky.max())
             if conductors is not None and material.kind == CONDUCTOR and under > 0.0:
                 # one half of the tolerance is for what shapes take from the sky, the other for the whole of it
@@ -257,7 +263,7 @@ class Bouncer:
         found.indirect[some], found.incoming[some] = albedo * total, total
         light = found.indirect[some].max(axis=1)
         # what is left of the sky is a difference
-        light = np.maximum(light, most * max(float(part.shading.background.max()) for part in bounce.parts))
+        light = np.maximum(light, most * max(float(world.shading.background.max()) for world in bounce.parts))
         astray = SLACK * ULP * np.maximum(closeness(bounce.parts[0], place), self._nearness(own, place))
         astray *= sharpness(material, -(travel * normal).sum(axis=1)) + self._highlights
         found.error[some] = albedo.max(axis=1) * missed + astray * light
@@ -269,6 +275,14 @@ class Bouncer:
         missed += float(color.max()) * seen.error
         found.status[some] = np.maximum(found.status[some], seen.status)
         found.evaluations[some] += seen.evaluations
+
+
+def _reflected(albedo: Array) -> Ints:
+    """The power of the ``STEPS``-th root of 2 that is no less than any channel of ``albedo`` (N, 3), which is not 0.
+
+    What a place reflects little of need not be known as well; places of one power are asked together.
+    """
+    return np.ceil(STEPS * np.log2(albedo.max(axis=1))).astype(np.int64)
 
 
 def gloss_within(
