@@ -7,7 +7,8 @@ A ball over a floor and a wall under a lamp that is a sphere: silhouettes, a pen
 ball's place and radius. Both are asked for the same pixels; the truth is our run at a tolerance a hundred times less,
 which differences of our means judge here, and Mitsuba's own differences, of which boundaries are no part. Time is CPU
 time of the process after a first call, which compiles. Mitsuba's error is parted into scatter over seeds and what is
-left of their mean. DRJIT_LIBLLVM_PATH may have to name LLVM's library.
+left of their mean. DRJIT_LIBLLVM_PATH may have to name LLVM's library, of version 17 or later: 14 is refused, and
+under 16 Mitsuba 3.9.1 aborts, for LLVM selects no instruction for the larger of two numbers.
 """
 
 from __future__ import annotations
