@@ -21,13 +21,15 @@ from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
 from symrender.runtimes.exposed import check_means
 from symrender.runtimes.radiometric_gradient import check_gradient
+from symrender.runtimes.series_refusals import check_series_pixels
+from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.moves import radiometric_moves
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
-from symrender.settings import Antialias, Filter, Settings, refuse_filter, split_settings
+from symrender.settings import Antialias, Filter, Settings, split_settings
 
 STATUS: Final = {MET: "met", CAPPED: "capped", UNSUPPORTED: "unsupported", EVENT: "one-sided"}
 """What the numbers of a gradient's status layer mean."""
@@ -69,8 +71,9 @@ def gradient(
     ``radiance``, ``error`` and ``status``. Values are functions of what the ray through the pixel's centre meets, and
     so are their derivatives: no edge inside the pixel contributes, all edges that bounced light sees do. ``error`` is
     how far roundings could have moved one, and with ``bounces: 1`` what the rules of bounced light may miss.
-    With ``filter="box"`` they are those of the means over pixels, silhouettes, shadows and textures that move across
-    them included, and ``error`` is the difference of two rules.
+    With ``filter="box"``, of scenes of both kinds, they are those of the means over pixels, silhouettes, shadows and
+    textures that move across them included, and ``error`` is what rules differ by. ``gloss`` is then weighed by the
+    lobes' weights, as it is in ``truth``.
     Other arguments as for ``truth``; a pixel's derivatives together may take four times its ``budget``. One more
     parameter costs little: the adjoint of a pixel is computed once. Raises SceneError for a name that is no real number
     or where the scene changes its structure, Unsupported for a wall the method does not cover.
@@ -107,8 +110,10 @@ def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job
         check_gradient(arrays, moved, settings.filter)
         check_means(arrays, settings)
         return Job.of("radiometric_gradient", scene, settings, moved)
-    refuse_filter(settings)
     check_decided(scene)
+    if settings.filter != "centre":
+        check_series_pixels(scene_arrays(scene), settings)
+        return Job.of("mean_gradient", scene, settings, moves(scene, wrt))
     return Job.of("gradient", scene, settings, moves(scene, wrt))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal, get_args
 
-from symrender.errors import OptionError, Unsupported
+from symrender.errors import OptionError
 from symrender.limits import (
     MAX_DISK,
     MAX_FILTER_RADIUS,
@@ -183,15 +183,6 @@ def split_settings(
         filter_radius=float(filter_radius),
         max_pixels=max_pixels,
     )
-
-
-def refuse_filter(settings: Settings) -> None:
-    """Raise ``Unsupported`` where a scene in units of the series is asked for derivatives of a mean over pixels."""
-    if settings.filter != "centre":
-        raise Unsupported(
-            f"gradient: filter: {settings.filter} is had of radiometric scenes; of one in units of the series only "
-            "centre is, while truth and render know all"
-        )
 
 
 def image_size(size: Any) -> tuple[int, int]:

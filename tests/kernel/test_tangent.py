@@ -82,5 +82,5 @@ def test_a_function_without_a_tangent_is_refused_by_name() -> None:
 
 def test_the_program_of_gradient_images_is_whole() -> None:
     program = tangent_program()
-    assert set(program.entries) == {"sight_dot", "hits_dot", "camera_axes_dot", "stand_planes_dot"}
+    assert set(program.entries) == {"sight_dot", "hits_dot", "places_dot", "camera_axes_dot", "stand_planes_dot"}
     assert all(f.name.endswith("_dot") for f in program.functions)

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import symrender as sr
+from symrender.gradient import gradient_job
+from symrender.runtimes.pixel_gradient import prepare_box
+from symrender.runtimes.pixels import prepare_means
 from symrender.scene.load import load_any
 from symrender.scene.parameters import get
+from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.settings import split_settings
 
 NAMES = ("shapes.B.radius", "camera.eye.x")
 
@@ -137,3 +143,36 @@ def test_cells_that_err_either_way_do_not_hide_each_other() -> None:
     expected, stated = (high - low) / 2e-4, float(image.layer("error")[9, 7])
     assert np.abs(expected).max() > 5e-3 and stated <= 1e-4
     assert np.abs(image.radiance[9, 7] - expected).max() <= 1.5 * stated + 1e-6
+
+
+def pixel_slope(
+    scene: RadiometricScene, name: str, size: int, tol: float, column: int, row: int
+) -> tuple[np.ndarray[Any, Any], float, np.ndarray[Any, Any]]:
+    """(derivative of a pixel of an image, what it states, the central difference of its mean)."""
+    settings = split_settings(
+        size, tol=tol, disk="2x2", aa="analytic", budget=1_000_000, threads=1, tile=0, filter="box"
+    )  # fmt: skip
+    job, place = gradient_job(scene, [name], settings), (column, row, column + 1, row + 1)
+    layers = job.empty_layers()
+    prepare_box(radiometric_arrays(scene), settings, job.wrt)(*place, layers)
+    value, sides = float(get(scene, name)), []
+    fine = replace(settings, tol=1e-10)
+    for side in (1, -1):
+        moved = radiometric_arrays(scene.replace({name: value + side * 1e-5}))
+        emitted, direct, _, _ = prepare_means(moved, fine)(*place)
+        sides.append((emitted + direct)[0, 0])
+    return (
+        layers[f"radiance:{name}"][row, column],
+        float(layers[f"error:{name}"][row, column]),
+        (sides[0] - sides[1]) / 2e-5,
+    )
+
+
+def test_slopes_and_sweeps_that_err_by_as_much_do_not_hide_each_other() -> None:
+    # a part of this pixel has the limb of a ball in it: what its first two rules differ by in slopes is what they
+    # differ by in sweeps, and both are four hundred times the difference of the sums
+    scene = sr.load("metal").replace({"bounces": 0})
+    assert isinstance(scene, RadiometricScene)
+    found, stated, expected = pixel_slope(scene, "shapes.A.center.x", 64, 1e-3, 10, 20)
+    assert np.abs(expected).min() > 1.0 and stated <= 1e-3
+    assert np.abs(found - expected).max() <= 1.5 * stated + 1e-5

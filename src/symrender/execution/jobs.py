@@ -77,6 +77,11 @@ KINDS: Final[Mapping[str, Kind]] = {
         radiometric=True,
         tabled=True,
     ),
+    "mean_gradient": Kind(
+        "symrender.runtimes.series_slopes",
+        (("hit_class", 1),),
+        each=(("radiance", 3), ("direct", 3), ("gloss", 3), ("error", 1), ("status", 1)),
+    ),
     "gradient": Kind(
         "symrender.runtimes.gradient",
         (("hit_class", 1), ("evaluations", 1)),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sympy as sp
 
+from symrender.expression.vectors import vec3
 from symrender.kernel import footprint, light, planes, shade, trace
 from symrender.kernel import tile as tiles
-from symrender.kernel.block import Block, real
-from symrender.kernel.program import Function, Program
+from symrender.kernel.block import Block, real, whole
+from symrender.kernel.program import Array, Function, Program
 from symrender.kernel.shade import POINTS, SHADING
 from symrender.kernel.shapes import FLOOR, PLANES, SPHERES
 from symrender.kernel.tangent import SUFFIX, forward
@@ -17,6 +18,7 @@ from symrender.scene import arrays as at
 
 SIGHT = "sight" + SUFFIX
 HITS = "hits" + SUFFIX
+PLACES = "places" + SUFFIX
 CAMERA_AXES = "camera_axes" + SUFFIX
 STAND_PLANES = "stand_planes" + SUFFIX
 
@@ -42,6 +44,36 @@ def sight() -> Function:
         *(HIT_CLASS, PLACE, NORMAL, INCOMING, DIRECT),
     )
     return Function("sight", parameters, block.statements, "what a rectangle of pixels sees, into the arrays")
+
+
+def places() -> Function:
+    """The same of the rays through places of the image, columns and rows in pixels, a row of every array each."""
+    spots, classes = Array("spots", 2), Array("classes", 1)
+    ends, facing, along, light = (Array(name, 2) for name in ("ends", "facing", "along", "light"))
+    block = Block()
+    with block.loop("k", spots.length) as k:
+        half = sp.Rational(1, 2)
+        arguments = (spots[k, 1] - half, spots[k, 0] - half, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, PLANES)
+        names = [f"{vector}_{axis}" for vector in "dqn" for axis in "xyz"]
+        block.call("look_at_place", arguments, "shape", "sx", "sy", *names)
+        shape, sx, sy = whole("shape"), real("sx"), real("sy")
+        d, q, normal = vec3("d"), vec3("q"), vec3("n")
+        block.store(classes[k], shape)
+        for array, vector in ((ends, q), (facing, normal), (along, d)):
+            for c, value in enumerate(vector.parts):
+                block.store(array[k, c], value)
+        with block.when(sp.Eq(shape, at.NOTHING)):
+            for c in range(3):
+                block.store(light[k, c], SHADING.field("background", part=c))
+            block.next()
+        tiles.shade_pixel(block, shape, sx, sy, d, q, normal)
+        for c, value in enumerate(real(name) for name in ("r", "g", "blue")):
+            block.store(light[k, c], value)
+    parameters = (
+        *(spots, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, PLANES, POINTS, SHADING),
+        *(classes, ends, facing, along, light),
+    )
+    return Function("places", parameters, block.statements, "what places of the image show, into the arrays")
 
 
 def power_tangent() -> Function:
@@ -87,12 +119,14 @@ def tangent_program() -> Program:
             tiles.footprint_share(),
             tiles.plane_share(),
             tiles.look(),
+            tiles.look_at_place(),
             sight(),
             tiles.hits(),
+            places(),
         ),
-        ("sight", "hits", "camera_axes", "stand_planes"),
+        ("sight", "hits", "places", "camera_axes", "stand_planes"),
     )
     rules = {"power": power_tangent()}
-    parts = [forward(whole, entry, rules) for entry in ("camera_axes", "stand_planes", "sight", "hits")]
+    parts = [forward(whole, entry, rules) for entry in ("camera_axes", "stand_planes", "sight", "hits", "places")]
     functions = {function.name: function for part in parts for function in part.functions}
-    return Program(tuple(functions.values()), (CAMERA_AXES, STAND_PLANES, SIGHT, HITS))
+    return Program(tuple(functions.values()), (CAMERA_AXES, STAND_PLANES, SIGHT, HITS, PLACES))

@@ -124,7 +124,15 @@ ALBEDO = Array("albedo", 3)
 
 def look() -> Function:
     """What the ray through a pixel's centre meets first, and where."""
-    row, column = whole("row"), whole("column")
+    return _look("look", whole("row"), whole("column"))
+
+
+def look_at_place() -> Function:
+    """The same of the ray through any place: ``row`` and ``column`` need not be whole."""
+    return _look("look_at_place", real("row"), real("column"))
+
+
+def _look(name: str, row: sp.Symbol, column: sp.Symbol) -> Function:
     block = Block()
     eye = block.let_vector("e", row_vector(EYE, None, 0))
     screen = formulas.screen(column, row, FRAME[4], FRAME[5])
@@ -155,7 +163,7 @@ def look() -> Function:
         block.let_vector("q", center + normal * (side * radius))
     block.leave(shape, sx, sy, *d.parts, *q.parts, *normal.parts)
     parameters = (row, column, FRAME, CAMERA, AXES, EYE, SPHERES, FLOOR, PLANES)
-    return Function("look", parameters, block.statements, "(hit class, sx, sy, direction, point, normal) of a pixel")
+    return Function(name, parameters, block.statements, "(hit class, sx, sy, direction, point, normal) of a pixel")
 
 
 def look_at_pixel(

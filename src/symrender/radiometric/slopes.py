@@ -74,7 +74,7 @@ def record_moves(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
 def seen_moves(arrays: RadiometricArrays, move: Move, width: int, height: int) -> Seen:
     """How a world and its camera move with the parameter of ``move``."""
     moves = record_moves(arrays, move)
-    window = _window_moves(arrays.camera, moves.camera, width, height)
+    window = window_moves(arrays.camera, moves.camera, width, height)
     return Seen(world_moves(arrays, moves), np.ascontiguousarray(moves.camera.eye), window)
 
 
@@ -92,7 +92,7 @@ def _pieces_kernel() -> Any:
     return compiled(pushed_module().lay_pieces_dot, sources=[pushed_text()], _nrt=False)
 
 
-def _window_moves(camera: Camera, moves: Camera, width: int, height: int) -> Array:
+def window_moves(camera: Camera, moves: Camera, width: int, height: int) -> Array:
     """How ``camera_window`` moves."""
     given = (*camera.eye, *camera.target, *camera.up, *moves.eye, *moves.target, *moves.up)
     axes, turns = pushed_module().perspective_axes_dot(*map(float, given))

@@ -83,3 +83,20 @@ def fill_rays(
         for c in range(3):
             emitted[k, c] = shining[c]
             direct[k, c] = light[c]
+
+
+def fill_places(
+    world: World, eye: Array, window: Array, width: int, height: int, columns: Array, rows: Array, room: Room,
+    light: Array,
+) -> None:  # fmt: skip
+    """Fill ``light`` (n, 6), radiance and what of it is emitted, along the rays through places of the image, in
+    pixels."""
+    origin = (eye[0], eye[1], eye[2])
+    f, r, u = window[0], window[1], window[2]
+    for k in range(columns.shape[0]):
+        a, b = 2.0 * columns[k] / width - 1.0, 1.0 - 2.0 * rows[k] / height
+        d = leaves.camera_ray(f[0], f[1], f[2], r[0], r[1], r[2], u[0], u[1], u[2], a, b)
+        _, shining, lit = along_ray(world, origin, d, room)
+        for c in range(3):
+            light[k, c] = shining[c] + lit[c]
+            light[k, 3 + c] = shining[c]

@@ -41,7 +41,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
     ``settings.tol`` is absolute, in scene units of radiance over the parameter's unit. Raises Unsupported, by name, for
     what cannot be differentiated.
     """
-    return _Slopes(arrays, settings, wrt).render
+    return Slopes(arrays, settings, wrt).render
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,11 @@ class _Seen:
         return place, normal, incoming
 
 
-class _Slopes:
-    """A scene and its moves bound to their kernels; each thread has a scratch of its own."""
+class Slopes:
+    """A scene and its moves bound to their kernels; each thread has a scratch of its own.
+
+    ``weights`` and ``weight_moves`` are those of lobes by hit class.
+    """
 
     def __init__(self, arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> None:
         self.arrays, self.settings = arrays, settings
@@ -73,6 +76,7 @@ class _Slopes:
         refuse_unknown(arrays, moved, self.names)
         text = numba.emitted(_emit, "tangent")
         self.sight, self.hits = numba.kernel(text, "sight_dot"), numba.kernel(text, "hits_dot")
+        self.places = numba.kernel(text, "places_dot")
         self.lights = light_rows(arrays, settings.disk_order)
         # an exact disk is no point: its direct light is added to that of the points
         points = self.lights["radius"] == 0.0
@@ -127,6 +131,22 @@ class _Slopes:
             rows, columns = np.nonzero(seen == surface)
             evaluations += self._add_gloss(rays, (rows + y0, columns + x0), surface, layers)
         return evaluations
+
+    def shown(self, columns: Array, rows: Array) -> tuple[Array, list[Array], list[Array]]:
+        """What N places of the image show, in pixels: (hit class (N,), what rays meet, how it moves in the first
+        parameter), each place, normal, incoming direction and direct light (N, 3) of points."""
+        count, settings, moved = len(columns), self.settings, self.moved
+        classes, spots = np.zeros((2, count)), np.ascontiguousarray(np.column_stack([columns, rows]))
+        found, slopes = ([np.zeros((count, 3)) for _ in range(4)] for _ in range(2))
+        frame = np.array([0.0, 0.0, 0.0, 0.0, settings.width, settings.height, 0.0])
+        self.places(
+            spots, np.zeros_like(spots), frame, np.zeros_like(frame), self.arrays.camera, moved.camera[0],
+            self.axes, self.axes_moves[0], self.eye, self.eye_moves[0], self.arrays.spheres, moved.spheres[0],
+            self.arrays.floor, moved.floor[0], self.planes, self.plane_moves[0], self.points, self.point_moves[0],
+            self.arrays.shading, moved.shading[0], classes[0], classes[1],
+            *(array for pair in zip(found, slopes, strict=True) for array in pair),
+        )  # fmt: skip
+        return classes[0], found, slopes
 
     def _rays(self, x0: int, y0: int, x1: int, y1: int) -> _Seen:
         # a tile at the origin of its own small arrays: its pixels keep their places in the frame

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
 
@@ -17,15 +17,14 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
-from symrender.jit.records import Table, chosen, joined, table
+from symrender.jit.records import Table, chosen, table
 from symrender.radiometric.pixels import parts as kernels
 from symrender.radiometric.pixels.cells import BOX, Eye
 from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, Nodes, Part, Room, make_room
 from symrender.radiometric.vectors import Array
+from symrender.runtimes.part_states import Best, Ints, Pixels, State, added, spared
 from symrender.runtimes.pixel_blocks import INNER as BLOCK_INNER
 from symrender.runtimes.pixel_blocks import Known, Picture, block_means
-
-Ints = npt.NDArray[np.int64]
 
 INNER: Final = 0.25
 """Part of the tolerance that single rays take."""
@@ -103,71 +102,25 @@ class Mean:
     evaluations: Ints
 
 
-@dataclass
-class State:
-    """Parts of the pixels of a tile, and what is known of each."""
-
-    parts: Table[Part]
-    pixel: Ints
-    values: Array
-    gap: Array
-    """What the last two rules differed by."""
-    error: Array
-    inner: Array
-    stage: Ints
-    """How many rules it took beyond the first two; -1 before these."""
-    fastest: Array
-    """Of what moves: how fast the walls of a part cross it."""
-    rough: Array
-    """Of what moves: what nodes of a part that is not resolved see change."""
-
-    @staticmethod
-    def of(parts: Table[Part], pixel: Ints, channels: int) -> State:
-        """Parts of which nothing is known yet."""
-        n = len(parts)
-        return State(
-            parts, pixel, np.zeros((n, channels)), np.full(n, np.inf), np.full(n, np.inf), np.zeros(n),
-            np.full(n, -1, np.int64), np.zeros(n), np.zeros(n),
-        )  # fmt: skip
-
-    def kept(self, keep: npt.NDArray[np.bool_], more: State) -> State:
-        """Those of ``keep``, and more."""
-        old = chosen(self.parts, keep)
-        pairs = [
-            np.concatenate([getattr(self, name)[keep], getattr(more, name)])
-            for name in ("pixel", "values", "gap", "error", "inner", "stage", "fastest", "rough")
-        ]
-        return State(joined(Part, [old, more.parts]), *pairs)
-
-
-@dataclass
-class Pixels:
-    """What is known of the pixels of a tile."""
-
-    low: Array
-    high: Array
-    status: Ints
-    evaluations: Ints = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.evaluations = np.zeros(len(self.low), np.int64)
-
-
 class PixelRule:
     """Means over the pixels of a canvas; of threads each has its scratch.
 
     ``orders`` are those of the rules of parts, by their kind, ``hope`` how many times what it may take a part may be
     off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance. ``slow`` is how
-    many times their difference rules of what no curve enters may be off by.
+    many times their difference rules of what no curve enters may be off by. Where nodes are cheap it is ``eager``: all
+    parts are looked at more closely but those that together make no more than half of the tolerance. A mean may be the
+    sum of several ``terms``, of which each has a say in what rules differ by: what one has too much another may have
+    too little.
     """
 
     orders: tuple[tuple[int, ...], ...] = (SMOOTH_ORDERS, _CUT_ORDERS, COARSE_ORDERS)
     hope: float = 300.0
     inner: float = INNER
     slow: float = 1.0
+    eager: bool = False
 
-    def __init__(self, canvas: Canvas, channels: int) -> None:
-        self.canvas, self._channels = canvas, channels
+    def __init__(self, canvas: Canvas, channels: int, terms: int = 1) -> None:
+        self.canvas, self._channels, self._terms = canvas, channels, terms
         self._own = threading.local()
 
     def means(self, x0: int, y0: int, x1: int, y1: int, look: Look, tol: float, budget: int) -> Mean:
@@ -208,21 +161,21 @@ class PixelRule:
         pixels = Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64))
         grain = _GRAIN * tol / canvas.bright
         parts, origins = self._cut(starts, grain)
-        state = State.of(parts, origins, channels)
+        state = State.of(parts, origins, channels * self._terms)
         inner, whole = self.inner * tol, np.zeros(count)
-        each = max(_LEAST, budget // _SHARE)
+        each, best = max(_LEAST, budget // _SHARE), Best(np.zeros((count, channels)), np.full(count, np.inf))
         for _ in range(_ROUNDS):
             self._integrate(state, np.flatnonzero(state.stage < 0), pixels, look, inner, each)
             outer = state.error + self._unseen(state, pixels)
             whole = added(state.pixel, outer + state.inner, count)
+            best.keep(state, whole, channels, tol)
             raised, halved = self._next(state, outer, whole, pixels, tol, budget)
             if not (len(raised) or len(halved)):
                 break
             self._integrate(state, raised, pixels, look, inner, each)
             if len(halved):
                 state = self._halve(state, halved, grain)
-        values = np.column_stack([added(state.pixel, state.values[:, c], count) for c in range(channels)])
-        return Mean(values, whole, pixels.status, pixels.evaluations)
+        return Mean(best.values, best.error, pixels.status, pixels.evaluations)
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:
         """What parts may be off by, for what no node sees."""
@@ -240,6 +193,8 @@ class PixelRule:
         stuck = added(state.pixel, state.inner, len(whole)) > tol
         going = (whole > tol) & ~stuck & (pixels.evaluations <= budget)
         asked = going[state.pixel] & (outer >= _WORST * worst[state.pixel]) & (outer > _FLOOR * tol)
+        if self.eager:
+            asked = going[state.pixel] & ~spared(state.pixel, outer, 0.5 * tol)
         area = 0.25 ** state.parts["level"]
         allowed = tol * (0.5 * area + 0.01)
         most = np.array([len(each) for each in self.orders])[_kinds(state.parts)] - 2
@@ -260,7 +215,7 @@ class PixelRule:
         parts, origins = self._cut(starts, grain)
         keep = np.ones(len(state.pixel), np.bool_)
         keep[halved] = False
-        return state.kept(keep, State.of(parts, state.pixel[halved][origins // 4], self._channels))
+        return state.kept(keep, State.of(parts, state.pixel[halved][origins // 4], state.values.shape[1]))
 
     def _integrate(
         self, state: State, some: Ints, pixels: Pixels, look: Look, inner: float, budget: int
@@ -269,15 +224,17 @@ class PixelRule:
         if not len(some):
             return
         kinds, stage = _kinds(state.parts)[some], state.stage[some] + 1
-        sequences = [np.array(each) for each in self.orders]
-        fresh = np.flatnonzero(stage == 0)
-        orders = np.array([sequences[k][min(s + 1, len(sequences[k]) - 1)] for k, s in zip(kinds, stage, strict=True)])
-        before = np.array([sequences[k][0] for k in kinds[fresh]], np.int64)
+        fresh, sequences = np.flatnonzero(stage == 0), _padded(self.orders)
+        orders = np.concatenate([sequences[kinds, np.minimum(stage + 1, sequences.shape[1] - 1)],
+                                 sequences[kinds[fresh], 0]])  # fmt: skip
         two = np.concatenate([some, some[fresh]])
-        values, error = self._sums(state, two, np.concatenate([orders, before]), pixels, look, inner, budget)
+        # both rules of a part one after the other, so that what it is cut at is made once
+        beside = np.argsort(two, kind="stable")
+        values, error = np.zeros((len(two), state.values.shape[1])), np.zeros(len(two))
+        values[beside], error[beside] = self._sums(state, two[beside], orders[beside], pixels, look, inner, budget)
         new, old = values[: len(some)], state.values[some]
         old[fresh] = values[len(some) :]
-        gap = np.abs(new - old).max(axis=1)
+        gap = np.abs(new - old).reshape(len(some), self._terms, self._channels).max(axis=2).sum(axis=1)
         slow = np.where(kinds == CUT, 1.0, self.slow)
         first = slow * np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
         last = np.where(stage == 0, 0.0, state.gap[some])
@@ -353,11 +310,10 @@ class PixelRule:
             size = found
 
 
-def added(owner: Ints, what: Array, count: int) -> Array:
-    """(count,) sums of what belongs to each owner."""
-    found = np.zeros(count)
-    np.add.at(found, owner, what)
-    return found
+def _padded(orders: tuple[tuple[int, ...], ...]) -> Ints:
+    """(kinds, rules) orders of the rules of parts; the last stands for all that would follow."""
+    most = max(len(each) for each in orders)
+    return np.array([each + each[-1:] * (most - len(each)) for each in orders])
 
 
 def _kinds(parts: Table[Part]) -> Ints:

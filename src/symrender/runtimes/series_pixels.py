@@ -128,7 +128,7 @@ def flattened(arrays: SceneArrays) -> SceneArrays:
 
 
 @dataclass(frozen=True)
-class _Scene:
+class SeriesScene:
     """A scene in units of the series as its two integrals over pixels take it."""
 
     arrays: SceneArrays
@@ -137,7 +137,8 @@ class _Scene:
     gloss: Canvas
 
     @staticmethod
-    def of(arrays: SceneArrays, settings: Settings) -> _Scene:
+    def of(arrays: SceneArrays, settings: Settings) -> SeriesScene:
+        """A scene as a camera sees it; Unsupported where its walls are too many."""
         width, height = settings.width, settings.height
         eye = np.ascontiguousarray(arrays.camera.eye)
         window, bright = window_of(arrays, width, height), brightest(arrays)
@@ -155,7 +156,7 @@ class _Scene:
         outlines = series_walls(glossy, eye, table(Section, 0))
         gloss = Eye(glossy, glossy, place, outlines, table(Family, 0), bright, bright, True, domain)
         reach = settings.reach
-        return _Scene(
+        return SeriesScene(
             arrays, settings, Canvas(direct, window, width, height, reach, bright, False),
             Canvas(gloss, window, width, height, reach, bright * float(lobes[:, 0].max()), True),
         )  # fmt: skip
@@ -170,7 +171,12 @@ class _Scene:
         return np.tile(self.arrays.camera.eye, (len(found), 1)), np.ascontiguousarray(found)
 
 
-def _direct_look(scene: _Scene) -> Callable[[Places, float, int], Light]:
+def direct_rounding(bright: float) -> float:
+    """What sums of a hundred terms, each of the brightest, may be off by."""
+    return 100 * math.ulp(bright)
+
+
+def _direct_look(scene: SeriesScene) -> Callable[[Places, float, int], Light]:
     arrays, order = scene.arrays, scene.settings.disk_order
     means = flattened(arrays)
 
@@ -181,14 +187,13 @@ def _direct_look(scene: _Scene) -> Callable[[Places, float, int], Light]:
         if len(some):
             values[some] = trace(means, origins[some], directions[some], at.NOTHING, order)[0]
         count = len(values)
-        # sums of a hundred terms, each of the brightest
-        rounded = np.full(count, 100 * math.ulp(scene.direct.bright))
+        rounded = np.full(count, direct_rounding(scene.direct.bright))
         return Light(values, rounded, np.full(count, MET), np.ones(count, np.int64))
 
     return look
 
 
-def _gloss_look(scene: _Scene, scratch: SplitWork) -> Callable[[Places, float, int], Light]:
+def _gloss_look(scene: SeriesScene, scratch: SplitWork) -> Callable[[Places, float, int], Light]:
     arrays, settings = scene.arrays, scene.settings
     weights = np.concatenate([[0.0], lobes_of(arrays)[:, 0]])
 
@@ -220,7 +225,7 @@ def prepare_series(arrays: SceneArrays, settings: Settings) -> TileKernel:
     a pixel, so that radiance = direct + gloss. ``hit_class`` is the centre's. Chambers and crossings are not counted.
     """
     check_series_pixels(arrays, settings)
-    scene = _Scene.of(arrays, settings)
+    scene = SeriesScene.of(arrays, settings)
     sight = prepare_sight(arrays, replace(settings, aa="none"))
     rules = PixelRule(scene.direct, 3), PixelRule(scene.gloss, 3)
     shines = bool((lobes_of(arrays)[:, 0] > 0.0).any())

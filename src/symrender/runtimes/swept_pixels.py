@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any, Final
 
 import numpy as np
@@ -25,35 +25,61 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
-from symrender.runtimes.pixel_gradient import MOST_NODES, Speeds, Steps, jumps, make_sweep, unresolved
-from symrender.runtimes.pixel_parts import (
-    SMOOTH_ORDERS,
-    Canvas,
-    Ints,
-    Light,
-    Look,
-    Mean,
-    PixelRule,
-    Pixels,
-    Places,
-    State,
-    added,
-)
+from symrender.runtimes.part_states import Ints, Pixels, State, added
+from symrender.runtimes.pixel_parts import SMOOTH_ORDERS, Canvas, Light, Look, Mean, PixelRule, Places
+from symrender.runtimes.speeds import Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
 from symrender.settings import Settings
 
-_SEEN: Final = 2 * CHANNELS
-"""Where in what nodes see the error of the light stands, behind the slopes and the light."""
-_BUDGET: Final = 16
+_MOST_NODES: Final = 200_000
+"""Nodes, and crossings of walls, of a part, at most."""
+BUDGET: Final = 16
 """Evaluations of a derivative, over those of a value: nodes are asked for ten times less, and rules are of slopes."""
 _SLOW: Final = 128.0
 """Steps of a wall, over those that a parameter's unit makes, up to which what it sweeps is no dearer than slopes."""
 
 
-class SweptRule(PixelRule):
-    """Derivatives of means along one move. What nodes see are (N, 7): slopes, light, and what light may be off by.
+Cut = Callable[[Table[Part], float], tuple[Table[Part], Ints]]
+List = Callable[[Table[Part], Ints, Ints], tuple[moving.Sweep, Ints]]
 
+
+class Beginning:
+    """What derivatives of a tile along several moves begin with: parts of its pixels, and what their first rules sum.
+
+    It is listed for the first of them and kept for the others, of every thread its own.
+    """
+
+    def __init__(self) -> None:
+        self._own = threading.local()
+
+    def cut(self, starts: Table[Part], grain: float, make: Cut) -> tuple[Table[Part], Ints]:
+        """The parts of whole pixels as they were listed last, or those that ``make`` lists."""
+        if np.asarray(starts)["level"].any():
+            return make(starts, grain)
+        asked = np.asarray(starts).tobytes(), grain
+        if getattr(self._own, "asked", None) != asked:
+            self._own.asked, self._own.parts, self._own.orders = asked, make(starts, grain), None
+        kept: tuple[Table[Part], Ints] = self._own.parts
+        return kept
+
+    def swept(self, parts: Table[Part], some: Ints, orders: Ints, make: List) -> tuple[moving.Sweep, Ints]:
+        """What the rules of kept parts sum, two of each one after the other, or what ``make`` lists."""
+        held = getattr(self._own, "parts", None)
+        if held is None or parts is not held[0] or not np.array_equal(some, np.repeat(np.arange(len(parts)), 2)):
+            return make(parts, some, orders)
+        if self._own.orders is None:
+            self._own.orders, self._own.sweep = orders.copy(), make(parts, some, orders)
+        assert np.array_equal(orders, self._own.orders)
+        kept: tuple[moving.Sweep, Ints] = self._own.sweep
+        return kept
+
+
+class SweptRule(PixelRule):
+    """Derivatives of means of C channels along one move.
+
+    What nodes see are (N, 2 C + 1): slopes, light, and what light may be off by. What nodes see change and what walls
+    sweep are two terms of a mean, for beside a limb what one has too much the other has too little.
     Halves of a part beside a limb are hardly better, for slopes there are as one over a root: rules of higher orders
     are always tried first.
     """
@@ -64,9 +90,9 @@ class SweptRule(PixelRule):
     # beside a limb outside of it: of 1/sqrt(x) two rules differ by a third to two thirds of what the better is off by
     slow = 3.0
 
-    def __init__(self, canvas: Canvas, speeds: Speeds) -> None:
-        super().__init__(canvas, CHANNELS)
-        self._speeds = speeds
+    def __init__(self, canvas: Canvas, channels: int, speeds: Speeds, beginning: Beginning | None = None) -> None:
+        super().__init__(canvas, channels, 2)
+        self._speeds, self._beginning = speeds, beginning or Beginning()
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:
         """What parts may be off by: of what may be cut off unseen the length, times what walls part and their speed."""
@@ -91,16 +117,42 @@ class SweptRule(PixelRule):
         count, own = len(some), [np.repeat(np.arange(len(some)), np.diff(ends[:, k], prepend=0)) for k in range(2)]
         parts = np.asarray(state.parts)[some]
         edges, walls = sweep.edges[: len(own[1])], sweep.walls[: len(own[1])]
-        speed = self._speeds.across(Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2]))
-        fast, kind = _fastest(own[1], edges, speed, count), edges[:, 5]
+        at = Steps(*self._at(parts[own[1]], edges), edges[:, 2:4], walls[:, :2])
+        speed = self._speeds.across(at)
+        fast = _fastest(own[1], edges, speed, count)
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
+        nodes, pixel = sweep.nodes[: len(own[0])], state.pixel[some][own[0]]
+        found, error = self._seen(parts[own[0]], nodes, fast[own[0]], pixel, pixels, look, inner, budget)
+        slopes, light = found[:, : self._channels], found[:, self._channels :]
+        np.minimum.at(pixels.low, pixel, reduce(np.minimum, light[:, :CHANNELS].T))
+        np.maximum.at(pixels.high, pixel, reduce(np.maximum, light[:, :CHANNELS].T))
+        parted, size = jumps(walls, light)
+        moved = np.where((edges[:, 4] == 0.0) | (edges[:, 5] == moving.UNRESOLVED), 0.0, edges[:, 4] * speed)
+        border = edges[:, 5] == moving.BORDER
+        inside, outside = np.where(border, 0.0, moved), np.where(border, np.abs(moved), 0.0)
+        values = np.column_stack(
+            [added(own[0], nodes[:, 2] * slopes[:, c], count) for c in range(self._channels)]
+            + [added(own[1], inside * parted[:, c], count) for c in range(self._channels)]
+        )  # fmt: skip
+        most = np.abs(parted[:, : self._channels]).max(axis=1, initial=0.0)
+        stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
+        stated += added(own[1], outside * most + np.abs(moved) * size[:, self._channels], count)
+        known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
+        rough = np.flatnonzero((parts["kind"] == COARSE)[own[0]])
+        changed = added(own[0][rough], np.abs(nodes[rough, 2]) * np.abs(slopes[rough]).max(axis=1, initial=0.0), count)
+        # of what is not known rules of a higher order know no more, halves may
+        state.rough[some] = np.where(known, changed, np.inf)
+        return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0)
+
+    def _seen(
+        self, parts: Any, nodes: Array, fast: Array, pixel: Ints, pixels: Pixels, look: Look, inner: float, budget: int
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """(what nodes see, what each may be off by), where walls of their parts are ``fast``."""
+        columns, rows = self._at(parts, nodes)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
-        power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)[own[0]]
-        nodes = sweep.nodes[: len(own[0])]
-        columns, rows = self._at(parts[own[0]], nodes)
-        found = np.zeros((len(nodes), _SEEN + 1))
-        error, pixel = np.zeros(len(nodes)), state.pixel[some][own[0]]
+        power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)
+        found, error = np.zeros((len(nodes), 2 * self._channels + 1)), np.zeros(len(nodes))
         for each in np.unique(power).tolist():
             which = np.flatnonzero(power == each)
             places = Places(columns[which], rows[which], np.zeros(len(which), np.bool_))
@@ -108,32 +160,21 @@ class SweptRule(PixelRule):
             found[which], error[which] = seen.values, seen.error
             np.maximum.at(pixels.status, pixel[which], seen.status)
             np.add.at(pixels.evaluations, pixel[which], seen.evaluations)
-        np.minimum.at(pixels.low, pixel, found[:, CHANNELS:_SEEN].min(axis=1))
-        np.maximum.at(pixels.high, pixel, found[:, CHANNELS:_SEEN].max(axis=1))
-        parted, size = jumps(walls, found[:, CHANNELS:])
-        moved = edges[:, 4] * speed
-        moved[(edges[:, 4] == 0.0) | (kind == moving.UNRESOLVED)] = 0.0
-        inside, border = np.where(kind == moving.BORDER, 0.0, moved), np.where(kind == moving.BORDER, moved, 0.0)
-        values = np.column_stack([
-            added(own[0], nodes[:, 2] * found[:, c], count) + added(own[1], inside * parted[:, c], count)
-            for c in range(CHANNELS)
-        ])  # fmt: skip
-        stated = added(own[0], np.abs(nodes[:, 2]) * error, count)
-        stated += added(own[1], np.abs(border) * np.abs(parted[:, :CHANNELS]).max(axis=1, initial=0.0), count)
-        stated += added(own[1], np.abs(moved) * size[:, CHANNELS], count)
-        known = np.isfinite(values).all(axis=1) & np.isfinite(stated) & (ends[:, 2] == 0)
-        changed = added(own[0], np.abs(nodes[:, 2]) * np.abs(found[:, :CHANNELS]).max(axis=1), count)
-        # of what is not known rules of a higher order know no more, halves may
-        state.rough[some] = np.where(known, np.where(parts["kind"] == COARSE, changed, 0.0), np.inf)
-        return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0)
+        return found, error
 
     def _at(self, parts: Any, places: Array) -> tuple[Array, Array]:
         """Columns and rows of places of the pixels of parts."""
         reach = self.canvas.reach
         return parts["column"] + 0.5 + reach * places[:, 0], parts["row"] + 0.5 - reach * places[:, 1]
 
+    def _cut(self, starts: Table[Part], grain: float) -> tuple[Table[Part], Ints]:
+        return self._beginning.cut(starts, grain, super()._cut)
+
     def _swept(self, parts: Table[Part], some: Ints, orders: Ints) -> tuple[moving.Sweep, Ints]:
         """What rules sum, and where what belongs to each part ends."""
+        return self._beginning.swept(parts, some, orders, self._listed)
+
+    def _listed(self, parts: Table[Part], some: Ints, orders: Ints) -> tuple[moving.Sweep, Ints]:
         canvas = self.canvas
         room, candidates, _ = self.scratch()
         rows, size = table(Part, len(some)), 64 * len(some)
@@ -145,7 +186,7 @@ class SweptRule(PixelRule):
                 canvas.eye, canvas.window, canvas.width, canvas.height, canvas.reach, rows, orders, room, candidates,
                 sweep, ends,
             )  # fmt: skip
-            if sweep.counts[2] == 0 or size > MOST_NODES * len(some):
+            if sweep.counts[2] == 0 or size > _MOST_NODES * len(some):
                 return sweep, ends
             size *= 4
 
@@ -168,14 +209,14 @@ def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
     worlds = shaken(arrays)
     views = seen_all(worlds, settings.width, settings.height)
     canvas = canvas_of(views[0], settings)
-    rules, turns = {}, {}
+    rules, turns, beginning = {}, {}, Beginning()
     for move in wrt:
         moves = [seen_moves(each, move, settings.width, settings.height) for each in worlds]
         turns[move[0]] = [
             Speeds.of(canvas.eye, view, each, "list_seen_walls", settings)
             for view, each in zip(views, moves, strict=True)
         ]
-        rules[move[0]] = SweptRule(canvas, turns[move[0]][0])
+        rules[move[0]] = SweptRule(canvas, CHANNELS, turns[move[0]][0], beginning)
     own = threading.local()
     tol = (1.0 - DIRECT_SHARE) * settings.tol
 
@@ -185,7 +226,7 @@ def prepare_swept(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
         found = {}
         for name, rule in rules.items():
             look = _look(own.bouncers[name], turns[name])
-            found[name] = rule.means(x0, y0, x1, y1, look, tol, _BUDGET * settings.budget)
+            found[name] = rule.means(x0, y0, x1, y1, look, tol, BUDGET * settings.budget)
         return found
 
     return slopes

@@ -24,14 +24,11 @@ _THIN: Final = 1e-11
 _EDGE: Final = 2e-10
 """How near a wall is to the edge of a cell that is said to lie on it: near enough for ``begin`` to list it for the cell
 on its other side too."""
-FULL: Final = 1
-UNKNOWN: Final = 2
 _OUTSIDE: Final = 0.1
 """How far beside a cell a wall on its edge is looked at from, over the piece inside."""
 
 # what a row of ``Sweep.edges`` is
-FINER: Final = 0
-COARSER: Final = 1
+PARTED: Final = 0
 BORDER: Final = 2
 """On the border of the pixel, where means have two derivatives: once more, for the half that these differ by."""
 UNRESOLVED: Final = 3
@@ -39,18 +36,18 @@ UNRESOLVED: Final = 3
 
 
 class Sweep(NamedTuple):
-    """What a pixel's derivative is summed from, by two rules: rows of each, and how many there are."""
+    """What a pixel's derivative is summed from: rows of each, and how many there are."""
 
     nodes: Array
-    """(n, 5): place x, y in the pixel, then weights in the finer and in the coarser rule, and the cell."""
+    """(n, 3): place x, y in the pixel, and its weight."""
     edges: Array
-    """(n, 7): place, direction in which t grows, what a unit of t weighs, FINER or another kind, the cell."""
+    """(n, 6): place, direction in which t grows, what a unit of t weighs, PARTED or another kind."""
     walls: Ints
     """(n, 5): the wall of each edge, or -1 less the family, and the number, of a line of a texture; then the first node
     of the piece before, the first of the piece behind, and how many each has; one is -1 where there is no such piece.
     """
     counts: Ints
-    """(4,): nodes, edges, FULL where there was no room for all, UNKNOWN where moves are not known, and cells."""
+    """(3,): nodes, edges, and 1 where there was no room for all."""
 
 
 @inlined
@@ -62,15 +59,14 @@ def place_of(mode: int, t: float, s: float) -> tuple[float, float]:
 
 
 @jitable
-def put_node(sweep: Sweep, x: float, y: float, weight: float, coarser: bool) -> None:
+def put_node(sweep: Sweep, x: float, y: float, weight: float) -> None:
     """Add a node."""
     k = int(sweep.counts[0])
     if k >= sweep.nodes.shape[0]:
         sweep.counts[2] = 1
         return
     row = sweep.nodes[k]
-    row[0], row[1], row[2], row[3] = x, y, 0.0 if coarser else weight, weight if coarser else 0.0
-    row[4] = float(sweep.counts[3])
+    row[0], row[1], row[2] = x, y, weight
     sweep.counts[0] = k + 1
 
 
@@ -87,7 +83,7 @@ def put_edge(
     row = sweep.edges[k]
     row[0], row[1], row[2], row[3] = x, y, tx, ty
     row[4] = weight * weight_of(eye.domain, x, y)
-    row[5], row[6] = float(kind), float(sweep.counts[3])
+    row[5] = float(kind)
     if curve < own:
         sweep.walls[k, 0], sweep.walls[k, 1] = room.which[level, curve], 0
     else:
@@ -119,7 +115,7 @@ def put_parted(
 @jitable
 def put_beside(
     eye: Eye, cell: Cell, room: Room, sweep: Sweep, weight: float, own: int, curve: int, mode: int, t: float, s: float,
-    coarser: bool, inner: int, order: int, length: float,
+    inner: int, order: int, length: float,
 ) -> None:  # fmt: skip
     """Add a wall on the end t of a line, where the piece inside has its nodes from ``inner`` on and is ``length`` long.
 
@@ -132,12 +128,11 @@ def put_beside(
         u = GAUSS[0, order, i]
         beyond = _OUTSIDE * length * (u * u if t > 0.0 else -(1.0 - u) * (1.0 - u))
         x, y = place_of(mode, t + beyond, s)
-        put_node(sweep, cell.x + half * x, cell.y + half * y, 0.0, coarser)
+        put_node(sweep, cell.x + half * x, cell.y + half * y, 0.0)
     before, behind = inner if t > 0.0 else outer, outer if t > 0.0 else inner
-    kind = COARSER if coarser else FINER
-    put_parted(eye, cell, room, sweep, 0.5 * weight, own, curve, mode, t, s, kind, before, behind, order)
+    put_parted(eye, cell, room, sweep, 0.5 * weight, own, curve, mode, t, s, PARTED, before, behind, order)
     x, y = place_of(mode, t, s)
-    if not coarser and max(abs(cell.x + half * x), abs(cell.y + half * y)) >= 1.0 - 1e-8:
+    if max(abs(cell.x + half * x), abs(cell.y + half * y)) >= 1.0 - 1e-8:
         put_parted(eye, cell, room, sweep, 0.5 * weight, own, curve, mode, t, s, BORDER, before, behind, order)
 
 
@@ -157,7 +152,7 @@ def on_edges(room: Room, count: int, wide: float) -> tuple[int, int]:
 @jitable
 def sweep_line(
     eye: Eye, cell: Cell, room: Room, sweep: Sweep, weight: float, order: int, own: int, count: int, mode: int,
-    s: float, coarser: bool,
+    s: float,
 ) -> None:  # fmt: skip
     """Add the nodes of a line and the walls that cross it; many arguments because a cell's cut has them."""
     wide, half, cx, cy = half_width(mode, s), cell.half, cell.x, cell.y
@@ -177,14 +172,11 @@ def sweep_line(
                 x, y = place_of(mode, start + (stop - start) * place, s)
                 share = weight * (stop - start) * slope * GAUSS[1, order, i]
                 share *= weight_of(eye.domain, cx + half * x, cy + half * y)
-                put_node(sweep, cx + half * x, cy + half * y, share, coarser)
+                put_node(sweep, cx + half * x, cy + half * y, share)
             if wall >= 0 and before >= 0:
-                kind = COARSER if coarser else FINER
-                put_parted(eye, cell, room, sweep, weight, own, wall, mode, at, s, kind, before, first, order)
+                put_parted(eye, cell, room, sweep, weight, own, wall, mode, at, s, PARTED, before, first, order)
             elif wall >= 0:
-                put_beside(
-                    eye, cell, room, sweep, weight, own, wall, mode, -wide, s, coarser, first, order, stop - start
-                )  # fmt: skip
+                put_beside(eye, cell, room, sweep, weight, own, wall, mode, -wide, s, first, order, stop - start)
             # of walls that coincide the last before a piece is the one that is taken to move
             wall, before, length = -1, first, stop - start
         if not last and start >= -wide:
@@ -196,25 +188,25 @@ def sweep_line(
                 hard = hard and free
         start = stop
     if ending >= 0 and before >= 0:
-        put_beside(eye, cell, room, sweep, weight, own, ending, mode, wide, s, coarser, before, order, length)
+        put_beside(eye, cell, room, sweep, weight, own, ending, mode, wide, s, before, order, length)
 
 
 @jitable
 def sweep_lines(
-    eye: Eye, cell: Cell, room: Room, sweep: Sweep, order: int, own: int, lines: int, way: int, coarser: bool
-) -> None:  # fmt: skip
-    """Add a cell that is integrated line by line, by a rule; four is added to ``way`` as to the mode of ``cut_rule``.
+    eye: Eye, cell: Cell, room: Room, sweep: Sweep, order: int, own: int, lines: int
+) -> bool:  # fmt: skip
+    """Add a cell that is integrated line by line, by a rule: ``own`` curves and ``lines`` of textures cut it.
 
-    ``own`` curves and ``lines`` of textures cut it.
+    False where they are monotone along no lines, and then nothing is added.
     """
     count, soft = own + lines, False
     for k in range(count):
         room.soft[k] = eye.walls[int(room.which[cell.level, k])].soft if k < own else 0.0
-        soft = soft or (way >= 4 and room.soft[k] != 0.0)
+        # slopes beside a limb are as one over a root: where its piece shrinks to nothing their sum is as a root
+        soft = soft or room.soft[k] != 0.0
     mode = cutting_mode(room, own, lines, cell.level)
     if mode < 0:
-        sweep.counts[2] = 1
-        return
+        return False
     panels, _ = put_panels(room, count, mode)
     scale = cell.area * (0.25 if mode < 2 else 0.5)
     for panel in range(panels):
@@ -223,11 +215,12 @@ def sweep_lines(
             place, slope = mapped(GAUSS[0, order, i], soft, soft)
             weight = scale * (stop - start) * slope * GAUSS[1, order, i]
             s = start + (stop - start) * place
-            sweep_line(eye, cell, room, sweep, weight, order, own, count, mode, s, coarser)
+            sweep_line(eye, cell, room, sweep, weight, order, own, count, mode, s)
+    return True
 
 
 @jitable
-def sweep_smooth(eye: Eye, cell: Cell, sweep: Sweep, order: int, coarser: bool) -> None:
+def sweep_smooth(eye: Eye, cell: Cell, sweep: Sweep, order: int) -> None:
     """Add the nodes of a cell without walls, by a rule."""
     half, cx, cy = cell.half, cell.x, cell.y
     for i in range(order):
@@ -235,15 +228,7 @@ def sweep_smooth(eye: Eye, cell: Cell, sweep: Sweep, order: int, coarser: bool) 
             x, y = 2.0 * GAUSS[0, order, i] - 1.0, 2.0 * GAUSS[0, order, j] - 1.0
             weight = cell.area * GAUSS[1, order, i] * GAUSS[1, order, j]
             weight *= weight_of(eye.domain, cx + half * x, cy + half * y)
-            put_node(sweep, cx + half * x, cy + half * y, weight, coarser)
-
-
-@jitable
-def order_before(order: int) -> int:
-    """The order of the rule that one of ``order`` is held against."""
-    if order == 12:
-        return 8
-    return 5 if order == 8 else (3 if order == 5 else 2)
+            put_node(sweep, cx + half * x, cy + half * y, weight)
 
 
 @jitable

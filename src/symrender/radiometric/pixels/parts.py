@@ -14,7 +14,7 @@ from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.leaves import values
 from symrender.radiometric.pixels.cells import BOX, Cell, Eye, cell_at, heaviest, kinks, ray_of, step, window_cell
-from symrender.radiometric.pixels.pixel import begin, block_walls
+from symrender.radiometric.pixels.pixel import BLOCK, begin, block_of, block_walls
 from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, MOST_CUTS, SMOOTH, Ints, Part, Room
 from symrender.radiometric.pixels.rules import cut_rule, cutting_mode, put_panels, tensor_rule
 from symrender.radiometric.pixels.sharp import too_sharp, veins_turn
@@ -153,13 +153,15 @@ def list_parts(
     Those that fit into ``parts`` are written. A cell that weighs no more than ``grain`` is not halved any further.
     ``lobes`` says that nodes ask for lobes, not for direct light. Many arguments because a kernel's are.
     """
-    found, part = 0, spare[0]
+    found, part, left, above, count = 0, spare[0], -1, -1, 0
     for n in range(starts.shape[0]):
         start = starts[n]
         i, j, top = int(start.column), int(start.row), int(start.level)
         whole = whole_of(window, width, height, reach, i, j)
         put_path(room, top, int(start.path))
-        count = block_walls(eye, cell_at(whole, room, top, 0.0), room, candidates)
+        if i // BLOCK != left or j // BLOCK != above:
+            left, above = i // BLOCK, j // BLOCK
+            count = block_walls(eye, block_of(window, width, height, reach, left, above, 0.0), room, candidates)
         level = top
         while level >= top:
             cell = cell_at(whole, room, level, 0.0)
@@ -196,14 +198,17 @@ def list_nodes(
     if eye.nodes is None:
         return 0
     eye.nodes.found[0] = 0
+    left, above, count = -1, -1, 0
     for n in range(parts.shape[0]):
         part, order = parts[n], int(orders[n])
         whole = whole_of(window, width, height, reach, int(part.column), int(part.row))
         put_path(room, int(part.level), int(part.path))
         cell = cell_at(whole, room, int(part.level), 0.0)
         if part.kind == CUT:
+            if part.column // BLOCK != left or part.row // BLOCK != above:
+                left, above = int(part.column) // BLOCK, int(part.row) // BLOCK
+                count = block_walls(eye, block_of(window, width, height, reach, left, above, 0.0), room, candidates)
             limit = put_reach(eye, cell, room)
-            count = block_walls(eye, cell, room, candidates)
             begin(eye, cell, room, candidates, count, limit)
             own = int(room.counts[cell.level])
             lines = max(0, put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit))

@@ -26,14 +26,10 @@ from symrender.radiometric.pixels.cells import (
 )
 from symrender.radiometric.pixels.curves import BESIDE, SLACK, misses, put_curve, put_quarter
 from symrender.radiometric.pixels.records import (
-    COARSE,
-    CUT,
     LEVELS,
-    LOGGED,
     MARKS,
     MOST_CUTS,
     ROOM,
-    SMOOTH,
     Ints,
     Room,
 )
@@ -103,21 +99,11 @@ def begin(eye: Eye, cell: Cell, room: Room, candidates: Ints, count: int, limit:
 
 
 @jitable
-def take(room: Room, row: int, error: float, level: int, kind: int, order: int, mode: int) -> None:
-    """Add a cell to the pixel: a row of sums and what it may be off by; the log says how it was integrated.
-
-    ``kind`` is SMOOTH, CUT or COARSE; ``mode`` of what is cut is that of ``cut_rule``, -1 with textures as means.
-    """
+def take(room: Room, row: int, error: float) -> None:
+    """Add a cell to the pixel: a row of sums and what it may be off by."""
     for c in range(6):
         room.total[c] += room.sums[row, c]
     room.total[6] += error
-    log = room.log[int(room.log[LOGGED, 0])]
-    path = 0
-    for k in range(1, level + 1):
-        path = 4 * path + int(room.path[k])
-    log[0], log[1], log[2], log[3], log[4] = level, path, kind, order, mode
-    # one more than fits is where the count itself stands
-    room.log[LOGGED, 0] = min(room.log[LOGGED, 0] + 1, LOGGED - 1)
 
 
 @inlined
@@ -138,20 +124,20 @@ def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
     before, error = gap(room, 0, 1), gap(room, 1, 2)
     error = max(error, _DOUBT * before)
     if error <= cell.allowed:
-        take(room, 2, error, cell.level, SMOOTH, 3, 0)
+        take(room, 2, error)
         return True
     before = gap(room, 1, 2)
     tensor_rule(eye, world, cell, 5, 1, room)
     error = max(gap(room, 1, 2), _DOUBT * before)
     if error <= cell.allowed:
-        take(room, 1, error, cell.level, SMOOTH, 5, 0)
+        take(room, 1, error)
         return True
     if eye.domain == GAUSSIAN and error <= _HOPE * cell.allowed:
         before = gap(room, 1, 2)
         tensor_rule(eye, world, cell, 8, 2, room)
         error = max(gap(room, 1, 2), _DOUBT * before)
         if error <= cell.allowed:
-            take(room, 2, error, cell.level, SMOOTH, 8, 0)
+            take(room, 2, error)
             return True
     return False
 
@@ -166,7 +152,7 @@ def round_cell(eye: Eye, cell: Cell, room: Room) -> bool:
         error = gap(room, 0, 1)
         error = max(error, _DOUBT * before) if trial > 0 else 2.0 * error
         if error <= cell.allowed:
-            take(room, 1, error, cell.level, SMOOTH, 3, 0)
+            take(room, 1, error)
             return True
         before = gap(room, 0, 1)
         for c in range(6):
@@ -205,7 +191,7 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
         error = max(error, _LITTLE * before) if trial > 0 else 8.0 * error
         whole = error + missed + cell.area * beside * 1.5 * brightest(room.span) * heavy
         if whole <= cell.allowed or (blurred and error + missed <= cell.allowed):
-            take(room, 1, whole, cell.level, CUT, order, -1 if blurred else way)
+            take(room, 1, whole)
             return True
         if error > (50.0 if trial == 1 else 300.0) * cell.allowed and trial > 0 and cell.level < 6:
             return False
@@ -222,7 +208,7 @@ def coarse_cell(eye: Eye, cell: Cell, room: Room, blurred: bool, sharp: bool) ->
     tensor_rule(eye, world, cell, 2, 0, room)
     swing = spread(eye, room) + (brightest(room.span) if blurred else 0.0)
     error = cell.area * (max(swing, eye.peak) if sharp else swing) * heaviest(eye.domain, cell)
-    take(room, 0, error, cell.level, COARSE, 2, -1 if blurred else 0)
+    take(room, 0, error)
 
 
 @jitable
@@ -248,7 +234,7 @@ def one_cell(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, budget:
     """Integrate a cell, or say that it is to be halved."""
     if outside(eye.domain, cell):
         clear(room, 2)
-        take(room, 2, 0.0, cell.level, SMOOTH, 3, 0)
+        take(room, 2, 0.0)
         return True
     if cell.level < kinks(eye.domain):
         return False
@@ -281,7 +267,6 @@ def pixel_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, 
     """Leave the mean of a pixel in ``room.total``, each cell to its part of ``tol``."""
     for c in range(8):
         room.total[c] = 0.0
-    room.log[LOGGED, 0] = 0
     for c in range(3):
         room.span[0, c], room.span[1, c] = math.inf, -math.inf
     # every cell's first look at what radiance spans
@@ -366,6 +351,16 @@ def walls_in(eye: Eye, whole: Cell, room: Room) -> int:
     return found * 4 + (1 if lines < 0 else 2)
 
 
+@jitable
+def block_of(window: Array, width: int, height: int, reach: float, left: int, top: int, tol: float) -> Cell:
+    """The block of pixels of this number across and down, with the supports of their filters."""
+    beyond = reach - 0.5
+    return window_cell(
+        window, width, height, BLOCK * left - beyond, BLOCK * top - beyond, BLOCK * (left + 1) + beyond,
+        BLOCK * (top + 1) + beyond, tol,
+    )  # fmt: skip
+
+
 def fill_pixels(
     eye: Eye, window: Array, width: int, height: int, reach: float, x0: int, y0: int, x1: int, y1: int, room: Room,
     candidates: Ints, tol: float, budget: int, emitted: Array, direct: Array, error: Array,
@@ -379,9 +374,7 @@ def fill_pixels(
     for top in range(y0 - y0 % BLOCK, y1, BLOCK):
         for left in range(x0 - x0 % BLOCK, x1, BLOCK):
             beyond = reach - 0.5
-            block = window_cell(
-                window, width, height, left - beyond, top - beyond, left + BLOCK + beyond, top + BLOCK + beyond, tol
-            )
+            block = block_of(window, width, height, reach, left // BLOCK, top // BLOCK, tol)
             count = block_walls(eye, block, room, candidates)
             for j in range(max(top, y0), min(top + BLOCK, y1)):
                 for i in range(max(left, x0), min(left + BLOCK, x1)):

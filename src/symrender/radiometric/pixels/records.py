@@ -37,13 +37,10 @@ MOST_CUTS: Final = 10
 """Curves of a cell that is integrated line by line; one with more is halved."""
 MOST_LINES: Final = 6
 """Lines of one family in a cell that is cut at them."""
-LOGGED: Final = 20_000
-"""Cells of a pixel whose derivative is asked for, at most."""
-
 MARKS: Final = (1 << 50) - 27
 """Numbers that tell lists of walls apart are below it, so that their products are whole numbers of a kernel."""
 
-# kinds of a cell in the log
+# kinds of a part
 SMOOTH: Final = 0
 CUT: Final = 1
 COARSE: Final = 2
@@ -160,8 +157,6 @@ class Room(NamedTuple):
     """(LEVELS + 1,): which quarter of the cell above each cell is."""
     total: Array
     """(8,): emitted and direct light of the pixel, its error, evaluations."""
-    log: Ints
-    """(LOGGED, 5): level, path, kind, order and mode of every cell of the last run (``pixel.take``)."""
     best: Array
     """(7,): the same of its best run."""
 
@@ -188,5 +183,4 @@ def make_room(world: World) -> Room:
         path=np.zeros(LEVELS + 1, np.int64),
         total=np.zeros(8),
         best=np.zeros(7),
-        log=np.zeros((LOGGED + 1, 5), np.int64),
     )

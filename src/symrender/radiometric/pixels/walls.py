@@ -296,7 +296,8 @@ def list_series_walls(world: World, eye: Array, sections: Table[Section], walls:
     """Walls of a scene in units of the series, whose textures of spheres are cut at ``sections``."""
     at = (eye[0], eye[1], eye[2])
     count = sight_walls(world, at, walls, 0)
-    for section in sections:
+    for k in range(sections.shape[0]):
+        section = sections[k]
         count = put_section(world, at, walls, count, int(section.own), -1, 0.0, vector(section.axis), section.level)
     for own in range(world.pieces.shape[0]):
         for light in range(world.lights.shape[0]):

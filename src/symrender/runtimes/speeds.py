@@ -1,0 +1,167 @@
+"""How fast walls of an image cross lines, and how what rays see changes, while a scene moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from symrender.jit.compiled import compiled
+from symrender.jit.generated import load_module
+from symrender.jit.records import Table, table
+from symrender.radiometric import tile
+from symrender.radiometric.pixels import moving, walls
+from symrender.radiometric.pixels.cells import Eye
+from symrender.radiometric.pixels.moving import Sweep
+from symrender.radiometric.pixels.records import TERMS, Family, Ints, Section, Wall
+from symrender.radiometric.pixels.rules import GAUSS
+from symrender.radiometric.pushforward import pushed
+from symrender.radiometric.sky import sky_room
+from symrender.radiometric.vectors import Array
+from symrender.radiometric.world import Seen
+from symrender.settings import Settings
+
+
+@lru_cache(maxsize=1)
+def pushed_text() -> str:
+    """Text of the kernels that push rays and walls forward."""
+    listers = walls.list_walls, walls.list_seen_walls, walls.list_series_walls, walls.list_families
+    return pushed((*listers, moving.fill_levels, tile.fill_places))
+
+
+def pushed_module() -> ModuleType:
+    """The module that ``pushed_text`` is the text of."""
+    return load_module(pushed_text())
+
+
+@dataclass(frozen=True)
+class Steps:
+    """N places of an image, in pixels, where walls cross lines, and the directions of these lines in an image.
+
+    ``steps`` (N, 2) are in half widths of a filter's support, as the places of ``Sweep``.
+    """
+
+    columns: Array
+    rows: Array
+    steps: Array
+    walls: Ints
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """How fast the walls of an eye cross lines while a view moves; ``rates`` and ``turns`` are those of the walls and
+    of the coordinates of textures."""
+
+    eye: Eye
+    view: Seen
+    moves: Seen
+    rates: Table[Wall]
+    turns: Table[Family]
+    settings: Settings
+
+    @classmethod
+    def of(
+        cls, eye: Eye, view: Seen, moves: Seen, lister: str, settings: Settings, *sections: Table[Section]
+    ) -> Speeds:  # fmt: skip
+        """Of the walls that the kernel ``lister`` lists, of ``list_series_walls`` with sections and their moves."""
+        found, rates = (table(Wall, len(eye.walls)) for _ in range(2))
+        _pushed(f"{lister}_dot")(
+            view.world, view.eye, *sections[:1], found, moves.world, moves.eye, *sections[1:], rates
+        )  # fmt: skip
+        families, turns = (table(Family, len(eye.families)) for _ in range(2))
+        _pushed("list_families_dot")(view.world, view.eye, families, moves.world, moves.eye, turns)
+        return cls(eye, view, moves, rates, turns, settings)
+
+    def rays(self, columns: Array, rows: Array) -> tuple[Array, Array]:
+        """Rays through places of the image, in pixels, of any length, and how they move."""
+        a, b = 2.0 * columns / self.settings.width - 1.0, 1.0 - 2.0 * rows / self.settings.height
+        window, turns = self.view.window, self.moves.window
+        found = window[0] + a[:, None] * window[1] + b[:, None] * window[2]
+        moved = turns[0] + a[:, None] * turns[1] + b[:, None] * turns[2]
+        return np.ascontiguousarray(found), np.ascontiguousarray(moved)
+
+    def unit_rays(self, columns: Array, rows: Array) -> tuple[Array, Array]:
+        """The same of unit length."""
+        rays, turns = self.rays(columns, rows)
+        size = np.sqrt((rays**2).sum(axis=1, keepdims=True))
+        rays, turns = rays / size, turns / size
+        return rays, turns - rays * (rays * turns).sum(axis=1, keepdims=True)
+
+    def across(self, at: Steps) -> Array:
+        """(N,) steps that walls take along their lines."""
+        settings, count = self.settings, len(at.columns)
+        if not count:
+            return np.zeros(0)
+        rays, turns = self.rays(at.columns, at.rows)
+        right = 2.0 * settings.reach * self.view.window[1] / settings.width
+        up = 2.0 * settings.reach * self.view.window[2] / settings.height
+        steps = np.ascontiguousarray(at.steps[:, :1] * right + at.steps[:, 1:] * up)
+        levels, slopes, rates = (np.zeros(count) for _ in range(3))
+        work, out = np.zeros((8, TERMS)), np.zeros(TERMS)
+        which = np.ascontiguousarray(at.walls, np.float64)
+        _pushed("fill_levels_dot")(
+            self.eye.walls, self.eye.families, which, rays, steps, work, out, levels, slopes,
+            self.rates, self.turns, np.zeros_like(which), turns, np.zeros_like(steps), np.zeros_like(work),
+            np.zeros_like(out), rates, np.zeros_like(slopes),
+        )  # fmt: skip
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(-rates / slopes)
+
+
+@lru_cache(maxsize=16)
+def end_weights(order: int) -> Array:
+    """(2, order): weights of the nodes of a piece in what is extrapolated to its beginning, and to its end."""
+    nodes = GAUSS[0, order, :order]
+    others = [np.delete(nodes, k) for k in range(order)]
+    return np.array([
+        [float(np.prod((end - rest) / (node - rest))) for node, rest in zip(nodes, others, strict=True)]
+        for end in (0.0, 1.0)
+    ])  # fmt: skip
+
+
+def jumps(walls: Ints, values: Array) -> tuple[Array, Array]:
+    """(edges, C): ``values`` (nodes, C) before each edge of a ``Sweep`` less those behind it, and the sum of their
+    sizes as they were weighed. Nothing is swept where there is no piece before."""
+    found, size = np.zeros((len(walls), values.shape[1])), np.zeros((len(walls), values.shape[1]))
+    for order in np.unique(walls[:, 4]).tolist():
+        some = np.flatnonzero((walls[:, 4] == order) & (walls[:, 2] >= 0))
+        for row, sign in ((1, 1.0), (0, -1.0)) if order else ():
+            nodes = values[walls[some, 3 - row, None] + np.arange(order)]
+            weights = end_weights(order)[row][None, :, None]
+            found[some] += sign * (weights * nodes).sum(axis=1)
+            size[some] += (np.abs(weights) * np.abs(nodes)).sum(axis=1)
+    return found, size
+
+
+def unresolved(edges: Array, speed: Array) -> tuple[Ints, Array]:
+    """Of walls in cells that are not resolved, (the first row of each, how far it moves at right angles, at most)."""
+    rows = np.flatnonzero(edges[:, 5] == moving.UNRESOLVED)
+    far = np.abs(speed[rows]) * np.hypot(edges[rows, 2], edges[rows, 3])
+    # along the side that it is parallel to a wall has no speed
+    return rows[::2], np.nan_to_num(np.fmin(far[::2], far[1::2]), nan=np.inf)
+
+
+def make_sweep(most: int) -> Sweep:
+    """Room for nodes and for edges."""
+    return Sweep(np.zeros((most, 3)), np.zeros((most, 6)), np.zeros((most, 5), np.int64), np.zeros(3, np.int64))
+
+
+def pushed_light(speeds: Speeds, columns: Array, rows: Array) -> tuple[Array, Array]:
+    """(n, 6) radiance and emitted light through places of the image, in pixels, and its slopes."""
+    view, moves, settings = speeds.view, speeds.moves, speeds.settings
+    values, slopes, still = np.zeros((len(columns), 6)), np.zeros((len(columns), 6)), np.zeros(len(columns))
+    room, shaking = sky_room(view.world), sky_room(view.world)
+    _pushed("fill_places_dot")(
+        *view, settings.width, settings.height, columns, rows, room, values,
+        *moves, still, still, shaking, slopes,
+    )  # fmt: skip
+    return values, slopes
+
+
+@lru_cache(maxsize=4)
+def _pushed(name: str) -> Any:
+    """A pushed kernel, compiled."""
+    return compiled(getattr(pushed_module(), name), sources=[pushed_text()], _nrt=False)
