@@ -93,7 +93,7 @@ def test_scenes_and_params_list_them() -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        ("gradient", "gloss", "--wrt", "camera.fov", "--size", "4", "--filter", "box"),
+        ("gradient", "mirror", "--wrt", "camera.fov", "--size", "4", "--filter", "box"),
         ("expression", "metal"),
         ("simulator", "metal"),
         ("study", "convergence", "metal"),

@@ -241,7 +241,7 @@ def test_what_is_not_had_is_refused_by_name() -> None:
         sr.truth(made, size=2, filter="box")
     shapes = flats.disk("D", [0, 0, 0], [0, 0, 1], 1.0), nets.mesh("M", nets.ball(3, 4))
     with pytest.raises(Unsupported, match="a disk"):
-        sr.truth(flats.world(*shapes, lights=[POINT], bounces=1), size=2)
+        sr.truth(flats.world(*shapes, lights=[POINT], bounces="all"), size=2)
     with pytest.raises(SceneError, match=r"lights\[0\].shape: must name .* got the mesh 'M'"):
         made.replace({"lights": [flats.area("M")]})
 

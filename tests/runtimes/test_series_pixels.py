@@ -133,5 +133,5 @@ def test_what_is_not_had_is_refused() -> None:
         sr.truth(scene(shading={"shininess": 2}), **asked)
     with pytest.raises(Unsupported, match="strata"):
         sr.render(scene(), **asked)
-    with pytest.raises(Unsupported, match="filter: box"):
-        sr.gradient(scene(), wrt=["spheres.A.radius"], **asked)
+    with pytest.raises(Unsupported, match="mirrors"):
+        sr.gradient("mirror", wrt=["camera.fov"], **asked)
