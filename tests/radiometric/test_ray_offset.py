@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .ray_offsets import moved, recorded
+from .ray_offsets import SINGLE, moved, recorded
 
 LOUD = 4.0
 """Standard errors from which on an offset is seen."""
@@ -26,5 +26,5 @@ def test_the_offset_is_predicted() -> None:
     }  # fmt: skip
     z = np.array([each.z for each in found])
     assert np.abs(z).max() < MOST and 0.5 < float(z.std()) < 1.5
-    without = np.array([each.found / np.hypot(each.error, 5e-6 * each.light) for each in found])
+    without = np.array([each.found / np.hypot(each.error, SINGLE * each.light) for each in found])
     assert np.abs(without).max() > 10.0 and float(without.std()) > 3.0
