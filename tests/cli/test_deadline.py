@@ -37,6 +37,23 @@ if __name__ == "__main__":
     assembled.application = lambda: types.SimpleNamespace(main=deaf)
     sys.exit(main())
 """
+JOINS = """
+import multiprocessing, subprocess, sys, time, types
+import symrender.cli._application as assembled
+from symrender.cli import main
+
+def joins(*_, **__):
+    held = [multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,)) for _ in range(2)]
+    for each in held:
+        each.start()
+    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    print("ready", flush=True)
+    time.sleep(60)
+
+if __name__ == "__main__":
+    assembled.application = lambda: types.SimpleNamespace(main=joins)
+    sys.exit(main())
+"""
 LEAVES = """
 import sys, threading, types
 import symrender.cli._application as assembled
@@ -57,7 +74,9 @@ def alive(session: int) -> list[str]:
     return [line for line in shown.splitlines() if not line.startswith("Z")]
 
 
-@pytest.mark.parametrize("program", [DEAF, LEAVES], ids=["swallowed", "a thread that never ends"])
+@pytest.mark.parametrize(
+    "program", [DEAF, JOINS, LEAVES], ids=["swallowed", "children are joined", "a thread that never ends"]
+)
 def test_a_process_that_does_not_listen_is_ended(program: str) -> None:
     words = [sys.executable, "-c", program]
     with subprocess.Popen(

@@ -19,6 +19,8 @@ from typing import Final
 
 TIME_TO_END: Final = 0.5
 """Seconds a run has to end by itself once it is asked to; a tile takes at most two fifths of that."""
+_ALONE: Final = 0.2
+"""Seconds for which the thread that ends the others' children is not interrupted by them."""
 _NAMES: Final = ("SIGINT", "SIGTERM", "SIGHUP")
 
 
@@ -73,23 +75,31 @@ def _asked(hear: int) -> int:
 def _end_children() -> None:
     """Workers and compilers would outlive this process for seconds; what multiprocessing cleans up with may end alone.
 
-    The kernel's list of children may leave one out while another ends, so it is read until two readings in turn show
-    nobody new. Where there is no ``/proc`` only what multiprocessing began is known.
+    A main thread that waits for a child goes on when that child ends, and an interpreter that ends takes this thread
+    with it. So they are stopped first, which nobody hears of and which keeps the kernel's list still, until two
+    readings in turn show nobody new; then all are killed before another thread has its turn. Where there is no
+    ``/proc`` only what multiprocessing began is known.
     """
-    multiprocessing = sys.modules.get("multiprocessing")
-    with contextlib.suppress(Exception):
-        for process in multiprocessing.active_children() if multiprocessing else ():
-            process.kill()
-    ended: set[int] = set()
+    seen: set[int] = set()
+    stopped: list[int] = []
     readings_without_new = 0
     while readings_without_new < 2:
-        new = _children() - ended
+        new = _children() - seen
         readings_without_new = 0 if new else readings_without_new + 1
         for child in new:
             with contextlib.suppress(OSError):
                 if b"resource_tracker" not in Path(f"/proc/{child}/cmdline").read_bytes():
-                    os.kill(child, signal.SIGKILL)
-        ended |= new
+                    os.kill(child, signal.SIGSTOP)
+                    stopped.append(child)
+        seen |= new
+    sys.setswitchinterval(_ALONE)
+    for child in stopped:
+        with contextlib.suppress(OSError):
+            os.kill(child, signal.SIGKILL)
+    multiprocessing = sys.modules.get("multiprocessing")
+    with contextlib.suppress(Exception):
+        for process in multiprocessing.active_children() if multiprocessing else ():
+            process.kill()
 
 
 def _children() -> set[int]:
