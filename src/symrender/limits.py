@@ -93,6 +93,12 @@ MAX_SIMULATOR_LIGHT_POINTS: Final = 128
 """Most points all lights together are replaced by in the simulator."""
 MAX_SIMULATOR_LOBE: Final = 16
 """Largest K of the K x K strata in the simulator."""
+MAX_SIMULATOR_PLACES: Final = 8
+"""Largest n of the n x n places within a pixel of the simulator."""
+MAX_SIMULATOR_INSTANTS: Final = 16
+"""Most instants of the shutter's time in the simulator."""
+MAX_SIMULATOR_RINGS: Final = 4
+"""Most rings of places on the lens of the simulator, each of as many places as four times their number."""
 MAX_LISTED_LOBE: Final = 32
 """Most K of a rule that an exported text lists direction by direction."""
 MAX_STATE_BYTES: Final = 1 << 16

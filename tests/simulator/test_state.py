@@ -23,9 +23,22 @@ FINITE = st.floats(allow_nan=False, allow_infinity=False)
     lobe=st.integers(1, 16),
     normalised=st.booleans(),
     cursor=st.none() | st.tuples(st.integers(0, 255), st.integers(0, 255)),
+    mean=st.fixed_dictionaries(
+        {},
+        optional={
+            "pixel": st.integers(1, 8),
+            "shutter": st.tuples(FINITE, FINITE).map(sorted).map(tuple),
+            "instants": st.integers(1, 16),
+            "mover": st.none() | st.text(min_size=1, max_size=9),
+            "velocity": st.tuples(FINITE, FINITE, FINITE),
+            "aperture": FINITE.map(abs),
+            "focus": st.none() | FINITE.filter(bool).map(abs),
+            "rings": st.integers(1, 4),
+        },
+    ),
 )
-def test_a_state_survives_its_link_bit_for_bit(values, exposure, seed, lobe, normalised, cursor):
-    state = State(scene=values, exposure=exposure, seed=seed, lobe=lobe, normalised=normalised, cursor=cursor)
+def test_a_state_survives_its_link_bit_for_bit(values, exposure, seed, lobe, normalised, cursor, mean):
+    state = State(scene=values, exposure=exposure, seed=seed, lobe=lobe, normalised=normalised, cursor=cursor, **mean)
     found = from_url(to_url(state, "file:///page.html#s=old"))
     assert found == state
     assert [math.copysign(1, v) for v in found.scene.values()] == [math.copysign(1, v) for v in values.values()]
@@ -61,6 +74,17 @@ def test_anything_else_is_refused_in_one_line(url):
         {"v": 1, "scene": [1]},
         {"v": 1, "cursor": [300, 0]},
         {"v": 1, "shell": "x"},
+        {"v": 1, "pixel": 9},
+        {"v": 1, "pixel": 2.0},
+        {"v": 1, "shutter": [1, 0]},
+        {"v": 1, "shutter": [0]},
+        {"v": 1, "instants": 17},
+        {"v": 1, "mover": 3},
+        {"v": 1, "velocity": [1, 0, "0"]},
+        {"v": 1, "velocity": [True, 0, 0]},
+        {"v": 1, "aperture": -0.1},
+        {"v": 1, "focus": 0},
+        {"v": 1, "rings": 0},
         [],
     ],
 )
@@ -82,3 +106,17 @@ def test_a_state_changes_the_scene_it_names():
     assert changed.lights[0] == scene.lights[0]
     with pytest.raises(SceneError):
         State(scene={"floor.lobe.sharpness": 1.0}).apply(scene)
+
+
+def test_what_moves_stands_where_it_is_in_the_middle_of_the_shutters_time():
+    scene = load("gloss")
+    state = State(shutter=(0.5, 1.5), velocity=(0.25, 0.0, -0.5), mover="C", scene={"spheres.C.center.z": 2.0})
+    assert state.apply(scene).spheres[2].center == (0.1 + 0.25, -1.2, 1.5)
+    assert state.at(scene, 0.0).spheres[2].center == (0.1, -1.2, 2.0)
+    assert State(shutter=(-1.0, 1.0)).apply(scene) == scene
+    assert State(shutter=(1.0, 1.0)).apply(scene).spheres[0].center == (-0.72 + 1.0, 0.15, 0.9)
+    # a scene without spheres has nothing that could move
+    empty = scene.model_copy(update={"spheres": ()})
+    assert State(shutter=(0.0, 1.0)).apply(empty) == empty
+    with pytest.raises(SceneError):
+        State(shutter=(0.0, 1.0), mover="Z").apply(scene)

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from symrender.kernel.assemble_pixels import PASSES, TABLES, pixel_program
+from symrender.kernel.assemble_pixels import PASSES, SPREAD, TABLES, pixel_program
 from symrender.targets import glsl
 from symrender.targets.glsl_words import RESERVED
 
@@ -16,6 +16,21 @@ PROGRAM = pixel_program()
 @pytest.mark.parametrize("entry", PASSES)
 def test_golden_text(golden, entry):
     golden(f"{entry}.glsl.txt", glsl.emit(PROGRAM.part(entry)))
+
+
+@pytest.mark.parametrize("entry", SPREAD)
+def test_an_eye_and_a_time_of_every_pixel_are_read_where_one_was_for_all(entry):
+    """Beside what is read from ``image_own`` the two texts are the same, and no eye or center is left that is not."""
+    plain, spread = (glsl.emit(PROGRAM.part(entry), spread=s) for s in (False, True))
+    assert "t_eye[0]" in plain and "t_eye[0]" not in spread.partition("};")[2].partition("};")[2]
+    centers = re.compile(r"t_spheres\[[^]+]*\]\.[xyz]")
+    moved = re.compile(r"\((t_spheres\[[^]+]*\]\.([xyz])) \+ \((\w+) == own_row \? own_way\.\2 : 0\.0\)\)")
+    assert len(centers.findall(plain)) > 2
+    assert len(moved.findall(spread)) == len(centers.findall(spread)) == len(centers.findall(plain))
+    head, _, body = moved.sub(r"\1", spread).partition("void main() {\n")
+    body = re.sub(r"own_eye\.([xyz])", r"t_eye[0].\1", body).split("\n", 3)[3]
+    assert plain.partition("void main() {\n")[2] == body
+    assert all(line in head.splitlines() for line in plain.partition("void main() {\n")[0].splitlines())
 
 
 def test_the_same_program_gives_the_same_text():

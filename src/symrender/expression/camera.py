@@ -29,3 +29,25 @@ def perspective_ray(
 ) -> Vec3:
     """f + tan(fov/2) (aspect sx r + sy u), not normalised."""
     return forward + right * (tangent * aspect * sx) + up * (tangent * sy)
+
+
+def sheared_place(
+    right: sp.Expr, up: sp.Expr, focus: sp.Expr, tangent: sp.Expr, height: sp.Expr
+) -> tuple[sp.Expr, sp.Expr]:
+    """(columns, rows) that a look-at camera's rays move by where its eye goes ``right`` and ``up`` on a thin lens.
+
+    All rays of a place of the image meet at the distance ``focus``: seen from (x, y) of the lens what is sharp stands
+    at slopes less by x/focus and y/focus, and a row is 2 tan(fov/2)/H of slope high.
+    """
+    rows = height / (2 * focus * tangent)
+    return -right * rows, up * rows
+
+
+def slid_place(right: sp.Expr, up: sp.Expr, focus: sp.Expr, drop: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """(x, y) of the floor that a plane camera's rays move by where its eye goes ``right`` and ``up`` on a thin lens.
+
+    The lens lies level and the rays meet ``focus`` below it, where the floor is ``drop`` below: beyond the focus they
+    have crossed.
+    """
+    share = 1 - drop / focus
+    return right * share, up * share

@@ -8,10 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from symrender.jit.records import columns
+from symrender.jit.records import column, columns
 from symrender.kernel import (
     footprint,
     gather,
+    lens,
     light,
     lobe_disc,
     lobe_meridian,
@@ -39,12 +40,16 @@ from symrender.scene.records import Camera, Floor, Plane, Shading, Sphere
 
 @dataclass(frozen=True)
 class Table:
-    """Columns of an array, and the most rows of one with two axes (1 for one axis); a pixel has its own ``image``."""
+    """Columns of an array, and the most rows of one with two axes (1 for one axis); a pixel has its own ``image``.
+
+    ``center`` is the first of three columns that move where time is a pixel's own.
+    """
 
     columns: int
     rows: int = 1
     scratch: bool = False
     image: bool = False
+    center: int | None = None
 
 
 TABLES: Final[dict[str, Table]] = {
@@ -57,7 +62,7 @@ TABLES: Final[dict[str, Table]] = {
     "estimate": Table(6),
     "seen": Table(16, image=True),
     "disc": Table(12),
-    "spheres": Table(columns(Sphere), MAX_SIMULATOR_SPHERES),
+    "spheres": Table(columns(Sphere), MAX_SIMULATOR_SPHERES, center=column(Sphere, "center")),
     "planes": Table(columns(Plane), MAX_SIMULATOR_PLANES),
     "points": Table(6, MAX_SIMULATOR_LIGHT_POINTS),
     "lobes": Table(5, MAX_SIMULATOR_LOBES),
@@ -70,13 +75,16 @@ TABLES: Final[dict[str, Table]] = {
 
 PASSES: Final = ("pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers", "pixel_disc")
 """Functions of a column and a row with four results: what a fragment shader runs."""
-_PAGE = ("light_point", "camera_axes", "stand_planes", "fill_lobe", "fill_sectors", "ring_edge", "lobe_widths")
+SPREAD: Final = ("pixel_direct", "pixel_numeric")
+"""Passes that may look from a lens and at a time that every pixel has of its own."""
+_VIEW = ("camera_axes", "lens_view")
+_PAGE = ("light_point", "stand_planes", "fill_lobe", "fill_sectors", "ring_edge", "lobe_widths")
 _DISC = ("disc_radius", "disc_place", "disc_direction")
 _CURVES = ("silhouette_direction", "terminator_direction", "horizon_direction")
 _REFERENCE = ("lobe_direction", "meridian_meets", "silhouette_circle", "silhouette_turns", "cell")
-_SEEN = ("look", "pixel_seen", "nearest", "pixel_word")
+_SEEN = ("look", "pixel_seen", "nearest", "pixel_word", "uniform_pair")
 _PROBE = ("sight", "strata_gloss", "jittered_gloss", "sample_depth", "sample_direction", "frame", "reflected")
-ENTRIES: Final = (*PASSES, *_PAGE, *_DISC, *_CURVES, *_REFERENCE, *_SEEN, *_PROBE)
+ENTRIES: Final = (*PASSES, *_VIEW, *_PAGE, *_DISC, *_CURVES, *_REFERENCE, *_SEEN, *_PROBE)
 """What a page calls."""
 
 
@@ -86,6 +94,7 @@ def pixel_program() -> Program:
         (
             light.light_point(),
             tile.camera_axes(),
+            lens.lens_view(),
             planes.stand_planes(),
             planes.nearest_plane(),
             planes.walled_off(),

@@ -16,15 +16,20 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from symrender.errors import Unsupported
 from symrender.images.output import write_bytes
 from symrender.images.picture import CLASSES, SEQUENTIAL
 from symrender.jit.records import column, columns, flat
 from symrender.limits import (
+    MAX_SIMULATOR_INSTANTS,
     MAX_SIMULATOR_LIGHT_POINTS,
     MAX_SIMULATOR_LOBE,
     MAX_SIMULATOR_LOBES,
+    MAX_SIMULATOR_PLACES,
     MAX_SIMULATOR_PLANES,
+    MAX_SIMULATOR_RINGS,
     MAX_SIMULATOR_SPHERES,
 )
 from symrender.scene import arrays as at
@@ -43,7 +48,8 @@ if TYPE_CHECKING:
     from symrender.scene.scene import Scene
 
 _SCRIPTS: Final = (
-    *("tables.js", "gpu.js", "cpu.js", "reference.js", "present.js", "controls.js", "legend.js", "converge.js"),
+    *("tables.js", "places.js", "gpu.js", "cpu.js", "reference.js", "present.js", "means.js", "controls.js"),
+    *("mean_controls.js", "legend.js", "converge.js", "mean_reference.js"),
     *("disc.js", "pointer.js", "space.js", "video.js", "recipe.js", "certify.js", "links.js", "events.js", "page.js"),
 )
 _DISK_STRATA: Final = 2
@@ -143,15 +149,21 @@ def formulas() -> str:
 
 @cache
 def shaders(spheres: int, planes: int, points: int) -> dict[str, str]:
-    """The fragment shaders by pass, the same for every scene of as many spheres, planes and light points."""
-    from symrender.kernel.assemble_pixels import PASSES
+    """The fragment shaders by pass, the same for every scene of as many spheres, planes and light points.
+
+    Those named ``own`` read an eye and a time of every pixel.
+    """
+    from symrender.kernel.assemble_pixels import PASSES, SPREAD
     from symrender.kernel.straighten import straightened
     from symrender.targets import glsl
 
     # a light that is off is a row of zeros, black where light is summed; chambers are counted, so they ask for the rows
     shapes = {"spheres": spheres, "planes": planes}
     rows = {name: shapes | ({"points": points} if name in _LIT else {}) for name in PASSES}
-    return {name: glsl.emit(straightened(_program().part(name), rows[name])) for name in PASSES}
+    parts = {name: straightened(_program().part(name), rows[name]) for name in PASSES}
+    return {name: glsl.emit(part) for name, part in parts.items()} | {
+        f"{name} own": glsl.emit(parts[name], spread=True) for name in SPREAD
+    }
 
 
 @cache
@@ -174,6 +186,13 @@ def takes() -> dict[str, list[str]]:
 
     functions = {function.name: function for function in _program().functions}
     return {name: [p.name for p in functions[name].parameters] for name in PASSES}
+
+
+@cache
+def _gauss() -> list[list[list[float]]]:
+    """Nodes in [0, 1] and weights, whose sum is 1, of Gauss rules of 1, 2, ... nodes."""
+    rules = [np.polynomial.legendre.leggauss(n) for n in range(1, MAX_SIMULATOR_INSTANTS + 1)]
+    return [[(0.5 + 0.5 * x).tolist(), (0.5 * w).tolist()] for x, w in rules]
 
 
 def light_point_count(scene: Scene) -> int:
@@ -219,7 +238,13 @@ def page_data(scene: Scene) -> dict[str, Any]:
         "parameters": list(entries(scene)),
         "defaults": asdict(State()),
         "presets": [asdict(p) for p in presets(scene)],
-        "limits": {"lobe": MAX_SIMULATOR_LOBE},
+        "limits": {
+            "lobe": MAX_SIMULATOR_LOBE,
+            "pixel": MAX_SIMULATOR_PLACES,
+            "instants": MAX_SIMULATOR_INSTANTS,
+            "rings": MAX_SIMULATOR_RINGS,
+        },
+        "gauss": _gauss(),
         "tables": {name: {"columns": t.columns, "rows": t.rows} for name, t in TABLES.items()},
         "blocks": blocks(),
         "reads": reads(),

@@ -1,16 +1,25 @@
-"""Six things to try, each a state of the page and what to look for; tests hold each to numbers on the default scene."""
+"""Eight things to try: states of the page and what to look for; tests hold each to numbers on the default scene."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from symrender.scene.arrays import Array
+from symrender.scene.camera import PlaneCamera
 from symrender.scene.light import DiskLight
 from symrender.scene.scene import Scene
 
 _NARROW = math.radians(0.5)
 _LARGE_DISK = 2.2
+_CROSSED = 1.5
+"""Radii that a sphere moves by in a second."""
+_OPEN = 0.02
+"""Radius of a lens over the distance at which it is sharp."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +79,52 @@ def presets(scene: Scene) -> tuple[Preset, ...]:
                 {"scene": {f"lights.{disk.name}.radius": _LARGE_DISK}, "view": "chambers", "lobe": 6},
             )
         )
-    return tuple(found)
+    return (*found, *_exposed(scene))
+
+
+def _exposed(scene: Scene) -> Iterator[Preset]:
+    """A shutter and a lens that are open, where there is a sphere to be seen by them."""
+    if not scene.spheres:
+        return
+    eye, forward, right = _view(scene)
+    depths = [float(np.dot(np.subtract(sphere.center, eye), forward)) for sphere in scene.spheres]
+    ahead = [k for k, depth in enumerate(depths) if depth > scene.spheres[k].radius] or [0]
+    middle = sorted(ahead, key=lambda k: depths[k])[len(ahead) // 2]
+    ball = scene.spheres[middle]
+    yield Preset(
+        "A ball in motion",
+        "The shutter is open while a sphere crosses. Numeric: every pixel draws instants of its own, speckle. "
+        "Symbolic: Gauss instants, the same for all, so that a few edges stand for a smear. Add instants until they "
+        "close up.",
+        {
+            "shutter": [-0.5, 0.5],
+            "instants": 8,
+            "mover": ball.name,
+            "velocity": [float(round(_CROSSED * ball.radius * v, 3)) + 0.0 for v in right],
+        },
+    )
+    nearest = min(ahead, key=lambda k: depths[k] - scene.spheres[k].radius)
+    focus = max(depths[nearest], scene.spheres[nearest].radius)
+    yield Preset(
+        "Out of focus",
+        "The lens is open and sharp at the nearest sphere. Numeric: speckle where depths are blurred, none in focus. "
+        "Symbolic: copies, one for each place of the lens. Slide the focus to the sphere behind.",
+        {"aperture": _two_digits(_OPEN * focus), "focus": _two_digits(focus), "rings": 2},
+    )
+
+
+def _view(scene: Scene) -> tuple[Array, Array, Array]:
+    """Where a scene's camera stands, where it looks and what is right of it."""
+    camera, eye = scene.camera, np.array(scene.camera.eye)
+    if isinstance(camera, PlaneCamera):
+        return eye, np.array([0.0, 0.0, -math.copysign(1.0, eye[2])]), np.array([1.0, 0.0, 0.0])
+    forward = np.subtract(camera.target, eye)
+    right = np.cross(forward, camera.up)
+    return eye, forward / np.linalg.norm(forward), right / np.linalg.norm(right)
+
+
+def _two_digits(value: float) -> float:
+    return float(f"{value:.2g}")
 
 
 def glossy(scene: Scene) -> list[str]:

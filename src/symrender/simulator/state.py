@@ -10,7 +10,13 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Final, Literal, get_args
 
 from symrender.errors import OptionError
-from symrender.limits import MAX_SIMULATOR_LOBE, MAX_STATE_BYTES
+from symrender.limits import (
+    MAX_SIMULATOR_INSTANTS,
+    MAX_SIMULATOR_LOBE,
+    MAX_SIMULATOR_PLACES,
+    MAX_SIMULATOR_RINGS,
+    MAX_STATE_BYTES,
+)
 from symrender.scene.scene import Scene
 from symrender.settings import Partition, Weights
 
@@ -31,6 +37,11 @@ class State:
     are switched off. ``exposure`` is in stops, ``pair`` the two panels whose difference is shown,
     ``difference`` the power of ten it is multiplied by (None: scaled to what is there), ``cursor`` the probed pixel
     (column, row) of the image.
+
+    A pixel is a mean over ``pixel`` x ``pixel`` places of it, over ``instants`` of the time between the two of
+    ``shutter``, and over a thin lens of the radius ``aperture`` sharp at the distance ``focus`` (None: what the camera
+    looks at), at ``rings`` rings of it. ``mover`` names the sphere that has the ``velocity``, in units a second; None
+    is the first. 1, a shutter that opens and closes at once and an aperture of 0 are a ray through the centre.
     """
 
     scene: dict[str, float | str] = field(default_factory=dict)
@@ -48,6 +59,14 @@ class State:
     difference: int | None = None
     disc: Disc = "weight"
     cursor: tuple[int, int] | None = None
+    pixel: int = 1
+    shutter: tuple[float, float] = (0.0, 0.0)
+    instants: int = 4
+    mover: str | None = None
+    velocity: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    aperture: float = 0.0
+    focus: float | None = None
+    rings: int = 2
 
     def __post_init__(self) -> None:
         for name, kind in _CHOICES.items():
@@ -58,6 +77,9 @@ class State:
             ("lobe", 1, MAX_SIMULATOR_LOBE),
             ("seed", 0, (1 << 31) - 1),
             ("difference", 0, 6),
+            ("pixel", 1, MAX_SIMULATOR_PLACES),
+            ("instants", 1, MAX_SIMULATOR_INSTANTS),
+            ("rings", 1, MAX_SIMULATOR_RINGS),
         ):
             value = getattr(self, name)
             if name == "difference" and value is None:
@@ -68,17 +90,49 @@ class State:
             raise OptionError(f"normalised: must be true or false, got {self.normalised!r}")
         if not isinstance(self.exposure, int | float) or not math.isfinite(self.exposure) or abs(self.exposure) > 16:
             raise OptionError(f"exposure: must be a number of stops from -16 to 16, got {self.exposure!r}")
+        self._check_exposure()
         if not all(isinstance(name, str) for name in (*self.off, *self.scene)):
             raise OptionError("off, scene: must name lights and numbers of the scene")
         cursor = self.cursor
         if cursor is not None and not (len(cursor) == 2 and all(type(v) is int and 0 <= v < self.size for v in cursor)):
             raise OptionError(f"cursor: must be (column, row) inside the image, got {cursor!r}")
 
+    def _check_exposure(self) -> None:
+        for name, count in (("shutter", 2), ("velocity", 3)):
+            value = getattr(self, name)
+            if not isinstance(value, tuple) or len(value) != count or not all(map(_is_finite, value)):
+                raise OptionError(f"{name}: must be {count} finite numbers, got {value!r}")
+        if self.shutter[0] > self.shutter[1]:
+            raise OptionError(f"shutter: must open before it closes, got {self.shutter!r}")
+        if not _is_finite(self.aperture) or self.aperture < 0:
+            raise OptionError(f"aperture: must be a finite number, 0 or more, got {self.aperture!r}")
+        if self.focus is not None and not (_is_finite(self.focus) and self.focus > 0):
+            raise OptionError(f"focus: must be a finite number above 0, got {self.focus!r}")
+        if self.mover is not None and not isinstance(self.mover, str):
+            raise OptionError(f"mover: must name a sphere, got {self.mover!r}")
+
     def apply(self, scene: Scene) -> Scene:
-        """``scene`` with the changes of this state; SceneError where it has no such number or part."""
+        """``scene`` with the changes of this state; SceneError where it has no such number or part.
+
+        What moves stands where it is in the middle of the shutter's time, as a page's probe sees it.
+        """
+        return self.at(scene, 0.5 * (self.shutter[0] + self.shutter[1]))
+
+    def at(self, scene: Scene, time: float) -> Scene:
+        """``scene`` with the changes of this state at a ``time`` in seconds."""
         changes: dict[str, object] = dict(self.scene)
         changes |= {f"lights.{name}.color": (0.0, 0.0, 0.0) for name in self.off}
-        return _with_textures(scene, changes).replace(changes)
+        changed = _with_textures(scene, changes).replace(changes)
+        way = [time * v for v in self.velocity]
+        if not scene.spheres or not any(way):
+            return changed
+        mover = self.mover if self.mover is not None else scene.spheres[0].name
+        center = next((sphere.center for sphere in changed.spheres if sphere.name == mover), (0.0, 0.0, 0.0))
+        return changed.replace({f"spheres.{mover}.center": tuple(c + w for c, w in zip(center, way, strict=True))})
+
+
+def _is_finite(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _with_textures(scene: Scene, changes: dict[str, object]) -> Scene:
@@ -132,7 +186,7 @@ def from_plain(plain: Any) -> State:
         raise OptionError(f"url: unknown entries {', '.join(sorted(map(repr, unknown)))[:80]}")
     if not isinstance(plain.get("scene", {}), dict):
         raise OptionError("url: scene must map names to values")
-    for key in ("off", "cursor"):
+    for key in ("off", "cursor", "shutter", "velocity"):
         if isinstance(plain.get(key), list):
             plain[key] = tuple(plain[key])
     try:

@@ -86,21 +86,24 @@ class _Glsl(Writer):
         table = self.tables[name]
         if table.scratch:
             return f"t_{name}[{self.count(indices[0])}]"
-        column = int(indices[-1])
-        place = str(column // _ROWS)
-        if len(indices) == 2:
-            width = _width(table)
-            place = self.count(indices[0] * width + column // _ROWS)
-        found = f"t_{name}[{place}].{'xyzw'[column % _ROWS]}"
-        if table.image:
-            spot = f"ivec2({_width(table)}*int(gl_FragCoord.x) + {place}, int(gl_FragCoord.y))"
-            found = f"texelFetch(image_{name}, {spot}, 0).{'xyzw'[column % _ROWS]}"
+        found = self.stored(name, table, indices)
         fixed = len(indices) == 1 or (indices[0].is_Integer and int(indices[0]) < _CARRIED_ROWS)
         if not fixed:
             return found
         once = f"{name}_{'_'.join(str(int(k)) for k in indices)}"
         self.read[once] = found
         return once
+
+    def stored(self, name: str, table: Table, indices: Sequence[sp.Expr]) -> str:
+        """Where a shader finds a number of a table."""
+        column = int(indices[-1])
+        place = str(column // _ROWS)
+        if len(indices) == 2:
+            place = self.count(indices[0] * _width(table) + column // _ROWS)
+        if table.image:
+            spot = f"ivec2({_width(table)}*int(gl_FragCoord.x) + {place}, int(gl_FragCoord.y))"
+            return f"texelFetch(image_{name}, {spot}, 0).{'xyzw'[column % _ROWS]}"
+        return f"t_{name}[{place}].{'xyzw'[column % _ROWS]}"
 
     def rows(self, name: str) -> str:
         return f"{name}_rows"
@@ -196,6 +199,32 @@ class _Glsl(Writer):
         return f"{self.real(e.gts, _SUM)} - {self.real(e.lts, _PRODUCT)}"
 
 
+_OWN: Final = """uniform highp sampler2D image_own;
+uniform int own_row;
+vec3 own_way;
+vec4 own_eye;
+"""
+_READ_OWN: Final = """  ivec2 place = ivec2(2*int(gl_FragCoord.x), int(gl_FragCoord.y));
+  own_eye = texelFetch(image_own, place, 0);
+  own_way = texelFetch(image_own, place + ivec2(1, 0), 0).xyz;
+"""
+
+
+class _Spread(_Glsl):
+    """Reads from ``image_own``, two texels a pixel, the eye that every pixel has of its own and how far a sphere came.
+
+    The sphere of the row ``own_row`` stands ``own_way`` from where the table has it.
+    """
+
+    def stored(self, name: str, table: Table, indices: Sequence[sp.Expr]) -> str:
+        column, found = int(indices[-1]), super().stored(name, table, indices)
+        if name == "eye":
+            return f"own_eye.{'xyzw'[column]}"
+        if table.center is None or not table.center <= column < table.center + 3:
+            return found
+        return f"({found} + ({self.count(indices[0])} == own_row ? own_way.{'xyz'[column - table.center]} : 0.0))"
+
+
 def _all_last(body: Sequence[Statement]) -> bool:
     """Whether nothing follows any return."""
     for k, statement in enumerate(body):
@@ -242,10 +271,13 @@ def blocks(tables: Mapping[str, Table] = TABLES) -> dict[str, list[str]]:
     return found
 
 
-def emit(program: Program, tables: Mapping[str, Table] = TABLES) -> str:
-    """Fragment shader of the one entry of ``program``, a function (column, row) with four results."""
+def emit(program: Program, tables: Mapping[str, Table] = TABLES, *, spread: bool = False) -> str:
+    """Fragment shader of the one entry of ``program``, a function (column, row) with four results.
+
+    ``spread``, every pixel has an eye and a time of its own.
+    """
     (entry,) = program.entries
-    writer = _Glsl(program, tables)
+    writer = _Spread(program, tables) if spread else _Glsl(program, tables)
     texts = [writer.function(function) for function in program.functions]
     head = ["#version 300 es", "precision highp float;", "precision highp int;", "out vec4 result;"]
     for block, names in blocks(tables).items():
@@ -254,6 +286,7 @@ def emit(program: Program, tables: Mapping[str, Table] = TABLES) -> str:
     head += [f"uniform int {name}_rows;" for name in ("spheres", "planes", "points")]
     head += [f"float t_{name}[{table.columns}];" for name, table in tables.items() if table.scratch]
     head += [f"uniform highp sampler2D image_{name};" for name, table in tables.items() if table.image]
+    head += [_OWN] if spread else []
     helpers: list[str] = []
     for helper in sorted(writer.helpers):
         _with_needs(helper, helpers)
@@ -264,6 +297,7 @@ def emit(program: Program, tables: Mapping[str, Table] = TABLES) -> str:
     read = writer.reads[entry]
     once = "".join(f"  float {name} = {place};\n" for name, place in read.items())
     call = f"{entry}(int(gl_FragCoord.x), int(gl_FragCoord.y), {', '.join([*read, *names])});"
+    once = (_READ_OWN if spread else "") + once
     main = f"void main() {{\n{once}  {declared}\n  {call}\n  result = vec4({values});\n}}\n"
     return "\n".join([*head, *(HELPERS[name][1] for name in helpers), *texts, main])
 

@@ -25,13 +25,13 @@ function unproved(app) {
 function tellCertify(app) {
   if (!by("proof").open || !app.probedAt) return;
   const why = unproved(app), [x, y] = app.probedAt.seen.q ?? [];
-  if (app.proved?.key !== proofKey(app)) by("proved").textContent = why || (SERVED ? "" : "Ball arithmetic encloses the gloss with proof. It needs Python; on this machine:");
-  const changes = Object.entries(app.state.scene).map(([name, value]) => ` -D ${name}=${value}`).join("");
+  if (app.proved?.key !== proofKey(app)) by("proved").textContent = why || (SERVED ? "" : `Ball arithmetic encloses the gloss ${isMean(app.state) ? "of the centre, not of the mean, " : ""}with proof. It needs Python; on this machine:`);
+  const changes = Object.entries({ ...app.state.scene, ...middleChanges(app.state) }).map(([name, value]) => ` -D ${name}=${value}`).join("");
   by("proof-line").hidden = SERVED || Boolean(why);
   by("proof-line").textContent = why ? "" : `symrender probe ${/^[\w.-]+$/.test(data.name) ? data.name : "SCENE"} -p ${x},${y} --certify${changes}`;
 }
 
-const proofKey = (app) => JSON.stringify([app.state.scene, app.state.off, app.probedAt.seen.q]);
+const proofKey = (app) => JSON.stringify([app.state.scene, middleChanges(app.state), app.state.off, app.probedAt.seen.q]);
 
 async function certified(app, ask) {
   const why = unproved(app), key = proofKey(app), told = by("proved");
@@ -45,7 +45,7 @@ async function certified(app, ask) {
     const weight = surfaceLobe(app.probedAt.t, 0).weight, direct = app.facts.direct;
     const [low, high] = [found.low, found.high].map((v) => v.map((gloss, c) => program.reflected(direct[c], weight, gloss)));
     app.proved = { key, ...found };
-    told.textContent = `gloss proved to lie in ${found.low.map((v, c) => `[${v.toFixed(6)}, ${found.high[c].toFixed(6)}]`).join(" ")}; the pixel in ${low.map((v, c) => `[${v.toFixed(6)}, ${high[c].toFixed(6)}]`).join(" ")} up to rounding of its direct light. ${found.boxes} boxes.`;
+    told.textContent = `gloss proved to lie in ${found.low.map((v, c) => `[${v.toFixed(6)}, ${found.high[c].toFixed(6)}]`).join(" ")}; the pixel in ${low.map((v, c) => `[${v.toFixed(6)}, ${high[c].toFixed(6)}]`).join(" ")} up to rounding of its direct light. ${found.boxes} boxes.${isMean(app.state) ? " They are of the pixel’s centre, not of its mean." : ""}`;
   } catch (error) {
     told.textContent = error.message;
   } finally {

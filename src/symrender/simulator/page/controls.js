@@ -112,6 +112,7 @@ function makeControls(app) {
     choiceControl({ label: "Estimator", options: [["ratio", "ratio"], ["normalised", "normalised"]], hint: "Divide by the weights met, or by their known integral.", get: () => (app.state.normalised ? "normalised" : "ratio"), set: (v) => app.change((s) => (s.normalised = v === "normalised")) }),
     stateNumber("seed", { label: "Seed", low: 0, high: 9999, step: 1, hint: "The same seed gives the same speckle." }),
   ]]);
+  groups.push(...meanGroups(app));
   const light = [stateOrScene(value, app, "shading.model", "Highlight", [["blinn", "Blinn"], ["phong", "Phong"]])];
   for (const name of data.spheres) {
     const key = `spheres.${name}.texture.type`;

@@ -11,7 +11,7 @@ const fraction = (v) => v - Math.floor(v);
 
 class Converger {
   constructor(frame, side) {
-    Object.assign(this, { frame, side, passes: 0, streams: Array.from({ length: STREAMS }, () => new Float64Array(3 * frame.size ** 2)) });
+    Object.assign(this, { frame, side, passes: 0, budget: MOST_PASSES, streams: Array.from({ length: STREAMS }, () => new Float64Array(3 * frame.size ** 2)) });
     this.pixels = new Float64Array(4 * frame.size ** 2);
   }
 
@@ -32,6 +32,17 @@ class Converger {
     return { ...t, ...made };
   }
 
+  // The next pass, added; false where given up.
+  async pass(app, stale) {
+    const { frame } = this;
+    app.traces(frame.size, frame.tables);
+    app.traceTo(frame.size);
+    app.gpu.upload(this.tables(frame.tables));
+    if ((await app.bands("pixel_symbolic", frame.size, stale)) === null || app.gpu.lost()) return false;
+    this.add(app.gpu.read("pixel_symbolic", frame.size));
+    return true;
+  }
+
   add(pixels) {
     const sum = this.streams[this.passes % STREAMS];
     for (let k = 0; k < sum.length; k++) sum[k] += pixels[4 * Math.floor(k / 3) + (k % 3)];
@@ -41,6 +52,7 @@ class Converger {
   // The mean of the first passes, of which no error can be told yet.
   sketch() {
     const { frame, streams, pixels, passes } = this;
+    frame.pixel_reference = pixels;
     for (let k = 0; k < frame.size ** 2; k++) {
       pixels[4 * k + 3] = frame.pixel_symbolic[4 * k + 3];
       for (let c = 0; c < 3; c++) pixels[4 * k + c] = streams.reduce((sum, stream) => sum + stream[3 * k + c], 0) / passes;
@@ -68,8 +80,13 @@ class Converger {
         if (within) fine++;
       }
     }
+    frame.pixel_reference = pixels;
+    return this.tell(squares, most, lit, fine);
+  }
+
+  tell(squares, most, lit, fine) {
     this.told = { rms: Math.sqrt(squares / Math.max(1, 3 * lit)), most, within: lit ? fine / lit : 1, directions: this.passes * this.side ** 2 };
-    this.done = this.told.within >= SEEN_SHARE || this.passes >= MOST_PASSES;
+    this.done = this.told.within >= SEEN_SHARE || this.passes >= this.budget;
     return this.told;
   }
 }
@@ -88,25 +105,20 @@ async function converge(app) {
   if (stale()) return;
   app.sampling = true;
   try {
-    frame.converger ??= new Converger(frame, frame.took.pixel_symbolic < QUICK ? Math.min(8, data.limits.lobe) : 4);
+    frame.converger ??= frame.mean ? new MeanConverger(frame) : new Converger(frame, frame.took.pixel_symbolic < QUICK ? Math.min(8, data.limits.lobe) : 4);
     const made = frame.converger;
     let told = performance.now();
     while (!made.done && !stale()) {
-      app.traceTo(frame.size);
-      app.gpu.upload(made.tables(frame.tables));
-      if ((await app.bands("pixel_symbolic", frame.size, stale)) === null || app.gpu.lost()) break;
-      made.add(app.gpu.read("pixel_symbolic", frame.size));
+      if (!(await made.pass(app, stale))) break;
       if (made.passes < STREAMS) {
         made.sketch();
-        frame.pixel_reference = made.pixels;
         Object.assign(frame, present(app.canvases, frame, app.state, ["reference"]));
         tellPanels(app, frame);
         continue;
       }
       if (made.passes % STREAMS) continue;
-      if (performance.now() - told < 250 && made.passes > STREAMS && made.passes < MOST_PASSES) continue;
+      if (performance.now() - told < 250 && made.passes > STREAMS && made.passes < made.budget) continue;
       made.measure(app.state.exposure);
-      frame.pixel_reference = made.pixels;
       showReference(app, frame);
       told = performance.now();
       await nextTask();

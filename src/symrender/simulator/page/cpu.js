@@ -14,8 +14,20 @@ class Cpu {
     this.t = t;
   }
 
-  see(pixels, size, columns) {
-    Object.assign(this, { pixels, columns });
+  see({ pixels, columns, own, row }) {
+    Object.assign(this, { pixels, columns, own, row });
+  }
+
+  // Tables of the scene as a pixel sees it from an eye and at a time of its own.
+  ownTables() {
+    const { t, own, row } = this, tables = { ...t, eye: t.eye.slice(), spheres: t.spheres.slice() };
+    const start = row * data.tables.spheres.columns + data.fields.sphere.center;
+    return [tables, (k) => {
+      for (let c = 0; c < 3; c++) {
+        tables.eye[c] = own[8 * k + c];
+        if (row >= 0) tables.spheres[start + c] = t.spheres[start + c] + own[8 * k + 4 + c];
+      }
+    }];
   }
 
   async draw(pass, size, y0, y1) {
@@ -30,7 +42,8 @@ class Cpu {
   }
 
   async finished({ pass, size, y0, y1 }) {
-    const key = `${pass} ${size}`, names = data.takes[pass].slice(2), tables = { ...this.t, hits, labels };
+    const key = `${pass} ${size}`, [name, kind] = pass.split(" "), names = data.takes[name].slice(2), [moved, move] = kind ? this.ownTables() : [this.t, () => {}];
+    const tables = { ...moved, hits, labels };
     if (!this.targets.has(key)) this.targets.set(key, new Float32Array(4 * size * size));
     const out = this.targets.get(key), own = names.map((name) => tables[name]), place = names.indexOf("seen");
     let rested = performance.now();
@@ -38,7 +51,8 @@ class Cpu {
       for (let x = 0; x < size; x++) {
         const k = y * size + x;
         if (place >= 0) own[place] = this.pixels.subarray(k * this.columns, (k + 1) * this.columns);
-        program[pass](x, y, ...own);
+        move(k);
+        program[name](x, y, ...own);
         out.set(program.R.subarray(0, 4), 4 * k);
       }
       if (performance.now() - rested < SLICE) continue;

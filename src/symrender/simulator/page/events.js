@@ -11,7 +11,9 @@ function moveCursor(pixel) {
   drawCursor();
   if (!app.probePending) {
     app.probePending = requestAnimationFrame(async () => {
-      while (app.running || app.sampling) await nextTask();
+      while (app.probePending && (app.running || app.sampling)) await nextTask();
+      // between two places of a mean it was answered already
+      if (!app.probePending) return;
       app.probePending = 0;
       app.running = true;
       try {
@@ -102,7 +104,7 @@ function orbit(yaw, pitch) {
 const KEYS = [
   ["?", "this list", () => by("keys").showModal()],
   ["v", "next view", () => app.change((s) => (s.view = nextOf(VIEWS.map(([v]) => v), s.view)))],
-  ["1 – 6", "presets", null],
+  ["1 – 8", "presets", null],
   ["k, K", "fewer or more strata", null],
   ["n, N", "halve or double the gloss exponent", null],
   ["p", "next partition", () => app.change((s) => (s.partition = nextOf(PARTITIONS, s.partition)))],
@@ -141,7 +143,7 @@ function keyboard(event) {
   if (event.ctrlKey || event.metaKey || event.altKey || by("keys").open) return;
   const inside = event.target;
   if (inside.matches("input:not([type=range]):not([type=radio]):not([type=checkbox]), select, textarea")) return;
-  if (/^[1-6]$/.test(event.key)) return applyPreset(Number(event.key) - 1);
+  if (/^[1-8]$/.test(event.key)) return applyPreset(Number(event.key) - 1);
   if (event.key === "k" || event.key === "K") return app.change((s) => (s.lobe = Math.min(data.limits.lobe, Math.max(1, s.lobe + (event.key === "k" ? -1 : 1)))));
   if (event.key === "n" || event.key === "N") return changeExponent(event.key === "n" ? 0.5 : 2);
   KEYS.find(([key, , run]) => run && key === event.key)?.[2]();

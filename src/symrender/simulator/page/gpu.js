@@ -12,7 +12,8 @@ class Gpu {
     if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("this GPU cannot draw into float textures");
     this.programs = new Map();
     this.targets = new Map();
-    this.seen = this.image = null;
+    this.images = new Map();
+    this.row = -1;
     this.buffers = new Map();
     Object.keys(data.blocks).forEach((block, index) => {
       const buffer = gl.createBuffer();
@@ -62,23 +63,35 @@ class Gpu {
     });
   }
 
-  // What the pixels' rays meet, for the passes to read: ``columns`` numbers a pixel, the first ``rows`` rows.
-  see(pixels, size, columns, rows) {
-    const gl = this.gl, width = (size * columns) / 4;
-    if (this.seen !== pixels) {
-      this.seen = pixels;
-      this.seenRows = 0;
-      gl.deleteTexture(this.image);
-      this.image = gl.createTexture();
-      gl.bindTexture(gl.TEXTURE_2D, this.image);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, size);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+  // What the pixels' rays meet, for the passes to read, the first ``rows`` rows; ``own`` is the eye that a pixel has of
+  // its own and how far the sphere of a ``row`` has come there.
+  see({ pixels, size, columns, rows, own, row }) {
+    this.put("seen", pixels, (size * columns) / 4, size, rows);
+    if (own) this.put("own", own, 2 * size, size, rows);
+    this.row = row;
+  }
+
+  // The rows of a float texture that are not there yet; ``values`` that are new begin another.
+  put(name, values, width, height, rows) {
+    const gl = this.gl;
+    let held = this.images.get(name);
+    if (held?.values !== values) {
+      if (held?.width !== width || held?.height !== height) {
+        if (held) gl.deleteTexture(held.texture);
+        held = { width, height, texture: gl.createTexture() };
+        gl.bindTexture(gl.TEXTURE_2D, held.texture);
+        gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, height);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+        this.images.set(name, held);
+      }
+      Object.assign(held, { values, rows: 0 });
     }
-    if (rows <= this.seenRows) return;
-    gl.bindTexture(gl.TEXTURE_2D, this.image);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, this.seenRows, width, rows - this.seenRows, gl.RGBA, gl.FLOAT, pixels, 4 * width * this.seenRows);
-    this.seenRows = rows;
+    if (rows <= held.rows) return;
+    const part = values.subarray(4 * width * held.rows, 4 * width * rows);
+    gl.bindTexture(gl.TEXTURE_2D, held.texture);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, held.rows, width, rows - held.rows, gl.RGBA, gl.FLOAT, part instanceof Float32Array ? part : Float32Array.from(part));
+    held.rows = rows;
   }
 
   target(pass, size) {
@@ -115,7 +128,14 @@ class Gpu {
     gl.useProgram(made);
     for (const [name, rows] of Object.entries(this.rows)) gl.uniform1i(gl.getUniformLocation(made, `${name}_rows`), rows);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target(pass, size));
-    gl.bindTexture(gl.TEXTURE_2D, this.image);
+    gl.bindTexture(gl.TEXTURE_2D, this.images.get("seen")?.texture ?? null);
+    if (pass.endsWith(" own")) {
+      gl.uniform1i(gl.getUniformLocation(made, "own_row"), this.row);
+      gl.uniform1i(gl.getUniformLocation(made, "image_own"), 1);
+      gl.activeTexture(gl.TEXTURE1);
+      gl.bindTexture(gl.TEXTURE_2D, this.images.get("own").texture);
+      gl.activeTexture(gl.TEXTURE0);
+    }
     gl.viewport(0, 0, size, size);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(0, y0, size, y1 - y0);

@@ -21,19 +21,34 @@ function tellLegend(app, frame) {
   by("legend").replaceChildren(...parts);
 }
 
+// The captions of both estimators.
+function captions(frame) {
+  const { view, partition, weights } = frame.state, light = LIGHT.includes(view), gloss = view === "full" || view === "gloss", places = frame.mean && `${frame.mean.count} places`;
+  if (!light) return [view === "class" ? "what the primary ray meets" : "kinds of thing the strata meet", places ? "of the pixel’s centre" : "the same in both"];
+  if (places) return [`by chance, ${places}`, `by Gauss rules, ${places}`];
+  return gloss ? ["jittered: speckle", `${PARTITION_WORDS[partition]}, ${weights}`] : ["direct light, the same in all", "the same in both"];
+}
+
+// What a panel cost, in milliseconds and in directions, and how far it has come.
+function costOf(frame, side, off) {
+  const took = `${(frame.took[`pixel_${side}`] ?? 0).toFixed(0)} ms`, { mean, state } = frame;
+  if (!mean) return `${took}${off}`;
+  return mean[side] < mean.count ? `${mean[side]} of ${mean.count} places` : `${took}, ${mean.count * state.lobe ** 2} directions${off}`;
+}
+
 // Captions and the line under each panel.
 function tellPanels(app, frame) {
-  const { view, pair, partition, weights } = frame.state, light = LIGHT.includes(view), note = (id, text) => (by(id).textContent = text);
-  const gloss = view === "full" || view === "gloss", errors = frame.errors ?? {}, off = (side) => (errors[side] === undefined ? "" : `, RMS error ${short(errors[side])}`);
-  note("numeric-note", gloss ? "jittered: speckle" : light ? "direct light, the same in all" : view === "class" ? "what the primary ray meets" : "kinds of thing the strata meet");
-  note("symbolic-note", gloss ? `${PARTITION_WORDS[partition]}, ${weights}` : "the same in both");
-  note("numeric-line", `${frame.took.pixel_numeric.toFixed(0)} ms${gloss ? off("numeric") : ""}`);
-  note("symbolic-line", `${frame.took.pixel_symbolic.toFixed(0)} ms${gloss ? off("symbolic") : ""}`);
+  const { view, pair } = frame.state, errors = frame.errors ?? {}, note = (id, text) => (by(id).textContent = text), lit = frame.mean ? LIGHT.includes(view) : view === "full" || view === "gloss";
+  const off = (side) => (!lit || errors[side] === undefined ? "" : `, RMS error ${short(errors[side])}`), [numeric, symbolic] = captions(frame);
+  note("numeric-note", numeric);
+  note("symbolic-note", symbolic);
+  note("numeric-line", costOf(frame, "numeric", off("numeric")));
+  note("symbolic-line", costOf(frame, "symbolic", off("symbolic")));
   note("difference-note", PAIR_WORDS[pair]);
   by("difference-line").replaceChildren(...(frame.scale > 0 ? bar(scaleColors, "0", short(frame.scale), frame.beyond > 0.005 ? `${percent(frame.beyond)} beyond` : "") : [frame.scale === 0 ? "nothing differs" : "waits for the reference"]));
   const made = frame.converger, told = made?.told;
   by("panel-reference").classList.toggle("stale", !made?.passes);
   note("reference-note", !made?.passes ? "begins at rest" : !told ? "first directions" : made.done && told.within >= SEEN_SHARE ? "as exact as 8 bits show" : made.done ? "budget spent" : "converging");
   note("reference-line", told ? `±${short(told.rms)} RMS, ${told.directions} directions` : "");
-  by("reference-line").title = `${told ? `${percent(Math.floor(1000 * told.within) / 1000)} of pixels err by less than half an 8-bit step. ` : ""}± is the standard error of four independent streams, over pixels with a lobe`;
+  by("reference-line").title = `${told ? `${percent(Math.floor(1000 * told.within) / 1000)} of pixels err by less than half an 8-bit step. ` : ""}± is the standard error of four independent streams, over ${frame.mean ? "all pixels" : "pixels with a lobe"}`;
 }

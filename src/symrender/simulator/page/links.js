@@ -34,6 +34,7 @@ function fitting(plain) {
     const p = parameters.get(name);
     if (p && (p.choices ? p.choices.includes(value) : Number.isFinite(value) && value >= p.low && value <= p.high)) state.scene[name] = value;
   }
+  fitMean(state, plain);
   const c = plain.cursor;
   if (Array.isArray(c) && c.length === 2 && c.every((v) => Number.isInteger(v) && v >= 0 && v < state.size)) state.cursor = c;
   return state;

@@ -83,9 +83,9 @@ const app = {
   async render() {
     const generation = this.generation, state = structuredClone(this.state), t = makeTables(state);
     const moving = performance.now() - this.moving < REST;
-    const passes = state.view === "chambers" ? ["pixel_direct", "pixel_numeric", "pixel_symbolic", "pixel_chambers"] : ["pixel_direct", "pixel_numeric", "pixel_symbolic"];
-    const held = moving && passes.every((pass) => this.reusable("whole", pass, t));
-    if (held || (moving && (this.cost ?? 0) > 30)) {
+    const mean = isMean(state), passes = ["pixel_direct", ...(mean ? [] : ["pixel_numeric", "pixel_symbolic"]), ...(state.view === "chambers" ? ["pixel_chambers"] : [])];
+    const held = moving && passes.every((pass) => this.reusable("whole", pass, t)) && (!mean || MEAN_SIDES.every((side) => meanHeld(this, side, t, state)));
+    if (held || (moving && (mean || (this.cost ?? 0) > 30))) {
       if (held) await this.showAgain(passes, state, t, generation);
       else await this.preview(passes, state, t, generation);
       if (this.turn === 0 && this.probedAt?.glossy) await this.colours(DISC_MOVING);
@@ -114,7 +114,8 @@ const app = {
       this.keep(frame, "whole", pass, this.gpu.read(pass, size), took);
       await nextTask();
     }
-    this.cost = passes.reduce((sum, pass) => sum + frame.took[pass], 0);
+    if (!isMean(state)) this.cost = passes.reduce((sum, pass) => sum + frame.took[pass], 0);
+    else if (!(await drawMeans(this, frame, stale))) return;
     this.show(frame);
     // input goes before figures
     await nextTask();
@@ -125,7 +126,7 @@ const app = {
 
   // A coarse frame: its passes are handed over together and waited for, which is shorter than asking for each.
   async preview(passes, state, t, generation) {
-    const start = performance.now(), size = this.previewSize(state.size), frame = { size, generation, whole: false, state, tables: t, took: {} };
+    const start = performance.now(), mean = isMean(state), size = mean ? meanPreview(this, state.size) : this.previewSize(state.size), frame = { size, generation, whole: false, state, tables: t, took: {} };
     t.image_frame = Float64Array.of(0, 0, size, size, size, size, 1);
     this.traces(size, t);
     this.traceTo(size);
@@ -137,14 +138,20 @@ const app = {
       this.keep(frame, "coarse", pass, pixels, now - last);
       last = now;
     }
+    if (mean) await previewMeans(this, frame);
     this.show(frame);
-    this.previewCost = (performance.now() - start) / size ** 2;
+    if (mean) this.placeCost = (performance.now() - start) / (size ** 2 * this.previewPlaces);
+    else this.previewCost = (performance.now() - start) / size ** 2;
   },
 
   // A frame of pixels that are all there, of a drag that only shows them in another way.
   async showAgain(passes, state, t, generation) {
     const frame = { size: state.size, generation, whole: false, state, tables: t, took: {} };
     for (const pass of passes) this.reuse(frame, "whole", pass);
+    if (isMean(state)) {
+      frame.mean = { count: countsOf(state).all };
+      for (const side of MEAN_SIDES) meanHeld(this, side, t, state).put(frame, side);
+    }
     this.show(frame);
     this.follow();
     await nextTask();
@@ -181,20 +188,21 @@ const app = {
     this.held.set(`${kind} ${pass}`, { key: inputs(pass, frame.tables), pixels, took });
   },
 
-  // What the rays of all pixels meet, in double precision: begun here, traced row by row.
-  traces(size, t) {
-    const key = inputs("pixel_seen", t), columns = data.tables.seen.columns;
-    if (this.seen?.key === key) return;
-    this.seen = { key, t, size, columns, rows: 0, pixels: new Float32Array(size * size * columns) };
+  // What the rays of all pixels meet, in double precision: begun here, traced row by row; of a ``look`` those of its own.
+  traces(size, t, look = null) {
+    const key = look ? null : inputs("pixel_seen", t), columns = data.tables.seen.columns;
+    if (key !== null && this.seen?.key === key) return;
+    const { rays = (column, row) => seenAt(t, column, row), own = null, row = -1 } = look ?? {};
+    this.seen = { key, size, columns, rays, own, row, rows: 0, pixels: new Float32Array(size * size * columns) };
   },
 
   // Traces what is missing of the rows up to ``row`` and hands them to the passes.
   traceTo(row) {
-    const seen = this.seen, { size, columns, pixels, t } = seen;
+    const seen = this.seen, { size, columns, pixels, rays } = seen;
     for (; seen.rows < row; seen.rows++) {
-      for (let x = 0; x < size; x++) pixels.set(seenAt(t, x, seen.rows), (seen.rows * size + x) * columns);
+      for (let x = 0; x < size; x++) pixels.set(rays(x, seen.rows), (seen.rows * size + x) * columns);
     }
-    this.gpu.see(pixels, size, columns, seen.rows);
+    this.gpu.see(seen);
   },
 
   // One pass in bands, the next already waiting while one is drawn; milliseconds, or null where given up.
@@ -365,13 +373,14 @@ function tellLedger(app, frame) {
     tellPanels(app, frame);
   }
   const rows = [
-    ["RMS |ΔI|", short(ledger.rms), `numeric − symbolic over ${ledger.pixels} interior pixels, linear radiance`],
+    ["RMS |ΔI|", short(ledger.rms), `numeric − symbolic over ${ledger.pixels} ${frame.mean ? "pixels, outlines with them" : "interior pixels"}, linear radiance`],
     ["max |ΔI|", short(ledger.most), "largest difference of a channel, interior"],
     ["black image", short(ledger.signal), "RMS |ΔI| an all-black picture would score against the symbolic image, from the same pixels"],
     ["relative", ledger.signal ? short(ledger.relative) : "–", "RMS |ΔI| over that of the black image; a picture that scores 1 or more is no better than none"],
     ["flips", `${flips.flips} of ${flips.edge}`, "pixels on outlines that show another surface than float64 finds there; none, since rays start in float64"],
     ["float32", `${short(own.most)}`, `largest error of the panels against float64, ${own.count} pixels sampled; ${own.flips} estimates lie on a wall, where a rounded ray sees the other side: counted, not measured`],
   ];
+  if (frame.mean) rows.push(["places × directions", `${frame.mean.count} × ${frame.state.lobe ** 2}`, `${meanWords(frame.state)}; at each a ray, direct light and ${frame.state.lobe ** 2} directions of a lobe: what either panel spends on a pixel`]);
   if (lobe) {
     const n = lobe.exponent;
     program.lobe_widths(n, lobe.thetaMax);
@@ -431,6 +440,7 @@ function tellProbe(facts) {
     ["reference", facts.reference ? `${triple(facts.reference)}  ± ${short(facts.error)}${facts.final ? "" : " …"}` : facts.weight > 0 ? "…" : "–"],
   ];
   by("probe").replaceChildren(...rows.flatMap(([term, value]) => [element("dt", { text: term }), element("dd", { text: value })]));
+  by("middle").hidden = !isMean(app.state);
   by("probe").title = "reference: the lobe split at its walls, Gauss-Kronrod in float64; ± is what it estimates of its own error, no bound";
 }
 
@@ -559,5 +569,5 @@ function moveCursorAgain() {
   app.showDirection();
 }
 
-window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, directionAt, carried, poster, recording, Converger, applyPreset, filmed };
+window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, Looks, meanExact, anyOnWall, countsOf, fitMean, directionAt, carried, poster, recording, Converger, applyPreset, filmed };
 begin().catch((error) => trouble(error.message));

@@ -21,9 +21,13 @@ function onScale(t) {
 
 const classColor = (shape) => classColors[shape < 2 ? shape : 2 + ((shape - 2) % (classColors.length - 2))];
 
+// The direct light of a panel: its own where pixels are means.
+const OWN_DIRECT = { pixel_numeric: "direct_numeric", pixel_symbolic: "direct_symbolic", pixel_reference: "direct_reference" };
+const directOf = (frame, side) => frame[OWN_DIRECT[side]] ?? frame.pixel_direct;
+
 // What a panel shows at pixel k, channel c: radiance, the gloss as it is reflected, or direct light.
 function shown(frame, side, view, k, c) {
-  const direct = frame.pixel_direct[4 * k + c];
+  const direct = directOf(frame, side)[4 * k + c];
   if (view === "direct") return direct;
   const gloss = frame[side][4 * k + c], weight = frame[side][4 * k + 3];
   return program.reflected(view === "gloss" ? 0 : direct, weight, gloss);
@@ -119,9 +123,9 @@ function chambersColor(count, most) {
   return count === 0 ? classColors[0] : onScale(most > 1 ? (count - 1) / (most - 1) : 0);
 }
 
-// Differences over the interior: pixels whose four neighbours meet the same shape.
+// Differences over the interior: pixels whose four neighbours meet the same shape. Means know no outlines.
 function differences(frame, view) {
-  const size = frame.size, same = (a, b) => frame.pixel_direct[4 * a + 3] === frame.pixel_direct[4 * b + 3];
+  const size = frame.size, same = (a, b) => frame.mean || frame.pixel_direct[4 * a + 3] === frame.pixel_direct[4 * b + 3];
   const kind = view === "gloss" || view === "direct" ? view : "full";
   let squares = 0, signal = 0, most = 0, pixels = 0;
   for (let y = 1; y < size - 1; y++) {
@@ -144,8 +148,8 @@ function differences(frame, view) {
 // An estimate in float64 jumps where a ray of it lies on a wall: there one in float32 may see the other side. A pixel is
 // on a wall if moving its point by a few 1e-6 of its distance, or turning its normal or ray as much, changes its estimate.
 const ROUNDING = 2e-5, NUDGES = [0.3, 1, 3];
-function onWall(pass, t, column, row) {
-  const found = lookAt(t, column, row), still = glossExact(pass, t, column, row), key = program.pixel_word(column, row, t.estimate[1] + HALF_SEED * t.estimate[5]);
+function onWall(pass, t, column, row, found = lookAt(t, column, row), still = glossExact(pass, t, column, row)) {
+  const key = program.pixel_word(column, row, t.estimate[1] + HALF_SEED * t.estimate[5]);
   const far = 2e-6 * Math.hypot(...found.q.map((v, k) => v - t.eye[k]));
   for (let k = 0; k < 54; k++) {
     const v = { q: [...found.q], n: [...found.n], d: [...found.d] }, part = "qnd"[Math.floor(k / 18)];
@@ -159,11 +163,13 @@ function onWall(pass, t, column, row) {
 }
 
 // float32 against float64 in a fixed sample of pixels; those on a wall are counted, not measured.
+const OWN_PIXELS = 220;
 function ownError(frame, t) {
-  const size = frame.size, count = Math.min(220, size * size);
+  if (frame.mean) return ownMeanError(frame, t);
+  const size = frame.size, count = Math.min(OWN_PIXELS, size * size);
   let most = 0, flips = 0;
   for (let i = 0; i < count; i++) {
-    const k = Math.floor(((i * 0.6180339887498949) % 1) * size * size), column = k % size, row = Math.floor(k / size);
+    const [column, row, k] = sampled(i, size);
     const exact = { pixel_direct: directExact(t, column, row), pixel_numeric: glossExact("pixel_numeric", t, column, row), pixel_symbolic: glossExact("pixel_symbolic", t, column, row) };
     for (const [pass, values] of Object.entries(exact)) {
       const off = [0, 1, 2].reduce((m, c) => Math.max(m, Math.abs(values[c] - frame[pass][4 * k + c])), 0);
@@ -172,6 +178,12 @@ function ownError(frame, t) {
     }
   }
   return { most, flips, count };
+}
+
+// Pixel i of a sequence that is spread over the picture.
+function sampled(i, size) {
+  const k = Math.floor(((i * 0.6180339887498949) % 1) * size * size);
+  return [k % size, Math.floor(k / size), k];
 }
 
 // Pixels on outlines whose ray meets another surface in float32 than in float64; elsewhere a ray is far from any edge.

@@ -48,6 +48,7 @@ function recipeLines(link) {
   const changes = Object.entries(scene).map(([name, value]) => `${name}=${value}`).join(" ");
   return [
     `symrender ${data.version}, scene ${data.hash.slice(0, 12)}, ${size} x ${size}, K = ${lobe}, ${PARTITION_WORDS[partition]}, ${weights} weights, ${nodes} nodes, ${normalised ? "normalised" : "ratio"}, seed ${seed}, exposure ${short(exposure)}`,
+    ...(isMean(app.state) ? [meanWords(app.state)] : []),
     ...(changes || off.length ? [[changes, ...off.map((name) => `light ${name} off`)].filter(Boolean).join(" ")] : []),
     link,
   ];

@@ -19,7 +19,9 @@ function makeTables(state, least = 0, frame = null) {
     const p = parameters.get(name);
     t[p.at[0]][p.at[1]] = typeof value === "string" ? p.choices.indexOf(value) : value;
   }
-  const size = state.size;
+  // what moves stands where it is in the middle of the shutter's time
+  const size = state.size, middle = middleOf(state), start = moverOf(state) * data.tables.spheres.columns + data.fields.sphere.center;
+  if (middle && data.spheres.length) state.velocity.forEach((v, k) => (t.spheres[start + k] += v * middle));
   t.image_frame = frame ?? Float64Array.of(0, 0, size, size, size, size, 1);
   t.eye = t.camera.slice(data.fields.camera.eye, data.fields.camera.eye + 3);
   t.axes = new Float64Array(10);

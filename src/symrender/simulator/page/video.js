@@ -48,7 +48,7 @@ function recordButton(app, told) {
 
 function makeSweep(app) {
   const form = document.getElementById("sweep");
-  const names = data.parameters.filter((p) => !p.choices).map((p) => p.name);
+  const names = [...data.parameters.filter((p) => !p.choices).map((p) => p.name), ...sweepNames()];
   const preferred = names.find((n) => n.endsWith("lobe.exponent")) ?? names[0];
   const name = element("select", { id: "sweep-name" }, ...names.map((n) => element("option", { value: n, text: n })));
   name.value = preferred;
@@ -80,7 +80,7 @@ function sweepValue({ from, to, frames }, k) {
 
 async function filmed(app, sweep, progress) {
   if (typeof VideoEncoder === "undefined") throw new Error("this browser cannot encode video");
-  const p = parameters.get(sweep.name), before = structuredClone(app.state), { strip, draw } = panelStrip(app);
+  const p = parameters.get(sweep.name) ?? MEAN_NUMBERS[sweep.name], set = p.set ?? ((s, v) => (s.scene[sweep.name] = v)), before = structuredClone(app.state), { strip, draw } = panelStrip(app);
   const { width, height } = strip, chunks = [];
   const configuration = { codec: "vp8", width, height, bitrate: 8e6, framerate: FRAMES_A_SECOND };
   const encoder = new VideoEncoder({
@@ -95,7 +95,7 @@ async function filmed(app, sweep, progress) {
   try {
     for (let k = 0; k < sweep.frames; k++) {
       const value = Math.min(p.high, Math.max(p.low, sweepValue(sweep, k)));
-      await app.settle((s) => (s.scene[sweep.name] = value));
+      await app.settle((s) => set(s, p.whole ? Math.round(value) : value));
       draw();
       const picture = new VideoFrame(strip, { timestamp: Math.round((k * 1e6) / FRAMES_A_SECOND), duration: Math.round(1e6 / FRAMES_A_SECOND) });
       encoder.encode(picture, { keyFrame: k % FRAMES_A_SECOND === 0 });

@@ -1,0 +1,348 @@
+"""Pixel, shutter and lens in the page: the product of its rules against plain Python, chance against rules, bits."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+import symrender as sr
+from symrender.numeric.pipeline import trace
+from symrender.render import render
+from symrender.scene.arrays import scene_arrays
+from symrender.scene.load import load
+from symrender.simulator.build import simulator
+from symrender.simulator.state import State, from_url, to_fragment
+
+from .conftest import Page
+from .test_instrument import converged
+
+LENS = {"aperture": 0.11, "focus": 5.2, "rings": 1}
+SHUTTER = {"shutter": (-0.25, 0.75), "instants": 3, "mover": "B", "velocity": (0.4, -0.7, 0.2)}
+OPEN = LENS | SHUTTER | {"pixel": 2}
+EXACT = """([side, edit, pixels, lobe]) => {
+  const {app, makeTables, Looks, meanExact} = simulator, s = {...structuredClone(app.state), ...edit};
+  const looks = new Looks(side, s, makeTables(s));
+  return pixels.map(([column, row]) => meanExact(looks, column, row));
+}"""
+SIZE = 16
+EVERY = [[column, row] for row in range(SIZE) for column in range(SIZE)]
+
+
+def gauss(n):
+    """Nodes and weights of Gauss's rule on [0, 1]."""
+    x, w = np.polynomial.legendre.leggauss(n)
+    return [(0.5 + 0.5 * a, 0.5 * b) for a, b in zip(x, w, strict=True)]
+
+
+def lens_points(aperture, rings):
+    """(right, up, weight) on the disk, as docs/simulator.md says they lie."""
+    found = []
+    for ring, (square, weight) in enumerate(gauss(rings)):
+        for k in range(4 * rings):
+            angle = 2 * math.pi * (k + 0.5 * (ring % 2)) / (4 * rings)
+            radius = aperture * math.sqrt(square)
+            found.append((radius * math.cos(angle), radius * math.sin(angle), weight / (4 * rings)))
+    return found
+
+
+def product(state):
+    """(x, y, right, up, time, weight) of every place of a mean."""
+    across = gauss(state.pixel)
+    lens = lens_points(state.aperture, state.rings) if state.aperture else [(0.0, 0.0, 1.0)]
+    opened, closed = state.shutter
+    for (x, a), (y, b), (right, up, c), (share, d) in itertools.product(across, across, lens, gauss(state.instants)):
+        yield x - 0.5, y - 0.5, right, up, opened + share * (closed - opened), a * b * c * d
+
+
+def level_scene():
+    """The default scene under a camera whose image is the floor, so that any place of it is a scene of its own."""
+    data = load("gloss").model_dump(mode="json")
+    data["camera"] = {"type": "plane", "eye": [0.3, -0.4, 4.0], "window_half": 1.6, "window_center": [0.1, -0.6]}
+    data["spheres"][1]["texture"] = {"type": "marble", "ku": 3, "kv": 2}
+    return sr.load(data)
+
+
+def from_place(scene, state, place):
+    """``scene`` from a place: the ray of the window's middle from the lens to where it is sharp, and on."""
+    x, y, right, up, time, _ = place
+    camera = scene.camera
+    side = 2 * camera.window_half / SIZE
+    eye, spot = np.array(camera.eye), np.array([*camera.window_center, 0.0]) + np.array([x * side, -y * side, 0.0])
+    lens = eye + np.array([right, up, 0.0])
+    sharp = eye + (spot - eye) * (state.focus / eye[2])
+    way = sharp - lens
+    met = lens - way * (lens[2] / way[2])
+    return state.at(scene, time).replace({"camera.eye": tuple(lens), "camera.window_center": tuple(met[:2])})
+
+
+@pytest.mark.parametrize(
+    "opened",
+    [
+        {"pixel": 3, "focus": 5.0},
+        LENS | {"focus": 2.5},
+        LENS | {"focus": 9.0, "rings": 2},
+        SHUTTER | {"focus": 5.0},
+        OPEN,
+    ],
+    ids=["pixel", "near lens", "far lens", "shutter", "all"],
+)
+def test_the_product_is_that_of_scenes_rendered_one_by_one(open_page, opened):
+    """Direct light and gloss of 256 pixels against as many renders as the product has places: the lens, the shutter and
+    the box from ``Scene.replace`` alone."""
+    scene = level_scene()
+    page = open_page(simulator(scene), size=SIZE)
+    state = State(size=SIZE, lobe=2, partition="equal_weight", **opened)
+    options = {"lobe": 2, "partition": "equal_weight", "aa": "none" if state.pixel > 1 else "analytic"}
+    direct, gloss = np.zeros((SIZE, SIZE, 3)), np.zeros((SIZE, SIZE, 3))
+    moving = state.shutter[0] != state.shutter[1]
+    places = list(product(state if moving else State(**{**vars(state), "instants": 1})))
+    for place in places:
+        layers = render(from_place(scene, state, place), size=SIZE, numeric="none", **options).symbolic.layers
+        direct += place[5] * layers["direct"]
+        gloss += place[5] * (layers["radiance"] - layers["direct"])
+    edit = {k: getattr(state, k) for k in ("lobe", "partition", *opened)}
+    found = np.array(page.run(EXACT, ["symbolic", edit, EVERY, 2])).reshape(SIZE, SIZE, 6)
+    assert page.run("(e) => simulator.countsOf({...simulator.app.state, ...e}).all", edit) == len(places)
+    assert np.median(direct) > 0.01 and np.mean(gloss.max(axis=2) > 0.01) > 0.3
+    still = render(scene, size=SIZE, numeric="none", **options).symbolic.layers
+    assert np.abs(direct - still["direct"]).max() > 0.02
+    assert np.abs(found[..., :3] - direct).max() <= 1e-12
+    assert np.abs(found[..., 3:] - gloss).max() <= 1e-12
+
+
+def camera_rays(scene, state, places, column, row):
+    """Origins and unit directions of one pixel, from the definition of a thin lens in docs/exposure.md."""
+    camera = scene.camera
+    eye, target, up = (np.array(v, dtype=float) for v in (camera.eye, camera.target, camera.up))
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
+    above, tangent = np.cross(right, forward), math.tan(math.radians(camera.fov) / 2)
+    for x, y, u, v, _, _ in places:
+        a, b = 2 * (column + 0.5 + x) / state.size - 1, 1 - 2 * (row + 0.5 + y) / state.size
+        sharp = eye + state.focus * (forward + tangent * a * right + tangent * b * above)
+        lens = eye + u * right + v * above
+        yield lens, (sharp - lens) / np.linalg.norm(sharp - lens)
+
+
+def test_a_camera_that_looks_at_something_has_the_lens_of_the_definition(fresh):
+    """Direct light of 40 pixels, 24 places each, against single rays of the conventional tracer."""
+    page, scene = fresh(SIZE), load("gloss")
+    state = State(size=SIZE, **OPEN)
+    places = list(product(state))
+    pixels = EVERY[2::4][:40]
+    found = np.array(page.run(EXACT, ["symbolic", OPEN, pixels, 4]))[:, :3]
+    worlds = {time: scene_arrays(state.at(scene, time)) for time in {p[4] for p in places}}
+    assert len(worlds) == 3
+    wanted = np.zeros((len(pixels), 3))
+    for k, (column, row) in enumerate(pixels):
+        for place, (origin, way) in zip(places, camera_rays(scene, state, places, column, row), strict=True):
+            radiance, _, _ = trace(worlds[place[4]], [origin], [way], 0)
+            wanted[k] += place[5] * radiance[0]
+    assert len(places) == 48
+    assert np.mean(wanted.max(axis=1) > 0.01) > 0.7
+    assert np.abs(found - wanted).max() <= 1e-12
+
+
+CHANCE = """([edit, pixels, seeds]) => {
+  const {app, makeTables, Looks, meanExact} = simulator, out = [];
+  for (let seed = 0; seed < seeds; seed++) {
+    const s = {...structuredClone(app.state), ...edit, seed}, looks = new Looks("numeric", s, makeTables(s));
+    out.push(pixels.map(([column, row]) => meanExact(looks, column, row)));
+  }
+  return out;
+}"""
+SEEDS, MOST_SIGMA = 48, 5.5
+
+
+def smooth_scene():
+    """One large ball under two points, no shadow and no texture in sight: rules are then right to many digits."""
+    return sr.load(
+        {
+            "name": "smooth",
+            "camera": {"type": "look_at", "eye": [0, -6, 1], "target": [0, 0, 1], "fov": 16},
+            "spheres": [
+                {"name": "ball", "center": [0, 0, 1], "radius": 2.4, "color": [0.7, 0.5, 0.3],
+                 "lobe": {"weight": 0.5, "exponent": 40, "theta_max": 0.5}}
+            ],
+            "lights": [
+                {"name": "key", "type": "point", "position": [-3, -9, 5], "color": [1, 0.9, 0.8]},
+                {"name": "fill", "type": "point", "position": [5, -8, 2], "color": [0.2, 0.3, 0.5]},
+            ],
+            "ambient": [0.1, 0.1, 0.1],
+            "background": [0.2, 0.3, 0.4],
+            "shading": {"model": "blinn", "ka": 0.3, "kd": 0.8, "ks": 0.3, "shininess": 8},
+        }
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("which", ["pixel", "lens", "shutter", "all"])
+def test_chance_converges_to_the_rules(open_page, which):
+    """The mean of 48 seeds at 36 pixels of a scene without walls, against a rule finer than any of its errors.
+
+    Nothing biases the estimate: lobes are normalised. Of 108 values (channels go together) one is beyond 5.5 standard
+    errors, by Student with 47 degrees, in fewer than 2 of 10,000 runs. A ball of one colour under a sky of one colour:
+    the gloss is the same all over, and what differs is direct light.
+    """
+    edit = {"pixel": {"pixel": 3}, "lens": LENS | {"aperture": 0.5}, "shutter": {**SHUTTER, "mover": None}}
+    edit["all"] = {k: v for part in ("pixel", "lens", "shutter") for k, v in edit[part].items()} | {"pixel": 2}
+    page = open_page(simulator(smooth_scene()), size=16)
+    chosen = edit[which] | {"normalised": True, "lobe": 2, "size": 16}
+    pixels = [[c, r] for r in range(1, 16, 3) for c in range(0, 16, 2)][:36]
+    drawn = np.array(page.run(CHANCE, [chosen, pixels, SEEDS]))[..., :3]
+    fine = chosen | {k: v for k, v in {"pixel": 4, "instants": 6, "rings": 3}.items() if k in chosen}
+    finer = np.array(page.run(EXACT, ["symbolic", fine, pixels, 2]))[:, :3]
+    coarse = np.array(page.run(EXACT, ["symbolic", chosen, pixels, 2]))[:, :3]
+    single = np.array(page.run(EXACT, ["symbolic", {"size": 16, "lobe": 2, "normalised": True}, pixels, 2]))[:, :3]
+    mean, spread = drawn.mean(axis=0), drawn.std(axis=0, ddof=1) / math.sqrt(SEEDS)
+    assert finer.min() > 0.02 and (spread > 1e-7).all()
+    # the rule is right where it is asked to be: what it misses is no part of what chance does
+    assert np.abs(coarse - finer).max() < 0.2 * np.median(spread)
+    z = (mean - finer) / spread
+    assert np.abs(z).max() < MOST_SIGMA
+    assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5
+    # and this would tell one ray through the middle from the mean
+    assert np.abs((single - finer) / spread).max() > MOST_SIGMA
+
+
+PANELS = """() => {
+  const f = simulator.app.frame, out = {};
+  for (const [name, values] of Object.entries(f)) if (values instanceof Float32Array) out[name] = Array.from(values);
+  return out;
+}"""
+
+
+def test_closed_and_single_the_panels_are_what_they_were(fresh):
+    page = fresh(40)
+    before = page.run(PANELS)
+    closed = "shutter: [0, 0], instants: 9, mover: 'C', velocity: [3, 1, 0], aperture: 0, focus: 2, rings: 4, pixel: 1"
+    page.change(f"Object.assign(s, {{{closed}}}); simulator.app.held.clear(); simulator.app.seen = null")
+    assert not page.run("() => simulator.app.frame.mean")
+    assert page.run(PANELS) == before
+    assert set(before) == {"pixel_direct", "pixel_numeric", "pixel_symbolic"}
+    # a shutter that opens and closes at once shows that instant, and a sphere that stands still none
+    page.change("s.shutter = [0.5, 0.5]; s.velocity = [0.3, 0, 0]; s.mover = 'B'")
+    assert not page.run("() => simulator.app.frame.mean")
+    moved = page.run(PANELS)
+    assert moved != before
+    page.change("s.shutter = [0, 0]; s.scene['spheres.B.center.x'] = 0.98 + 0.15")
+    assert page.run(PANELS) == moved
+    page.change("delete s.scene['spheres.B.center.x']; s.velocity = [0, 0, 0]; s.shutter = [0, 1]")
+    assert page.run(PANELS) == before
+
+
+AGAINST_EXACT = """(step) => {
+  const {app, Looks, meanExact, anyOnWall} = simulator, f = app.frame, n = f.size, out = [];
+  for (const side of ["symbolic", "numeric"]) {
+    const looks = new Looks(side, f.state, f.tables);
+    for (let k = 0; k < n * n; k += step) {
+      const exact = meanExact(looks, k % n, Math.floor(k / n));
+      let off = 0;
+      for (let c = 0; c < 3; c++) {
+        off = Math.max(off, Math.abs(exact[c] - f[`direct_${side}`][4 * k + c]));
+        off = Math.max(off, Math.abs(exact[3 + c] - f[`pixel_${side}`][4 * k + c]));
+      }
+      out.push([off, exact[0] + exact[3], off > 2e-5 && !anyOnWall(looks, k % n, Math.floor(k / n))]);
+    }
+  }
+  return out;
+}"""
+
+
+@pytest.mark.parametrize("opened", [{"pixel": 2}, LENS, SHUTTER, OPEN], ids=["pixel", "lens", "shutter", "all"])
+def test_panels_of_means_are_those_of_double_precision(fresh, opened):
+    """192 pixels of either panel: within 2e-5, or on a wall of one of its rays."""
+    page = fresh(24)
+    page.change(f"Object.assign(s, {dict_text(opened)}); s.lobe = 2")
+    assert page.run("() => simulator.app.frame.mean.numeric === simulator.app.frame.mean.count")
+    found = page.run(AGAINST_EXACT, 3)
+    assert len(found) == 2 * 192
+    assert np.mean([light > 0.01 for _, light, _ in found]) > 0.6
+    assert not any(unexplained for _, _, unexplained in found)
+    assert np.mean([off > 2e-5 for off, _, _ in found]) < 0.02
+    assert np.median([off for off, _, _ in found]) < 1e-6
+
+
+def dict_text(values):
+    import json
+
+    return json.dumps(values)
+
+
+def test_without_webgl_means_are_drawn_too(browser, tmp_path):
+    simulator("gloss", tmp_path / "page.html")
+    context = browser.new_context()
+    context.add_init_script("""HTMLCanvasElement.prototype.getContext = ((own) => function (kind, ...rest) {
+      return kind === "webgl2" ? null : own.call(this, kind, ...rest);
+    })(HTMLCanvasElement.prototype.getContext);""")
+    page = Page(context.new_page())
+    page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=16, lobe=2, **OPEN))}")
+    page.settle()
+    assert page.run("() => simulator.app.gpu.slow && simulator.app.frame.mean.count") == 48
+    found = page.run(AGAINST_EXACT, 2)
+    assert len(found) == 256
+    # pixels are kept in single precision
+    assert max(off for off, _, _ in found) < 1e-6
+    assert np.mean([light > 0.01 for _, light, _ in found]) > 0.6
+    context.close()
+
+
+REFERENCE_LAYERS = """() => {
+  const f = simulator.app.frame;
+  return [f.direct_reference, f.pixel_reference].map((values) => Array.from(values));
+}"""
+
+
+def supersampled(many):
+    """Radiance of 16 x 16 box pixels from ``many`` x ``many`` rays each."""
+    options = {"lobe": 8, "partition": "equal_weight", "nodes": "barycentre", "aa": "none", "numeric": "none"}
+    fine = render("gloss", size=16 * many, **options).symbolic.layers["radiance"]
+    return fine.reshape(16, many, 16, many, 3).mean(axis=(1, 3))
+
+
+def test_the_reference_converges_to_the_mean_over_the_pixel(open_page):
+    """256 pixels against 400 rays each of compiled kernels, whose own error is told by 225 of them."""
+    page = open_page("gloss", fragment=to_fragment(State(size=16, pixel=3, lobe=8, partition="equal_weight")))
+    told = converged(page)
+    found = np.array(
+        page.run("() => ['direct', 'pixel'].map((n) => Array.from(simulator.app.frame[`${n}_reference`]))")
+    )
+    mean = found.reshape(2, 16, 16, 4)[..., :3].sum(axis=0)
+    judge, other = supersampled(20), supersampled(15)
+    rms = lambda values: float(np.sqrt(np.mean(values**2)))  # noqa: E731
+    assert told["rms"] < 3e-3 and rms(judge - other) < 5e-3
+    assert 1e-6 < rms(mean - judge) <= 3 * told["rms"] + rms(judge - other)
+    # the centre alone is another picture
+    centre = render("gloss", size=16, lobe=8, partition="equal_weight", numeric="none").symbolic.layers["radiance"]
+    assert rms(judge - centre) > 10 * rms(mean - judge)
+    errors = page.run("() => simulator.app.frame.errors")
+    assert errors["numeric"] > 3 * told["rms"]
+
+
+def test_links_carry_pixel_shutter_and_lens(open_page):
+    state = State(size=32, lobe=1, cursor=(12, 20), **OPEN)
+    page = open_page("gloss", fragment=to_fragment(state))
+    assert from_url(page.run("async () => await simulator.app.link()")) == state
+    assert page.run("() => simulator.app.frame.mean.count") == 48
+    told = page.run("() => document.getElementById('ledger').textContent")
+    assert "48 × 1" in told
+    assert page.run("() => !document.getElementById('middle').hidden")
+    # what does not fit is left as it was
+    wrong = "{shutter: [1, 0], velocity: [1], mover: 'Z', aperture: -1, focus: 0, pixel: 9, instants: 1.5, rings: '2'}"
+    kept = page.run(f"() => {{ const s = {{}}; simulator.fitMean(s, {wrong}); return s; }}")
+    assert kept == {}
+
+
+def test_a_probe_is_answered_while_a_mean_is_drawn(fresh):
+    page = fresh(96)
+    page.run("() => simulator.app.change((s) => { s.pixel = 8; })")
+    page.until("simulator.app.frame.mean && simulator.app.frame.mean.symbolic > 0 && simulator.app.running")
+    page.page.locator("#panel-symbolic").scroll_into_view_if_needed()
+    box = page.page.locator("#panel-symbolic").bounding_box()
+    page.page.mouse.move(box["x"] + 0.31 * box["width"], box["y"] + 0.27 * box["height"])
+    page.until("simulator.app.facts.pixel.join() === '29,25'")
+    assert page.run("() => simulator.app.frame.mean.symbolic") < 64
+    page.run("() => simulator.app.change((s) => { s.pixel = 1; })")
+    page.settle()
