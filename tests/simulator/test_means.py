@@ -346,3 +346,69 @@ def test_a_probe_is_answered_while_a_mean_is_drawn(fresh):
     assert page.run("() => simulator.app.frame.mean.symbolic") < 64
     page.run("() => simulator.app.change((s) => { s.pixel = 1; })")
     page.settle()
+
+
+def test_a_sweep_of_the_lens_is_a_film_and_leaves_the_state_as_it_was(fresh):
+    page = fresh(32)
+    before = page.run("() => simulator.app.state")
+    found = page.run("""async () => {
+      if (typeof VideoEncoder === 'undefined') return null;
+      const seen = [], {app, filmed} = simulator, count = () => seen.push(app.frame.mean?.count ?? 1);
+      await filmed(app, {name: 'pixel', from: 1, to: 3, frames: 3}, count);
+      await filmed(app, {name: 'shutter.close', from: 0, to: 1, frames: 2}, count);
+      await filmed(app, {name: 'aperture', from: 0, to: 0.2, frames: 2}, count);
+      return seen;
+    }""")
+    if found is None:
+        pytest.skip("this browser has no VideoEncoder")
+    assert found == [1, 4, 9, 1, 4, 1, 16]
+    page.settle()
+    assert page.run("() => simulator.app.state") == before
+    names = page.run("() => [...document.querySelectorAll('#sweep-name option')].map((o) => o.value)")
+    assert {"pixel", "shutter.open", "shutter.close", "velocity.x", "aperture", "focus"} <= set(names)
+
+
+def test_a_scene_without_spheres_has_no_shutter(open_page):
+    scene = sr.load("gloss")
+    page = open_page(simulator(scene.model_copy(update={"spheres": ()})), size=32)
+    told = page.run("() => document.getElementById('form').textContent")
+    assert "No sphere could move" in told and "Shutter opens at" not in told
+    page.change("s.shutter = [0, 1]; s.pixel = 2")
+    assert page.run("() => simulator.app.frame.mean.count") == 4
+
+
+def test_controls_move_the_panels_and_go_back(fresh):
+    """Every slider of pixel, shutter and lens, by its label; what opens after it closes takes the other with it."""
+    page = fresh(24)
+    slide = """([label, value]) => {
+      const named = [...document.querySelectorAll('#form .control > label')].find((e) => e.textContent === label);
+      const range = document.getElementById(named.htmlFor);
+      range.value = value;
+      range.dispatchEvent(new Event('input'));
+      range.dispatchEvent(new Event('change'));
+      return simulator.app.state;
+    }"""
+    assert page.run(slide, ["Places of a pixel", 3])["pixel"] == 3
+    assert page.run(slide, ["Shutter opens at", 0.4])["shutter"] == [0.4, 0.4]
+    assert page.run(slide, ["Shutter closes at", 0.9])["shutter"] == [0.4, 0.9]
+    assert page.run(slide, ["Shutter opens at", -0.3])["shutter"] == [-0.3, 0.9]
+    assert page.run(slide, ["Its velocity along y", -2])["velocity"] == [1, -2, 0]
+    assert page.run(slide, ["Instants", 2])["instants"] == 2
+    assert page.run(slide, ["Aperture", 0.3])["aperture"] == pytest.approx(0.3, abs=2e-3)
+    assert page.run(slide, ["Rings of the lens", 1])["rings"] == 1
+    assert page.run(slide, ["Focus", 3])["focus"] == pytest.approx(8, rel=0.02)
+    page.settle()
+    assert page.run("() => simulator.app.frame.mean.count") == 9 * 2 * 4
+    words = page.run("async () => simulator.recipeLines(await simulator.app.link()).join()")
+    assert "pixel 3 x 3; shutter -0.3 to 0.9 s, 2 instants, sphere A at 1 -2 0 /s; aperture" in words
+    for name in ("Places of a pixel", "Shutter closes at", "Its velocity along y", "Aperture", "Focus"):
+        page.page.locator(f"button[aria-label='Reset {name}']").evaluate("(e) => e.click()")
+    page.settle()
+    state = page.run("() => simulator.app.state")
+    assert [state[k] for k in ("pixel", "shutter", "velocity", "aperture", "focus")] == [
+        1,
+        [-0.3, 0],
+        [1, 0, 0],
+        0,
+        None,
+    ]

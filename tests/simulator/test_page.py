@@ -124,6 +124,50 @@ def test_presets_are_true_on_the_default_scene(fresh):
     assert page.run(name) < large - 0.3
 
 
+def light(page, side):
+    """Direct light of a panel, and the shape that the ray through each pixel's centre meets."""
+    import numpy as np
+
+    found = page.run("(side) => [Array.from(simulator.directOf(simulator.app.frame, side)), "
+                     "Array.from(simulator.app.frame.pixel_direct)]", f"pixel_{side}")  # fmt: skip
+    size = page.run("() => simulator.app.frame.size")
+    direct, centre = (np.array(values).reshape(size, size, 4) for values in found)
+    return direct[..., :3].mean(axis=2), centre[..., 3]
+
+
+def alike(errors):
+    """Correlation of pixels with those below them."""
+    return float((errors[1:] * errors[:-1]).mean() / (errors**2).mean())
+
+
+def test_presets_of_means_are_true_on_the_default_scene(fresh):
+    page = fresh(96)
+    still, shapes = light(page, "symbolic")
+
+    # 7: the sphere is a smear, speckled by chance and stepped by rule, whose steps close up with more instants
+    preset(page, 7)
+    ruled, drawn = light(page, "symbolic")[0], light(page, "numeric")[0]
+    smeared = abs(ruled - still) > 0.02
+    assert 0.03 < smeared.mean() < 0.4
+    assert abs(ruled - still)[shapes == 2].max() < abs(ruled - still)[shapes == 3].max() / 2
+    page.change("s.instants = 16")
+    many = light(page, "symbolic")[0]
+    # pixels above each other share their instants by rule, and so their error, and draw their own by chance
+    assert alike(ruled - many) > 0.4
+    assert abs(alike(drawn - many)) < 0.2
+    page.change("s.instants = 4")
+    assert rms(ruled - many) < 0.7 * rms(light(page, "symbolic")[0] - many)
+
+    # 8: what is in front is sharp and the checkered sphere behind it is not, until the focus is there
+    preset(page, 8)
+    front = abs(light(page, "symbolic")[0] - still)
+    assert front[shapes == 4].mean() < front[shapes == 2].mean() / 3
+    page.change("s.focus = 6.4")
+    back = abs(light(page, "symbolic")[0] - still)
+    assert back[shapes == 2].mean() < front[shapes == 2].mean() / 2
+    assert back[shapes == 4].mean() > 3 * front[shapes == 4].mean()
+
+
 def test_a_journey_by_keyboard_alone(fresh):
     page = fresh(64)
     keys = page.page.keyboard

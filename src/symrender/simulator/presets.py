@@ -16,9 +16,10 @@ from symrender.scene.scene import Scene
 
 _NARROW = math.radians(0.5)
 _LARGE_DISK = 2.2
+_FED: dict[str, Any] = {"partition": "equal_weight", "nodes": "barycentre"}
 _CROSSED = 1.5
 """Radii that a sphere moves by in a second."""
-_OPEN = 0.02
+_OPEN = 0.035
 """Radius of a lens over the distance at which it is sharp."""
 
 
@@ -97,6 +98,7 @@ def _exposed(scene: Scene) -> Iterator[Preset]:
         "Symbolic: Gauss instants, the same for all, so that a few edges stand for a smear. Add instants until they "
         "close up.",
         {
+            **_FED,
             "shutter": [-0.5, 0.5],
             "instants": 8,
             "mover": ball.name,
@@ -109,7 +111,7 @@ def _exposed(scene: Scene) -> Iterator[Preset]:
         "Out of focus",
         "The lens is open and sharp at the nearest sphere. Numeric: speckle where depths are blurred, none in focus. "
         "Symbolic: copies, one for each place of the lens. Slide the focus to the sphere behind.",
-        {"aperture": _two_digits(_OPEN * focus), "focus": _two_digits(focus), "rings": 2},
+        {**_FED, "aperture": _two_digits(_OPEN * focus), "focus": _two_digits(focus), "rings": 3},
     )
 
 

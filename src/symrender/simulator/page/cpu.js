@@ -6,6 +6,8 @@ class Cpu {
     this.slow = true;
   }
 
+  async prepare() {}
+
   lost() {
     return false;
   }

@@ -11,6 +11,7 @@ class Gpu {
     const gl = this.gl;
     if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("this GPU cannot draw into float textures");
     this.programs = new Map();
+    this.preparing = new Map();
     this.targets = new Map();
     this.images = new Map();
     this.row = -1;
@@ -28,20 +29,39 @@ class Gpu {
   }
 
   program(pass) {
-    if (this.programs.has(pass)) return this.programs.get(pass);
-    const gl = this.gl, made = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, data.vertex], [gl.FRAGMENT_SHADER, data.shaders[pass]]]) {
+    return this.programs.get(pass) ?? this.linked(pass, this.begun(pass));
+  }
+
+  // The same without a wait of the page, where the browser compiles beside it.
+  prepare(pass) {
+    if (!this.preparing.has(pass)) this.preparing.set(pass, this.aside(pass));
+    return this.preparing.get(pass);
+  }
+
+  async aside(pass) {
+    if (this.programs.has(pass)) return;
+    const gl = this.gl, aside = gl.getExtension("KHR_parallel_shader_compile"), begun = this.begun(pass);
+    while (aside && !gl.isContextLost() && !gl.getProgramParameter(begun.made, aside.COMPLETION_STATUS_KHR)) await delay(2);
+    if (!this.programs.has(pass)) this.linked(pass, begun);
+  }
+
+  begun(pass) {
+    const gl = this.gl, made = gl.createProgram(), shaders = [[gl.VERTEX_SHADER, data.vertex], [gl.FRAGMENT_SHADER, data.shaders[pass]]].map(([kind, text]) => {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) {
-        throw new Error(`${pass}: ${gl.getShaderInfoLog(shader)}`);
-      }
       gl.attachShader(made, shader);
-    }
+      return shader;
+    });
     gl.linkProgram(made);
+    return { made, shaders };
+  }
+
+  linked(pass, { made, shaders }) {
+    const gl = this.gl;
     if (!gl.getProgramParameter(made, gl.LINK_STATUS) && !gl.isContextLost()) {
-      throw new Error(`${pass}: ${gl.getProgramInfoLog(made)}`);
+      const told = shaders.map((shader) => gl.getShaderInfoLog(shader)).find(Boolean);
+      throw new Error(`${pass}: ${told ?? gl.getProgramInfoLog(made)}`);
     }
     Object.keys(data.blocks).forEach((block, index) => {
       const place = gl.getUniformBlockIndex(made, block);

@@ -29,11 +29,10 @@ function captions(frame) {
   return gloss ? ["jittered: speckle", `${PARTITION_WORDS[partition]}, ${weights}`] : ["direct light, the same in all", "the same in both"];
 }
 
-// What a panel cost, in milliseconds and in directions, and how far it has come.
-function costOf(frame, side, off) {
-  const took = `${(frame.took[`pixel_${side}`] ?? 0).toFixed(0)} ms`, { mean, state } = frame;
-  if (!mean) return `${took}${off}`;
-  return mean[side] < mean.count ? `${mean[side]} of ${mean.count} places` : `${took}, ${mean.count * state.lobe ** 2} directions${off}`;
+// The milliseconds of a panel, or how far its mean has come.
+function costOf(frame, side) {
+  const { mean, took } = frame;
+  return mean && mean[side] < mean.count ? `${mean[side]} of ${mean.count} places` : `${(took[`pixel_${side}`] ?? 0).toFixed(0)} ms`;
 }
 
 // Captions and the line under each panel.
@@ -42,8 +41,8 @@ function tellPanels(app, frame) {
   const off = (side) => (!lit || errors[side] === undefined ? "" : `, RMS error ${short(errors[side])}`), [numeric, symbolic] = captions(frame);
   note("numeric-note", numeric);
   note("symbolic-note", symbolic);
-  note("numeric-line", costOf(frame, "numeric", off("numeric")));
-  note("symbolic-line", costOf(frame, "symbolic", off("symbolic")));
+  note("numeric-line", costOf(frame, "numeric") + off("numeric"));
+  note("symbolic-line", costOf(frame, "symbolic") + off("symbolic"));
   note("difference-note", PAIR_WORDS[pair]);
   by("difference-line").replaceChildren(...(frame.scale > 0 ? bar(scaleColors, "0", short(frame.scale), frame.beyond > 0.005 ? `${percent(frame.beyond)} beyond` : "") : [frame.scale === 0 ? "nothing differs" : "waits for the reference"]));
   const made = frame.converger, told = made?.told;

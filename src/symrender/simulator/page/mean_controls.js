@@ -41,7 +41,7 @@ function meanGroups(app) {
     control("shutter.open", { label: "Shutter opens at", unit: "s", low: -TIME, high: TIME }),
     control("shutter.close", { label: "Shutter closes at", unit: "s", low: -TIME, high: TIME, hint: "The scene stands as it is written at 0. Closed as it opens it is one instant." }),
     selectControl({ label: "Sphere that moves", options: data.spheres.map((name) => [name, `sphere ${name}`]), get: () => data.spheres[moverOf(app.state)], set: (v) => app.change((s) => (s.mover = v)) }),
-    ...AXES.map((axis) => control(`velocity.${axis}`, { label: `Its velocity along ${axis}`, unit: "/s", low: -SPEED, high: SPEED })),
+    ...AXES.map((axis) => control(`velocity.${axis}`, { label: `Its velocity along ${axis}`, unit: "units/s", low: -SPEED, high: SPEED })),
     control("instants", { label: "Instants", hint: "Symbolic: Gauss in time. Numeric: every pixel draws instants of its own." }),
   ] : [{ show: () => {}, node: element("p", { class: "hint", text: "No sphere could move: lights, planes and the camera stand still here." }) }];
   return [
@@ -58,10 +58,10 @@ function meanGroups(app) {
 // What pixels are means over, in words; empty where they are single rays.
 function meanWords(state) {
   if (!isMean(state)) return "";
-  const { pixel, instants, rings, lens, all } = countsOf(state), parts = [];
+  const { pixel, instants, rings, all } = countsOf(state), parts = [];
   if (pixel > 1) parts.push(`pixel ${pixel} x ${pixel}`);
   if (isMoving(state)) parts.push(`shutter ${state.shutter.map(short).join(" to ")} s, ${instants} instants, sphere ${data.spheres[moverOf(state)]} at ${state.velocity.map(short).join(" ")} /s`);
-  if (rings) parts.push(`aperture ${short(state.aperture)}, focus ${short(focusOf(state))}, ${lens} places of the lens`);
+  if (rings) parts.push(`aperture ${short(state.aperture)}, focus ${short(focusOf(state))}, ${rings} rings of the lens`);
   return `${parts.join("; ")}: ${all} places`;
 }
 

@@ -50,7 +50,8 @@ const meanHeld = (app, side, t, state) => {
 
 // One place after the other of one panel, at a size: the tables and rays of each, and the passes that look from it.
 class Looks {
-  constructor(side, state, t) {
+  // ``shared``: all pixels draw one place, which needs no program of its own.
+  constructor(side, state, t, shared = false) {
     this.size = t.image_frame[4];
     Object.assign(this, { side, state, t, moved: new Moved(t, state), count: countsOf(state).all });
     if (side === "symbolic") {
@@ -58,8 +59,9 @@ class Looks {
       this.order = spreadOrder(this.count);
     } else {
       this.drawn = new Drawn(state, this.size);
+      this.shared = shared;
       // every pixel has an eye and a time of its own
-      this.own = state.aperture > 0 || isMoving(state);
+      this.own = !shared && (state.aperture > 0 || isMoving(state));
     }
   }
 
@@ -73,9 +75,16 @@ class Looks {
     const estimate = t.estimate.slice(), seed = this.drawn.lobeSeed(k), own = this.own ? new Float64Array(8 * size ** 2) : null;
     estimate[1] = seed % HALF_SEED;
     estimate[5] = Math.floor(seed / HALF_SEED);
+    if (this.shared) {
+      const all = moved.put(this.drawn.place(0, 0, k));
+      return { passes: ["pixel_direct", "pixel_numeric"], weight: 1 / this.count, tables: { ...all.t, estimate }, rays: (column, row) => all.seen(column, row) };
+    }
     const rays = (column, row) => {
       const seen = moved.put(this.drawn.place(column, row, k)).seen(column, row);
-      if (own) own.set([...moved.t.eye, 0, ...moved.way], 8 * (row * size + column));
+      for (let c = 0; own && c < 3; c++) {
+        own[8 * (row * size + column) + c] = moved.t.eye[c];
+        own[8 * (row * size + column) + 4 + c] = moved.way[c];
+      }
       return seen;
     };
     return { passes: ["pixel_direct", "pixel_numeric"].map((pass) => (own ? `${pass} own` : pass)), weight: 1 / this.count, tables: { ...t, estimate }, rays, own, row: moved.row };
@@ -131,12 +140,18 @@ async function between(app, frame) {
   await app.probe();
 }
 
-// A coarse frame of the first few places, within the time of a frame of the display.
+// The passes in which every pixel has an eye and a time of its own.
+const OWN_PASSES = ["pixel_direct own", "pixel_numeric own"];
+
+// A coarse frame of the first few places, within the time of a frame of the display. What has to be compiled first is
+// not waited for: until then all pixels draw the same places.
 async function previewMeans(app, frame) {
   const { state, size, tables } = frame, t = makeTables(state, LEAST, tables.image_frame), count = Math.min(app.previewPlaces, countsOf(state).all);
+  const shared = !OWN_PASSES.every((pass) => app.warm.has(pass)) && (state.aperture > 0 || isMoving(state));
+  if (shared) prepareOwn(app);
   frame.mean = { count: countsOf(state).all };
   for (const side of MEAN_SIDES) {
-    const sums = new Sums(size), looks = new Looks(side, state, t);
+    const sums = new Sums(size), looks = new Looks(side, state, t, shared);
     for (let k = 0; k < count; k++) {
       const look = looks.at(k);
       app.traces(size, look.tables, look);
@@ -147,6 +162,8 @@ async function previewMeans(app, frame) {
     sums.put(frame, side);
   }
 }
+
+const prepareOwn = (app) => OWN_PASSES.forEach((pass) => app.gpu.prepare(pass).catch((error) => trouble(error.message)));
 
 // Pixels a side and places of a coarse frame of means, from what a place of a pixel cost before.
 function meanPreview(app, size) {

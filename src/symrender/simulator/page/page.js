@@ -205,13 +205,18 @@ const app = {
     this.gpu.see(seen);
   },
 
+  // Compiles what a pass needs, which may take longer than to draw it.
+  async warmUp(pass, size) {
+    if (this.warm.has(pass)) return;
+    await this.gpu.prepare(pass);
+    this.traceTo(rowsAtOnce(size));
+    await this.gpu.draw(pass, size, 0, 1);
+    this.warm.add(pass);
+  },
+
   // One pass in bands, the next already waiting while one is drawn; milliseconds, or null where given up.
   async bands(pass, size, stale) {
-    if (!this.warm.has(pass)) {
-      this.traceTo(rowsAtOnce(size));
-      await this.gpu.draw(pass, size, 0, 1);
-    }
-    this.warm.add(pass);
+    await this.warmUp(pass, size);
     const start = performance.now(), waiting = [];
     let y = 0, rows = Math.min(size, FIRST_BAND), last = start;
     while (y < size || waiting.length) {
@@ -569,5 +574,5 @@ function moveCursorAgain() {
   app.showDirection();
 }
 
-window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, Looks, meanExact, anyOnWall, countsOf, fitMean, directionAt, carried, poster, recording, Converger, applyPreset, filmed };
+window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, Looks, meanExact, anyOnWall, countsOf, fitMean, directOf, MEAN_NUMBERS, directionAt, carried, poster, recipeLines, recording, Converger, applyPreset, filmed };
 begin().catch((error) => trouble(error.message));
