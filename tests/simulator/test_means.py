@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 
 import numpy as np
@@ -21,6 +22,7 @@ from .test_instrument import converged
 
 LENS = {"aperture": 0.11, "focus": 5.2, "rings": 1}
 SHUTTER = {"shutter": (-0.25, 0.75), "instants": 3, "mover": "B", "velocity": (0.4, -0.7, 0.2)}
+EYE_VIEW = {"shading.highlight_view": "eye"}
 OPEN = LENS | SHUTTER | {"pixel": 2}
 EXACT = """([side, edit, pixels, lobe]) => {
   const {app, makeTables, Looks, meanExact} = simulator, s = {...structuredClone(app.state), ...edit};
@@ -146,6 +148,48 @@ def test_a_camera_that_looks_at_something_has_the_lens_of_the_definition(fresh):
     assert np.abs(found - wanted).max() <= 1e-12
 
 
+DRAWN = """([edit, pixels]) => {
+  const {app, Drawn, Looks, makeTables} = simulator, s = {...structuredClone(app.state), ...edit};
+  const drawn = new Drawn(s, s.size), looks = new Looks("numeric", s, makeTables(s));
+  const every = [...Array(drawn.count).keys()];
+  const seeds = every.map((k) => Array.from(looks.at(k).tables.estimate).join());
+  const places = pixels.map(([column, row]) => every.map((k) => drawn.place(column, row, k)));
+  return [drawn.tall, drawn.wide, places, seeds];
+}"""
+
+
+@pytest.mark.parametrize(
+    "opened", [{"pixel": 3}, {"instants": 7}, {"pixel": 3, "rings": 2, "instants": 6}], ids=["pixel", "time", "all"]
+)
+def test_places_by_chance_take_every_stratum_once_in_orders_of_their_own(fresh, opened):
+    page = fresh(16)
+    state = {"aperture": 0.4 if "rings" in opened else 0, "velocity": [1, 0, 0], **opened}
+    state["shutter"] = [-1, 2] if "instants" in opened else [0, 0]
+    tall, wide, pixels, seeds = page.run(DRAWN, [state, [[3, 4], [4, 3], [15, 15]]])
+    count = tall * wide
+    assert count == opened.get("pixel", 1) ** 2 * opened.get("instants", 1) * (16 if "rings" in opened else 1)
+    assert len(set(seeds)) == count
+    orders = []
+    for places in pixels:
+        found = {key: np.array([place[key] for place in places]) for key in ("x", "y", "right", "up", "time")}
+        assert {place["weight"] for place in places} == {1 / count}
+        if "pixel" in opened:
+            cells = np.floor((found["x"] + 0.5) * wide) * tall + np.floor((found["y"] + 0.5) * tall)
+            assert sorted(cells) == list(range(count))
+            orders.append(tuple(cells))
+        if "rings" in opened:
+            square = (found["right"] ** 2 + found["up"] ** 2) / 0.4**2
+            turn = np.arctan2(found["up"], found["right"]) / (2 * math.pi) % 1
+            cells = np.floor(square * wide) * tall + np.floor(turn * tall)
+            assert sorted(cells) == list(range(count))
+            orders.append(tuple(cells))
+        if "instants" in opened:
+            cells = np.floor((found["time"] + 1) / 3 * count)
+            assert sorted(cells) == list(range(count))
+            orders.append(tuple(cells))
+    assert len(set(orders)) == len(orders)
+
+
 CHANCE = """([edit, pixels, seeds]) => {
   const {app, makeTables, Looks, meanExact} = simulator, out = [];
   for (let seed = 0; seed < seeds; seed++) {
@@ -255,7 +299,8 @@ AGAINST_EXACT = """(step) => {
 def test_panels_of_means_are_those_of_double_precision(fresh, opened):
     """192 pixels of either panel: within 2e-5, or on a wall of one of its rays."""
     page = fresh(24)
-    page.change(f"Object.assign(s, {dict_text(opened)}); s.lobe = 2")
+    # of the ways to see a highlight the one that asks where the eye is
+    page.change(f"Object.assign(s, {json.dumps(opened)}); s.lobe = 2; s.scene['shading.highlight_view'] = 'eye'")
     assert page.run("() => simulator.app.frame.mean.numeric === simulator.app.frame.mean.count")
     found = page.run(AGAINST_EXACT, 3)
     assert len(found) == 2 * 192
@@ -265,12 +310,6 @@ def test_panels_of_means_are_those_of_double_precision(fresh, opened):
     assert np.median([off for off, _, _ in found]) < 1e-6
 
 
-def dict_text(values):
-    import json
-
-    return json.dumps(values)
-
-
 def test_without_webgl_means_are_drawn_too(browser, tmp_path):
     simulator("gloss", tmp_path / "page.html")
     context = browser.new_context()
@@ -278,7 +317,7 @@ def test_without_webgl_means_are_drawn_too(browser, tmp_path):
       return kind === "webgl2" ? null : own.call(this, kind, ...rest);
     })(HTMLCanvasElement.prototype.getContext);""")
     page = Page(context.new_page())
-    page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=16, lobe=2, **OPEN))}")
+    page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=16, lobe=2, scene=EYE_VIEW, **OPEN))}")
     page.settle()
     assert page.run("() => simulator.app.gpu.slow && simulator.app.frame.mean.count") == 48
     found = page.run(AGAINST_EXACT, 2)

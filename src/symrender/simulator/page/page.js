@@ -574,5 +574,5 @@ function moveCursorAgain() {
   app.showDirection();
 }
 
-window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, Looks, meanExact, anyOnWall, countsOf, fitMean, directOf, MEAN_NUMBERS, directionAt, carried, poster, recipeLines, recording, Converger, applyPreset, filmed };
+window.simulator = { app, program, data, makeTables, surfaceLobe, lookAt, seenAt, glossExact, directExact, reference, differences, onWall, Drawn, Looks, meanExact, anyOnWall, countsOf, fitMean, directOf, MEAN_NUMBERS, directionAt, carried, poster, recipeLines, recording, Converger, applyPreset, filmed };
 begin().catch((error) => trouble(error.message));
