@@ -230,7 +230,7 @@ def test_chance_converges_to_the_rules(open_page, which):
     errors, by Student with 47 degrees, in fewer than 2 of 10,000 runs. A ball of one colour under a sky of one colour:
     the gloss is the same all over, and what differs is direct light.
     """
-    edit = {"pixel": {"pixel": 3}, "lens": LENS | {"aperture": 0.5}, "shutter": {**SHUTTER, "mover": None}}
+    edit = {"pixel": {"pixel": 3}, "lens": LENS | {"aperture": 1.2, "rings": 2}, "shutter": {**SHUTTER, "mover": None}}
     edit["all"] = {k: v for part in ("pixel", "lens", "shutter") for k, v in edit[part].items()} | {"pixel": 2}
     page = open_page(simulator(smooth_scene()), size=16)
     chosen = edit[which] | {"normalised": True, "lobe": 2, "size": 16}
@@ -414,6 +414,26 @@ def test_a_scene_without_spheres_has_no_shutter(open_page):
     assert "No sphere could move" in told and "Shutter opens at" not in told
     page.change("s.shutter = [0, 1]; s.pixel = 2")
     assert page.run("() => simulator.app.frame.mean.count") == 4
+
+
+@pytest.mark.parametrize("edit", [
+    {"pixel": 1}, {"shutter": [-0.25, 0.5]}, {"instants": 2}, {"mover": "C"}, {"velocity": [0.4, -0.7, 0]},
+    {"aperture": 0.2}, {"focus": 6}, {"rings": 2}, {"seed": 8}, {"scene": {"spheres.B.center.x": 0.5}},
+])  # fmt: skip
+def test_panels_of_means_follow_every_number_and_are_kept_while_none_changes(fresh, edit):
+    page = fresh(16)
+    page.change(f"Object.assign(s, {json.dumps(OPEN)}); s.lobe = 1")
+    before = page.run(PANELS)
+    held = "['symbolic', 'numeric'].map((side) => simulator.app.held.get(`mean ${side}`).sums)"
+    page.run(f"() => {{ window.kept = {held}; }}")
+    page.change("s.exposure = 1; s.view = 'gloss'; s.difference = 2")
+    assert page.run(f"() => {held}.every((sums, k) => sums === window.kept[k])")
+    page.change(f"Object.assign(s, {json.dumps(edit)})")
+    after = page.run(PANELS)
+    assert after["direct_numeric"] != before["direct_numeric"]
+    assert (after["direct_symbolic"] != before["direct_symbolic"]) == ("seed" not in edit)
+    page.change(f"Object.assign(s, {json.dumps(OPEN)}); s.lobe = 1; s.seed = 7; s.scene = {{}}")
+    assert page.run(PANELS) == before
 
 
 def test_controls_move_the_panels_and_go_back(fresh):

@@ -455,6 +455,22 @@ def slide(browser, page):
     return wall, max(tasks)
 
 
+def test_a_drag_over_means_leaves_input_free(fresh, browser, capsys):
+    """The same where pixels are means over places, a lens and a shutter, of which a few places are drawn meanwhile."""
+    page = fresh(128)
+    page.change("Object.assign(s, { pixel: 2, aperture: 0.1, rings: 1, shutter: [0, 1], instants: 2 })")
+    for _ in range(3):
+        wall, own = slide(browser, page)
+        kept = in_time(wall / 1000, 0.1)
+        assert own <= 100
+        if kept:
+            break
+    with capsys.disabled():
+        print(f"\nmeans: input held for at most {wall:.0f} ms while sliding, {own:.0f} ms of it the page's own")
+    assert page.run("() => simulator.app.frame.mean.numeric") == 32
+    assert kept
+
+
 def test_a_drag_leaves_input_free(fresh, browser, capsys):
     """The longest the main thread is held while a slider moves, and a frame's time at 256 and K = 4.
 

@@ -107,7 +107,10 @@ async function drawMeans(app, frame, stale) {
       await between(app, frame);
     }
     if (k && performance.now() - shown < SHOW_AGAIN) continue;
-    for (const { side, sums } of jobs) sums.put(frame, side);
+    for (const { side, sums } of jobs) {
+      sums.put(frame, side);
+      await nextTask();
+    }
     app.show({ ...frame, whole: false });
     shown = performance.now();
     await nextTask();
@@ -115,8 +118,9 @@ async function drawMeans(app, frame, stale) {
   for (const { side, sums } of jobs) {
     sums.put(frame, side);
     app.held.set(`mean ${side}`, { key: meanInputs(side, frame.tables, state), sums });
+    await nextTask();
   }
-  return true;
+  return !stale();
 }
 
 // Draws both passes of a place and adds them to ``sums``.
@@ -127,6 +131,7 @@ async function lookFrom(app, look, size, stale, sums) {
   for (const pass of look.passes) {
     if ((await app.bands(pass, size, stale)) === null || app.gpu.lost()) return false;
     found.push(app.gpu.read(pass, size));
+    await nextTask();
   }
   sums.add(...found, look.weight);
   sums.took += performance.now() - start;
