@@ -92,6 +92,11 @@ class Judged(NamedTuple):
     status: int
 
 
+def acts(name: str) -> bool:
+    """Whether a number has a say without a shutter."""
+    return "velocity" not in name and not name.startswith("shutter")
+
+
 def judged(seeds: range) -> list[Judged]:
     """Derivatives of these seeds."""
     import symrender as sr
@@ -127,7 +132,7 @@ def judged(seeds: range) -> list[Judged]:
             found.append(Judged(seed, "", "dark", 0.0, 0.0, 0.0, 0.0, 0))
             continue
         extent = float(max(np.abs(scene.camera.eye).max(), 1e-4))
-        free = [each for each in parameters(scene) if each.low < each.value < each.high]
+        free = [each for each in parameters(scene) if each.low <= each.value < each.high and acts(each.name)]
         for each in rng.permutation(np.array(free, dtype=object))[:EACH]:
             length = each.unit == "length"
             unit = max(abs(each.value), extent if length and "direction" not in each.name else 1.0)

@@ -34,6 +34,8 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
 """Of the light that is there, as a first look finds it, or of a thousandth of the lights' where there is none."""
 BUDGET = {"glow": 400_000, "points": 300_000, "tiles": 150_000}
 LOOSEST = 1.5
+SHARE = 0.999
+"""Of all values that a judge tells, those that are to be within what they state."""
 PIECES = 3e-3
 """Share of the least error stated that the judge asks of every piece of its own."""
 LEAST = 1e-12
@@ -356,6 +358,11 @@ def main() -> None:
         report.say(f"- refused, {to.refused.count(reason)}: {reason}")
     for each in to.useless[:10]:
         report.say(f"- useless: seed {each[0]} place {each[1]}, {each[2]:.0e} asked, {each[3]:.1e} stated")
+    within = sum(ratio <= 1.0 for ratio in to.told)
+    report.say(f"{within} of {len(to.told)} told values are off by no more than they state, {SHARE:.1%} wanted.")
+    report.claim_number("told values off by more than they state, of a thousand",
+        1e3 * (len(to.told) - within) / max(
+        1, len(to.told)), 1e3 * (1.0 - SHARE))  # fmt: skip
     report.claim_number(
         f"values more than {LOOSEST:g} times beyond", sum(each.off > LOOSEST * each.stated for each in to.beyond), 0
     )

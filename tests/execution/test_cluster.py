@@ -5,12 +5,10 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-import subprocess
 import sys
 import threading
-import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Any
@@ -18,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from execution.workers import children
 from slow_kind import slow_job
 from symrender.errors import OptionError, SymrenderError, Unsupported
 from symrender.execution import cluster as module
@@ -28,27 +27,6 @@ from symrender.scene.load import load
 from symrender.settings import Settings
 
 JOB = Job.of("numeric", load("gloss"), Settings(width=48, height=40, lobe=6))
-
-
-@pytest.fixture(scope="module")
-def local() -> Iterator[Cluster]:
-    pytest.importorskip("distributed")
-    pytest.importorskip("cryptography")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with connect("local:2") as workers:
-            yield workers
-    deadline = time.monotonic() + 5
-    while (left := children()) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not left, "no process outlives its cluster"
-
-
-def children() -> list[int]:
-    """Worker processes of this one."""
-    shown = subprocess.run(["ps", "-o", "pid=,stat=,args=", "--ppid", str(os.getpid())], capture_output=True, text=True)
-    lines = [line.split(None, 2) for line in shown.stdout.splitlines()]
-    return [int(pid) for pid, state, args in lines if "spawn_main" in args and "Z" not in state]
 
 
 def rendered(workers: Any, job: Job = JOB, side: int = 9) -> dict[str, bytes]:

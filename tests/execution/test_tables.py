@@ -7,8 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-import warnings
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +18,7 @@ from tests.radiosity.rooms import MATERIALS, closed
 import symrender as sr
 from symrender.errors import OptionError, OutputError
 from symrender.execution import tables as module
-from symrender.execution.cluster import Cluster, connect
+from symrender.execution.cluster import Cluster
 from symrender.execution.fill import Crew, Means
 from symrender.execution.jobs import Job, prepared
 from symrender.execution.tables import all_given, tables_needed, take_all
@@ -258,16 +256,6 @@ def test_a_gradient_has_a_table_for_each_parameter(tmp_path: Path, monkeypatch: 
     assert len(tables._tables) == len(tables_needed(job)) == 2
     no_table_is_made(monkeypatch)
     assert slopes() == first
-
-
-@pytest.fixture(scope="module")
-def local() -> Iterator[Cluster]:
-    pytest.importorskip("distributed")
-    pytest.importorskip("cryptography")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with connect("local:2") as workers:
-            yield workers
 
 
 def had(job: Job) -> bool:

@@ -13,6 +13,7 @@ import pytest
 import symrender as sr
 from symrender.errors import Unsupported
 from symrender.numeric.radiometric.pipeline import rays as numeric_rays
+from symrender.runtimes.bounce import LEAST_SHARE, STEPS, _reflected
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.truth import verdict
 
@@ -176,6 +177,16 @@ def test_a_budget_that_ends_leaves_what_a_looser_tolerance_finds() -> None:
 
 MARBLE = {"type": "conductor", "alpha": 0.3, "eta": 1, "k": 3, "reflectance": {"type": "marble"}}
 STRIPES = {"type": "phong", "exponent": 20, "reflectance": {"type": "stripes"}}
+
+
+def test_no_place_reflects_more_than_it_is_asked_for() -> None:
+    rng = np.random.default_rng(4)
+    albedo = np.concatenate([10.0 ** rng.uniform(-12, 0, (2000, 3)), np.eye(3), np.zeros((1, 3)), np.ones((1, 3))])
+    part = 2.0 ** (_reflected(albedo) / STEPS)
+    most = albedo.max(axis=1)
+    assert (part >= most * (1.0 - 1e-15)).all()
+    seen = most > LEAST_SHARE
+    assert seen.sum() > 1000 and (part[seen] <= 1.2 * most[seen]).all()
 
 
 @pytest.mark.parametrize(

@@ -60,11 +60,12 @@ def fill_own(by_n: float, by_theta: float, theta_max: float, dn: float, dt: floa
 @jitable
 def gradient_rim(
     n: float, theta_max: float, tol: float, bound: float, shininess: float, lobe: Lobe, moves: Array, beyond: Array
-) -> None:  # fmt: skip
+) -> float:  # fmt: skip
     """Set the lobe up for derivatives; ``beyond`` gets what lies beyond its effective rim, a parameter at a time.
 
-    A derivative of the share that is cut off may be larger than the share, by the
-    slope of the density's logarithm; blunt lobes and rims that move and are felt stay whole.
+    A derivative of the share that is cut off may be larger than the share, by the slope of the density's logarithm;
+    blunt lobes and rims that move and are felt stay whole. Returns what lies there may change by as the looks of shapes
+    do, of which ``moves`` knows nothing yet.
     """
     u = n + 1.0
     cosine = max(math.cos(theta_max), 0.0)
@@ -84,6 +85,7 @@ def gradient_rim(
         if is_cut:
             beyond[p] += at_rim * abs(moves[p, RIM])
             moves[p, RIM] = 0.0
+    return float(bound * share * (1.0 + steep))
 
 
 @inlined

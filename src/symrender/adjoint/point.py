@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ from symrender.adjoint.lobe import gradient_rim, own_moves
 from symrender.adjoint.lobe_mass import horizon_slopes
 from symrender.adjoint.moves import fastest_of
 from symrender.adjoint.panel import UNUSED
-from symrender.adjoint.point_moves import chart_moves, lobe_moves, point_moves
+from symrender.adjoint.point_moves import chart_moves, lobe_moves, looks_pace, point_moves
 from symrender.adjoint.rooms import moves_in_frame
 from symrender.adjoint.shape import leave_out, outline, rim_speed, rounded_ellipse, shape_slopes
 from symrender.adjoint.sums import clear
@@ -31,12 +31,13 @@ from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import cap_share, tilt_of
 from symrender.chambers.lobes.units import is_brdf
 from symrender.chambers.lobes.width import fastest_fall
+from symrender.chambers.records import LightPoint
 from symrender.chambers.unseen import list_seen
 from symrender.chambers.work import Frames, View, begin_counts, scene_frames, scene_view
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.jit.marks import inlined
-from symrender.jit.records import Table, joined, one, stacked, table
+from symrender.jit.records import Table, copied, joined, one, stacked, table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST
 from symrender.quadrature.split_point import SplitWork, split_work
@@ -232,9 +233,11 @@ def gradient_kernel(
             continue
         point_moves(i, tangents, frames, t.moves)
         lobe_moves(i, at.power, at.rim, at.own, at.home, normal, incoming, tangents, t.moves)
-        gradient_rim(
+        outside = gradient_rim(
             at.power, at.rim, tol, wanted.bound, view.shading.shininess, chart.lobe, t.moves, t.beyond
         )  # fmt: skip
+        for p in range(t.moves.shape[0]):
+            t.beyond[p] += outside * looks_pace(p, tangents)
         clear(t.value)
         clear(t.error)
         if disk is not None:
@@ -287,6 +290,16 @@ def tangents_of(
     return Tangents(place, normal, incoming, moved.spheres, floors, frames, lights, moved.shading, eye)
 
 
+def _bound(arrays: SceneArrays, lights: Table[LightPoint], tangents: Tangents) -> float:
+    """As of ``radiance_bound``, of radiance and of what it changes by if a colour or a factor moves."""
+    lit: Any = copied(lights)
+    lit["color"] = np.maximum(lit["color"], np.abs(tangents.points["color"]).max(axis=0, initial=0.0))
+    shading: Any = copied(arrays.shading)
+    for name in ("ka", "kd", "ks", "ambient", "background"):
+        shading[name] = np.maximum(shading[name], np.abs(tangents.shading[name]).max(axis=0, initial=0.0))
+    return radiance_bound(replace(arrays, shading=shading), lit)
+
+
 def gloss_gradients(
     arrays: SceneArrays,
     points: Array,
@@ -325,7 +338,7 @@ def gloss_gradients(
         np.ascontiguousarray(incoming, dtype=np.float64),
         np.ascontiguousarray(surface, dtype=np.int64),
     )
-    wanted = Wanted(float(tol), radiance_bound(arrays, lights), int(max_evaluations), tol < 1e-5)
+    wanted = Wanted(float(tol), _bound(arrays, lights, tangents), int(max_evaluations), tol < 1e-5)
     slopes = Slopes(result.gradient, result.error, result.status, result.evaluations)
     _kernel()(places, lobes, view, frames, tangents, own, wanted, slopes)
     return result

@@ -128,3 +128,19 @@ def chart_moves(j: int, chart: Chart, tangents: Tangents, moves: Array) -> None:
             row[DARK + a] = 0.0
         row[DARK] = sphere.dark
         row[FREQUENCY], row[FREQUENCY + 1] = sphere.ku, sphere.kv
+
+
+@jitable
+def looks_pace(p: int, tangents: Tangents) -> float:
+    """The fastest motion of what only charts know of: colours and textures of all shapes."""
+    most = 0.0
+    for j in range(tangents.spheres.shape[1]):
+        sphere = tangents.spheres[p, j]
+        most = max(most, abs(sphere.color[0]), abs(sphere.color[1]), abs(sphere.color[2]))
+        most = max(most, abs(sphere.dark), abs(sphere.ku), abs(sphere.kv))
+    for k in range(tangents.floors.shape[1]):
+        floor = tangents.floors[p, k]
+        most = max(most, abs(floor.cell), abs(floor.offset[0]), abs(floor.offset[1]))
+        for a in range(3):
+            most = max(most, abs(floor.bright[a]), abs(floor.dark[a]))
+    return most

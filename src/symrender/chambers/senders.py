@@ -35,6 +35,7 @@ from symrender.chambers.place import surface_point
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import at_most, brightest
 
 TAMED: Final = 1.5
 """Boxes over which h turns by no more than this times hypot(alpha, its angle) are halved no further."""
@@ -77,9 +78,9 @@ def sender_albedo(view: View, chart: Chart) -> float:
     albedo = 0.0
     for a in range(3):
         if chart.shape_index >= 0:
-            albedo = max(albedo, abs(view.spheres[chart.shape_index].color[a]))
+            albedo = max(albedo, at_most(view.spheres[chart.shape_index].color[a]))
         else:
-            albedo = max(albedo, view.floor.bright[a], view.floor.dark[a])
+            albedo = max(albedo, at_most(view.floor.bright[a]), at_most(view.floor.dark[a]))
     return float(view.shading.kd * albedo)
 
 
@@ -223,7 +224,7 @@ def find_sent(tol: float, low: float, high: float, row: int, view: View, work: W
     seen, unseen = 0, 0.0
     for l in range(lights):
         p = view.points[l]
-        peak = albedo * max(p.color[0], p.color[1], p.color[2])
+        peak = albedo * brightest(p.color)
         if (floor and p.position[2] <= 0.0) or not peak > 0.0:
             continue
         level = math.log(peak / chart.least)
@@ -319,5 +320,5 @@ def sent_bound(low: float, high: float, row: int, view: View, work: Work) -> flo
                 continue
             halve_box(boxes, top, floor and p.fall == INVERSE_SQUARE)
             top += 2
-        most += albedo * max(p.color[0], p.color[1], p.color[2]) * found
+        most += albedo * brightest(p.color) * found
     return most

@@ -1,13 +1,18 @@
 """What a kernel may ask of numbers that move with a parameter, and what it says of them.
 
 A kernel given complex arrays where it has float64 ones carries a tangent beside every number: the real part is the
-value, the imaginary part its derivative along a move (``tangents.py``). Decisions are those of the values. These four
-functions are translated as they stand here where numbers do not move, and cost nothing then.
+value, the imaginary part its derivative along a move (``tangents.py``). Decisions are those of the values. The
+first four functions here are translated as they stand where numbers do not move, and cost nothing then.
 """
 
 from __future__ import annotations
 
+import numpy as np
+import numpy.typing as npt
+
 from symrender.jit.marks import inlined
+
+Array = npt.NDArray[np.float64]
 
 
 @inlined
@@ -32,3 +37,15 @@ def tangent(x: float) -> float:
 def moved(x: float, slope: float) -> float:
     """The value of ``x`` with the value of ``slope`` as its tangent; stands under ``moves`` only."""
     return x
+
+
+@inlined
+def at_most(x: float) -> float:
+    """Size of the value of ``x``, and of its tangent where it has one: what bounds light by it bounds both."""
+    return abs(held(x)) + abs(tangent(x))
+
+
+@inlined
+def brightest(color: Array) -> float:
+    """The largest ``at_most`` of a colour's channels."""
+    return max(at_most(color[0]), at_most(color[1]), at_most(color[2]))

@@ -13,6 +13,7 @@ from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.senders import sender_albedo, sender_of, sent_bound
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import at_most, brightest
 from symrender.jit.records import Table
 from symrender.scene.arrays import CUT, SceneArrays
 from symrender.scene.radiometric.records import Glow
@@ -30,7 +31,7 @@ TOUCHING: Final = 1e-300
 @inlined
 def most_light(p: LightPoint, square: float) -> float:
     """The largest channel of what arrives at this squared distance from a light, or farther off."""
-    most = max(p.color[0], p.color[1], p.color[2])
+    most = brightest(p.color)
     return float(most / max(square, TOUCHING) if p.fall == INVERSE_SQUARE else most)
 
 
@@ -55,21 +56,21 @@ def plane_bound(view: View) -> float:
     floor, shading = view.floor, view.shading
     albedo = 0.0
     for a in range(3):
-        albedo = max(albedo, floor.bright[a], floor.dark[a])
-    most = shading.ka * max(shading.ambient[0], shading.ambient[1], shading.ambient[2])
+        albedo = max(albedo, at_most(floor.bright[a]), at_most(floor.dark[a]))
+    most = shading.ka * brightest(shading.ambient)
     for i in range(view.points.shape[0]):
         height = view.points[i].position[2]
         if height > 0.0:
             most += most_light(view.points[i], height * height) * (shading.kd * albedo + shading.ks)
-    return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
+    return float(max(most, brightest(shading.background)))
 
 
 @jitable
 def sphere_bound(j: int, view: View, chart: Chart) -> float:
     """No point of the charted sphere that P sees differs from the background by more radiance."""
     shading = view.shading
-    albedo = max(abs(view.spheres[j].color[0]), abs(view.spheres[j].color[1]), abs(view.spheres[j].color[2]))
-    most = shading.ka * max(shading.ambient[0], shading.ambient[1], shading.ambient[2])
+    albedo = brightest(view.spheres[j].color)
+    most = shading.ka * brightest(shading.ambient)
     k = chart.ratio
     for i in range(view.points.shape[0]):
         p = view.points[i]
@@ -93,13 +94,13 @@ def sphere_bound(j: int, view: View, chart: Chart) -> float:
             most += light * shading.kd * albedo * min(1.0, rise / max(far - radius - p.radius, 1e-300))
         if rise > 0.0 or shading.terminator != CUT:
             most += light * shading.ks
-    return float(max(most, shading.background[0], shading.background[1], shading.background[2]))
+    return float(max(most, brightest(shading.background)))
 
 
 @inlined
 def most_emitted(sphere: int, emitted: Array) -> float:
     """Largest channel of what a sphere emits; 0 of a plane."""
-    return float(max(emitted[sphere, 0], emitted[sphere, 1], emitted[sphere, 2])) if sphere >= 0 else 0.0
+    return brightest(emitted[sphere]) if sphere >= 0 else 0.0
 
 
 @jitable
@@ -107,8 +108,7 @@ def most_glow(glows: Table[Glow]) -> float:
     """No place gets more irradiance from skies and lamps together."""
     most = 0.0
     for g in range(glows.shape[0]):
-        light = glows[g].radiance
-        most += math.pi * max(light[0], light[1], light[2])
+        most += math.pi * brightest(glows[g].radiance)
     return float(most)
 
 
@@ -119,12 +119,12 @@ def glow_beyond(x: float, y: float, reach: float, view: View) -> float:
     if view.glows is None:
         return most
     for g in range(view.glows.shape[0]):
-        light, lamp, share = view.glows[g].radiance, int(view.glows[g].sphere), 1.0
+        lamp, share = int(view.glows[g].sphere), 1.0
         if lamp >= 0:
             s = view.spheres[lamp]
             apart = max(0.0, math.hypot(s.center[0] - x, s.center[1] - y) - reach)
             share = min(1.0, s.radius * s.radius / max(TOUCHING, apart * apart + s.center[2] * s.center[2]))
-        most += math.pi * share * max(light[0], light[1], light[2])
+        most += math.pi * share * brightest(view.glows[g].radiance)
     return float(most)
 
 

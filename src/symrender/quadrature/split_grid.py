@@ -193,8 +193,10 @@ def smooth_block(
 def grid_once(
     aim: float, reach: float, low_x: float, low_y: float, level: int, lobe: Array, view: View, work: Work,
     conics: Table[Conic], count: int, gauss: Array, states: Array, stack: Array, max_evaluations: int, out: Array,
-) -> float:  # fmt: skip
-    """The deviation over the block of 2^level squares from (low_x, low_y) on, in out[0:9]; its error estimate.
+) -> tuple[float, float]:  # fmt: skip
+    """The deviation over the block of 2^level squares from (low_x, low_y) on, in out[0:9].
+
+    Returns (error estimate, what of it no node was asked of).
 
     A block whose bound is small is left out, one too near to the point or too wide for the lobe is quartered, and so is
     one whose rule does not come within ``aim``.
@@ -208,7 +210,7 @@ def grid_once(
         out[t] = 0.0
     blocks[0, 0], blocks[0, 1], blocks[0, 2], blocks[0, 3] = low_x, low_y, cell * 2.0**level, level
     top = 1
-    error = 0.0
+    error, unseen = 0.0, 0.0
     while top > 0:
         top -= 1
         x, y, side, level = blocks[top, 0], blocks[top, 1], blocks[top, 2], int(blocks[top, 3])
@@ -217,11 +219,13 @@ def grid_once(
         bound = held(bound)
         if bound <= aim / (1.0 + near / cell):
             error += bound
+            unseen += bound
             continue
         ratio = span / side
         work.counts.labour += 1
         if is_spent(work):
             error += bound
+            unseen += bound
             continue
         quarter = ratio < 0.8
         miss = bound
@@ -280,39 +284,41 @@ def grid_once(
             top = push_quarters(x, y, side, level, blocks, top)
             continue
         error += miss
+        unseen += bound if quarter else 0.0
         sign = 1.0 if kind == MARBLE else block_sign(x - low_x, y - low_y, side, view.floor)
         for t in range(9):
             out[t] += sign * part[t]
-    return error
+    return error, unseen
 
 
 @jitable
 def split_grid(
     tol: float, own: int, lobe: Array, view: View, work: Work, conics: Table[Conic], gauss: Array, states: Array,
     stack: Array, remainders: Table[Remainder], max_evaluations: int, value: Array,
-) -> float:  # fmt: skip
-    """Add the checker's deviation from its mean albedo to ``value``; returns the error estimate.
+) -> tuple[float, float]:  # fmt: skip
+    """Add the checker's deviation from its mean albedo to ``value``.
 
-    ``work`` holds the floor chart of the point. ``value`` (3,) is in units of half the contrast times kd.
+    Returns (error estimate, what of it no node was asked of). ``work`` holds the floor chart of the point. ``value``
+    (3,) is in units of half the contrast times kd.
     """
     chart = work.chart
     cell = view.floor.cell
     jumps = floor_conics(own, lobe, view, work, conics)
     count = touch_conics(jumps, view, work, conics)
     if count > conics.shape[0]:
-        return math.inf
+        return math.inf, math.inf
     whole, reach, far, east, north, beyond = grid_reach(FIRST_REACH, lobe, view, work)
     if moves(reach):
         note_parted_lines(conics, count, view, work)
     px, py = chart.point[0] - view.floor.offset[0], chart.point[1] - view.floor.offset[1]
     ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
     out, best = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]
-    aim, found = tol / LEAVES, math.inf
+    aim, found, dark = tol / LEAVES, math.inf, 0.0
     places = stack[:8]
     for _ in range(8):
         level = block_level(far / cell)
         first = 2.0 ** (level - 1)
-        error = grid_once(
+        error, unseen = grid_once(
             aim, reach, (ci - first) * cell - px, (cj - first) * cell - py, level, lobe, view, work, conics, count,
             gauss, states, stack[: stack.shape[0] - 2], max_evaluations, out,
         )  # fmt: skip
@@ -330,7 +336,7 @@ def split_grid(
             change *= 4.0
         change += tail
         if error + change < found:
-            found = error + change
+            found, dark = error + change, unseen
             for t in range(3):
                 best[t] = out[t]
         if error + change + beyond <= tol or out_of_budget:
@@ -346,4 +352,4 @@ def split_grid(
     sign = 1.0 if kind == MARBLE or (ci + (0 if kind == STRIPES else cj)) % 2 == 0 else -1.0
     for t in range(3):
         value[t] += sign * best[t]
-    return found + held(beyond)
+    return found + held(beyond), dark + held(beyond)

@@ -177,12 +177,12 @@ def split_chart(
     if not low < high:
         return 0.0, 0
     work.chart.fine = FINE * tol / (SAFETY * max(1e-300, work.chart.bright))
-    bound = SAFETY * panel_bound(low, high, work.chart)
+    bound = held(SAFETY * panel_bound(low, high, work.chart))
     if bound < 0.1 * tol:
         return bound, 0
     if is_crowded(work):
         # a wall that nobody knows of may run through any line
-        return moved(held(bound), math.inf) if moves(bound) else bound, 0
+        return moved(bound, math.inf) if moves(low) else bound, 0
     points = leave_points(tol, work)
     sender = sender_of(view, work.chart)
     if sender >= 0:

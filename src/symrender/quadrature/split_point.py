@@ -30,7 +30,7 @@ from symrender.chambers.work import (
     work_arrays,
 )
 from symrender.jit.compiled import compiled
-from symrender.jit.moving import held, moves
+from symrender.jit.moving import brightest, held, moves
 from symrender.jit.records import Table, table
 from symrender.quadrature.fall_off import chart_bound, is_radiometric, plane_bound, sphere_bound
 from symrender.quadrature.gauss import gauss_table
@@ -135,7 +135,7 @@ def gloss_kernel(
             weigh_by_cosine(normals[i], chart.lobe)
 
         # the background fills what the surface can see of the lobe; every shape then adds its difference from it
-        sky = max(view.shading.background[0], view.shading.background[1], view.shading.background[2])
+        sky = brightest(view.shading.background)
         share = 1.0
         if conductor:
             # of it the result is the difference alone: see ``directional_albedo``
@@ -218,10 +218,13 @@ def gloss_kernel(
                 scratch[20 + a] = 0.0
                 contrast = max(contrast, abs(half))
             if contrast > 0.0:
-                total += stretched(contrast) * split_grid(
+                e, unseen = split_grid(
                     max(part * (tol - total), 0.05 * tol) / contrast, own, axis, framed, work, conics, gauss,
                     states, grid_stack, remainders, max_evaluations, scratch[20:23],
                 )  # fmt: skip
+                total += stretched(contrast) * e
+                if moves(total):
+                    scratch[64] += held(stretched(contrast)) * (held(e) - unseen)
                 for a in range(3):
                     value[a] += scratch[16 + a] * scratch[20 + a]
         for a in range(3):

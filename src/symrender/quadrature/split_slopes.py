@@ -33,12 +33,14 @@ class SlopeResult:
 
     ``gloss`` (N, 3): the value, and as imaginary part the derivative. ``error`` (N,): that of the value, and as
     imaginary part the estimated largest absolute error of the derivative. ``steep`` (N,): sum of the magnitudes of what
-    the derivative is the sum of. ``evaluations`` and ``status`` (N,) as of the value.
+    the derivative is the sum of; ``unseen`` (N,): what was not looked at may hold, and change by if a colour moves by
+    one. ``evaluations`` and ``status`` (N,) as of the value.
     """
 
     gloss: Complex
     error: Complex
     steep: Array
+    unseen: Array
     evaluations: Ints
     status: Ints
 
@@ -67,4 +69,7 @@ def gloss_slopes(
         work.panels, work.spans, work.ids, work.events, work.scratch, float(tol), float(bound), int(max_evaluations),
         True, gloss, error, *counts, work.conics, work.remainders, work.states, work.grid_stack, frames,
     )  # fmt: skip
-    return SlopeResult(np.ascontiguousarray(gloss[:, :3]), error, gloss[:, 3].real.copy(), counts[0], counts[1])
+    sums = gloss[:, 3]
+    return SlopeResult(
+        np.ascontiguousarray(gloss[:, :3]), error, sums.real.copy(), sums.imag.copy(), counts[0], counts[1]
+    )

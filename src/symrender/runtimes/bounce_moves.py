@@ -7,7 +7,7 @@ they give a whole move ahead and a whole move behind is therefore their derivati
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
 
@@ -212,8 +212,28 @@ def _moving_part(
     scales = np.ones(len(lobes), np.complex128)
     if part.shading.units == BRDF_NORMALISED:
         _scales_kernel()(lobes, scales)
-    bound = radiance_bound(part, lights, senders[0], here.emitted) + glow_bound(part, here.glows)
+    bound = _bound(part, moves[0], view, view_moves)
     return MovingPart(part, lights, moving(view, view_moves), moving(frames, frame_slopes), lobes, scales, bound)
+
+
+def _bound(part: SceneArrays, planes: Any, view: View, moves: View) -> float:
+    """As of ``radiance_bound``, of light and of what it changes by if a colour moves by one; ``planes`` move too."""
+    lights, shading = _brighter(view.points, moves.points, "color"), part.shading
+    for name in ("background", "ambient"):
+        shading = _brighter(shading, moves.shading, name)
+    emitted = None if view.emitted is None else view.emitted + np.abs(np.asarray(moves.emitted))
+    flat_ = _brighter(_brighter(part.planes, planes, "bright"), planes, "dark")
+    spheres = _brighter(part.spheres, moves.spheres, "color")
+    brightest = replace(part, spheres=spheres, planes=flat_, shading=shading)
+    glows = None if view.glows is None else _brighter(view.glows, moves.glows, "radiance")
+    return radiance_bound(brightest, lights, view.senders, emitted) + glow_bound(brightest, glows)
+
+
+def _brighter(rows: Any, moves: Any, name: str) -> Any:
+    """A copy of records with one of their colours by as much brighter as it moves."""
+    found = copied(rows)
+    found[name] = np.abs(rows[name]) + np.abs(moves[name])
+    return found
 
 
 def _moving_cones(

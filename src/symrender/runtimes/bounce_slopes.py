@@ -19,9 +19,10 @@ from symrender.radiometric import tile
 from symrender.radiometric.slopes import record_moves, world_moves
 from symrender.radiometric.world import make_world
 from symrender.runtimes.bounce import SLACK, ULP, Bounced, Bouncer, Hits, closeness, sharpness
-from symrender.runtimes.bounce_moves import MovingBounce, moving_bounce
+from symrender.runtimes.bounce_moves import MovingBounce, moving_bounce, shifted
+from symrender.runtimes.bounce_pace import is_faint_colour, moves_lengths, pace
 from symrender.scene.moves import Move
-from symrender.scene.radiometric.arrays import CONDUCTOR, DIFFUSE, RadiometricArrays
+from symrender.scene.radiometric.arrays import CONDUCTOR, DIFFUSE, SPHERE, RadiometricArrays
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -31,6 +32,10 @@ FIRST: Final = 0.1
 """Tolerance of the value that is asked at first, over that of the derivative."""
 TIGHTER: Final = (1.0, 0.1, 1e-2)
 """By how much tighter values are asked in turn, until derivatives are within their tolerance."""
+CLOSEST: Final = (1e-3, 1e-4, 1e-6)
+"""The same where it is for what no node looked at that they are not."""
+UNSEEN: Final = 0.5
+"""Share of an error that is taken for most of it."""
 SHIFTED: Final = 4.0
 """Relative error of a slope by roundings, over that of a value."""
 
@@ -74,18 +79,22 @@ def product(a: Complex, b: Complex) -> Complex:
 
 @dataclass
 class _Sums:
-    """Integrals of N places: ``total`` (N, 3), what it misses, what its tangent is the sum of, ``status``."""
+    """Integrals of N places: ``total`` (N, 3), what it misses, what its tangent is the sum of, ``status``.
+
+    ``unseen`` is what no node looked at may hold.
+    """
 
     total: Complex
     missed: Complex
     steep: Array
+    unseen: Array
     status: Ints
 
     @classmethod
     def of(cls, count: int) -> _Sums:
         """Nothing yet."""
         missed = np.zeros(count, np.complex128)
-        return cls(np.zeros((count, 3), np.complex128), missed, np.zeros(count), np.full(count, MET))
+        return cls(np.zeros((count, 3), np.complex128), missed, np.zeros(count), np.zeros(count), np.full(count, MET))
 
     def add(self, seen: SlopeResult, factor: Complex) -> None:
         """Add integrals times ``factor`` (N, 3)."""
@@ -93,8 +102,14 @@ class _Sums:
         most, changed = np.abs(factor.real).max(axis=1), np.abs(factor.imag).max(axis=1)
         self.missed += most * seen.error.real
         self.missed += 1j * (seen.error.imag * most + seen.error.real * changed)
+        self.unseen += seen.unseen * most
         self.steep += seen.steep * most + np.abs(seen.gloss.real).max(axis=1) * changed
         self.status = np.maximum(self.status, seen.status)
+
+    def back(self) -> None:
+        """From light of a colour that is one more to that of the colour itself; it is of first degree in it."""
+        self.total -= self.total.imag
+        self.missed += self.missed.imag
 
 
 class SlopeBouncer(Bouncer):
@@ -103,6 +118,13 @@ class SlopeBouncer(Bouncer):
     def __init__(self, arrays: RadiometricArrays, wrt: tuple[Move, ...], lamps: bool = False) -> None:
         super().__init__(arrays, lamps)
         self._moves = [[record_moves(each, move) for each in self._shaken] for move in wrt]
+        rows = arrays.shapes["place"], arrays.shapes["radius"], arrays.lights["place"]
+        self._size = max(float(np.abs(each).max(initial=0.0)) for each in rows)
+        self._units = [min(1.0, self._size) if moves_lengths(arrays, moves[0]) else 1.0 for moves in self._moves]
+        faint = [is_faint_colour(arrays, moves[0]) for moves in self._moves]
+        self._bases = [shifted(arrays, moves[0], 1.0) if ahead else arrays
+                       for ahead, moves in zip(faint, self._moves, strict=True)]  # fmt: skip
+        self._unseen = np.zeros((0, 0))
         self._moving: dict[tuple[int, bytes], MovingBounce] = {}
         self._work: SplitWork | None = None
         self._hits: list[MovingHits] = []
@@ -158,7 +180,7 @@ class SlopeBouncer(Bouncer):
     def _at(self, hits: Hits, moved: list[MovingHits], tol: float, budget: int) -> BouncedSlopes:
         """Derivatives of the light at ``hits``."""
         shape = len(self._moves), len(hits.shape)
-        self._hits = moved
+        self._hits, self._unseen = moved, np.zeros(shape)
         self._found = BouncedSlopes(
             np.zeros((*shape, 3)), np.zeros((*shape, 3), np.complex128), np.zeros(shape), np.full(shape, MET),
             np.zeros(shape[1], np.int64), np.zeros((*shape, 3)), np.zeros(shape),
@@ -180,10 +202,12 @@ class SlopeBouncer(Bouncer):
             left = some
             assert self._found is not None
             self._found.error[q, some], self._found.status[q, some] = np.inf, UNSUPPORTED
-            for tighter in TIGHTER:
-                self._differentiate(q, left, turned, hits, tol, FIRST * tighter * tol, budget)
+            for tighter in TIGHTER + CLOSEST:
+                self._differentiate(q, left, turned, hits, tol, FIRST * tighter * self._units[q] * tol, budget)
                 left = left[self._found.error[q, left] > tol]
                 left = left[self._found.status[q, left] != EVENT]
+                if tighter <= TIGHTER[-1]:
+                    left = left[self._unseen[q, left] > UNSEEN * self._found.error[q, left]]
                 if not len(left):
                     break
 
@@ -196,7 +220,7 @@ class SlopeBouncer(Bouncer):
         material = arrays.materials[int(arrays.shapes[own].material)]
         key = q, turned.tobytes() + bytes([own])
         if key not in self._moving:
-            self._moving[key] = moving_bounce(arrays, self._moves[q][0], turned, own, self._lamps)
+            self._moving[key] = moving_bounce(self._bases[q], self._moves[q][0], turned, own, self._lamps)
         bounce, here = self._moving[key], self._hits[q].some(some)
         # no other place of a tile may have a say in what is asked of one
         change = self._moves[q][0].materials[int(arrays.shapes[own].material)]
@@ -226,30 +250,44 @@ class SlopeBouncer(Bouncer):
             )  # fmt: skip
             sums.add(seen, np.tile(scale[:, None], 3))
             found.evaluations[some] += seen.evaluations
+        if self._bases[q] is not arrays:
+            sums.back()
         total, missed, steep, status = sums.total, sums.missed, sums.steep, sums.status
         light = product(here.albedo, total)
         reflected, changed = np.abs(here.albedo.real).max(axis=1), np.abs(here.albedo.imag).max(axis=1)
-        astray = (
-            SHIFTED
-            * SLACK
-            * ULP
-            * np.maximum(closeness(bounce.still.parts[0], here.place.real), self._nearness(own, here.place.real))
-        )
+        place = here.place.real
+        closer = np.maximum(closeness(bounce.still.parts[0], place), self._nearness(own, place))
+        astray = SHIFTED * SLACK * ULP * closer
         cosine = -(here.travel.real * here.normal.real).sum(axis=1)
-        astray = astray * (sharpness(material, cosine) + self._highlights)
+        sharp = sharpness(material, cosine) + self._highlights
+        astray = astray * sharp
         error = reflected * missed.imag + changed * missed.real
+        unseen = reflected * sums.unseen * self._pace(q, here, closer, sharp)
+        error += unseen
         error += astray * (reflected * steep + changed * np.abs(total.real).max(axis=1))
         known = np.isfinite(light.imag).all(axis=1) & np.isfinite(error)
         # what asks too much of roundings may be worse than what asked less
         better = known & (error < found.error[q, some])
         here_ = some[better]
         found.slopes[q, here_], found.incoming[q, here_] = light.imag[better], total[better]
-        found.error[q, here_] = error[better]
+        found.error[q, here_], self._unseen[q, here_] = error[better], unseen[better]
         assert found.light is not None and found.missed is not None
         found.light[q, here_] = light.real[better]
         found.missed[q, here_] = (reflected * missed.real + astray * np.abs(light.real).max(axis=1))[better]
         reached = np.where(error > tol, np.maximum(status, CAPPED), np.where(status == EVENT, EVENT, MET))
         found.status[q, here_] = reached[better]
+
+    def _pace(self, q: int, here: MovingHits, closer: Array, sharp: Array) -> Array:
+        """(N,) by how much more than it holds what places see may change with parameter ``q``.
+
+        ``closer`` (N,) is the size of coordinates over distances to shapes, and of lights from these.
+        """
+        arrays = self._arrays
+        speeds = [np.abs(each.imag).max(axis=1) for each in (here.place, here.normal, here.travel)]
+        size = np.maximum(self._size, np.abs(here.place.real).max(axis=1))
+        balls = arrays.shapes["radius"][arrays.shapes["kind"] == SPHERE]
+        closer = np.maximum(closer, size / float(balls.min(initial=np.inf)))
+        return pace(arrays, self._moves[q][0], (speeds[0], speeds[1] + speeds[2]), size / closer, size, sharp)
 
 
 def moving_rays(
