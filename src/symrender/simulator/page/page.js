@@ -82,7 +82,8 @@ const app = {
 
   async render() {
     const generation = this.generation, state = structuredClone(this.state), t = makeTables(state);
-    const moving = performance.now() - this.moving < REST;
+    // a page that has just been opened shows nothing yet that could be moved
+    const moving = this.frame && performance.now() - this.moving < REST;
     const mean = isMean(state), passes = ["pixel_direct", ...(mean ? [] : ["pixel_numeric", "pixel_symbolic"]), ...(state.view === "chambers" ? ["pixel_chambers"] : [])];
     const held = moving && passes.every((pass) => this.reusable("whole", pass, t)) && (!mean || MEAN_SIDES.every((side) => meanHeld(this, side, t, state)));
     if (held || (moving && (mean || (this.cost ?? 0) > 30))) {

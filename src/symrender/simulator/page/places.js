@@ -14,7 +14,7 @@ const middleOf = (state) => 0.5 * (state.shutter[0] + state.shutter[1]);
 // How many places a mean has along each of its axes.
 function countsOf(state) {
   const instants = isMoving(state) ? state.instants : 1, rings = state.aperture > 0 ? state.rings : 0, lens = rings ? SECTORS_A_RING * rings ** 2 : 1;
-  return { pixel: state.pixel, instants, rings, lens, all: state.pixel ** 2 * instants * lens };
+  return { pixel: state.pixel, instants, rings, all: state.pixel ** 2 * instants * lens };
 }
 
 // The product of Gauss rules: along both sides of the pixel, over time, and over the lens in the square of the radius,
