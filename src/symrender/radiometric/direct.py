@@ -107,13 +107,15 @@ def direct_light(
             term = (albedo[0] * share, albedo[1] * share, albedo[2] * share)
         else:
             toward, e = arriving(light, place)
-            term = reflected(material, albedo, turned, view, toward)
+            white = reflected(material, (1.0, 1.0, 1.0), turned, view, toward)
+            # what is black has a slope
+            term = (albedo[0] * white[0], albedo[1] * white[1], albedo[2] * white[2])
             if material.terms != 0.0:
                 if dot(normal, toward) <= 0.0 or dot(turned, toward) <= 0.0:
                     continue
                 by = counted(material, normal, turned, toward)
                 term = (by * term[0], by * term[1], by * term[2])
-            if max(term[0], term[1], term[2]) == 0.0 or is_hidden(world, own, front, place, light, toward):
+            if max(white[0], white[1], white[2]) == 0.0 or is_hidden(world, own, front, place, light, toward):
                 continue
         total = (total[0] + term[0] * e[0], total[1] + term[1] * e[1], total[2] + term[2] * e[2])
     return total

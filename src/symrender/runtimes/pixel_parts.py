@@ -20,7 +20,7 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, chosen, table
 from symrender.radiometric.pixels import parts as kernels
 from symrender.radiometric.pixels.cells import BOX, Eye
-from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, Nodes, Part, Room, make_room
+from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, SMOOTH, Nodes, Part, Room, make_room
 from symrender.radiometric.vectors import Array
 from symrender.runtimes.part_states import Best, Ints, Pixels, State, added, spared
 from symrender.runtimes.pixel_blocks import INNER as BLOCK_INNER
@@ -35,7 +35,9 @@ _CUT_ORDERS: Final = (2, 3, 5, 8)
 _FIRST: Final = {CUT: 8.0, COARSE: 1.0}
 """What the difference of the first two rules is taken times; of smooth parts ``_FIRST_SMOOTH``."""
 _FIRST_SMOOTH: Final = 0.5
-_DOUBT: Final = 0.02
+_BENT: Final = 0.3
+"""Part of what slopes of a smooth part let expect of second degrees that its first two rules differ by, at least."""
+_DOUBT: Final = 0.15
 """Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
 _GRAIN: Final = 0.05
 """Part of the tolerance that the brightest light in a cell may make for it not to be halved at once."""
@@ -230,11 +232,16 @@ class PixelRule:
         two = np.concatenate([some, some[fresh]])
         # both rules of a part one after the other, so that what it is cut at is made once
         beside = np.argsort(two, kind="stable")
-        values, error = np.zeros((len(two), state.values.shape[1])), np.zeros(len(two))
-        values[beside], error[beside] = self._sums(state, two[beside], orders[beside], pixels, look, inner, budget)
+        values = np.zeros((len(two), state.values.shape[1]))
+        error, bent = np.zeros(len(two)), np.zeros(len(two))
+        values[beside], error[beside], bent[beside] = self._sums(
+            state, two[beside], orders[beside], pixels, look, inner, budget
+        )
         new, old = values[: len(some)], state.values[some]
         old[fresh] = values[len(some) :]
         gap = np.abs(new - old).reshape(len(some), self._terms, self._channels).max(axis=2).sum(axis=1)
+        smooth = (kinds == SMOOTH) & (stage == 0)
+        gap[smooth] = np.maximum(gap[smooth], _BENT * bent[: len(some)][smooth])
         slow = np.where(kinds == CUT, 1.0, self.slow)
         first = slow * np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
         last = np.where(stage == 0, 0.0, state.gap[some])
@@ -244,8 +251,8 @@ class PixelRule:
 
     def _sums(
         self, state: State, some: Ints, orders: Ints, pixels: Pixels, look: Look, inner: float, budget: int
-    ) -> tuple[Array, Array]:
-        """(values (N, C), what rays state) of a rule of its order for each of some parts."""
+    ) -> tuple[Array, Array, Array]:
+        """(values (N, C), what rays state, ``bends``) of a rule of its order for each of some parts."""
         places, weights, ends = self._nodes(state.parts, some, orders)
         owner = np.repeat(np.arange(len(some)), np.diff(ends, prepend=0))
         parts = np.asarray(state.parts)[some][owner]
@@ -263,7 +270,8 @@ class PixelRule:
         np.maximum.at(pixels.status, pixel, found.status)
         np.add.at(pixels.evaluations, pixel, found.evaluations)
         sums = [added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
-        return np.column_stack(sums), added(owner, np.abs(weights) * found.error, len(some))
+        stated = added(owner, np.abs(weights) * found.error, len(some))
+        return np.column_stack(sums), stated, bends(owner, places, weights, found.values, len(some))
 
     def scratch(self) -> tuple[Room, Ints, Table[Part]]:
         """What kernels write to, of this thread."""
@@ -308,6 +316,25 @@ class PixelRule:
             if found <= size:
                 return nodes.places[:found], nodes.weights[:found], ends
             size = found
+
+
+def bends(owner: Ints, places: Array, weights: Array, values: Array, count: int) -> Array:
+    """(count,) what four nodes of a square let expect of its terms of second degree, in each of ``count`` rules.
+
+    Two rules that differ by the sum of two curvatures agree on a saddle. The twist is seen by the nodes; a curvature is
+    expected to be the square of the slope over the value. 0 for rules of other than four nodes.
+    """
+    nodes = np.maximum(np.bincount(owner, minlength=count), 1)
+    sides = [np.sign(x - (added(owner, x, count) / nodes)[owner]) for x in places.T]
+    found = np.zeros(count)
+    for channel in values.T:
+        slope = sum(np.abs(added(owner, side * channel, count)) for side in sides)
+        twist = np.abs(added(owner, sides[0] * sides[1] * channel, count))
+        size = np.zeros(count)
+        np.maximum.at(size, owner, np.abs(channel))
+        curved = np.divide(slope * slope, 4.0 * size, out=np.zeros(count), where=size > 0.0)
+        found = np.maximum(found, 0.25 * np.maximum(twist, curved))
+    return np.where(nodes == 4, found * np.abs(added(owner, weights, count)), 0.0)
 
 
 def _padded(orders: tuple[tuple[int, ...], ...]) -> Ints:

@@ -26,7 +26,7 @@ from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
 from symrender.runtimes.part_states import Ints, Pixels, State, added
-from symrender.runtimes.pixel_parts import SMOOTH_ORDERS, Canvas, Light, Look, Mean, PixelRule, Places
+from symrender.runtimes.pixel_parts import SMOOTH_ORDERS, Canvas, Light, Look, Mean, PixelRule, Places, bends
 from symrender.runtimes.speeds import Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -111,8 +111,8 @@ class SweptRule(PixelRule):
 
     def _sums(
         self, state: State, some: Ints, orders: Ints, pixels: Pixels, look: Look, inner: float, budget: int
-    ) -> tuple[Array, Array]:  # fmt: skip
-        """(slopes (N, C), what rays state) of a rule of its order for each of some parts."""
+    ) -> tuple[Array, Array, Array]:  # fmt: skip
+        """(slopes (N, C), what rays state, ``bends``) of a rule of its order for each of some parts."""
         sweep, ends = self._swept(state.parts, some, orders)
         count, own = len(some), [np.repeat(np.arange(len(some)), np.diff(ends[:, k], prepend=0)) for k in range(2)]
         parts = np.asarray(state.parts)[some]
@@ -143,7 +143,8 @@ class SweptRule(PixelRule):
         changed = added(own[0][rough], np.abs(nodes[rough, 2]) * np.abs(slopes[rough]).max(axis=1, initial=0.0), count)
         # of what is not known rules of a higher order know no more, halves may
         state.rough[some] = np.where(known, changed, np.inf)
-        return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0)
+        bent = bends(own[0], nodes[:, :2], nodes[:, 2], slopes, count)
+        return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0), bent
 
     def _seen(
         self, parts: Any, nodes: Array, fast: Array, pixel: Ints, pixels: Pixels, look: Look, inner: float, budget: int
