@@ -35,10 +35,8 @@ _CUT_ORDERS: Final = (2, 3, 5, 8)
 _FIRST: Final = {CUT: 8.0, COARSE: 1.0}
 """What the difference of the first two rules is taken times; of smooth parts ``_FIRST_SMOOTH``."""
 _FIRST_SMOOTH: Final = 0.5
-_BENT: Final = 0.3
+_BENT: Final = 0.2
 """Part of what slopes of a smooth part let expect of second degrees that its first two rules differ by, at least."""
-_DOUBT: Final = 0.15
-"""Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
 _GRAIN: Final = 0.05
 """Part of the tolerance that the brightest light in a cell may make for it not to be halved at once."""
 _WORST: Final = 0.25
@@ -109,16 +107,18 @@ class PixelRule:
 
     ``orders`` are those of the rules of parts, by their kind, ``hope`` how many times what it may take a part may be
     off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance. ``slow`` is how
-    many times their difference rules of what no curve enters may be off by. Where nodes are cheap it is ``eager``: all
-    parts are looked at more closely but those that together make no more than half of the tolerance. A mean may be the
-    sum of several ``terms``, of which each has a say in what rules differ by: what one has too much another may have
-    too little.
+    many times their difference rules of what no curve enters may be off by, ``doubt`` the part of the difference of the
+    two rules before that the difference of two rules is trusted to fall by, at most. Where nodes are cheap it is
+    ``eager``: all parts are looked at more closely but those that together make no more than half of the tolerance. A
+    mean may be the sum of several ``terms``, of which each has a say in what rules differ by: what one has too much
+    another may have too little.
     """
 
     orders: tuple[tuple[int, ...], ...] = (SMOOTH_ORDERS, _CUT_ORDERS, COARSE_ORDERS)
     hope: float = 300.0
     inner: float = INNER
     slow: float = 1.0
+    doubt: float = 0.12
     eager: bool = False
 
     def __init__(self, canvas: Canvas, channels: int, terms: int = 1) -> None:
@@ -241,11 +241,12 @@ class PixelRule:
         old[fresh] = values[len(some) :]
         gap = np.abs(new - old).reshape(len(some), self._terms, self._channels).max(axis=2).sum(axis=1)
         smooth = (kinds == SMOOTH) & (stage == 0)
-        gap[smooth] = np.maximum(gap[smooth], _BENT * bent[: len(some)][smooth])
+        hidden = np.where(smooth, _BENT * bent[: len(some)], 0.0)
         slow = np.where(kinds == CUT, 1.0, self.slow)
         first = slow * np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
         last = np.where(stage == 0, 0.0, state.gap[some])
-        state.error[some] = np.where(stage == 0, first * gap, slow * np.maximum(gap, _DOUBT * last))
+        doubted = np.maximum(slow * gap, self.doubt * last)
+        state.error[some] = np.where(stage == 0, first * np.maximum(gap, hidden), doubted)
         state.values[some], state.gap[some], state.inner[some] = new, gap, error[: len(some)]
         state.stage[some] = stage
 
@@ -327,7 +328,8 @@ def bends(owner: Ints, places: Array, weights: Array, values: Array, count: int)
     nodes = np.maximum(np.bincount(owner, minlength=count), 1)
     sides = [np.sign(x - (added(owner, x, count) / nodes)[owner]) for x in places.T]
     found = np.zeros(count)
-    for channel in values.T:
+    # what is not known is not bent: it is told as such elsewhere
+    for channel in np.where(np.isfinite(values), values, 0.0).T:
         slope = sum(np.abs(added(owner, side * channel, count)) for side in sides)
         twist = np.abs(added(owner, sides[0] * sides[1] * channel, count))
         size = np.zeros(count)

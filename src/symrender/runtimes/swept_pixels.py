@@ -89,6 +89,7 @@ class SweptRule(PixelRule):
     inner = 0.5
     # beside a limb outside of it: of 1/sqrt(x) two rules differ by a third to two thirds of what the better is off by
     slow = 3.0
+    doubt = 0.08
 
     def __init__(self, canvas: Canvas, channels: int, speeds: Speeds, beginning: Beginning | None = None) -> None:
         super().__init__(canvas, channels, 2)
