@@ -108,7 +108,7 @@ def test_the_scenes_are_worth_rendering() -> None:
     """Most have spheres and lobes that show, some a floor, some none: or every property would hold of nothing."""
     seen = {"sphere": 0, "floor": 0, "gloss": 0, "scenes": 0}
 
-    @settings(max_examples=60, deadline=None, derandomize=True, database=None)
+    @settings(max_examples=100, deadline=None, derandomize=True, database=None)
     @given(scenes())
     def look(data: Data) -> None:
         image = layers(symbolic, data)
@@ -118,7 +118,7 @@ def test_the_scenes_are_worth_rendering() -> None:
         seen["gloss"] += bool(image["gloss"].max() > 0.02)
 
     look()
-    assert seen["scenes"] >= 50 and min(seen["sphere"], seen["floor"], seen["gloss"]) >= 15, seen
+    assert seen["scenes"] >= 80 and min(seen["sphere"], seen["floor"], seen["gloss"]) >= 15, seen
 
 
 @PIPELINES
