@@ -26,6 +26,15 @@ FROM_THE_TOP = """() => {
 """Tab goes on from where an earlier test clicked, even once nothing has the focus; from the body it starts anew."""
 
 
+def without_webgl(browser: Any) -> Any:
+    """A context of the browser whose pages have no WebGL 2."""
+    context = browser.new_context()
+    context.add_init_script("""HTMLCanvasElement.prototype.getContext = ((own) => function (kind, ...rest) {
+      return kind === "webgl2" ? null : own.call(this, kind, ...rest);
+    })(HTMLCanvasElement.prototype.getContext);""")
+    return context
+
+
 class Page:
     """A simulator's page: waits by asking, since its own policy forbids what Playwright would evaluate inside."""
 

@@ -18,7 +18,7 @@ from symrender.simulator.build import simulator, simulator_page
 from symrender.simulator.serve import server
 from symrender.simulator.state import State, from_url, to_fragment
 
-from .conftest import Page
+from .conftest import Page, without_webgl
 
 
 def converged(page, limit=120):
@@ -195,10 +195,7 @@ def test_paper_shows_the_pictures_and_no_controls(fresh):
 
 def test_without_webgl_the_javascript_program_draws(browser, tmp_path):
     simulator("gloss", tmp_path / "page.html")
-    context = browser.new_context()
-    context.add_init_script("""HTMLCanvasElement.prototype.getContext = ((own) => function (kind, ...rest) {
-      return kind === "webgl2" ? null : own.call(this, kind, ...rest);
-    })(HTMLCanvasElement.prototype.getContext);""")
+    context = without_webgl(browser)
     page = Page(context.new_page())
     page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=24))}")
     page.settle()

@@ -17,7 +17,7 @@ from symrender.scene.load import load
 from symrender.simulator.build import simulator
 from symrender.simulator.state import State, from_url, to_fragment
 
-from .conftest import Page
+from .conftest import Page, without_webgl
 
 LENS = {"aperture": 0.11, "focus": 5.2, "rings": 1}
 SHUTTER = {"shutter": (-0.25, 0.75), "instants": 3, "mover": "B", "velocity": (0.4, -0.7, 0.2)}
@@ -311,10 +311,7 @@ def test_panels_of_means_are_those_of_double_precision(fresh, opened):
 
 def test_without_webgl_means_are_drawn_too(browser, tmp_path):
     simulator("gloss", tmp_path / "page.html")
-    context = browser.new_context()
-    context.add_init_script("""HTMLCanvasElement.prototype.getContext = ((own) => function (kind, ...rest) {
-      return kind === "webgl2" ? null : own.call(this, kind, ...rest);
-    })(HTMLCanvasElement.prototype.getContext);""")
+    context = without_webgl(browser)
     # so quick a page that its first picture seems to follow a drag
     context.add_init_script("""performance.now = ((own, calls) => () => (calls++ < 40 ? 0.01 * calls : own()))(
       performance.now.bind(performance), 0);""")

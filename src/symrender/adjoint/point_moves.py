@@ -29,6 +29,7 @@ from symrender.adjoint.work import Tangents
 from symrender.chambers.records import Chart
 from symrender.chambers.work import Frames
 from symrender.jit.marks import jitable
+from symrender.jit.moving import brightest
 
 Array = npt.NDArray[np.float64]
 
@@ -136,11 +137,9 @@ def looks_pace(p: int, tangents: Tangents) -> float:
     most = 0.0
     for j in range(tangents.spheres.shape[1]):
         sphere = tangents.spheres[p, j]
-        most = max(most, abs(sphere.color[0]), abs(sphere.color[1]), abs(sphere.color[2]))
-        most = max(most, abs(sphere.dark), abs(sphere.ku), abs(sphere.kv))
+        most = max(most, brightest(sphere.color), abs(sphere.dark), abs(sphere.ku), abs(sphere.kv))
     for k in range(tangents.floors.shape[1]):
         floor = tangents.floors[p, k]
+        most = max(most, brightest(floor.bright), brightest(floor.dark))
         most = max(most, abs(floor.cell), abs(floor.offset[0]), abs(floor.offset[1]))
-        for a in range(3):
-            most = max(most, abs(floor.bright[a]), abs(floor.dark[a]))
     return most

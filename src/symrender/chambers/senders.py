@@ -35,7 +35,7 @@ from symrender.chambers.place import surface_point
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import at_most, brightest
+from symrender.jit.moving import brightest
 
 TAMED: Final = 1.5
 """Boxes over which h turns by no more than this times hypot(alpha, its angle) are halved no further."""
@@ -75,12 +75,10 @@ def sender_of(view: View, chart: Chart) -> int:
 @inlined
 def sender_albedo(view: View, chart: Chart) -> float:
     """Largest kd times albedo of the charted shape."""
-    albedo = 0.0
-    for a in range(3):
-        if chart.shape_index >= 0:
-            albedo = max(albedo, at_most(view.spheres[chart.shape_index].color[a]))
-        else:
-            albedo = max(albedo, at_most(view.floor.bright[a]), at_most(view.floor.dark[a]))
+    if chart.shape_index >= 0:
+        albedo = brightest(view.spheres[chart.shape_index].color)
+    else:
+        albedo = max(brightest(view.floor.bright), brightest(view.floor.dark))
     return float(view.shading.kd * albedo)
 
 

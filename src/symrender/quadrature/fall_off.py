@@ -13,7 +13,7 @@ from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.senders import sender_albedo, sender_of, sent_bound
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.jit.moving import at_most, brightest
+from symrender.jit.moving import brightest
 from symrender.jit.records import Table
 from symrender.scene.arrays import CUT, SceneArrays
 from symrender.scene.radiometric.records import Glow
@@ -54,9 +54,7 @@ def is_radiometric(view: View) -> bool:
 def plane_bound(view: View) -> float:
     """No place of the plane z = 0, with its albedo and lit from above, has a larger radiance."""
     floor, shading = view.floor, view.shading
-    albedo = 0.0
-    for a in range(3):
-        albedo = max(albedo, at_most(floor.bright[a]), at_most(floor.dark[a]))
+    albedo = max(brightest(floor.bright), brightest(floor.dark))
     most = shading.ka * brightest(shading.ambient)
     for i in range(view.points.shape[0]):
         height = view.points[i].position[2]

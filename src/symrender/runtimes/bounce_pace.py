@@ -7,6 +7,7 @@ is refused.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -44,18 +45,29 @@ QUICKEST: Final = 4.0
 """No lobe changes faster by its width's own relative change, and no reflectance by a refractive index."""
 
 
-def pace(
-    arrays: RadiometricArrays, moves: RadiometricArrays, shifts: tuple[Array, Array], near: Array, size: Array,
-    sharp: Array,
-) -> Array:  # fmt: skip
-    """(N,) upper estimate of how fast what N places see changes with the parameter of ``moves``, relative to its bound.
+@dataclass(frozen=True)
+class Pace:
+    """How fast a scene's numbers move with a parameter: lengths, more of them per ``size``, turns, and the rest."""
 
-    ``shifts`` are the speeds (N,) of the places themselves and of their normals and rays; ``near`` (N,) is no more than
-    any length of the scene beside them, ``size`` (N,) no less than any coordinate; ``sharp`` (N,) is the
-    largest slope of what is reflected in the directions.
-    """
-    lengths, turns = shifts[0].copy(), shifts[1].copy()
-    others = 0.0
+    lengths: float
+    per_size: float
+    turns: float
+    others: float
+
+    def at(self, shifts: tuple[Array, Array], near: Array, size: Array, sharp: Array) -> Array:
+        """(N,) upper estimate of how fast what N places see changes, relative to its bound.
+
+        ``shifts`` are the speeds (N,) of the places themselves and of their normals and rays; ``near`` (N,) is no more
+        than any length of the scene beside them, ``size`` (N,) no less than any coordinate; ``sharp`` (N,) is the
+        largest slope of what is reflected in the directions.
+        """
+        lengths, turns = shifts[0] + self.lengths + self.per_size * size, shifts[1] + self.turns
+        return np.asarray((lengths + turns * size) / near * (1.0 + sharp) + turns * sharp + self.others)
+
+
+def pace_of(arrays: RadiometricArrays, moves: RadiometricArrays) -> Pace:
+    """How fast the numbers of a scene move with the parameter of ``moves``."""
+    lengths = per_size = turns = others = 0.0
     rows: Any = (
         (Material, arrays.materials, moves.materials),
         (Shape, arrays.shapes, moves.shapes),
@@ -81,11 +93,12 @@ def pace(
                 elif measure == ANGLE:
                     turns += speed / max(float(row["cutoff"] - row["beam"]), 1e-300)
                 elif measure == FIELD:
-                    lengths += speed * (1.0 + size / value)
+                    lengths += speed
+                    per_size += speed / value
                     others += speed / value * (1.0 + 1.0 / value)
                 else:
                     others += QUICKEST * speed / {PLAIN: 1.0, SHARE: value, POWER: value + 1.0}[measure]
-    return np.asarray((lengths + turns * size) / near * (1.0 + sharp) + turns * sharp + others)
+    return Pace(lengths, per_size, turns, others)
 
 
 def moves_lengths(arrays: RadiometricArrays, moves: RadiometricArrays) -> bool:

@@ -20,7 +20,7 @@ from symrender.radiometric.slopes import record_moves, world_moves
 from symrender.radiometric.world import make_world
 from symrender.runtimes.bounce import SLACK, ULP, Bounced, Bouncer, Hits, closeness, sharpness
 from symrender.runtimes.bounce_moves import MovingBounce, moving_bounce, shifted
-from symrender.runtimes.bounce_pace import is_faint_colour, moves_lengths, pace
+from symrender.runtimes.bounce_pace import Pace, is_faint_colour, moves_lengths, pace_of
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import CONDUCTOR, DIFFUSE, SPHERE, RadiometricArrays
 
@@ -121,6 +121,8 @@ class SlopeBouncer(Bouncer):
         rows = arrays.shapes["place"], arrays.shapes["radius"], arrays.lights["place"]
         self._size = max(float(np.abs(each).max(initial=0.0)) for each in rows)
         self._units = [min(1.0, self._size) if moves_lengths(arrays, moves[0]) else 1.0 for moves in self._moves]
+        self._paces: dict[int, Pace] = {}
+        self._ball = float(arrays.shapes["radius"][arrays.shapes["kind"] == SPHERE].min(initial=np.inf))
         faint = [is_faint_colour(arrays, moves[0]) for moves in self._moves]
         self._bases = [shifted(arrays, moves[0], 1.0) if ahead else arrays
                        for ahead, moves in zip(faint, self._moves, strict=True)]  # fmt: skip
@@ -282,12 +284,12 @@ class SlopeBouncer(Bouncer):
 
         ``closer`` (N,) is the size of coordinates over distances to shapes, and of lights from these.
         """
-        arrays = self._arrays
         speeds = [np.abs(each.imag).max(axis=1) for each in (here.place, here.normal, here.travel)]
         size = np.maximum(self._size, np.abs(here.place.real).max(axis=1))
-        balls = arrays.shapes["radius"][arrays.shapes["kind"] == SPHERE]
-        closer = np.maximum(closer, size / float(balls.min(initial=np.inf)))
-        return pace(arrays, self._moves[q][0], (speeds[0], speeds[1] + speeds[2]), size / closer, size, sharp)
+        closer = np.maximum(closer, size / self._ball)
+        if q not in self._paces:
+            self._paces[q] = pace_of(self._arrays, self._moves[q][0])
+        return self._paces[q].at((speeds[0], speeds[1] + speeds[2]), size / closer, size, sharp)
 
 
 def moving_rays(

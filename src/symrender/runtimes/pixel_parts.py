@@ -240,8 +240,7 @@ class PixelRule:
         new, old = values[: len(some)], state.values[some]
         old[fresh] = values[len(some) :]
         gap = np.abs(new - old).reshape(len(some), self._terms, self._channels).max(axis=2).sum(axis=1)
-        smooth = (kinds == SMOOTH) & (stage == 0)
-        hidden = np.where(smooth, _BENT * bent[: len(some)], 0.0)
+        hidden = np.where(kinds == SMOOTH, _BENT * bent[: len(some)], 0.0)
         slow = np.where(kinds == CUT, 1.0, self.slow)
         first = slow * np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
         last = np.where(stage == 0, 0.0, state.gap[some])
