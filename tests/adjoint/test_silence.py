@@ -27,7 +27,7 @@ def test_what_lies_beyond_a_lobe_is_stated(group: str, base: float) -> None:
     scene = sr.load("gloss").replace({f"{group}.{c}": base for c in "rgb"})
     (ahead, sure), (here, known) = gloss(scene.replace({name: 1.0})), gloss(scene)
     wanted, doubt = (ahead - here) / (1.0 - base), (sure + known) / (1.0 - base)
-    assert (np.abs(wanted).max(axis=2) > 1e-9).sum() >= 8 and (doubt < 1e-10).mean() > 0.95
+    assert (np.abs(wanted).max(axis=2) > 1e-9).sum() >= 8 and (doubt < 1e-10).mean() > 0.9
     told = 0
     for tol in (1e-1, 1e-2, 1e-3):
         image = sr.gradient(scene, [name], size=SIZE, tol=tol)[name]

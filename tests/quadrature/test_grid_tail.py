@@ -7,11 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.work import work_arrays
 from symrender.jit.records import Table, table
 from symrender.quadrature import grid_tail
 from symrender.quadrature.records import Conic, Remainder
-from symrender.quadrature.split_square import ROOT, SMOOTH, nearest_branch
+from symrender.quadrature.square_rows import nearest_branch
 
 CURVES = 400
 CORNERS = 200

@@ -9,7 +9,7 @@ import pytest
 
 from symrender.chambers.work import Work, work_arrays
 from symrender.jit.records import Table, table
-from symrender.quadrature import split_square
+from symrender.quadrature import square_rows
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_setup import MET
 
@@ -29,7 +29,7 @@ def line(a: float, b: float, c: float) -> tuple[float, ...]:
 
 
 def change(conics: Table[Conic], which: np.ndarray, low: float, high: float, work: Work) -> float:
-    return split_square.change_of_rows(low, high, 0.0, 1.0, which, len(which), conics, work)
+    return square_rows.change_of_rows(low, high, 0.0, 1.0, which, len(which), conics, work)
 
 
 @pytest.mark.parametrize(
@@ -48,8 +48,8 @@ def test_the_first_change_of_rows_is_found(quadratics: tuple[tuple[float, ...], 
     conics, which = conics_of(*quadratics)
     work = work_arrays(2, 1)
     rows = work.walls, work.chart, work.quartic, work.root_x, work.root_id
-    _, before = split_square.row_pieces(0.05, 0.0, 1.0, which, len(which), conics, *rows)
-    _, after = split_square.row_pieces(0.95, 0.0, 1.0, which, len(which), conics, *rows)
+    _, before = square_rows.row_pieces(0.05, 0.0, 1.0, which, len(which), conics, *rows)
+    _, after = square_rows.row_pieces(0.95, 0.0, 1.0, which, len(which), conics, *rows)
     assert before != after
     assert abs(change(conics, which, 0.05, 0.95, work) - expected) <= 2e-12
 
@@ -68,14 +68,14 @@ def test_rows_that_change_places_are_followed_not_halved(
 ) -> None:
     conics, which = conics_of(*quadratics)
     looked = 0
-    real = split_square.row_pieces
+    real = square_rows.row_pieces
 
     def counted(*words: object) -> object:
         nonlocal looked
         looked += 1
         return real(*words)
 
-    monkeypatch.setattr(split_square, "row_pieces", counted)
+    monkeypatch.setattr(square_rows, "row_pieces", counted)
     change(conics, which, 0.05, 0.95, work_arrays(2, 1))
     assert 5 <= looked <= most
 

@@ -20,6 +20,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held
 from symrender.jit.records import Table
 from symrender.leaves import values
 from symrender.quadrature.records import Conic
@@ -268,6 +269,14 @@ def conic_roots(row: Conic, y: float, x0: float, x1: float, walls: Table[Wall], 
     return found
 
 
+@inlined
+def touched_lines(row: Conic) -> tuple[int, float, float]:
+    """How many lines y = const a conic touches, and which."""
+    return quadratic_roots(
+        row.xy * row.xy - row.xx * row.yy, row.xy * row.x - row.xx * row.y, row.x * row.x - row.xx * row.free
+    )  # fmt: skip
+
+
 @jitable
 def square_cuts(
     x0: float, x1: float, y0: float, y1: float, crossing: Array, crossings: int, conics: Table[Conic], cuts: Array,
@@ -275,6 +284,7 @@ def square_cuts(
 ) -> int:  # fmt: skip
     """Ascending y of [y0, y1], both ends included, at which conics touch y = const or pass x = x0 or x1; how many.
 
+    Passages of curves steeper than a diagonal stand still where numbers move.
     ``crossing`` lists the rows of ``conics`` concerned; ``kinds`` gets ``PASSAGE`` or ``TANGENT``.
     """
     n = 2
@@ -287,14 +297,14 @@ def square_cuts(
                 x = x0 if which == 0 else x1
                 found, r1, r2 = quadratic_roots(row.yy, row.xy * x + row.y, row.xx * x * x + 2.0 * row.x * x + row.free)
             else:
-                found, r1, r2 = quadratic_roots(
-                    row.xy * row.xy - row.xx * row.yy, row.xy * row.x - row.xx * row.y,
-                    row.x * row.x - row.xx * row.free,
-                )  # fmt: skip
+                found, r1, r2 = touched_lines(row)
             for j in range(found):
                 y = r1 if j == 0 else r2
                 if not y0 < y < y1 or n >= cuts.shape[0]:
                     continue
+                if which < 2 and abs(row.xy * x + row.yy * y + row.y) < abs(row.xx * x + row.xy * y + row.x):
+                    # a steep curve's passage moves faster than anything on its two sides, which fit together
+                    y = held(y)
                 if which == 2:
                     # a conic touches its tangent at the middle of its two roots
                     middle = -(row.xy * y + row.x)

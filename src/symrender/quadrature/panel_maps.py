@@ -55,18 +55,25 @@ def azimuth(u: float, a: float, b: float, kind_a: float, kind_b: float) -> tuple
 
 
 @inlined
-def panel_azimuth(u: float, p: Panel) -> tuple[float, float]:
-    """``azimuth`` of a panel, whose map begins where its square roots do."""
-    first, last = p.roots[0], p.roots[1]
+def rooted_azimuth(
+    u: float, a: float, b: float, first: float, last: float, kind_a: float, kind_b: float
+) -> tuple[float, float]:  # fmt: skip
+    """``azimuth`` of a..b where the square roots lie ``first`` before a and ``last`` behind b."""
     if first == 0.0 and last == 0.0:
-        return azimuth(u, p.ends[0], p.ends[1], p.kinds[0], p.kinds[1])
-    a, b = p.ends[0] - first, p.ends[1] + last
+        return azimuth(u, a, b, kind_a, kind_b)
+    a, b = a - first, b + last
     low, high = math.sqrt(first / (b - a)), 1.0 - math.sqrt(last / (b - a))
-    if p.kinds[0] == ROOT and p.kinds[1] == ROOT:
+    if kind_a == ROOT and kind_b == ROOT:
         half = 0.5 * math.pi
         low, high = math.asin(low) / half, math.acos(1.0 - high) / half
-    phi, slope = azimuth(low + (high - low) * u, a, b, p.kinds[0], p.kinds[1])
+    phi, slope = azimuth(low + (high - low) * u, a, b, kind_a, kind_b)
     return phi, slope * (high - low)
+
+
+@inlined
+def panel_azimuth(u: float, p: Panel) -> tuple[float, float]:
+    """``azimuth`` of a panel, whose map begins where its square roots do."""
+    return rooted_azimuth(u, p.ends[0], p.ends[1], p.roots[0], p.roots[1], p.kinds[0], p.kinds[1])
 
 
 @jitable

@@ -228,7 +228,7 @@ def grid_once(
             unseen += bound
             continue
         quarter = ratio < 0.8
-        miss = bound
+        miss, lost = bound, 0.0
         for t in range(9):
             part[t] = 0.0
         if not quarter:
@@ -275,7 +275,7 @@ def grid_once(
             elif level > 0:
                 quarter = True
             else:
-                miss = cut_square(
+                miss, lost = cut_square(
                     x, y, side, step, span, reach, aim, bound, lobe, view, work, conics, crossing, crossings, gauss,
                     states, scratch, part,
                 )  # fmt: skip
@@ -284,7 +284,7 @@ def grid_once(
             top = push_quarters(x, y, side, level, blocks, top)
             continue
         error += miss
-        unseen += bound if quarter else 0.0
+        unseen += bound if quarter else lost
         sign = 1.0 if kind == MARBLE else block_sign(x - low_x, y - low_y, side, view.floor)
         for t in range(9):
             out[t] += sign * part[t]

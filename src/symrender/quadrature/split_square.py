@@ -9,18 +9,27 @@ import numpy.typing as npt
 
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.labels import HIDDEN, PARTLY
-from symrender.chambers.records import NODES, Chart, Wall
+from symrender.chambers.records import NODES
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
 from symrender.jit.records import Table
-from symrender.quadrature.floor_conics import TANGENT, conic_roots, square_cuts
+from symrender.quadrature.floor_conics import square_cuts
 from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
 from symrender.quadrature.line_errors import across_error, tail_error
-from symrender.quadrature.panel_maps import azimuth, ellipse_sum
+from symrender.quadrature.panel_maps import rooted_azimuth
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_line import SOFT_LOG
 from symrender.quadrature.square_nodes import floor_nodes, seen
+from symrender.quadrature.square_rows import (
+    BRANCHES,
+    change_of_rows,
+    nearest_branch,
+    push_strips,
+    roots_beyond,
+    row_pieces,
+    sliver_error,
+)
 from symrender.scene.arrays import MARBLE
 
 Array = npt.NDArray[np.float64]
@@ -32,101 +41,12 @@ MORE_LEVELS = 3
 """How many levels finer than asked, each of two lines and a node more, a strip may become before it is halved."""
 MAX_STRIPS = 200
 """Strips evaluated in a square; beyond, those that miss stand as they are."""
+THIN = 1e-9
+"""Height of a strip, in squares, below which one line is taken to tell all of it, whatever changes inside."""
 ROW_LABOUR = 1
 """What looking for the ends of a strip costs for each conic, in evaluations."""
 MAX_LINES = 16
 """Lines beyond which a strip is halved."""
-BRANCHES = 16
-"""Most roots of one conic on a line."""
-
-
-@jitable
-def row_pieces(
-    y: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Table[Conic], walls: Table[Wall], chart:
-    Chart, roots: Array, ends: Array, ids: Ints,
-) -> tuple[int, int]:  # fmt: skip
-    """Pieces of the line y = const between x0 and x1; their number and the signature of their order.
-
-    ``ends`` gets their ends, one more than pieces, ``ids`` the wall at the lower end of each; ``roots`` is scratch.
-    """
-    n = 1
-    ends[0], ids[0] = x0, -1
-    for i in range(crossings):
-        found = conic_roots(conics[int(crossing[i])], y, x0, x1, walls, chart, roots)
-        for j in range(found):
-            x = roots[j]
-            if x0 < x < x1 and n < ends.shape[0] - 1:
-                p = n
-                while p > 0 and ends[p - 1] > x:
-                    ends[p], ids[p] = ends[p - 1], ids[p - 1]
-                    p -= 1
-                ends[p], ids[p] = x, BRANCHES * i + j
-                n += 1
-    ends[n], ids[n] = x1, -1
-    signature = n
-    for i in range(1, n):
-        signature = (signature * 1000003) ^ ids[i]
-    return n, signature
-
-
-@inlined
-def root_named(name: int, n: int, work: Work) -> float:
-    """Where the root of this name lies on the row at hand, of ``n`` pieces, or NaN."""
-    for i in range(1, n):
-        if work.root_id[i] == name:
-            return float(work.root_x[i])
-    return math.nan
-
-
-@inlined
-def note_gaps(many: int, n: int, gaps: Array, work: Work) -> None:
-    """The gaps between neighbours of the lower row, whose names are noted, on the row at hand, of ``n`` pieces."""
-    x = root_named(work.row_names[1], n, work)
-    for i in range(1, many - 1):
-        beyond = root_named(work.row_names[i + 1], n, work)
-        gaps[i] = beyond - x
-        x = beyond
-
-
-@inlined
-def change_of_rows(
-    low: float, high: float, x0: float, x1: float, crossing: Array, crossings: int, conics: Table[Conic], work: Work
-) -> float:  # fmt: skip
-    """The y between ``low`` and ``high``, whose rows differ in structure, where the structure of ``low`` ends.
-
-    Neighbours that change places are followed until the first two of them meet; anything else is found by halving.
-    """
-    walls, chart, roots, ends, ids = work.walls, work.chart, work.quartic, work.root_x, work.root_id
-    near, far = work.row_gaps[0], work.row_gaps[1]
-    many, before = row_pieces(low, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
-    for i in range(1, many):
-        work.row_names[i] = work.root_id[i]
-    note_gaps(many, many, near, work)
-    n, _ = row_pieces(high, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
-    note_gaps(many, n, far, work)
-    # as in the Illinois method, an end that stays twice counts half
-    weight, kept = 1.0, 0
-    while True:
-        middle = 0.5 * (low + high)
-        if not low < middle < high or high - low < 1e-13 * (abs(low) + abs(high) + x1 - x0):
-            return held(middle)
-        share = 1.0
-        for i in range(1, many - 1):
-            if far[i] < 0.0 < near[i]:
-                share = min(share, near[i] / (near[i] - weight * far[i]))
-        if share < 1.0:
-            middle = low + min(0.999, max(0.001, share)) * (high - low)
-        n, found = row_pieces(middle, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
-        if found == before:
-            low = middle
-            note_gaps(many, n, near, work)
-            weight = 0.5 * weight if kept > 0 else 1.0
-            kept = 1
-        else:
-            high = middle
-            note_gaps(many, n, far, work)
-            weight = 2.0 * weight if kept < 0 else 1.0
-            kept = -1
 
 
 @inlined
@@ -182,41 +102,6 @@ def add_pieces(
 
 
 @inlined
-def nearest_branch(
-    a: float, b: float, kind_a: float, kind_b: float, pieces: int, crossing: Array, conics: Table[Conic], work: Work
-) -> float:  # fmt: skip
-    """log rho of a strip a..b by the places, real or not, where the conics on the row at hand touch lines y = const.
-
-    There the two roots of a conic meet, and the ends of pieces move like a square root: just outside of the square too,
-    where it is no cut.
-    """
-    best = math.inf
-    for piece in range(1, pieces):
-        owner = int(work.root_id[piece]) // BRANCHES
-        row = conics[int(crossing[owner])]
-        square = row.xy * row.xy - row.xx * row.yy
-        half, free = row.xy * row.x - row.xx * row.y, row.x * row.x - row.xx * row.free
-        if row.soft > 0.0 or (square == 0.0 and half == 0.0):
-            continue
-        if square == 0.0:
-            # a parabola touches one of them
-            half, free = 0.5 * free / half, (0.5 * free / half) ** 2
-        else:
-            half, free = half / square, free / square
-        inner = half * half - free
-        root = math.sqrt(abs(inner))
-        for way in range(2):
-            y, depth = -half, root
-            if inner >= 0.0:
-                y, depth = -half + (root if way == 0 else -root), 0.0
-                if a - 1e-9 * (b - a) < y < b + 1e-9 * (b - a):
-                    # where the map begins, or the conic leaves the square before it
-                    continue
-            best = min(best, ellipse_sum(y, depth, a, b, kind_a, kind_b))
-    return math.log(best + math.sqrt(max(0.0, best * best - 1.0))) if best < math.inf else math.inf
-
-
-@inlined
 def lines_error(
     n: int, last: float, before: float, middle: float, lower: float, size: float, log_rho: float, branch: float
 ) -> float:  # fmt: skip
@@ -235,7 +120,8 @@ def begins_softly(end: int, crossing: Array, conics: Table[Conic], work: Work) -
 
 @inlined
 def strip_integral(
-    x0: float, x1: float, a: float, b: float, kind_a: float, kind_b: float, n: int, more: int, signature: int,
+    x0: float, x1: float, a: float, b: float, first: float, last: float, kind_a: float, kind_b: float, n: int, more:
+    int, signature: int,
     crossing: Array, crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work,
     conics: Table[Conic], gauss: Array, states: Array, sums: Array, out: Array,
 ) -> float:  # fmt: skip
@@ -253,7 +139,7 @@ def strip_integral(
     rows, lit, side = work.nodes, work.lit, work.cell_side
     m, placed, pieces = 0, 0, 0
     for q in range(n):
-        y, slope = azimuth(gauss[0, base + q], a, b, kind_a, kind_b)
+        y, slope = rooted_azimuth(gauss[0, base + q], a, b, first, last, kind_a, kind_b)
         slope *= gauss[1, base + q]
         pieces, found = row_pieces(y, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         if found != signature:
@@ -299,7 +185,7 @@ def strip_integral(
         add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
     x = span / (b - a)
     log_rho = math.log(x + math.sqrt(1.0 + x * x))
-    branch = nearest_branch(a, b, kind_a, kind_b, pieces, crossing, conics, work)
+    branch = nearest_branch(a - first, b + last, kind_a, kind_b, pieces, crossing, conics, work)
     miss = lines_error(n, sums[2], sums[3], sums[4], sums[5], sums[0], log_rho, branch)
     out[9] = sums[1] + miss
     if moves(miss):
@@ -307,7 +193,8 @@ def strip_integral(
             n, tangent(sums[2]), tangent(sums[3]), tangent(sums[4]), tangent(sums[5]), tangent(sums[0]), held(log_rho),
             held(branch),
         )  # fmt: skip
-        out[9] = moved(held(out[9]), tangent(sums[1]) + missed)
+        # slopes fall more slowly: beside a tangency they are like one over the root of what it is away
+        out[9] = moved(held(out[9]), tangent(sums[1]) + 2.0 * missed)
     return math.nan
 
 
@@ -316,8 +203,8 @@ def cut_square(
     x0: float, y0: float, size: float, step: int, span: float, reach: float, room: float, bound: float, lobe: Array,
     view: View, work: Work, conics: Table[Conic], crossing: Array, crossings: int, gauss: Array, states: Array, scratch:
     Array, out: Array,
-) -> float:  # fmt: skip
-    """Add the integral of a square some conics cross to ``out`` (9,); its error estimate.
+) -> tuple[float, float]:  # fmt: skip
+    """Add the integral of a square some conics cross to ``out`` (9,); its error estimate, and what was not looked at.
 
     ``out[3:9]`` is under the two shorter tapers; ``bound`` is what the square can hold.
 
@@ -330,16 +217,8 @@ def cut_square(
     cuts, kinds, point, part = scratch[0], scratch[1], scratch[2], scratch[3]
     stack = scratch[4:]
     n = square_cuts(x0, x1, y0, y1, crossing, crossings, conics, cuts, kinds)
-    top = 0
-    for i in range(n - 1):
-        if cuts[i + 1] - cuts[i] > 1e-13 * size and top < stack.shape[0]:
-            row = stack[top]
-            row[0], row[1], row[4], row[5] = cuts[i], cuts[i + 1], 0.0, step
-            row[2] = ROOT if kinds[i] == TANGENT else SMOOTH
-            row[3] = ROOT if kinds[i + 1] == TANGENT else SMOOTH
-            top += 1
-    error = 0.0
-    strips = 0
+    top, error = push_strips(cuts, kinds, n, size, bound, step, stack)
+    strips, unseen = 0, 0.0
     while top > 0:
         top -= 1
         strips += 1
@@ -347,7 +226,8 @@ def cut_square(
         row = stack[top]
         a, b, kind_a, kind_b, depth, level = row[0], row[1], row[2], row[3], row[4], int(row[5])
         room_left = top + 2 < stack.shape[0]
-        inset = 1e-9 * (b - a)
+        # farther in than rounding moves a cut
+        inset = min(0.25 * (b - a), max(1e-9 * (b - a), 1e-15 * (abs(a) + size)))
         pieces, signature = row_pieces(a + inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         _, other = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         x = 0.7 * span / (b - a)
@@ -355,14 +235,30 @@ def cut_square(
         lines = min(MAX_ORDER, max(3 + 2 * more, nodes(level, math.log(x + math.sqrt(1.0 + x * x)))))
         foreign = b - inset
         if other == signature:
+            below, above = roots_beyond(a, b, size, crossing, crossings, conics)
+            first, begin = (below, ROOT) if kind_a == SMOOTH and below < math.inf else (0.0, kind_a)
+            last, end = (above, ROOT) if kind_b == SMOOTH and above < math.inf else (0.0, kind_b)
             foreign = strip_integral(
-                x0, x1, a, b, kind_a, kind_b, lines, more, signature, crossing, crossings, level, span, reach, lobe,
-                view, work, conics, gauss, states, point, part,
+                x0, x1, a, b, first, last, begin, end, lines, more, signature, crossing, crossings, level, span, reach,
+                lobe, view, work, conics, gauss, states, point, part,
             )  # fmt: skip
         if foreign == foreign:
-            if b - a < 1e-9 * size or not room_left or strips > MAX_STRIPS or is_spent(work):
-                # too thin to matter, or walls that rounding moves about: all it can hold is its error
-                error += held(bound * (b - a) / size)
+            holds = held(bound * (b - a) / size)
+            if b - a < THIN * size:
+                # nothing of its own, or walls that rounding moves about: all it can hold is its error
+                middle = 0.5 * (a + b)
+                _, within = row_pieces(middle, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
+                strip_integral(
+                    x0, x1, a, b, 0.0, 0.0, SMOOTH, SMOOTH, 1, 0, within, crossing, crossings, step, span, reach,
+                    lobe, view, work, conics, gauss, states, point, part,
+                )  # fmt: skip
+                for t in range(9):
+                    out[t] += part[t]
+                error += holds + sliver_error(a, b, size, bound)
+                continue
+            if not room_left or strips > MAX_STRIPS or is_spent(work):
+                error += holds
+                unseen += holds
                 continue
             cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)
             beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
@@ -388,4 +284,4 @@ def cut_square(
         low[0], low[1], low[2], low[3], low[4], low[5] = a, cut, kind_a, kind, depth, level
         high[0], high[1], high[2], high[3], high[4], high[5] = cut, b, kind, kind_b, depth, level
         top += 2
-    return error
+    return error, unseen
