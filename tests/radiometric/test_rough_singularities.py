@@ -117,6 +117,31 @@ def test_a_ridge_that_crosses_a_jump_between_lines_is_seen() -> None:
         assert np.abs(seen.direct[0]).max() <= seen.error[0], tol
 
 
+def test_masking_beyond_a_horizon_that_a_wall_runs_into_is_seen() -> None:
+    """Of a grazing view its pole lies a thousandth beyond the place where the edge of two planes meets the horizon."""
+    metal = {"type": "conductor", "distribution": "ggx", "alpha": 0.5, "masking": "correlated",
+             "eta": [0.7004914645205412, 1.081027335213117, 0.7003778478153948], "k": [3.0, 0.0, 0.5]}  # fmt: skip
+    below = np.array([-0.00026202732142796233, -0.0009620935490302056, 0.9999243846196878])
+    side = np.array([1.093968779980182, -0.2607483348402705, -0.11480494008126267])
+    made = ALONE | {
+        "materials": {"metal": metal, "clay": {"type": "diffuse", "reflectance": 0.5}},
+        "shapes": [
+            {"type": "plane", "name": "floor", "point": (-2.0 * below).tolist(), "normal": below.tolist(),
+             "material": "clay"},
+            {"type": "plane", "name": "wall", "point": (-side).tolist(), "normal": side.tolist(), "material": "clay"},
+            {"type": "sphere", "name": "ball", "center": [-0.31232248787654, -1.2079755642642427, 0.7149600051478222],
+             "radius": 0.6959872489106793, "material": "metal"}],
+    }  # fmt: skip
+    rays = (np.array([-0.8291803849656297, -0.7946249686641584, 0.4994030604961146]),
+            np.array([-0.5511896353317636, -0.8111174701803925, -0.19564875535253906]))  # fmt: skip
+    known = nested.reflected(nested.world(made), *rays, 1e-15)
+    assert known.shape == 2 and known.error < 1e-13 and known.light.max() > 1e-5
+    for tol in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
+        seen = sr.probe(made, rays=rays, tol=tol * known.light.max())
+        assert seen.status[0] == 0 or tol < 1e-8
+        assert np.abs(seen.direct[0] - known.light).max() <= seen.error[0] + known.error, tol
+
+
 @pytest.mark.parametrize("exponent", [0.6, 2.7, 4.3])
 def test_a_lobe_that_ends_with_a_broken_power_meets_its_tolerance(exponent: float) -> None:
     made = scene({})

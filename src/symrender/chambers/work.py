@@ -47,6 +47,8 @@ PENDING: Final = 3 * NODES
 
 CHORD_ROOM: Final = 94
 """Rows for the frame of a disk and its halved chords and panels."""
+TRACKS: Final = 3
+"""Singularities of a lobe that are followed from line to line: that of its density, and two of its masking."""
 MOST_OF_LOBE: Final = 40
 """Singularities of a lobe's own on a line, or beside azimuths, at most."""
 
@@ -100,6 +102,7 @@ class Work(NamedTuple):
     row_names: Ints
     row_gaps: Array
     beside: Array
+    tracks: Array
     cell_from: Array
     cell_to: Array
     cell_wall: Ints
@@ -267,7 +270,8 @@ def work_arrays(spheres: int, points: int) -> Work:
         root_id=np.zeros(MAX_ROOTS, np.int64),
         row_names=np.zeros(MAX_ROOTS, np.int64),
         row_gaps=np.zeros((2, MAX_ROOTS)),
-        beside=np.zeros((2, MAX_ROOTS + 2)),
+        beside=np.zeros((2 * TRACKS, MAX_ROOTS + 2)),
+        tracks=np.full((TRACKS, 3), np.nan),
         cell_from=np.zeros(MAX_ROOTS + 2),
         cell_to=np.zeros(MAX_ROOTS + 2),
         cell_wall=np.zeros(MAX_ROOTS + 2, np.int64),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from symrender.chambers.highlight_strips import line_highlights, piece_highlights, seeing
-from symrender.chambers.lobes.levels import LEVELS, level_on_line, lobe_level
+from symrender.chambers.lobes.levels import LEVELS, MASKED, level_on_line, lobe_level
 from symrender.chambers.lobes.poles import foot_of_bell, inner_pole, lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.lobes.sending import grazing_pole
@@ -82,6 +82,7 @@ def note_sender(c: float, s: float, view: View, work: Work) -> None:
 def note_levels(c: float, s: float, view: View, work: Work) -> None:
     """Note where the masking and the reflectance of the lobe are singular beside a line."""
     chart = work.chart
+    work.tracks[1, 0] = work.tracks[2, 0] = math.nan
     for i in range(LEVELS):
         of_view, x, y = lobe_level(i, chart, view.conductors)
         if x == math.inf:
@@ -94,6 +95,10 @@ def note_levels(c: float, s: float, view: View, work: Work) -> None:
             if work.counts.poles < work.poles.shape[0] and (chart.shape_index < 0.0 or abs(at) < 0.5 * math.pi):
                 at, deep = inner_pole(at, depth, chart)
                 note_pole(at, deep, work)
+                if i == MASKED:
+                    # of the order of cos_o^2, beside masking that is of the order of cos_o
+                    track = work.tracks[1 + side]
+                    track[0], track[1], track[2] = at, deep, chart.lobe.cos_view
 
 
 @inlined
@@ -108,9 +113,10 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     line_highlights(phi, work)
     chart.bell = 0.0
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
-        # the first of all: ``crossed_pole`` follows it from line to line
         x, y, chart.bell = lobe_pole(c, s, chart)
         note_pole(x, y, work)
+        track = work.tracks[0]
+        track[0], track[1], track[2] = x, y, 1.0
         note_levels(c, s, view, work)
     note_sender(c, s, view, work)
     if chart.shape_index < 0.0:

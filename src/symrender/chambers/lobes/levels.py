@@ -32,6 +32,8 @@ from symrender.leaves.radiometric import walter_masking
 
 LEVELS: Final = 6
 """Levels a lobe has at most: two of masking, one of every channel's reflectance, and that of its cosine."""
+MASKED: Final = 1
+"""The level w.N = -cos_o."""
 ASKANCE: Final = 5
 """The level w.w_o = -1."""
 PLACES: Final = 2
@@ -56,7 +58,7 @@ def lobe_level(i: int, chart: Chart, conductors: Table[Conductor] | None) -> tup
         if is_critical(eta, k):
             return True, math.inf, 0.0
         x, y = 1.0 - 2.0 * (eta - k) * (eta + k), 4.0 * eta * k
-    elif i == 1:
+    elif i == MASKED:
         if lobe.correlated == CORRELATED or lobe.beckmann == 1:
             x = -lobe.cos_view
     elif lobe.walter == 1:
