@@ -35,6 +35,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.moving import held, moves, tangent
 from symrender.jit.records import Table
 from symrender.scene.arrays import MARBLE
 
@@ -42,6 +43,10 @@ Array = npt.NDArray[np.float64]
 
 NEAR_PLANE = 1e-2
 """Cosine of a cone's half-angle below which its crossings with circles are found from those of a plane as well."""
+FAST = 4.0
+"""How many times faster than half of a chart's events a crossing must move to be held."""
+MOST_HELD = 256
+"""Events of a chart beyond which none is."""
 NEAR_ROOT = 1e-3
 """Largest correction of a half-tangent; a root on the cone's other half moves farther."""
 
@@ -339,6 +344,26 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
     return n
 
 
+@jitable
+def hold_fast(events: Table[Event], n: int) -> None:
+    """Let crossings stand still that move far faster than half of all events.
+
+    Walls that all but touch cross at a place that runs along both as they move, and what the two panels that end there
+    sweep is large and cancels. A panel's end is there for a kink alone, which the derivative may leave behind.
+    """
+    if n > MOST_HELD or not moves(events[0].azimuth):
+        return
+    for e in range(n):
+        if events[e].kind != CROSSING:
+            continue
+        speed, slower = abs(tangent(events[e].azimuth)), 0
+        for i in range(n):
+            if FAST * abs(tangent(events[i].azimuth)) < speed:
+                slower += 1
+        if 2 * slower >= n:
+            events[e].azimuth = held(events[e].azimuth)
+
+
 @inlined
 def all_events(view: View, work: Work, events: Table[Event], low: float, high: float) -> int:
     """Events between low and high, with both ends, ascending. Their number."""
@@ -349,4 +374,6 @@ def all_events(view: View, work: Work, events: Table[Event], low: float, high: f
     n = chart_crossings(view, work, events, n, low, high)
     n = tangencies(view, work, events, n, low, high)
     n = trace_crossings(view, work, events, n, low, high)
-    return int(close_events(events, n, high))
+    n = close_events(events, n, high)
+    hold_fast(events, n)
+    return int(n)

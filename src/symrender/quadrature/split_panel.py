@@ -38,6 +38,7 @@ from symrender.quadrature.panel_maps import (
 from symrender.quadrature.panel_rule import evaluate_panel, panel_order, rough_panel
 from symrender.quadrature.panel_search import SPARE, split_span
 from symrender.quadrature.records import Panel, Span
+from symrender.quadrature.rule_errors import RATE
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -168,6 +169,32 @@ def rounded_walls(work: Work) -> float:
 
 
 @jitable
+def follow_ends(
+    panels: Table[Panel], n: int, view: View, work: Work, gauss: Array, events: Table[Event], many: int, out: Array,
+    scratch: Array,
+) -> None:  # fmt: skip
+    """Look at panels that nobody looked at, for they hold little, where their ends move apart.
+
+    A panel's tangent is what its ends sweep, too, however little it holds, and its neighbours' ends sweep the same:
+    were it left out, they would not cancel. It counts where they go faster beside its width than what was left out is
+    taken to change (``slope_error``).
+    """
+    for i in range(n):
+        p = panels[i]
+        width = held(p.ends[1] - p.ends[0])
+        apart = abs(tangent(p.ends[1]) - tangent(p.ends[0]))
+        if p.step >= 0 or not apart * held(scratch[62]) > RATE * held(scratch[63]) * width:
+            continue
+        holds = held(p.error)
+        evaluate_panel(p, 1, view, work, gauss, events, many, out, scratch)
+        if out[3] == math.inf:
+            p.error = moved(holds, apart * holds / width)
+            continue
+        p.value[0], p.value[1], p.value[2] = out[0], out[1], out[2]
+        p.error = moved(holds, tangent(out[3]))
+
+
+@jitable
 def split_chart(
     tol: float, view: View, work: Work, gauss: Array, panels: Table[Panel], spans: Table[Span], ids: Ints, events:
     Table[Event], scratch: Array, max_evaluations: int, value: Array,
@@ -284,15 +311,19 @@ def split_chart(
     for i in range(work.counts.walls):
         if work.walls[i].met != 0.0:
             work.counts.crossings += 1
+    if moves(error):
+        for i in range(n):
+            p = panels[i]
+            if p.step >= 0:
+                width = held(p.ends[1] - p.ends[0])
+                scratch[62] += held(p.per_radian) * width
+                scratch[63] += tangent(p.per_radian) * width
+                scratch[64] += SAFETY * held(p.error) if p.step > 0 else 0.0
+        follow_ends(panels, n, view, work, gauss, events, m, out, scratch)
     for i in range(n):
         p = panels[i]
         value[0] += p.value[0]
         value[1] += p.value[1]
         value[2] += p.value[2]
         error += SAFETY * p.error
-        if moves(error) and p.step >= 0:
-            width = held(p.ends[1] - p.ends[0])
-            scratch[62] += held(p.per_radian) * width
-            scratch[63] += tangent(p.per_radian) * width
-            scratch[64] += SAFETY * held(p.error) if p.step > 0 else 0.0
     return error, bad
