@@ -43,7 +43,7 @@ Array = npt.NDArray[np.float64]
 
 NEAR_PLANE = 1e-2
 """Cosine of a cone's half-angle below which its crossings with circles are found from those of a plane as well."""
-FAST = 4.0
+FAST = 30.0
 """How many times faster than half of a chart's events a crossing must move to be held."""
 MOST_HELD = 256
 """Events of a chart beyond which none is."""

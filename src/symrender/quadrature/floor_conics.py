@@ -293,8 +293,8 @@ def square_cuts(
     for i in range(crossings):
         row = conics[int(crossing[i])]
         for which in range(3):
+            x = x1 if which == 1 else x0
             if which < 2:
-                x = x0 if which == 0 else x1
                 found, r1, r2 = quadratic_roots(row.yy, row.xy * x + row.y, row.xx * x * x + 2.0 * row.x * x + row.free)
             else:
                 found, r1, r2 = touched_lines(row)
