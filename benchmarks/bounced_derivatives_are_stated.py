@@ -36,14 +36,16 @@ TRUST = 0.1
 """Share of what those values state that is taken to differ between two of them."""
 ZERO = 1e-8
 """Slope, of the light over what a number is measured by, that the judge need not tell from none."""
+DIM = 1e-7
+"""Light that is taken for none."""
 DRAWS = 10
 """Scenes drawn for one that is lit."""
 LOOSEST = 1.5
 BUDGET = 2_000_000
 
 
-def scaled(scene: Scene, origin: np.ndarray, direction: np.ndarray, size: float) -> Scene:
-    """The scene at another size, seen along a ray."""
+def resize(scene: Scene, size: float, on_planes: set[str]) -> None:
+    """Bring shapes, lights and the fields of these materials to another size; fields of spheres are angles."""
     for shape in scene["shapes"]:
         for key in ("point", "center"):
             if key in shape:
@@ -54,12 +56,17 @@ def scaled(scene: Scene, origin: np.ndarray, direction: np.ndarray, size: float)
         if "position" in light:
             light["position"] = (size * np.array(light["position"])).tolist()
             light["intensity"] = (size * size * np.array(light["intensity"])).tolist()
+    for name in on_planes:
+        reflectance = scene["materials"][name]["reflectance"]
+        if isinstance(reflectance, dict):
+            reflectance["cell"] *= size
+
+
+def scaled(scene: Scene, origin: np.ndarray, direction: np.ndarray, size: float) -> Scene:
+    """The scene at another size, seen along a ray."""
     on_planes = {s["material"] for s in scene["shapes"] if s["type"] == "plane"}
     on_spheres = {s["material"] for s in scene["shapes"] if s["type"] == "sphere"}
-    for name, material in scene["materials"].items():
-        reflectance = material["reflectance"]
-        if isinstance(reflectance, dict) and name in on_planes - on_spheres:
-            reflectance["cell"] *= size
+    resize(scene, size, on_planes - on_spheres)
     up = [0.0, 0.0, 1.0] if abs(direction[2]) < 0.9 * np.linalg.norm(direction) else [0.0, 1.0, 0.0]
     target = origin + direction / np.linalg.norm(direction)
     scene["camera"] = {"type": "look_at", "eye": (size * origin).tolist(), "target": (size * target).tolist(),
@@ -77,6 +84,31 @@ def scene_of(seed: int) -> Scene:
         planes[0].update(normal=[0, 0, 1], along=[1, 0, 0], point=[0, 0, 0])
         planes[1].update(normal=[1, 0, 0], along=[0, 1, 0], point=[-1.0, 0, 0])
     return scaled(scene, origin, direction, float(rng.choice([1.0, 1.0, 1e-4, 1e-2, 1e3])))
+
+
+def lit(seed: int, tol: float, budget: int) -> tuple[Scene, float]:
+    """The first scene of a seed that sends light where the pixel looks, so that it is 1 there, and what it was.
+
+    Raises ``SymrenderError`` for a scene that is refused.
+    """
+    import symrender as sr
+
+    data, light = {}, 0.0
+    for drawn_ in range(DRAWS):
+        # most scenes of a crowd send nothing where the pixel looks
+        data = scene_of(DRAWS * seed + drawn_)
+        if any(lamp["type"] not in ("point", "directional") for lamp in data["lights"]):
+            continue
+        seen = sr.truth(data, size=1, tol=tol, threads=1, tile=1, budget=budget)
+        light = float(seen.layer("indirect").max())
+        if light > DIM:
+            break
+    if light > DIM:
+        # tolerances of a part in 1e12 have room in numbers of order one only
+        for lamp in data["lights"]:
+            for key in {"intensity", "irradiance"} & lamp.keys():
+                lamp[key] = (np.array(lamp[key]) / light).tolist()
+    return data, light
 
 
 class Judged(NamedTuple):
@@ -108,20 +140,7 @@ def judged(seeds: range) -> list[Judged]:
     for seed in seeds:
         rng, light = np.random.default_rng([seed, 11]), 0.0
         try:
-            for drawn_ in range(DRAWS):
-                # most scenes of a crowd send nothing where the pixel looks
-                data = scene_of(DRAWS * seed + drawn_)
-                if any(lamp["type"] not in ("point", "directional") for lamp in data["lights"]):
-                    continue
-                seen = sr.truth(data, size=1, tol=1e-6, threads=1, tile=1, budget=BUDGET)
-                light = float(seen.layer("indirect").max())
-                if light > 1e-7:
-                    break
-            if light > 1e-7:
-                # tolerances of a part in 1e12 have room in numbers of order one only
-                for lamp in data["lights"]:
-                    for key in {"intensity", "irradiance"} & lamp.keys():
-                        lamp[key] = (np.array(lamp[key]) / light).tolist()
+            data, light = lit(seed, 1e-6, BUDGET)
             scene = load_any(data)
             here = sr.truth(scene, size=1, tol=1e-6, threads=1, tile=1, budget=BUDGET)
         except SymrenderError as reason:

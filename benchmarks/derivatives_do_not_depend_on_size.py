@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from bounced_derivatives_are_stated import DRAWS, acts, scene_of
+from bounced_derivatives_are_stated import DIM, acts, lit, resize
 from measure import Report
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -48,18 +48,7 @@ class Asked(NamedTuple):
 def scaled(scene: Scene, size: float) -> Scene:
     """The scene at another size; fields of spheres are angles, and have none."""
     made = copy.deepcopy(scene)
-    for shape in made["shapes"]:
-        for key in shape.keys() & {"point", "center"}:
-            shape[key] = (size * np.array(shape[key])).tolist()
-        if "radius" in shape:
-            shape["radius"] *= size
-    for light in made["lights"]:
-        if "position" in light:
-            light["position"] = (size * np.array(light["position"])).tolist()
-            light["intensity"] = (size * size * np.array(light["intensity"])).tolist()
-    for name, material in made["materials"].items():
-        if name.startswith(ON_PLANE) and isinstance(material["reflectance"], dict):
-            material["reflectance"]["cell"] *= size
+    resize(made, size, {name for name in made["materials"] if name.startswith(ON_PLANE)})
     for key in ("eye", "target"):
         made["camera"][key] = (size * np.array(made["camera"][key])).tolist()
     return made
@@ -75,21 +64,9 @@ def power_of(name: str) -> int:
 
 def drawn(seed: int) -> Scene | None:
     """The scene of a seed, lit to 1, of a size near 1, with materials of planes of their own; or None."""
-    import symrender as sr
-
-    for k in range(DRAWS):
-        scene = scene_of(DRAWS * seed + k)
-        if any(light["type"] not in ("point", "directional") for light in scene["lights"]):
-            continue
-        seen = sr.truth(scene, size=1, tol=1e-5, threads=1, tile=1, budget=BUDGET)
-        light = float(seen.layer("indirect").max())
-        if light > 1e-7:
-            break
-    else:
+    scene, light = lit(seed, 1e-5, BUDGET)
+    if light <= DIM:
         return None
-    for lamp in scene["lights"]:
-        for key in {"intensity", "irradiance"} & lamp.keys():
-            lamp[key] = (np.array(lamp[key]) / light).tolist()
     for shape in scene["shapes"]:
         if shape["type"] == "plane":
             name = shape["material"]

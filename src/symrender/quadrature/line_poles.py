@@ -113,6 +113,7 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     line_highlights(phi, work)
     chart.bell = 0.0
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
+        # the first of all: ``cell_log`` measures the bell from it
         x, y, chart.bell = lobe_pole(c, s, chart)
         note_pole(x, y, work)
         track = work.tracks[0]

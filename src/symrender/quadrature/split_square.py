@@ -264,22 +264,19 @@ def cut_square(
             beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
             # two conics that meet change places; an edge of a penumbra may open a piece like a square root
             kind = SMOOTH if beyond == pieces else ROOT
-        elif part[9] <= room or not room_left or strips > MAX_STRIPS or is_spent(work):
-            for t in range(9):
-                out[t] += part[t]
-            error += part[9]
-            continue
-        elif level < min(step + MORE_LEVELS, len(LEVELS) - 1) and lines < MAX_LINES:
-            row[5] = level + 1
-            top += 1
-            continue
-        elif depth < MAX_HALVINGS:
-            cut, kind, depth, level = 0.5 * (a + b), SMOOTH, depth + 1.0, step
         else:
-            for t in range(9):
-                out[t] += part[t]
-            error += part[9]
-            continue
+            finer = level < min(step + MORE_LEVELS, len(LEVELS) - 1) and lines < MAX_LINES
+            ends_here = not (finer or depth < MAX_HALVINGS)
+            if part[9] <= room or ends_here or not room_left or strips > MAX_STRIPS or is_spent(work):
+                for t in range(9):
+                    out[t] += part[t]
+                error += part[9]
+                continue
+            if finer:
+                row[5] = level + 1
+                top += 1
+                continue
+            cut, kind, depth, level = 0.5 * (a + b), SMOOTH, depth + 1.0, step
         low, high = stack[top], stack[top + 1]
         low[0], low[1], low[2], low[3], low[4], low[5] = a, cut, kind_a, kind, depth, level
         high[0], high[1], high[2], high[3], high[4], high[5] = cut, b, kind, kind_b, depth, level
