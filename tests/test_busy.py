@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 
 import pytest
@@ -23,27 +22,31 @@ def test_what_comes_soon_is_waited_for() -> None:
     assert time.monotonic() - begun > 0.05
 
 
-def test_the_stretch_is_how_long_others_keep_us_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(busy, "WORK", 0.02)
-    alone = min(busy.stretch() for _ in range(5))
-    assert alone >= 1.0
-    ended = threading.Event()
+class Clocks:
+    """The clocks of a thread that has the processor for a share of the time."""
 
-    def hold() -> None:
-        while not ended.is_set():
-            # the lock of the interpreter, as another process would hold the processor
-            sum(range(20_000))
+    def __init__(self, share: float) -> None:
+        self.share = share
+        self.wall = 0.0
 
-    threads = [threading.Thread(target=hold) for _ in range(3)]
-    for thread in threads:
-        thread.start()
-    try:
-        time.sleep(0.05)
-        assert min(busy.stretch() for _ in range(3)) > 1.5
-    finally:
-        ended.set()
-        for thread in threads:
-            thread.join()
+    def perf_counter(self) -> float:
+        return self.wall
+
+    def thread_time(self) -> float:
+        self.wall += 0.001
+        return self.share * self.wall
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5, 0.1])
+def test_the_stretch_is_how_long_others_keep_us_waiting(monkeypatch: pytest.MonkeyPatch, share: float) -> None:
+    monkeypatch.setattr(busy, "time", Clocks(share))
+    assert busy.stretch() == pytest.approx(1.0 / share, rel=0.05)
+
+
+def test_a_limit_is_stretched_where_others_keep_us_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(busy, "time", Clocks(0.25))
+    assert busy.in_time(3.5, 1.0)
+    assert not busy.in_time(4.5, 1.0)
 
 
 def test_processor_time_grows_by_what_the_machine_is_slowed_and_no_more() -> None:
