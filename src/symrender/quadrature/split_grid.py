@@ -32,8 +32,8 @@ from symrender.quadrature.grid_blocks import block_bound, block_level, block_sig
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
-from symrender.quadrature.split_square import cut_square
-from symrender.quadrature.square_nodes import floor_nodes, seen
+from symrender.quadrature.split_square import Ground, Square, cut_square
+from symrender.quadrature.square_nodes import add_tapered, floor_nodes, seen
 from symrender.quadrature.veins import SMALL_PART, TAME_VEINS, VEINS
 from symrender.scene.arrays import CHECKER, MARBLE, STRIPES
 
@@ -104,13 +104,14 @@ def grid_reach(
 
 @inlined
 def smooth_block(
-    x0: float, y0: float, side: float, level: int, n: int, step: int, log_rho: float, reach: float, lobe: Array,
-    view: View, work: Work, gauss: Array, states: Array, out: Array,
+    x0: float, y0: float, side: float, level: int, n: int, step: int, log_rho: float, reach: float, ground: Ground, out:
+    Array,
 ) -> float:  # fmt: skip
     """Integral of a block of 2^level squares a side that no conic crosses, by n x n nodes, in out[0:3].
 
     ``out[3:9]`` is the same under the two shorter tapers. Returns its error, read off its coefficients.
     """
+    lobe, view, work, _, gauss, states = ground
     chart, base, kind = work.chart, n * (n - 1) // 2, view.floor.kind
     veined = kind == MARBLE and side > 0.5 * view.floor.cell
     weighed = level > 0 or veined
@@ -144,18 +145,10 @@ def smooth_block(
         for e in range(n):
             i = n * q + e
             red, green, blue = b.radiance[0, i], b.radiance[1, i], b.radiance[2, i]
-            w, near, between = down[base + q] * weights[base + e], b.near[i], b.between[i]
+            w = down[base + q] * weights[base + e]
             if veined:
                 w += odd * under[base + q] * other[base + e]
-            out[0] += w * red
-            out[1] += w * green
-            out[2] += w * blue
-            out[3] += w * near * red
-            out[4] += w * near * green
-            out[5] += w * near * blue
-            out[6] += w * between * red
-            out[7] += w * between * green
-            out[8] += w * between * blue
+            add_tapered(red, green, blue, w, b.near[i], b.between[i], out)
             value = gauss[1, base + q] * gauss[1, base + e] * (red + green + blue)
             line += value
             last += value * gauss[2, base + e]
@@ -189,10 +182,40 @@ def smooth_block(
     return miss
 
 
+@inlined
+def block_order(fall: float, level: int, kind: int, log_rho: float) -> int:
+    """Nodes a side of a block of 2^level squares whose error is to be exp(-fall) of what it holds."""
+    n = max(2, math.ceil(0.5 * fall / log_rho))
+    if level > 0 and kind != STRIPES:
+        n = max(2 if kind == CHECKER else n, math.ceil((fall - 0.693 * level) / log_rho))
+    return n
+
+
+@inlined
+def find_crossing(
+    x: float, y: float, half: float, level: int, least: float, ground: Ground, count: int, crossing: Array
+) -> int:  # fmt: skip
+    """How many of ``count`` conics may cross the block from (x, y) on, and which; of a block of many squares, one.
+
+    Those that are felt less than ``least`` there are no walls.
+    """
+    view, conics, foot = ground.view, ground.conics, ground.work.chart.point
+    found = 0
+    for k in range(count):
+        if view.glows is not None and not is_felt(conics[k], foot[0] + x + half, foot[1] + y + half, half, least, view):
+            continue
+        if may_cross(conics[k], x + half, y + half, half) and found < crossing.shape[0]:
+            crossing[found] = k
+            found += 1
+            if level > 0:
+                break
+    return found
+
+
 @jitable
 def grid_once(
-    aim: float, reach: float, low_x: float, low_y: float, level: int, lobe: Array, view: View, work: Work,
-    conics: Table[Conic], count: int, gauss: Array, states: Array, stack: Array, max_evaluations: int, out: Array,
+    aim: float, reach: float, low_x: float, low_y: float, level: int, ground: Ground, count: int, stack: Array, out:
+    Array,
 ) -> tuple[float, float]:  # fmt: skip
     """The deviation over the block of 2^level squares from (low_x, low_y) on, in out[0:9].
 
@@ -201,11 +224,11 @@ def grid_once(
     A block whose bound is small is left out, one too near to the point or too wide for the lobe is quartered, and so is
     one whose rule does not come within ``aim``.
     """
+    lobe, view, work, states = ground.lobe, ground.view, ground.work, ground.states
     chart = work.chart
     cell, kind = view.floor.cell, view.floor.kind
     light = most_floor_light(view)
-    part, crossing = stack[0], stack[1]
-    blocks, scratch = stack[2:160], stack[160:]
+    part, crossing, blocks, scratch = stack[0], stack[1], stack[2:160], stack[160:]
     for t in range(9):
         out[t] = 0.0
     blocks[0, 0], blocks[0, 1], blocks[0, 2], blocks[0, 3] = low_x, low_y, cell * 2.0**level, level
@@ -233,52 +256,31 @@ def grid_once(
             part[t] = 0.0
         if not quarter:
             log_rho = math.log(ratio + math.sqrt(1.0 + ratio * ratio))
-            crossings = 0
-            least = UNFELT_TOUCH * aim / bound
-            mx, my = chart.point[0] + x + half, chart.point[1] + y + half
-            for k in range(count):
-                if view.glows is not None and not is_felt(conics[k], mx, my, half, least, view):
-                    continue
-                if may_cross(conics[k], x + half, y + half, half) and crossings < crossing.shape[0]:
-                    crossing[crossings] = k
-                    crossings += 1
-                    if level > 0:
-                        break
+            crossings = find_crossing(x, y, half, level, UNFELT_TOUCH * aim / bound, ground, count, crossing)
             if kind == MARBLE and (crossings > 0 or side < 0.75 * cell):
-                # here veins are taken at nodes
+                # here veins are taken at nodes, in parts that are small beside them
                 ratio = min(ratio, TAME_VEINS * cell / side)
                 span, log_rho = ratio * side, math.log(ratio + math.sqrt(1.0 + ratio * ratio))
                 quarter = side > SMALL_PART * cell
             fall = math.log(bound / aim)
             step = step_of(fall)
-            if quarter:
-                # in parts that are small beside the veins
-                miss = bound
-            elif crossings == 0:
+            if not quarter and crossings == 0:
                 if not seen(x + half, y + half, lobe, view, work, states):
                     continue
-                n = max(2, math.ceil(0.5 * fall / log_rho))
-                if level > 0 and kind != STRIPES:
-                    n = max(2 if kind == CHECKER else n, math.ceil((fall - 0.693 * level) / log_rho))
+                n = block_order(fall, level, kind, log_rho)
                 quarter = n > MAX_BLOCK_ORDER
                 if not quarter:
-                    miss = smooth_block(
-                        x, y, side, level, n, step, log_rho, reach, lobe, view, work, gauss, states, part
-                    )
+                    miss = smooth_block(x, y, side, level, n, step, log_rho, reach, ground, part)
                     # more nodes are cheaper than quarters, which need as many each
                     while miss > aim and n < MAX_BLOCK_ORDER:
                         n = min(MAX_BLOCK_ORDER, n + 2)
-                        miss = smooth_block(
-                            x, y, side, level, n, step, log_rho, reach, lobe, view, work, gauss, states, part
-                        )
+                        miss = smooth_block(x, y, side, level, n, step, log_rho, reach, ground, part)
                     quarter = miss > 3.0 * aim
             elif level > 0:
                 quarter = True
-            else:
-                miss, lost = cut_square(
-                    x, y, side, step, span, reach, aim, bound, lobe, view, work, conics, crossing, crossings, gauss,
-                    states, scratch, part,
-                )  # fmt: skip
+            elif not quarter:
+                square = Square(x, y, side, step, span, reach, aim, bound, crossing, crossings)
+                miss, lost = cut_square(square, ground, scratch, part)
                 quarter = miss > 10.0 * aim and side > SMALLEST_CUT * cell
         if quarter and side > SMALLEST * cell and top + 4 <= blocks.shape[0]:
             top = push_quarters(x, y, side, level, blocks, top)
@@ -301,6 +303,7 @@ def split_grid(
     Returns (error estimate, what of it no node was asked of). ``work`` holds the floor chart of the point. ``value``
     (3,) is in units of half the contrast times kd.
     """
+    ground = Ground(lobe, view, work, conics, gauss, states)
     chart = work.chart
     cell = view.floor.cell
     jumps = floor_conics(own, lobe, view, work, conics)
@@ -319,8 +322,8 @@ def split_grid(
         level = block_level(far / cell)
         first = 2.0 ** (level - 1)
         error, unseen = grid_once(
-            aim, reach, (ci - first) * cell - px, (cj - first) * cell - py, level, lobe, view, work, conics, count,
-            gauss, states, stack[: stack.shape[0] - 2], max_evaluations, out,
+            aim, reach, (ci - first) * cell - px, (cj - first) * cell - py, level, ground, count,
+            stack[: stack.shape[0] - 2], out,
         )  # fmt: skip
         change, tail = 0.0, 0.0
         if not whole:

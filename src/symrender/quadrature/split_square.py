@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +21,7 @@ from symrender.quadrature.line_errors import across_error, tail_error
 from symrender.quadrature.panel_maps import rooted_azimuth
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_line import SOFT_LOG
-from symrender.quadrature.square_nodes import floor_nodes, seen
+from symrender.quadrature.square_nodes import add_tapered, floor_nodes, seen
 from symrender.quadrature.square_rows import (
     BRANCHES,
     change_of_rows,
@@ -49,6 +50,55 @@ MAX_LINES = 16
 """Lines beyond which a strip is halved."""
 
 
+class Ground(NamedTuple):
+    """The plane under a place: its lobe, the scene in the plane's frame, scratch, walls, rules and lights' states."""
+
+    lobe: Array
+    view: View
+    work: Work
+    conics: Table[Conic]
+    gauss: Array
+    states: Array
+
+
+class Square(NamedTuple):
+    """A square from (x0, y0) on, ``size`` wide, crossed by the first ``crossings`` conics that ``crossing`` numbers.
+
+    The integrand is tame over the length ``span``, nothing counts beyond the ``reach`` of the tapers, ``bound`` is what
+    the square can hold and ``room`` what one of its strips may err by at the first ``step``.
+    """
+
+    x0: float
+    y0: float
+    size: float
+    step: int
+    span: float
+    reach: float
+    room: float
+    bound: float
+    crossing: Array
+    crossings: int
+
+
+class Strip(NamedTuple):
+    """What lies between y = a and y = b of a square: ends of kinds ``kind_a`` and ``kind_b``, ``lines`` lines.
+
+    ``first`` and ``last`` are how far beyond its ends roots lie, where they do. Pieces of its lines get ``more`` nodes
+    than ``step`` asks; ``signature`` tells how many pieces, between which walls.
+    """
+
+    a: float
+    b: float
+    first: float
+    last: float
+    kind_a: float
+    kind_b: float
+    lines: int
+    more: int
+    step: int
+    signature: int
+
+
 @inlined
 def add_pieces(
     m: int, pieces: int, base: int, step: int, reach: float, lobe: Array, view: View, work: Work, gauss: Array,
@@ -67,16 +117,7 @@ def add_pieces(
         whole, size, top, second, half, under = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for e in range(n):
             red, green, blue = b.radiance[0, first + e], b.radiance[1, first + e], b.radiance[2, first + e]
-            near, between = b.near[first + e], b.between[first + e]
-            out[0] += red
-            out[1] += green
-            out[2] += blue
-            out[3] += near * red
-            out[4] += near * green
-            out[5] += near * blue
-            out[6] += between * red
-            out[7] += between * green
-            out[8] += between * blue
+            add_tapered(red, green, blue, 1.0, b.near[first + e], b.between[first + e], out)
             value = red + green + blue
             whole += value
             size += abs(value)
@@ -119,17 +160,16 @@ def begins_softly(end: int, crossing: Array, conics: Table[Conic], work: Work) -
 
 
 @inlined
-def strip_integral(
-    x0: float, x1: float, a: float, b: float, first: float, last: float, kind_a: float, kind_b: float, n: int, more:
-    int, signature: int,
-    crossing: Array, crossings: int, step: int, span: float, reach: float, lobe: Array, view: View, work: Work,
-    conics: Table[Conic], gauss: Array, states: Array, sums: Array, out: Array,
-) -> float:  # fmt: skip
-    """Integral over x0..x1 times a..b with ``n`` lines of equal structure, each cut at the conics, in out[0:3].
+def strip_integral(strip: Strip, square: Square, ground: Ground, sums: Array, out: Array) -> float:
+    """Integral over a strip of a square by lines of equal structure, each cut at the conics, in out[0:3].
 
-    Pieces get ``more`` nodes than ``step`` asks. ``out[3:9]`` is the same under the two shorter tapers, ``out[9]`` the
-    error estimate. Returns the y of a line of another structure than ``signature``, or NaN.
+    ``out[3:9]`` is the same under the two shorter tapers, ``out[9]`` the error estimate. Returns the y of a line of
+    another structure, or NaN.
     """
+    lobe, view, work, conics, gauss, states = ground
+    a, b, first, last, kind_a, kind_b, n, more, step, signature = strip
+    x0, x1, reach, span = square.x0, square.x0 + square.size, square.reach, square.span
+    crossing, crossings = square.crossing, square.crossings
     base = n * (n - 1) // 2
     for t in range(10):
         out[t] = 0.0
@@ -199,20 +239,19 @@ def strip_integral(
 
 
 @jitable
-def cut_square(
-    x0: float, y0: float, size: float, step: int, span: float, reach: float, room: float, bound: float, lobe: Array,
-    view: View, work: Work, conics: Table[Conic], crossing: Array, crossings: int, gauss: Array, states: Array, scratch:
-    Array, out: Array,
-) -> tuple[float, float]:  # fmt: skip
+def cut_square(square: Square, ground: Ground, scratch: Array, out: Array) -> tuple[float, float]:
     """Add the integral of a square some conics cross to ``out`` (9,); its error estimate, and what was not looked at.
 
-    ``out[3:9]`` is under the two shorter tapers; ``bound`` is what the square can hold.
-
-    Lines start at the conics' tangencies, at their passages through the square's sides and
-    where two conics meet, which is where the order of their roots changes; strips that miss ``room`` are halved.
-    ``span`` is the length over which the integrand is tame.
+    ``out[3:9]`` is under the two shorter tapers. Lines start at the conics' tangencies, at their passages through the
+    square's sides and where two conics meet, which is where the order of their roots changes; strips that miss the
+    ``room`` are halved.
     """
+    work, conics = ground.work, ground.conics
     walls, chart, roots, ends, ids = work.walls, work.chart, work.quartic, work.root_x, work.root_id
+    x0, y0, size, step, span, room, bound = (
+        square.x0, square.y0, square.size, square.step, square.span, square.room, square.bound,
+    )  # fmt: skip
+    crossing, crossings = square.crossing, square.crossings
     x1, y1 = x0 + size, y0 + size
     cuts, kinds, point, part = scratch[0], scratch[1], scratch[2], scratch[3]
     stack = scratch[4:]
@@ -238,20 +277,16 @@ def cut_square(
             below, above = roots_beyond(a, b, size, crossing, crossings, conics)
             first, begin = (below, ROOT) if kind_a == SMOOTH and below < math.inf else (0.0, kind_a)
             last, end = (above, ROOT) if kind_b == SMOOTH and above < math.inf else (0.0, kind_b)
-            foreign = strip_integral(
-                x0, x1, a, b, first, last, begin, end, lines, more, signature, crossing, crossings, level, span, reach,
-                lobe, view, work, conics, gauss, states, point, part,
-            )  # fmt: skip
+            strip = Strip(a, b, first, last, begin, end, lines, more, level, signature)
+            foreign = strip_integral(strip, square, ground, point, part)
         if foreign == foreign:
             holds = held(bound * (b - a) / size)
             if b - a < THIN * size:
                 # nothing of its own, or walls that rounding moves about: all it can hold is its error
                 middle = 0.5 * (a + b)
                 _, within = row_pieces(middle, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
-                strip_integral(
-                    x0, x1, a, b, 0.0, 0.0, SMOOTH, SMOOTH, 1, 0, within, crossing, crossings, step, span, reach,
-                    lobe, view, work, conics, gauss, states, point, part,
-                )  # fmt: skip
+                strip = Strip(a, b, 0.0, 0.0, SMOOTH, SMOOTH, 1, 0, step, within)
+                strip_integral(strip, square, ground, point, part)
                 for t in range(9):
                     out[t] += part[t]
                 error += holds + sliver_error(a, b, size, bound)

@@ -137,3 +137,20 @@ def taper_rows(m: int, reach: float, b: Nodes) -> None:
         b.near[i] = decay(shorter * b.radix[i])
         b.between[i] = decay(middle * b.radix[i])
         b.weight[i] *= decay(b.radix[i])
+
+
+@inlined
+def add_tapered(
+    red: float, green: float, blue: float, weight: float, near: float, between: float, out: Array
+) -> None:  # fmt: skip
+    """Add what a node sees to the sums under three tapers, ``out`` (9,): the longest, the shortest, that between."""
+    near, between = weight * near, weight * between
+    out[0] += weight * red
+    out[1] += weight * green
+    out[2] += weight * blue
+    out[3] += near * red
+    out[4] += near * green
+    out[5] += near * blue
+    out[6] += between * red
+    out[7] += between * green
+    out[8] += between * blue
