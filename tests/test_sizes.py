@@ -17,9 +17,6 @@ LINES, ARGUMENTS, FILE = 80, 12, 400
 REASON = re.compile(r"\b(?:[Ll]ong|[Mm]any)\b[^.]*\bbecause\b")
 DUE = frozenset(
     [
-        "quadrature/split_line.py::integrate_cells",
-        "quadrature/panel_rule.py::evaluate_panel",
-        "quadrature/split_panel.py::split_chart",
         "quadrature/split_point.py::gloss_kernel",
     ]
 )

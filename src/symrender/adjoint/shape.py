@@ -85,7 +85,7 @@ def shape_slopes(
     chart.pace, chart.least = fastest_of(moves) * outline(chart), math.inf
     found, _ = split_chart(
         max(0.5 * (tol - spent), 0.05 * tol), view, work, scratch.gauss, outer.panels, outer.spans, outer.ids,
-        outer.events, outer.scratch, most, t.sums[0, 0],
+        outer.events, outer.scratch, t.sums[0, 0],
     )  # fmt: skip
     # a chart dropped by its bound, for a brightness of ``UNBOUNDED``, has neither value nor slope in doubles
     found = found if panels_in_use(outer.panels) > 0 else 0.0

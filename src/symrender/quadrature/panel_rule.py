@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +33,7 @@ from symrender.quadrature.split_line import ends_bluntly, has_disk, integrate_ce
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Three = tuple[float, float, float]
 
 LINE = 32
 """Where the sums of a line lie in the scratch array."""
@@ -39,10 +41,20 @@ UNFALLEN = 1.0
 """Share of a panel's size from which on its last coefficients are those of a spike between lines, and tell nothing."""
 FLANK = 100.0
 """By how much the flank of a highlight may be brighter between its panel's lines than on them."""
-
-
 WEAK = 0.25
 """Share of a panel's last coefficients that what is weak is taken to hold."""
+
+
+class Falls(NamedTuple):
+    """The Legendre coefficients of a panel's lines by which its error is told, a number a channel.
+
+    ``last`` and the one ``before`` are the highest that the rule knows, ``middle`` and ``lower`` of half their degree.
+    """
+
+    last: Three
+    before: Three
+    middle: Three
+    lower: Three
 
 
 @inlined
@@ -134,6 +146,68 @@ def rule_error(
 
 
 @inlined
+def added(weight: float, line: Array, sums: Three) -> Three:
+    """The sums of the channels and a line of this weight."""
+    return sums[0] + weight * line[0], sums[1] + weight * line[1], sums[2] + weight * line[2]
+
+
+@inlined
+def largest(sums: Three) -> float:
+    """Largest magnitude of the channels."""
+    return max(abs(sums[0]), abs(sums[1]), abs(sums[2]))
+
+
+@inlined
+def panel_error(
+    p: Panel, n: int, step: int, falls: Falls, size: float, thin: float, dense: float, uneven: bool, view: View, work:
+    Work
+) -> float:  # fmt: skip
+    """Error of a panel's rule of ``n`` lines, and where numbers move of its derivative: see ``rule_error``."""
+    last, before, middle, lower = (
+        largest(falls.last),
+        largest(falls.before),
+        largest(falls.middle),
+        largest(falls.lower),
+    )
+    error = rule_error(
+        p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work
+    )
+    if moves(error):
+        rate = tangent(size) / max(held(size), 1e-300)
+        missed = rule_error(
+            p, n, step, steepest(*falls.last), steepest(*falls.before), steepest(*falls.middle),
+            steepest(*falls.lower), tangent(size), rate * held(p.bound), rate * held(thin), held(dense), uneven, view,
+            work,
+        )  # fmt: skip
+        error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
+    return error
+
+
+@inlined
+def line_density(p: Panel, step: int, signature: int, peak: float, work: Work) -> float:
+    """How many times denser than on its lines, ``peak``, the lobe may be in a panel whose rule has a line or two.
+
+    They say little more than the order of magnitude, where the lobe is as dense as there: that a panel holds little is
+    believed of its bound only.
+    """
+    if step == 0 or (work.chart.lobe.kind == CONDUCTOR and signature != 0):
+        return max(1.0, panel_density(p.ends[0], p.ends[1], work.chart) / max(peak, 1e-300))
+    return 1.0
+
+
+@inlined
+def line_sliver(q: int, n: int, inside: int, first: float, last: float, p: Panel, chart: Chart) -> float:
+    """What may open and close between lines q - 1 and q, or an end; ``inside`` events lie there, first to last."""
+    if inside > 0 and q == 0:
+        return sliver_bound(p.ends[0], last, chart)
+    if inside > 0 and q == n:
+        return sliver_bound(first, p.ends[1], chart)
+    if inside > 1:
+        return sliver_bound(first, last, chart)
+    return 0.0
+
+
+@inlined
 def evaluate_panel(
     p: Panel, step: int, view: View, work: Work, gauss: Array, events: Table[Event], many: int, out: Array, scratch:
     Array
@@ -160,8 +234,7 @@ def evaluate_panel(
     signature = 0
     foreign = math.nan
     inner, thin, peak = 0.0, 0.0, 0.0
-    last0, last1, last2, before0, before1, before2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    middle0, middle1, middle2, lower0, lower1, lower2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    last, before, middle, lower = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     margin = 1e-9 * (b - a)
     p.crossed, p.crossed_share, crossing_from = math.inf, 0.0, math.nan
     e = 0
@@ -176,13 +249,7 @@ def evaluate_panel(
             inside += 1
             e += 1
         out[5] += inside
-        # between two lines, or a line and an end, a sliver may open and close again
-        if inside > 0 and q == 0:
-            thin += sliver_bound(a, events[e - 1].azimuth, work.chart)
-        elif inside > 0 and q == n:
-            thin += sliver_bound(first, b, work.chart)
-        elif inside > 1:
-            thin += sliver_bound(first, events[e - 1].azimuth, work.chart)
+        thin += line_sliver(q, n, inside, first, events[max(0, e - 1)].azimuth, p, work.chart)
         if q == n:
             break
         found = scan_line(phi, view, work, scratch)
@@ -206,43 +273,14 @@ def evaluate_panel(
         grown = stretched(w)
         out[4] += grown * line[3]
         inner += grown * line[4]
-        t = w * gauss[2, base + q]
-        last0 += t * line[0]
-        last1 += t * line[1]
-        last2 += t * line[2]
-        t = w * gauss[3, base + q]
-        before0 += t * line[0]
-        before1 += t * line[1]
-        before2 += t * line[2]
-        t = w * gauss[MIDDLE, base + q]
-        middle0 += t * line[0]
-        middle1 += t * line[1]
-        middle2 += t * line[2]
-        t = w * gauss[MIDDLE + 1, base + q]
-        lower0 += t * line[0]
-        lower1 += t * line[1]
-        lower2 += t * line[2]
-    last = max(abs(last0), abs(last1), abs(last2))
-    before = max(abs(before0), abs(before1), abs(before2))
-    middle, lower = max(abs(middle0), abs(middle1), abs(middle2)), max(abs(lower0), abs(lower1), abs(lower2))
+        last = added(w * gauss[2, base + q], line, last)
+        before = added(w * gauss[3, base + q], line, before)
+        middle = added(w * gauss[MIDDLE, base + q], line, middle)
+        lower = added(w * gauss[MIDDLE + 1, base + q], line, lower)
     size = out[4]
     uneven = out[5] > 0.0 or foreign == foreign
-    dense = 1.0
-    if step == 0 or (work.chart.lobe.kind == CONDUCTOR and signature != 0):
-        # a line or two say little more than the order of magnitude, where the lobe is as dense as there: that a panel
-        # holds little is believed of its bound only
-        dense = max(1.0, panel_density(a, b, work.chart) / max(peak, 1e-300))
-    error = rule_error(
-        p, n, step, last, before, middle, lower, size, held(p.bound), held(thin), held(dense), uneven, view, work
-    )
-    if moves(error):
-        rate = tangent(size) / max(held(size), 1e-300)
-        missed = rule_error(
-            p, n, step, steepest(last0, last1, last2), steepest(before0, before1, before2),
-            steepest(middle0, middle1, middle2), steepest(lower0, lower1, lower2), tangent(size),
-            rate * held(p.bound), rate * held(thin), held(dense), uneven, view, work,
-        )  # fmt: skip
-        error = moved(held(error), held(missed) + held(p.blind) * tangent(size))
+    dense = line_density(p, step, signature, peak, work)
+    error = panel_error(p, n, step, Falls(last, before, middle, lower), size, thin, dense, uneven, view, work)
     if has_disk(view):
         # the rules over a disk light keep to the panel's level and err alike on every line
         inner += 3.0 * FALLS[step] * size

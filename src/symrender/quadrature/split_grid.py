@@ -183,7 +183,7 @@ def smooth_block(
 
 
 @inlined
-def block_order(fall: float, level: int, kind: int, log_rho: float) -> int:
+def block_order(fall: float, level: int, kind: float, log_rho: float) -> int:
     """Nodes a side of a block of 2^level squares whose error is to be exp(-fall) of what it holds."""
     n = max(2, math.ceil(0.5 * fall / log_rho))
     if level > 0 and kind != STRIPES:

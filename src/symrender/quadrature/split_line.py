@@ -160,6 +160,28 @@ def stack_piece(
 
 
 @inlined
+def stack_halves(top: int, row: Piece, deeper: int, work: Work) -> int:
+    """Put off both halves of a piece, the first one on top, halved ``deeper`` times more; the stack's new height."""
+    cell, start, stop, wary, soft = row.cell, row.start, row.stop, row.wary, row.soft
+    middle, halvings = start + 0.5 * (stop - start), row.halvings + deeper
+    top = stack_piece(top, cell, middle, stop, halvings, wary, half_soft(soft, True), work)
+    return stack_piece(top, cell, start, middle, halvings, wary, half_soft(soft, False), work)
+
+
+@inlined
+def piece_order(row: Piece, step: int, least: int, view: View, work: Work) -> tuple[int, float]:
+    """How many nodes a piece wants at this step, ``least`` where light begins softly, and how far off it is tame."""
+    log_rho, fewest = cell_log(row.start, row.stop, work)
+    n = max(fewest, nodes_to_end(row.cell, view, work), nodes(step, CAUTION * log_rho))
+    if row.wary != 0.0:
+        # more than the few that it was not believed of
+        n = max(n, order(step, log_rho), max(step, FEW) + 1)
+    if row.soft != 0.0:
+        n = max(n + (n + 1) // 2, least)
+    return n, log_rho
+
+
+@inlined
 def place_nodes(
     m: int, piece: int, n: int, log_rho: float, row: Piece, color: Array, factor: float, work: Work, gauss: Array
 ) -> None:  # fmt: skip
@@ -284,16 +306,12 @@ def weigh_nodes(m: int, work: Work) -> float:
 
 
 @inlined
-def integrate_cells(
-    phi: float, step: int, view: View, work: Work, gauss: Array, out: Array
-) -> None:  # fmt: skip
-    """Integral over the scanned line of (radiance - background) times the lobe density.
+def integrate_cells(phi: float, step: int, view: View, work: Work, gauss: Array, out: Array) -> None:
+    """Integral over the scanned line of (radiance - background) times the lobe density, in out[0:3].
 
-    Then the integral of its largest magnitude over the channels, a scale for errors, the error of the cells'
-    rules, and the largest lobe density met; ``out`` is (6,). A cell whose rule is not as good as its step promises (a
-    highlight's kink, a vein) is halved.
-
-    ``step`` chooses the order of every cell.
+    In out[3:6] the integral of its largest magnitude over the channels, a scale for errors, the error of the cells'
+    rules, and the largest lobe density met. ``step`` chooses the order of every cell; one whose rule is not as good as
+    it promises (a highlight's kink, a vein) is halved.
     """
     chart, b, table = work.chart, work.nodes, work.pieces
     c, s = math.cos(phi), math.sin(phi)
@@ -302,11 +320,9 @@ def integrate_cells(
     kd = view.shading.kd
     least = order(step, SOFT_LOG)
     red, green, blue, size, error, peak = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    promise, blunt, small = 100.0 * FALLS[step], kinked(view) or ends_bluntly(view, chart), SMALL
-    rim = broken_rim(chart.lobe)
+    promise, blunt, rim = 100.0 * FALLS[step], kinked(view) or ends_bluntly(view, chart), broken_rim(chart.lobe)
     faint, idle = faint_horizon(view, chart), least_error(chart, view.conductors)
-    if has_disk(view):
-        small = 1.0
+    small = 1.0 if has_disk(view) else SMALL
     cell, top = 0, 0
     color = chart.albedo
     find_poles(phi, c, s, view, work)
@@ -320,20 +336,9 @@ def integrate_cells(
                 cell += 1
                 continue
             row = table[NODES + top - 1]
-            start, stop = row.start, row.stop
-            log_rho, fewest = cell_log(start, stop, work)
-            fewest = max(fewest, nodes_to_end(row.cell, view, work))
-            n = max(fewest, nodes(step, CAUTION * log_rho))
-            if row.wary != 0.0:
-                # more than the few that it was not believed of
-                n = max(n, order(step, log_rho), max(step, FEW) + 1)
-            if row.soft != 0.0:
-                n = max(n + (n + 1) // 2, least)
+            n, log_rho = piece_order(row, step, least, view, work)
             if n > MAX_ORDER and top < PENDING and not is_spent(work):
-                middle = start + 0.5 * (stop - start)
-                soft = row.soft
-                row.start, row.soft = middle, half_soft(soft, True)
-                top = stack_piece(top, row.cell, start, middle, row.halvings, row.wary, half_soft(soft, False), work)
+                top = stack_halves(top - 1, row, 0, work)
                 continue
             n = min(n, MAX_ORDER)
             if m + n > NODES:
@@ -369,10 +374,7 @@ def integrate_cells(
                     top = stack_piece(top, row.cell, start, stop, row.halvings, 1, row.soft, work)
                     continue
                 if n > max(step, FEW) and row.halvings < MAX_HALVINGS:
-                    middle, deeper = start + 0.5 * (stop - start), row.halvings + 1
-                    second, head = half_soft(row.soft, True), half_soft(row.soft, False)
-                    top = stack_piece(top, row.cell, middle, stop, deeper, row.wary, second, work)
-                    top = stack_piece(top, row.cell, start, middle, deeper, row.wary, head, work)
+                    top = stack_halves(top, row, 1, work)
                     continue
             for i in range(row.first, row.first + n):
                 red += b.radiance[0, i]

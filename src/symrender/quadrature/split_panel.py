@@ -194,10 +194,110 @@ def follow_ends(
         p.error = moved(holds, tangent(out[3]))
 
 
+@inlined
+def first_panels(
+    low: float, high: float, view: View, work: Work, panels: Table[Panel], events: Table[Event]
+) -> tuple[int, int]:  # fmt: skip
+    """Lay panels between all that is not smooth; (how many panels, how many events)."""
+    m = all_events(view, work, events, low, high)
+    n, start = 0, 0
+    for e in range(1, m):
+        if e + 1 == m or (events[e].kind >= SMOOTH and n + SPARE < panels.shape[0]):
+            n = add_panel(panels, n, events[start].azimuth, events[e].azimuth, events[start].kind, events[e].kind, work)
+            start = e
+    return min(n, panels.shape[0]), m
+
+
+@inlined
+def panel_share(tol: float, panels: Table[Panel], n: int) -> float:
+    """What each panel that is still looked at may err by; -1 where all of them together err by less than ``tol``."""
+    total, accepted, open_panels = 0.0, 0.0, 0
+    for i in range(n):
+        total += panels[i].error
+    if SAFETY * total <= tol:
+        return -1.0
+    share = 0.5 * tol / (SAFETY * max(1, n))
+    for i in range(n):
+        if panels[i].error <= share or panels[i].settled != 0.0:
+            accepted += panels[i].error
+        else:
+            open_panels += 1
+    return max(share, 0.7 * (tol / SAFETY - accepted) / max(1, open_panels))
+
+
+@inlined
+def next_step(p: Panel, share: float) -> int:
+    """The step of the rule that may bring a panel's error down to ``share``, or as many as there are."""
+    step = p.step
+    need = step + 1
+    holds = p.error if step > 0 else 10.0 * p.per_radian * (p.ends[1] - p.ends[0])
+    if step < 0 and (p.inside > 0.0 or holds > 3.0 * share or p.glare > MAX_FIRST):
+        need = 1
+    if p.inside == 0.0 and need > 0:
+        # a first estimate is ten times what the panel holds
+        aim = LEVELS[max(0, step)] + math.log(max(holds, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
+        while need + 1 < len(LEVELS) and LEVELS[need] < aim:
+            need += 1
+    if p.glare > MAX_ORDER or (step >= 0 and panel_order(min(need, len(LEVELS) - 1), p.log_rho) >= MAX_ORDER):
+        return len(LEVELS)
+    return need
+
+
+@inlined
+def halve_panel(i: int, panels: Table[Panel], n: int, work: Work) -> int:
+    """Put the halves of panel ``i``, or what is left and right of a highlight, in its place and behind; how many."""
+    p = panels[i]
+    middle = highlight_end(p.ends[0], p.ends[1], work)
+    right, kind = p.ends[1], p.kinds[1]
+    left, left_kind = p.ends[0], p.kinds[0]
+    near, far, blind = p.roots[0], p.roots[1], p.blind
+    add_panel(panels, i, left, middle, left_kind, SMOOTH, work)
+    n = add_panel(panels, n, middle, right, SMOOTH, kind, work)
+    p.roots[0], panels[n - 1].roots[1] = near, far
+    p.blind = panels[n - 1].blind = blind
+    return n
+
+
+@inlined
+def search_beside(
+    p: Panel, view: View, work: Work, panels: Table[Panel], n: int, spans: Table[Span], ids: Ints, scratch: Array
+) -> int:  # fmt: skip
+    """Search an event without a closed form on both sides of the line that told of it; how many panels there are."""
+    a, b, ka, kb, middle = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.foreign
+    p.ends[0] = p.ends[1] = a
+    p.value[0] = p.value[1] = p.value[2] = p.error = 0.0
+    n = split_span(a, middle, ka, SMOOTH, 1, view, work, panels, n, spans, ids, scratch)
+    n = split_span(middle, b, SMOOTH, kb, 1, view, work, panels, n, spans, ids, scratch)
+    return min(n, panels.shape[0])
+
+
+@inlined
+def accept_rule(p: Panel, step: int, foreign: float, out: Array) -> None:
+    """Write what ``evaluate_panel`` found down in the panel."""
+    width = p.ends[1] - p.ends[0]
+    p.value[0], p.value[1], p.value[2] = out[0], out[1], out[2]
+    p.step, p.error, p.inside, p.foreign = step, out[3], out[5], foreign
+    p.per_radian = out[4] / width
+    if moves(width):
+        p.per_radian = moved(held(p.per_radian), tangent(out[4]) / held(width))
+
+
+@inlined
+def note_slopes(panels: Table[Panel], n: int, scratch: Array) -> None:
+    """Add what the panels hold, what that changes by and what they err by to the point's sums."""
+    for i in range(n):
+        p = panels[i]
+        if p.step >= 0:
+            width = held(p.ends[1] - p.ends[0])
+            scratch[62] += held(p.per_radian) * width
+            scratch[63] += tangent(p.per_radian) * width
+            scratch[64] += SAFETY * held(p.error) if p.step > 0 else 0.0
+
+
 @jitable
 def split_chart(
     tol: float, view: View, work: Work, gauss: Array, panels: Table[Panel], spans: Table[Span], ids: Ints, events:
-    Table[Event], scratch: Array, max_evaluations: int, value: Array,
+    Table[Event], scratch: Array, value: Array,
 ) -> tuple[float, int]:  # fmt: skip
     """Add the charted shape's integral to ``value``; returns (error estimate, panels that stayed unresolved)."""
     low, high = line_range(work.chart)
@@ -216,36 +316,18 @@ def split_chart(
         left_out = find_sent(tol, low, high, sender, view, work)
     else:
         left_out = find_highlights(tol, low, high, view, work)
-    m = all_events(view, work, events, low, high)
-    n = 0
-    start = 0
-    for e in range(1, m):
-        if e + 1 == m or (events[e].kind >= SMOOTH and n + SPARE < panels.shape[0]):
-            n = add_panel(panels, n, events[start].azimuth, events[e].azimuth, events[start].kind, events[e].kind, work)
-            start = e
-    n = min(n, panels.shape[0])
+    n, m = first_panels(low, high, view, work, panels, events)
     out = scratch[PANEL : PANEL + 6]
     bad = 0
     for turn in range(TURNS):
-        total, accepted, open_panels = 0.0, 0.0, 0
-        for i in range(n):
-            total += panels[i].error
-        if SAFETY * total <= tol or is_spent(work):
+        share = panel_share(tol, panels, n)
+        if share < 0.0 or is_spent(work):
             break
-        share = 0.5 * tol / (SAFETY * max(1, n))
         for i in range(n):
-            if panels[i].error <= share or panels[i].settled != 0.0:
-                accepted += panels[i].error
-            else:
-                open_panels += 1
-        share = max(share, 0.7 * (tol / SAFETY - accepted) / max(1, open_panels))
-        known = n
-        for i in range(known):
             p = panels[i]
             if p.error <= share or p.settled != 0.0:
                 continue
-            step = p.step
-            width = p.ends[1] - p.ends[0]
+            step, width = p.step, p.ends[1] - p.ends[0]
             if step < 0:
                 p.inside = inside(p, events, m)
             if p.inside > 0.0 and n + p.inside + 2 < panels.shape[0]:
@@ -255,70 +337,36 @@ def split_chart(
                     continue
             elif step > 0 and p.foreign == p.foreign:
                 # an event without a closed form: search on both sides of the line that told
-                a, b, ka, kb, middle = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1], p.foreign
                 if width > 1e-8 and n + SPARE < panels.shape[0]:
-                    p.ends[0] = p.ends[1] = a
-                    p.value[0] = p.value[1] = p.value[2] = p.error = 0.0
-                    n = split_span(a, middle, ka, SMOOTH, 1, view, work, panels, n, spans, ids, scratch)
-                    n = split_span(middle, b, SMOOTH, kb, 1, view, work, panels, n, spans, ids, scratch)
-                    n = min(n, panels.shape[0])
-                    continue
-                if width > 1e-8:
+                    n = search_beside(p, view, work, panels, n, spans, ids, scratch)
+                elif width > 1e-8:
                     # no room for its parts, and one line tells little of so wide a panel
                     p.error, p.settled = p.bound, 1
-                    continue
-                rough_panel(p, view, work, gauss, scratch)
-                bad += 1
+                else:
+                    rough_panel(p, view, work, gauss, scratch)
+                    bad += 1
                 continue
-            need = step + 1
-            holds = p.error if step > 0 else 10.0 * p.per_radian * width
-            if step < 0 and (p.inside > 0.0 or holds > 3.0 * share or p.glare > MAX_FIRST):
-                need = 1
-            if p.inside == 0.0 and need > 0:
-                # a first estimate is ten times what the panel holds
-                aim = LEVELS[max(0, step)] + math.log(max(holds, 1e-300) / share) + 0.5 - (2.3 if step <= 0 else 0.0)
-                while need + 1 < len(LEVELS) and LEVELS[need] < aim:
-                    need += 1
-            if need >= len(LEVELS) or p.glare > MAX_ORDER or (step >= 0 and panel_order(need, p.log_rho) >= MAX_ORDER):
+            need = next_step(p, share)
+            if need >= len(LEVELS):
                 # parts that no turn is left to look at would state all that they may hold
                 late = step > 0 and turn >= LATE
                 if n >= panels.shape[0] or width < 1e-9 or late:
                     if step < 0 and width < 1e-9:
                         rough_panel(p, view, work, gauss, scratch)
                     p.settled = 1
-                    continue
-                middle = highlight_end(p.ends[0], p.ends[1], work)
-                right, kind = p.ends[1], p.kinds[1]
-                left, left_kind = p.ends[0], p.kinds[0]
-                near, far, blind = p.roots[0], p.roots[1], p.blind
-                add_panel(panels, i, left, middle, left_kind, SMOOTH, work)
-                n = add_panel(panels, n, middle, right, SMOOTH, kind, work)
-                p.roots[0], panels[n - 1].roots[1] = near, far
-                p.blind = panels[n - 1].blind = blind
+                else:
+                    n = halve_panel(i, panels, n, work)
                 continue
             foreign = evaluate_panel(p, need, view, work, gauss, events, m, out, scratch)
             if out[3] == math.inf:
                 break
-            p.value[0], p.value[1], p.value[2] = out[0], out[1], out[2]
-            p.step = need
-            p.error = out[3]
-            p.inside = out[5]
-            p.foreign = foreign
-            p.per_radian = out[4] / width
-            if moves(width):
-                p.per_radian = moved(held(p.per_radian), tangent(out[4]) / held(width))
+            accept_rule(p, need, foreign, out)
     error = held(left_out) + held(points) + held(rounded_walls(work))
     for i in range(work.counts.walls):
         if work.walls[i].met != 0.0:
             work.counts.crossings += 1
     if moves(error):
-        for i in range(n):
-            p = panels[i]
-            if p.step >= 0:
-                width = held(p.ends[1] - p.ends[0])
-                scratch[62] += held(p.per_radian) * width
-                scratch[63] += tangent(p.per_radian) * width
-                scratch[64] += SAFETY * held(p.error) if p.step > 0 else 0.0
+        note_slopes(panels, n, scratch)
         follow_ends(panels, n, view, work, gauss, events, m, out, scratch)
     for i in range(n):
         p = panels[i]

@@ -179,7 +179,7 @@ def gloss_kernel(
             chart.bright = chart_bound(sphere_bound(j, view, chart), view, work)
             e, unresolved = split_chart(
                 max(part * (tol - total), min(0.05, part) * tol), view, work, gauss, panels, spans, ids, events,
-                scratch, max_evaluations, value,
+                scratch, value,
             )  # fmt: skip
             total += e
             bad += unresolved
@@ -202,7 +202,7 @@ def gloss_kernel(
             left -= 1
             e, unresolved = split_chart(
                 max(part * (tol - total), 0.05 * tol), framed, work, gauss, panels, spans, ids, events, scratch,
-                max_evaluations, value,
+                value,
             )  # fmt: skip
             total += e
             bad += unresolved
