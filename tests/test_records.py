@@ -340,8 +340,6 @@ NUMBERED = {
     "adjoint/walls.py": {"bar", "out", "own"},
     "quadrature/disk_curves.py": {"table"},
     "quadrature/disk_refined.py": {"room"},
-    "quadrature/panel_rule.py": {"scratch"},
-    "quadrature/split_panel.py": {"scratch"},
 }
 """By file the arrays whose columns or rows still have numbers, named by constants. This list only grows shorter."""
 

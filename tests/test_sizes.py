@@ -15,13 +15,6 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parent.parent / "src" / "symrender"
 LINES, ARGUMENTS, FILE = 80, 12, 400
 REASON = re.compile(r"\b(?:[Ll]ong|[Mm]any)\b[^.]*\bbecause\b")
-DUE = frozenset(
-    [
-        "quadrature/split_point.py::gloss_kernel",
-    ]
-)
-"""What is too large today and gives no reason: the list may only become shorter."""
-
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -63,11 +56,7 @@ def test_what_is_large_gives_its_reason() -> None:
     }
     assert len(files) > 250
     found = {entry for name, text in files.items() for entry in too_large(name, text)}
-    assert sorted(found - DUE) == [], "too large, without a reason in its docstring"
-    assert sorted(DUE - found) == [], "small enough by now: strike it from the list"
-    assert not {
-        entry for entry in DUE if entry.split("/")[0] not in ("chambers", "quadrature", "adjoint", "kernel", "targets")
-    }
+    assert sorted(found) == [], "too large, without a reason in its docstring"
 
 
 def test_what_is_planted_is_seen() -> None:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from symrender.jit.records import table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.records import Panel
-from symrender.quadrature.split_point import gloss_points, split_work
+from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_scratch import split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, scene_arrays
 from symrender.scene.load import load
@@ -69,7 +68,7 @@ def test_panels_that_find_no_room_are_an_error(room: int) -> None:
     scratch = split_work(a, light_rows(a, 0))
     given = (points, normals, incoming, np.full(len(points), FLOOR), 1e-6, 0, 100_000)
     true = gloss_points(a, *given, scratch)
-    full = gloss_points(a, *given, replace(scratch, panels=table(Panel, room)))
+    full = gloss_points(a, *given, scratch._replace(panels=table(Panel, room)))
     off = np.abs(full.gloss - true.gloss).max(axis=1)
     assert (full.status != MET).sum() >= 8 and (off > 1e-3).sum() >= 3
     assert (off <= full.error + true.error).all(), np.stack([off, full.error, true.error])

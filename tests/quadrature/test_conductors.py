@@ -16,7 +16,8 @@ from symrender.jit.records import Table, table
 from symrender.leaves import radiometric, values
 from symrender.quadrature.background import directional_albedo
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import SplitResult, gloss_points, split_work
+from symrender.quadrature.split_point import SplitResult, gloss_points
+from symrender.quadrature.split_scratch import split_work
 from symrender.radiometric.slopes import pushed_module
 from symrender.scene.arrays import SceneArrays, scene_arrays
 

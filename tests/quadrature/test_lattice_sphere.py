@@ -16,7 +16,8 @@ from symrender.jit.records import copied
 from symrender.quadrature.gauss import gauss_table
 from symrender.quadrature.lattice_sphere import COSETS, aim_lattice, scatter
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import SplitResult, gloss_points, split_work
+from symrender.quadrature.split_point import SplitResult, gloss_points
+from symrender.quadrature.split_scratch import split_work
 from symrender.quadrature.split_setup import MET, place_point
 from symrender.scene.arrays import (
     BRDF_NORMALISED,

@@ -40,8 +40,8 @@ from symrender.jit.marks import inlined
 from symrender.jit.records import Table, copied, joined, one, stacked, table
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST
-from symrender.quadrature.split_point import SplitWork, split_work
 from symrender.quadrature.split_scene import radiance_bound
+from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import (
     CAPPED,
     EVENT,

@@ -14,7 +14,7 @@ from symrender.chambers.records import Event, LightMove
 from symrender.chambers.work import MAX_WALLS, View, Work
 from symrender.jit.records import Grid, Table, record, table
 from symrender.quadrature.records import Conic, Panel, Remainder, Span
-from symrender.quadrature.split_point import SplitWork
+from symrender.quadrature.split_scratch import SplitWork
 from symrender.scene.records import Floor, Frame, Shading, Sphere
 
 Array = npt.NDArray[np.float64]

@@ -296,6 +296,35 @@ class Nodes(Record):
     """What a conductor sends of a light, a channel each, over what a diffuse surface that faces it would."""
 
 
+class Notes(Record):
+    """What the integrals of one place put down on the way."""
+
+    lobe: Three
+    """Axis of the place's lobe."""
+    axis: Three
+    """The same in the coordinates of a plane."""
+    line: Annotated[Array, 6]
+    """Sums of a line, of ``integrate_cells``."""
+    panel: Annotated[Array, 6]
+    """Sums of a panel, of ``evaluate_panel``."""
+    half: Three
+    """Half the contrast of a checker, times kd."""
+    deviation: Three
+    """What the checker adds to its mean, in units of that."""
+    sharp: Three
+    """What a mirror sees."""
+    coarse: Three
+    """The same by coarser rules."""
+    mirror: Annotated[Array, 9]
+    """Scratch of a mirror."""
+    holds: float
+    """Where numbers move, of all charts: what panels that were looked at hold."""
+    changes: float
+    """The same of their tangents."""
+    errs: float
+    """What they may miss."""
+
+
 class Aim(Record):
     """What ``aim_lattice`` finds out about a sphere under a lobe: the numbers of the two maps of its lattices."""
 

@@ -20,6 +20,7 @@ from symrender.chambers.records import (
     Highlight,
     LightPoint,
     Nodes,
+    Notes,
     Piece,
     Side,
     Spot,
@@ -129,6 +130,7 @@ class Work(NamedTuple):
     circles: Table[Wall]
     nodes: Nodes
     aim: Aim
+    notes: Notes
     pieces: Table[Piece]
     room: Array
     felt: Ints
@@ -295,6 +297,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         circles=table(Wall, 2),
         nodes=table(Nodes, 1)[0],
         aim=table(Aim, 1)[0],
+        notes=table(Notes, 1)[0],
         pieces=table(Piece, NODES + PENDING),
         spots=table(Spot, max(1, 3 * points) + 2 + MOST_OF_LOBE + 2 * (2 + spheres) * (points + 1)),
         highlights=table(Highlight, 64 + 192 * points),

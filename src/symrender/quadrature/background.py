@@ -17,8 +17,9 @@ from symrender.chambers.work import scene_frames, scene_view
 from symrender.jit.call import racked
 from symrender.jit.records import record, table
 from symrender.jit.twins import moving
-from symrender.quadrature.split_point import SplitResult, SplitWork, gloss_points
+from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.quadrature.split_scene import radiance_bound
+from symrender.quadrature.split_scratch import SplitWork
 from symrender.quadrature.split_slopes import SlopeResult, gloss_slopes
 from symrender.scene.arrays import FIRST_SPHERE, FLOOR, SceneArrays, lobes_of
 from symrender.scene.records import Camera, Floor, Light, Plane, Shading, Sphere

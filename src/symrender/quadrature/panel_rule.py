@@ -35,8 +35,6 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Three = tuple[float, float, float]
 
-LINE = 32
-"""Where the sums of a line lie in the scratch array."""
 UNFALLEN = 1.0
 """Share of a panel's size from which on its last coefficients are those of a spike between lines, and tell nothing."""
 FLANK = 100.0
@@ -228,7 +226,7 @@ def evaluate_panel(
     base = n * (n - 1) // 2
     # the map of a square root's end is twice as steep as the plain one at most
     work.chart.apart = NODE_GAP * (b - a) / n * (2.0 if p.kinds[0] == ROOT or p.kinds[1] == ROOT else 1.0)
-    line = scratch[LINE : LINE + 6]
+    line = work.notes.line
     for i in range(6):
         out[i] = 0.0
     signature = 0
@@ -293,7 +291,7 @@ def rough_panel(p: Panel, view: View, work: Work, gauss: Array, scratch: Array) 
     """Settle a panel too thin to be cut by one line; all of its size is its error."""
     width = p.ends[1] - p.ends[0]
     phi = 0.5 * (p.ends[0] + p.ends[1])
-    line = scratch[LINE : LINE + 6]
+    line = work.notes.line
     work.chart.apart = 0.5 * width
     scan_line(phi, view, work, scratch)
     integrate_cells(phi, 2, view, work, gauss, line)

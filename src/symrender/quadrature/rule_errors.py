@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.records import Notes
 from symrender.chambers.walls import PARTED
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined
@@ -32,18 +33,17 @@ ALIGNED: Final = 1e-9
 
 
 @inlined
-def slope_error(total: float, value: Array, scratch: Array) -> float:
+def slope_error(total: float, value: Array, notes: Notes) -> float:
     """The error of a point, its tangent that of the value's tangent: what the rules say of it, and what they left out.
 
     What was not looked at is taken to change ``RATE`` times as fast, beside what it holds, as what was. ``value``
     gets the sum of the magnitudes that the tangents of panels are sums of, as its fourth number, and as the tangent of
-    that what was not looked at. ``scratch`` holds from 62 on, of all charts, what panels that were looked at hold, the
-    same of their tangents, and what they may miss.
+    that what was not looked at.
     """
-    rate = RATE * held(scratch[63]) / max(held(scratch[62]), 1e-300)
+    rate = RATE * held(notes.changes) / max(held(notes.holds), 1e-300)
     steep = max(abs(tangent(value[0])), abs(tangent(value[1])), abs(tangent(value[2])))
-    unseen = max(0.0, held(total) - held(scratch[64]))
-    value[3] = moved(max(held(scratch[63]), steep), unseen)
+    unseen = max(0.0, held(total) - held(notes.errs))
+    value[3] = moved(max(held(notes.changes), steep), unseen)
     return moved(held(total), tangent(total) + rate * unseen + ROUNDED_SLOPE * steep)
 
 

@@ -24,14 +24,13 @@ from symrender.chambers.lobes.width import width_at
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
-from symrender.jit.records import Table
 from symrender.quadrature.fall_off import light_beyond, most_floor_light
 from symrender.quadrature.floor_conics import floor_conics, is_felt, may_cross, touch_conics
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.grid_blocks import block_bound, block_level, block_sign, push_quarters
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
-from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
+from symrender.quadrature.split_scratch import SplitWork
 from symrender.quadrature.split_square import Ground, Square, cut_square
 from symrender.quadrature.square_nodes import add_tapered, floor_nodes, seen
 from symrender.quadrature.veins import SMALL_PART, TAME_VEINS, VEINS
@@ -295,15 +294,15 @@ def grid_once(
 
 @jitable
 def split_grid(
-    tol: float, own: int, lobe: Array, view: View, work: Work, conics: Table[Conic], gauss: Array, states: Array,
-    stack: Array, remainders: Table[Remainder], max_evaluations: int, value: Array,
+    tol: float, own: int, lobe: Array, view: View, s: SplitWork, most: int, value: Array
 ) -> tuple[float, float]:  # fmt: skip
     """Add the checker's deviation from its mean albedo to ``value``.
 
     Returns (error estimate, what of it no node was asked of). ``work`` holds the floor chart of the point. ``value``
     (3,) is in units of half the contrast times kd.
     """
-    ground = Ground(lobe, view, work, conics, gauss, states)
+    work, conics, states, stack, remainders = s.work, s.conics, s.states, s.grid_stack, s.remainders
+    ground = Ground(lobe, view, work, conics, s.gauss, states)
     chart = work.chart
     cell = view.floor.cell
     jumps = floor_conics(own, lobe, view, work, conics)
@@ -333,7 +332,7 @@ def split_grid(
                 remainders_of(tol, reach, lobe, view, work, conics, jumps, states, places, remainders),
                 abs(tangent(px)) + abs(tangent(py)),
             )
-        out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > max_evaluations
+        out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > most
         if out_of_budget and change > 0.3 * tol:
             # two tapers that still disagree tell less, and there is no third one
             change *= 4.0

@@ -18,7 +18,7 @@ from symrender.chambers.events import ROOT, SMOOTH, line_range
 from symrender.chambers.highlight_strips import highlight_end
 from symrender.chambers.highlights import find_highlights
 from symrender.chambers.lobes.density import largest_density
-from symrender.chambers.records import Chart, Event, Wall
+from symrender.chambers.records import Chart, Event, Notes, Wall
 from symrender.chambers.senders import find_sent, sender_of
 from symrender.chambers.walls import (
     NORMAL,
@@ -44,8 +44,6 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 
-PANEL = 40
-"""Where the sums of a panel lie in the scratch array."""
 TURNS = 128
 """How often the panels of a chart are gone through at most."""
 LATE = 104
@@ -183,7 +181,7 @@ def follow_ends(
         p = panels[i]
         width = held(p.ends[1] - p.ends[0])
         apart = abs(tangent(p.ends[1]) - tangent(p.ends[0]))
-        if p.step >= 0 or not apart * held(scratch[62]) > RATE * held(scratch[63]) * width:
+        if p.step >= 0 or not apart * held(work.notes.holds) > RATE * held(work.notes.changes) * width:
             continue
         holds = held(p.error)
         evaluate_panel(p, 1, view, work, gauss, events, many, out, scratch)
@@ -283,15 +281,15 @@ def accept_rule(p: Panel, step: int, foreign: float, out: Array) -> None:
 
 
 @inlined
-def note_slopes(panels: Table[Panel], n: int, scratch: Array) -> None:
+def note_slopes(panels: Table[Panel], n: int, notes: Notes) -> None:
     """Add what the panels hold, what that changes by and what they err by to the point's sums."""
     for i in range(n):
         p = panels[i]
         if p.step >= 0:
             width = held(p.ends[1] - p.ends[0])
-            scratch[62] += held(p.per_radian) * width
-            scratch[63] += tangent(p.per_radian) * width
-            scratch[64] += SAFETY * held(p.error) if p.step > 0 else 0.0
+            notes.holds += held(p.per_radian) * width
+            notes.changes += tangent(p.per_radian) * width
+            notes.errs += SAFETY * held(p.error) if p.step > 0 else 0.0
 
 
 @jitable
@@ -317,7 +315,7 @@ def split_chart(
     else:
         left_out = find_highlights(tol, low, high, view, work)
     n, m = first_panels(low, high, view, work, panels, events)
-    out = scratch[PANEL : PANEL + 6]
+    out = work.notes.panel
     bad = 0
     for turn in range(TURNS):
         share = panel_share(tol, panels, n)
@@ -366,7 +364,7 @@ def split_chart(
         if work.walls[i].met != 0.0:
             work.counts.crossings += 1
     if moves(error):
-        note_slopes(panels, n, scratch)
+        note_slopes(panels, n, work.notes)
         follow_ends(panels, n, view, work, gauss, events, m, out, scratch)
     for i in range(n):
         p = panels[i]

@@ -6,7 +6,7 @@ the value, so that value and derivative have the same walls, panels and nodes, a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -16,7 +16,9 @@ from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Frames, View
 from symrender.jit.records import Table
 from symrender.jit.twins import moving
-from symrender.quadrature.split_point import SplitWork, gloss_compiled, split_work
+from symrender.quadrature.split_point import Found, Places, gloss_compiled
+from symrender.quadrature.split_scratch import SplitWork, split_work
+from symrender.quadrature.split_shapes import Asked
 from symrender.scene.arrays import SceneArrays
 
 Array = npt.NDArray[np.float64]
@@ -47,8 +49,7 @@ class SlopeResult:
 
 def moving_work(arrays: SceneArrays, points: Table[LightPoint], glowing: bool) -> SplitWork:
     """Scratch of one thread for ``gloss_slopes``, as of ``split_work``."""
-    plain = split_work(arrays, points, glowing)
-    parts = {each.name: getattr(plain, each.name) for each in fields(SplitWork)}
+    parts = split_work(arrays, points, glowing)._asdict()
     return SplitWork(**{name: part if name in STILL else moving(part) for name, part in parts.items()})
 
 
@@ -61,15 +62,14 @@ def gloss_slopes(
     All arguments but whole numbers are as ``jit/twins.py`` makes them. They are many because a kernel takes arrays.
     """
     count = len(points)
-    gloss, error = np.zeros((count, 4), np.complex128), np.zeros(count, np.complex128)
-    counts = [np.zeros(count, np.int64) for _ in range(4)]
+    gloss: Any = np.zeros((count, 4), np.complex128)
+    error: Any = np.zeros(count, np.complex128)
+    moved: Any = (points, normals, incoming, np.ascontiguousarray(surface, dtype=np.int64))
+    places = Places(*moved)
+    found = Found(gloss, error, *(np.zeros(count, np.int64) for _ in range(4)))
     kernel: Any = gloss_compiled()
-    kernel(
-        points, normals, incoming, np.ascontiguousarray(surface, dtype=np.int64), lobes, view, work.work, work.gauss,
-        work.panels, work.spans, work.ids, work.events, work.scratch, float(tol), float(bound), int(max_evaluations),
-        True, gloss, error, *counts, work.conics, work.remainders, work.states, work.grid_stack, frames,
-    )  # fmt: skip
+    kernel(places, lobes, view, frames, work, Asked(float(tol), float(bound), int(max_evaluations), True), found)
     sums = gloss[:, 3]
     return SlopeResult(
-        np.ascontiguousarray(gloss[:, :3]), error, sums.real.copy(), sums.imag.copy(), counts[0], counts[1]
+        np.ascontiguousarray(gloss[:, :3]), error, sums.real.copy(), sums.imag.copy(), found.evaluations, found.status
     )

@@ -16,8 +16,9 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, table
 from symrender.quadrature.background import directional_albedo
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import SplitResult, SplitWork, gloss_at, split_work
+from symrender.quadrature.split_point import SplitResult, gloss_at
 from symrender.quadrature.split_scene import SplitScene, nearest_squares, refuse_conductors, split_scene
+from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import MET, UNSUPPORTED
 from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from symrender.jit.compiled import compiled
 from symrender.jit.twins import moving
 from symrender.quadrature.background import albedo_slopes
-from symrender.quadrature.split_point import SplitWork
+from symrender.quadrature.split_scratch import SplitWork
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
 from symrender.quadrature.split_slopes import SlopeResult, gloss_slopes, moving_work
 from symrender.radiometric import tile

@@ -16,7 +16,8 @@ from symrender.chambers.records import LightPoint
 from symrender.chambers.work import scene_frames, scene_view
 from symrender.jit.records import Table, copied
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import gloss_points, split_work
+from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_scratch import split_work
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.runtimes import numba
 from symrender.runtimes.image import TileKernel

@@ -18,7 +18,8 @@ import numpy as np
 from symrender.errors import Unsupported
 from symrender.jit.records import Table, copied, record, table
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import SplitWork, gloss_points, split_work
+from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.radiometric.bounds import laid_bounds
 from symrender.radiometric.pieces import Piece

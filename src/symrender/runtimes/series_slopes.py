@@ -18,7 +18,8 @@ from symrender.adjoint.lights import light_point_tangents
 from symrender.adjoint.point import BUDGET, gloss_gradients, tangents_of
 from symrender.jit.records import Table, record, table
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import SplitWork, gloss_points, split_work
+from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.bounds import Bound
 from symrender.radiometric.pieces import Piece

@@ -9,7 +9,8 @@ import numpy as np
 
 from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import gloss_points, split_work
+from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_scratch import split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.runtimes.image import TileKernel, prepare_sight
 from symrender.runtimes.series_pixels import prepare_series
