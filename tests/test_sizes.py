@@ -1,8 +1,7 @@
 """No function over 80 lines or 12 arguments and no file over 400 lines, but where its docstring gives the reason.
 
 Emitted files are as long as what they say. A reason is a sentence that says what is long or many because of what. The
-options of a verb of the command line are
-its arguments, so what is counted there is the work below the docstring.
+options of a verb of the command line are its arguments, so what is counted there is the work below the docstring.
 """
 
 from __future__ import annotations
