@@ -44,6 +44,12 @@ MAX_STRIPS = 200
 """Strips evaluated in a square; beyond, those that miss stand as they are."""
 THIN = 1e-9
 """Height of a strip, in squares, below which one line is taken to tell all of it, whatever changes inside."""
+NARROW = 1e-11
+"""Width of a piece of a row, in squares, below which nothing is asked of it."""
+TOUCHING = 1e-9
+"""How close to where two walls touch a strip is cut, in squares: what is between them goes by the third power."""
+UNSURE = 7
+"""Factor of the label of a piece that has been too narrow on every row so far."""
 ROW_LABOUR = 1
 """What looking for the ends of a strip costs for each conic, in evaluations."""
 MAX_LINES = 16
@@ -152,6 +158,54 @@ def lines_error(
 
 
 @inlined
+def is_labelled(
+    piece: int, first: bool, left: float, width: float, y: float, size: float, ground: Ground
+) -> bool:  # fmt: skip
+    """Whether a piece of a row is seen, and lit by lights, as the piece of this number of the rows before.
+
+    Two walls that touch change what lies between them, and no order tells. Of a narrow piece what was known before
+    stands; on the ``first`` row it is asked all the same.
+    """
+    work, states = ground.work, ground.states
+    narrow = width < NARROW * size
+    if narrow and not first:
+        return True
+    side = 1 if seen(left + 0.5 * width, y, ground.lobe, ground.view, work, states) else HIDDEN
+    if first or abs(work.cell_side[piece]) == UNSURE:
+        work.cell_side[piece] = UNSURE * side if narrow else side
+        for i in range(states.shape[0]):
+            work.lit[piece, i] = int(states[i])
+        return True
+    same = bool(side == work.cell_side[piece])
+    for i in range(states.shape[0]):
+        same = same and (side == HIDDEN or work.lit[piece, i] == int(states[i]))
+    return same
+
+
+@inlined
+def change_of_labels(low: float, high: float, square: Square, ground: Ground) -> float:
+    """The y between two rows of one order of walls from which on a piece is seen, or lit, unlike on the row ``low``."""
+    work = ground.work
+    x0, x1 = square.x0, square.x0 + square.size
+    walls, chart, roots, ends, ids = work.walls, work.chart, work.quartic, work.root_x, work.root_id
+    y, first = low, True
+    while True:
+        pieces, _ = row_pieces(
+            y, x0, x1, square.crossing, square.crossings, ground.conics, walls, chart, roots, ends, ids
+        )
+        same = True
+        for piece in range(pieces):
+            same = same and is_labelled(
+                piece, first, ends[piece], ends[piece + 1] - ends[piece], y, square.size, ground
+            )
+        first = False
+        low, high = (y, high) if same else (low, y)
+        y = 0.5 * (low + high)
+        if high - low < TOUCHING * square.size or not low < y < high:
+            return held(high)
+
+
+@inlined
 def begins_softly(end: int, crossing: Array, conics: Table[Conic], work: Work) -> bool:
     """Whether an end of pieces on the row at hand is one at which light begins like a power of the distance."""
     name = int(work.root_id[end])
@@ -186,12 +240,9 @@ def strip_integral(strip: Strip, square: Square, ground: Ground, sums: Array, ou
             return y
         for piece in range(pieces):
             left, width = work.root_x[piece], work.root_x[piece + 1] - work.root_x[piece]
-            if q == 0:
-                # labels are those of the whole strip
-                side[piece] = 1 if seen(left + 0.5 * width, y, lobe, view, work, states) else HIDDEN
-                for i in range(states.shape[0]):
-                    lit[piece, i] = int(states[i])
-            if side[piece] == HIDDEN or width < 1e-14:
+            if not is_labelled(piece, q == 0, left, width, y, square.size, ground):
+                return y
+            if side[piece] < 0 or width < 1e-14:
                 continue
             soft = view.glows is not None and (
                 begins_softly(piece, crossing, conics, work) or begins_softly(piece + 1, crossing, conics, work)
@@ -295,7 +346,11 @@ def cut_square(square: Square, ground: Ground, scratch: Array, out: Array) -> tu
                 error += holds
                 unseen += holds
                 continue
-            cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)
+            _, there = row_pieces(foreign, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
+            if there == signature:
+                cut = change_of_labels(a + inset, foreign, square, ground)
+            else:
+                cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)
             beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
             # two conics that meet change places; an edge of a penumbra may open a piece like a square root
             kind = SMOOTH if beyond == pieces else ROOT
