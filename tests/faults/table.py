@@ -168,6 +168,8 @@ FAULTS = (
           "places beyond the tapers, which all of them miss, left out"),
     Fault("checker", "quadrature/split_square.py", "size, log_rho), known)", "size, log_rho), 0.0)", KNOWN,
           "a wall that turns just outside of a square not known of"),
+    Fault("checker", "quadrature/split_square.py", "    if narrow and not first:\n", "    if not first:\n",
+          ("radiometric/test_touching_outlines.py",), "a strip taken to be seen as its first line is"),
     Fault("panels", "quadrature/panel_rule.py", "max(bound, 10.0 * size", "max(0.0, 10.0 * size",
           KNOWN, "three dark lines taken for a proof"),
     Fault("points", "quadrature/split_panel.py", "    return left_out\n", "    return 0.0\n",
