@@ -10,8 +10,10 @@ import pytest
 from symrender.chambers.work import Work, work_arrays
 from symrender.jit.records import Table, table
 from symrender.quadrature import square_rows
+from symrender.quadrature.gauss import MIDDLE, gauss_table
 from symrender.quadrature.records import Conic
 from symrender.quadrature.split_setup import MET
+from symrender.quadrature.split_square import lines_error
 
 from .random_lobe import random_lobe
 
@@ -88,3 +90,23 @@ def test_a_rim_that_is_a_plane_is_a_line_on_the_checker(seed: int) -> None:
     assert tight.gloss.max() > 0.05
     assert loose.status[0] == tight.status[0] == MET
     assert np.abs(loose.gloss - tight.gloss).max() <= loose.error[0] + tight.error[0]
+
+
+def test_a_strip_knows_the_root_beside_it() -> None:
+    """Of sqrt(y + d), from 1e-6 to .1 of a strip beside it, on lines whose coefficients may be small by chance."""
+    table, rng = gauss_table(), np.random.default_rng(1)
+    off, stated = [], []
+    for _ in range(4000):
+        n, beside, (much, flat, slope) = int(rng.integers(3, 13)), 10.0 ** rng.uniform(-6.0, -1.0), rng.normal(size=3)
+        base = n * (n - 1) // 2
+        y = table[0, base : base + n]
+        y = y if rng.random() < 0.5 else 1.0 - y
+        value = (much * np.sqrt(y + beside) + flat + slope * y) * table[1, base : base + n]
+        exact = much * 2.0 / 3.0 * ((1.0 + beside) ** 1.5 - beside**1.5) + flat + 0.5 * slope
+        last, before, middle, lower = (float(value @ table[k, base : base + n]) for k in (2, 3, MIDDLE, MIDDLE + 1))
+        branch = math.acosh(1.0 + 2.0 * beside)
+        off.append(abs(float(value.sum()) - exact))
+        stated.append(lines_error(n, last, before, middle, lower, float(np.abs(value).sum()), 2.0, branch))
+    ratio = np.array(off) / (np.array(stated) + 1e-15)
+    assert np.median(off) > 1e-7
+    assert ratio.max() < 0.5
