@@ -39,7 +39,7 @@ class Unknown(Exception):
 
 
 class Function(Expressions):
-    """A function for given argument types; ``text`` is its definition, ``result`` the type of what it returns."""
+    """A function for given argument types, its ``head`` and ``lines``; ``result`` is the type of what it returns."""
 
     module: Whole
 
@@ -51,7 +51,7 @@ class Function(Expressions):
         self.module = module
         self.variables: dict[int, Type] = {}
         self.result: Type | None = None
-        self.text = ""
+        self.head, self.copied = "", False
         self.callees: list[Function] = []
         for _ in range(_MOST_PASSES):
             super().__init__(module, self.source.file)
@@ -88,9 +88,8 @@ class Function(Expressions):
         kind = _returned(self.result or NOTHING)
         if self.module.checked:
             self.lines += ["out:", f"ret {kind}" if kind == "void" else f"ret {kind} zeroinitializer"]
-        copied = is_copied(self.inline, self.lines)
-        head = f"define internal fastcc {kind} @{self.symbol}({', '.join(signature)}) #{int(not copied)} {{"
-        self.text = "\n".join((head, *self.slots, *self.lines, "}"))
+        self.copied = is_copied(self.inline, self.lines)
+        self.head = f"fastcc {kind} @{self.symbol}({', '.join(signature)}) #{int(not self.copied)}"
         return True
 
     def _block(self, statements: Sequence[ast.stmt]) -> None:

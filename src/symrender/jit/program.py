@@ -13,6 +13,7 @@ import numpy as np
 from symrender.jit.arithmetic import literal
 from symrender.jit.function import Function
 from symrender.jit.marks import is_inlined, is_marked
+from symrender.jit.parts import parted
 from symrender.jit.places import Places
 from symrender.jit.refused import Refused
 from symrender.jit.runtime import EXTERNAL, HELPERS
@@ -53,13 +54,13 @@ class Site:
 
 @dataclass(frozen=True)
 class Translation:
-    """LLVM IR of a kernel, the type of its result, and what it was made of.
+    """LLVM IR of a kernel in one or more modules, the type of its result, and what it was made of.
 
     ``texts``: SHA-256 of the text of every module a function comes from; ``constants``: a digest of the value of every
     global that was read, by module and name; ``sites``: the checks of a build with checks, by their numbers.
     """
 
-    text: str
+    modules: tuple[str, ...]
     result: Type
     texts: dict[str, str]
     constants: dict[tuple[str, str], str]
@@ -196,12 +197,19 @@ class Program:
                     declared[line] = None
                 else:
                     helpers.append(line)
-        parts = [
-            *declared, *self._tables, *helpers, *(each.text for each in reached.values()), self._border(entry),
-            _ATTRIBUTES,
-        ]  # fmt: skip
+        everything = [(each, False) for each in reached.values()]
+        # what says which check failed is one place in memory
+        divided = [everything] if self.checked else parted(entry, reached)
+        modules = []
+        for functions in divided:
+            parts = [*declared, *self._tables, *helpers]
+            for each, foreign in functions:
+                shared = any(each is e and f for other in divided for e, f in other)
+                parts.append(_declared(each) if foreign else _defined(each, shared))
+            parts += [self._border(entry)] * (functions is divided[0])
+            modules.append("\n".join((*parts, _ATTRIBUTES)))
         result = entry.result or NOTHING
-        return Translation("\n".join(parts), result, self.texts, self.constants, tuple(self.sites), len(reached))
+        return Translation(tuple(modules), result, self.texts, self.constants, tuple(self.sites), len(reached))
 
     def _border(self, entry: Function) -> str:
         """The function called from Python: arguments from one block of slots, the result into the slots after them."""
@@ -228,6 +236,17 @@ class Program:
         body.do(f"ret i64 {body.op('load i64, ptr @failed') if self.checked else '0'}")
         flag = "@failed = internal global i64 0\n" if self.checked else ""
         return "\n".join((f"{flag}define i64 @{ENTRY}(ptr %block) #1 {{", *body.slots, *body.lines, "}"))
+
+
+def _defined(function: Function, shared: bool) -> str:
+    """Definition of a function, that other modules call where ``shared``."""
+    linkage = "" if shared else "internal "
+    return "\n".join((f"define {linkage}{function.head} {{", *function.slots, *function.lines, "}"))
+
+
+def _declared(function: Function) -> str:
+    """Declaration of a function that another module defines."""
+    return f"declare {function.head}"
 
 
 def digest_of(value: Any) -> str:

@@ -40,5 +40,5 @@ def ship(kernel: tuple[str, str], types: tuple[Type, ...], made: Translation) ->
     """Keep a translation on the shelves that are being filled, if any."""
     for shelf in _WANTED:
         begun = time.perf_counter()
-        code = machine_code(made.text, shelf.machine)
+        code = machine_code(made.modules, shelf.machine)
         shelf.put(shelf.lists(kernel, types, False), made, code, time.perf_counter() - begun)

@@ -206,6 +206,19 @@ def change_of_labels(low: float, high: float, square: Square, ground: Ground) ->
 
 
 @inlined
+def change_between(low: float, high: float, signature: int, square: Square, ground: Ground) -> float:
+    """The y between two rows of other structure at which that of the row ``low``, of this signature, ends."""
+    work, conics, x0, x1 = ground.work, ground.conics, square.x0, square.x0 + square.size
+    _, found = row_pieces(
+        high, x0, x1, square.crossing, square.crossings, conics, work.walls, work.chart, work.quartic, work.root_x,
+        work.root_id,
+    )  # fmt: skip
+    if found == signature:
+        return change_of_labels(low, high, square, ground)
+    return change_of_rows(low, high, x0, x1, square.crossing, square.crossings, conics, work)
+
+
+@inlined
 def begins_softly(end: int, crossing: Array, conics: Table[Conic], work: Work) -> bool:
     """Whether an end of pieces on the row at hand is one at which light begins like a power of the distance."""
     name = int(work.root_id[end])
@@ -346,11 +359,7 @@ def cut_square(square: Square, ground: Ground, scratch: Array, out: Array) -> tu
                 error += holds
                 unseen += holds
                 continue
-            _, there = row_pieces(foreign, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
-            if there == signature:
-                cut = change_of_labels(a + inset, foreign, square, ground)
-            else:
-                cut = change_of_rows(a + inset, foreign, x0, x1, crossing, crossings, conics, work)
+            cut = change_between(a + inset, foreign, signature, square, ground)
             beyond, _ = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
             # two conics that meet change places; an edge of a penumbra may open a piece like a square root
             kind = SMOOTH if beyond == pieces else ROOT
