@@ -51,7 +51,7 @@ def scene(ball: bool, cell: float, turn: float, height: float, light: tuple[floa
 
 def reach(phi: Array, centre: Array, eye: Array) -> Array:
     """How far from the foot of the ball its shadow from ``eye`` reaches on the floor, at azimuth ``phi``."""
-    low = np.full_like(phi, math.sqrt(RADIUS**2 - centre[2] ** 2))
+    low = np.full_like(phi, math.sqrt(max(0.0, RADIUS**2 - centre[2] ** 2)))
     high = np.full_like(phi, 50.0)
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -66,11 +66,10 @@ def reach(phi: Array, centre: Array, eye: Array) -> Array:
     return low
 
 
-def missing(cell: float, turn: float, height: float, light: tuple[float, float, float]) -> float:
+def missing(cell: float, turn: float, height: float, light: tuple[float, float, float], pieces: int = 3000) -> float:
     """What of the floor's light does not reach (0, 0, 2): the wall's radiance without the ball less that with it."""
     centre, lamp, eye = np.array([0.35, -0.15, height]), np.array(light), np.array([0.0, 0.0, ABOVE])
     nodes, weights = leggauss(6)
-    pieces = 3000
     phi = ((np.arange(pieces)[:, None] + 0.5 + 0.5 * nodes) * (2.0 * math.pi / pieces)).ravel()
     share = np.tile(weights * math.pi / pieces, pieces)
     far = np.maximum(reach(phi, centre, eye), reach(phi, centre, lamp))
