@@ -120,3 +120,16 @@ def test_what_lies_between_outlines_that_touch_is_seen_anew(case: Case) -> None:
     hidden = missing(*case)
     assert light[1] > 0.02 and hidden > 4e-4
     assert light[0] - light[1] == pytest.approx(hidden, abs=3.0 * TOL)
+
+
+@pytest.mark.parametrize(("case", "step"), [(CASES[0], 1e-4), (CASES[2], 2e-3), (CASES[4], 2e-3)])
+def test_outlines_that_touch_part_from_nothing(case: Case, step: float) -> None:
+    """Two crossings that rounding makes of one move as they like; nothing is one-sided, and little is unsure."""
+    name = "shapes.S.center.z"
+    image = sr.gradient(load_any(scene(True, *case)), [name], size=1, tol=TOL, threads=1, tile=1)[name]
+    cell, turn, height, light = case
+    raised = [missing(cell, turn, height + k * step, light, pieces=2000) for k in (1, -1, 2, -2)]
+    expected = -(8.0 * (raised[0] - raised[1]) - (raised[2] - raised[3])) / (12.0 * step)
+    assert image.layer("status")[0, 0] == 0.0 and image.layer("error")[0, 0] <= TOL
+    assert abs(expected) > 4e-3
+    assert float(image.layer("indirect")[0, 0, 0]) == pytest.approx(expected, abs=2.0 * TOL)

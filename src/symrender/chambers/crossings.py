@@ -43,6 +43,8 @@ Array = npt.NDArray[np.float64]
 
 NEAR_PLANE = 1e-2
 """Cosine of a cone's half-angle below which its crossings with circles are found from those of a plane as well."""
+ONE_OF_TWO = 1e-6
+"""Radians between two crossings below which they may be one that rounding parts, as the root of a double one."""
 FAST = 30.0
 """How many times faster than half of a chart's events a crossing must move to be held."""
 MOST_HELD = 256
@@ -346,13 +348,18 @@ def chart_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
 
 @jitable
 def hold_fast(events: Table[Event], n: int) -> None:
-    """Let crossings stand still that move far faster than half of all events.
+    """Let crossings stand still that move far faster than half of all events, and such as are two of one.
 
     Walls that all but touch cross at a place that runs along both as they move, and what the two panels that end there
-    sweep is large and cancels. A panel's end is there for a kink alone, which the derivative may leave behind.
+    sweep is large and cancels. Where they touch, rounding makes two crossings of one, which part at any speed. A
+    panel's end is there for a kink alone, which the derivative may leave behind.
     """
     if n > MOST_HELD or not moves(events[0].azimuth):
         return
+    for e in range(1, n):
+        close = held(events[e].azimuth - events[e - 1].azimuth) < ONE_OF_TWO
+        if close and events[e].kind == CROSSING and events[e - 1].kind == CROSSING:
+            events[e].azimuth, events[e - 1].azimuth = held(events[e].azimuth), held(events[e - 1].azimuth)
     for e in range(n):
         if events[e].kind != CROSSING:
             continue

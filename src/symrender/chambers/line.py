@@ -11,9 +11,10 @@ from symrender.chambers.labels import DARK, HIDDEN, is_hidden, light_state, text
 from symrender.chambers.penumbra_walls import edge_value, penumbra_roots
 from symrender.chambers.place import floor_shadow_roots, shadow_level, shadow_quartic, surface_point
 from symrender.chambers.reach import passes
-from symrender.chambers.records import Chart
+from symrender.chambers.records import Chart, Wall
 from symrender.chambers.roots import circle_roots, quadratic_roots, quartic_roots
 from symrender.chambers.walls import (
+    BALL,
     DIRECTION,
     FLOOR_CUT,
     HIGHLIGHT,
@@ -167,6 +168,19 @@ def move_apart(start: float, end: float) -> bool:
     return abs(tangent(end) - tangent(start)) > PARTED * (abs(tangent(end)) + abs(tangent(start)))
 
 
+@inlined
+def touch_by_themselves(one: Wall, other: Wall) -> bool:
+    """Whether two walls touch whatever moves: where a ball meets the shape, and what it hides or shades of the shape.
+
+    They do not cross there, and what one of them leaves the other takes up.
+    """
+    met = (one.tag == SILHOUETTE and one.kind in (BALL, NORMAL)) or (
+        other.tag == SILHOUETTE and other.kind in (BALL, NORMAL)
+    )
+    both = one.tag in (SILHOUETTE, SHADOW_EDGE) and other.tag in (SILHOUETTE, SHADOW_EDGE)
+    return bool(met and both and one.shape_index == other.shape_index)
+
+
 @jitable
 def note_parted(cells: int, work: Work) -> None:
     """Note whether a cell that is seen ends on a wall that another one parts from."""
@@ -317,7 +331,8 @@ def scan_line(phi: float, view: View, work: Work, scratch: Array) -> int:
     for i in range(n + 1):
         end = high if i == n else work.root_x[i]
         if moves(start) and i < n and end - start < NEAR and move_apart(start, end):
-            work.walls[work.root_id[i] // 4].parted = 1
+            row = work.walls[work.root_id[i] // 4]
+            row.parted = max(row.parted, int(i == 0 or not touch_by_themselves(work.walls[wall // 4], row)))
         if end - start > THIN:
             same = True
             if side == HIDDEN and changed < SEVERAL and changed > SILHOUETTE and changed != FLOOR_CUT:
