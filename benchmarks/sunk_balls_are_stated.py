@@ -36,7 +36,12 @@ def drawn(seed: int) -> Case:
     rng = np.random.default_rng([seed, 31])
     cell, turn = float(rng.choice([0.3, 0.7, 1.5, 3.0])), float(rng.choice([0.0, rng.uniform(0.0, 1.57)]))
     height = float(rng.choice([rng.uniform(-0.48, 0.48), rng.uniform(-0.48, 0.48), RADIUS]))
-    light = (float(rng.uniform(-1.5, 1.5)), float(rng.uniform(-1.5, 1.5)), float(rng.uniform(0.9, 1.8)))
+    # higher than the ball by enough that its shadow ends near by
+    light = (
+        float(rng.uniform(-1.5, 1.5)),
+        float(rng.uniform(-1.5, 1.5)),
+        height + RADIUS + float(rng.uniform(0.2, 0.9)),
+    )
     return cell, turn, height, light
 
 

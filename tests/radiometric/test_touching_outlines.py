@@ -63,6 +63,7 @@ def reach(phi: Array, centre: Array, eye: Array) -> Array:
         off = ((to - share * way) ** 2).sum(0)
         hidden = off < RADIUS**2
         low, high = np.where(hidden, middle, low), np.where(hidden, high, middle)
+    assert low.max() < 49.0, "a shadow without end"
     return low
 
 
