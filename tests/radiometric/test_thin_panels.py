@@ -14,6 +14,10 @@ import numpy as np
 import pytest
 
 import symrender as sr
+from symrender.chambers import crossings
+from symrender.jit.compiled import compiled
+from symrender.quadrature import split_slopes
+from symrender.quadrature.split_point import gloss_kernel
 from symrender.scene.load import load_any
 
 NAME, LEVEL = "shapes.floor.point.z", -1.0
@@ -69,3 +73,20 @@ def test_what_thin_panels_sweep_is_not_left_out(slope: tuple[np.ndarray, float],
     stated = size * float(image.layer("error")[0, 0])
     assert stated <= 0.05 * np.abs(known).max()
     assert off <= stated + doubt
+
+
+def test_ends_are_followed_where_rounding_makes_two_crossings_of_one(
+    slope: tuple[np.ndarray, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Crossings so close are held still; were they not, what the panels between them sweep is looked at."""
+    known, doubt = slope
+    monkeypatch.setattr(crossings, "ONE_OF_TWO", 0.0)
+    apart = compiled(gloss_kernel, _nrt=False)
+    monkeypatch.setattr(split_slopes, "gloss_compiled", lambda: apart)
+    for size in (1e-4, 1e-3, 1e-2, 1.0, 10.0):
+        for tol in (1e-4, 1e-6):
+            image = sr.gradient(load_any(scene(size)), [NAME], size=1, tol=min(1.0, tol / size), threads=1, tile=1)[
+                NAME
+            ]
+            off = size * np.abs(image.layer("indirect")[0, 0] - known / size).max()
+            assert off <= size * float(image.layer("error")[0, 0]) + doubt
