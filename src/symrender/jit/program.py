@@ -200,12 +200,12 @@ class Program:
         everything = [(each, False) for each in reached.values()]
         # what says which check failed is one place in memory
         divided = [everything] if self.checked else parted(entry, reached)
+        called_abroad = {each.symbol for functions in divided for each, foreign in functions if foreign}
         modules = []
         for functions in divided:
             parts = [*declared, *self._tables, *helpers]
             for each, foreign in functions:
-                shared = any(each is e and f for other in divided for e, f in other)
-                parts.append(_declared(each) if foreign else _defined(each, shared))
+                parts.append(_declared(each) if foreign else _defined(each, each.symbol in called_abroad))
             parts += [self._border(entry)] * (functions is divided[0])
             modules.append("\n".join((*parts, _ATTRIBUTES)))
         result = entry.result or NOTHING

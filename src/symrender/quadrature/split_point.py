@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -52,8 +51,7 @@ ROUNDED: Final = 4e-16
 """Relative error of the base of a highlight."""
 
 
-@dataclass(frozen=True)
-class SplitResult:
+class SplitResult(NamedTuple):
     """Gloss of N points.
 
     ``gloss`` (N, 3) in scene units of radiance, without the mirror weight; ``error`` (N,) estimated largest absolute
@@ -79,17 +77,6 @@ class Places(NamedTuple):
     surface: Ints
 
 
-class Found(NamedTuple):
-    """The arrays of a ``SplitResult``, to be filled."""
-
-    gloss: Array
-    error: Array
-    evaluations: Ints
-    status: Ints
-    chambers: Ints
-    crossings: Ints
-
-
 @inlined
 def aim_lobe(i: int, lobes: Array, places: Places, view: View, s: SplitWork, asked: Asked) -> tuple[float, float]:
     """Set the chart's lobe up for place ``i``; (share of the background that it sees, what is left out).
@@ -103,14 +90,15 @@ def aim_lobe(i: int, lobes: Array, places: Places, view: View, s: SplitWork, ask
     total = held(lobe_setup(n, theta_max, 0.0 if falling else asked.tol, asked.bound, chart.lobe) * asked.bound)
     if falling:
         end_at_horizon(normal, lobe, chart.lobe)
-    if is_conductor(surface, view.conductors):
+    conductor = is_conductor(surface, view.conductors)
+    if conductor:
         conductor_setup(surface, lobe, normal, view.conductors, chart.lobe)
         total = 0.0
     brdf = view.shading.units == BRDF_NORMALISED
     if brdf:
         weigh_by_cosine(normal, chart.lobe)
     sky = brightest(view.shading.background)
-    if is_conductor(surface, view.conductors):
+    if conductor:
         # of it the result is the difference alone: see ``directional_albedo``
         return 0.0, total
     if not sky > 0.0:
@@ -137,7 +125,7 @@ def reflect_sharply(
 
 
 def gloss_kernel(
-    places: Places, lobes: Array, view: View, frames: Frames, s: SplitWork, asked: Asked, found: Found
+    places: Places, lobes: Array, view: View, frames: Frames, s: SplitWork, asked: Asked, found: SplitResult
 ) -> None:  # fmt: skip
     """Fill ``found`` for every place; see ``gloss_points``."""
     work, notes = s.work, s.work.notes
@@ -264,7 +252,7 @@ def gloss_at(
     n = len(points)
     scales = scene.scales[surface]
     largest = max(float(scales.max(initial=0.0)), 1e-300)
-    found = Found(np.zeros((n, 3)), np.zeros(n), *(np.zeros(n, np.int64) for _ in range(4)))
+    found = SplitResult(np.zeros((n, 3)), np.zeros(n), *(np.zeros(n, np.int64) for _ in range(4)))
     places = Places(
         np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(normals, dtype=np.float64),
         np.ascontiguousarray(incoming, dtype=np.float64), np.ascontiguousarray(surface, dtype=np.int64),

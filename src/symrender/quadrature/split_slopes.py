@@ -16,7 +16,7 @@ from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Frames, View
 from symrender.jit.records import Table
 from symrender.jit.twins import moving
-from symrender.quadrature.split_point import Found, Places, gloss_compiled
+from symrender.quadrature.split_point import Places, SplitResult, gloss_compiled
 from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_shapes import Asked
 from symrender.scene.arrays import SceneArrays
@@ -66,7 +66,7 @@ def gloss_slopes(
     error: Any = np.zeros(count, np.complex128)
     moved: Any = (points, normals, incoming, np.ascontiguousarray(surface, dtype=np.int64))
     places = Places(*moved)
-    found = Found(gloss, error, *(np.zeros(count, np.int64) for _ in range(4)))
+    found = SplitResult(gloss, error, *(np.zeros(count, np.int64) for _ in range(4)))
     kernel: Any = gloss_compiled()
     kernel(places, lobes, view, frames, work, Asked(float(tol), float(bound), int(max_evaluations), True), found)
     sums = gloss[:, 3]
