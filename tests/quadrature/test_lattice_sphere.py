@@ -278,8 +278,7 @@ def test_stated_errors_hold() -> None:
 
 
 def same(one: SplitResult, other: SplitResult) -> bool:
-    pairs = zip(dataclasses.astuple(one), dataclasses.astuple(other), strict=True)
-    return all(np.array_equal(a, b) for a, b in pairs)
+    return all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
 
 def test_tight_tolerances_are_left_to_walls() -> None:
