@@ -23,8 +23,8 @@ NEEDS = {
     "one_bounce_beats_mitsuba": "mitsuba",
 }
 """Benchmarks that take a path, and which."""
-AUDITED = ("mitsuba/ray_offset", "mitsuba/small_penumbra")
-"""Benchmarks that render with Mitsuba."""
+AUDITED = ("mitsuba/ray_offset", "mitsuba/small_penumbra", "mitsuba/beckmann_sampling")
+"""Benchmarks that ask Mitsuba."""
 
 
 def programs() -> list[str]:

@@ -7,7 +7,9 @@ needs ``pip install mitsuba==3.9.1``, which neither symrender nor its tests do. 
 over 64 rotations of the whole scene. One more bounce (depth 3) is recorded as sums and sums of squares of samples,
 direct light included, with their number, their first seed and that direct light. For it the scene is scaled by 100 and
 moved so that the place the ray meets is the origin: secondary rays start (1 + max |p|) 8.94e-5 off a surface, which
-then counts for nothing; scaled by 1000, single precision would let surfaces shade themselves.
+then counts for nothing; scaled by 1000, single precision would let surfaces shade themselves. Directions drawn for
+Beckmann carry the exact masking of the view and the weight that comes with them Walter's fit of it
+(``benchmarks/mitsuba/beckmann_sampling.py``), so that these sums are off by what the fit is.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from tests.quadrature.half_vector import Rough, albedo, fresnel, masking
+from tests.quadrature.half_vector import Rough, albedo, fitted_tail, fresnel, masking, smooth_tail
 
 import symrender as sr
 from symrender.chambers.lobes.record import CONDUCTOR, LAMBERT, POWER, Sender
@@ -104,20 +104,35 @@ def test_phong_gives_back_its_albedo_of_what_it_sees_and_of_what_shines_on_it(ex
             assert np.abs(seen.indirect[0] - expected).max() <= 1e-9 and seen.error[0] < 1e-7
 
 
+def view_cosine(ray: dict[str, Any]) -> float:
+    """Of the view with the normal of what the ray meets: the sphere or the floor that is made of what is tested."""
+    (tested,) = (shape for shape in ray["scene"]["shapes"] if shape["material"] == "tested")
+    normal = [0.0, 0.0, 1.0]
+    if tested["type"] == "sphere":
+        normal = (np.array(ray["place"]) - tested["center"]) / tested["radius"]
+    return float(-np.dot(normal, ray["direction"]))
+
+
 def test_one_bounce_is_mitsubas() -> None:
-    z = []
+    """By chance one of 30 recorded rays is beyond 3 in 1 of 12 recordings; three channels of a ray are one number."""
+    z, grazing = [], 0.0
     for ray in DATA["rays"]:
-        if "bounced" not in ray or "ggx" not in ray["scene"]["name"]:
+        name = ray["scene"]["name"]
+        if "bounced" not in ray or "diffuse" in name:
             continue
         seen = sr.probe(ray["scene"] | {"bounces": 1}, rays=(ray["origin"], ray["direction"]), tol=1e-8)
         b = ray["bounced"]
         mean = np.array(b["sum"]) / b["samples"]
         error = np.sqrt((np.array(b["sum_of_squares"]) / b["samples"] - mean**2) / b["samples"])
-        assert b["samples"] > 2e7 and (error < 1e-2 * seen.indirect[0]).all()
+        assert b["samples"] > 1e8 and (error < 4e-3 * seen.indirect[0]).all()
         assert seen.status[0] == 0 and seen.error[0] <= 1e-8
-        z.append((mean - b["direct"] - seen.indirect[0]) / error)
-    assert len(z) == 24
-    assert np.abs(z).max() < 3.5 and float(np.std(z)) < 1.5
+        # directions are drawn by the exact masking of the view, and weighed by Walter's fit of it
+        cosine = np.array(view_cosine(ray))
+        drawn = (1.0 + fitted_tail(cosine, 0.3)) / (1.0 + smooth_tail(cosine, 0.3)) if "beckmann" in name else 1.0
+        z.append((mean - b["direct"] - drawn * seen.indirect[0]) / error)
+        grazing = max(grazing, float(np.abs((drawn - 1.0) * seen.indirect[0] / error).max()))
+    assert len(z) == 30 and grazing > 4.5
+    assert np.abs(z).max() < 3 and float(np.std(z)) < 1.5
 
 
 def crowd(seed: int) -> dict[str, Any]:
