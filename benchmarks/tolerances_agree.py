@@ -7,9 +7,10 @@ maskings, Walter's fit, alpha .001 to 1), phong of exponents from 0 on and diffu
 many of them grazing. Of a ``glow`` (a sky, balls that emit, no bounce) and of ``points`` (points near surfaces, spots
 and suns, one bounce, checkers and stripes) every place is asked at many tolerances: pairs that differ by more than
 both state are beyond, and so are values off by more than they state from rules within rules over angles, where those
-tell: ``tests/radiometric/nested.py``, and of bounces ``nested_bounce.py``. ``tiles`` (a sky and balls that emit, one
-bounce, textures, gloss met first) are asked alone, and pairs judged by lattices of rays of direct light
-(``tests/radiometric/seen_lattice.py``).
+tell: ``tests/radiometric/nested.py``, and of bounces ``nested_bounce.py``. ``sunk`` (points over planes with
+checkers or stripes, every ball cuts or touches one, or another ball that does) are judged by lattices of rays of direct
+light (``tests/radiometric/seen_lattice.py``), and so are pairs of ``tiles`` (a sky and balls that emit, one bounce,
+textures, gloss met first), which are asked alone.
 """
 
 from __future__ import annotations
@@ -26,13 +27,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 Array = np.ndarray
 Scene = dict[str, Any]
-KINDS = ("glow", "points", "tiles")
+KINDS = ("glow", "points", "tiles", "sunk")
+BY_LATTICES = ("tiles", "sunk")
 COUNT, QUICK = 1_000, 12
 PLACES = 4
 """Rays of a scene."""
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
 """Of the light that is there, as a first look finds it, or of a thousandth of the lights' where there is none."""
-BUDGET = {"glow": 400_000, "points": 300_000, "tiles": 150_000}
+BUDGET = {"glow": 400_000, "points": 300_000, "tiles": 150_000, "sunk": 300_000}
 LOOSEST = 1.5
 SHARE = 0.999
 """Of all values that a judge tells, those that are to be within what they state."""
@@ -47,7 +49,8 @@ TOLD = 0.25
 """Share of what is stated that the judge may be off and tell."""
 SURE = 6.0
 """Standard errors of lattices that count for nothing."""
-LOOKS = ((10946, 6765), (46368, 28657))
+LOOKS = ((10946, 6765), (46368, 28657), (196418, 121393))
+"""Points of lattices, the next where values disagree with the one before: what is small and bright few may meet."""
 
 
 class Beyond(NamedTuple):
@@ -117,6 +120,39 @@ def shapes_of(rng: np.random.Generator, names: list[str], near: float) -> list[S
     return shapes
 
 
+def sunk_of(rng: np.random.Generator) -> list[Scene]:
+    """A floor, often a wall across it, and balls that cut or touch them or each other."""
+    planes: list[Scene] = []
+    for k in range(1 + int(rng.random() < 0.5)):
+        normal = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]][k]) + unit(rng) * float(rng.choice([0.0, 1e-3, 0.3]))
+        planes.append({"type": "plane", "name": f"P{k}", "point": [1.2 * k, 0.0, 0.0], "normal": normal.tolist(),
+                       "along": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]][k] if rng.random() < 0.3 else unit(rng).tolist(),
+                       "material": "tiles"})  # fmt: skip
+    balls: list[Scene] = []
+    for k in range(int(rng.integers(1, 4))):
+        radius = float(rng.choice([0.5, 10.0 ** rng.uniform(-1.5, 0.5)]))
+        depth = float(
+            rng.choice([rng.uniform(-0.97, 0.97), 1.0, 1.0 - 10.0 ** rng.uniform(-6, -1)], p=[0.7, 0.15, 0.15])
+        )
+        if balls and rng.random() < 0.4:
+            other = balls[int(rng.integers(len(balls)))]
+            center = np.array(other["center"]) + unit(rng) * (other["radius"] + depth * radius)
+        else:
+            plane = planes[int(rng.integers(len(planes)))]
+            place, normal = spot_on(rng, plane, (0.3, 1.0))
+            center = place + depth * radius * normal
+        balls.append({"type": "sphere", "name": f"S{k}", "center": center.tolist(), "radius": radius,
+                      "material": str(rng.choice(["m0", "m1", "m2"]))})  # fmt: skip
+    return planes + balls
+
+
+def tiles_of(rng: np.random.Generator, cells: tuple[float, ...], shades: tuple[float, ...] = (0.0, 0.3, 0.9)) -> Scene:
+    """A checker, or stripes."""
+    colours = [rng.choice(shades, 3).tolist() for _ in range(2)]
+    return {"type": str(rng.choice(["checker", "stripes"])), "bright": colours[0], "dark": colours[1],
+            "cell": float(rng.choice(cells))}  # fmt: skip
+
+
 def points_of(rng: np.random.Generator, shapes: list[Scene]) -> list[Scene]:
     """Points, spots and suns, some of them close to a surface."""
     lights: list[Scene] = []
@@ -157,13 +193,13 @@ def glows_of(rng: np.random.Generator, shapes: list[Scene]) -> list[Scene]:
     return lights
 
 
-def spot_on(rng: np.random.Generator, shape: Scene) -> tuple[Array, Array]:
-    """A place on a shape, and its normal."""
+def spot_on(rng: np.random.Generator, shape: Scene, far: tuple[float, ...] = (0.1, 1.0, 5.0)) -> tuple[Array, Array]:
+    """A place on a shape, of a plane about ``far`` from its point, and its normal."""
     if shape["type"] == "sphere":
         normal = unit(rng)
         return np.array(shape["center"]) + shape["radius"] * normal, normal
     normal = np.array(shape["normal"]) / np.linalg.norm(shape["normal"])
-    v = rng.normal(size=3) * float(rng.choice([0.1, 1.0, 5.0]))
+    v = rng.normal(size=3) * float(rng.choice(far))
     return np.array(shape["point"]) + v - (v @ normal) * normal, normal
 
 
@@ -183,13 +219,25 @@ def drawn(seed: int, kind: str) -> tuple[Scene, Array, Array]:
     """A scene of a kind, and origins and directions of rays."""
     rng = np.random.default_rng([seed, KINDS.index(kind), 17])
     materials = {f"m{k}": material(rng) for k in range(3)}
-    shapes = shapes_of(rng, list(materials), 0.0 if kind == "points" else 1.0)
+    if kind == "sunk":
+        shapes = sunk_of(rng)
+        materials["tiles"] = {
+            "type": "diffuse",
+            "reflectance": tiles_of(rng, (0.25, 0.7, 1.3, 3.0)),
+            "two_sided": bool(rng.random() < 0.2),
+        }
+    else:
+        shapes = shapes_of(rng, list(materials), 0.0 if kind == "points" else 1.0)
     scene: Scene = {
         "units": "radiometric", "name": "drawn", "bounces": 0 if kind == "glow" else 1,
         "camera": {"type": "look_at", "eye": [0, 0, 99], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 40},
         "materials": materials, "shapes": shapes,
-        "lights": points_of(rng, shapes) if kind == "points" else glows_of(rng, shapes),
+        "lights": points_of(rng, shapes) if kind in ("points", "sunk") else glows_of(rng, shapes),
     }  # fmt: skip
+    if kind == "sunk":
+        for light in scene["lights"]:
+            above, sign = ("position", 1.0) if "position" in light else ("direction", -1.0)
+            light[above][2] = sign * abs(light[above][2])
     if kind == "tiles":
         scene["gloss"] = "first_hit"
         if rng.random() < 0.5:
@@ -198,9 +246,7 @@ def drawn(seed: int, kind: str) -> tuple[Scene, Array, Array]:
         on_planes = {shape["material"] for shape in shapes if shape["type"] == "plane"}
         for name, made in materials.items():
             if rng.random() < 0.4 and (made["type"] == "diffuse" or name not in on_planes):
-                colours = [rng.choice([0.0, 0.3, 0.9], 3).tolist() for _ in range(2)]
-                made["reflectance"] = {"type": str(rng.choice(["checker", "stripes"])), "bright": colours[0],
-                                       "dark": colours[1], "cell": float(rng.choice([0.11, 0.25, 1.3]))}  # fmt: skip
+                made["reflectance"] = tiles_of(rng, (0.11, 0.25, 1.3))
     rays = [ray_to(rng, shapes) for _ in range(PLACES)]
     return scene, np.array([ray[0] for ray in rays]), np.array([ray[1] for ray in rays])
 
@@ -283,13 +329,14 @@ def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tu
         to.pairs[0] += 1
         if off > LOOSEST * both:
             apart.append((one, other, off, both))
-    if kind == "tiles":
-        if apart:
-            rng = np.random.default_rng([seed, place, 5])
-            known = seen_lattice.bounced(data, *ray, rng, *LOOKS[1])
-            opinions: list[tuple[Array, float]] | None = [(known.indirect, SURE * float(known.sigma.max()))]
-        else:
-            opinions = []
+    if kind in BY_LATTICES:
+        opinions: list[tuple[Array, float]] | None = []
+        for look in LOOKS if apart or kind == "sunk" else ():
+            known = seen_lattice.bounced(data, *ray, np.random.default_rng([seed, place, 5]), *look)
+            doubt = SURE * float(known.sigma.max())
+            opinions = [(known.indirect, doubt)]
+            if all(float(np.abs(value - known.indirect).max()) - doubt <= stated for value, stated, _ in found):
+                break
     else:
         opinions = opinions_of(data, seen[0].shape[0], ray, kind, found, scale)
         if opinions is None:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.density import largest_density
-from symrender.chambers.lobes.width import width_at
+from symrender.chambers.lobes.width import width_about
 from symrender.chambers.records import INVERSE_SQUARE, Chart
 from symrender.chambers.work import View
 from symrender.jit.marks import inlined, jitable
@@ -70,13 +70,14 @@ def block_bound(
     # no part of the block comes nearer to the lobe's axis than this
     ratio = 1.4143 * half / d
     dot = (xc * lobe[0] + yc * lobe[1] - h * lobe[2]) / d
-    theta = math.acos(max(-1.0, min(1.0, dot))) - (math.asin(ratio) if ratio < 1.0 else math.pi)
+    around = math.asin(ratio) if ratio < 1.0 else math.pi
+    theta = math.acos(max(-1.0, min(1.0, dot))) - around
     if foot > reach or theta > math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos):
         return 0.0, side, foot
     chord = 2.0 * math.sin(0.5 * max(0.0, theta))
     # and none is seen under more than its area at its nearest, or half a sphere
     solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
-    span = 2.0 * near * min(0.6, width_at(theta, chart.lobe))
+    span = 2.0 * near * min(0.6, width_about(xc / d, yc / d, -h / d, around, lobe, chart.normal, chart.lobe))
     px, py = chart.point[0] + xc, chart.point[1] + yc
     shine, falling, points = glow_beyond(px, py, 1.4143 * half, view), view.glows is not None, view.points
     span = min(span, ball_span(px, py, 1.4143 * half, view))

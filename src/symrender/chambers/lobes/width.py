@@ -5,8 +5,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import numpy as np
+import numpy.typing as npt
+
 from symrender.chambers.lobes.record import CONDUCTOR, Lobe
 from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Three
+
+Array = npt.NDArray[np.float64]
 
 BLUNT: Final = 6.0
 """Exponent below which the end of a power is felt."""
@@ -35,11 +41,37 @@ def turning_width(reach: float, lobe: Lobe) -> float:
 
 @inlined
 def width_at(theta: float, lobe: Lobe) -> float:
-    """How far off real directions the density stays tame where all lie at ``theta`` from the axis, or farther off."""
+    """How far off real directions the density stays tame where all lie at ``theta`` from the axis, or farther off.
+
+    Of a conductor, towards the surface's normal; across it a grazing view makes the lobe narrower, see ``width_about``.
+    """
     if lobe.kind == CONDUCTOR:
         gap = max(0.0, theta)
         return math.sqrt(gap * gap + (2.0 * lobe.alpha * lobe.cos_view) ** 2)
     return width(1.0, lobe)
+
+
+@inlined
+def width_about(w0: float, w1: float, w2: float, reach: float, axis: Array, normal: Three, lobe: Lobe) -> float:
+    """How far off real directions the density stays tame within ``reach`` of the direction w.
+
+    A conductor's is one of how far the half vector h leans, singular where that is +-i alpha, and h turns |w + w_o|
+    times as slowly as w where they turn across one another. A grazing view makes of it a needle: what lies along it is
+    as far from the axis as one likes, and as narrow across as at the axis.
+    """
+    if lobe.kind != CONDUCTOR:
+        return width(1.0, lobe)
+    c = lobe.cos_view
+    n0, n1, n2 = normal[0], normal[1], normal[2]
+    s0, s1, s2 = w0 + 2.0 * c * n0 - axis[0], w1 + 2.0 * c * n1 - axis[1], w2 + 2.0 * c * n2 - axis[2]
+    size = math.sqrt(s0 * s0 + s1 * s1 + s2 * s2)
+    along = s0 * n0 + s1 * n1 + s2 * n2
+    x, y, z = s1 * n2 - s2 * n1, s2 * n0 - s0 * n2, s0 * n1 - s1 * n0
+    lean = math.atan2(math.sqrt(x * x + y * y + z * z), along)
+    # both lie above the surface, so that their sum is no shorter than the cosine of one
+    least = max(size - reach, c)
+    lean = max(0.0, lean - reach / least)
+    return least * math.sqrt(lean * lean + lobe.alpha * lobe.alpha)
 
 
 @inlined
