@@ -112,7 +112,7 @@ FAULTS = (
     Fault("colour", "quadrature/disk.py", "c / (k * k)", "c / k", ("quadrature/test_disk.py", *BOTH),
           "a disk brighter than its colour"),
     Fault("colour", "expression/formulas/light_terms.py", "return 2 * cosine * facing - toward",
-          "return cosine * facing - toward", BOTH, "a Phong lobe about the wrong axis"),
+          "return cosine * facing - toward", ("leaves/test_values.py",), "a Phong lobe about the wrong axis"),
     Fault("texture", "expression/formulas/textures.py", "(y - offset_y) / cell", "(y + offset_y) / cell",
           ("expression/test_floor_offset.py",), "a checker moved the other way"),
     Fault("texture", "expression/texture.py", "return current, 2 * z * current - previous",

@@ -203,6 +203,9 @@ def tail_slopes(n: int, on: Charted, grid: GridWork) -> float:
             if on.nodes and other > 0.0:
                 # slopes in places and exponents are larger than what they are of
                 total += row.left * steepness(10.0, on.work.chart.lobe)
+            if row.wall < 0:
+                # a light's spot, which no wall moves
+                total += row.swing * other
             for end in range(2):
                 at = row.wall if end == 0 else row.other
                 if at < 0 or grid.origins[at].moves == 0:

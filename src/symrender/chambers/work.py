@@ -48,8 +48,8 @@ PENDING: Final = 3 * NODES
 
 CHORD_ROOM: Final = 94
 """Rows for the frame of a disk and its halved chords and panels."""
-TRACKS: Final = 3
-"""Singularities of a lobe that are followed from line to line: that of its density, and two of its masking."""
+TRACKS: Final = 5
+"""Singularities of a lobe that are followed from line to line: that of its density, and four of its masking."""
 MOST_OF_LOBE: Final = 40
 """Singularities of a lobe's own on a line, or beside azimuths, at most."""
 

@@ -1,6 +1,7 @@
 """Walls across which a conductor's poles wander: where the integral over lines is singular that no list foretells.
 
-A line ends in pieces at walls, and D is singular beside it at x + iy; so is height-correlated masking, at two places.
+A line ends in pieces at walls, and D is singular beside it at x + iy; so is the root of masking where both directions
+graze, and its pole, at two places each.
 Where a wall lies at x, on some line, the ridge passes from one of its sides to the other, as one line follows another,
 within y over the speed at which they part: of a jump at the wall the integral over lines takes a step as steep as that,
 a logarithm beside real azimuths. Between two lines of one panel both go nearly straight, so that what they say of it
@@ -29,7 +30,7 @@ LEAP = 0.5
 SURE = 4.0
 """Where D's ridge and the wall are so many times its width apart on both lines, on one side, nothing is between.
 
-Poles of masking are real: how far from one a wall is tells nothing.
+Of masking that tells nothing: its pole is real, and its root is felt from a panel's end on, before the first line.
 """
 
 

@@ -4,9 +4,10 @@ The checker is a sum of plane waves, +-(8 / pi^2) / (p q) cos(k.x) with k = (p, 
 (4 / pi) / p sin(k.x) with q = 0, and marble J_n sin(k.x) with k = (2, 3 n) pi / cell (``quadrature/veins.py``).
 Integrated over one side of a wall each leaves an integral along the wall, which cancels but for two kinds of places:
 where the wall runs along the wave's crests, so that its sign does not change (stationary phase), and where two walls
-meet. Within reach of the taper both are integrated; two tapers that end before such a place agree, and say nothing
-about it. So the places are looked for in closed form, and what they leave is estimated by the leading term of its
-expansion,
+meet. Off walls light is smooth but under a light that is nearer to the floor than a cell is wide: its spot from height
+z leaves 2 pi I exp(-|k| z), the transform of I z/(r^2 + z^2)^(3/2). Within reach of the taper all are integrated; two
+tapers that end before such a place agree, and say nothing about it. So these places are looked for in closed form, and
+what walls leave is estimated by the leading term of its expansion,
 
     f sqrt(2 pi / (|k| curvature)) / |k|    and    f |t x t'| / (|k.t| |k.t'|),
 
@@ -25,6 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.density import largest_density
+from symrender.chambers.records import DISTANT, LightPoint
 from symrender.chambers.roots import quadratic_roots, quartic_roots
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
@@ -55,6 +57,8 @@ NEGLIGIBLE: Final = 1e-3
 """Share of the tolerance below which no wave is asked."""
 MOST_REMAINDERS: Final = 256
 """Places beyond a taper that are told apart."""
+FAINT_SPOT: Final = 12.0
+"""Cells above the floor from which on a light's spot leaves nothing: e^-37."""
 FARTHEST: Final = 30.0
 """Reaches from the foot beyond which walls are not followed to where they meet: density falls as their cube."""
 
@@ -116,12 +120,28 @@ def lit_at(x: float, y: float, lobe: Array, view: View, work: Work, states: Arra
 
 
 @inlined
-def most_density(x: float, y: float, lobe: Array, view: View, work: Work) -> float:
+def density_towards(x: float, y: float, lobe: Array, work: Work) -> float:
     """Lobe density, or its bound, times solid angle per floor area at (x, y) from the foot."""
     h = work.chart.height
     inv = 1.0 / math.sqrt(x * x + y * y + h * h)
     dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
     return largest_density(dx * dx + dy * dy + dz * dz, work.chart.lobe) * h * inv * inv * inv
+
+
+@inlined
+def most_density(x: float, y: float, lobe: Array, view: View, work: Work) -> float:
+    """The largest of it at (x, y), and about it as far off as the slowest wave turns by one radian.
+
+    At the horizon a cosine is nothing; growing from there it leaves its slope over k^2, what it is 1/k off over k.
+    """
+    step = view.floor.cell / math.pi
+    most = density_towards(x, y, lobe, work)
+    for side in range(2):
+        away = step if side == 0 else -step
+        most = max(
+            most, density_towards(x + away, y, lobe, work), density_towards(x, y + away, lobe, work)
+        )  # fmt: skip
+    return most
 
 
 @inlined
@@ -306,6 +326,35 @@ def along_straight(
 
 
 @inlined
+def spot_under(
+    p: LightPoint, lobe: Array, view: View, work: Work, states: Array
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """(x, y, left, swing) of the spot that a light near the floor casts below it, where some of it is seen."""
+    cell, z = view.floor.cell, p.position[2]
+    x, y = p.position[0] - work.chart.point[0], p.position[1] - work.chart.point[1]
+    if p.fall == DISTANT or not 0.0 < z < FAINT_SPOT * cell:
+        return x, y, 0.0, 0.0
+    lit = lit_at(x, y, lobe, view, work, states)
+    for side in range(2):
+        away = z if side == 0 else -z
+        lit = max(lit, lit_at(x + away, y, lobe, view, work, states), lit_at(x, y + away, lobe, view, work, states))
+    if lit == 0.0:
+        return x, y, 0.0, 0.0
+    left, swing = 0.0, 0.0
+    first, last, low, high, rise = waves(MODES, view)
+    for a in range(first, last, 2):
+        for b in range(low, high, rise):
+            k = math.pi * math.sqrt(float(a * a + b * b)) / cell
+            wave = math.exp(-k * z) / faintness(a, b, view)
+            left += wave
+            swing += k * wave
+    # light that does not fall off is a spot for its cosine alone, which is wider
+    most = 16.0 / math.pi * z * z * most_light(p, z * z) * max(1.0, cell / (math.pi * z))
+    most *= most_density(x, y, lobe, view, work)
+    return x, y, most * left, most * swing
+
+
+@inlined
 def densest_beyond(distance: float, work: Work) -> float:
     """No place on the floor so far from the foot has more lobe density times solid angle per area."""
     chart = work.chart
@@ -372,6 +421,10 @@ def remainders_of(
                 bx, by = wall_direction(conics[j], x, y)
                 left, swing = at_corner(ax, ay, bx, by, x, y, lobe, view, work, states)
                 n = note_remainder(x, y, left, swing, i, j, rows, n)
+    for i in range(view.points.shape[0]):
+        x, y, left, swing = spot_under(view.points[i], lobe, view, work, states)
+        if x * x + y * y > begin * begin:
+            n = note_remainder(x, y, left, swing, -1, -1, rows, n)
     return n
 
 

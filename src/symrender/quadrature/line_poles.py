@@ -12,7 +12,7 @@ from symrender.chambers.lobes.sending import grazing_pole
 from symrender.chambers.records import DISTANT, Chart
 from symrender.chambers.senders import sender_of
 from symrender.chambers.walls import TERMINATOR
-from symrender.chambers.work import View, Work
+from symrender.chambers.work import TRACKS, View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.quadrature.fall_off import near_light
 from symrender.quadrature.gauss import order
@@ -82,7 +82,8 @@ def note_sender(c: float, s: float, view: View, work: Work) -> None:
 def note_levels(c: float, s: float, view: View, work: Work) -> None:
     """Note where the masking and the reflectance of the lobe are singular beside a line."""
     chart = work.chart
-    work.tracks[1, 0] = work.tracks[2, 0] = math.nan
+    for track in range(1, TRACKS):
+        work.tracks[track, 0] = math.nan
     for i in range(LEVELS):
         of_view, x, y = lobe_level(i, chart, view.conductors)
         if x == math.inf:
@@ -95,10 +96,10 @@ def note_levels(c: float, s: float, view: View, work: Work) -> None:
             if work.counts.poles < work.poles.shape[0] and (chart.shape_index < 0.0 or abs(at) < 0.5 * math.pi):
                 at, deep = inner_pole(at, depth, chart)
                 note_pole(at, deep, work)
-                if i == MASKED:
-                    # of the order of cos_o^2, beside masking that is of the order of cos_o
-                    track = work.tracks[1 + side]
-                    track[0], track[1], track[2] = at, deep, chart.lobe.cos_view
+                if i <= MASKED:
+                    # the pole is of the order of cos_o^2, beside masking that is of the order of cos_o
+                    track = work.tracks[1 + 2 * i + side]
+                    track[0], track[1], track[2] = at, deep, chart.lobe.cos_view if i == MASKED else 1.0
 
 
 @inlined

@@ -77,6 +77,6 @@ class Remainder(Record):
     swing: float
     """By how much that changes as the walls move a unit across the checker: the sum over its waves of |k| times it."""
     wall: int
-    """Row of the conic that lies there."""
+    """Row of the conic that lies there, or -1 under a light."""
     other: int
     """That of the one that meets it there, or -1."""
