@@ -10,7 +10,7 @@ import pytest
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.work import work_arrays
 from symrender.jit.records import Table, table
-from symrender.quadrature import grid_tail
+from symrender.quadrature import conic_places, grid_tail
 from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.square_rows import nearest_branch
 
@@ -69,7 +69,7 @@ def test_waves_run_along_a_wall_where_it_is_farthest_along_their_direction(kind:
         words, points = drawn(rng, kind)
         assert np.nanmax(np.abs(level(words, points[:, 0], points[:, 1]))) < 1e-8 * np.nanmax(points**2 + 1.0)
         p, q = (float(v) for v in rng.choice([-7, -3, -1, 1, 3, 5], 2))
-        found, x0, y0, x1, y1 = grid_tail.point_of_wave(conic_of(words), p, q)
+        found, x0, y0, x1, y1 = conic_places.point_of_wave(conic_of(words), p, q)
         got = [(x0, y0), (x1, y1)][:found]
         at = points[turns(points @ np.array([p, q]))]
         # those that were drawn are among those in closed form, and all in closed form lie on the curve
@@ -94,7 +94,7 @@ def test_two_walls_meet_where_their_curves_cross() -> None:
             other = (0.0, 0.0, 0.0, *rng.normal(size=3))
         far = 12.0
         rows = np.zeros((8, 2))
-        found = grid_tail.meetings(conic_of(one), conic_of(other), far, work, rows)
+        found = conic_places.meetings(conic_of(one), conic_of(other), far, work, rows)
         for x, y in rows[:found]:
             size = 1.0 + x * x + y * y
             gone = [abs(level(words, x, y)) / (size * max(map(abs, words))) for words in (one, other)]
@@ -115,7 +115,7 @@ def test_straight_parts_are_what_a_hyperbola_tends_to_and_lines_themselves() -> 
     lines = 0
     for _ in range(60):
         words, points = drawn(rng, "hyperbola")
-        parts, x, y, ax, ay, bx, by = grid_tail.straight_parts(conic_of(words))
+        parts, x, y, ax, ay, bx, by = conic_places.straight_parts(conic_of(words))
         assert parts == 2
         ends = points[[0, 20_000, 20_002, -1]]
         for end in ends:
@@ -124,13 +124,13 @@ def test_straight_parts_are_what_a_hyperbola_tends_to_and_lines_themselves() -> 
             assert min(off) < 0.04 * 3.0
             lines += 1
         nx, ny, free = rng.normal(size=3)
-        parts, x, y, ax, ay, *_ = grid_tail.straight_parts(conic_of((0.0, 0.0, 0.0, nx, ny, free)))
+        parts, x, y, ax, ay, *_ = conic_places.straight_parts(conic_of((0.0, 0.0, 0.0, nx, ny, free)))
         assert parts == 1
         for s in (-3.0, 0.0, 5.0):
             assert abs(2.0 * (nx * (x + s * ax) + ny * (y + s * ay)) + free) < 1e-9
     assert lines == 240
     ellipse, _ = drawn(rng, "ellipse")
-    assert grid_tail.straight_parts(conic_of(ellipse))[0] == 0
+    assert conic_places.straight_parts(conic_of(ellipse))[0] == 0
 
 
 def test_a_full_list_of_places_goes_on_in_its_last_row() -> None:
