@@ -27,6 +27,8 @@ POINTS, GENERATOR = 10946, 6765
 SHIFTS = 8
 SMALLEST = 1e-4
 """The least angle about which a lattice is drawn together."""
+TURNS, STEP = 2_000, 0.1
+"""Of the way to where a ball mirrors a light."""
 LIFT = 1e-9
 """How far above its surface a place lies, over the distance to the eye, so that no ray meets the surface itself."""
 
@@ -51,6 +53,24 @@ def direct(scene: dict[str, Any], origins: Array, directions: Array) -> Array:
     return found
 
 
+def mirrored(place: Array, center: Array, radius: float, light: dict[str, Any]) -> Array | None:
+    """Where a ball's outside mirrors a light towards a place; None where it does not."""
+    if "position" not in light and "direction" not in light:
+        return None
+    to = np.array(light["position"]) if "position" in light else None
+    n = (place - center) / np.linalg.norm(place - center)
+    for _ in range(TURNS):
+        at = center + radius * n
+        half = (place - at) / np.linalg.norm(place - at)
+        away = -np.array(light["direction"]) if to is None else to - at
+        half = half + away / np.linalg.norm(away)
+        # a small step: seen from close by the half-way direction turns faster than the normal
+        n = n + STEP * (half / np.linalg.norm(half) - n)
+        n = n / np.linalg.norm(n)
+    at = center + radius * n
+    return at if (place - at) @ n > 0.0 else None
+
+
 def aims(scene: dict[str, Any], place: Array, n: Array) -> Array:
     """(N, 12) directions about which something small may be bright, as ``rough_lattice`` draws about highlights."""
     found = []
@@ -70,6 +90,13 @@ def aims(scene: dict[str, Any], place: Array, n: Array) -> Array:
         for point, normal in planes:
             gap = float((at - point) @ normal)
             found.append((at - gap * normal, abs(gap)))
+    glossy = {name: m.get("alpha", 0.1) for name, m in scene["materials"].items() if m["type"] != "diffuse"}
+    for shape in scene["shapes"]:
+        for light in scene["lights"] if shape["type"] == "sphere" and shape["material"] in glossy else ():
+            center, radius = np.array(shape["center"]), shape["radius"]
+            at = mirrored(place, center, radius, light)
+            if at is not None:
+                found.append((at, radius * glossy[shape["material"]]))
     rows = []
     for middle, size in found:
         far = np.linalg.norm(middle - place)
