@@ -221,19 +221,18 @@ def along_straight(
 
 @inlined
 def spot_under(
-    p: LightPoint, lobe: Array, view: View, work: Work, states: Array
-) -> tuple[float, float, float, float]:  # fmt: skip
-    """(x, y, left, swing) of the spot that a light near the floor casts below it, where some of it is seen."""
+    p: LightPoint, x: float, y: float, lobe: Array, view: View, work: Work, states: Array
+) -> tuple[float, float]:  # fmt: skip
+    """(left, swing) of the spot that a light near the floor casts below it, at (x, y), where some of it is seen."""
     cell, z = view.floor.cell, p.position[2]
-    x, y = p.position[0] - work.chart.point[0], p.position[1] - work.chart.point[1]
     if p.fall == DISTANT or not 0.0 < z < FAINT_SPOT * cell:
-        return x, y, 0.0, 0.0
+        return 0.0, 0.0
     lit = lit_at(x, y, lobe, view, work, states)
     for side in range(2):
         away = z if side == 0 else -z
         lit = max(lit, lit_at(x + away, y, lobe, view, work, states), lit_at(x, y + away, lobe, view, work, states))
     if lit == 0.0:
-        return x, y, 0.0, 0.0
+        return 0.0, 0.0
     left, swing = 0.0, 0.0
     first, last, low, high, rise = waves(MODES, view)
     for a in range(first, last, 2):
@@ -245,7 +244,7 @@ def spot_under(
     # light that does not fall off is a spot for its cosine alone, which is wider
     most = 16.0 / math.pi * z * z * most_light(p, z * z) * max(1.0, cell / (math.pi * z))
     most *= most_density(x, y, lobe, view, work)
-    return x, y, most * left, most * swing
+    return most * left, most * swing
 
 
 @inlined
@@ -316,8 +315,10 @@ def remainders_of(
                 left, swing = at_corner(ax, ay, bx, by, x, y, lobe, view, work, states)
                 n = note_remainder(x, y, left, swing, i, j, rows, n)
     for i in range(view.points.shape[0]):
-        x, y, left, swing = spot_under(view.points[i], lobe, view, work, states)
+        light = view.points[i]
+        x, y = light.position[0] - work.chart.point[0], light.position[1] - work.chart.point[1]
         if x * x + y * y > begin * begin:
+            left, swing = spot_under(light, x, y, lobe, view, work, states)
             n = note_remainder(x, y, left, swing, -1, -1, rows, n)
     return n
 
