@@ -27,14 +27,16 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 Array = np.ndarray
 Scene = dict[str, Any]
-KINDS = ("glow", "points", "tiles", "sunk")
-BY_LATTICES = ("tiles", "sunk")
+KINDS = ("glow", "points", "tiles", "sunk", "afar")
+BY_LATTICES = ("tiles", "sunk", "afar")
+JUDGED = ("sunk", "afar")
+"""Kinds whose every place lattices judge, not those alone that disagree."""
 COUNT, QUICK = 1_000, 12
 PLACES = 4
 """Rays of a scene."""
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
 """Of the light that is there, as a first look finds it, or of a thousandth of the lights' where there is none."""
-BUDGET = {"glow": 400_000, "points": 300_000, "tiles": 150_000, "sunk": 300_000}
+BUDGET = {"glow": 400_000, "points": 300_000, "tiles": 150_000, "sunk": 300_000, "afar": 300_000}
 LOOSEST = 1.5
 SHARE = 0.999
 """Of all values that a judge tells, those that are to be within what they state."""
@@ -193,6 +195,44 @@ def glows_of(rng: np.random.Generator, shapes: list[Scene]) -> list[Scene]:
     return lights
 
 
+def afar_of(rng: np.random.Generator) -> tuple[list[Scene], list[Scene]]:
+    """A floor of small squares, balls over it, and lights of every kind close to it, many squares off."""
+    normal = np.array([0.0, 0.0, 1.0]) + unit(rng) * float(rng.choice([0.0, 1e-3, 0.3]))
+    normal /= np.linalg.norm(normal)
+    floor = {"type": "plane", "name": "P0", "point": [0.0, 0.0, 0.0], "normal": normal.tolist(),
+             "along": [1.0, 0.0, 0.0] if rng.random() < 0.3 else unit(rng).tolist(), "material": "tiles"}  # fmt: skip
+    shapes: list[Scene] = [floor]
+    for k in range(int(rng.integers(1, 3))):
+        radius = float(rng.choice([0.5, 10.0 ** rng.uniform(-1.0, 0.3)]))
+        gap = float(rng.choice([0.0, 1e-3, 0.1, 1.0]))
+        place, _ = spot_on(rng, floor, (0.1, 1.0))
+        shapes.append({"type": "sphere", "name": f"S{k}", "center": (place + (radius + gap) * normal).tolist(),
+                       "radius": radius, "material": f"m{k}"})  # fmt: skip
+    lights: list[Scene] = []
+    for k in range(int(rng.integers(1, 4))):
+        place, _ = spot_on(rng, floor, (1.0, 4.0, 16.0))
+        high = float(10.0 ** rng.uniform(-2.0, 0.3))
+        colour = rng.choice([0.5, 3.0], 3).tolist()
+        if rng.random() < 0.7:
+            radius = high * float(rng.choice([0.05, 0.5, 0.99, 1.0]))
+            shapes.append({"type": "sphere", "name": f"S{k + 5}", "center": (place + high * normal).tolist(),
+                           "radius": radius, "material": "m2"})  # fmt: skip
+            lights.append({"type": "area", "name": f"L{k}", "shape": f"S{k + 5}", "radiance": colour})
+            if rng.random() < 0.5:
+                # one that hides some of the lamp, or is lit by it from close by
+                size = float(radius * rng.choice([0.1, 1.0, 3.0]))
+                aside = unit(rng) * (radius + size) * float(rng.choice([1.0, 1.01, 1.5, 4.0]))
+                center = place + high * normal + aside
+                shapes.append({"type": "sphere", "name": f"S{k + 8}", "center": center.tolist(), "radius": size,
+                               "material": f"m{k % 2}"})  # fmt: skip
+        else:
+            lights.append({"type": "point", "name": f"L{k}", "position": (place + high * normal).tolist(),
+                           "intensity": colour})  # fmt: skip
+    if rng.random() < 0.25:
+        lights.append({"type": "sky", "name": "sky", "radiance": rng.choice([0.1, 1.0], 3).tolist()})
+    return shapes, lights
+
+
 def spot_on(rng: np.random.Generator, shape: Scene, far: tuple[float, ...] = (0.1, 1.0, 5.0)) -> tuple[Array, Array]:
     """A place on a shape, of a plane about ``far`` from its point, and its normal."""
     if shape["type"] == "sphere":
@@ -219,11 +259,12 @@ def drawn(seed: int, kind: str) -> tuple[Scene, Array, Array]:
     """A scene of a kind, and origins and directions of rays."""
     rng = np.random.default_rng([seed, KINDS.index(kind), 17])
     materials = {f"m{k}": material(rng) for k in range(3)}
-    if kind == "sunk":
-        shapes = sunk_of(rng)
+    far, near = afar_of(rng) if kind == "afar" else ([], [])
+    if kind in JUDGED:
+        shapes = far or sunk_of(rng)
         materials["tiles"] = {
             "type": "diffuse",
-            "reflectance": tiles_of(rng, (0.25, 0.7, 1.3, 3.0)),
+            "reflectance": tiles_of(rng, (0.25, 0.7, 1.3, 3.0) if kind == "sunk" else (0.05, 0.11, 0.25, 0.6)),
             "two_sided": bool(rng.random() < 0.2),
         }
     else:
@@ -232,15 +273,15 @@ def drawn(seed: int, kind: str) -> tuple[Scene, Array, Array]:
         "units": "radiometric", "name": "drawn", "bounces": 0 if kind == "glow" else 1,
         "camera": {"type": "look_at", "eye": [0, 0, 99], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 40},
         "materials": materials, "shapes": shapes,
-        "lights": points_of(rng, shapes) if kind in ("points", "sunk") else glows_of(rng, shapes),
+        "lights": near or (points_of(rng, shapes) if kind in ("points", "sunk") else glows_of(rng, shapes)),
     }  # fmt: skip
     if kind == "sunk":
         for light in scene["lights"]:
             above, sign = ("position", 1.0) if "position" in light else ("direction", -1.0)
             light[above][2] = sign * abs(light[above][2])
-    if kind == "tiles":
+    if kind in ("tiles", "afar"):
         scene["gloss"] = "first_hit"
-        if rng.random() < 0.5:
+        if kind == "tiles" and rng.random() < 0.5:
             scene["lights"] += points_of(rng, shapes)[:1]
     if kind != "glow":
         on_planes = {shape["material"] for shape in shapes if shape["type"] == "plane"}
@@ -331,7 +372,7 @@ def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tu
             apart.append((one, other, off, both))
     if kind in BY_LATTICES:
         opinions: list[tuple[Array, float]] | None = []
-        for look in LOOKS if apart or kind == "sunk" else ():
+        for look in LOOKS if apart or kind in JUDGED else ():
             known = seen_lattice.bounced(data, *ray, np.random.default_rng([seed, place, 5]), *look)
             doubt = SURE * float(known.sigma.max())
             opinions = [(known.indirect, doubt)]

@@ -61,7 +61,10 @@ def mirrored(place: Array, center: Array, radius: float, light: dict[str, Any]) 
     n = (place - center) / np.linalg.norm(place - center)
     for _ in range(TURNS):
         at = center + radius * n
-        half = (place - at) / np.linalg.norm(place - at)
+        to_eye = place - at
+        if not to_eye.any():
+            return None
+        half = to_eye / np.linalg.norm(to_eye)
         away = -np.array(light["direction"]) if to is None else to - at
         half = half + away / np.linalg.norm(away)
         # a small step: seen from close by the half-way direction turns faster than the normal
@@ -79,6 +82,11 @@ def aims(scene: dict[str, Any], place: Array, n: Array) -> Array:
               for s in scene["shapes"] if s["type"] == "plane"]  # fmt: skip
     for center, radius in balls:
         found.append((center, radius))
+    lamps = {light["shape"] for light in scene["lights"] if light["type"] == "area"}
+    for shape in scene["shapes"]:
+        for point, normal in planes if shape["name"] in lamps and shape["type"] == "sphere" else ():
+            gap = float((np.array(shape["center"]) - point) @ normal)
+            found.append((np.array(shape["center"]) - gap * normal, max(abs(gap), shape["radius"])))
     for light in scene["lights"]:
         if "position" not in light:
             continue

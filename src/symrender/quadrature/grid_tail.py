@@ -5,7 +5,8 @@ The checker is a sum of plane waves, +-(8 / pi^2) / (p q) cos(k.x) with k = (p, 
 Integrated over one side of a wall each leaves an integral along the wall, which cancels but for two kinds of places:
 where the wall runs along the wave's crests, so that its sign does not change (stationary phase), and where two walls
 meet. Off walls light is smooth but under a light that is nearer to the floor than a cell is wide: its spot from height
-z leaves 2 pi I exp(-|k| z), the transform of I z/(r^2 + z^2)^(3/2). Within reach of the taper all are integrated; two
+z leaves 2 pi I exp(-|k| z), the transform of I z/(r^2 + z^2)^(3/2); so do balls that emit, and what balls take from a
+sky. Within reach of the taper all are integrated; two
 tapers that end before such a place agree, and say nothing about it. So these places are looked for in closed form, and
 what walls leave is estimated by the leading term of its expansion,
 
@@ -26,10 +27,10 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.chambers.lobes.density import largest_density
-from symrender.chambers.records import DISTANT, LightPoint
+from symrender.chambers.records import DISTANT
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined
-from symrender.jit.moving import held, moved, moves, tangent
+from symrender.jit.moving import brightest, held, moved, moves, tangent
 from symrender.jit.records import Table
 from symrender.leaves import slopes
 from symrender.quadrature.conic_places import meetings, point_of_wave, straight_parts, wall_direction
@@ -221,11 +222,14 @@ def along_straight(
 
 @inlined
 def spot_under(
-    p: LightPoint, x: float, y: float, lobe: Array, view: View, work: Work, states: Array
+    z: float, intensity: float, wider: float, x: float, y: float, lobe: Array, view: View, work: Work, states: Array
 ) -> tuple[float, float]:  # fmt: skip
-    """(left, swing) of the spot that a light near the floor casts below it, at (x, y), where some of it is seen."""
-    cell, z = view.floor.cell, p.position[2]
-    if p.fall == DISTANT or not 0.0 < z < FAINT_SPOT * cell:
+    """(left, swing) of the spot under a light of this intensity ``z`` above (x, y), where some of the floor is seen.
+
+    ``wider``: how many times more it leaves than 2 pi I exp(-|k| z).
+    """
+    cell = view.floor.cell
+    if not 0.0 < z < FAINT_SPOT * cell or intensity == 0.0:
         return 0.0, 0.0
     lit = lit_at(x, y, lobe, view, work, states)
     for side in range(2):
@@ -241,10 +245,41 @@ def spot_under(
             wave = math.exp(-k * z) / faintness(a, b, view)
             left += wave
             swing += k * wave
-    # light that does not fall off is a spot for its cosine alone, which is wider
-    most = 16.0 / math.pi * z * z * most_light(p, z * z) * max(1.0, cell / (math.pi * z))
-    most *= most_density(x, y, lobe, view, work)
+    most = 16.0 / math.pi * intensity * wider * most_density(x, y, lobe, view, work)
     return most * left, most * swing
+
+
+@inlined
+def note_spots(
+    begin: float, n: int, lobe: Array, view: View, work: Work, states: Array, rows: Table[Remainder]
+) -> int:  # fmt: skip
+    """Append spots of lights farther than ``begin`` from the foot, and what balls take from a sky there; new count."""
+    foot, cell = work.chart.point, view.floor.cell
+    for i in range(view.points.shape[0]):
+        light = view.points[i]
+        x, y, z = light.position[0] - foot[0], light.position[1] - foot[1], light.position[2]
+        if light.fall != DISTANT and x * x + y * y > begin * begin:
+            # light that does not fall off is a spot for its cosine alone, which is wider
+            wider = max(1.0, cell / (math.pi * max(z, 1e-300)))
+            left, swing = spot_under(z, z * z * most_light(light, z * z), wider, x, y, lobe, view, work, states)
+            n = note_remainder(x, y, left, swing, -1, -1, rows, n)
+    if view.glows is None:
+        return n
+    for i in range(view.spheres.shape[0]):
+        ball = view.spheres[i]
+        x, y = ball.center[0] - foot[0], ball.center[1] - foot[1]
+        if x * x + y * y <= begin * begin:
+            continue
+        # from afar a ball is a point of pi radius^2 times radiance, and of a sky it hides as much
+        most = 0.0
+        for g in range(view.glows.shape[0]):
+            if view.glows[g].sphere == i or view.glows[g].sphere < 0.0:
+                most += math.pi * brightest(view.glows[g].radiance)
+        left, swing = spot_under(
+            ball.center[2], most * ball.radius * ball.radius, 1.0, x, y, lobe, view, work, states
+        )  # fmt: skip
+        n = note_remainder(x, y, left, swing, -1, -1, rows, n)
+    return n
 
 
 @inlined
@@ -314,13 +349,7 @@ def remainders_of(
                 bx, by = wall_direction(conics[j], x, y)
                 left, swing = at_corner(ax, ay, bx, by, x, y, lobe, view, work, states)
                 n = note_remainder(x, y, left, swing, i, j, rows, n)
-    for i in range(view.points.shape[0]):
-        light = view.points[i]
-        x, y = light.position[0] - work.chart.point[0], light.position[1] - work.chart.point[1]
-        if x * x + y * y > begin * begin:
-            left, swing = spot_under(light, x, y, lobe, view, work, states)
-            n = note_remainder(x, y, left, swing, -1, -1, rows, n)
-    return n
+    return note_spots(begin, n, lobe, view, work, states, rows)
 
 
 @inlined

@@ -9,12 +9,12 @@ from symrender.chambers.lobes.levels import LEVELS, MASKED, level_on_line, lobe_
 from symrender.chambers.lobes.poles import foot_of_bell, inner_pole, lobe_pole
 from symrender.chambers.lobes.record import CONDUCTOR
 from symrender.chambers.lobes.sending import grazing_pole
-from symrender.chambers.records import DISTANT, Chart
+from symrender.chambers.records import Chart
 from symrender.chambers.senders import sender_of
 from symrender.chambers.walls import TERMINATOR
 from symrender.chambers.work import TRACKS, View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.quadrature.fall_off import near_light
+from symrender.quadrature.bodies import beside_sphere, body_count, over_floor
 from symrender.quadrature.gauss import order
 from symrender.scene.arrays import MARBLE
 
@@ -109,7 +109,7 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
     The singularities, in the line's inner coordinate, are those of lights, veins and the lobe's density. All of it is
     the same for every piece of the line.
     """
-    chart, points = work.chart, view.points
+    chart = work.chart
     work.counts.poles = 0
     line_highlights(phi, work)
     chart.bell = 0.0
@@ -125,16 +125,13 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
         ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
         height = chart.height
-        for i in range(points.shape[0]):
-            if points[i].fall == DISTANT:
+        for i in range(body_count(view)):
+            ox, oy, oz, square = over_floor(i, view)
+            if square < 0.0:
                 continue
-            ox, oy, oz = (
-                points[i].position[0] - chart.point[0],
-                points[i].position[1] - chart.point[1],
-                points[i].position[2],
-            )
+            ox, oy = ox - chart.point[0], oy - chart.point[1]
             along = ox * ex + oy * ey
-            across2 = max(0.0, ox * ox + oy * oy - along * along) + oz * oz
+            across2 = max(0.0, ox * ox + oy * oy - along * along) + oz * oz - square
             r2 = along * along + across2
             x, y = math.atan2(along, height), math.sqrt(across2) * height / (height * height + r2)
             note_pole(x, y, work)
@@ -142,17 +139,10 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
             note_pole(x + math.pi, y, work)
         return
     j = chart.shape_index
-    radius = view.spheres[j].radius
-    for i in range(points.shape[0]):
-        lx, ly, lz = (
-            points[i].position[0] - chart.center[0],
-            points[i].position[1] - chart.center[1],
-            points[i].position[2] - chart.center[2],
-        )
-        far2 = lx * lx + ly * ly + lz * lz
-        if radius * radius < far2 < near_light(points[i]) * radius * radius:
-            # |Q - L|^2 = 0 where N.(L - C) is that high
-            level_pole(lx, ly, lz, (radius * radius + far2) / (2.0 * radius), c, s, chart, work)
+    for i in range(body_count(view)):
+        lx, ly, lz, level = beside_sphere(i, int(j), view)
+        if level > 0.0:
+            level_pole(lx, ly, lz, level, c, s, chart, work)
     if view.spheres[j].texture == MARBLE:
         # veins meet where N = +- z, that is N.z = +- 1 off the real line
         level_pole(0.0, 0.0, 1.0, 1.0, c, s, chart, work)

@@ -29,6 +29,7 @@ from symrender.quadrature.floor_conics import floor_conics, is_felt, may_cross, 
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
 from symrender.quadrature.grid_blocks import block_bound, block_level, block_sign, push_quarters
 from symrender.quadrature.grid_tail import remainders_of, tail_of_squares
+from symrender.quadrature.row_levels import is_metal, levels_span
 from symrender.quadrature.rule_errors import block_error, note_parted_lines, taper_change
 from symrender.quadrature.split_scratch import SplitWork
 from symrender.quadrature.split_square import Ground, Square, cut_square
@@ -45,6 +46,8 @@ FIRST_REACH = 18.0
 MOST_REACH = 200.0
 MOST_SQUARES = 2.0 ** (BLOCK_LEVELS - 2) - 2.0
 """So many squares on every side are all that a block can hold."""
+LEAST_LOG = 1e-3
+"""Least log rho that is asked of: a block beside a singular place is quartered all the same."""
 LEAVES = 30.0
 """Blocks that share the tolerance; most err far less than their share."""
 UNFELT_TOUCH = 1.0
@@ -266,7 +269,10 @@ def grid_once(
             if not quarter and crossings == 0:
                 if not seen(x + half, y + half, lobe, view, work, states):
                     continue
-                n = block_order(fall, level, kind, log_rho)
+                if is_metal(view, chart):
+                    ratio = min(ratio, levels_span(held(x) + half, held(y) + half, half, lobe, view, work) / side)
+                    log_rho = math.log(ratio + math.sqrt(1.0 + ratio * ratio))
+                n = block_order(fall, level, kind, max(log_rho, LEAST_LOG))
                 quarter = n > MAX_BLOCK_ORDER
                 if not quarter:
                     miss = smooth_block(x, y, side, level, n, step, log_rho, reach, ground, part)
@@ -329,7 +335,7 @@ def split_grid(
             change = taper_change(out)
             tail = tail_of_squares(
                 remainders,
-                remainders_of(tol, reach, lobe, view, work, conics, jumps, states, places, remainders),
+                remainders_of(tol, reach, lobe, view, work, conics, count, states, places, remainders),
                 abs(tangent(px)) + abs(tangent(py)),
             )
         out_of_budget = 4 * max(work.counts.evaluations, work.counts.labour) > most

@@ -11,14 +11,14 @@ import numpy.typing as npt
 from symrender.chambers.lobes.levels import ASKANCE, LEVELS, level_at_limb, level_in_itself, lobe_level
 from symrender.chambers.lobes.poles import on_horizon, pole_across, pole_on_horizon
 from symrender.chambers.lobes.width import turning_width, width
-from symrender.chambers.records import DISTANT, INVERSE_SQUARE
+from symrender.chambers.records import INVERSE_SQUARE
 from symrender.chambers.rooms import carry, enter_room, turn
 from symrender.chambers.roots import square_root
 from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.quadrature.fall_off import near_light
+from symrender.quadrature.bodies import beside_sphere, body_count, over_floor
 from symrender.scene.arrays import EYE, MARBLE, SOLID
 from symrender.scene.records import Sphere
 
@@ -127,16 +127,15 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
     chart.strip_limb = 0.9 * math.acosh(1.0 / k)
     add_pole(view, work)
     radius = view.spheres[j].radius
-    for i in range(view.points.shape[0]):
-        p, center = view.points[i], view.spheres[j]
-        x, y, z = p.position[0] - center.center[0], p.position[1] - center.center[1], p.position[2] - center.center[2]
-        far2 = x * x + y * y + z * z
-        if radius * radius < far2 < near_light(p) * radius * radius:
-            # |Q - L|^2 = 0 at azimuths +- i acosh(sqrt(a^2 - b^2)/c), at the nearest
+    for i in range(body_count(view)):
+        x, y, z, level = beside_sphere(i, j, view)
+        if level > 0.0:
+            # N.(L - C) = level at azimuths +- i acosh(sqrt(a^2 - b^2)/c), at the nearest
+            level *= 2.0 * radius
             along = -2.0 * radius * (x * chart.pole[0] + y * chart.pole[1] + z * chart.pole[2])
             u = x * chart.e1[0] + y * chart.e1[1] + z * chart.e1[2]
             v = x * chart.e2[0] + y * chart.e2[1] + z * chart.e2[2]
-            across, level = 2.0 * radius * math.hypot(u, v), radius * radius + far2
+            across = 2.0 * radius * math.hypot(u, v)
             if across > 0.0:
                 ratio = math.sqrt(max(0.0, (level - along) * (level + along))) / across
                 add_spot_at(math.atan2(v, u), math.acosh(max(1.0, ratio)), 1.0, work)
@@ -182,10 +181,17 @@ def add_spot_at(phi: float, depth: float, share: float, work: Work) -> None:
     """Note that the chart's integrand is tame only so far off the real azimuth ``phi``."""
     k = work.counts.spots
     if k < work.spots.shape[0]:
-        work.spots[k].azimuth = phi
-        work.spots[k].depth = depth
-        work.spots[k].share = share
         work.counts.spots += 1
+    else:
+        # the one that is felt least gives way
+        for i in range(work.spots.shape[0]):
+            if k == work.spots.shape[0] or work.spots[i].depth > work.spots[k].depth:
+                k = i
+        if work.spots[k].depth <= depth:
+            return
+    work.spots[k].azimuth = phi
+    work.spots[k].depth = depth
+    work.spots[k].share = share
 
 
 @inlined
@@ -199,16 +205,13 @@ def floor_spots(view: View, work: Work) -> None:
     chart = work.chart
     nx, ny = chart.normal[0], chart.normal[1]
     tilt = math.sqrt(nx * nx + ny * ny)
-    for i in range(view.points.shape[0]):
-        x, y, z = (
-            view.points[i].position[0] - chart.point[0],
-            view.points[i].position[1] - chart.point[1],
-            view.points[i].position[2],
-        )
-        rho = math.sqrt(x * x + y * y)
-        if not z > 0.0 or view.points[i].fall == DISTANT:
+    for i in range(body_count(view)):
+        x, y, z, square = over_floor(i, view)
+        if square < 0.0:
             continue
-        slope = z / max(rho, 1e-9 * z)
+        x, y, z = x - chart.point[0], y - chart.point[1], math.sqrt((z - math.sqrt(square)) * (z + math.sqrt(square)))
+        rho = math.sqrt(x * x + y * y)
+        slope = z / max(rho, 1e-9 * z) if z > 0.0 else 0.0
         add_spot(x, y, math.log(slope + math.sqrt(1.0 + slope * slope)), work)
         if tilt > 1e-9 and chart.normal[2] != 0.0:
             p = chart.normal[2] * chart.height / tilt
@@ -240,20 +243,19 @@ def wide_spots(a0: float, a1: float, a2: float, cosine: float, view: View, work:
     ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
     fx, fy = c * chart.e2[0] - s * chart.e1[0], c * chart.e2[1] - s * chart.e1[1]
     length = min(1.0, 2.0 * chart.lobe.rim_sin) if chart.lobe.rim_cos >= 0.0 else 1.0
-    for i in range(view.points.shape[0] + 1):
-        whole = False
-        if i < view.points.shape[0]:
-            x, y, z = view.points[i].position[0], view.points[i].position[1], view.points[i].position[2]
-            if view.points[i].fall == DISTANT:
-                continue
-            whole = view.points[i].fall == INVERSE_SQUARE
+    count = body_count(view)
+    for i in range(count + 1):
+        whole, square = False, 0.0
+        if i < count:
+            x, y, z, square = over_floor(i, view)
+            whole = i >= view.points.shape[0] or view.points[i].fall == INVERSE_SQUARE
         elif view.shading.highlight_view == EYE and view.shading.ks > 0.0:
             x, y, z = view.eye[0], view.eye[1], view.eye[2]
         else:
             continue
         x, y = x - chart.point[0], y - chart.point[1]
-        far2 = x * x + y * y + z * z
-        if not z > 0.0 or far2 == 0.0:
+        far2 = x * x + y * y + z * z - square
+        if square < 0.0 or not z > 0.0 or far2 <= 0.0:
             continue
         front, aside = x * ex + y * ey, x * fx + y * fy
         for side in range(2):

@@ -20,6 +20,7 @@ from symrender.quadrature.gauss import LEVELS, MAX_ORDER, MIDDLE, nodes
 from symrender.quadrature.line_errors import across_error, tail_error
 from symrender.quadrature.panel_maps import rooted_azimuth
 from symrender.quadrature.records import Conic
+from symrender.quadrature.row_levels import is_metal, levels_on_row, piece_log, sides_log
 from symrender.quadrature.split_line import SOFT_LOG
 from symrender.quadrature.square_nodes import add_tapered, floor_nodes, seen
 from symrender.quadrature.square_rows import (
@@ -244,13 +245,15 @@ def strip_integral(strip: Strip, square: Square, ground: Ground, sums: Array, ou
         sums[t] = 0.0
     walls, chart, roots, ends, ids = work.walls, work.chart, work.quartic, work.root_x, work.root_id
     rows, lit, side = work.nodes, work.lit, work.cell_side
-    m, placed, pieces = 0, 0, 0
+    m, placed, pieces, metal = 0, 0, 0, is_metal(view, chart)
     for q in range(n):
         y, slope = rooted_azimuth(gauss[0, base + q], a, b, first, last, kind_a, kind_b)
         slope *= gauss[1, base + q]
         pieces, found = row_pieces(y, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         if found != signature:
             return y
+        if metal:
+            levels_on_row(y, False, lobe, view, work)
         for piece in range(pieces):
             left, width = work.root_x[piece], work.root_x[piece + 1] - work.root_x[piece]
             if not is_labelled(piece, q == 0, left, width, y, square.size, ground):
@@ -264,6 +267,8 @@ def strip_integral(strip: Strip, square: Square, ground: Ground, sums: Array, ou
                 soft = soft or lit[piece, i] >= PARTLY
             x = span / width
             log_rho = math.log(x + math.sqrt(1.0 + x * x))
+            if metal:
+                log_rho = piece_log(left, left + width, log_rho, work)
             nx = nodes(step, log_rho) + more
             if soft:
                 nx = max(nx + (nx + 1) // 2, nodes(step, SOFT_LOG))
@@ -289,6 +294,8 @@ def strip_integral(strip: Strip, square: Square, ground: Ground, sums: Array, ou
         add_pieces(m, placed, base, step, reach, lobe, view, work, gauss, sums, out)
     x = span / (b - a)
     log_rho = math.log(x + math.sqrt(1.0 + x * x))
+    if metal:
+        log_rho = sides_log(a, b, kind_a, kind_b, x0, x1, log_rho, lobe, view, work)
     branch = nearest_branch(a - first, b + last, kind_a, kind_b, pieces, crossing, conics, work)
     miss = lines_error(n, sums[2], sums[3], sums[4], sums[5], sums[0], log_rho, branch)
     out[9] = sums[1] + miss
@@ -334,8 +341,10 @@ def cut_square(square: Square, ground: Ground, scratch: Array, out: Array) -> tu
         pieces, signature = row_pieces(a + inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         _, other = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         x = 0.7 * span / (b - a)
-        more = level - step
-        lines = min(MAX_ORDER, max(3 + 2 * more, nodes(level, math.log(x + math.sqrt(1.0 + x * x)))))
+        more, log_rho = level - step, math.log(x + math.sqrt(1.0 + x * x))
+        if is_metal(ground.view, work.chart):
+            log_rho = sides_log(a, b, kind_a, kind_b, x0, x1, log_rho, ground.lobe, ground.view, work)
+        lines = min(MAX_ORDER, max(3 + 2 * more, nodes(level, log_rho)))
         foreign = b - inset
         if other == signature:
             below, above = roots_beyond(a, b, size, crossing, crossings, conics)
