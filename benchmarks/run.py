@@ -1,6 +1,7 @@
 """Runs every benchmark, one after another, and prints one Markdown page.
 
-Benchmarks that need the source chapter's text, the folder of rival programs or Mitsuba run only where these are given.
+Benchmarks that need the source chapter's text, the folder of rival programs, a GPU or Mitsuba run only where these are
+given.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ NEEDS = {
     "kernel_keeps_up_with_c": "peers",
     "split_beats_sampling": "peers",
     "one_bounce_beats_mitsuba": "mitsuba",
+    "simulator_holds_on_a_gpu": "panels",
 }
 """Benchmarks that take a path, and which."""
 AUDITED = ("mitsuba/ray_offset", "mitsuba/small_penumbra", "mitsuba/beckmann_sampling")
@@ -38,6 +40,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="small enough for continuous integration")
     parser.add_argument("--chapter", type=Path, help="text of the source chapter")
     parser.add_argument("--peers", type=Path, help="folder with lobe.c")
+    parser.add_argument("--panels", type=Path, help="folder of simulator_holds_on_a_gpu.py, on a machine with a GPU")
     parser.add_argument("--mitsuba", type=Path, help="a Python that has Mitsuba and symrender")
     parser.add_argument("--out", type=Path, help="file for the page, instead of standard output")
     options = parser.parse_args()

@@ -20,7 +20,8 @@ from playwright.sync_api import sync_playwright
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from tests.simulator.conftest import CHROMIUM, FLAGS, Page
+from tests.conftest import CHROMIUM, FLAGS
+from tests.simulator.conftest import Page
 
 from symrender.probe import probe
 from symrender.scene import gallery

@@ -31,6 +31,8 @@ TURNS, STEP = 2_000, 0.1
 """Of the way to where a ball mirrors a light."""
 LIFT = 1e-9
 """How far above its surface a place lies, over the distance to the eye, so that no ray meets the surface itself."""
+ROUNDED = 1e-11
+"""The same over its coordinates, which roundings may have moved."""
 
 
 class Seen(NamedTuple):
@@ -144,7 +146,7 @@ def bounced(
         for kind in range(kinds):
             shift = rng.uniform(size=2)
             ways, weights = _directions(kind, kinds, points, generator, shift, n, x, y, seen, mine, rows)
-            start = np.tile(q + LIFT * t * n, (len(ways), 1))
+            start = np.tile(q + max(LIFT * t, ROUNDED * float(np.abs(q).max())) * n, (len(ways), 1))
             total += (direct(scene, start, ways) * weights).sum(axis=0)
     return Seen(j, shade * sums.mean(axis=0), shade * sums.std(axis=0, ddof=1) / np.sqrt(SHIFTS))
 
