@@ -27,8 +27,7 @@ POINTS, GENERATOR = 10946, 6765
 SHIFTS = 8
 SMALLEST = 1e-4
 """The least angle about which a lattice is drawn together."""
-TURNS, STEP = 2_000, 0.1
-"""Of the way to where a ball mirrors a light."""
+HALVINGS = 60
 LIFT = 1e-9
 """How far above its surface a place lies, over the distance to the eye, so that no ray meets the surface itself."""
 ROUNDED = 1e-11
@@ -56,24 +55,28 @@ def direct(scene: dict[str, Any], origins: Array, directions: Array) -> Array:
 
 
 def mirrored(place: Array, center: Array, radius: float, light: dict[str, Any]) -> Array | None:
-    """Where a ball's outside mirrors a light towards a place; None where it does not."""
+    """Where a ball's outside mirrors a light towards a place; None where it does not.
+
+    It lies in the plane of the three, at an angle from the place's direction that is found by halving.
+    """
     if "position" not in light and "direction" not in light:
         return None
-    to = np.array(light["position"]) if "position" in light else None
-    n = (place - center) / np.linalg.norm(place - center)
-    for _ in range(TURNS):
+    up = (place - center) / np.linalg.norm(place - center)
+    towards = np.array(light["position"]) - center if "position" in light else -np.array(light["direction"])
+    aside = towards - (towards @ up) * up
+    if not aside.any():
+        return center + radius * up
+    aside = aside / np.linalg.norm(aside)
+    low, high = 0.0, float(np.arctan2(towards @ aside, towards @ up))
+    for _ in range(HALVINGS):
+        angle = 0.5 * (low + high)
+        n, along = np.cos(angle) * up + np.sin(angle) * aside, np.cos(angle) * aside - np.sin(angle) * up
         at = center + radius * n
+        away = np.array(light["position"]) - at if "position" in light else towards
         to_eye = place - at
-        if not to_eye.any():
-            return None
-        half = to_eye / np.linalg.norm(to_eye)
-        away = -np.array(light["direction"]) if to is None else to - at
-        half = half + away / np.linalg.norm(away)
-        # a small step: seen from close by the half-way direction turns faster than the normal
-        n = n + STEP * (half / np.linalg.norm(half) - n)
-        n = n / np.linalg.norm(n)
-    at = center + radius * n
-    return at if (place - at) @ n > 0.0 else None
+        turn = np.arctan2(to_eye @ along, to_eye @ n) + np.arctan2(away @ along, away @ n)
+        low, high = (angle, high) if turn > 0.0 else (low, angle)
+    return at if to_eye @ n > 0.0 and away @ n > 0.0 else None
 
 
 def aims(scene: dict[str, Any], place: Array, n: Array) -> Array:

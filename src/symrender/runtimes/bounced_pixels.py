@@ -14,6 +14,7 @@ from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import Seen, seen_all
 from symrender.runtimes.bounce import Bounced
+from symrender.runtimes.hot_places import hot_places
 from symrender.runtimes.pixel_parts import INNER, Canvas, Light, Mean, PixelRule, Places
 from symrender.runtimes.pixels import DOMAINS, brightest, families_of, mean_world, seen_walls
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -47,7 +48,7 @@ def canvas_of(view: Seen, settings: Settings) -> Canvas:
     place = (float(view.eye[0]), float(view.eye[1]), float(view.eye[2]))
     eye = Eye(
         view.world, mean_world(view.world), place, seen_walls(view), families_of(view), bright, bright, True,
-        DOMAINS[settings.filter],
+        DOMAINS[settings.filter], hot=hot_places(view.world),
     )  # fmt: skip
     return Canvas(eye, view.window, settings.width, settings.height, settings.reach, bright, True)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from symrender.jit.marks import jitable
 from symrender.radiometric.pixels.cells import Cell, Eye, window_cell
+from symrender.radiometric.pixels.hot import near_hot
 from symrender.radiometric.pixels.parts import lobes_turn
 from symrender.radiometric.pixels.pixel import begin, block_walls
 from symrender.radiometric.pixels.records import Ints, Room
@@ -14,14 +15,14 @@ from symrender.radiometric.vectors import Array
 
 @jitable
 def is_smooth(eye: Eye, cell: Cell, room: Room, candidates: Ints, steps: float) -> bool:
-    """Whether no curve enters a cell and lobes turn no further in it than its nodes follow (``parts.lobes_turn``)."""
+    """Whether no curve enters a cell and what nodes see turns no further in it than they follow."""
     count = block_walls(eye, cell, room, candidates)
     limit = put_reach(eye, cell, room)
     if not begin(eye, cell, room, candidates, count, limit) or room.counts[cell.level] != 0:
         return False
     if put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit) != 0:
         return False
-    return not lobes_turn(eye, cell, steps)
+    return not (lobes_turn(eye, cell, steps) or near_hot(eye, cell, room, limit, steps))
 
 
 def smooth_blocks(

@@ -43,6 +43,8 @@ class Eye(NamedTuple):
     delicate: bool
     domain: int
     nodes: Nodes | None = None
+    hot: Array | None = None
+    """Of bounced light, where it comes from nearby (``hot.py``)."""
 
 
 class Cell(NamedTuple):

@@ -14,6 +14,7 @@ from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.leaves import values
 from symrender.radiometric.pixels.cells import BOX, Cell, Eye, cell_at, heaviest, kinks, ray_of, step, window_cell
+from symrender.radiometric.pixels.hot import near_hot
 from symrender.radiometric.pixels.pixel import BLOCK, begin, block_of, block_walls
 from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, MOST_CUTS, SMOOTH, Ints, Part, Room
 from symrender.radiometric.pixels.rules import cut_rule, cutting_mode, put_panels, tensor_rule
@@ -106,7 +107,10 @@ def look(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, grain: floa
     ends = cell.level >= LEVELS or share <= grain
     own = int(room.counts[cell.level])
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-    sharp = lobes_turn(eye, cell, 1.0) if lobes else too_sharp(eye, cell, room, limit)
+    if lobes:
+        sharp = lobes_turn(eye, cell, 1.0) or near_hot(eye, cell, room, limit, 1.0)
+    else:
+        sharp = too_sharp(eye, cell, room, limit)
     if sharp and not ends:
         return _HALVE
     part.blurred = 1 if lines < 0 else 0
