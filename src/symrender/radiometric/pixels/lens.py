@@ -59,7 +59,7 @@ def lens_mean(
         candidates[k] = k
     seen = Eye(
         eye.world, eye.mean, at, walls, eye.families, eye.bright, eye.peak, eye.delicate, eye.domain,
-        eye.nodes,
+        eye.nodes, eye.hot,
     )  # fmt: skip
     spent = stated_mean(seen, whole, room, candidates, count, tol, budget)
     return spent, walls_in(seen, whole, room)
