@@ -156,9 +156,20 @@ def put_cones(view: View, work: Work) -> None:
 
 @jitable
 def put_touches(view: View, work: Work) -> None:
-    """Append where spheres touch the horizons of places of the chart, and where they touch planes seen from there."""
+    """Append where spheres touch the horizons of places of the chart, and where they touch planes seen from there.
+
+    Of a sphere, too, where three horizons meet in one direction, its own and those of two planes: N.(u x v) = 0.
+    """
     chart, walls, counts = work.chart, work.walls, work.counts
     j, radius = chart.shape_index, chart.radius
+    for k in range(view.sides.shape[0] if j >= 0 else 0):
+        u = view.sides[k].up
+        for l in range(k):
+            v = view.sides[l].up
+            x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+            size = math.sqrt(x * x + y * y + z * z)
+            if size > 0.0:
+                add_normal(walls, counts, chart, x / size, y / size, z / size, 0.0, HIGHLIGHT, -1)
     for i in range(view.spheres.shape[0]):
         if i == j:
             continue

@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from symrender.chambers.events import CROSSING, ROOT, add_event, chart_events, close_events, vein_events
+from symrender.chambers.events import CROSSING, ROOT, add_event, axis_events, chart_events, close_events
 from symrender.chambers.labels import is_hidden
 from symrender.chambers.reach import are_apart
 from symrender.chambers.records import Chart, Event, Wall
@@ -377,7 +377,11 @@ def all_events(view: View, work: Work, events: Table[Event], low: float, high: f
     set_circles(work)
     n = chart_events(work, events, low, high) - 1
     if work.chart.shape_index >= 0 and view.spheres[work.chart.shape_index].texture == MARBLE:
-        n = vein_events(work, events, n, low, high)
+        n = axis_events(0.0, 0.0, 1.0, work, events, n, low, high)
+    if work.chart.shape_index >= 0 and view.glows is not None:
+        for k in range(view.sides.shape[0]):
+            up = view.sides[k].up
+            n = axis_events(up[0], up[1], up[2], work, events, n, low, high)
     n = chart_crossings(view, work, events, n, low, high)
     n = tangencies(view, work, events, n, low, high)
     n = trace_crossings(view, work, events, n, low, high)

@@ -162,17 +162,23 @@ def chart_events(work: Work, events: Table[Event], low: float, high: float) -> i
 
 
 @inlined
-def vein_events(work: Work, events: Table[Event], n: int, low: float, high: float) -> int:
-    """The two places of a marble sphere at which all its veins meet; new count.
+def axis_events(
+    ax: float, ay: float, az: float, work: Work, events: Table[Event], n: int, low: float, high: float
+) -> int:  # fmt: skip
+    """The two places of a sphere whose normals lie along a unit axis, about which what they show turns; new count.
 
-    Past it at a distance d the line integral goes like d log d, which a square root's map makes tame enough.
+    All veins of marble meet there, or what bounds a sky are two horizons that are one. Past it at a distance d the line
+    integral goes like d log d, which a square root's map makes tame enough.
     """
     chart = work.chart
     for end in range(2):
-        axis = 1.0 if end == 0 else -1.0
-        along, across = axis * chart.pole[2], math.hypot(chart.e1[2], chart.e2[2])
+        side = 1.0 if end == 0 else -1.0
+        along = side * (ax * chart.pole[0] + ay * chart.pole[1] + az * chart.pole[2])
+        first = side * (ax * chart.e1[0] + ay * chart.e1[1] + az * chart.e1[2])
+        second = side * (ax * chart.e2[0] + ay * chart.e2[1] + az * chart.e2[2])
+        across = math.hypot(first, second)
         if along < -chart.ratio and across > 0.0:
-            phi = math.atan2(axis * chart.e2[2], axis * chart.e1[2])
+            phi = math.atan2(second, first)
             beta = math.atan2(chart.ratio * across, 1.0 + chart.ratio * along)
             if within_lobe(phi, beta, chart):
                 n = add_event(events, n, phi, low, high, ROOT)

@@ -267,7 +267,7 @@ def sides_of(axes: Table[Frame]) -> Table[Side]:
 
 def work_arrays(spheres: int, points: int) -> Work:
     """Scratch for scenes of at most ``spheres`` spheres and ``points`` light points."""
-    bodies = spheres + points
+    cores = spheres + points
     return Work(
         chart=table(Chart, 1)[0],
         walls=table(Wall, MAX_WALLS),
@@ -302,12 +302,12 @@ def work_arrays(spheres: int, points: int) -> Work:
         aim=table(Aim, 1)[0],
         notes=table(Notes, 1)[0],
         pieces=table(Piece, NODES + PENDING),
-        spots=table(Spot, min(MOST_SPOTS, 3 * bodies + 2 + MOST_OF_LOBE + 2 * (2 + spheres) * (bodies + 1))),
+        spots=table(Spot, min(MOST_SPOTS, 3 * cores + 2 + MOST_OF_LOBE + 2 * (2 + spheres) * (cores + 1))),
         highlights=table(Highlight, 64 + 192 * points),
         boxes=table(Box, 96),
         room=np.zeros(MAX_PLANES + 1),
         felt=np.zeros(64 + 192 * points, np.int64),
-        poles=np.zeros((4 * bodies + 4 + MOST_OF_LOBE, 2)),
+        poles=np.zeros((4 * cores + 4 + MOST_OF_LOBE + 2 * (MAX_PLANES + 1), 2)),
         # as many circles as spheres, planes and the horizon
         arcs=table(Arc, spheres + MAX_PLANES + 2),
         crossings=table(Crossing, 2 * (spheres + MAX_PLANES + 2)),

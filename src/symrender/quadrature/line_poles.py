@@ -14,7 +14,7 @@ from symrender.chambers.senders import sender_of
 from symrender.chambers.walls import TERMINATOR
 from symrender.chambers.work import TRACKS, View, Work
 from symrender.jit.marks import inlined, jitable
-from symrender.quadrature.bodies import beside_sphere, body_count, over_floor
+from symrender.quadrature.cores import beside_sphere, core_count, over_floor
 from symrender.quadrature.gauss import order
 from symrender.scene.arrays import MARBLE
 
@@ -125,7 +125,7 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
         ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
         # a light at (r0, zeta) from the line is a singularity at atan((r0 + i zeta)/h) of the inner coordinate
         height = chart.height
-        for i in range(body_count(view)):
+        for i in range(core_count(view)):
             ox, oy, oz, square = over_floor(i, view)
             if square < 0.0:
                 continue
@@ -139,10 +139,16 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
             note_pole(x + math.pi, y, work)
         return
     j = chart.shape_index
-    for i in range(body_count(view)):
+    for i in range(core_count(view)):
         lx, ly, lz, level = beside_sphere(i, int(j), view)
         if level > 0.0:
             level_pole(lx, ly, lz, level, c, s, chart, work)
+    if view.glows is not None:
+        for k in range(view.sides.shape[0]):
+            # where a place faces as a plane does, what bounds its sky is two horizons that are one
+            up = view.sides[k].up
+            level_pole(up[0], up[1], up[2], 1.0, c, s, chart, work)
+            level_pole(-up[0], -up[1], -up[2], 1.0, c, s, chart, work)
     if view.spheres[j].texture == MARBLE:
         # veins meet where N = +- z, that is N.z = +- 1 off the real line
         level_pole(0.0, 0.0, 1.0, 1.0, c, s, chart, work)

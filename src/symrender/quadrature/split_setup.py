@@ -18,7 +18,7 @@ from symrender.chambers.walls import DIRECTION
 from symrender.chambers.work import Frames, View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.quadrature.bodies import beside_sphere, body_count, over_floor
+from symrender.quadrature.cores import beside_sphere, core_count, over_floor
 from symrender.scene.arrays import EYE, MARBLE, SOLID
 from symrender.scene.records import Sphere
 
@@ -127,7 +127,7 @@ def sphere_strips(j: int, view: View, work: Work) -> None:
     chart.strip_limb = 0.9 * math.acosh(1.0 / k)
     add_pole(view, work)
     radius = view.spheres[j].radius
-    for i in range(body_count(view)):
+    for i in range(core_count(view)):
         x, y, z, level = beside_sphere(i, j, view)
         if level > 0.0:
             # N.(L - C) = level at azimuths +- i acosh(sqrt(a^2 - b^2)/c), at the nearest
@@ -205,7 +205,7 @@ def floor_spots(view: View, work: Work) -> None:
     chart = work.chart
     nx, ny = chart.normal[0], chart.normal[1]
     tilt = math.sqrt(nx * nx + ny * ny)
-    for i in range(body_count(view)):
+    for i in range(core_count(view)):
         x, y, z, square = over_floor(i, view)
         if square < 0.0:
             continue
@@ -243,7 +243,7 @@ def wide_spots(a0: float, a1: float, a2: float, cosine: float, view: View, work:
     ex, ey = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1]
     fx, fy = c * chart.e2[0] - s * chart.e1[0], c * chart.e2[1] - s * chart.e1[1]
     length = min(1.0, 2.0 * chart.lobe.rim_sin) if chart.lobe.rim_cos >= 0.0 else 1.0
-    count = body_count(view)
+    count = core_count(view)
     for i in range(count + 1):
         whole, square = False, 0.0
         if i < count:

@@ -77,6 +77,11 @@ def product(a: Complex, b: Complex) -> Complex:
     return np.asarray(a.real * b.real + 1j * (a.real * b.imag + a.imag * b.real))
 
 
+def share(factor: Array, error: Array) -> Array:
+    """Factor times error; of none of it nothing, however little is known."""
+    return np.multiply(factor, error, out=np.zeros_like(error), where=factor != 0.0)
+
+
 @dataclass
 class _Sums:
     """Integrals of N places: ``total`` (N, 3), what it misses, what its tangent is the sum of, ``status``.
@@ -100,8 +105,8 @@ class _Sums:
         """Add integrals times ``factor`` (N, 3)."""
         self.total += product(seen.gloss, factor)
         most, changed = np.abs(factor.real).max(axis=1), np.abs(factor.imag).max(axis=1)
-        self.missed += most * seen.error.real
-        self.missed += 1j * (seen.error.imag * most + seen.error.real * changed)
+        self.missed += share(most, seen.error.real)
+        self.missed += 1j * (share(most, seen.error.imag) + share(changed, seen.error.real))
         self.unseen += seen.unseen * most
         self.steep += seen.steep * most + np.abs(seen.gloss.real).max(axis=1) * changed
         self.status = np.maximum(self.status, seen.status)

@@ -1,4 +1,4 @@
-"""What light that arrives is singular at: lights, and under skies and lamps the balls that hide or send it.
+"""Cores, at which light that arrives is singular: lights, and under skies and lamps the balls that hide or send it.
 
 A light that falls off is singular at distance 0. What a place sees of a sky or a lamp is made of caps of sine r/d, and
 the root sqrt(d^2 - r^2) is singular where the place would lie on the ball. Rules on a chart are as good as these places
@@ -15,8 +15,8 @@ from symrender.jit.marks import inlined
 from symrender.quadrature.fall_off import near_light
 
 NOWHERE: Final = -1.0
-"""What stands for the square of a body that is singular nowhere."""
-FARTHEST_BODY: Final = 2.125
+"""What stands for the square of a core that is singular nowhere."""
+FARTHEST_CORE: Final = 2.125
 """cosh of how far off a line of a sphere a ball's place is tame: what ``NEAR_FALLING`` is of a light."""
 
 TOUCHING: Final = 1.0 + 1e-9
@@ -24,8 +24,8 @@ TOUCHING: Final = 1.0 + 1e-9
 
 
 @inlined
-def body_count(view: View) -> int:
-    """How many bodies a scene has."""
+def core_count(view: View) -> int:
+    """How many cores a scene has."""
     found = view.points.shape[0]
     if view.glows is not None:
         found += view.spheres.shape[0]
@@ -33,8 +33,8 @@ def body_count(view: View) -> int:
 
 
 @inlined
-def body(i: int, view: View) -> tuple[float, float, float, float]:
-    """(x, y, z, square) of body ``i``: light is singular where the squared distance from there is ``square``."""
+def core(i: int, view: View) -> tuple[float, float, float, float]:
+    """(x, y, z, square) of core ``i``: light is singular where the squared distance from there is ``square``."""
     points = view.points.shape[0]
     if i < points:
         p = view.points[i]
@@ -45,8 +45,8 @@ def body(i: int, view: View) -> tuple[float, float, float, float]:
 
 @inlined
 def over_floor(i: int, view: View) -> tuple[float, float, float, float]:
-    """``body`` if it lies over the floor, else singular nowhere: where a ball crosses the floor is a wall."""
-    x, y, z, square = body(i, view)
+    """``core`` if it lies over the floor, else singular nowhere: where a ball crosses the floor is a wall."""
+    x, y, z, square = core(i, view)
     if square >= 0.0 and (z <= 0.0 or z * z < square):
         square = NOWHERE
     return x, y, z, square
@@ -58,7 +58,7 @@ def beside_sphere(i: int, j: int, view: View) -> tuple[float, float, float, floa
 
     The level is 0 of what is not felt on the sphere: it is far away, the sphere itself, or crosses it, which is a wall.
     """
-    x, y, z, square = body(i, view)
+    x, y, z, square = core(i, view)
     center, radius = view.spheres[j].center, view.spheres[j].radius
     x, y, z = x - center[0], y - center[1], z - center[2]
     far2 = x * x + y * y + z * z
@@ -67,5 +67,5 @@ def beside_sphere(i: int, j: int, view: View) -> tuple[float, float, float, floa
     if i < points:
         felt = square == 0.0 and radius * radius < far2 < near_light(view.points[i]) * radius * radius
     else:
-        felt = i - points != j and far2 <= TOUCHING * level * level < TOUCHING * FARTHEST_BODY * FARTHEST_BODY * far2
+        felt = i - points != j and far2 <= TOUCHING * level * level < TOUCHING * FARTHEST_CORE * FARTHEST_CORE * far2
     return x, y, z, level if felt else 0.0
