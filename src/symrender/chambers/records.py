@@ -374,8 +374,6 @@ class Piece(Record):
     """What its disks' refined rules may be off, in its integral."""
     unseen: float
     """What highlights of disks may add to it between nodes that see none."""
-    kinked: int
-    """1 where what is seen of a sky or a lamp is bounded by other arcs at one node than at another."""
 
 
 class Curve(Record):

@@ -108,37 +108,25 @@ def glow_at(place: Vector, normal: Vector, view: View, work: Work, glows: Table[
     for g in range(glows.shape[0]):
         count, cones = gather_glow(int(glows[g].sphere), place, normal, view, work, room)
         light = glows[g].radiance
-        seen, _ = few_irradiance(room, count, cones, normal)
-        total += seen * max(light[0], light[1], light[2])
+        total += few_irradiance(room, count, cones, normal) * max(light[0], light[1], light[2])
     return total
 
 
 @jitable
 def add_glows(pieces: int, view: View, work: Work, glows: Table[Glow] | None) -> None:
-    """Add to ``radiance`` of the nodes that the first ``pieces`` pieces own what skies and lamps add.
-
-    Where three circles meet in one direction an arc begins or ends to bound what is seen, and the second derivative
-    jumps: pieces whose nodes do not agree on the arcs are ``kinked``.
-    """
-    for piece in range(pieces):
-        work.pieces[piece].kinked = 0
+    """Add to ``radiance`` of the nodes that the first ``pieces`` pieces own what skies and lamps add."""
     if glows is None:
         return
     if work.chart.shape_index < 0 and work.chart.side < 0.0:
         return
     b, room = work.nodes, glow_room(work)
     for piece in range(pieces):
-        row = work.pieces[piece]
-        for g in range(glows.shape[0]):
-            before = -1.0
-            for q in range(row.first, row.first + row.count):
-                place = (b.place[0, q], b.place[1, q], b.place[2, q])
-                normal = (b.normal[0, q], b.normal[1, q], b.normal[2, q])
+        first = work.pieces[piece].first
+        for q in range(first, first + work.pieces[piece].count):
+            place = (b.place[0, q], b.place[1, q], b.place[2, q])
+            normal = (b.normal[0, q], b.normal[1, q], b.normal[2, q])
+            for g in range(glows.shape[0]):
                 count, cones = gather_glow(int(glows[g].sphere), place, normal, view, work, room)
-                seen, bounding = few_irradiance(room, count, cones, normal)
-                # what is all of a kind has no arcs
-                if bounding != before and before > 0.0 and bounding > 0.0:
-                    row.kinked = 1
-                before = bounding
+                seen = few_irradiance(room, count, cones, normal)
                 for a in range(3):
                     b.radiance[a, q] += b.factor[a, q] * seen * glows[g].radiance[a]

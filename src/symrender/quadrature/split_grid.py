@@ -214,6 +214,16 @@ def find_crossing(
     return found
 
 
+@inlined
+def levels_log(x: float, y: float, side: float, log_rho: float, ground: Ground) -> float:
+    """The least of ``log_rho`` and that of what levels of a metal leave tame of a block."""
+    if not is_metal(ground.view, ground.work.chart):
+        return log_rho
+    half = 0.5 * side
+    ratio = levels_span(held(x) + half, held(y) + half, half, ground.lobe, ground.view, ground.work) / side
+    return max(LEAST_LOG, min(log_rho, math.log(ratio + math.sqrt(1.0 + ratio * ratio))))
+
+
 @jitable
 def grid_once(
     aim: float, reach: float, low_x: float, low_y: float, level: int, ground: Ground, count: int, stack: Array, out:
@@ -269,10 +279,8 @@ def grid_once(
             if not quarter and crossings == 0:
                 if not seen(x + half, y + half, lobe, view, work, states):
                     continue
-                if is_metal(view, chart):
-                    ratio = min(ratio, levels_span(held(x) + half, held(y) + half, half, lobe, view, work) / side)
-                    log_rho = math.log(ratio + math.sqrt(1.0 + ratio * ratio))
-                n = block_order(fall, level, kind, max(log_rho, LEAST_LOG))
+                log_rho = levels_log(x, y, side, log_rho, ground)
+                n = block_order(fall, level, kind, log_rho)
                 quarter = n > MAX_BLOCK_ORDER
                 if not quarter:
                     miss = smooth_block(x, y, side, level, n, step, log_rho, reach, ground, part)

@@ -365,8 +365,7 @@ def integrate_cells(phi: float, step: int, view: View, work: Work, gauss: Array,
             row = table[piece]
             n, start, stop = row.count, row.start, row.stop
             at_rim = rim and (start == work.cell_from[0] or stop == work.cell_to[work.counts.cells - 1])
-            at_rim = at_rim or row.kinked != 0 or (faint and stop > AT_HORIZON)
-            holds, miss = piece_error(row, b, blunt or at_rim, gauss)
+            holds, miss = piece_error(row, b, blunt or at_rim or (faint and stop > AT_HORIZON), gauss)
             miss += held(row.unseen)
             tame = miss <= promise * (holds + small * (size + whole)) + idle
             if n > 1 and not tame and top + 2 <= PENDING and not is_spent(work):

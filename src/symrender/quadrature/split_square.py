@@ -135,8 +135,6 @@ def add_pieces(
         # veins have both signs
         size = size if view.floor.kind == MARBLE else abs(whole)
         miss = tail_error(n, top, second, max(abs(half), abs(under)), size, row.log_rho)
-        if row.kinked != 0:
-            miss = max(miss, 0.5 * abs(top), 0.25 * abs(second))
         if moves(whole):
             steep, between = abs(tangent(whole)), max(abs(tangent(half)), abs(tangent(under)))
             missed = tail_error(n, tangent(top), tangent(second), between, steep, held(row.log_rho))

@@ -27,8 +27,6 @@ from symrender.radiometric.pieces import Piece, corner, same
 from symrender.radiometric.vectors import Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
 
-MANY: Final = 97
-"""What tells pairs of cones apart in a sum."""
 _CLEAR: Final = 1e-9
 """Sine beyond which a direction is outside of a hemisphere, whatever was rounded."""
 
@@ -219,24 +217,20 @@ def wrong_cones(room: Room, touched: int, own: int) -> int:
 
 
 @jitable
-def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> tuple[Vector, float]:
-    """``flux`` and that of what of arc i bounds the region, its crossings and cones being listed.
-
-    With it a number that says which cones begin and end what bounds.
-    """
+def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> Vector:
+    """``flux`` and that of what of arc i bounds the region, its crossings and cones being listed."""
     arc = room.arcs[i]
     own = int(arc.cone)
     wrong = wrong_cones(room, touched, own)
     sign = 1.0 if own == 0 else -1.0
-    begin, past, mark = 0.0, -1, 0.0
+    begin = 0.0
     for k in range(found):
         crossing = room.crossings[k]
-        c = int(crossing.cone)
         if wrong == 0:
             # a stretch without a length may grow
             flux = add_arc(arc, begin, crossing.angle, sign, flux)
-            mark += (i + 1) * (MANY * (past + 2) + c + 2)
-        begin, past = crossing.angle, c
+        begin = crossing.angle
+        c = int(crossing.cone)
         before = room.within[c] == room.caps[c]
         room.within[c] += crossing.step
         after = room.within[c] == room.caps[c]
@@ -244,8 +238,7 @@ def add_bounding(room: Room, i: int, found: int, touched: int, flux: Vector) -> 
             wrong += 1 if after != (c == own or c == 0) else -1
     if wrong == 0 and arc.end > begin:
         flux = add_arc(arc, begin, arc.end, sign, flux)
-        mark += (i + 1) * (MANY * (past + 2) + 1)
-    return flux, mark
+    return flux
 
 
 @jitable
@@ -257,18 +250,15 @@ def open_irradiance(world: World, room: Room, place: Vector, count: int, normal:
     for i in range(count):
         if room.arcs[i].inner == 0.0:
             found, touched = gather_crossings(world, room, place, i)
-            flux, _ = add_bounding(room, i, found, touched, flux)
+            flux = add_bounding(room, i, found, touched, flux)
     return max(0.0, 0.5 * dot(normal, flux))
 
 
 @jitable
-def few_irradiance(room: Room, count: int, cones: int, normal: Vector) -> tuple[float, float]:
-    """``open_irradiance`` of a few arcs, those of a cone one after another, every one of them against all others.
-
-    With it a number that says which of them bound what is seen, and between which others.
-    """
+def few_irradiance(room: Room, count: int, cones: int, normal: Vector) -> float:
+    """``open_irradiance`` of a few arcs, those of a cone one after another, every one of them against all others."""
     if count < 0:
-        return 0.0, 0.0
+        return 0.0
     for c in range(cones):
         room.begin[c], room.stop[c] = 0.0, 0.0
     for i in range(count):
@@ -276,12 +266,11 @@ def few_irradiance(room: Room, count: int, cones: int, normal: Vector) -> tuple[
         if room.stop[c] == 0.0:
             room.begin[c] = 1.0 * i
         room.stop[c] = 1.0 * i + 1.0
-    flux, bounding = (0.0, 0.0, 0.0), 0.0
+    flux = (0.0, 0.0, 0.0)
     for i in range(count):
         found = 0
         for c in range(cones):
             touch(room, c, c)
             found = cross_cone(room, i, c, found)
-        flux, mark = add_bounding(room, i, found, cones, flux)
-        bounding += mark
-    return max(0.0, 0.5 * dot(normal, flux)), bounding
+        flux = add_bounding(room, i, found, cones, flux)
+    return max(0.0, 0.5 * dot(normal, flux))
