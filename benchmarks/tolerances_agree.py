@@ -10,7 +10,8 @@ both state are beyond, and so are values off by more than they state from rules 
 tell: ``tests/radiometric/nested.py``, and of bounces ``nested_bounce.py``. ``sunk`` (points over planes with
 checkers or stripes, every ball cuts or touches one, or another ball that does) are judged by lattices of rays of direct
 light (``tests/radiometric/seen_lattice.py``), and so are pairs of ``tiles`` (a sky and balls that emit, one bounce,
-textures, gloss met first), which are asked alone.
+textures, gloss met first), which are asked alone. Of ``afar`` (small squares under lamps, points and a sky close to
+the floor and many squares off, with balls behind and beside lamps) they judge every place.
 """
 
 from __future__ import annotations

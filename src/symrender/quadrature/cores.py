@@ -18,7 +18,6 @@ NOWHERE: Final = -1.0
 """What stands for the square of a core that is singular nowhere."""
 FARTHEST_CORE: Final = 2.125
 """cosh of how far off a line of a sphere a ball's place is tame: what ``NEAR_FALLING`` is of a light."""
-
 TOUCHING: Final = 1.0 + 1e-9
 """What rounds the square of a touching ball's level up to that of its distance."""
 

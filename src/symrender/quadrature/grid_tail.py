@@ -6,9 +6,9 @@ Integrated over one side of a wall each leaves an integral along the wall, which
 where the wall runs along the wave's crests, so that its sign does not change (stationary phase), and where two walls
 meet. Off walls light is smooth but under a light that is nearer to the floor than a cell is wide: its spot from height
 z leaves 2 pi I exp(-|k| z), the transform of I z/(r^2 + z^2)^(3/2); so do balls that emit, and what balls take from a
-sky. Within reach of the taper all are integrated; two
-tapers that end before such a place agree, and say nothing about it. So these places are looked for in closed form, and
-what walls leave is estimated by the leading term of its expansion,
+sky. Within reach of the taper all are integrated; two tapers that end before such a place agree, and say nothing about
+it. So these places are looked for in closed form, and what walls leave is estimated by the leading term of its
+expansion,
 
     f sqrt(2 pi / (|k| curvature)) / |k|    and    f |t x t'| / (|k.t| |k.t'|),
 

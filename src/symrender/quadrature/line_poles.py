@@ -156,6 +156,16 @@ def find_poles(phi: float, c: float, s: float, view: View, work: Work) -> None:
 
 
 @inlined
+def nearest_pole(start: float, stop: float, work: Work) -> float:
+    """Sum of the distances from the ends of a piece to the pole at hand of which it is least, inf without any."""
+    nearest = math.inf
+    for i in range(work.counts.poles):
+        low, high, y = start - work.poles[i, 0], stop - work.poles[i, 0], work.poles[i, 1]
+        nearest = min(nearest, math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y))
+    return nearest
+
+
+@inlined
 def cell_log(start: float, stop: float, work: Work) -> tuple[float, int]:
     """log rho of the Bernstein ellipse of a piece through the edge of the strip where its integrand is tame.
 
@@ -168,10 +178,7 @@ def cell_log(start: float, stop: float, work: Work) -> tuple[float, int]:
     if least == 1 and length > FLANK * narrowest:
         # on its flank a highlight grows by powers of e: one point does not tell what a piece holds
         least = 2
-    nearest = math.inf
-    for i in range(work.counts.poles):
-        low, high, y = start - work.poles[i, 0], stop - work.poles[i, 0], work.poles[i, 1]
-        nearest = min(nearest, math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y))
+    nearest = nearest_pole(start, stop, work)
     if chart.bell > 0.0:
         x, y = foot_of_bell(start, stop, work.poles[0, 0], chart.bell)
         low, high = start - x, stop - x

@@ -22,7 +22,7 @@ from symrender.chambers.roots import square_root
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held
-from symrender.quadrature.line_poles import note_pole
+from symrender.quadrature.line_poles import nearest_pole, note_pole
 from symrender.quadrature.panel_maps import ellipse_sum
 
 Array = npt.NDArray[np.float64]
@@ -85,10 +85,7 @@ def levels_on_row(at: float, column: bool, lobe: Array, view: View, work: Work) 
 @inlined
 def piece_log(start: float, stop: float, log_rho: float, work: Work) -> float:
     """The least of ``log_rho`` and that of the Bernstein ellipse of a piece through the pole nearest to it."""
-    length, nearest = held(stop) - held(start), math.inf
-    for i in range(work.counts.poles):
-        low, high, y = held(start) - work.poles[i, 0], held(stop) - work.poles[i, 0], work.poles[i, 1]
-        nearest = min(nearest, math.sqrt(low * low + y * y) + math.sqrt(high * high + y * y))
+    length, nearest = held(stop) - held(start), nearest_pole(held(start), held(stop), work)
     if nearest == math.inf:
         return log_rho
     ratio = nearest / max(length, 1e-300)

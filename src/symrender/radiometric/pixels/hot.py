@@ -8,37 +8,15 @@ and nodes of the whole pixel agree that there is nothing. Cells near such a hot 
 from __future__ import annotations
 
 import math
-from typing import Final
 
 from symrender.jit.marks import jitable
-from symrender.radiometric.pieces import Piece
 from symrender.radiometric.pixels.cells import Cell, Eye, ray_of, step
 from symrender.radiometric.pixels.records import Room
+from symrender.radiometric.pixels.sharp import NEAR, plane_spreads
 from symrender.radiometric.pixels.sight import may_show
-from symrender.radiometric.sight import height_over, nearest
+from symrender.radiometric.sight import nearest
 from symrender.radiometric.vectors import Array, Vector, dot, minus
 from symrender.scene.radiometric.arrays import SPHERE
-
-_NEAR: Final = 0.8
-"""Largest part of the way to a hot place, or of its size, that a cell's places may spread over."""
-
-
-@jitable
-def hot_on_plane(piece: Piece, eye: Vector, hot: Vector, size: float, share: float, cell: Cell) -> bool:
-    """Whether rays of a cell meet a plane at places that spread too far beside their way to a hot place.
-
-    h v + (u.v)(H - E) is that way times u.v: linear, so that it is bounded to the horizon.
-    """
-    up, at = (piece.up[0], piece.up[1], piece.up[2]), minus(hot, eye)
-    height = height_over(piece, eye)
-    far, wide = 0.0, 0.0
-    for c in range(3):
-        middle = height * cell.v[c] + dot(up, cell.v) * at[c]
-        half = abs(height * cell.vx[c] + dot(up, cell.vx) * at[c]) + abs(height * cell.vy[c] + dot(up, cell.vy) * at[c])
-        far += middle * middle
-        wide += half * half
-    own = dot(up, cell.v) * size
-    return wide > share * share * max(far, own * own)
 
 
 @jitable
@@ -63,7 +41,7 @@ def near_hot(eye: Eye, cell: Cell, room: Room, limit: float, steps: float) -> bo
     """
     if eye.hot is None:
         return False
-    places, world, share = eye.hot, eye.world, _NEAR * steps
+    places, world, share = eye.hot, eye.world, NEAR * steps
     if places.shape[0] == 0:
         return False
     for j in range(world.pieces.shape[0]):
@@ -72,7 +50,7 @@ def near_hot(eye: Eye, cell: Cell, room: Room, limit: float, steps: float) -> bo
             continue
         for k in range(places.shape[0]):
             hot = (places[k, 0], places[k, 1], places[k, 2])
-            if places[k, 4] != piece.owner and hot_on_plane(piece, eye.place, hot, places[k, 3], share, cell):
+            if places[k, 4] != piece.owner and plane_spreads(piece, eye.place, hot, places[k, 3], share, cell):
                 return True
     origin, ray = ray_of(eye, cell.v)
     own, _, place, _, _ = nearest(world, origin, ray)

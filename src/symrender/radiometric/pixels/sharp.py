@@ -8,6 +8,7 @@ from typing import Final
 from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
+from symrender.radiometric.pieces import Piece
 from symrender.radiometric.pixels.cells import Cell, Eye, ray_of, step
 from symrender.radiometric.pixels.records import Room
 from symrender.radiometric.pixels.sight import may_show
@@ -19,8 +20,8 @@ from symrender.scene.arrays import MARBLE
 from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, DIRECTIONAL, POINT, SKY, SPHERE, SPOT
 from symrender.scene.radiometric.records import Material
 
-_NEAR: Final = 0.8
-"""Largest part of the way to a light that a cell's places may spread over."""
+NEAR: Final = 0.8
+"""Largest part of the way to a light, or to where light bounces, that a cell's places may spread over."""
 _WIDE: Final = 0.7
 """Largest part of a highlight's width, or of the way to its middle, that a cell may spread over."""
 _VEINS: Final = 0.5
@@ -42,21 +43,22 @@ def off_axis(material: Material, normal: Vector, view: Vector, toward: Vector) -
 
 
 @jitable
-def plane_spreads(world: World, own: int, eye: Vector, light: Vector, v: Vector, vx: Vector, vy: Vector) -> bool:
-    """Whether rays of a cell meet a plane at places that spread too far beside their way to a point.
+def plane_spreads(piece: Piece, eye: Vector, there: Vector, size: float, share: float, cell: Cell) -> bool:
+    """Whether rays of a cell meet a plane at places that spread over more than a share of their way to a place.
 
-    h v + (u.v)(L - E) is that way times u.v: linear, so that it is bounded to the horizon and beyond.
+    Of what has a ``size`` there, over more than that share of it if it is larger. h v + (u.v)(L - E) is the way times
+    u.v: linear, so that it is bounded to the horizon and beyond.
     """
-    piece = world.pieces[own]
-    up, at = vector(piece.up), minus(light, eye)
+    up, at = vector(piece.up), minus(there, eye)
     height = height_over(piece, eye)
     far, wide = 0.0, 0.0
     for c in range(3):
-        middle = height * v[c] + dot(up, v) * at[c]
-        half = abs(height * vx[c] + dot(up, vx) * at[c]) + abs(height * vy[c] + dot(up, vy) * at[c])
+        middle = height * cell.v[c] + dot(up, cell.v) * at[c]
+        half = abs(height * cell.vx[c] + dot(up, cell.vx) * at[c]) + abs(height * cell.vy[c] + dot(up, cell.vy) * at[c])
         far += middle * middle
         wide += half * half
-    return wide > _NEAR * _NEAR * far
+    own = dot(up, cell.v) * size
+    return wide > share * share * max(far, own * own)
 
 
 @jitable
@@ -77,7 +79,7 @@ def place_spreads(
             ball = world.pieces[k]
             way = minus(vector(ball.place), place)
             near = abs(math.sqrt(dot(way, way)) - ball.radius)
-            if ball.owner == lamp.emitter and k != own and moved > _NEAR * near:
+            if ball.owner == lamp.emitter and k != own and moved > NEAR * near:
                 return True
         return False
     at = vector(lamp.place)
@@ -87,7 +89,7 @@ def place_spreads(
     else:
         way, other_way = minus(at, place), minus(at, other)
         far, other_far = math.sqrt(dot(way, way)), math.sqrt(dot(other_way, other_way))
-        if piece.kind == SPHERE and moved > _NEAR * max(far, other_far):
+        if piece.kind == SPHERE and moved > NEAR * max(far, other_far):
             return True
         if far == 0.0 or other_far == 0.0:
             return True
@@ -131,7 +133,7 @@ def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
         for i in range(world.lights.shape[0]):
             lamp = world.lights[i]
             point = lamp.kind in (POINT, SPOT)
-            if point and plane_spreads(world, j, eye.place, vector(lamp.place), cell.v, cell.vx, cell.vy):
+            if point and plane_spreads(world.pieces[j], eye.place, vector(lamp.place), 0.0, NEAR, cell):
                 return True
     if shows_spot(eye, cell, room, limit):
         return True
