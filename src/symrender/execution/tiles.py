@@ -102,7 +102,7 @@ def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> in
     shared = math.isqrt(width * height // (_SHARE * workers.count))
     side = max(1, min(affordable, max(shared, 8), LARGEST))
     # a part of a square costs as much as all of it
-    return -(-side // SQUARE) * SQUARE if squares and affordable else side
+    return -(-side // SQUARE) * SQUARE if squares else side
 
 
 def area(tile: Tile) -> int:

@@ -75,9 +75,10 @@ class Pixels:
     high: Array
     status: Ints
     evaluations: Ints = field(init=False)
+    nodes: Ints = field(init=False)
 
     def __post_init__(self) -> None:
-        self.evaluations = np.zeros(len(self.low), np.int64)
+        self.evaluations, self.nodes = np.zeros((2, len(self.low)), np.int64)
 
 
 def added(owner: Ints, what: Array, count: int) -> Array:

@@ -7,6 +7,7 @@ not small by chance. What is not known well enough so is left to the pixels them
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -24,17 +25,18 @@ from symrender.radiometric.vectors import Array
 Ints = npt.NDArray[np.int64]
 Tile = tuple[int, int, int, int]
 
-SQUARES: Final = ((8, 8), (4, 6), (4, 8), (2, 6))
-"""Sides of squares, in pixels, and how many nodes they take along each, in the order in which they are tried."""
+SQUARES: Final = ((8, 8), (8, 10), (8, 12), (4, 6), (8, 14), (4, 8), (4, 10), (2, 6))
+"""Sides of squares, in pixels, and how many nodes they take along each, in the order in which they are tried: fewer
+nodes a pixel first."""
 BLOCK: Final = 8
 """Side of the largest square."""
-INNER: Final = 0.3
-"""Part of the tolerance that single rays take."""
+INNER: Final = 0.5
+"""Part of the tolerance that means may be off by, for what single rays are."""
 _SHARES: Final = (1.0, 0.3, 0.09)
 """Parts of the coefficients of the last degree, of that before it, and so on, that polynomials may miss: those of a
 kink wander about what they fall to."""
-_FALL: Final = 0.3
-"""What coefficients fall by from one degree to the next, about."""
+_SLOWEST: Final = 0.8
+"""The most that coefficients are expected to be of those of one degree less."""
 _HOPE: Final = 0.4
 """Part of the tolerance that a square may be expected to miss for it to be tried."""
 _DENSE: Final = 2.5
@@ -44,11 +46,13 @@ _DENSE: Final = 2.5
 @dataclass(frozen=True)
 class Rule:
     """Of one side of a square: ``nodes`` (n,) on [0, 1], ``means`` (side, n) over its pixels, ``series`` (n, n) the
-    coefficients in Legendre's polynomials, from what nodes see."""
+    coefficients in Legendre's polynomials, from what nodes see. A mean over a pixel of the square is off by at most
+    ``spread`` times what its nodes are."""
 
     nodes: Array
     means: Array
     series: Array
+    spread: float
 
 
 @lru_cache(maxsize=8)
@@ -60,7 +64,7 @@ def rule_of(side: int, order: int) -> Rule:
     ends = np.linspace(-1.0, 1.0, side + 1)
     wholes = [np.polynomial.legendre.Legendre.basis(k).integ()(ends) for k in range(order)]
     means = np.diff(np.array(wholes), axis=1).T * (0.5 * side) @ series
-    return Rule(0.5 * (x + 1.0), means, series)
+    return Rule(0.5 * (x + 1.0), means, series, float(np.abs(means).sum(axis=1).max()) ** 2)
 
 
 @dataclass(frozen=True)
@@ -80,8 +84,7 @@ class Known:
     """Of the pixels of a tile, row by row: ``values`` (N, C), ``error``, ``status``, ``evaluations`` and whether each
     is ``known`` (N,). What was spent on those that are not known stands there too.
 
-    ``fall`` (N,) are the coefficients of the last degree of the square that a pixel was tried in last, ``tried`` its
-    side, 0 where there was none, and ``nodes`` how many it had along that.
+    ``hope`` (N, squares) is what each of ``SQUARES`` is expected to miss, from the last one that a pixel was tried in.
     """
 
     values: Array
@@ -89,26 +92,22 @@ class Known:
     status: Ints
     evaluations: Ints
     known: npt.NDArray[np.bool_]
-    fall: Array
-    tried: Ints
-    nodes: Ints
+    hope: Array
 
     @classmethod
     def nothing(cls, count: int, channels: int) -> Known:
         """Of pixels that no square was tried for."""
-        status, spent, tried, nodes = (np.zeros(count, np.int64) for _ in range(4))
+        status, spent = (np.zeros(count, np.int64) for _ in range(2))
         values, known = np.zeros((count, channels)), np.zeros(count, np.bool_)
-        return cls(values, np.zeros(count), status, spent, known, np.zeros(count), tried, nodes)
+        return cls(values, np.zeros(count), status, spent, known, np.zeros((count, len(SQUARES))))
 
-    def promising(self, side: int, order: int, tol: float) -> npt.NDArray[np.bool_]:
-        """(N,) whether pixels are not known and what they were tried in last does not say that this square is vain."""
-        share = side / np.maximum(self.tried, side)
-        fall = self.fall * share ** (np.minimum(self.nodes, order) - 1.0) * _FALL ** np.maximum(order - self.nodes, 0)
-        return np.asarray(~self.known & (fall <= _HOPE * tol))
+    def promising(self, square: int, tol: float) -> npt.NDArray[np.bool_]:
+        """(N,) whether pixels are not known and nothing says that this one of ``SQUARES`` is vain."""
+        return np.asarray(~self.known & (self.hope[:, square] <= _HOPE * tol))
 
 
-Seen = Callable[[Array, Array], tuple[Array, Array, Ints, Ints]]
-"""What places of the image, columns and rows, show: (values (N, C), error, status, evaluations)."""
+Seen = Callable[[Array, Array, float], tuple[Array, Array, Ints, Ints]]
+"""What places of the image, columns and rows, show, to a tolerance: (values (N, C), error, status, evaluations)."""
 
 
 def block_means(
@@ -121,8 +120,8 @@ def block_means(
     """
     x0, y0, x1, y1 = tile
     found = Known.nothing((x1 - x0) * (y1 - y0), channels)
-    for side, order in SQUARES:
-        corners = _corners(picture, tile, side, found.promising(side, order, tol))
+    for square, (side, order) in enumerate(SQUARES):
+        corners = _corners(picture, tile, side, found.promising(square, tol))
         if not len(corners):
             continue
         smooth = np.zeros(len(corners), np.int64)
@@ -153,7 +152,7 @@ def _fill(tile: Tile, corners: Ints, rule: Rule, look: Seen, tol: float, slow: f
     count, (side, order) = len(corners), rule.means.shape
     across = np.tile(side * rule.nodes, count * order) + np.repeat(corners[:, 0], order**2)
     down = np.tile(np.repeat(side * rule.nodes, order), count) + np.repeat(corners[:, 1], order**2)
-    values, error, status, spent = look(across, down)
+    values, error, status, spent = look(across, down, INNER * tol / rule.spread)
     light = values.reshape(count, order, order, -1)
     fall = falls(np.einsum("ai,bj,njic->nbac", rule.series, rule.series, light))
     beyond = slow * missed(fall)
@@ -167,7 +166,7 @@ def _fill(tile: Tile, corners: Ints, rule: Rule, look: Seen, tol: float, slow: f
         which = ((rows[:, None] - y0) * (x1 - x0) + columns - x0).ravel()
         inside = np.ix_(rows - top, columns - left)
         found.evaluations[which] += -(-spent[n] // side**2)
-        found.fall[which], found.tried[which], found.nodes[which] = fall[n, -1], side, order
+        found.hope[which] = expected(fall[n], side)
         # of a square all pixels or none, whichever of them the tile has
         if np.isfinite(means[n]).all() and off[n].max() <= tol:
             found.values[which] = means[n][inside].reshape(len(which), -1)
@@ -180,6 +179,23 @@ def falls(series: Array) -> Array:
     sizes = np.abs(series)
     every = [sizes[:, k, : k + 1].sum(axis=1) + sizes[:, :k, k].sum(axis=1) for k in range(sizes.shape[1])]
     return np.stack([each.max(axis=1) for each in every], axis=1)
+
+
+def expected(fall: Array, side: int) -> Array:
+    """(squares,) what each of ``SQUARES`` is expected to miss where one of this ``side`` has coefficients of sizes
+    ``fall`` (n,).
+
+    Beyond the last degree they go on to fall as those before it do, from even ones to even ones. In a square of a part
+    of the side those of degree k are that part to the power k.
+    """
+    count = len(fall)
+    most = max(order for _, order in SQUARES)
+    late, early = fall[-2:].sum(), fall[-4:-2].sum()
+    pace = min(_SLOWEST, math.sqrt(late / early)) if early > 0.0 else _SLOWEST
+    beyond = max(fall[-1], fall[-2] * pace) * pace ** np.arange(1, most - count + 1)
+    whole = np.concatenate([fall, beyond])
+    rows = [missed((whole * (part / side) ** np.arange(most))[None, :order])[0] for part, order in SQUARES]
+    return np.array(rows)
 
 
 def missed(fall: Array) -> Array:

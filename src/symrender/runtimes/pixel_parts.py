@@ -23,7 +23,6 @@ from symrender.radiometric.pixels.cells import BOX, Eye
 from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, SMOOTH, Nodes, Part, Room, make_room
 from symrender.radiometric.vectors import Array
 from symrender.runtimes.part_states import Best, Ints, Pixels, State, added, spared
-from symrender.runtimes.pixel_blocks import INNER as BLOCK_INNER
 from symrender.runtimes.pixel_blocks import Known, Picture, block_means
 
 INNER: Final = 0.25
@@ -44,8 +43,10 @@ _WORST: Final = 0.25
 _ROUNDS: Final = 200
 _SHARE: Final = 8
 """Nodes that the budget of a pixel is to last for, at least."""
-_FIELDS: Final = 600
-"""Nodes that a cell of many fields takes to be cut at all of them, about."""
+_FIELD_NODES: Final = 40
+"""Nodes that a field takes where all of them are cut at, about."""
+_TEXTURE_LEVELS: Final = 3
+"""Halvings that fields which are too many to be cut at are worth: means of textures miss less in smaller cells."""
 _LEAST: Final = 2000
 """Evaluations of a node, at least."""
 _FLOOR: Final = 1e-3
@@ -145,9 +146,9 @@ class PixelRule:
         if canvas.eye.domain != BOX or not canvas.lobes:
             return Known.nothing((tile[2] - tile[0]) * (tile[3] - tile[1]), channels)
 
-        def seen(columns: Array, rows: Array) -> tuple[Array, Array, Ints, Ints]:
+        def seen(columns: Array, rows: Array, inner: float) -> tuple[Array, Array, Ints, Ints]:
             places = Places(columns, rows, np.zeros(len(columns), np.bool_))
-            found = look(places, BLOCK_INNER * tol, budget)
+            found = look(places, inner, budget)
             return found.values[:, :channels], found.error, found.status, found.evaluations
 
         room, candidates, _ = self.scratch()
@@ -203,7 +204,10 @@ class PixelRule:
         better = (state.stage < most) & (state.error >= 0.5 * outer) & (state.error <= self.hope * allowed)
         deeper = asked & ~better & (state.parts["level"] < LEVELS)
         # where fields are too many to be cut at, their mean stays
-        deeper &= (state.parts["blurred"] == 0) | (_FIELDS * 4.0 ** (state.parts["level"] + 1.0) <= budget)
+        fields = state.parts["fields"]
+        dear = pixels.evaluations / np.maximum(pixels.nodes, 1) * _FIELD_NODES * added(state.pixel, fields, len(whole))
+        some = (fields == 0.0) | (state.parts["level"] < _TEXTURE_LEVELS)
+        deeper &= some | (dear <= budget - pixels.evaluations)[state.pixel]
         return np.flatnonzero(asked & better), np.flatnonzero(deeper)
 
     def _halve(self, state: State, halved: Ints, grain: float) -> State:
@@ -260,7 +264,7 @@ class PixelRule:
         found = look(
             Places(
                 parts["column"] + 0.5 + reach * places[:, 0], parts["row"] + 0.5 - reach * places[:, 1],
-                parts["blurred"] != 0,
+                parts["fields"] != 0.0,
             ),
             inner, budget,
         )  # fmt: skip
@@ -269,6 +273,7 @@ class PixelRule:
         np.maximum.at(pixels.high, pixel, found.values.max(axis=1))
         np.maximum.at(pixels.status, pixel, found.status)
         np.add.at(pixels.evaluations, pixel, found.evaluations)
+        np.add.at(pixels.nodes, pixel, 1)
         sums = [added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
         stated = added(owner, np.abs(weights) * found.error, len(some))
         return np.column_stack(sums), stated, bends(owner, places, weights, found.values, len(some))

@@ -20,7 +20,7 @@ from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, MOST_CUTS,
 from symrender.radiometric.pixels.rules import cut_rule, cutting_mode, put_panels, tensor_rule
 from symrender.radiometric.pixels.sharp import too_sharp, veins_turn
 from symrender.radiometric.pixels.sight import put_reach
-from symrender.radiometric.pixels.textures import mean_error, put_lines
+from symrender.radiometric.pixels.textures import fields, mean_error, put_lines
 from symrender.radiometric.sight import nearest
 from symrender.radiometric.vectors import Array, Vector
 from symrender.scene.radiometric.arrays import CONDUCTOR, PHONG
@@ -100,7 +100,7 @@ def put_cut(
 @jitable
 def look(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, grain: float, lobes: bool, part: Part) -> int:
     """Write what rule a cell takes into ``part``; its kind, or ``_HALVE``."""
-    part.blurred, part.missed, part.beside = 0, 0.0, 0.0
+    part.fields = part.missed = part.beside = 0.0
     if cell.level < kinks(eye.domain):
         return _HALVE
     share = cell.area * heaviest(eye.domain, cell)
@@ -113,7 +113,8 @@ def look(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, grain: floa
         sharp = too_sharp(eye, cell, room, limit)
     if sharp and not ends:
         return _HALVE
-    part.blurred = 1 if lines < 0 else 0
+    if lines < 0:
+        part.fields = fields(eye.families, cell.v, cell.vx, cell.vy, room, limit)
     if fits and not sharp:
         if lines < 0:
             # a weight that changes along a line counts as a break more

@@ -91,7 +91,8 @@ class Section(Record):
 
 class Part(Record):
     """A cell of the pixel at ``column``, ``row`` that takes one rule: of ``level``, along ``path``, a digit of base 4
-    for every halving. ``kind`` is SMOOTH, CUT or COARSE; ``blurred`` 1 where textures of planes are their means.
+    for every halving. ``kind`` is SMOOTH, CUT or COARSE; ``fields`` is about how many fields it holds where textures of
+    planes are their means, else 0.
 
     ``missed`` is the part of the pixel that curves may cut off unseen, as it weighs, of COARSE all of the cell;
     ``beside`` is what means of textures may be off by, as a part of the pixel.
@@ -102,7 +103,7 @@ class Part(Record):
     level: int
     path: int
     kind: int
-    blurred: int
+    fields: float
     missed: float
     beside: float
 

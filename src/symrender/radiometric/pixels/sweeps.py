@@ -53,8 +53,8 @@ def sweep_parts(
         ends[n, 2] = 0
         if part.kind == SMOOTH:
             # lines that are too many to be cut at sweep as much as a few do: no mean of the texture tells
-            ends[n, 2] = part.blurred
-            if part.blurred == 0:
+            ends[n, 2] = 0 if part.fields == 0.0 else 1
+            if part.fields == 0.0:
                 sweep_smooth(eye, cell, sweep, order)
             known = False
         else:
