@@ -11,13 +11,6 @@ PACKAGE = ROOT / "src" / "symrender"
 PAGE = ROOT / "docs" / "glossary.md"
 QUOTED = re.compile(r"`+[^`\n]*`+")
 """Code and names, which have their own reasons."""
-DUE = frozenset(
-    {
-        "chambers/chart.py: caster",
-        "chambers/penumbra_walls.py: caster",
-    }
-)
-"""Words that are still to be replaced: the list may only become shorter."""
 
 
 def rows() -> list[tuple[str, list[str]]]:
@@ -70,8 +63,7 @@ def test_pages_and_docstrings_keep_to_the_words() -> None:
             texts[path.relative_to(PACKAGE).as_posix()] = docstrings(path.read_text("utf-8"))
     assert pages > 20 and len(texts) > 250 and sum(map(len, texts.values())) > 400_000
     found = {f"{name}: {word}" for name, text in texts.items() for word in said(text)}
-    assert sorted(found - DUE) == [], "the glossary has another word"
-    assert sorted(DUE - found) == [], "said no longer: strike it from the list"
+    assert sorted(found) == [], "the glossary has another word"
 
 
 def test_what_is_planted_is_seen() -> None:

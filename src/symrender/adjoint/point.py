@@ -324,8 +324,7 @@ def gloss_gradients(
     lobes = np.zeros((len(frames.homes), 2))
     lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
     s = scratch or split_work(arrays, lights)
-    for panel in s.panels:
-        panel.step = UNUSED
+    np.asarray(s.panels)["step"] = UNUSED
     count, n = tangents.place.shape[:2]
     disks = bool((lights["radius"] > 0.0).any())
     own = adjoint_work(s, count, len(lights), len(arrays.spheres), len(frames.axes), disks)

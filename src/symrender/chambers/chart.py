@@ -1,4 +1,4 @@
-"""The chart of one visible shape from one point: frame, walls, occluders, shadow casters."""
+"""The chart of one visible shape from one point: frame, walls, what hides it, what casts shadows on it."""
 
 from __future__ import annotations
 

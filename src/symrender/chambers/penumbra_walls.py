@@ -69,7 +69,7 @@ def add_band(i: int, sphere: Sphere, view: View, work: Work) -> None:
 
 @jitable
 def add_edges(i: int, h: int, ox: float, oy: float, oz: float, view: View, work: Work) -> None:
-    """Note ball ``h`` as a caster of disk ``i`` and append both edges of its penumbra; ``o`` is the chart's origin."""
+    """Note that ball ``h`` shadows disk ``i`` and append both edges of its penumbra; ``o`` is the chart's origin."""
     work.casters[work.counts.casters].light = i
     work.casters[work.counts.casters].ball = h
     work.casters[work.counts.casters].unseen = 0
