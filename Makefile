@@ -18,7 +18,7 @@ test: lint types
 	  || { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
 	       chromium fonts-dejavu-core >/dev/null; } || echo "no chromium: the tests in a browser will be skipped" >&2
 	$(PY) tests/compile_first.py $(WORKERS)
-	$(PY) -m pytest -n $(WORKERS) --dist loadfile
+	$(PY) -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 lint: $(TEST)
 	$(PY) -m ruff check .

@@ -28,6 +28,34 @@ FLAGS = (
     "--disable-sync",
 )
 
+LONGEST: Final = (
+    "simulator/test_means.py",
+    "adversary/test_known.py",
+    "adversary/test_many.py",
+    "radiometric/test_bounced_gradient.py",
+    "radiosity/test_crowded.py",
+    "radiosity/test_endless.py",
+    "simulator/test_page.py",
+    "radiosity/test_disks.py",
+    "radiometric/test_bounced_pixels.py",
+    "radiometric/test_black.py",
+    "execution/test_tables.py",
+    "simulator/test_panels.py",
+    "test_wheel.py",
+    "chapter/test_lab.py",
+    "adversary/test_evaluator.py",
+    "chapter/test_document_page.py",
+    "cli/test_long_runs.py",
+    "audit/test_audit.py",
+    "radiometric/test_hot_places.py",
+    "radiometric/test_gradient.py",
+    "radiosity/test_cornell.py",
+)
+"""Files that take longest, which begin first: what begins last must be short, or one worker waits for the other.
+
+Those that draw in a browser stand apart from each other, for it has threads of its own.
+"""
+
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # a shell starts background jobs deaf to Ctrl-C, and so would be everything the tests start
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -35,6 +63,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="rewrite the files of tests/golden")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The files of ``LONGEST`` first, in its order; the others keep theirs."""
+    rank = {Path(__file__).parent / name: place for place, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: rank.get(item.path, len(LONGEST)))
 
 
 @pytest.fixture

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from symrender.scene.arrays import CUT, PHONG, SceneArrays
@@ -41,30 +39,36 @@ def integrand(a: SceneArrays, q, normal, view, own: int, disk, points):
 def means(a: SceneArrays, q, normal, view, own: int, disk, e1, e2, azimuths: int = 2000, nodes: int = 16):
     """Means over the disk: midpoint rule in azimuth, Gauss between the radii at which a point of the disk vanishes.
 
-    The jumps along a radius are bracketed by 200 samples and bisected; what is left is the azimuth's kinks, so the
-    error falls like azimuths^-1.5: compare two.
+    The jumps along a radius are bracketed by 200 samples and bisected, all at a time; what is left is the azimuth's
+    kinks, so the error falls like azimuths^-1.5: compare two.
     """
     x, w = np.polynomial.legendre.leggauss(nodes)
     grid = np.linspace(0, 1, 201)
-    total = np.zeros(2)
-    for angle in 2 * np.pi * (np.arange(azimuths) + 0.5) / azimuths:
-        ray = disk.radius * (np.cos(angle) * e1 + np.sin(angle) * e2)
+    angles = 2 * np.pi * (np.arange(azimuths) + 0.5) / azimuths
+    rays = disk.radius * (np.cos(angles)[:, None] * e1 + np.sin(angles)[:, None] * e2)
 
-        def label(r, ray=ray):
-            _, _, clear, above = integrand(a, q, normal, view, own, disk, disk.position + np.outer(r, ray))
-            return 2 * clear + above
+    def seen(r, which):
+        return integrand(a, q, normal, view, own, disk, disk.position + r[:, None] * rays[which])
 
-        marks = label(grid)
-        cuts = [0.0]
-        for i in np.nonzero(np.diff(marks))[0]:
-            low, high = grid[i], grid[i + 1]
-            for _ in range(44):
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if label(np.array([middle]))[0] == marks[i] else (low, middle)
-            cuts.append(0.5 * (low + high))
-        cuts.append(1.0)
-        for low, high in itertools.pairwise(cuts):
-            r = low + (high - low) * 0.5 * (1 + x)
-            d, s, _, _ = integrand(a, q, normal, view, own, disk, disk.position + np.outer(r, ray))
-            total += (high - low) * np.array([(w * r * d).sum(), (w * r * s).sum()])
-    return total / azimuths
+    def label(r, which):
+        _, _, clear, above = seen(r, which)
+        return 2 * clear + above
+
+    marks = label(np.tile(grid, azimuths), np.repeat(np.arange(azimuths), len(grid))).reshape(azimuths, -1)
+    which, first = np.nonzero(np.diff(marks, axis=1))
+    low, high = grid[first], grid[first + 1]
+    for _ in range(44):
+        middle = 0.5 * (low + high)
+        same = label(middle, which) == marks[which, first]
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    every = np.arange(azimuths)
+    radius = np.concatenate([np.zeros(azimuths), 0.5 * (low + high), np.ones(azimuths)])
+    ray = np.concatenate([every, which, every])
+    order = np.lexsort((radius, ray))
+    radius, ray = radius[order], ray[order]
+    piece = ray[:-1] == ray[1:]
+    low, high, ray = radius[:-1][piece], radius[1:][piece], ray[:-1][piece]
+    r = low[:, None] + (high - low)[:, None] * 0.5 * (1 + x)
+    d, s, _, _ = seen(r.ravel(), np.repeat(ray, nodes))
+    by = ((high - low)[:, None] * w * r).ravel()
+    return np.array([(by * d).sum(), (by * s).sum()]) / azimuths

@@ -18,6 +18,8 @@ from symrender.scene.radiometric.scene import RadiometricScene
 
 Array = npt.NDArray[np.float64]
 ALPHAS = (0.001, 0.01, 0.05, 0.3, 1.0)
+ENOUGH = 1e-10
+"""How far of its size a derivative must be known: a hundredth of what is asked of the package."""
 
 
 def _reflectance(rng: np.random.Generator) -> Any:
@@ -171,8 +173,8 @@ def radiance(made: RadiometricScene) -> Array:
 def differences(made: RadiometricScene, name: str) -> tuple[Array, float]:
     """(derivative, how far it is known) by central differences, extrapolated over steps that shrink by three.
 
-    The steps begin wide; the entry of the table is taken whose neighbours agree best. Where a step comes from light
-    into shadow or back the table begins anew.
+    The steps begin wide; the entry of the table is taken whose neighbours agree best, and the table ends where they
+    agree to ``ENOUGH``. Where a step comes from light into shadow or back it begins anew.
     """
     value, lit = float(get(made, name)), radiance(made) != 0.0
     best, known = np.zeros(3), float("inf")
@@ -195,6 +197,8 @@ def differences(made: RadiometricScene, name: str) -> tuple[Array, float]:
             gap = noise + float(np.abs(row[-1] - row[-2]).max() + np.abs(row[-1] - old).max())
             if k > 1 and gap < known:
                 best, known = row[-1], gap
+        if known <= ENOUGH * float(np.abs(best).max()):
+            break
         rows.append(row)
         step /= 3.0
     return best, known

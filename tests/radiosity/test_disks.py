@@ -18,6 +18,7 @@ from symrender.radiosity.endless import laid
 from symrender.radiosity.records import BOUND
 from symrender.radiosity.rims import FEWEST, MOST, Rim, rim_corners
 from symrender.runtimes.radiosity import met
+from symrender.runtimes.tables import Need, table_of
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
 KEY = {"type": "point", "name": "key", "position": [0.6, 0.4, 0.8], "intensity": [0.3, 0.3, 0.3]}
@@ -171,14 +172,31 @@ def test_a_disk_of_no_effect_changes_nothing_but_what_it_states() -> None:
     np.testing.assert_allclose(seen.error, bare.error, atol=2e-3)
 
 
-def test_a_rim_close_by_is_stated() -> None:
+@pytest.fixture(scope="module")
+def just_above_the_floor() -> tuple[Any, table.Sendings]:
+    """A room with a disk a ten thousandth above its floor, and its table, which rays of the package find made."""
+    scene = sr.load(room(disk("D", [0.5, 0.5, 0.0001], [0, 0, 1], 0.25, "both")))
+    return scene, table_of(Need(radiometric_arrays(scene), 1e-2))
+
+
+def test_a_rim_close_by_is_stated(just_above_the_floor: tuple[Any, table.Sendings]) -> None:
     """From a ten thousandth beside the rim much of what is seen may be disk or not; from its middle little."""
-    shape = disk("D", [0.5, 0.5, 0.0001], [0, 0, 1], 0.25, "both")
-    made = table.sendings(laid(radiometric_arrays(sr.load(room(shape)))), False, 1e-2)
+    _, made = just_above_the_floor
     owns, places = np.zeros(2, np.int64), np.array([[0.7501, 0.5, 0.0], [0.95, 0.95, 0.0]])
     near, far = made.missed(owns, places)
     assert near > 0.1 * table.brightest(made.forests) > 1e3 * far > 0.0
     assert np.isfinite(made.gathered(owns, np.ones(2, np.int64), places)[:, BOUND]).all()
+
+
+def test_what_a_ray_meets_close_to_a_rim_states_it(just_above_the_floor: tuple[Any, table.Sendings]) -> None:
+    """The bound of what lies along the rim is part of what is stated of the light a ray finds."""
+    scene, made = just_above_the_floor
+    places = np.array([[0.751, 0.5, 0.0], [0.76, 0.5, 0.0]])
+    seen = sr.probe(scene, rays=(places + np.array([0, 0, 0.1]), [[0, 0, -1.0], [0, 0, -1.0]]), tol=1e-2)
+    assert set(seen.shape) == {"shapes.floor"}
+    missed = 0.9 * made.missed(np.zeros(2, np.int64), places)
+    assert (seen.error >= missed).all() and missed[0] > 5.0 * missed[1] > 0.0
+    assert seen.error[0] > 1.5 * seen.error[1] and seen.status[0] == 1
 
 
 def test_what_is_not_had_is_refused_by_name() -> None:
@@ -223,19 +241,6 @@ def test_chords_lie_on_the_rim_and_in_the_plane() -> None:
                 assert abs(float((end - round_.place) @ round_.up)) < 1e-12
                 assert float(np.linalg.norm(end - round_.place)) == pytest.approx(round_.radius, abs=1e-12)
     assert met_walls > 100
-
-
-def test_what_a_ray_meets_close_to_a_rim_states_it() -> None:
-    """The bound of what lies along the rim is part of what is stated of the light a ray finds."""
-    shape = disk("D", [0.5, 0.5, 0.001], [0, 0, 1], 0.25, "both")
-    scene = room(shape)
-    made = table.sendings(laid(radiometric_arrays(sr.load(scene))), False, 1e-2)
-    places = np.array([[0.751, 0.5, 0.0], [0.76, 0.5, 0.0]])
-    seen = sr.probe(scene, rays=(places + np.array([0, 0, 0.1]), [[0, 0, -1.0], [0, 0, -1.0]]), tol=1e-2)
-    assert set(seen.shape) == {"shapes.floor"}
-    missed = 0.9 * made.missed(np.zeros(2, np.int64), places)
-    assert (seen.error >= missed).all() and missed[0] > 5.0 * missed[1] > 0.0
-    assert seen.error[0] > 1.5 * seen.error[1] and seen.status[0] == 1
 
 
 def test_the_shadow_of_a_small_disk_is_not_passed_by() -> None:

@@ -77,11 +77,11 @@ def test_what_is_missed_beyond_a_net_is_bounded() -> None:
     """Against a sum over directions below the horizon, of unit normals of all slants."""
     rng = np.random.default_rng(5)
     beyond = Beyond(0, np.zeros(3), np.array([0.0, 0.0, 1.0]), 10.0, 1.0)
-    turns = (np.arange(720) + 0.5) * (math.pi / 360.0)
-    slants = (np.arange(4000) + 0.5) * (0.5 * math.pi / 4000)
+    turns = (np.arange(360) + 0.5) * (math.pi / 180.0)
+    slants = (np.arange(2000) + 0.5) * (0.5 * math.pi / 2000)
     t, p = np.meshgrid(slants, turns, indexing="ij")
     ways = np.stack([np.cos(t) * np.cos(p), np.cos(t) * np.sin(p), -np.sin(t)], axis=-1)
-    weights = np.cos(t) * (0.5 * math.pi / 4000) / 360.0
+    weights = np.cos(t) * (0.5 * math.pi / 2000) / 180.0
     shares = []
     for _ in range(60):
         place = np.array([*rng.uniform(-9, 9, 2), 10.0 ** rng.uniform(-2, 1)])
