@@ -29,9 +29,13 @@ TOLERANCES = (1e-1, 1e-3, 1e-5)
 """Of the bounced light that is there, over the size of the scene."""
 COUNT, QUICK, NAMES = 400, 6, 3
 BUDGET = 400_000
-STEPS = (1e-4, 5e-5)
-"""Over a length of the scene, or a number itself."""
+STEPS = (1e-3, 1e-4, 1e-5)
+"""Over the distance of a place, or 1; each is halved once."""
+CLEAR = 1e-3
+"""Part of a difference that it may be off by for no smaller step to be tried."""
 LOOSEST = 1.5
+FAINTEST = 1e-4
+"""Least bounced light of a place that is asked, over a thousandth of the brightest light."""
 
 
 class Told(NamedTuple):
@@ -87,20 +91,30 @@ def slopes_at(scene: Any, ray: tuple[Array, Array], name: str, scale: float) -> 
     return found
 
 
-def difference(scene: Any, ray: tuple[Array, Array], name: str, scale: float, length: float) -> tuple[Array, float]:
-    """Central difference of values and what it may be off by."""
-    found = []
+def difference(
+    scene: Any, ray: tuple[Array, Array], name: str, shape: str, scale: float, length: float
+) -> tuple[Array, float]:
+    """Central difference of values and what it may be off by, of the step that tells best."""
+    best, least = np.zeros(3), np.inf
     for step in STEPS:
-        sides, doubt = [], 0.0
-        for side in (1.0, -1.0):
-            moved = scene.replace({name: value_of(scene, name) + side * step * length})
-            probe = sr.probe(moved, rays=ray, tol=max(1e-13, 1e-9 * scale), budget=4 * BUDGET)
-            sides.append(np.array(probe.radiance[0]))
-            doubt += float(probe.error[0])
-        found.append(((sides[0] - sides[1]) / (2 * step * length), doubt / (2 * step * length)))
-    (wide, _), (narrow, doubt) = found
-    # the error of the narrow one is a third of what both differ by, where nothing breaks between them
-    return narrow + (narrow - wide) / 3.0, doubt + float(np.abs(narrow - wide).max())
+        found = []
+        for part in (step * length, 0.5 * step * length):
+            sides, doubt = [], 0.0
+            for side in (part, -part):
+                moved = scene.replace({name: value_of(scene, name) + side})
+                probe = sr.probe(moved, rays=ray, tol=max(1e-13, 1e-8 * scale), budget=BUDGET)
+                sides.append(np.array(probe.radiance[0]))
+                # beyond a limb nothing of this shape is told
+                doubt += float(probe.error[0]) if probe.shape[0] == shape else np.inf
+            found.append(((sides[0] - sides[1]) / (2 * part), doubt / (2 * part)))
+        (wide, _), (narrow, doubt) = found
+        # the error of the narrow one is a third of what both differ by, where nothing breaks between them
+        doubt += float(np.abs(narrow - wide).max())
+        if doubt < least:
+            best, least = narrow + (narrow - wide) / 3.0, doubt
+        if least <= CLEAR * np.abs(best).max():
+            break
+    return best, least
 
 
 def value_of(scene: Any, name: str) -> float:
@@ -122,18 +136,18 @@ def one_place(seed: int, place: int, scene: Any, data: Any, ray: tuple[Array, Ar
     except Unsupported as reason:
         to.refused.append(str(reason)[:70])
         return
-    if look.shape[0] == "nothing" or look.status[0] == 3:
+    scale = float(look.indirect.max())
+    if look.shape[0] == "nothing" or look.status[0] == 3 or scale <= FAINTEST * least:
         return
     rng = np.random.default_rng([seed, place])
     center = next((shape["center"] for shape in data["shapes"] if shape["type"] == "sphere"), np.zeros(3))
     length = min(1.0, max(1e-3, float(np.linalg.norm(np.asarray(ray[0]) - np.asarray(center)))))
-    scale = max(float(look.indirect.max()), least)
     for name in rng.choice(numbers_of(data), NAMES, replace=False).tolist():
         try:
             found = slopes_at(scene, ray, name, scale / length)
             if found is None:
                 continue
-            expected, doubt = difference(scene, ray, name, scale, length)
+            expected, doubt = difference(scene, ray, name, look.shape[0], scale, length)
         except Exception as reason:
             to.refused.append(str(reason)[:70])
             continue

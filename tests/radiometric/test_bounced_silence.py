@@ -10,7 +10,9 @@ import pytest
 
 import symrender as sr
 from symrender.quadrature.split_setup import MET
+from symrender.quadrature.split_slopes import SlopeResult
 from symrender.runtimes.bounce_pace import FIXED, MEASURES
+from symrender.runtimes.bounce_slopes import _Sums
 from symrender.scene.radiometric.records import Light, Material, Shape
 
 Array = npt.NDArray[np.float64]
@@ -104,3 +106,12 @@ def test_every_number_of_a_scene_has_a_measure() -> None:
     for kind in (Material, Shape, Light):
         assert set(MEASURES[kind]) == set(kind.layout.names or ())
     assert sum(measure != FIXED for kind in MEASURES.values() for measure in kind.values()) == 16
+
+
+def test_a_slope_of_which_nothing_is_known_leaves_its_value_known() -> None:
+    sums, count = _Sums.of(2), np.zeros(2, np.int64)
+    error = np.array([complex(1e-3, np.inf), complex(1e-3, 2e-3)])
+    seen = SlopeResult(np.full((2, 3), 1.0 + 1.0j), error, np.zeros(2), np.zeros(2), count, count)
+    sums.add(seen, np.full((2, 3), 0.5 + 0.0j))
+    np.testing.assert_array_equal(sums.missed.real, 5e-4)
+    np.testing.assert_array_equal(sums.missed.imag, [np.inf, 1e-3])

@@ -105,8 +105,9 @@ class _Sums:
         """Add integrals times ``factor`` (N, 3)."""
         self.total += product(seen.gloss, factor)
         most, changed = np.abs(factor.real).max(axis=1), np.abs(factor.imag).max(axis=1)
-        self.missed += share(most, seen.error.real)
-        self.missed += 1j * (share(most, seen.error.imag) + share(changed, seen.error.real))
+        # part by part: i times what is not known would leave no number of the other one
+        self.missed.real += share(most, seen.error.real)
+        self.missed.imag += share(most, seen.error.imag) + share(changed, seen.error.real)
         self.unseen += seen.unseen * most
         self.steep += seen.steep * most + np.abs(seen.gloss.real).max(axis=1) * changed
         self.status = np.maximum(self.status, seen.status)
