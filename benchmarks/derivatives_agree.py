@@ -13,18 +13,18 @@ one step to its half. A place that a wall passes within a step has no difference
 from __future__ import annotations
 
 import itertools
-import sys
 from typing import Any, NamedTuple
 
 import numpy as np
 from measure import Report
-from tolerances_agree import PLACES, drawn, strength
+from tolerances_agree import LOOSEST, Ray, asked_for, scenes_of, strength
 
 import symrender as sr
-from symrender.errors import Unsupported
+from symrender.errors import SymrenderError
+from symrender.quadrature.split_setup import EVENT, MET, UNSUPPORTED
+from symrender.scene.parameters import get
 
 Array = np.ndarray
-KINDS = ("afar", "sunk", "points", "tiles")
 TOLERANCES = (1e-1, 1e-3, 1e-5)
 """Of the bounced light that is there, over the size of the scene."""
 COUNT, QUICK, NAMES = 400, 6, 3
@@ -33,7 +33,6 @@ STEPS = (1e-3, 1e-4, 1e-5)
 """Over the distance of a place, or 1; each is halved once."""
 CLEAR = 1e-3
 """Part of a difference that it may be off by for no smaller step to be tried."""
-LOOSEST = 1.5
 FAINTEST = 1e-4
 """Least bounced light of a place that is asked, over a thousandth of the brightest light."""
 
@@ -76,7 +75,7 @@ def numbers_of(data: dict[str, Any]) -> list[str]:
     return names
 
 
-def slopes_at(scene: Any, ray: tuple[Array, Array], name: str, scale: float) -> list[Told] | None:
+def slopes_at(scene: Any, ray: Ray, name: str, scale: float) -> list[Told] | None:
     """A derivative at all tolerances; None where it is refused."""
     found = []
     for tol in TOLERANCES:
@@ -85,15 +84,13 @@ def slopes_at(scene: Any, ray: tuple[Array, Array], name: str, scale: float) -> 
             np.array(probe.gradient[name][0]), float(probe.gradient_error[name][0]),
             int(probe.gradient_status[name][0]),
         )  # fmt: skip
-        if told.status == 3:
+        if told.status == UNSUPPORTED:
             return None
         found.append(told)
     return found
 
 
-def difference(
-    scene: Any, ray: tuple[Array, Array], name: str, shape: str, scale: float, length: float
-) -> tuple[Array, float]:
+def difference(scene: Any, ray: Ray, name: str, shape: str, scale: float, length: float) -> tuple[Array, float]:
     """Central difference of values and what it may be off by, of the step that tells best."""
     best, least = np.zeros(3), np.inf
     for step in STEPS:
@@ -101,7 +98,7 @@ def difference(
         for part in (step * length, 0.5 * step * length):
             sides, doubt = [], 0.0
             for side in (part, -part):
-                moved = scene.replace({name: value_of(scene, name) + side})
+                moved = scene.replace({name: get(scene, name) + side})
                 probe = sr.probe(moved, rays=ray, tol=max(1e-13, 1e-8 * scale), budget=BUDGET)
                 sides.append(np.array(probe.radiance[0]))
                 # beyond a limb nothing of this shape is told
@@ -117,27 +114,16 @@ def difference(
     return best, least
 
 
-def value_of(scene: Any, name: str) -> float:
-    """The number that a dotted name stands for."""
-    at: Any = scene.model_dump()
-    for word in name.split("."):
-        if isinstance(at, (list, tuple)):
-            at = at["xyz".index(word)] if word in "xyz" else next(each for each in at if each.get("name") == word)
-        else:
-            at = at[word]
-    return float(at)
-
-
-def one_place(seed: int, place: int, scene: Any, data: Any, ray: tuple[Array, Array], to: Counts) -> None:
+def one_place(seed: int, place: int, scene: Any, data: Any, ray: Ray, to: Counts) -> None:
     """Ask one place for its derivatives, and judge them."""
     least = 1e-3 * max(map(strength, data["lights"]))
     try:
         look = sr.probe(scene, rays=ray, tol=least, budget=BUDGET)
-    except Unsupported as reason:
+    except SymrenderError as reason:
         to.refused.append(str(reason)[:70])
         return
     scale = float(look.indirect.max())
-    if look.shape[0] == "nothing" or look.status[0] == 3 or scale <= FAINTEST * least:
+    if look.shape[0] == "nothing" or look.status[0] == UNSUPPORTED or scale <= FAINTEST * least:
         return
     rng = np.random.default_rng([seed, place])
     center = next((shape["center"] for shape in data["shapes"] if shape["type"] == "sphere"), np.zeros(3))
@@ -148,20 +134,20 @@ def one_place(seed: int, place: int, scene: Any, data: Any, ray: tuple[Array, Ar
             if found is None:
                 continue
             expected, doubt = difference(scene, ray, name, look.shape[0], scale, length)
-        except Exception as reason:
+        except SymrenderError as reason:
             to.refused.append(str(reason)[:70])
             continue
         to.derivatives += len(found)
-        to.met += sum(each.status == 0 for each in found)
+        to.met += sum(each.status == MET for each in found)
         for one, other in itertools.combinations(found, 2):
-            if 4 in (one.status, other.status):
+            if EVENT in (one.status, other.status):
                 continue
             to.pairs += 1
             off, both = float(np.abs(one.value - other.value).max()), one.stated + other.stated
             if off > LOOSEST * both + 1e-12 * scale:
                 to.beyond.append((seed, place, name, "pair", off, both, float(np.abs(other.value).max())))
         size = float(np.abs(expected).max())
-        if doubt > 0.01 * size + 1e-9 * scale or found[-1].status == 4:
+        if doubt > 0.01 * size + 1e-9 * scale or found[-1].status == EVENT:
             continue
         to.judged += len(found)
         to.moved += size > 1e-6 * scale
@@ -172,24 +158,13 @@ def one_place(seed: int, place: int, scene: Any, data: Any, ray: tuple[Array, Ar
 
 
 def main() -> None:
-    from symrender.scene.load import load_any
-
-    words = sys.argv[1:]
-    kind = words[words.index("--kind") + 1] if "--kind" in words else KINDS[0]
-    seeds = [int(word) for word in words if word.isdigit()]
-    first, count = (seeds[0] if seeds else 0), (seeds[1] if len(seeds) > 1 else QUICK if "--quick" in words else COUNT)
+    kind, first, count = asked_for("afar", COUNT, QUICK)
     report, to = Report("derivatives_agree", __doc__.split("\n")[0]), Counts()
-    for seed in range(first, first + count):
-        data, origins, directions = drawn(seed, kind)
-        try:
-            scene = load_any(data)
-        except Exception as reason:
-            to.refused.append(str(reason)[:70])
-            continue
+    for seed, data, scene, rays in scenes_of(kind, first, count, to.refused):
         to.scenes += 1
         before = len(to.beyond)
-        for place in range(PLACES):
-            one_place(seed, place, scene, data, (origins[place], directions[place]), to)
+        for place, ray in enumerate(rays):
+            one_place(seed, place, scene, data, ray, to)
         for each in to.beyond[before:]:
             print("beyond", *each, flush=True)
     report.say(

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import itertools
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,6 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 Array = np.ndarray
 Scene = dict[str, Any]
+Ray = tuple[Array, Array]
 KINDS = ("glow", "points", "tiles", "sunk", "afar")
 BY_LATTICES = ("tiles", "sunk", "afar")
 JUDGED = ("sunk", "afar")
@@ -412,26 +414,38 @@ def one_place(seed: int, place: int, kind: str, made: tuple[Any, Scene], ray: tu
             )
 
 
-def main() -> None:
+def asked_for(kind: str, every: int, few: int) -> tuple[str, int, int]:
+    """Kind, first seed and number of scenes that the command line names, where it names them."""
+    words = sys.argv[1:]
+    kind = words[words.index("--kind") + 1] if "--kind" in words else kind
+    seeds = [int(word) for word in words if word.isdigit()]
+    return kind, (seeds[0] if seeds else 0), (seeds[1] if len(seeds) > 1 else few if "--quick" in words else every)
+
+
+def scenes_of(kind: str, first: int, count: int, refused: list[str]) -> Iterator[tuple[int, Scene, Any, list[Ray]]]:
+    """(seed, its data, the scene, rays) of all that are no nonsense; of the others ``refused`` gets the reason."""
+    from symrender.errors import SymrenderError
     from symrender.scene.load import load_any
 
-    words = sys.argv[1:]
-    kind = words[words.index("--kind") + 1] if "--kind" in words else "glow"
-    seeds = [int(word) for word in words if word.isdigit()]
-    first, count = (seeds[0] if seeds else 0), (seeds[1] if len(seeds) > 1 else QUICK if "--quick" in words else COUNT)
-    report = Report("tolerances_agree", "Values at all tolerances agree with each other and with a judge.")
-    to = Counts([0], [], [], [0], [], [], [])
     for seed in range(first, first + count):
         data, origins, directions = drawn(seed, kind)
         try:
             scene = load_any(data)
-        except Exception as reason:
-            to.refused.append(str(reason)[:70])
+        except SymrenderError as reason:
+            refused.append(str(reason)[:70])
             continue
+        yield seed, data, scene, list(zip(origins[:PLACES], directions[:PLACES], strict=True))
+
+
+def main() -> None:
+    kind, first, count = asked_for("glow", COUNT, QUICK)
+    report = Report("tolerances_agree", "Values at all tolerances agree with each other and with a judge.")
+    to = Counts([0], [], [], [0], [], [], [])
+    for seed, data, scene, rays in scenes_of(kind, first, count, to.refused):
         to.scenes[0] += 1
         before = len(to.beyond)
-        for place in range(PLACES):
-            one_place(seed, place, kind, (scene, data), (origins[place], directions[place]), to)
+        for place, ray in enumerate(rays):
+            one_place(seed, place, kind, (scene, data), ray, to)
         for each in to.beyond[before:]:
             print("beyond", *each, flush=True)
     report.say(
