@@ -68,6 +68,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The files of ``LONGEST`` first, in its order; the others keep theirs."""
     rank = {Path(__file__).parent / name: place for place, name in enumerate(LONGEST)}
+    if gone := [path.name for path in rank if not path.exists()]:
+        raise pytest.UsageError(f"conftest.LONGEST names files that are gone: {gone}")
     items.sort(key=lambda item: rank.get(item.path, len(LONGEST)))
 
 
