@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
+
+from .compile import kernel
 
 Array = npt.NDArray[np.float64]
 POINTS, GENERATOR = 17711, 10946
@@ -66,7 +67,7 @@ def world(scene: dict[str, Any]) -> World:
     return World(shapes, lights)
 
 
-@numba.njit(cache=False)
+@kernel
 def _hit(o: Array, d: Array, own: int, shapes: Array) -> tuple[float, int]:
     """Distance and number of the nearest shape that a ray meets; inf and -1 for none. It leaves ``own``."""
     nearest, which = math.inf, -1
@@ -100,7 +101,7 @@ def _hit(o: Array, d: Array, own: int, shapes: Array) -> tuple[float, int]:
     return nearest, which
 
 
-@numba.njit(cache=False)
+@kernel
 def _normal(q: Array, j: int, shapes: Array) -> Array:
     s, n = shapes[j], np.empty(3)
     for a in range(3):
@@ -108,7 +109,7 @@ def _normal(q: Array, j: int, shapes: Array) -> Array:
     return n
 
 
-@numba.njit(cache=False)
+@kernel
 def _albedo(q: Array, n: Array, j: int, shapes: Array, out: Array) -> None:
     s = shapes[j]
     share = 1.0
@@ -130,7 +131,7 @@ def _albedo(q: Array, n: Array, j: int, shapes: Array, out: Array) -> None:
         out[a] = s[17 + a] + share * (s[14 + a] - s[17 + a])
 
 
-@numba.njit(cache=False)
+@kernel
 def _beam(light: Array, d: Array) -> float:
     """Share of its intensity that a light sends against the unit vector ``d`` towards it: 1 but of a spot."""
     if light[12] == 0.0:
@@ -144,7 +145,7 @@ def _beam(light: Array, d: Array) -> float:
     return min(1.0, max(0.0, (light[11] - angle) / (light[11] - light[10])))
 
 
-@numba.njit(cache=False)
+@kernel
 def _direct(q: Array, n: Array, j: int, w: World, out: Array) -> None:
     """Irradiance at a place of shape ``j`` on the side to which ``n`` points."""
     out[:] = 0.0
@@ -169,7 +170,7 @@ def _direct(q: Array, n: Array, j: int, w: World, out: Array) -> None:
             out[a] += light[4 + a] * share
 
 
-@numba.njit(cache=False)
+@kernel
 def _sums(q: Array, n: Array, own: int, w: World, shift: Array, total: Array) -> None:
     """Mean over a shifted lattice of the radiance that a place sees, a cosine being in the directions."""
     x = np.empty(3)

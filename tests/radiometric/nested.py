@@ -13,11 +13,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from . import lattice, rough_lattice
+from .compile import kernel
 from .rough_lattice import BECKMANN, DIFFUSE, GGX, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -79,7 +79,7 @@ def world(scene: dict[str, Any]) -> World:
     return World(known, emitted, sky)
 
 
-@numba.njit(cache=False)
+@kernel
 def _seen(q: Array, own: int, d: Array, w: World, out: Array) -> None:
     """Radiance that is sent to a place of ``own`` from direction ``d``."""
     _, j = lattice._hit(q, d, own, w.known.known.shapes)
@@ -89,7 +89,7 @@ def _seen(q: Array, own: int, d: Array, w: World, out: Array) -> None:
         out[:] = w.emitted[j]
 
 
-@numba.njit(cache=False)
+@kernel
 def _peak(cosine: float, m: Array, cos_view: float, sin_view: float) -> float:
     """Angle to the normal at which a meridian, of this cosine to that of the mirror direction, is nearest the peak."""
     if m[0] == PHONG or m[0] == DIFFUSE:
@@ -111,14 +111,14 @@ def _peak(cosine: float, m: Array, cos_view: float, sin_view: float) -> float:
     return 0.5 * (low + high)
 
 
-@numba.njit(cache=False)
+@kernel
 def _width(m: Array) -> float:
     if m[0] == DIFFUSE:
         return 1.0
     return 1.0 / math.sqrt(m[1] + 1.0) if m[0] == PHONG else m[1]
 
 
-@numba.njit(cache=False)
+@kernel
 def _cuts(
     q: Array, n: Array, e: Array, own: int, m: Array, cosine: float, cos_view: float, sin_view: float, w: World,
     cuts: Array,
@@ -181,7 +181,7 @@ def _cuts(
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _circles(q: Array, n: Array, own: int, seen: Array, w: World, rows: Array) -> int:
     """Rows (axis, level) of the circles of directions on which what is seen, or the lobe, is cut; their number."""
     m, shapes = w.known.materials[own], w.known.known.shapes
@@ -211,7 +211,7 @@ def _circles(q: Array, n: Array, own: int, seen: Array, w: World, rows: Array) -
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _ends(rows: Array, many: int, n: Array, x: Array, y: Array, ends: Array, count: int) -> int:
     """Add azimuths at which circles cross each other, and are tangent to meridians; the new number."""
     for i in range(many):
@@ -253,7 +253,7 @@ def _ends(rows: Array, many: int, n: Array, x: Array, y: Array, ends: Array, cou
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _line(
     phi: float, q: Array, n: Array, x: Array, y: Array, own: int, seen: Array, w: World, tol: float,
     cuts: Array, stack: Array, out: Array,
@@ -308,7 +308,7 @@ def _line(
     return error, cost
 
 
-@numba.njit(cache=False)
+@kernel
 def _whole(q: Array, n: Array, own: int, seen: Array, w: World, tol: float, total: Array) -> tuple[float, int]:
     """Integral over the hemisphere; its error and what it cost."""
     m = w.known.materials[own]

@@ -14,11 +14,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from . import lattice, nested, rough_lattice
+from .compile import kernel
 from .nested import DEEPEST, GAUSS, KRONROD, NODES, ROUNDED, STACK, Reflected
 from .rough_lattice import DIFFUSE, PHONG
 
@@ -35,7 +35,7 @@ CHANGES = 5
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-@numba.njit(cache=False)
+@kernel
 def _signature(q: Array, own: int, d: Array, w: rough_lattice.World) -> int:
     """What decides which smooth formula holds of what is seen in direction ``d``."""
     shapes, lights = w.known.shapes, w.known.lights
@@ -88,12 +88,12 @@ def _signature(q: Array, own: int, d: Array, w: rough_lattice.World) -> int:
     return value
 
 
-@numba.njit(cache=False)
+@kernel
 def _toward(t: float, n: Array, e: Array, d: Array) -> None:
     d[:] = math.cos(t) * n + math.sin(t) * e
 
 
-@numba.njit(cache=False)
+@kernel
 def _fields(q: Array, n: Array, e: Array, a: float, b: float, j: int, shapes: Array, cuts: Array, count: int) -> int:
     """Add the angles between ``a`` and ``b`` at which the plane ``j`` changes its field; the new number of cuts."""
     s = shapes[j]
@@ -127,7 +127,7 @@ def _fields(q: Array, n: Array, e: Array, a: float, b: float, j: int, shapes: Ar
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _changes(
     q: Array, n: Array, e: Array, own: int, a: float, b: float, w: rough_lattice.World, cuts: Array, count: int
 ) -> int:
@@ -161,7 +161,7 @@ def _changes(
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _near(q: Array, own: int, d: Array, i: int, w: rough_lattice.World) -> tuple[float, float]:
     """How near what is seen in direction ``d`` is to the highlight of light ``i``, a cosine, and the lobe's width."""
     shapes = w.known.shapes
@@ -181,7 +181,7 @@ def _near(q: Array, own: int, d: Array, i: int, w: rough_lattice.World) -> tuple
     return (h @ normal) / math.sqrt(max(1e-300, h @ h)), w.materials[j, 1]
 
 
-@numba.njit(cache=False)
+@kernel
 def _glints(
     q: Array, n: Array, e: Array, own: int, a: float, b: float, w: rough_lattice.World, cuts: Array, count: int
 ) -> int:
@@ -220,7 +220,7 @@ def _glints(
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _foot(light: Array, s: Array) -> tuple[Array, float]:
     """The place of a shape's surface that is nearest to a light, and how far they are apart."""
     if s[0] == 1.0:
@@ -231,7 +231,7 @@ def _foot(light: Array, s: Array) -> tuple[Array, float]:
     return s[1:4] + (s[4] / max(far, 1e-300)) * b, abs(far - s[4])
 
 
-@numba.njit(cache=False)
+@kernel
 def _patches(q: Array, n: Array, e: Array, own: int, w: rough_lattice.World, more: Array, count: int) -> int:
     """Cut a meridian, in geometric steps, where it passes the patch that a light lights close by; the new number."""
     shapes, aside = w.known.shapes, np.cross(n, e)
@@ -255,7 +255,7 @@ def _patches(q: Array, n: Array, e: Array, own: int, w: rough_lattice.World, mor
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _line(
     phi: float, q: Array, n: Array, x: Array, y: Array, own: int, seen: Array, w: nested.World, tol: float,
     cuts: Array, more: Array, stack: Array, out: Array,
@@ -339,7 +339,7 @@ def _line(
     return error, cost
 
 
-@numba.njit(cache=False)
+@kernel
 def _seen(q: Array, own: int, d: Array, w: nested.World, out: Array) -> None:
     """Radiance that a place of ``own`` sees in direction ``d``: direct light of points, reflected there."""
     shapes = w.known.known.shapes
@@ -359,7 +359,7 @@ def _seen(q: Array, own: int, d: Array, w: nested.World, out: Array) -> None:
     out *= shade
 
 
-@numba.njit(cache=False)
+@kernel
 def _about(phi: float, step: float, growth: float, ends: Array, count: int) -> int:
     """Add an azimuth and, on both sides of it, steps that grow by a factor; the new number."""
     ends[count] = phi
@@ -371,7 +371,7 @@ def _about(phi: float, step: float, growth: float, ends: Array, count: int) -> i
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _mirrors(q: Array, own: int, n: Array, x: Array, y: Array, w: rough_lattice.World, ends: Array, count: int) -> int:
     """Add azimuths, in geometric steps, about where shapes mirror lights and where they are close; the new number."""
     shapes = w.known.shapes
@@ -428,7 +428,7 @@ def _mirrors(q: Array, own: int, n: Array, x: Array, y: Array, w: rough_lattice.
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _whole(
     q: Array, n: Array, own: int, seen: Array, w: nested.World, tol: float, budget: int, total: Array
 ) -> tuple[float, int]:

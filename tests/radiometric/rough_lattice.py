@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from . import lattice
+from .compile import kernel
 
 Array = npt.NDArray[np.float64]
 DIFFUSE, GGX, BECKMANN, PHONG = 0.0, 1.0, 2.0, 3.0
@@ -50,7 +50,7 @@ def world(scene: dict[str, Any]) -> World:
     return World(lattice.world(scene), rows)
 
 
-@numba.njit(cache=False)
+@kernel
 def _frame(n: Array) -> tuple[Array, Array]:
     a = 0
     for k in range(1, 3):
@@ -63,7 +63,7 @@ def _frame(n: Array) -> tuple[Array, Array]:
     return x, np.cross(n, x)
 
 
-@numba.njit(cache=False)
+@kernel
 def _smith(cosine: float, m: Array) -> float:
     """Lambda of Smith's masking."""
     tangent = math.sqrt(max(0.0, 1.0 - cosine * cosine)) / cosine
@@ -79,7 +79,7 @@ def _smith(cosine: float, m: Array) -> float:
     return 0.5 * (-math.erfc(a) + math.exp(-a * a) / (a * math.sqrt(math.pi)))
 
 
-@numba.njit(cache=False)
+@kernel
 def _spread(cosine: float, sine2: float, m: Array) -> float:
     """Density of normals at this cosine; the square of the sine is told, of which a cosine knows few digits."""
     slope = sine2 / (cosine * m[1]) ** 2
@@ -88,7 +88,7 @@ def _spread(cosine: float, sine2: float, m: Array) -> float:
     return math.exp(-slope) / (math.pi * m[1] ** 2 * cosine**4)
 
 
-@numba.njit(cache=False)
+@kernel
 def _scattered(m: Array, n: Array, seen: Array, light: Array, out: Array) -> None:
     """BRDF of a material, its reflectance aside, between unit directions above the surface."""
     out[:] = 0.0
@@ -117,7 +117,7 @@ def _scattered(m: Array, n: Array, seen: Array, light: Array, out: Array) -> Non
         out[a] = 0.5 * (abs(upright) ** 2 + abs(tilted) ** 2) * _spread(cosine, sine2, m) * g / (4.0 * up * over)
 
 
-@numba.njit(cache=False)
+@kernel
 def _direct(q: Array, n: Array, j: int, seen: Array, w: World, out: Array) -> None:
     """Radiance, its reflectance aside, that a place of shape ``j`` sends towards ``seen``."""
     out[:] = 0.0
@@ -143,7 +143,7 @@ def _direct(q: Array, n: Array, j: int, seen: Array, w: World, out: Array) -> No
             out[a] += light[4 + a] * share * f[a]
 
 
-@numba.njit(cache=False)
+@kernel
 def _half(p: Array, d: Array, j: int, light: Array, w: World, out: Array) -> bool:
     """Part of unit(l + v) across the normal where ``d`` from ``p`` meets shape ``j``; whether it does."""
     s = w.known.shapes[j]
@@ -173,7 +173,7 @@ def _half(p: Array, d: Array, j: int, light: Array, w: World, out: Array) -> boo
     return True
 
 
-@numba.njit(cache=False)
+@kernel
 def _peak(p: Array, j: int, light: Array, w: World, out: Array) -> bool:
     """Direction from ``p`` in which shape ``j`` shows its highlight."""
     s = w.known.shapes[j]
@@ -209,7 +209,7 @@ def _peak(p: Array, j: int, light: Array, w: World, out: Array) -> bool:
     return bool(size > 0.0)
 
 
-@numba.njit(cache=False)
+@kernel
 def _highlights(p: Array, n: Array, own: int, w: World, out: Array) -> int:
     """Rows (axis, x, y of its plane, four numbers by which a step turns h, over the width); their number."""
     count = 0
@@ -241,7 +241,7 @@ def _highlights(p: Array, n: Array, own: int, w: World, out: Array) -> int:
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _feet(p: Array, n: Array, own: int, w: World, count: int, out: Array) -> int:
     """Rows as of ``_highlights`` towards the places that lamps are nearest to, as wide as they are near."""
     foot = np.empty(3)
@@ -272,7 +272,7 @@ def _feet(p: Array, n: Array, own: int, w: World, count: int, out: Array) -> int
     return count
 
 
-@numba.njit(cache=False)
+@kernel
 def _density(d: Array, n: Array, seen: Array, m: Array, rows: Array, count: int) -> float:
     """Mean of the densities of all kinds of directions."""
     up = n @ d
@@ -299,7 +299,7 @@ def _density(d: Array, n: Array, seen: Array, m: Array, rows: Array, count: int)
     return total / (2 + count)
 
 
-@numba.njit(cache=False)
+@kernel
 def _drawn(
     kind: int, u: float, v: float, n: Array, x: Array, y: Array, seen: Array, m: Array, row: Array, d: Array
 ) -> bool:  # fmt: skip
@@ -332,7 +332,7 @@ def _drawn(
     return bool(n @ d > 0.0)
 
 
-@numba.njit(cache=False)
+@kernel
 def _sums(
     q: Array, n: Array, own: int, seen: Array, w: World, shifts: Array, points: int, step: int, total: Array
 ) -> None:  # fmt: skip

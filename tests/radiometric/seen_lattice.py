@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -21,6 +20,7 @@ from symrender.scene.load import load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 
 from . import lattice, rough_lattice
+from .compile import kernel
 
 Array = npt.NDArray[np.float64]
 POINTS, GENERATOR = 10946, 6765
@@ -154,7 +154,7 @@ def bounced(
     return Seen(j, shade * sums.mean(axis=0), shade * sums.std(axis=0, ddof=1) / np.sqrt(SHIFTS))
 
 
-@numba.njit(cache=False)
+@kernel
 def _directions(
     kind: int, kinds: int, points: int, generator: int, shift: Array, n: Array, x: Array, y: Array, seen: Array,
     mine: Array, rows: Array,
