@@ -18,7 +18,7 @@ from symrender.simulator.build import simulator, simulator_page
 from symrender.simulator.serve import server
 from symrender.simulator.state import State, from_url, to_fragment
 
-from .conftest import Page, without_webgl
+from .conftest import Page, page_of, without_webgl
 
 
 def converged(page, limit=120):
@@ -43,7 +43,7 @@ FLOOR_POINTS = """() => {
 def test_the_reference_converges_to_the_integral_and_says_how_far(open_page):
     page = open_page("gloss", size=40)
     told = converged(page)
-    found = page.run(FLOOR_POINTS)
+    found = page.values(FLOOR_POINTS)
     assert len(found) > 60
     exact = probe(load("gloss"), [point for point, _ in found], tol=1e-7).gloss
     assert (exact.max(axis=1) > 0.05).sum() > 20
@@ -194,7 +194,7 @@ def test_paper_shows_the_pictures_and_no_controls(fresh):
 
 
 def test_without_webgl_the_javascript_program_draws(browser, tmp_path):
-    simulator("gloss", tmp_path / "page.html")
+    page_of("gloss").save(tmp_path / "page.html")
     context = without_webgl(browser)
     page = Page(context.new_page())
     page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=24))}")
@@ -219,7 +219,7 @@ def test_without_webgl_the_javascript_program_draws(browser, tmp_path):
 
 
 def test_without_javascript_there_is_a_picture_and_a_sentence(browser, tmp_path):
-    simulator("gloss", tmp_path / "page.html")
+    page_of("gloss").save(tmp_path / "page.html")
     context = browser.new_context(java_script_enabled=False)
     page = context.new_page()
     page.goto((tmp_path / "page.html").as_uri())

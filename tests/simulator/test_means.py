@@ -17,18 +17,21 @@ from symrender.scene.load import load
 from symrender.simulator.build import simulator
 from symrender.simulator.state import State, from_url, to_fragment
 
-from .conftest import Page, without_webgl
+from .conftest import Page, page_of, without_webgl
 
 LENS = {"aperture": 0.11, "focus": 5.2, "rings": 1}
 SHUTTER = {"shutter": (-0.25, 0.75), "instants": 3, "mover": "B", "velocity": (0.4, -0.7, 0.2)}
 EYE_VIEW = {"shading.highlight_view": "eye"}
 OPEN = LENS | SHUTTER | {"pixel": 2}
 EXACT = """([side, edit, pixels, lobe]) => {
-  const {app, makeTables, Looks, meanExact} = simulator, s = {...structuredClone(app.state), ...edit};
+  const {app, data, makeTables, Looks, meanExact} = simulator;
+  const s = {...structuredClone(data.defaults), size: app.state.size, ...edit};
   const looks = new Looks(side, s, makeTables(s));
   return pixels.map(([column, row]) => meanExact(looks, column, row));
 }"""
 SIZE = 16
+ALONE = {"threads": 1, "tile": SIZE}
+"""An image this small is made sooner in one piece than shared out."""
 EVERY = [[column, row] for row in range(SIZE) for column in range(SIZE)]
 
 
@@ -58,6 +61,22 @@ def product(state):
         yield x - 0.5, y - 0.5, right, up, opened + share * (closed - opened), a * b * c * d
 
 
+def opened_once(browser, path, scene):
+    """The page of a scene for tests that leave its state as it is, or set every number that they ask for."""
+    errors = []
+    simulator(scene, path)
+    context = browser.new_context()
+    page = Page(context.new_page())
+    page.page.on("pageerror", lambda error: errors.append(str(error)))
+    page.page.goto(f"{path.as_uri()}{to_fragment(State(size=SIZE))}")
+    page.settle()
+    # what nothing asks for would go on beside the tests
+    page.run("() => { simulator.app.paused = true; }")
+    yield page
+    context.close()
+    assert errors == []
+
+
 def level_scene():
     """The default scene under a camera whose image is the floor, so that any place of it is a scene of its own."""
     data = load("gloss").model_dump(mode="json")
@@ -79,6 +98,12 @@ def from_place(scene, state, place):
     return state.at(scene, time).replace({"camera.eye": tuple(lens), "camera.window_center": tuple(met[:2])})
 
 
+@pytest.fixture(scope="module")
+def level_page(browser, tmp_path_factory):
+    """The page of the level scene, opened once: compiling its shaders takes longer than a test."""
+    yield from opened_once(browser, tmp_path_factory.mktemp("level") / "page.html", level_scene())
+
+
 @pytest.mark.parametrize(
     "opened",
     [
@@ -90,22 +115,21 @@ def from_place(scene, state, place):
     ],
     ids=["pixel", "near lens", "far lens", "shutter", "all"],
 )
-def test_the_product_is_that_of_scenes_rendered_one_by_one(open_page, opened):
+def test_the_product_is_that_of_scenes_rendered_one_by_one(level_page, opened):
     """Direct light and gloss of 256 pixels against as many renders as the product has places: the lens, the shutter and
     the box from ``Scene.replace`` alone."""
-    scene = level_scene()
-    page = open_page(simulator(scene), size=SIZE)
+    scene, page = level_scene(), level_page
     state = State(size=SIZE, lobe=2, partition="equal_weight", **opened)
     options = {"lobe": 2, "partition": "equal_weight", "aa": "none" if state.pixel > 1 else "analytic"}
     direct, gloss = np.zeros((SIZE, SIZE, 3)), np.zeros((SIZE, SIZE, 3))
     moving = state.shutter[0] != state.shutter[1]
     places = list(product(state if moving else State(**{**vars(state), "instants": 1})))
     for place in places:
-        layers = render(from_place(scene, state, place), size=SIZE, numeric="none", **options).symbolic.layers
+        layers = render(from_place(scene, state, place), size=SIZE, numeric="none", **options, **ALONE).symbolic.layers
         direct += place[5] * layers["direct"]
         gloss += place[5] * (layers["radiance"] - layers["direct"])
     edit = {k: getattr(state, k) for k in ("lobe", "partition", *opened)}
-    found = np.array(page.run(EXACT, ["symbolic", edit, EVERY, 2])).reshape(SIZE, SIZE, 6)
+    found = np.array(page.values(EXACT, ["symbolic", edit, EVERY, 2])).reshape(SIZE, SIZE, 6)
     assert page.run("(e) => simulator.countsOf({...simulator.app.state, ...e}).all", edit) == len(places)
     assert np.median(direct) > 0.01 and np.mean(gloss.max(axis=2) > 0.01) > 0.3
     still = render(scene, size=SIZE, numeric="none", **options).symbolic.layers
@@ -134,7 +158,7 @@ def test_a_camera_that_looks_at_something_has_the_lens_of_the_definition(fresh):
     state = State(size=SIZE, **OPEN)
     places = list(product(state))
     pixels = EVERY[2::4][:40]
-    found = np.array(page.run(EXACT, ["symbolic", OPEN, pixels, 4]))[:, :3]
+    found = np.array(page.values(EXACT, ["symbolic", OPEN, pixels, 4]))[:, :3]
     worlds = {time: scene_arrays(state.at(scene, time)) for time in {p[4] for p in places}}
     assert len(worlds) == 3
     wanted = np.zeros((len(pixels), 3))
@@ -164,7 +188,7 @@ def test_places_by_chance_take_every_stratum_once_in_orders_of_their_own(fresh, 
     page = fresh(16)
     state = {"aperture": 0.4 if "rings" in opened else 0, "velocity": [1, 0, 0], **opened}
     state["shutter"] = [-1, 2] if "instants" in opened else [0, 0]
-    tall, wide, pixels, seeds = page.run(DRAWN, [state, [[3, 4], [4, 3], [15, 15]]])
+    tall, wide, pixels, seeds = page.values(DRAWN, [state, [[3, 4], [4, 3], [15, 15]]])
     count = tall * wide
     assert count == opened.get("pixel", 1) ** 2 * opened.get("instants", 1) * (16 if "rings" in opened else 1)
     assert len(set(seeds)) == count
@@ -224,16 +248,7 @@ def smooth_scene():
 @pytest.fixture(scope="module")
 def smooth_page(browser, tmp_path_factory):
     """The page of the smooth scene, opened once: nothing here changes its state."""
-    path, errors = tmp_path_factory.mktemp("smooth") / "page.html", []
-    simulator(smooth_scene(), path)
-    context = browser.new_context()
-    page = Page(context.new_page())
-    page.page.on("pageerror", lambda error: errors.append(str(error)))
-    page.page.goto(f"{path.as_uri()}{to_fragment(State(size=16))}")
-    page.settle()
-    yield page
-    context.close()
-    assert errors == []
+    yield from opened_once(browser, tmp_path_factory.mktemp("smooth") / "page.html", smooth_scene())
 
 
 @pytest.mark.parametrize("which", ["pixel", "lens", "shutter", "all"])
@@ -248,11 +263,11 @@ def test_chance_converges_to_the_rules(smooth_page, which):
     edit["all"] = {k: v for part in ("pixel", "lens", "shutter") for k, v in edit[part].items()} | {"pixel": 2}
     page, chosen = smooth_page, edit[which] | {"normalised": True, "lobe": 2, "size": 16}
     pixels = [[c, r] for r in range(1, 16, 3) for c in range(0, 16, 2)][:36]
-    drawn = np.array(page.run(CHANCE, [chosen, pixels, SEEDS]))[..., :3]
+    drawn = np.array(page.values(CHANCE, [chosen, pixels, SEEDS]))[..., :3]
     fine = chosen | {k: v for k, v in {"pixel": 4, "instants": 6, "rings": 3}.items() if k in chosen}
-    finer = np.array(page.run(EXACT, ["symbolic", fine, pixels, 2]))[:, :3]
-    coarse = np.array(page.run(EXACT, ["symbolic", chosen, pixels, 2]))[:, :3]
-    single = np.array(page.run(EXACT, ["symbolic", {"size": 16, "lobe": 2, "normalised": True}, pixels, 2]))[:, :3]
+    finer = np.array(page.values(EXACT, ["symbolic", fine, pixels, 2]))[:, :3]
+    coarse = np.array(page.values(EXACT, ["symbolic", chosen, pixels, 2]))[:, :3]
+    single = np.array(page.values(EXACT, ["symbolic", {"size": 16, "lobe": 2, "normalised": True}, pixels, 2]))[:, :3]
     mean, spread = drawn.mean(axis=0), drawn.std(axis=0, ddof=1) / math.sqrt(SEEDS)
     assert finer.min() > 0.02 and (spread > 1e-7).all()
     # the rule is right where it is asked to be: what it misses is no part of what chance does
@@ -273,21 +288,21 @@ PANELS = """() => {
 
 def test_closed_and_single_the_panels_are_what_they_were(fresh):
     page = fresh(40)
-    before = page.run(PANELS)
+    before = page.values(PANELS)
     closed = "shutter: [0, 0], instants: 9, mover: 'C', velocity: [3, 1, 0], aperture: 0, focus: 2, rings: 4, pixel: 1"
     page.change(f"Object.assign(s, {{{closed}}}); simulator.app.held.clear(); simulator.app.seen = null")
     assert not page.run("() => simulator.app.frame.mean")
-    assert page.run(PANELS) == before
+    assert page.values(PANELS) == before
     assert set(before) == {"pixel_direct", "pixel_numeric", "pixel_symbolic"}
     # a shutter that opens and closes at once shows that instant, and a sphere that stands still none
     page.change("s.shutter = [0.5, 0.5]; s.velocity = [0.3, 0, 0]; s.mover = 'B'")
     assert not page.run("() => simulator.app.frame.mean")
-    moved = page.run(PANELS)
+    moved = page.values(PANELS)
     assert moved != before
     page.change("s.shutter = [0, 0]; s.scene['spheres.B.center.x'] = 0.98 + 0.15")
-    assert page.run(PANELS) == moved
+    assert page.values(PANELS) == moved
     page.change("delete s.scene['spheres.B.center.x']; s.velocity = [0, 0, 0]; s.shutter = [0, 1]")
-    assert page.run(PANELS) == before
+    assert page.values(PANELS) == before
 
 
 AGAINST_EXACT = """(step) => {
@@ -315,7 +330,7 @@ def test_panels_of_means_are_those_of_double_precision(fresh, opened):
     # of the ways to see a highlight the one that asks where the eye is
     page.change(f"Object.assign(s, {json.dumps(opened)}); s.lobe = 2; s.scene['shading.highlight_view'] = 'eye'")
     assert page.run("() => simulator.app.frame.mean.numeric === simulator.app.frame.mean.count")
-    found = page.run(AGAINST_EXACT, 3)
+    found = page.values(AGAINST_EXACT, 3)
     assert len(found) == 2 * 192
     assert np.mean([light > 0.01 for _, light, _ in found]) > 0.6
     assert not any(unexplained for _, _, unexplained in found)
@@ -324,7 +339,7 @@ def test_panels_of_means_are_those_of_double_precision(fresh, opened):
 
 
 def test_without_webgl_means_are_drawn_too(browser, tmp_path):
-    simulator("gloss", tmp_path / "page.html")
+    page_of("gloss").save(tmp_path / "page.html")
     context = without_webgl(browser)
     # so quick a page that its first picture seems to follow a drag
     context.add_init_script("""performance.now = ((own, calls) => () => (calls++ < 40 ? 0.01 * calls : own()))(
@@ -333,7 +348,7 @@ def test_without_webgl_means_are_drawn_too(browser, tmp_path):
     page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=16, lobe=2, scene=EYE_VIEW, **OPEN))}")
     page.settle()
     assert page.run("() => simulator.app.gpu.slow && simulator.app.frame.mean.count") == 48
-    found = page.run(AGAINST_EXACT, 2)
+    found = page.values(AGAINST_EXACT, 2)
     assert len(found) == 256
     # pixels are kept in single precision
     assert max(off for off, _, _ in found) < 1e-6
@@ -352,7 +367,7 @@ def reference_of(page, passes):
     page.until(f"simulator.app.frame.converger?.done || (simulator.app.frame.converger?.passes ?? 0) >= {passes}")
     page.run("() => { simulator.app.paused = true; }")
     page.until("!simulator.app.sampling")
-    found = np.array(page.run(REFERENCE_LAYERS)).reshape(2, SIZE, SIZE, 4)[..., :3]
+    found = np.array(page.values(REFERENCE_LAYERS)).reshape(2, SIZE, SIZE, 4)[..., :3]
     return found, page.run("() => simulator.app.frame.converger.told.rms")
 
 
@@ -379,12 +394,14 @@ def test_the_reference_converges_to_the_mean_over_the_pixel(open_page):
     assert errors["numeric"] > 3 * told
 
 
-def test_the_reference_converges_over_lens_and_shutter(open_page):
+def test_the_reference_converges_over_lens_and_shutter(level_page):
     """256 pixels against 600 scenes rendered from random places, each at a random instant: two halves say how well."""
     scene, rng = level_scene(), np.random.default_rng(3)
     wide = OPEN | {"aperture": 0.6, "focus": 2.5, "velocity": (1.2, -1.0, 0.2)}
     state = State(size=SIZE, lobe=2, partition="equal_weight", **wide)
-    page = open_page(simulator(scene), fragment=to_fragment(state))
+    page = level_page
+    page.run("() => { simulator.app.paused = false; }")
+    page.change(f"Object.assign(s, {json.dumps(wide | {'lobe': 2, 'partition': 'equal_weight'})})")
     layers, told = reference_of(page, 256)
     halves = np.zeros((2, SIZE, SIZE, 3))
     for k in range(600):
@@ -393,7 +410,7 @@ def test_the_reference_converges_over_lens_and_shutter(open_page):
         time = state.shutter[0] + share * (state.shutter[1] - state.shutter[0])
         place = (x - 0.5, y - 0.5, radius * math.cos(turn), radius * math.sin(turn), time, 1)
         options = {"lobe": 6, "partition": "equal_weight", "nodes": "barycentre", "aa": "none", "numeric": "none"}
-        image = render(from_place(scene, state, place), size=SIZE, **options).symbolic
+        image = render(from_place(scene, state, place), size=SIZE, **options, **ALONE).symbolic
         halves[k % 2] += image.layers["radiance"] / 300
     rms = lambda values: float(np.sqrt(np.mean(values**2)))  # noqa: E731
     judge, doubt = halves.mean(axis=0), rms(halves[0] - halves[1]) / 2
@@ -402,7 +419,7 @@ def test_the_reference_converges_over_lens_and_shutter(open_page):
     # neither the middle of all nor a lens without a shutter is as near
     for edit in ({"pixel": 1, "aperture": 0, "shutter": [0.25, 0.25]}, {"shutter": [0.25, 0.25]}, {"aperture": 0}):
         other = np.array(
-            page.run(EXACT, ["symbolic", {**wide, "lobe": 4, "partition": "equal_weight", **edit}, EVERY, 2])
+            page.values(EXACT, ["symbolic", {**wide, "lobe": 4, "partition": "equal_weight", **edit}, EVERY, 2])
         )
         apart = other.reshape(SIZE, SIZE, 2, 3).sum(axis=2) - judge
         assert rms(apart) > 3 * math.hypot(told, doubt)
@@ -464,24 +481,40 @@ def test_a_scene_without_spheres_has_no_shutter(open_page):
     assert page.run("() => simulator.app.frame.mean.count") == 4
 
 
+ALL_OPEN = f"""Object.assign(s, structuredClone(simulator.data.defaults), {{size: 16, cursor: null, lobe: 1}},
+  {json.dumps(OPEN)})"""
+
+
+@pytest.fixture(scope="module")
+def first_panels(gloss_page):
+    """The panels where every mean is open, which each test that takes them finds again at its end."""
+    gloss_page.change(ALL_OPEN)
+    return gloss_page.values(PANELS)
+
+
+@pytest.fixture
+def open_panels(gloss_page, first_panels):
+    """The page where every mean is open, drawn anew only if a test has left it otherwise, and its panels."""
+    gloss_page.change(ALL_OPEN)
+    return gloss_page, first_panels
+
+
 @pytest.mark.parametrize("edit", [
     {"pixel": 1}, {"shutter": [-0.25, 0.5]}, {"instants": 2}, {"mover": "C"}, {"velocity": [0.4, -0.7, 0]},
     {"aperture": 0.2}, {"focus": 6}, {"rings": 2}, {"seed": 8}, {"scene": {"spheres.B.center.x": 0.5}},
 ])  # fmt: skip
-def test_panels_of_means_follow_every_number_and_are_kept_while_none_changes(fresh, edit):
-    page = fresh(16)
-    page.change(f"Object.assign(s, {json.dumps(OPEN)}); s.lobe = 1")
-    before = page.run(PANELS)
+def test_panels_of_means_follow_every_number_and_are_kept_while_none_changes(open_panels, edit):
+    page, before = open_panels
     held = "['symbolic', 'numeric'].map((side) => simulator.app.held.get(`mean ${side}`).sums)"
     page.run(f"() => {{ window.kept = {held}; }}")
     page.change("s.exposure = 1; s.view = 'gloss'; s.difference = 2")
     assert page.run(f"() => {held}.every((sums, k) => sums === window.kept[k])")
     page.change(f"Object.assign(s, {json.dumps(edit)})")
-    after = page.run(PANELS)
+    after = page.values(PANELS)
     assert after["direct_numeric"] != before["direct_numeric"]
     assert (after["direct_symbolic"] != before["direct_symbolic"]) == ("seed" not in edit)
     page.change(f"Object.assign(s, {json.dumps(OPEN)}); s.lobe = 1; s.seed = 7; s.scene = {{}}")
-    assert page.run(PANELS) == before
+    assert page.values(PANELS) == before
 
 
 def test_controls_move_the_panels_and_go_back(fresh):

@@ -13,7 +13,7 @@ from symrender.scene.load import load
 from symrender.simulator.build import simulator
 from symrender.simulator.state import State, from_url, to_fragment
 
-from .conftest import Page
+from .conftest import Page, page_of
 from .test_build import HOSTILE
 
 GLOSSY = """(side) => {
@@ -28,7 +28,7 @@ def gloss(page, side):
     import numpy as np
 
     size = page.run("() => simulator.app.frame.size")
-    return np.array(page.run(GLOSSY, f"pixel_{side}")).reshape(size, size)
+    return np.array(page.values(GLOSSY, f"pixel_{side}")).reshape(size, size)
 
 
 def ledger(page):
@@ -128,8 +128,8 @@ def light(page, side):
     """Direct light of a panel, and the shape that the ray through each pixel's centre meets."""
     import numpy as np
 
-    found = page.run("(side) => [Array.from(simulator.directOf(simulator.app.frame, side)), "
-                     "Array.from(simulator.app.frame.pixel_direct)]", f"pixel_{side}")  # fmt: skip
+    found = page.values("(side) => [Array.from(simulator.directOf(simulator.app.frame, side)), "
+                        "Array.from(simulator.app.frame.pixel_direct)]", f"pixel_{side}")  # fmt: skip
     size = page.run("() => simulator.app.frame.size")
     direct, centre = (np.array(values).reshape(size, size, 4) for values in found)
     return direct[..., :3].mean(axis=2), centre[..., 3]
@@ -259,7 +259,7 @@ def test_no_request_leaves_the_page_and_axe_finds_nothing(browser, tmp_path):
     axe_module = pytest.importorskip("axe_playwright_python", reason="axe-playwright-python is not installed")
     source = (Path(axe_module.__file__).parent / "axe.min.js").read_text(encoding="utf-8")
     path = tmp_path / "page.html"
-    simulator("gloss", path)
+    page_of("gloss").save(path)
     context = browser.new_context(color_scheme="dark", viewport={"width": 390, "height": 900})
     page, requests = context.new_page(), []
     context.on("request", lambda request: requests.append(request.url))
@@ -289,7 +289,7 @@ def test_hostile_names_do_not_execute(open_page):
 
 
 def test_it_runs_inside_a_frame(browser, tmp_path):
-    made = simulator("furnace")
+    made = page_of("furnace")
     (tmp_path / "outer.html").write_text(f"<!doctype html>{made._repr_html_()}", encoding="utf-8")
     context = browser.new_context()
     page = context.new_page()
@@ -427,7 +427,7 @@ def test_a_drag_shows_a_picture_for_most_of_its_steps(browser, tmp_path, capsys)
     """
     flags = [flag for flag in FLAGS if "angle" not in flag]
     plain = browser.browser_type.launch(executable_path=CHROMIUM, args=flags)
-    simulator("gloss", tmp_path / "page.html")
+    page_of("gloss").save(tmp_path / "page.html")
     page = Page(plain.new_page())
     page.page.goto(f"{(tmp_path / 'page.html').as_uri()}{to_fragment(State(size=64))}")
     page.settle()
