@@ -57,6 +57,17 @@ def means() -> None:
     sr.gradient("metal", [_ALPHA], tol=1.0, filter="box", **_TINY)
 
 
+def bumps() -> None:
+    """Bumps under filters and a bounce, and a bounce that no faster rule knows."""
+    ripples, wall = sr.load("ripples"), {"type": "checker", "cell": 1.0}
+    sr.truth(ripples, tol=1.0, filter="box", **_TINY)
+    sr.truth(ripples.replace({"bounces": 1}), tol=1.0, **_TINY)
+    metal = sr.load("metal").replace({"bounces": 1})
+    name = next(shape.material for shape in metal.shapes if shape.type == "plane")
+    gold = {"type": "conductor", "alpha": 0.5, "eta": 0.2, "k": 3.9, "reflectance": wall}
+    sr.truth(metal.replace({f"materials.{name}": gold}), tol=1.0, **_TINY)
+
+
 def radiometric_slopes() -> None:
     """Derivatives of images and of single rays, of one bounce too."""
     sr.gradient("metal", [_ALPHA], tol=1e-1, **_TINY)

@@ -7,5 +7,5 @@ from __future__ import annotations
 
 from typing import Final
 
-USES: Final = ("slopes", "chambers", "radiometric_slopes", "radiometric", "means", "pair", "faces")
+USES: Final = ("slopes", "chambers", "radiometric_slopes", "radiometric", "means", "bumps", "pair", "faces")
 """What two of them compile takes seconds: closed forms of images stand under all that is made of them."""

@@ -380,7 +380,7 @@ def test_names_and_files_of_formulas(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("change", "words"), [
-    ({"bounces": 1}, r"bounces: 1 is not yet integrated over a bump, that of shapes\[0\]"),
+    ({"bounces": 1, "lights[0]": flats.SKY}, r"bounces: 1 is not yet integrated over a bump, that of shapes\[0\]"),
     ({"bounces": "all"}, r"bounces: all is not yet integrated over a bump"),
     ({"shutter": [0.0, 1.0], "shapes[1].velocity": [1.0, 0.0, 0.0]}, "a lens or a shutter: is not yet integrated over"),
     ({"camera.aperture": 0.1}, "a lens or a shutter: is not yet integrated over a bump"),
@@ -394,9 +394,13 @@ def test_what_is_not_had_is_refused_by_name(change: dict[str, Any], words: str) 
 
 def test_more_that_is_refused() -> None:
     scene = sr.load(bumped({"height": {"sin": "x"}}))
-    with pytest.raises(Unsupported, match="filter: box: is not yet integrated over a bump"):
-        sr.truth(scene, size=4, filter="box")
-    with pytest.raises(Unsupported, match="bump"):
+    with pytest.raises(Unsupported, match="filter: box: is not yet integrated where a sky shines on a bump"):
+        clay = bumped({"height": {"sin": "x"}}, lights=[flats.SKY])
+        clay["shapes"] = [
+            shape | {"material": "clay"} for shape in clay["shapes"] if shape["type"] in ("plane", "sphere")
+        ]
+        sr.truth(clay, size=4, filter="box")
+    with pytest.raises(Unsupported, match="gradient: filter: box over a bump"):
         sr.gradient(scene, ["camera.fov"], size=4, filter="box")
     for target in ("mitsuba", "pbrt"):
         with pytest.raises(Unsupported, match="bump"):

@@ -229,8 +229,10 @@ def test_nothing_sends_more_than_its_bound() -> None:
 
 def test_what_is_not_integrated_is_refused_by_name() -> None:
     checker = {"type": "checker", "bright": 0.9, "dark": 0.1, "cell": 1}
-    with pytest.raises(Unsupported, match="a texture on a plane of a conductor or a phong material"):
-        sr.truth(over_a_plain(WHITE, GOLD | {"alpha": 0.3, "reflectance": checker}, 0.5), size=4)
+    made = over_a_plain(WHITE, GOLD | {"alpha": 0.3, "reflectance": checker}, 0.5)
+    made["lights"] = [{"type": "sky", "name": "sky", "radiance": 1.0}]
+    with pytest.raises(Unsupported, match="in a scene with a sky beside a conductor or a phong material"):
+        sr.truth(made, size=4)
 
 
 @pytest.mark.parametrize("exponent", [0.0, 1.0, 2.5, 3.0, 6.0, 9.0])

@@ -171,7 +171,7 @@ def test_what_is_not_had_beside_planes_is_refused_by_name() -> None:
         ((FLOOR, BLOCK, coplanar), r"shapes\[0\] and shapes\[2\] lie in one plane"),
     ):
         made = world(
-            *shapes, lights=[SUN], materials=MATERIALS | {"tiles": tiles, "gold": gold}, bounces=1, gloss="first_hit"
+            *shapes, lights=[SKY], materials=MATERIALS | {"tiles": tiles, "gold": gold}, bounces=1, gloss="first_hit"
         )
         with pytest.raises(Unsupported, match=words):
             sr.probe(made, rays=([0.5, 0.5, 2], [0, 0, -1]), tol=1e-3)

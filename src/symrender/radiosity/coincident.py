@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.radiometric.pieces import POLYGON, Piece, owners
+from symrender.radiometric.pieces import CORNERS, POLYGON, Piece, owners
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.breaks import TOUCH, corners_of
@@ -44,7 +44,7 @@ def _pairs(world: World, disks: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     """
     some = np.flatnonzero(np.asarray(world.pieces["kind"]) == POLYGON)
     ups, counts = np.asarray(world.pieces["up"])[some], np.asarray(world.pieces["count"])[some]
-    corners = np.asarray(world.pieces["corners"])[some].reshape(len(some), -1, 3)
+    corners = np.asarray(world.pieces["corners"])[some].reshape(-1, CORNERS, 3)
     inside = (np.arange(corners.shape[1]) < counts[:, None])[..., None]
     size = TOUCH * np.abs(corners).max(initial=0.0)
     low, high = np.where(inside, corners, np.inf).min(axis=1), np.where(inside, corners, -np.inf).max(axis=1)

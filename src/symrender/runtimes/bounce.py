@@ -146,17 +146,13 @@ class Bouncer:
         if blurred is not None:
             first, *others = (self._blurred(each, blurred) for each in (first, *others))
         found = self.light(first, tol, budget)
-        doubts = np.zeros(len(found.error))
+        doubts = [np.zeros(len(found.error))]
         for other in others:
             same = (first.shape == other.shape) & (first.behind == other.behind)
-            off = np.where(same, (np.abs(other.albedo - first.albedo) * found.incoming).max(axis=1, initial=0.0), 0.0)
             elsewhere = np.flatnonzero(~same)
-            if len(elsewhere):
-                again = self.light(other.some(elsewhere), tol, budget)
-                off[elsewhere] = np.abs(again.indirect - found.indirect[elsewhere]).max(axis=1) + again.error
-                found.evaluations[elsewhere] += again.evaluations
-            doubts = np.maximum(doubts, off)
-        found.error[:] += doubts
+            again = self.light(other.some(elsewhere), tol, budget) if len(elsewhere) else None
+            doubts.append(doubted(found, np.abs(other.albedo - first.albedo), elsewhere, again))
+        found.error[:] += np.max(doubts, axis=0)
         return found
 
     def _blurred(self, found: Hits, blurred: npt.NDArray[np.bool_]) -> Hits:
@@ -278,6 +274,18 @@ class Bouncer:
         missed += float(color.max()) * seen.error
         found.status[some] = np.maximum(found.status[some], seen.status)
         found.evaluations[some] += seen.evaluations
+
+
+def doubted(found: Bounced, off: Array, elsewhere: Ints, again: Bounced | None) -> Array:
+    """(N,) by how much light of N places changes where they reflect otherwise by ``off`` (N, 3) in a shaken scene.
+
+    Those of ``elsewhere`` are other places there, whose light is that of ``again``; its evaluations are added.
+    """
+    doubts: Array = (off * found.incoming).max(axis=1, initial=0.0)
+    if again is not None:
+        doubts[elsewhere] = np.abs(again.indirect - found.indirect[elsewhere]).max(axis=1) + again.error
+        found.evaluations[elsewhere] += again.evaluations
+    return doubts
 
 
 def _reflected(albedo: Array) -> Ints:

@@ -15,9 +15,9 @@ from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, copied, joined, table
 from symrender.radiometric import tile
-from symrender.radiometric.pixels import pixel, walls
+from symrender.radiometric.pixels import images, walls
 from symrender.radiometric.pixels.cells import BOX, GAUSSIAN, MITCHELL, TENT, Eye
-from symrender.radiometric.pixels.records import Family, Section, Wall, make_room
+from symrender.radiometric.pixels.records import Family, Section, Wall, make_queue, make_room
 from symrender.radiometric.shaken import doubt, shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
@@ -194,7 +194,8 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
 
     def means(x0: int, y0: int, x1: int, y1: int) -> tuple[Array, Array, Array, int]:
         if not hasattr(own, "room"):
-            own.room = make_room(views[0].world), np.zeros(max(1, len(eye.walls)), np.int64)
+            queue = make_queue(0) if len(views[0].world.terms) else None
+            own.room = make_room(views[0].world, queue is not None), np.zeros(max(1, len(eye.walls)), np.int64), queue
         shape = (y1 - y0, x1 - x0)
         emitted, direct, error = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape)
         spent = kernel(
@@ -207,6 +208,9 @@ def prepare_means(arrays: RadiometricArrays, settings: Settings) -> Means:
             sent = (rays_from(view.world, view.eye, _directions(view, columns, rows, width, height)) for view in views)
             closed = [each.reshape(*shape, 3) for each in sent]
             error += doubt(closed[0], closed[1:]) / len(_NODES)
+        # over a bump that is so steep that its normal is no number
+        lost = ~(np.isfinite(error) & np.isfinite(emitted + direct).all(axis=2))
+        emitted[lost], direct[lost], error[lost] = 0.0, 0.0, np.inf
         return emitted, direct, error, int(spent)
 
     return means
@@ -252,6 +256,6 @@ def brightest(view: Seen) -> float:
 @lru_cache(maxsize=8)
 def _kernel(name: str) -> Any:
     """Compiled function that lists walls, sends rays or fills pixels."""
-    module = next(each for each in (pixel, walls, tile) if hasattr(each, name) and name.startswith(("list", "fill")))
+    module = next(each for each in (images, walls, tile) if hasattr(each, name) and name.startswith(("list", "fill")))
     # the kernels only borrow arrays; counting references to them would cost more than the arithmetic
     return compiled(getattr(module, name), _nrt=False)

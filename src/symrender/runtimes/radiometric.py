@@ -25,15 +25,17 @@ from symrender.radiosity.endless import netted
 from symrender.radiosity.fields import MOST_FIELDS, too_many_fields
 from symrender.runtimes.bounce import Bouncer
 from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
+from symrender.runtimes.cut_bounce import CutBouncer
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel
-from symrender.runtimes.pixels import prepare_means
+from symrender.runtimes.pixels import check_pixels, prepare_means
 from symrender.runtimes.radiosity import Gatherer
 from symrender.runtimes.tables import Need, table_of
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SKY, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal, shape_classes
-from symrender.scene.radiometric.bumped import refuse_bumps
+from symrender.scene.radiometric.bumped import bumped, refuse_bumps
+from symrender.scene.radiometric.cut import cut_reason
 from symrender.scene.radiometric.due import refuse_bounces
 from symrender.scene.radiometric.flat import flat_refusal, is_flat, is_round
 from symrender.scene.undecided import one_but_for_roundings, one_surface
@@ -130,7 +132,8 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         emitted, direct, error, spent = means(x0, y0, x1, y1)
         layers["emitted"][here], layers["direct"][here], layers["hit_class"][here] = emitted, direct, hit_class
         layers["radiance"][here], layers["error"][here] = emitted + direct, error
-        layers["status"][here] = np.where(error > settings.tol, CAPPED, MET)
+        missed = np.where(np.isfinite(error), CAPPED, UNSUPPORTED)
+        layers["status"][here] = np.where(error > settings.tol, missed, MET)
         if bounced is not None:
             found = bounced(x0, y0, x1, y1)
             layers["indirect"][here] = found.values.reshape(*shape, 3)
@@ -145,13 +148,15 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
 
 def tables_needed(arrays: RadiometricArrays, settings: Settings) -> tuple[Need, ...]:
     """The tables of what faces send each other that ``prepare`` makes, unless they are had before."""
-    if not arrays.bounces or not is_flat(arrays) or is_exposed(arrays):
+    if not arrays.bounces or not is_flat(arrays) or is_exposed(arrays) or cut_reason(arrays):
         return ()
     return (Need(arrays, settings.tol if settings.filter == "centre" else node_tolerance(settings.tol)),)
 
 
-def _bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | Gatherer:
+def _bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | CutBouncer | Gatherer:
     """Who integrates what a layer has beside closed forms, to ``tol``."""
+    if layer == "indirect" and cut_reason(arrays):
+        return CutBouncer(arrays)
     if layer == "indirect" and is_flat(arrays):
         return Gatherer(arrays, tol, 1)
     if layer == "direct" and not is_round(arrays):
@@ -228,6 +233,10 @@ def check(arrays: RadiometricArrays) -> None:
     """Raise ``Unsupported`` for what takes an integral that is not had: of bounces, and of lights on what is glossy."""
     asked = arrays.bounces if arrays.bounces <= 1 else "all"
     refuse_bumps(arrays)
+    reason = cut_reason(arrays)
+    if reason:
+        _check_cut(arrays, reason)
+        return
     flat = is_flat(arrays)
     refuse_bounces(asked, flat_refusal(arrays) if flat else bounce_refusal(arrays), flat)
     pair = buried(arrays) if flat and arrays.bounces else None
@@ -270,6 +279,25 @@ def check(arrays: RadiometricArrays) -> None:
                 f"lights[{index}]: its {its}, shapes[{int(light.emitter)}], crosses shapes[{other}], and what is seen "
                 "of it then is not yet integrated; apart it is, and the numeric pipeline samples any"
             )
+
+
+def _check_cut(arrays: RadiometricArrays, reason: str) -> None:
+    """Raise ``Unsupported`` where what places see has walls that are not known, or shapes that rounding decides."""
+    check_pixels(arrays, f"bounces: 1 in a scene with {reason},")
+    for j in bumped(arrays):
+        material = arrays.materials[int(arrays.shapes[j].material)]
+        if material.kind == CONDUCTOR and material.geometric and material.correlated:
+            raise Unsupported(
+                f"bounces: 1 is not yet integrated over a bump on a conductor, that of shapes[{j}], with normals: "
+                "geometric and masking: correlated, which bound nothing at grazing angles together; either other is"
+            )
+    _check_decided(arrays)
+    pair = coincident(arrays, make_world(arrays)) if is_flat(arrays) else None
+    if pair:
+        raise Unsupported(
+            f"bounces: 1 is not yet integrated where shapes[{pair[0]}] and shapes[{pair[1]}] lie in one plane and "
+            "overlap: which of them is seen is not decided; apart it is"
+        )
 
 
 def _check_decided(arrays: RadiometricArrays) -> None:

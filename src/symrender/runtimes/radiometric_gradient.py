@@ -30,6 +30,8 @@ from symrender.runtimes.swept_pixels import prepare_swept
 from symrender.runtimes.tables import Need
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
+from symrender.scene.radiometric.bumped import bumped
+from symrender.scene.radiometric.cut import cut_reason
 from symrender.scene.radiometric.flat import is_round
 from symrender.settings import Settings
 
@@ -45,6 +47,17 @@ def check_gradient(arrays: RadiometricArrays, wrt: tuple[Move, ...] = (), filter
         what = "camera.aperture" if arrays.exposure.aperture > 0.0 else "shutter"
         raise Unsupported(f"gradient: {what}: derivatives of means over a lens or over time are not yet had")
     check(arrays)
+    found = bumped(arrays)
+    if found and filter != "centre":
+        raise Unsupported(
+            f"gradient: filter: {filter} over a bump, that of shapes[{found[0]}], is not yet differentiated: by how "
+            "much the curves move at which its normals turn away is not known; filter: centre is"
+        )
+    reason = cut_reason(arrays)
+    if reason:
+        raise Unsupported(
+            f"gradient: bounces: 1 in a scene with {reason}, is not yet differentiated; with bounces: 0 it is"
+        )
     if integrated_layers(arrays):
         (check_moves if is_round(arrays) else check_emission)(arrays, wrt)
 

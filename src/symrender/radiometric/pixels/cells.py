@@ -21,8 +21,27 @@ TENT: Final = 2
 GAUSSIAN: Final = 3
 MITCHELL: Final = 4
 
+BLOCK: Final = 8
+"""Pixels of a side of the squares for which walls that pass outside are struck once."""
 _PART: Final = 0.004
 """Part of a pixel's tolerance that any cell may take."""
+
+
+class Lobe(NamedTuple):
+    """A place of piece ``own`` and what it makes of light: all directions above it are seen by it as by an eye.
+
+    ``sight`` is the world without its own piece, ``facing`` the unit normal on the side that reflects, ``turned`` that
+    by which it does, ``view`` the unit direction to where its light goes, ``albedo`` its reflectance. What is
+    integrated is ``area`` times the mean over the window.
+    """
+
+    own: int
+    sight: World
+    facing: Vector
+    turned: Vector
+    view: Vector
+    albedo: Vector
+    area: float
 
 
 class Eye(NamedTuple):
@@ -45,6 +64,8 @@ class Eye(NamedTuple):
     nodes: Nodes | None = None
     hot: Array | None = None
     """Of bounced light, where it comes from nearby (``hot.py``)."""
+    lobe: Lobe | None = None
+    """Of the eye that a place is for the light that it reflects (``lobes.py``)."""
 
 
 class Cell(NamedTuple):
@@ -170,3 +191,13 @@ def window_cell(
     p, q = (x1 - x0) / width, (y1 - y0) / height
     v = (f[0] + a * r[0] + b * u[0], f[1] + a * r[1] + b * u[1], f[2] + a * r[2] + b * u[2])
     return Cell(v, (p * r[0], p * r[1], p * r[2]), (q * u[0], q * u[1], q * u[2]), 0, 1.0, tol, 0.0, 0.0, 1.0)
+
+
+@jitable
+def block_of(window: Array, width: int, height: int, reach: float, left: int, top: int, tol: float) -> Cell:
+    """The block of pixels of this number across and down, with the supports of their filters."""
+    beyond = reach - 0.5
+    return window_cell(
+        window, width, height, BLOCK * left - beyond, BLOCK * top - beyond, BLOCK * (left + 1) + beyond,
+        BLOCK * (top + 1) + beyond, tol,
+    )  # fmt: skip

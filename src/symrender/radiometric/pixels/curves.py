@@ -8,7 +8,7 @@ import numpy as np
 
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
-from symrender.radiometric.pixels.records import CONIC, LINE, RIM, TERMS, Wall
+from symrender.radiometric.pixels.records import CONIC, LINE, REST, RIM, TERMS, Wall
 from symrender.radiometric.vectors import Array, Vector, dot, vector
 
 SLACK: Final = 1e-13
@@ -173,6 +173,7 @@ def put_turned(curve: Array, mode: int, out: Array) -> None:
             if f != 0.0:
                 for k in range(i + j + 1):
                     out[5 * k + i + j - k] += f * TURN[mode, 5 * k + i + j - k, 5 * i + j]
+    out[REST] = curve[REST]
 
 
 @jitable

@@ -115,8 +115,8 @@ def state_of(
     put_instant(still, motion, t, eye.world, eye.mean)
     at = place_at(eye.place, motion, t)
     walls = eye.walls
-    count = put_walls(eye.world, at, walls)
-    sights = sight_walls(eye.world, at, walls, 0)
+    count = put_walls(eye.world, at, walls, -1)
+    sights = sight_walls(eye.world, at, walls, 0, -1)
     put_families(eye.world, at, eye.families)
     if count > walls.shape[0]:
         return -1
@@ -181,7 +181,7 @@ def look_closer(
             return count
         count = add_time(watch, count, t)
         put_instant(still, motion, t, eye.world, eye.mean)
-        if put_walls(eye.world, place_at(eye.place, motion, t), eye.walls) <= wall:
+        if put_walls(eye.world, place_at(eye.place, motion, t), eye.walls, -1) <= wall:
             return count
         f = level_of(eye.walls[wall], v, room)
         if f * fb <= 0.0:

@@ -50,7 +50,7 @@ def lens_mean(
         v, (size * x[0], size * x[1], size * x[2]), (size * y[0], size * y[1], size * y[2]), 0, 1.0, tol, 0.0, 0.0, 1.0
     )
     walls = eye.walls
-    count = put_lens_walls(eye.world, at, (f[0], f[1], f[2]), focus, walls, put_walls(eye.world, at, walls))
+    count = put_lens_walls(eye.world, at, (f[0], f[1], f[2]), focus, walls, put_walls(eye.world, at, walls, -1))
     put_families(eye.world, at, eye.families)
     room.best[6] = 1e308
     if count > walls.shape[0]:
@@ -59,7 +59,7 @@ def lens_mean(
         candidates[k] = k
     seen = Eye(
         eye.world, eye.mean, at, walls, eye.families, eye.bright, eye.peak, eye.delicate, eye.domain,
-        eye.nodes, eye.hot,
+        eye.nodes, eye.hot, eye.lobe,
     )  # fmt: skip
     spent = stated_mean(seen, whole, room, candidates, count, tol, budget)
     return spent, walls_in(seen, whole, room)

@@ -13,9 +13,21 @@ from typing import Final
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.leaves import values
-from symrender.radiometric.pixels.cells import BOX, Cell, Eye, cell_at, heaviest, kinks, ray_of, step, window_cell
+from symrender.radiometric.pixels.cells import (
+    BLOCK,
+    BOX,
+    Cell,
+    Eye,
+    block_of,
+    cell_at,
+    heaviest,
+    kinks,
+    ray_of,
+    step,
+    window_cell,
+)
 from symrender.radiometric.pixels.hot import near_hot
-from symrender.radiometric.pixels.pixel import BLOCK, begin, block_of, block_walls
+from symrender.radiometric.pixels.pixel import begin, block_walls
 from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, MOST_CUTS, SMOOTH, Ints, Part, Room
 from symrender.radiometric.pixels.rules import cut_rule, cutting_mode, put_panels, tensor_rule
 from symrender.radiometric.pixels.sharp import too_sharp, veins_turn

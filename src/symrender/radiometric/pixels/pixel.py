@@ -19,12 +19,11 @@ from symrender.radiometric.pixels.cells import (
     Cell,
     Eye,
     cell_at,
-    heaviest,
     kinks,
     outside,
-    window_cell,
 )
 from symrender.radiometric.pixels.curves import BESIDE, SLACK, misses, put_curve, put_quarter
+from symrender.radiometric.pixels.lobes import light_bound, lobe_bends, weight_bound
 from symrender.radiometric.pixels.records import (
     LEVELS,
     MARKS,
@@ -37,10 +36,8 @@ from symrender.radiometric.pixels.rules import clear, cut_rule, cutting_mode, ga
 from symrender.radiometric.pixels.sharp import too_sharp
 from symrender.radiometric.pixels.sight import may_show, put_reach
 from symrender.radiometric.pixels.textures import brightest, fields, mean_error, put_lines
-from symrender.radiometric.vectors import Array
+from symrender.radiometric.pixels.turned import put_turned_wall, waves
 
-BLOCK: Final = 8
-"""Pixels of a side of the squares for which walls that pass outside are struck once."""
 _TEXTURE_LEVELS: Final = 5
 """Halvings towards a horizon at which a texture shrinks without end."""
 _FIELD_COST: Final = 100.0
@@ -61,15 +58,17 @@ _LITTLE: Final = 0.005
 
 
 @jitable
-def keep(eye: Eye, room: Room, level: int, limit: float) -> bool:
-    """Pass on the curves of the level above that may be seen in the cell of ``level``; False where room runs out."""
-    found = 0
+def keep(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
+    """Pass on the curves of the level above that may be seen in a cell; False where room runs out."""
+    found, level, held = 0, cell.level, -1
     above, here = room.curves[level - 1], room.curves[level]
     for k in range(int(room.counts[level - 1])):
         wall = eye.walls[int(room.which[level - 1, k])]
         if not (may_show(room, wall.own, limit) and may_show(room, wall.other, limit)):
             continue
-        put_quarter(above[k], int(room.path[level]), here[found])
+        turned, held = put_turned_wall(eye, cell, room, wall, held, here[found])
+        if not turned:
+            put_quarter(above[k], int(room.path[level]), here[found])
         if misses(here[found], SLACK):
             continue
         room.which[level, found] = room.which[level - 1, k]
@@ -81,14 +80,15 @@ def keep(eye: Eye, room: Room, level: int, limit: float) -> bool:
 @jitable
 def begin(eye: Eye, cell: Cell, room: Room, candidates: Ints, count: int, limit: float) -> bool:
     """List the curves of a cell among candidate walls; False where there is no room for all."""
-    found, level = 0, cell.level
+    found, level, held = 0, cell.level, -1
     for k in range(count):
         wall = eye.walls[int(candidates[k])]
         if not (may_show(room, wall.own, limit) and may_show(room, wall.other, limit)):
             continue
         if found == ROOM:
             return False
-        if not put_curve(wall, cell.v, cell.vx, cell.vy, room.work, room.curves[level, found]):
+        turned, held = put_turned_wall(eye, cell, room, wall, held, room.curves[level, found])
+        if not (turned or put_curve(wall, cell.v, cell.vx, cell.vy, room.work, room.curves[level, found])):
             continue
         if misses(room.curves[level, found], BESIDE):
             continue
@@ -106,12 +106,31 @@ def take(room: Room, row: int, error: float) -> None:
     room.total[6] += error
 
 
+@jitable
+def note(room: Room, row: int, error: float) -> None:
+    """Keep a row of sums as what is known of a cell that does not meet what it may take, if it is the best so far."""
+    if room.trial is None:
+        return
+    if error < room.trial[6]:
+        for c in range(6):
+            room.trial[c] = room.sums[row, c]
+        room.trial[6] = error
+
+
 @inlined
-def spread(eye: Eye, room: Room) -> float:
-    """What radiance may differ by where nodes have not looked: as it was met to differ, or ``bright``."""
+def spread(eye: Eye, cell: Cell, room: Room, limit: float, sharp: bool) -> float:
+    """What radiance may differ by where nodes have not looked: as it was met to differ, or ``bright``, or ``peak``.
+
+    Of a lobe, and where there are bumps, it is no more than lights may cause in the cell.
+    """
+    if eye.lobe is not None:
+        return light_bound(eye, cell, room, limit)
     span = room.span
     met = max(span[1, 0] - span[0, 0], max(span[1, 1] - span[0, 1], span[1, 2] - span[0, 2]))
-    return float(max(met, eye.bright))
+    most = float(max(met, max(eye.bright, eye.peak) if sharp else eye.bright))
+    if room.models is None:
+        return most
+    return min(most, light_bound(eye, cell, room, limit))
 
 
 @jitable
@@ -126,12 +145,16 @@ def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
     if error <= cell.allowed:
         take(room, 2, error)
         return True
+    note(room, 2, error)
+    if room.trial is not None and error > _HOPE * cell.allowed:
+        return False
     before = gap(room, 1, 2)
     tensor_rule(eye, world, cell, 5, 1, room)
     error = max(gap(room, 1, 2), _DOUBT * before)
     if error <= cell.allowed:
         take(room, 1, error)
         return True
+    note(room, 1, error)
     if eye.domain == GAUSSIAN and error <= _HOPE * cell.allowed:
         before = gap(room, 1, 2)
         tensor_rule(eye, world, cell, 8, 2, room)
@@ -161,7 +184,9 @@ def round_cell(eye: Eye, cell: Cell, room: Room) -> bool:
 
 
 @jitable
-def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bool, beside: float) -> bool:
+def cut_cell(
+    eye: Eye, cell: Cell, room: Room, limit: float, own: int, lines: int, blurred: bool, beside: float
+) -> bool:  # fmt: skip
     """Integrate a cell line by line, if its curves are monotone along some; False where it is to be halved.
 
     ``blurred`` takes textures of planes as their means, ``beside`` is what they may be off by over the brightest light.
@@ -173,10 +198,11 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
     for k in range(count):
         room.soft[k] = eye.walls[int(room.which[cell.level, k])].soft if k < own else 0.0
     panels, risk = put_panels(room, count, mode)
-    heavy = heaviest(eye.domain, cell)
+    heavy = weight_bound(eye, cell)
     # the cell's own area is 4, t and s cover half of it where x, y = t + s, t - s
-    missed = cell.area * risk * (0.25 if mode < 2 else 0.5) * spread(eye, room) * heavy
-    if panels == 0 or missed > cell.allowed:
+    missed = cell.area * risk * (0.25 if mode < 2 else 0.5) * spread(eye, cell, room, limit, False) * heavy
+    hopeless = missed > cell.allowed
+    if panels == 0 or (hopeless and room.trial is None):
         return False
     world = eye.mean if blurred else eye.world
     before = math.inf
@@ -193,6 +219,9 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
         if whole <= cell.allowed or (blurred and error + missed <= cell.allowed):
             take(room, 1, whole)
             return True
+        note(room, 1, whole)
+        if room.trial is not None and (hopeless or error > _HOPE * cell.allowed):
+            return False
         if error > (50.0 if trial == 1 else 300.0) * cell.allowed and trial > 0 and cell.level < 6:
             return False
         before = gap(room, 0, 1)
@@ -202,12 +231,12 @@ def cut_cell(eye: Eye, cell: Cell, room: Room, own: int, lines: int, blurred: bo
 
 
 @jitable
-def coarse_cell(eye: Eye, cell: Cell, room: Room, blurred: bool, sharp: bool) -> None:
+def coarse_cell(eye: Eye, cell: Cell, room: Room, limit: float, blurred: bool, sharp: bool) -> None:
     """Integrate a cell as if it were smooth and state its area times what radiance may differ by in it."""
     world = eye.mean if blurred else eye.world
     tensor_rule(eye, world, cell, 2, 0, room)
-    swing = spread(eye, room) + (brightest(room.span) if blurred else 0.0)
-    error = cell.area * (max(swing, eye.peak) if sharp else swing) * heaviest(eye.domain, cell)
+    swing = spread(eye, cell, room, limit, sharp) + (brightest(room.span) if blurred else 0.0)
+    error = cell.area * swing * weight_bound(eye, cell)
     take(room, 0, error)
 
 
@@ -220,9 +249,9 @@ def blurred_cell(eye: Eye, cell: Cell, room: Room, limit: float, ends: bool, bud
     beside = mean_error(eye.families, cell.v, cell.vx, cell.vy, room, limit, breaks)
     held = fields(eye.families, cell.v, cell.vx, cell.vy, room, limit)
     hopeless = held * _FIELD_COST > budget - room.total[7]
-    off = cell.area * beside * 1.5 * brightest(room.span) * heaviest(eye.domain, cell)
+    off = cell.area * beside * 1.5 * brightest(room.span) * weight_bound(eye, cell)
     if off <= cell.allowed or (hopeless and cell.level >= _TEXTURE_LEVELS) or ends:
-        if cut_cell(eye, cell, room, own, 0, True, beside):
+        if cut_cell(eye, cell, room, limit, own, 0, True, beside):
             return 1
         if hopeless and cell.level >= _TEXTURE_LEVELS + 4:
             return -1
@@ -243,21 +272,27 @@ def one_cell(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, budget:
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
     many = lines < 0
     sharp = too_sharp(eye, cell, room, limit)
+    if eye.lobe is not None:
+        # of its light there is a bound, whatever nodes miss
+        fits, sharp = fits and not sharp and not lobe_bends(eye, cell), False
+    if room.models is not None:
+        swing = cell.area * spread(eye, cell, room, limit, False) * weight_bound(eye, cell)
+        fits = fits and not waves(eye, cell, room, room.models, limit, cell.allowed / max(swing, cell.allowed))
     if not ends and fits and not many and not sharp:
         if own + lines == 0:
             return smooth_cell(eye, cell, room)
         if own + lines == 1 and cell.level == 0 and eye.domain == DISK and round_cell(eye, cell, room):
             return True
-        if own + lines <= MOST_CUTS and cut_cell(eye, cell, room, own, lines, False, 0.0):
+        if own + lines <= MOST_CUTS and cut_cell(eye, cell, room, limit, own, lines, False, 0.0):
             return True
     if many and fits and not sharp:
         done = blurred_cell(eye, cell, room, limit, ends, budget)
         if done > 0:
             return True
         ends = ends or done < 0
-    swing = spread(eye, room) + (brightest(room.span) if many else 0.0)
-    if ends or (not sharp and cell.area * swing * heaviest(eye.domain, cell) <= cell.allowed):
-        coarse_cell(eye, cell, room, many, sharp)
+    swing = spread(eye, cell, room, limit, False) + (brightest(room.span) if many else 0.0)
+    if ends or (not sharp and cell.area * swing * weight_bound(eye, cell) <= cell.allowed):
+        coarse_cell(eye, cell, room, limit, many, sharp)
         return True
     return False
 
@@ -279,7 +314,7 @@ def pixel_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, 
         if level == 0:
             fits = begin(eye, cell, room, candidates, count, limit)
         else:
-            fits = keep(eye, room, level, limit)
+            fits = keep(eye, cell, room, limit)
         if not one_cell(eye, cell, room, limit, fits, budget):
             level += 1
             room.path[level] = 0
@@ -292,14 +327,22 @@ def pixel_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, 
 
 
 @jitable
-def block_walls(eye: Eye, block: Cell, room: Room, candidates: Ints) -> int:
-    """List the walls that may pass through a block of pixels; returns how many."""
-    found, curve = 0, room.work[7]
-    for k in range(eye.walls.shape[0]):
-        if put_curve(eye.walls[k], block.v, block.vx, block.vy, room.work, curve) and not misses(curve, BESIDE):
+def known_walls(eye: Eye, block: Cell, room: Room, candidates: Ints, first: int) -> int:
+    """List those of the ``first`` walls that may pass through a block of pixels; returns how many."""
+    found, held, curve = 0, -1, room.work[7]
+    for k in range(first):
+        wall = eye.walls[k]
+        known, held = put_turned_wall(eye, block, room, wall, held, curve)
+        if (known or put_curve(wall, block.v, block.vx, block.vy, room.work, curve)) and not misses(curve, BESIDE):
             candidates[found] = k
             found += 1
     return found
+
+
+@jitable
+def block_walls(eye: Eye, block: Cell, room: Room, candidates: Ints) -> int:
+    """List the walls that may pass through a block of pixels; returns how many."""
+    return known_walls(eye, block, room, candidates, eye.walls.shape[0])
 
 
 @jitable
@@ -349,41 +392,3 @@ def walls_in(eye: Eye, whole: Cell, room: Room) -> int:
     for k in range(lines):
         found = (found * 1009 + 31 * int(room.numbers[k, 0]) + int(room.numbers[k, 1]) % 100003 + 1) % MARKS
     return found * 4 + (1 if lines < 0 else 2)
-
-
-@jitable
-def block_of(window: Array, width: int, height: int, reach: float, left: int, top: int, tol: float) -> Cell:
-    """The block of pixels of this number across and down, with the supports of their filters."""
-    beyond = reach - 0.5
-    return window_cell(
-        window, width, height, BLOCK * left - beyond, BLOCK * top - beyond, BLOCK * (left + 1) + beyond,
-        BLOCK * (top + 1) + beyond, tol,
-    )  # fmt: skip
-
-
-def fill_pixels(
-    eye: Eye, window: Array, width: int, height: int, reach: float, x0: int, y0: int, x1: int, y1: int, room: Room,
-    candidates: Ints, tol: float, budget: int, emitted: Array, direct: Array, error: Array,
-) -> int:  # fmt: skip
-    """Fill the means of columns x0:x1 of rows y0:y1; returns the evaluations. Many arguments because a kernel's are.
-
-    The support of a pixel's filter reaches ``reach`` pixels from its middle to every side. Blocks lie
-    at multiples of ``BLOCK`` of the image, so that no tile changes a byte.
-    """
-    spent = 0.0
-    for top in range(y0 - y0 % BLOCK, y1, BLOCK):
-        for left in range(x0 - x0 % BLOCK, x1, BLOCK):
-            beyond = reach - 0.5
-            block = block_of(window, width, height, reach, left // BLOCK, top // BLOCK, tol)
-            count = block_walls(eye, block, room, candidates)
-            for j in range(max(top, y0), min(top + BLOCK, y1)):
-                for i in range(max(left, x0), min(left + BLOCK, x1)):
-                    whole = window_cell(
-                        window, width, height, i - beyond, j - beyond, i + 1 + beyond, j + 1 + beyond, tol
-                    )
-                    spent += stated_mean(eye, whole, room, candidates, count, tol, budget)
-                    error[j - y0, i - x0] = room.best[6]
-                    for c in range(3):
-                        emitted[j - y0, i - x0, c] = room.best[c]
-                        direct[j - y0, i - x0, c] = room.best[3 + c]
-    return int(spent)

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.jit.records import Array, Record, Three
+from symrender.limits import MAX_TERMS
 from symrender.radiometric import arcs
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.world import World
@@ -20,15 +21,20 @@ LINE: Final = 0
 CONIC: Final = 1
 QUARTIC: Final = 2
 RIM: Final = 3
+TURNED: Final = 4
 
-# what radiance does beside a wall that is not smooth up to it: ``soft`` of a wall, else 0
+# what radiance does beside a wall across which it does not jump from smooth to smooth: ``soft`` of a wall, else 0
 LIMB: Final = 1.0
 """It jumps, and goes as a root of the distance on the side of the sphere."""
 TOUCH: Final = 2.0
 """It goes as the 3/2 power of the distance on a side, and does not jump."""
+KINK: Final = 3.0
+"""It does not jump, and is smooth up to it on both sides."""
 
 TERMS: Final = 25
 """Numbers of a curve: the factor of x^i y^j stands at 5 i + j, i + j <= 4."""
+REST: Final = 24
+"""Where of a curve stands by how much the wall's level may differ from it: 0 but of TURNED walls."""
 LEVELS: Final = 28
 """Halvings of a pixel, at most."""
 ROOM: Final = 192
@@ -45,6 +51,12 @@ SMOOTH: Final = 0
 CUT: Final = 1
 COARSE: Final = 2
 
+MODELS: Final = 32
+"""Models of a cell beside those of the terms of a height."""
+WINDOWS: Final = 5
+"""Faces of half a cube, through which a place looks."""
+WAITING: Final = 1 << 15
+"""Cells that may wait to be quartered."""
 PANELS: Final = 64
 """Stretches of a cell between events of its curves."""
 
@@ -53,8 +65,10 @@ class Wall(Record):
     """Where radiance breaks, as the eye at the origin sees it.
 
     A LINE is n.v = 0; a CONIC v.M v = 0 with M ``form``; a QUARTIC is where the sphere about ``center`` is cut by the
-    quadric of ``form``, ``linear`` and ``rest``; the RIM of a lens has no numbers. ``own`` and ``other`` are the pieces
-    it is seen on, ``other`` -1 where it is one, ``own`` too where it is none. ``soft`` is 0, ``LIMB`` or ``TOUCH``.
+    quadric of ``form``, ``linear`` and ``rest``; the RIM of a lens has no numbers. TURNED is where the turned normal
+    of a bump is at right angles to the way to light ``rest``, or to the eye if that is -1. ``own`` and ``other`` are
+    the pieces it is seen on, ``other`` -1 where it is one, ``own`` too where it is none. ``soft`` is 0, ``LIMB``,
+    ``TOUCH`` or ``KINK``.
     """
 
     kind: float
@@ -120,6 +134,23 @@ class Nodes(NamedTuple):
     """(N,)"""
 
 
+class Queue(NamedTuple):
+    """Cells that wait to be quartered, a heap by what they may be off by, which is the last of their numbers."""
+
+    waiting: Ints
+    """(1,): how many there are."""
+    off: Array
+    """(1,): what all of them may be off by, about."""
+    numbers: Array
+    """(N, 7): emitted and direct light, error."""
+    names: Ints
+    """(N, 3): window, level, path."""
+    candidates: Ints
+    """(windows, walls): the walls that may pass through each window."""
+    listed: Ints
+    """(windows,): how many these are."""
+
+
 class Room(NamedTuple):
     """Scratch of a thread: what kernels of a pixel write and forget."""
 
@@ -150,6 +181,10 @@ class Room(NamedTuple):
     """(pieces, 2): nearest and farthest a piece may be met in the cell, inf where it cannot."""
     work: Array
     """(8, TERMS)"""
+    models: Array | None
+    """(MODELS + 4 terms, TERMS): what is known of a bump in a cell (``turned.py``), None where there is none."""
+    trial: Array | None
+    """(7,): the best mean of a cell that is to be halved and what it is off by; None where nobody keeps it."""
     sums: Array
     """(3, 6): emitted and direct light by three rules."""
     span: Array
@@ -162,8 +197,15 @@ class Room(NamedTuple):
     """(7,): the same of its best run."""
 
 
-def make_room(world: World) -> Room:
-    """Scratch for a world."""
+def make_queue(walls: int) -> Queue:
+    """A queue for what sees so many walls at most."""
+    numbers, names = np.zeros((WAITING, 7)), np.zeros((WAITING, 3), np.int64)
+    candidates, listed = np.zeros((WINDOWS, walls), np.int64), np.zeros(WINDOWS, np.int64)
+    return Queue(np.zeros(1, np.int64), np.zeros(1), numbers, names, candidates, listed)
+
+
+def make_room(world: World, keeps: bool = False) -> Room:
+    """Scratch for a world; it ``keeps`` what is known of cells that are to be halved where they wait in a queue."""
     return Room(
         sky=sky_room(world),
         curves=np.zeros((LEVELS + 1, ROOM, TERMS)),
@@ -179,6 +221,8 @@ def make_room(world: World) -> Room:
         panels=np.zeros(PANELS + 1),
         reach=np.zeros((max(1, len(world.pieces)), 2)),
         work=np.zeros((8, TERMS)),
+        models=np.zeros((MODELS + 4 * MAX_TERMS, TERMS)) if len(world.terms) else None,
+        trial=np.zeros(7) if keeps else None,
         sums=np.zeros((3, 6)),
         span=np.zeros((2, 3)),
         path=np.zeros(LEVELS + 1, np.int64),

@@ -11,7 +11,8 @@ from symrender.jit.marks import inlined, jitable
 from symrender.radiometric.direct import along_ray
 from symrender.radiometric.pixels.cells import BOX, Cell, Eye, ray_of, step, weight_of
 from symrender.radiometric.pixels.curves import crossing, put_turned, slope_bounds
-from symrender.radiometric.pixels.records import MOST_CUTS, PANELS, TERMS, TOUCH, Room
+from symrender.radiometric.pixels.lobes import add_sent
+from symrender.radiometric.pixels.records import KINK, MOST_CUTS, PANELS, REST, TERMS, TOUCH, Room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 
@@ -50,6 +51,9 @@ def add_light(
             eye.nodes.places[k, 0] = cell.x + cell.half * x
             eye.nodes.places[k, 1] = cell.y + cell.half * y
         eye.nodes.found[0] += 1
+        return
+    if eye.lobe is not None:
+        add_sent(eye, eye.lobe, world, step(cell.v, x, cell.vx, y, cell.vy), weight, row, room)
         return
     origin, d = ray_of(eye, step(cell.v, x, cell.vx, y, cell.vy))
     _, emitted, direct = along_ray(world, origin, d, room.sky)
@@ -211,7 +215,7 @@ def risk_between(room: Room, count: int, mode: int, start: float, stop: float, a
     widening = 0.0 if mode < 2 else (last - first) / length
     risk = 0.0
     for k in range(count):
-        touch = room.soft[k] == TOUCH
+        touch = room.soft[k] in (TOUCH, KINK)
         low, high = bounds[k, 0], bounds[k, 1]
         if states[a, k] <= 0:
             area = lens(places[a, k] + first, places[b, k] + last, low + widening, high + widening, length)
@@ -225,7 +229,20 @@ def risk_between(room: Room, count: int, mode: int, start: float, stop: float, a
                 area = lens(before, after, low - bounds[m, 1], high - bounds[m, 0], length)
                 if area > 0.0:
                     area = min(area, length * apart(room, k, m))
-                    risk += weighed(area, length, touch or room.soft[m] == TOUCH)
+                    risk += weighed(area, length, touch or room.soft[m] in (TOUCH, KINK))
+    return risk
+
+
+@jitable
+def strips(room: Room, count: int) -> float:
+    """Area about curves in which walls that are known up to a rest may lie."""
+    risk = 0.0
+    for k in range(count):
+        rest = room.turned[k, REST]
+        if rest > 0.0:
+            steep = min(abs(room.bounds[k, 2]), abs(room.bounds[k, 3]))
+            # along lines from -1 to 1
+            risk += weighed(4.0 * rest / steep, 2.0, room.soft[k] == KINK)
     return risk
 
 
@@ -237,7 +254,7 @@ def put_panels(room: Room, count: int, mode: int) -> tuple[int, float]:
     order along the lines changes there, and is bisected.
     """
     panels = room.panels
-    panels[0], found, risk = -1.0, 0, 0.0
+    panels[0], found, risk = -1.0, 0, strips(room, count)
     parts = 1 if mode < 2 else 2
     for part in range(parts):
         stop = 1.0 if part == parts - 1 else 0.0
@@ -312,7 +329,7 @@ def line_rule(
     for piece in range(found + 1):
         last = piece == found
         stop = half if last else min(max(room.places[3, piece], start), half)
-        ends = last or room.soft[room.states[3, piece]] == 0.0
+        ends = last or room.soft[room.states[3, piece]] in (0.0, KINK)
         if stop > start:
             for i in range(order):
                 place, slope = mapped(GAUSS[0, order, i], not hard, not ends)
@@ -335,7 +352,7 @@ def cut_rule(
     clear(room, row)
     soft = False
     for k in range(count):
-        soft = soft or (mode >= 4 and room.soft[k] != 0.0)
+        soft = soft or (mode >= 4 and room.soft[k] not in (0.0, KINK))
     mode = mode % 4
     # the cell's own area is 4; x, y = t + s, t - s covers twice that of t and s
     scale = cell.area * (0.25 if mode < 2 else 0.5)

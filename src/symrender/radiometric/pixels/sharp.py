@@ -8,6 +8,7 @@ from typing import Final
 from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
+from symrender.radiometric.bumps import shading_normal
 from symrender.radiometric.pieces import Piece
 from symrender.radiometric.pixels.cells import Cell, Eye, ray_of, step
 from symrender.radiometric.pixels.records import Room
@@ -122,6 +123,18 @@ def veins_turn(world: World, own: int, place: Vector, other: Vector) -> bool:
 
 
 @jitable
+def met_by(eye: Eye, origin: Vector, d: Vector, room: Room) -> tuple[int, Vector, Vector]:
+    """(piece or -1, place, unit normal by which it reflects) that a ray of an eye meets."""
+    if eye.lobe is not None:
+        own, _, place, normal, front = nearest(eye.lobe.sight, origin, d)
+    else:
+        own, _, place, normal, front = nearest(eye.world, origin, d)
+    if own >= 0:
+        normal = shading_normal(eye.world, own, front, place, normal, room.sky)
+    return own, place, normal
+
+
+@jitable
 def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
     """Whether nodes of a cell may miss what is sharp in it."""
     if not eye.delicate:
@@ -138,11 +151,11 @@ def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
     if shows_spot(eye, cell, room, limit):
         return True
     origin, ray = ray_of(eye, cell.v)
-    own, _, place, normal, _ = nearest(world, origin, ray)
+    own, place, normal = met_by(eye, origin, ray, room)
     for corner in range(4):
         a, b = 1.0 if corner % 2 == 1 else -1.0, 1.0 if corner >= 2 else -1.0
         origin, d = ray_of(eye, step(cell.v, a, cell.vx, b, cell.vy))
-        other, _, at, facing, _ = nearest(world, origin, d)
+        other, at, facing = met_by(eye, origin, d, room)
         if own >= 0 and other == own:
             if veins_turn(world, own, place, at):
                 return True

@@ -11,7 +11,8 @@ from symrender.radiometric.pixels.cells import DISK, Cell, Eye
 from symrender.radiometric.pixels.curves import put_form
 from symrender.radiometric.pixels.records import TERMS, Room
 from symrender.radiometric.sight import height_over
-from symrender.radiometric.vectors import Array, Vector, dot, minus, vector
+from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
+from symrender.radiometric.world import World
 from symrender.scene.arrays import PLANE
 from symrender.scene.radiometric.arrays import SPHERE
 
@@ -134,12 +135,57 @@ def lens_depths(piece: Piece, at: Vector, v: Vector, vx: Vector, vy: Vector, wor
 
 
 @jitable
+def is_turned_away(world: World, j: int, at: Vector) -> bool:
+    """Whether a piece is a face of a box that a place outside of the box sees from behind: never."""
+    piece = world.pieces[j]
+    if piece.solid == 0.0 or height_over(piece, at) > 0.0:
+        return False
+    for k in range(world.pieces.shape[0]):
+        other = world.pieces[k]
+        if other.owner == piece.owner and height_over(other, at) > 0.0:
+            return True
+    return False
+
+
+@jitable
+def within_edges(
+    world: World, j: int, at: Vector, near: float, far: float, cell: Cell, work: Array
+) -> tuple[float, float]:  # fmt: skip
+    """The same of a flat piece that ends, ``near`` and ``far`` being those of its plane.
+
+    It is nowhere in a cell that lies beyond one of its edges, and everywhere in one that is within all of them.
+    """
+    piece, v, vx, vy = world.pieces[j], cell.v, cell.vx, cell.vy
+    if is_turned_away(world, j, at):
+        return math.inf, math.inf
+    if piece.kind != POLYGON:
+        first, _ = sphere_reach(minus(vector(piece.place), at), piece.radius, v, vx, vy, work)
+        return (math.inf if first == math.inf else near), math.inf
+    way = 1.0 if height_over(piece, at) > 0.0 else -1.0
+    last = minus(corner(piece, int(piece.count) - 1), at)
+    for k in range(int(piece.count)):
+        here = minus(corner(piece, k), at)
+        low, high = linear_range(cross(last, here), v, vx, vy)
+        # seen from above the corners go counter-clockwise, and the rays go down
+        if max(-way * low, -way * high) < 0.0:
+            return math.inf, math.inf
+        if min(-way * low, -way * high) < 0.0:
+            far = math.inf
+        last = here
+    return near, far
+
+
+@jitable
 def put_reach(eye: Eye, cell: Cell, room: Room) -> float:
     """Where every shape may be met in a cell, in ``room.reach``; returns the depth behind which nothing is seen."""
     limit = math.inf
     v, vx, vy = cell.v, cell.vx, cell.vy
     for j in range(eye.world.pieces.shape[0]):
         piece = eye.world.pieces[j]
+        if eye.lobe is not None and j == eye.lobe.own:
+            # a convex piece never sees itself
+            room.reach[j, 0], room.reach[j, 1] = math.inf, math.inf
+            continue
         if eye.domain == DISK:
             near, far = lens_depths(piece, eye.place, v, vx, vy, room.work)
         elif piece.kind == SPHERE:
@@ -148,7 +194,10 @@ def put_reach(eye: Eye, cell: Cell, room: Room) -> float:
         else:
             near, far = plane_depths(vector(piece.up), height_over(piece, eye.place), v, vx, vy)
         if piece.kind not in (SPHERE, PLANE):
-            far = math.inf
+            if eye.lobe is not None:
+                near, far = within_edges(eye.world, j, eye.place, near, far, cell, room.work)
+            else:
+                far = math.inf
         room.reach[j, 0], room.reach[j, 1] = near, far
         limit = min(limit, far)
     return limit * (1.0 + _MARGIN)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.radiometric.pixels.cells import Cell, Eye, cell_at, heaviest
+from symrender.radiometric.pixels.cells import BLOCK, Cell, Eye, block_of, cell_at, heaviest
 from symrender.radiometric.pixels.moving import UNRESOLVED, Sweep, put_edge, sweep_lines, sweep_smooth
 from symrender.radiometric.pixels.parts import put_path, whole_of
-from symrender.radiometric.pixels.pixel import BLOCK, begin, block_of, block_walls
+from symrender.radiometric.pixels.pixel import begin, block_walls
 from symrender.radiometric.pixels.records import CUT, SMOOTH, Ints, Part, Room
 from symrender.radiometric.pixels.sight import put_reach
 from symrender.radiometric.pixels.textures import put_lines

@@ -15,7 +15,18 @@ from symrender.jit.marks import jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.pieces import POLYGON, Piece, corner
-from symrender.radiometric.pixels.records import CONIC, LIMB, LINE, QUARTIC, RIM, TOUCH, Family, Section, Wall
+from symrender.radiometric.pixels.records import (
+    CONIC,
+    LIMB,
+    LINE,
+    QUARTIC,
+    RIM,
+    TOUCH,
+    Family,
+    Section,
+    Wall,
+)
+from symrender.radiometric.pixels.turned import turned_walls
 from symrender.radiometric.sight import height_over
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
@@ -141,22 +152,28 @@ def put_meeting(world: World, eye: Vector, walls: Table[Wall], count: int, j: in
 
 
 @jitable
-def sight_walls(world: World, eye: Vector, walls: Table[Wall], count: int) -> int:
-    """Rims and horizons, and where two pieces meet: nothing else changes what a ray meets first."""
+def sight_walls(world: World, eye: Vector, walls: Table[Wall], count: int, unseen: int) -> int:
+    """Rims and horizons, and where two pieces meet: nothing else changes what a ray meets first.
+
+    Piece ``unseen`` is one that the eye is on and never sees.
+    """
     for j in range(world.pieces.shape[0]):
+        if j == unseen:
+            continue
         count = put_outline(world, eye, walls, count, j)
         for i in range(j):
-            count = put_meeting(world, eye, walls, count, j, i)
+            if i != unseen:
+                count = put_meeting(world, eye, walls, count, j, i)
     return count
 
 
 @jitable
-def texture_walls(world: World, eye: Vector, walls: Table[Wall], count: int) -> int:
+def texture_walls(world: World, eye: Vector, walls: Table[Wall], count: int, unseen: int) -> int:
     """Meridians and parallels of textured spheres: all of them, and the meridian where marble does not close."""
     for j in range(world.pieces.shape[0]):
         piece = world.pieces[j]
         material = world.materials[int(piece.material)]
-        if piece.kind != SPHERE or material.texture == SOLID:
+        if piece.kind != SPHERE or material.texture == SOLID or j == unseen:
             continue
         c = minus(vector(piece.place), eye)
         turns = 0 if material.texture == MARBLE else math.ceil(2.0 / material.cell)
@@ -268,10 +285,16 @@ def cap_walls(world: World, eye: Vector, own: int, light: int, walls: Table[Wall
 
 
 @jitable
-def put_walls(world: World, at: Vector, walls: Table[Wall]) -> int:
-    """List all walls; returns how many there are, of which only those that fit into ``walls`` are written."""
-    count = texture_walls(world, at, walls, sight_walls(world, at, walls, 0))
+def put_walls(world: World, at: Vector, walls: Table[Wall], unseen: int) -> int:
+    """List all walls; returns how many there are, of which only those that fit into ``walls`` are written.
+
+    Piece ``unseen`` is one that the eye is on and never sees.
+    """
+    count = texture_walls(world, at, walls, sight_walls(world, at, walls, 0, unseen), unseen)
+    count = turned_walls(world, walls, count, unseen)
     for own in range(world.pieces.shape[0]):
+        if own == unseen:
+            continue
         for light in range(world.lights.shape[0]):
             kind = world.lights[light].kind
             if kind in (POINT, DIRECTIONAL, SPOT):
@@ -283,19 +306,19 @@ def put_walls(world: World, at: Vector, walls: Table[Wall]) -> int:
 
 def list_walls(world: World, eye: Array, walls: Table[Wall]) -> int:
     """The same as a kernel."""
-    return put_walls(world, (eye[0], eye[1], eye[2]), walls)
+    return put_walls(world, (eye[0], eye[1], eye[2]), walls, -1)
 
 
 def list_seen_walls(world: World, eye: Array, walls: Table[Wall]) -> int:
     """Walls at which what arrives at the places that are seen, or how they reflect it, jumps whatever shines."""
     at = (eye[0], eye[1], eye[2])
-    return texture_walls(world, at, walls, sight_walls(world, at, walls, 0))
+    return texture_walls(world, at, walls, sight_walls(world, at, walls, 0, -1), -1)
 
 
 def list_series_walls(world: World, eye: Array, sections: Table[Section], walls: Table[Wall]) -> int:
     """Walls of a scene in units of the series, whose textures of spheres are cut at ``sections``."""
     at = (eye[0], eye[1], eye[2])
-    count = sight_walls(world, at, walls, 0)
+    count = sight_walls(world, at, walls, 0, -1)
     for k in range(sections.shape[0]):
         section = sections[k]
         count = put_section(world, at, walls, count, int(section.own), -1, 0.0, vector(section.axis), section.level)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from symrender.errors import Unsupported
-from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SKY, RadiometricArrays
+from symrender.scene.radiometric.arrays import ALL, AREA, DIFFUSE, SKY, RadiometricArrays
 
 
 def bumped(arrays: RadiometricArrays) -> list[int]:
@@ -16,13 +16,19 @@ def refuse_bumps(arrays: RadiometricArrays) -> None:
     found = bumped(arrays)
     if not found:
         return
-    if arrays.bounces:
-        asked = arrays.bounces if arrays.bounces <= 1 else "all"
-        raise Unsupported(
-            f"bounces: {asked} is not yet integrated over a bump, that of shapes[{found[0]}]: where its normals turn "
-            "away from a light is no curve of known shape; with bounces: 0 it is, and the numeric pipeline samples any"
-        )
     extended = {SKY: "a sky", AREA: "an area light"}
+    if arrays.bounces == ALL:
+        raise Unsupported(
+            f"bounces: all is not yet integrated over a bump, that of shapes[{found[0]}]; bounces: 1 and 0 are, and "
+            "the numeric pipeline samples any"
+        )
+    for light in arrays.lights if arrays.bounces else ():
+        if light.kind in extended:
+            raise Unsupported(
+                f"bounces: 1 is not yet integrated over a bump, that of shapes[{found[0]}], under "
+                f"{extended[int(light.kind)]}; under points, spots and directional lights it is, and the numeric "
+                "pipeline samples any"
+            )
     for j in found:
         if arrays.materials[int(arrays.shapes[j].material)].kind == DIFFUSE:
             continue
@@ -36,11 +42,24 @@ def refuse_bumps(arrays: RadiometricArrays) -> None:
 
 
 def refuse_means_of_bumps(arrays: RadiometricArrays, filter: str, exposed: bool) -> None:
-    """Raise ``Unsupported`` for a bump in means over pixels, lens and shutter."""
+    """Raise ``Unsupported`` for a bump in means over lens and shutter, and over pixels under a sky or a lamp."""
     found = bumped(arrays)
-    if found and (exposed or filter != "centre"):
-        what = "a lens or a shutter" if exposed else f"filter: {filter}"
+    if found and exposed:
         raise Unsupported(
-            f"{what}: is not yet integrated over a bump, that of shapes[{found[0]}]: where its normals turn away from "
-            "a light or the eye is no curve of known shape; filter: centre is, and the numeric pipeline samples any"
+            f"a lens or a shutter: is not yet integrated over a bump, that of shapes[{found[0]}]: where its normals "
+            "turn away from a light or the eye is no curve of known shape; over pixels it is, and the numeric pipeline "
+            "samples any"
         )
+    if found and filter != "centre" and arrays.bounces:
+        raise Unsupported(
+            f"filter: {filter}: is not yet integrated with bounces over a bump, that of shapes[{found[0]}]; with "
+            "bounces: 0 it is, filter: centre is, and the numeric pipeline samples any"
+        )
+    extended = {SKY: "a sky", AREA: "an area light"}
+    for light in arrays.lights if found and filter != "centre" else ():
+        if light.kind in extended:
+            raise Unsupported(
+                f"filter: {filter}: is not yet integrated where {extended[int(light.kind)]} shines on a bump, that of "
+                f"shapes[{found[0]}]; under points, spots and directional lights it is, filter: centre is, and the "
+                "numeric pipeline samples any"
+            )

@@ -15,9 +15,9 @@ def refuse_bounces(bounces: int | str, reason: str, flat: bool) -> None:
         return
     words = f" in a scene with {reason}" if reason and (flat or bounces == 1) else ""
     raise Unsupported(
-        f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between diffuse, "
-        "conductor and phong spheres and planes under points, spots and directional lights, and between diffuse ones "
-        "under a sky and spheres that emit, 1 and all are between diffuse rectangles, triangles, boxes and meshes, "
-        "and 1 among disks, under a sky, points, spots, directional lights and those that emit, and the numeric "
-        "pipeline samples any"
+        f"bounces: {bounces} is not yet integrated{words}; 0 (emission and direct light) is, 1 is between all shapes "
+        "but meshes and all materials under points, spots and directional lights, and between diffuse spheres and "
+        "planes under a sky and spheres that emit, 1 and all are between diffuse rectangles, triangles, boxes and "
+        "meshes, and 1 among disks, under a sky, points, spots, directional lights and those that emit, and the "
+        "numeric pipeline samples any"
     )
