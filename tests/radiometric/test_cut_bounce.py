@@ -205,7 +205,7 @@ def test_what_cannot_be_cut_is_refused_by_name() -> None:
         ({"bounces": "all"}, "bounces: all is not yet integrated over a bump"),
         ({"lights[0]": flats.SKY}, "bounces: 1 is not yet integrated over a bump, .* under a sky"),
         ({"materials.clay": WAX | {"exponent": 2.0}}, "bounces: 1 in a scene with a bump, .* a phong exponent below 4"),
-        ({"scene": "filter"}, "filter: box: is not yet integrated with bounces over a bump"),
+        ({"scene": "filter"}, "filter: box: is not yet integrated with bounces in a scene with a bump"),
         ({"scene": "gradient"}, "gradient: bounces: 1 in a scene with a bump"),
     ):
         kept = {name: value for name, value in change.items() if name != "scene"}

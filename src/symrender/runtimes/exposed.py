@@ -38,6 +38,7 @@ from symrender.runtimes.pixels import (
 from symrender.scene.arrays import CHECKER, SOLID
 from symrender.scene.radiometric.arrays import AREA, POINT, SKY, SPHERE, SPOT, RadiometricArrays
 from symrender.scene.radiometric.bumped import refuse_means_of_bumps
+from symrender.scene.radiometric.cut import cut_reason
 from symrender.settings import Settings
 
 _LOOKS: Final = ((0.2113248654051871, 0.3, 0.4, 0.7886751345948129), (0.7886751345948129, -0.5, -0.2, 0.29))
@@ -52,6 +53,12 @@ def is_exposed(arrays: RadiometricArrays) -> bool:
 def check_means(arrays: RadiometricArrays, settings: Settings) -> None:
     """Raise ``Unsupported`` where what is asked of filter, lens and shutter is not had."""
     refuse_means_of_bumps(arrays, settings.filter, is_exposed(arrays))
+    reason = cut_reason(arrays)
+    if reason and settings.filter != "centre":
+        raise Unsupported(
+            f"filter: {settings.filter}: is not yet integrated with bounces in a scene with {reason}; with bounces: 0 "
+            "it is, filter: centre is, and the numeric pipeline samples any"
+        )
     if is_exposed(arrays):
         _check_exposed(arrays, settings)
     elif settings.filter != "centre":

@@ -50,11 +50,6 @@ def refuse_means_of_bumps(arrays: RadiometricArrays, filter: str, exposed: bool)
             "turn away from a light or the eye is no curve of known shape; over pixels it is, and the numeric pipeline "
             "samples any"
         )
-    if found and filter != "centre" and arrays.bounces:
-        raise Unsupported(
-            f"filter: {filter}: is not yet integrated with bounces over a bump, that of shapes[{found[0]}]; with "
-            "bounces: 0 it is, filter: centre is, and the numeric pipeline samples any"
-        )
     extended = {SKY: "a sky", AREA: "an area light"}
     for light in arrays.lights if found and filter != "centre" else ():
         if light.kind in extended:
