@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,22 +14,19 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, chosen, copied, table
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.bounds import Bound, laid_bounds
-from symrender.radiometric.pieces import CORNERS, POLYGON, Piece, owners
+from symrender.radiometric.pieces import CORNERS, POLYGON, Piece
 from symrender.radiometric.pixels import places, walls
 from symrender.radiometric.pixels.records import Family, Wall, make_queue, make_room
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
-from symrender.runtimes.bounce import SLACK, ULP, Bounced, blurred_albedo, doubted, sharpness
+from symrender.runtimes.bounce import SHARE, SLACK, ULP, Bounced, doubted, sharpness
 from symrender.runtimes.pixels import MOST_WALLS, mean_world
 from symrender.scene.arrays import SOLID
 from symrender.scene.radiometric.arrays import DIFFUSE, DISK, SPHERE, RadiometricArrays
 
 Ints = npt.NDArray[np.int64]
-
-_SHARE: Final = 0.9
-"""Part of the tolerance that the integrals may take; roundings have the rest."""
 
 
 class Met(NamedTuple):
@@ -67,8 +64,8 @@ class CutBouncer:
         self._senders = _senders(self._world, bool(arrays.first_gloss))
         self._mean = mean_world(self._senders)
         self._sights: dict[int, World] = {}
-        self._arrays, self._owners = arrays, owners(self._world.pieces)
-        eye = np.zeros(3)
+        # out of every ball more of their outlines are walls than from within
+        eye = 4.0 * (1.0 + _extent(self._world)) * np.array([1.0, 0.7, 0.4])
         count = _kernel("list_walls")(self._world, eye, table(Wall, 0)) + 1
         if count > MOST_WALLS:
             raise Unsupported(f"places are cut at {MOST_WALLS} walls at most, this scene has {count}")
@@ -77,17 +74,13 @@ class CutBouncer:
         self._room, self._queue = make_room(self._world, keeps=True), make_queue(count)
         self._sharpness = max(float(sharpness(m, np.ones(1))[0]) for m in arrays.materials)
 
-    def sent(
-        self, rays: list[tuple[Array, Array]], tol: float, budget: int, blurred: npt.NDArray[np.bool_] | None = None
-    ) -> Bounced:  # fmt: skip
+    def sent(self, rays: list[tuple[Array, Array]], tol: float, budget: int) -> Bounced:
         """One bounce of light along rays, each to ``tol``, absolute, or ``budget`` evaluations.
 
         ``rays`` are origins and unit directions (N, 3), as they are and as they go with the scenes of ``shaken``: where
         those meet another shape, or another part of a texture, the error says what that changes.
         """
         first, *others = (_met(world, *pair) for world, pair in zip(self._worlds, rays, strict=True))
-        if blurred is not None:
-            first, *others = (self._blurred(each, blurred) for each in (first, *others))
         found = self._light(first, rays[0][1], tol, budget)
         doubts = [np.zeros(len(found.error))]
         for other in others:
@@ -97,11 +90,6 @@ class CutBouncer:
                 again = self._light(other.some(elsewhere), rays[0][1][elsewhere], tol, budget)
             doubts.append(doubted(found, np.abs(other.albedo - first.albedo), elsewhere, again))
         return replace(found, error=found.error + np.max(doubts, axis=0))
-
-    def _blurred(self, met: Met, blurred: npt.NDArray[np.bool_]) -> Met:
-        """``met`` with the means of textures of what is flat."""
-        shape = np.where(met.piece >= 0, self._owners[met.piece], -1)
-        return met._replace(albedo=blurred_albedo(self._arrays, shape, met.albedo, blurred))
 
     def _light(self, met: Met, travel: Array, tol: float, budget: int) -> Bounced:
         """One bounce of light at places."""
@@ -120,7 +108,7 @@ class CutBouncer:
             light, error, spent = np.zeros((len(some), 3)), np.zeros(len(some)), np.zeros(len(some), np.int64)
             _kernel("fill_sent")(
                 self._senders, self._mean, self._sight(own), own, place, facing, turned, -travel[some], albedo,
-                _SHARE * tol, budget, self._walls, self._families, self._queue, self._room, light, error, spent,
+                SHARE * tol, budget, self._walls, self._families, self._queue, self._room, light, error, spent,
             )  # fmt: skip
             error += self._roundings(own, place) * light.max(axis=1)
             found.indirect[some], found.error[some], found.evaluations[some] = light, error, spent
@@ -152,6 +140,11 @@ class CutBouncer:
         if own not in self._sights:
             self._sights[own] = self._world._replace(bounds=_bounds_without(self._world, own))
         return self._sights[own]
+
+
+def _extent(world: World) -> float:
+    """A distance from the origin beyond which there are no balls."""
+    return max((float(np.abs(piece.place).max() + piece.radius) for piece in world.pieces), default=0.0)
 
 
 def _beside(piece: Piece, offset: Array) -> Array:

@@ -32,7 +32,7 @@ from symrender.runtimes.pixels import check_pixels, prepare_means
 from symrender.runtimes.radiosity import Gatherer
 from symrender.runtimes.tables import Need, table_of
 from symrender.scene.arrays import PLANE
-from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, SKY, SPHERE, RadiometricArrays
+from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, EXTENDED, SKY, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import bounce_refusal, lamp_refusal, shape_classes
 from symrender.scene.radiometric.bumped import bumped, refuse_bumps
 from symrender.scene.radiometric.cut import cut_reason
@@ -120,7 +120,7 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         tol = node_tolerance(settings.tol)
         for need in tables_needed(arrays, settings):
             table_of(need, settings.threads)
-        bounced = prepare_bounced(arrays, settings, lambda: _bouncer(arrays, "indirect", tol))
+        bounced = prepare_bounced(arrays, settings, lambda: _quick_bouncer(arrays, "indirect", tol))
     closed = replace(settings, tol=DIRECT_SHARE * settings.tol) if bounced else settings
     means = (prepare_exposed if is_exposed(arrays) else prepare_means)(arrays, closed)
 
@@ -157,6 +157,11 @@ def _bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | Cut
     """Who integrates what a layer has beside closed forms, to ``tol``."""
     if layer == "indirect" and cut_reason(arrays):
         return CutBouncer(arrays)
+    return _quick_bouncer(arrays, layer, tol)
+
+
+def _quick_bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | Gatherer:
+    """The same where places are not cut by windows: what means over pixels may ask."""
     if layer == "indirect" and is_flat(arrays):
         return Gatherer(arrays, tol, 1)
     if layer == "direct" and not is_round(arrays):
@@ -259,12 +264,11 @@ def check(arrays: RadiometricArrays) -> None:
         )
     used = {int(shape.material) for shape in arrays.shapes}
     glossy = any(arrays.materials[m].kind != DIFFUSE for m in used)
-    extended = {SKY: "a sky", AREA: "an area light"}
     reason = lamp_refusal(arrays) if glossy else ""
     for light in arrays.lights if reason else ():
-        if light.kind in extended:
+        if light.kind in EXTENDED:
             raise Unsupported(
-                f"lights: {extended[int(light.kind)]} over a conductor or a phong material is not yet integrated in a "
+                f"lights: {EXTENDED[int(light.kind)]} over a conductor or a phong material is not yet integrated in a "
                 f"scene with {reason}, which takes its lobe; over diffuse ones it is, and the numeric pipeline samples "
                 "any"
             )

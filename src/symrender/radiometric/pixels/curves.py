@@ -38,7 +38,7 @@ TURN: Final = _turn()
 
 @jitable
 def times(a: Array, b: Array, out: Array) -> None:
-    """The product of two curves whose degrees are no more than 4 together."""
+    """The product of two curves, without what of it is of a degree above 4."""
     for k in range(TERMS):
         out[k] = 0.0
     for i in range(5):
@@ -56,6 +56,15 @@ def put_linear(n: Vector, level: float, v: Vector, vx: Vector, vy: Vector, out: 
     for k in range(TERMS):
         out[k] = 0.0
     out[0], out[5], out[1] = dot(n, v) + level, dot(n, vx), dot(n, vy)
+
+
+@jitable
+def put_square(v: Vector, vx: Vector, vy: Vector, out: Array) -> None:
+    """v.v of v + x vx + y vy."""
+    for k in range(TERMS):
+        out[k] = 0.0
+    out[0], out[5], out[1] = dot(v, v), 2.0 * dot(v, vx), 2.0 * dot(v, vy)
+    out[10], out[6], out[2] = dot(vx, vx), 2.0 * dot(vx, vy), dot(vy, vy)
 
 
 @jitable
@@ -79,9 +88,7 @@ def put_quartic(wall: Wall, v: Vector, vx: Vector, vy: Vector, work: Array, out:
     V = v.v, m = C.v, k0 = |C|^2 - R^2; A = v.A v, b = b.v and c of the quadric. It has the far side of the sphere too.
     """
     square, axis, form, linear = work[0], work[1], work[2], work[3]
-    put_linear((0.0, 0.0, 0.0), 0.0, v, vx, vy, square)
-    square[0], square[5], square[1] = dot(v, v), 2.0 * dot(v, vx), 2.0 * dot(v, vy)
-    square[10], square[6], square[2] = dot(vx, vx), 2.0 * dot(vx, vy), dot(vy, vy)
+    put_square(v, vx, vy, square)
     center = vector(wall.center)
     power = leaves.sphere_power(*center, wall.radius)
     put_linear(center, 0.0, v, vx, vy, axis)
@@ -129,6 +136,15 @@ def put_curve(wall: Wall, v: Vector, vx: Vector, vy: Vector, work: Array, out: A
     for k in range(TERMS):
         out[k] /= most
     return True
+
+
+@jitable
+def spread(curve: Array) -> float:
+    """By how much a curve's level may differ from that in the middle of its cell."""
+    rest = 0.0
+    for k in range(1, TERMS):
+        rest += abs(curve[k])
+    return rest
 
 
 @jitable

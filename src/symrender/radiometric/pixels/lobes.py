@@ -7,7 +7,6 @@ mean over a window as a pixel is, weighed by f cos_i and by the solid angle.
 from __future__ import annotations
 
 import math
-from typing import Final
 
 from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
@@ -15,7 +14,7 @@ from symrender.radiometric.bumps import counted
 from symrender.radiometric.direct import direct_light
 from symrender.radiometric.pixels.cells import Cell, Eye, Lobe, heaviest, step
 from symrender.radiometric.pixels.records import Room
-from symrender.radiometric.pixels.sharp import off_axis
+from symrender.radiometric.pixels.sharp import far_apart, off_axis
 from symrender.radiometric.pixels.sight import linear_range, may_show
 from symrender.radiometric.reflection import reflected
 from symrender.radiometric.sight import height_over, nearest
@@ -23,9 +22,6 @@ from symrender.radiometric.vectors import Vector, dot, minus, minus_of, vector
 from symrender.radiometric.world import World
 from symrender.scene.radiometric.arrays import AREA, BECKMANN, CONDUCTOR, DIFFUSE, DIRECTIONAL, SKY, SPHERE
 from symrender.scene.radiometric.records import Material
-
-_WIDE: Final = 0.7
-"""Largest part of a lobe's width, or of the way to its middle, that a cell may spread over."""
 
 
 @jitable
@@ -161,8 +157,7 @@ def lobe_bends(eye: Eye, cell: Cell) -> bool:
         v = step(cell.v, a, cell.vx, b, cell.vy)
         size = math.sqrt(dot(v, v))
         p, q, r, _ = off_axis(material, lobe.turned, lobe.view, (v[0] / size, v[1] / size, v[2] / size))
-        spread = math.sqrt((x - p) * (x - p) + (y - q) * (y - q) + (z - r) * (z - r))
-        if spread > _WIDE * (math.sqrt(min(x * x + y * y + z * z, p * p + q * q + r * r)) + 2.0 * width):
+        if far_apart((x, y, z), (p, q, r), width):
             return True
     # masking goes as the cosine over alpha at the horizon
     if material.kind == CONDUCTOR:

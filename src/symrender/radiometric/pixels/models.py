@@ -13,6 +13,7 @@ import math
 from typing import Final
 
 from symrender.jit.marks import inlined, jitable
+from symrender.radiometric.pixels.curves import spread, times
 from symrender.radiometric.pixels.records import REST, TERMS
 from symrender.radiometric.vectors import Array
 
@@ -32,13 +33,6 @@ def put_number(number: float, out: Array) -> None:
 
 
 @inlined
-def put_linear_model(middle: float, across: float, up: float, out: Array) -> None:
-    """middle + across x + up y."""
-    put_number(middle, out)
-    out[5], out[1] = across, up
-
-
-@inlined
 def put_unknown(out: Array) -> None:
     """That of which nothing is known."""
     put_number(0.0, out)
@@ -52,15 +46,6 @@ def is_known(a: Array) -> bool:
     for k in range(TERMS):
         whole += abs(a[k])
     return whole < math.inf
-
-
-@jitable
-def spread_of_model(a: Array) -> float:
-    """By how much it may differ from its value in the middle of the cell."""
-    rest = 0.0
-    for k in range(1, TERMS):
-        rest += abs(a[k])
-    return rest
 
 
 @jitable
@@ -98,18 +83,10 @@ def of_degree(a: Array, degree: int) -> float:
 @jitable
 def put_product(a: Array, b: Array, out: Array) -> None:
     """a b; ``out`` is neither."""
-    for k in range(TERMS):
-        out[k] = 0.0
     if not (a[REST] < math.inf and b[REST] < math.inf):
-        out[REST] = math.inf
+        put_unknown(out)
         return
-    for i in range(_DEGREE):
-        for j in range(_DEGREE - i):
-            factor = a[5 * i + j]
-            if factor != 0.0:
-                for k in range(_DEGREE - i - j):
-                    for m in range(_DEGREE - i - j - k):
-                        out[5 * (i + k) + j + m] += factor * b[5 * k + m]
+    times(a, b, out)
     first, second, low = 0.0, 0.0, 0.0
     # what of b is of a degree that goes beyond 4 with one of a
     for degree in range(_DEGREE):
@@ -154,7 +131,7 @@ def put_series(
 @jitable
 def put_reciprocal(a: Array, work: Array, out: Array) -> None:
     """1/a; unknown where a may be 0."""
-    wide, middle = spread_of_model(a), a[0]
+    wide, middle = spread(a), a[0]
     least = abs(middle) - wide
     if not least > 0.0:
         put_unknown(out)
@@ -170,7 +147,7 @@ def put_reciprocal(a: Array, work: Array, out: Array) -> None:
 @jitable
 def put_root(a: Array, work: Array, out: Array) -> None:
     """The root of a; where a may be 0 or less it is bounded alone, and unknown where it is less everywhere."""
-    wide, middle = spread_of_model(a), a[0]
+    wide, middle = spread(a), a[0]
     least = middle - wide
     if not least > 0.0:
         put_unknown(out)
@@ -189,7 +166,7 @@ def put_root(a: Array, work: Array, out: Array) -> None:
 @jitable
 def put_wave(a: Array, quarter: float, work: Array, out: Array) -> None:
     """sin a, or with a ``quarter`` of 1 cos a."""
-    wide = spread_of_model(a)
+    wide = spread(a)
     if not wide <= _WIDEST:
         # whatever it is a wave of
         put_number(0.0, out)
@@ -204,7 +181,7 @@ def put_wave(a: Array, quarter: float, work: Array, out: Array) -> None:
 @jitable
 def put_grown(a: Array, work: Array, out: Array) -> None:
     """e^a."""
-    wide = spread_of_model(a)
+    wide = spread(a)
     most = math.exp(a[0] + wide) if a[0] + wide < 600.0 else math.inf
     if not most < math.inf:
         put_unknown(out)

@@ -44,6 +44,14 @@ def off_axis(material: Material, normal: Vector, view: Vector, toward: Vector) -
 
 
 @jitable
+def far_apart(one: Vector, other: Vector, width: float) -> bool:
+    """Whether places so far off the middle of a highlight of this width are too far apart for nodes to tell it."""
+    apart = minus(one, other)
+    spread = math.sqrt(dot(apart, apart))
+    return spread > _WIDE * (math.sqrt(min(dot(one, one), dot(other, other))) + 2.0 * width)
+
+
+@jitable
 def plane_spreads(piece: Piece, eye: Vector, there: Vector, size: float, share: float, cell: Cell) -> bool:
     """Whether rays of a cell meet a plane at places that spread over more than a share of their way to a place.
 
@@ -100,8 +108,7 @@ def place_spreads(
         return False
     x, y, z, width = off_axis(material, normal, (-ray[0], -ray[1], -ray[2]), toward)
     a, b, c, _ = off_axis(material, other_normal, (-other_ray[0], -other_ray[1], -other_ray[2]), other_toward)
-    spread = math.sqrt((x - a) * (x - a) + (y - b) * (y - b) + (z - c) * (z - c))
-    return spread > _WIDE * (math.sqrt(min(x * x + y * y + z * z, a * a + b * b + c * c)) + 2.0 * width)
+    return far_apart((x, y, z), (a, b, c), width)
 
 
 @jitable

@@ -8,8 +8,8 @@ from symrender.jit.marks import inlined, jitable
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.pieces import POLYGON, Piece, corner
 from symrender.radiometric.pixels.cells import DISK, Cell, Eye
-from symrender.radiometric.pixels.curves import put_form
-from symrender.radiometric.pixels.records import TERMS, Room
+from symrender.radiometric.pixels.curves import put_form, spread
+from symrender.radiometric.pixels.records import Room
 from symrender.radiometric.sight import height_over
 from symrender.radiometric.vectors import Array, Vector, cross, dot, minus, vector
 from symrender.radiometric.world import World
@@ -29,9 +29,7 @@ def linear_range(n: Vector, v: Vector, vx: Vector, vy: Vector) -> tuple[float, f
 @jitable
 def form_range(form: Array) -> tuple[float, float]:
     """Least and largest value of a curve in its cell, by its coefficients."""
-    half = 0.0
-    for k in range(1, TERMS):
-        half += abs(form[k])
+    half = spread(form)
     return form[0] - half, form[0] + half
 
 

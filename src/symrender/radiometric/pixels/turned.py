@@ -16,18 +16,17 @@ from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
 from symrender.radiometric.pieces import Piece
 from symrender.radiometric.pixels.cells import Cell, Eye
+from symrender.radiometric.pixels.curves import put_linear, put_square, spread
 from symrender.radiometric.pixels.models import (
     add_scaled,
     is_known,
     put_grown,
-    put_linear_model,
     put_number,
     put_product,
     put_reciprocal,
     put_root,
     put_scaled,
     put_wave,
-    spread_of_model,
 )
 from symrender.radiometric.pixels.records import KINK, MODELS, REST, TERMS, TURNED, Room, Wall
 from symrender.radiometric.pixels.sight import may_show
@@ -78,16 +77,15 @@ def put_depth(piece: Piece, center: Vector, eye: Vector, cell: Cell, models: Arr
     v, vx, vy = cell.v, cell.vx, cell.vy
     if piece.kind != SPHERE:
         up, height = vector(piece.up), height_over(piece, eye)
-        put_linear_model(dot(up, v), dot(up, vx), dot(up, vy), a)
+        put_linear(up, 0.0, v, vx, vy, a)
         put_reciprocal(a, work, t)
         put_scaled(t, -height, t)
         # of what is flat its inverse is known up to the horizon
         put_scaled(a, -1.0 / height if height != 0.0 else 0.0, models[_NEARNESS])
         return
     power = leaves.sphere_power(*center, piece.radius)
-    put_number(dot(v, v), a)
-    a[5], a[1], a[10], a[6], a[2] = 2.0 * dot(v, vx), 2.0 * dot(v, vy), dot(vx, vx), 2.0 * dot(vx, vy), dot(vy, vy)
-    put_linear_model(dot(center, v), dot(center, vx), dot(center, vy), b)
+    put_square(v, vx, vy, a)
+    put_linear(center, 0.0, v, vx, vy, b)
     put_product(b, b, t)
     add_scaled(a, -power, t)
     root = models[_WORK + 3]
@@ -244,7 +242,9 @@ def put_bump(eye: Eye, cell: Cell, own: int, models: Array) -> None:
     center = minus(vector(piece.place), eye.place)
     put_depth(piece, center, eye.place, cell, models)
     for c in range(3):
-        put_linear_model(cell.v[c], cell.vx[c], cell.vy[c], models[_RAY + c])
+        ray = models[_RAY + c]
+        put_number(cell.v[c], ray)
+        ray[5], ray[1] = cell.vx[c], cell.vy[c]
         put_product(models[_WORK], models[_RAY + c], models[_PLACE + c])
     put_place(piece, material, eye.place, center, models)
     put_slope(piece, material, put_height(eye.world, material, models), models)
@@ -348,7 +348,7 @@ def waves(eye: Eye, cell: Cell, room: Room, models: Array, limit: float, least: 
             if not is_known(normal):
                 return True
             size += normal[0] * normal[0]
-            turned = spread_of_model(normal)
+            turned = spread(normal)
             wide += turned * turned
             rest += normal[REST] * normal[REST]
         size, wide, rest = math.sqrt(size), math.sqrt(wide), math.sqrt(rest)

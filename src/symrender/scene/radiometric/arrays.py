@@ -47,6 +47,8 @@ DIRECTIONAL: Final = 1
 SKY: Final = 2
 AREA: Final = 3
 SPOT: Final = 4
+EXTENDED: Final = {SKY: "a sky", AREA: "an area light"}
+"""Kinds of lights that leave penumbrae, in words."""
 
 # kinds of a term of a height field
 NUMBER: Final = 0

@@ -29,6 +29,7 @@ from symrender.scene.radiometric.arrays import (
     DIFFUSE,
     DIRECTIONAL,
     DISK,
+    EXTENDED,
     PHONG,
     POINT,
     SKY,
@@ -73,8 +74,7 @@ class Bounce:
 def bounce_refusal(arrays: RadiometricArrays) -> str:
     """What of a scene keeps its bounced light from being integrated, as words for a message; empty if nothing does."""
     used = [arrays.materials[int(shape.material)] for shape in arrays.shapes]
-    extended = {SKY: "a sky", AREA: "an area light"}
-    words = [extended[int(light.kind)] for light in arrays.lights if light.kind in extended]
+    words = [EXTENDED[int(light.kind)] for light in arrays.lights if light.kind in EXTENDED]
     if words and any(material.kind != DIFFUSE for material in used) and not arrays.first_gloss:
         return (
             f"{words[0]} beside a conductor or a phong material that reflects after the first hit too "

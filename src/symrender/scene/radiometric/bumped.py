@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from symrender.errors import Unsupported
-from symrender.scene.radiometric.arrays import ALL, AREA, DIFFUSE, SKY, RadiometricArrays
+from symrender.scene.radiometric.arrays import ALL, DIFFUSE, EXTENDED, RadiometricArrays
 
 
 def bumped(arrays: RadiometricArrays) -> list[int]:
@@ -16,26 +16,25 @@ def refuse_bumps(arrays: RadiometricArrays) -> None:
     found = bumped(arrays)
     if not found:
         return
-    extended = {SKY: "a sky", AREA: "an area light"}
     if arrays.bounces == ALL:
         raise Unsupported(
             f"bounces: all is not yet integrated over a bump, that of shapes[{found[0]}]; bounces: 1 and 0 are, and "
             "the numeric pipeline samples any"
         )
     for light in arrays.lights if arrays.bounces else ():
-        if light.kind in extended:
+        if light.kind in EXTENDED:
             raise Unsupported(
                 f"bounces: 1 is not yet integrated over a bump, that of shapes[{found[0]}], under "
-                f"{extended[int(light.kind)]}; under points, spots and directional lights it is, and the numeric "
+                f"{EXTENDED[int(light.kind)]}; under points, spots and directional lights it is, and the numeric "
                 "pipeline samples any"
             )
     for j in found:
         if arrays.materials[int(arrays.shapes[j].material)].kind == DIFFUSE:
             continue
         for light in arrays.lights:
-            if light.kind in extended:
+            if light.kind in EXTENDED:
                 raise Unsupported(
-                    f"lights: {extended[int(light.kind)]} over a conductor or a phong material with a bump, that of "
+                    f"lights: {EXTENDED[int(light.kind)]} over a conductor or a phong material with a bump, that of "
                     f"shapes[{j}], is not yet integrated; over a diffuse one it is, and the numeric pipeline samples "
                     "any"
                 )
@@ -50,11 +49,10 @@ def refuse_means_of_bumps(arrays: RadiometricArrays, filter: str, exposed: bool)
             "turn away from a light or the eye is no curve of known shape; over pixels it is, and the numeric pipeline "
             "samples any"
         )
-    extended = {SKY: "a sky", AREA: "an area light"}
     for light in arrays.lights if found and filter != "centre" else ():
-        if light.kind in extended:
+        if light.kind in EXTENDED:
             raise Unsupported(
-                f"filter: {filter}: is not yet integrated where {extended[int(light.kind)]} shines on a bump, that of "
+                f"filter: {filter}: is not yet integrated where {EXTENDED[int(light.kind)]} shines on a bump, that of "
                 f"shapes[{found[0]}]; under points, spots and directional lights it is, filter: centre is, and the "
                 "numeric pipeline samples any"
             )
