@@ -16,6 +16,7 @@ from symrender.radiometric.bumps import shading_normal
 from symrender.radiometric.pixels import models
 from symrender.radiometric.pixels.cells import BOX, Cell, Eye
 from symrender.radiometric.pixels.records import KINK, MODELS, REST, TERMS, TURNED, Wall, make_room
+from symrender.radiometric.pixels.rules import strips
 from symrender.radiometric.pixels.turned import put_bump, put_turned_curve, turned_walls
 from symrender.radiometric.sight import nearest
 from symrender.radiometric.world import make_world
@@ -176,6 +177,24 @@ def test_the_turned_normal_of_a_cell_is_that_of_its_rays() -> None:
             assert np.linalg.norm(model - length * turned) <= slack, seed
             judged, tight = judged + 1, tight + (np.linalg.norm(rest) < 0.01 * np.linalg.norm(model))
     assert judged > 300 and tight > 150
+
+
+def test_what_a_rest_leaves_open_is_a_strip() -> None:
+    material = flats.WHITE | {"bump": {"height": {"sin": "x"}}}
+    scene = flats.world(flats.plane("p", [0, 0, 0], [0, 0, 1]), lights=[], materials={"white": material})
+    room = make_room(make_world(radiometric_arrays(load_any(scene))))
+    # t + 3/4 t s of lines: slopes from 1/4 to 7/4, in strips of |level| <= rest
+    rest, s = 0.01, np.linspace(-1, 1, 2001)
+    room.turned[0, 5], room.turned[0, 6], room.turned[0, REST] = 1.0, 0.75, rest
+    room.bounds[0, 2:4] = 0.25, 1.75
+    true = float(np.mean(2.0 * rest / (1.0 + 0.75 * s)) * 2.0)
+    room.soft[0] = 0.0
+    assert 0.04 < true < strips(room, 1) <= 4.0 * rest / 0.25
+    # light that does not jump across a wall is off by its slope alone
+    room.soft[0] = KINK
+    assert 0.0 < strips(room, 1) < 0.2 * 4.0 * rest / 0.25
+    room.turned[0, REST] = 0.0
+    assert strips(room, 1) == 0.0
 
 
 def test_a_wall_that_misses_a_cell_is_nowhere_in_it() -> None:
