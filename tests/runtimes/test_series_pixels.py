@@ -107,6 +107,36 @@ def test_gloss_is_the_mean_of_what_single_rays_gather() -> None:
     assert (expected.max(axis=2) > 20 * error).sum() >= 4 and (spread > 2e-3).sum() >= 2
 
 
+def test_what_a_rim_begins_to_touch_in_a_corner_is_stated() -> None:
+    """A blunt lobe whose rim leaves the background in a part of a smooth pixel that five nodes hardly see."""
+    made = load({
+        "name": "rim",
+        "camera": {"type": "look_at", "eye": [2.730668, 3.996346, 1.560882], "target": [0.896536, -0.490069, 1.125704],
+                   "fov": 9.249504},
+        "spheres": [{"name": "S", "center": [0.624002, -0.992586, 0.708005], "radius": 0.708005,
+                     "color": [0.257, 0.798, 0.606],
+                     "lobe": {"weight": 0.5, "exponent": 8.33549, "theta_max": 0.918771}}],
+        "floor": {"texture": {"type": "checker", "bright": [0.8, 0.7, 0.6], "dark": [0.1, 0.1, 0.2], "cell": 0.441631},
+                  "lobe": {"weight": 0.7, "exponent": 339.0, "theta_max": 0.978292}},
+        "lights": [{"name": "L", "type": "point", "position": [-2.18, -3.45, 4.05], "color": [0.37, 0.88, 0.76]}],
+        "background": [0.1, 0.15, 0.25], "ambient": [0.1, 0.1, 0.1],
+        "shading": {"model": "blinn", "ka": 0.0, "kd": 0.8, "ks": 0.4, "shininess": 69.7},
+    })  # fmt: skip
+    image, side = sr.truth(made, size=SIZE, tol=1e-5, filter="box", threads=1), 24
+    x, y = 4 + (np.arange(side) + 0.5) / side, 4 + (np.arange(side)[:, None] + 0.5) / side
+    eyes, sent = rays(made, np.broadcast_to(x, (side, side)).ravel(), np.broadcast_to(y, (side, side)).ravel())
+    _, hit, far = trace(scene_arrays(made), eyes, sent, NOTHING)
+    assert (hit == 2).all()
+    places = eyes + far[:, None] * sent - np.array(made.spheres[0].center)
+    normals = places / np.linalg.norm(places, axis=1, keepdims=True)
+    single = 0.5 * sr.probe(made, normals, surface="spheres.S", tol=1e-8, threads=1).gloss
+    # most of the pixel sees nothing but the background, and a part of it what the tolerance feels
+    dark = 0.125 - single[:, 2]
+    assert 0.02 < (dark > 1e-4).mean() < 0.2 and (dark < 1e-9).mean() > 0.6
+    off = np.abs(image.layers["gloss"][4, 4] - single.mean(axis=0)).max()
+    assert off <= 1.5 * image.layer("error")[4, 4] + 1e-6
+
+
 @pytest.mark.parametrize("kind", ["box", "gaussian"])
 def test_samples_of_the_numeric_side_agree(kind: Any) -> None:
     made = scene(camera=NARROW)

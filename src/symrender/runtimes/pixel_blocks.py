@@ -25,12 +25,14 @@ from symrender.radiometric.vectors import Array
 Ints = npt.NDArray[np.int64]
 Tile = tuple[int, int, int, int]
 
-SQUARES: Final = ((8, 8), (8, 10), (8, 12), (4, 6), (8, 14), (4, 8), (4, 10), (2, 6))
+SQUARES: Final = (
+    (8, 8), (8, 10), (8, 12), (4, 6), (8, 14), (4, 8), (8, 16), (8, 18), (4, 10), (4, 12), (2, 6), (2, 8),
+)  # fmt: skip
 """Sides of squares, in pixels, and how many nodes they take along each, in the order in which they are tried: fewer
 nodes a pixel first."""
 BLOCK: Final = 8
 """Side of the largest square."""
-INNER: Final = 0.5
+INNER: Final = 0.65
 """Part of the tolerance that means may be off by, for what single rays are."""
 _SHARES: Final = (1.0, 0.3, 0.09)
 """Parts of the coefficients of the last degree, of that before it, and so on, that polynomials may miss: those of a

@@ -16,6 +16,7 @@ from symrender.radiometric.slopes import seen_moves
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen
 from symrender.runtimes.image import TileKernel
+from symrender.runtimes.part_rules import Rules
 from symrender.runtimes.pixel_parts import Canvas, Light, Look, Places
 from symrender.runtimes.pixels import DOMAINS, check_pixels, eye_of
 from symrender.runtimes.speeds import Speeds, pushed_light
@@ -31,7 +32,7 @@ _CHANNELS: Final = 6
 class DirectRule(SweptRule):
     """What nodes see costs next to nothing and is exact: rules begin where they are worth the walls of their part."""
 
-    orders = ((2, 3, 5, 8), (2, 3, 5, 8, 12), (2, 3))
+    rules = Rules(((2, 3, 5, 8), (2, 3, 5, 8, 12), (2, 3)), told=False, densest=0.0)
     # four times what two rules differ by: halved for the first two of smooth parts
     slow = 8.0
     eager = True

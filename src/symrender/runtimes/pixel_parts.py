@@ -20,22 +20,26 @@ from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, chosen, table
 from symrender.radiometric.pixels import parts as kernels
 from symrender.radiometric.pixels.cells import BOX, Eye
-from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, SMOOTH, Nodes, Part, Room, make_room
+from symrender.radiometric.pixels.records import LEVELS, SMOOTH, Nodes, Part, Room, make_room
 from symrender.radiometric.vectors import Array
+from symrender.runtimes.part_rules import (
+    DIRECT,
+    LOBES,
+    TOLD,
+    Rules,
+    Taken,
+    at_corners,
+    bends,
+    cornered,
+    is_smooth,
+    kinds_of,
+    tail,
+)
 from symrender.runtimes.part_states import Best, Ints, Pixels, State, added, spared
 from symrender.runtimes.pixel_blocks import Known, Picture, block_means
 
-INNER: Final = 0.25
+INNER: Final = 0.5
 """Part of the tolerance that single rays take."""
-SMOOTH_ORDERS: Final = (1, 2, 3, 5)
-COARSE_ORDERS: Final = (2,)
-_CUT_ORDERS: Final = (2, 3, 5, 8)
-"""Orders of the rules that a part takes one after the other, the first two at once."""
-_FIRST: Final = {CUT: 8.0, COARSE: 1.0}
-"""What the difference of the first two rules is taken times; of smooth parts ``_FIRST_SMOOTH``."""
-_FIRST_SMOOTH: Final = 0.5
-_BENT: Final = 0.2
-"""Part of what slopes of a smooth part let expect of second degrees that its first two rules differ by, at least."""
 _GRAIN: Final = 0.05
 """Part of the tolerance that the brightest light in a cell may make for it not to be halved at once."""
 _WORST: Final = 0.25
@@ -45,6 +49,8 @@ _SHARE: Final = 8
 """Nodes that the budget of a pixel is to last for, at least."""
 _FIELD_NODES: Final = 40
 """Nodes that a field takes where all of them are cut at, about."""
+_QUARTERS: Final = 20
+"""Nodes that the quarters of a part take at first, about."""
 _TEXTURE_LEVELS: Final = 3
 """Halvings that fields which are too many to be cut at are worth: means of textures miss less in smaller cells."""
 _LEAST: Final = 2000
@@ -106,24 +112,24 @@ class Mean:
 class PixelRule:
     """Means over the pixels of a canvas; of threads each has its scratch.
 
-    ``orders`` are those of the rules of parts, by their kind, ``hope`` how many times what it may take a part may be
-    off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance. ``slow`` is how
-    many times their difference rules of what no curve enters may be off by, ``doubt`` the part of the difference of the
-    two rules before that the difference of two rules is trusted to fall by, at most. Where nodes are cheap it is
-    ``eager``: all parts are looked at more closely but those that together make no more than half of the tolerance. A
-    mean may be the sum of several ``terms``, of which each has a say in what rules differ by: what one has too much
-    another may have too little.
+    ``rules`` are by default those of the canvas's light. ``hope`` is how many times what it may take a
+    part may be off by for a rule of a higher order to be tried, ``inner`` what single rays take of the tolerance.
+    ``slow`` is how many times their difference rules of what no curve enters may be off by, ``doubt`` the part of the
+    difference of the two rules before that the difference of two rules is trusted to fall by, at most. Where nodes are
+    cheap it is ``eager``: all parts are looked at more closely but those that together make no more than half of the
+    tolerance. A mean may be the sum of several ``terms``, of which each has a say in what rules differ by: what one has
+    too much another may have too little.
     """
 
-    orders: tuple[tuple[int, ...], ...] = (SMOOTH_ORDERS, _CUT_ORDERS, COARSE_ORDERS)
     hope: float = 300.0
     inner: float = INNER
     slow: float = 1.0
     doubt: float = 0.12
     eager: bool = False
 
-    def __init__(self, canvas: Canvas, channels: int, terms: int = 1) -> None:
+    def __init__(self, canvas: Canvas, channels: int, terms: int = 1, rules: Rules | None = None) -> None:
         self.canvas, self._channels, self._terms = canvas, channels, terms
+        self._rules = rules or (LOBES if canvas.lobes else DIRECT)
         self._own = threading.local()
 
     def means(self, x0: int, y0: int, x1: int, y1: int, look: Look, tol: float, budget: int) -> Mean:
@@ -198,17 +204,40 @@ class PixelRule:
         asked = going[state.pixel] & (outer >= _WORST * worst[state.pixel]) & (outer > _FLOOR * tol)
         if self.eager:
             asked = going[state.pixel] & ~spared(state.pixel, outer, 0.5 * tol)
-        area = 0.25 ** state.parts["level"]
-        allowed = tol * (0.5 * area + 0.01)
-        most = np.array([len(each) for each in self.orders])[_kinds(state.parts)] - 2
-        better = (state.stage < most) & (state.error >= 0.5 * outer) & (state.error <= self.hope * allowed)
+        allowed = tol * _allowed(state.parts)
+        better = (
+            (state.stage < self._rules.most(kinds_of(state.parts)))
+            & (state.error >= 0.5 * outer)
+            & (state.error <= self.hope * allowed)
+        )
         deeper = asked & ~better & (state.parts["level"] < LEVELS)
         # where fields are too many to be cut at, their mean stays
         fields = state.parts["fields"]
         dear = pixels.evaluations / np.maximum(pixels.nodes, 1) * _FIELD_NODES * added(state.pixel, fields, len(whole))
         some = (fields == 0.0) | (state.parts["level"] < _TEXTURE_LEVELS)
         deeper &= some | (dear <= budget - pixels.evaluations)[state.pixel]
-        return np.flatnonzero(asked & better), np.flatnonzero(deeper)
+        raised = asked & better
+        kept = self._afforded(state, raised, deeper, outer, pixels, budget)
+        return np.flatnonzero(raised & kept), np.flatnonzero(deeper & kept)
+
+    def _afforded(
+        self, state: State, raised: npt.NDArray[np.bool_], deeper: npt.NDArray[np.bool_], outer: Array, pixels: Pixels,
+        budget: int,
+    ) -> npt.NDArray[np.bool_]:  # fmt: skip
+        """(N,) the parts of the largest errors that what is left of their pixels' budgets is enough for.
+
+        The first one of a pixel is among them however dear it is.
+        """
+        order = self._rules.order(kinds_of(state.parts), state.stage + 2)
+        dear = pixels.evaluations / np.maximum(pixels.nodes, 1)
+        cost = np.where(raised, order**2, np.where(deeper, _QUARTERS, 0)) * dear[state.pixel]
+        rank = np.lexsort((-np.where(raised | deeper, outer, -1.0), state.pixel))
+        sums = np.cumsum(cost[rank])
+        first = np.flatnonzero(np.diff(state.pixel[rank], prepend=-1))
+        begun = np.repeat((sums - cost[rank])[first], np.diff(first, append=len(rank)))
+        found = np.zeros(len(rank), np.bool_)
+        found[rank] = sums - cost[rank] - begun <= np.maximum(budget - pixels.evaluations, 0)[state.pixel[rank]]
+        return found
 
     def _halve(self, state: State, halved: Ints, grain: float) -> State:
         """The parts of the quarters of some, in their stead."""
@@ -229,45 +258,39 @@ class PixelRule:
         """Let parts take their next rule, of new ones the first two."""
         if not len(some):
             return
-        kinds, stage = _kinds(state.parts)[some], state.stage[some] + 1
-        fresh, sequences = np.flatnonzero(stage == 0), _padded(self.orders)
-        orders = np.concatenate([sequences[kinds, np.minimum(stage + 1, sequences.shape[1] - 1)],
-                                 sequences[kinds[fresh], 0]])  # fmt: skip
-        two = np.concatenate([some, some[fresh]])
+        kinds, number = kinds_of(state.parts)[some], state.stage[some] + 2
+        first = number == 1
+        if self._rules.told:
+            # what one order more is not trusted to bring down takes two
+            allowed = inner / self.inner * _allowed(state.parts)[some]
+            number += (number == 2) & (kinds == SMOOTH) & (self.doubt * state.gap[some] > allowed)
+        fresh, order = np.flatnonzero(first), self._rules.order(kinds, number)
+        before = self._rules.order(kinds, state.stage[some] + 1)
+        orders, two = np.concatenate([order, before[fresh]]), np.concatenate([some, some[fresh]])
         # both rules of a part one after the other, so that what it is cut at is made once
         beside = np.argsort(two, kind="stable")
         values = np.zeros((len(two), state.values.shape[1]))
-        error, bent = np.zeros(len(two)), np.zeros(len(two))
-        values[beside], error[beside], bent[beside] = self._sums(
+        error, hint = np.zeros(len(two)), np.zeros(len(two))
+        values[beside], error[beside], hint[beside] = self._sums(
             state, two[beside], orders[beside], pixels, look, inner, budget
         )
         new, old = values[: len(some)], state.values[some]
         old[fresh] = values[len(some) :]
         gap = np.abs(new - old).reshape(len(some), self._terms, self._channels).max(axis=2).sum(axis=1)
-        hidden = np.where(kinds == SMOOTH, _BENT * bent[: len(some)], 0.0)
-        slow = np.where(kinds == CUT, 1.0, self.slow)
-        first = slow * np.array([_FIRST_SMOOTH, _FIRST[CUT], _FIRST[COARSE]])[kinds]
-        last = np.where(stage == 0, 0.0, state.gap[some])
-        doubted = np.maximum(slow * gap, self.doubt * last)
-        state.error[some] = np.where(stage == 0, first * np.maximum(gap, hidden), doubted)
+        last = np.where(first, 0.0, state.gap[some])
+        taken = Taken(kinds, first, order, before, gap, last, hint[: len(some)])
+        state.error[some] = taken.off(self._rules.told, self.slow, self.doubt)
         state.values[some], state.gap[some], state.inner[some] = new, gap, error[: len(some)]
-        state.stage[some] = stage
+        state.stage[some] = number - 1
 
     def _sums(
         self, state: State, some: Ints, orders: Ints, pixels: Pixels, look: Look, inner: float, budget: int
     ) -> tuple[Array, Array, Array]:
-        """(values (N, C), what rays state, ``bends``) of a rule of its order for each of some parts."""
+        """(values (N, C), what rays state, ``bends`` or ``tails``) of a rule of its order for each of some parts."""
         places, weights, ends = self._nodes(state.parts, some, orders)
         owner = np.repeat(np.arange(len(some)), np.diff(ends, prepend=0))
         parts = np.asarray(state.parts)[some][owner]
-        reach = self.canvas.reach
-        found = look(
-            Places(
-                parts["column"] + 0.5 + reach * places[:, 0], parts["row"] + 0.5 - reach * places[:, 1],
-                parts["fields"] != 0.0,
-            ),
-            inner, budget,
-        )  # fmt: skip
+        found = look(self._places(parts, places), inner, budget)
         pixel = state.pixel[some][owner]
         np.minimum.at(pixels.low, pixel, found.values.min(axis=1))
         np.maximum.at(pixels.high, pixel, found.values.max(axis=1))
@@ -276,7 +299,24 @@ class PixelRule:
         np.add.at(pixels.nodes, pixel, 1)
         sums = [added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
         stated = added(owner, np.abs(weights) * found.error, len(some))
-        return np.column_stack(sums), stated, bends(owner, places, weights, found.values, len(some))
+        hint = bends(owner, places, weights, found.values, len(some))
+        four = np.flatnonzero(is_smooth(kinds_of(state.parts)[some]) & (orders == 2))
+        if self._rules.cornered and len(four):
+            nodes = (ends[four, None] - np.arange(4, 0, -1)).ravel()
+            corners = look(self._places(parts[nodes], at_corners(places[nodes])), inner, budget)
+            np.add.at(pixels.evaluations, pixel[nodes], corners.evaluations)
+            hint[four] = np.maximum(hint[four], cornered(weights[nodes], found.values[nodes], corners.values))
+        if self._rules.told:
+            for part in np.flatnonzero(is_smooth(kinds_of(state.parts)[some]) & (orders >= TOLD)).tolist():
+                mine = slice(ends[part] - orders[part] ** 2, ends[part])
+                hint[part] = tail(int(orders[part]), weights[mine, None] * found.values[mine])
+        return np.column_stack(sums), stated, hint
+
+    def _places(self, parts: Any, places: Array) -> Places:
+        """Where in the image places of parts lie."""
+        reach = self.canvas.reach
+        columns, rows = parts["column"] + 0.5 + reach * places[:, 0], parts["row"] + 0.5 - reach * places[:, 1]
+        return Places(columns, rows, parts["fields"] != 0.0)
 
     def scratch(self) -> tuple[Room, Ints, Table[Part]]:
         """What kernels write to, of this thread."""
@@ -296,7 +336,7 @@ class PixelRule:
             found = int(
                 _kernel("list_parts")(
                     canvas.eye, canvas.window, canvas.width, canvas.height, canvas.reach, starts, grain,
-                    canvas.lobes, room, candidates, spare, parts, origins,
+                    self._rules.densest if canvas.lobes else 0.0, room, candidates, spare, parts, origins,
                 )
             )  # fmt: skip
             if found <= size:
@@ -323,34 +363,9 @@ class PixelRule:
             size = found
 
 
-def bends(owner: Ints, places: Array, weights: Array, values: Array, count: int) -> Array:
-    """(count,) what four nodes of a square let expect of its terms of second degree, in each of ``count`` rules.
-
-    Two rules that differ by the sum of two curvatures agree on a saddle. The twist is seen by the nodes; a curvature is
-    expected to be the square of the slope over the value. 0 for rules of other than four nodes.
-    """
-    nodes = np.maximum(np.bincount(owner, minlength=count), 1)
-    sides = [np.sign(x - (added(owner, x, count) / nodes)[owner]) for x in places.T]
-    found = np.zeros(count)
-    # what is not known is not bent: it is told as such elsewhere
-    for channel in np.where(np.isfinite(values), values, 0.0).T:
-        slope = sum(np.abs(added(owner, side * channel, count)) for side in sides)
-        twist = np.abs(added(owner, sides[0] * sides[1] * channel, count))
-        size = np.zeros(count)
-        np.maximum.at(size, owner, np.abs(channel))
-        curved = np.divide(slope * slope, 4.0 * size, out=np.zeros(count), where=size > 0.0)
-        found = np.maximum(found, 0.25 * np.maximum(twist, curved))
-    return np.where(nodes == 4, found * np.abs(added(owner, weights, count)), 0.0)
-
-
-def _padded(orders: tuple[tuple[int, ...], ...]) -> Ints:
-    """(kinds, rules) orders of the rules of parts; the last stands for all that would follow."""
-    most = max(len(each) for each in orders)
-    return np.array([each + each[-1:] * (most - len(each)) for each in orders])
-
-
-def _kinds(parts: Table[Part]) -> Ints:
-    return np.asarray(np.asarray(parts)["kind"], np.int64)
+def _allowed(parts: Table[Part]) -> Array:
+    """(N,) the share of a pixel's tolerance that parts may take."""
+    return np.asarray(0.5 * 0.25 ** np.asarray(parts["level"], np.float64) + 0.01)
 
 
 @lru_cache(maxsize=2)

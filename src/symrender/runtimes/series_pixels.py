@@ -28,6 +28,7 @@ from symrender.radiometric.pixels.records import Family, Section
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, camera_window
 from symrender.runtimes.image import TileKernel, prepare_sight, trace
+from symrender.runtimes.part_rules import LOBES, RIMMED
 from symrender.runtimes.pixel_parts import Canvas, Light, PixelRule, Places
 from symrender.runtimes.pixels import DOMAINS, MOST_WALLS, families_at, mean_world, series_walls, shapes_met
 from symrender.runtimes.series_refusals import check_series_pixels
@@ -40,7 +41,7 @@ from symrender.scene.radiometric.records import Material, Term
 from symrender.scene.records import Floor, Frame, Plane
 from symrender.settings import Settings
 
-DIRECT_SHARE: Final = 0.3
+DIRECT_SHARE: Final = 0.1
 """Part of the tolerance that direct light takes."""
 _DIRECT_COST: Final = 32
 """Evaluations of gloss that one of direct light is worth, with all that it takes to cut a pixel at its walls."""
@@ -177,6 +178,15 @@ def direct_rounding(bright: float) -> float:
     return 100 * math.ulp(bright)
 
 
+def rims_felt(arrays: SceneArrays, tol: float) -> bool:
+    """Whether some lobe is so dense at its rim that ``tol`` feels what the rim touches."""
+    bright = brightest(arrays)
+    return any(
+        weight * bright * (exponent + 1.0) * max(0.0, math.cos(theta)) ** exponent > tol
+        for weight, exponent, theta in lobes_of(arrays).tolist()
+    )
+
+
 def _direct_look(scene: SeriesScene) -> Callable[[Places, float, int], Light]:
     arrays, order = scene.arrays, scene.settings.disk_order
     means = flattened(arrays)
@@ -228,7 +238,8 @@ def prepare_series(arrays: SceneArrays, settings: Settings) -> TileKernel:
     check_series_pixels(arrays, settings)
     scene = SeriesScene.of(arrays, settings)
     sight = prepare_sight(arrays, replace(settings, aa="none"))
-    rules = PixelRule(scene.direct, 3), PixelRule(scene.gloss, 3)
+    lobes = RIMMED if rims_felt(arrays, settings.tol) else LOBES
+    rules = PixelRule(scene.direct, 3), PixelRule(scene.gloss, 3, rules=lobes)
     shines = bool((lobes_of(arrays)[:, 0] > 0.0).any())
     share = DIRECT_SHARE if shines else 1.0
     own, direct = threading.local(), _direct_look(scene)

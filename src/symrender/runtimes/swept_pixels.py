@@ -25,8 +25,9 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import seen_all
 from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
+from symrender.runtimes.part_rules import Rules, bends
 from symrender.runtimes.part_states import Ints, Pixels, State, added
-from symrender.runtimes.pixel_parts import SMOOTH_ORDERS, Canvas, Light, Look, Mean, PixelRule, Places, bends
+from symrender.runtimes.pixel_parts import Canvas, Light, Look, Mean, PixelRule, Places
 from symrender.runtimes.speeds import Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -84,7 +85,7 @@ class SweptRule(PixelRule):
     are always tried first.
     """
 
-    orders = (SMOOTH_ORDERS, (2, 3, 5, 8, 12), (2, 3))
+    rules = Rules(((1, 2, 3, 5), (2, 3, 5, 8, 12), (2, 3)), told=False, densest=1.0)
     hope = math.inf
     inner = 0.5
     # beside a limb outside of it: of 1/sqrt(x) two rules differ by a third to two thirds of what the better is off by
@@ -92,7 +93,7 @@ class SweptRule(PixelRule):
     doubt = 0.08
 
     def __init__(self, canvas: Canvas, channels: int, speeds: Speeds, beginning: Beginning | None = None) -> None:
-        super().__init__(canvas, channels, 2)
+        super().__init__(canvas, channels, 2, self.rules)
         self._speeds, self._beginning = speeds, beginning or Beginning()
 
     def _unseen(self, state: State, pixels: Pixels) -> Array:

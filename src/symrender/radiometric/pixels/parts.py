@@ -28,7 +28,19 @@ from symrender.radiometric.pixels.cells import (
 )
 from symrender.radiometric.pixels.hot import near_hot
 from symrender.radiometric.pixels.pixel import begin, block_walls
-from symrender.radiometric.pixels.records import COARSE, CUT, LEVELS, MOST_CUTS, SMOOTH, Ints, Part, Room
+from symrender.radiometric.pixels.records import (
+    COARSE,
+    CUT,
+    DENSE,
+    DENSE_CUT,
+    DENSER,
+    LEVELS,
+    MOST_CUTS,
+    SMOOTH,
+    Ints,
+    Part,
+    Room,
+)
 from symrender.radiometric.pixels.rules import cut_rule, cutting_mode, put_panels, tensor_rule
 from symrender.radiometric.pixels.sharp import too_sharp, veins_turn
 from symrender.radiometric.pixels.sight import put_reach
@@ -110,7 +122,19 @@ def put_cut(
 
 
 @jitable
-def look(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, grain: float, lobes: bool, part: Part) -> int:
+def dense_kind(eye: Eye, cell: Cell, room: Room, limit: float, densest: float) -> int:
+    """The kind of a cell that no curve enters, in which lobes turn further than four nodes follow; or ``_HALVE``."""
+    if densest >= 2.0 and not (lobes_turn(eye, cell, 2.0) or near_hot(eye, cell, room, limit, 2.0)):
+        return DENSE
+    if densest >= 3.0 and not (lobes_turn(eye, cell, 3.0) or near_hot(eye, cell, room, limit, 3.0)):
+        return DENSER
+    return _HALVE
+
+
+@jitable
+def look(
+    eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, grain: float, densest: float, part: Part
+) -> int:  # fmt: skip
     """Write what rule a cell takes into ``part``; its kind, or ``_HALVE``."""
     part.fields = part.missed = part.beside = 0.0
     if cell.level < kinks(eye.domain):
@@ -119,8 +143,14 @@ def look(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, grain: floa
     ends = cell.level >= LEVELS or share <= grain
     own = int(room.counts[cell.level])
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-    if lobes:
+    dense = False
+    if densest > 0.0:
         sharp = lobes_turn(eye, cell, 1.0) or near_hot(eye, cell, room, limit, 1.0)
+        if sharp and not ends and fits and own == 0 and lines == 0:
+            return dense_kind(eye, cell, room, limit, densest)
+        if sharp and not ends and fits and lines >= 0 and densest >= 2.0:
+            dense = not (lobes_turn(eye, cell, 2.0) or near_hot(eye, cell, room, limit, 2.0))
+            sharp = not dense
     else:
         sharp = too_sharp(eye, cell, room, limit)
     if sharp and not ends:
@@ -137,7 +167,7 @@ def look(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, grain: floa
         if own + max(lines, 0) <= MOST_CUTS:
             kind = put_cut(eye, cell, room, own, max(lines, 0), grain, part)
             if kind == CUT:
-                return CUT
+                return DENSE_CUT if dense else CUT
     if ends:
         part.missed, part.beside = share, 0.0
         return COARSE
@@ -162,13 +192,14 @@ def path_of(room: Room, level: int) -> int:
 
 
 def list_parts(
-    eye: Eye, window: Array, width: int, height: int, reach: float, starts: Table[Part], grain: float, lobes: bool,
+    eye: Eye, window: Array, width: int, height: int, reach: float, starts: Table[Part], grain: float, densest: float,
     room: Room, candidates: Ints, spare: Table[Part], parts: Table[Part], origins: Ints,
 ) -> int:  # fmt: skip
     """List the parts of cells, which are named by pixel, level and path, and of which each is; returns how many.
 
     Those that fit into ``parts`` are written. A cell that weighs no more than ``grain`` is not halved any further.
-    ``lobes`` says that nodes ask for lobes, not for direct light. Many arguments because a kernel's are.
+    Nodes that ask for lobes may be ``densest`` times as dense as four a cell, at least 1, and 0 says that they ask for
+    direct light. Many arguments because a kernel's are.
     """
     found, part, left, above, count = 0, spare[0], -1, -1, 0
     for n in range(starts.shape[0]):
@@ -185,7 +216,7 @@ def list_parts(
             limit = put_reach(eye, cell, room)
             # from the walls again, as ``list_nodes`` has to, and not from the curves of the level above
             fits = begin(eye, cell, room, candidates, count, limit)
-            kind = look(eye, cell, room, limit, fits, grain, lobes, part)
+            kind = look(eye, cell, room, limit, fits, grain, densest, part)
             if kind == _HALVE:
                 level += 1
                 room.path[level] = 0
@@ -221,7 +252,7 @@ def list_nodes(
         whole = whole_of(window, width, height, reach, int(part.column), int(part.row))
         put_path(room, int(part.level), int(part.path))
         cell = cell_at(whole, room, int(part.level), 0.0)
-        if part.kind == CUT:
+        if part.kind == CUT or part.kind == DENSE_CUT:
             if part.column // BLOCK != left or part.row // BLOCK != above:
                 left, above = int(part.column) // BLOCK, int(part.row) // BLOCK
                 count = block_walls(eye, block_of(window, width, height, reach, left, above, 0.0), room, candidates)

@@ -50,6 +50,11 @@ MARKS: Final = (1 << 50) - 27
 SMOOTH: Final = 0
 CUT: Final = 1
 COARSE: Final = 2
+DENSE: Final = 3
+"""Smooth where lobes turn by up to twice as much as four nodes follow, and up to three times as much."""
+DENSER: Final = 4
+DENSE_CUT: Final = 5
+"""Cut along lines, where lobes turn by up to twice as much as four nodes follow."""
 
 MODELS: Final = 32
 """Models of a cell beside those of the terms of a height."""
@@ -105,8 +110,8 @@ class Section(Record):
 
 class Part(Record):
     """A cell of the pixel at ``column``, ``row`` that takes one rule: of ``level``, along ``path``, a digit of base 4
-    for every halving. ``kind`` is SMOOTH, CUT or COARSE; ``fields`` is about how many fields it holds where textures of
-    planes are their means, else 0.
+    for every halving. ``kind`` is SMOOTH, CUT, COARSE, DENSE, DENSER or DENSE_CUT; ``fields`` is about how many fields
+    it holds where textures of planes are their means, else 0.
 
     ``missed`` is the part of the pixel that curves may cut off unseen, as it weighs, of COARSE all of the cell;
     ``beside`` is what means of textures may be off by, as a part of the pixel.
