@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symrender as sr
-from symrender.errors import SceneError
+from symrender.errors import OptionError, SceneError
 from symrender.fit import _untold
 from symrender.scene.parameters import get
 
@@ -72,3 +72,34 @@ def test_an_exact_disk() -> None:
     # the disk's four points are another light
     points = sr.truth(found.scene, size=2, tol=1e-3).radiance - target.radiance
     assert np.sqrt((points**2).mean()) > 1e-4
+
+
+LAMP = {
+    "name": "lamp", "units": "radiometric", "bounces": 0,
+    "camera": {"type": "look_at", "eye": [0, -6, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov": 20},
+    "materials": {"clay": {"type": "diffuse", "reflectance": 0.5}},
+    "shapes": [{"type": "sphere", "name": "ball", "center": [0.1, 0, 0.05], "radius": 0.7, "material": "clay"}],
+    "lights": [{"type": "area", "name": "glow", "shape": "ball", "radiance": [3, 2, 1]}],
+}  # fmt: skip
+
+
+def test_what_only_an_outline_tells_is_found_in_means() -> None:
+    """A ball that shines alike everywhere: pixels' centres tell nothing of its radius, their means do."""
+    true = sr.load(LAMP)
+    names = ["shapes.ball.radius", "shapes.ball.center.x"]
+    start = true.replace({"shapes.ball.radius": 0.74, "shapes.ball.center.x": 0.06})
+    at_centres = sr.gradient(true, names, size=8)
+    assert max(np.abs(at_centres[name].radiance).max() for name in names) == 0.0
+    target = sr.truth(true, size=8, tol=1e-8, filter="box")
+    assert ((target.radiance[..., 0] > 0.01) & (target.radiance[..., 0] < 2.99)).sum() > 10
+    found = sr.fit(start, target, names, tol=1e-7, precision=1e-6, filter="box")
+    assert found.converged
+    for name in names:
+        assert found.values[name] == pytest.approx(get(true, name), abs=1e-6), name
+
+
+def test_a_target_of_other_pixels_is_refused() -> None:
+    true = sr.load(LAMP)
+    target = sr.truth(true, size=2, tol=1e-3, filter="box")
+    with pytest.raises(OptionError, match=r"filter: a pixel of the target is its box, got centre"):
+        sr.fit(true, target, ["shapes.ball.radius"])

@@ -56,7 +56,28 @@ def test_an_exact_disk() -> None:
     assert np.abs(found.values[0, 0, 0] - expected).max() <= found.error[0, 0, 0] + 1e-3 * expected.max()
 
 
+def test_the_area_of_a_ball_in_a_pixel() -> None:
+    """Seen on the axis, r^2/(d^2 - r^2) times pi/4 of a pixel as wide as it is far, both ways."""
+    distance, radius, half = 6.0, 0.7, np.tan(np.radians(10.0))
+    scene = sr.load({
+        "name": "disc", "units": "radiometric", "bounces": 0,
+        "camera": {"type": "look_at", "eye": [0, -distance, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov": 20},
+        "materials": {"clay": {"type": "diffuse", "reflectance": 0.5}},
+        "shapes": [{"type": "sphere", "name": "ball", "center": [0, 0, 0], "radius": radius, "material": "clay"}],
+        "lights": [{"type": "area", "name": "glow", "shape": "ball", "radiance": [3, 2, 1]}],
+    })  # fmt: skip
+    found = sr.hessian(scene, ["shapes.ball.radius"], size=1, tol=1e-8, filter="box")
+    rest = distance**2 - radius**2
+    curved = 2.0 * distance**2 * (distance**2 + 3.0 * radius**2) / rest**3
+    expected = np.pi / (4.0 * half**2) * curved * np.array([3.0, 2.0, 1.0])
+    off = np.abs(found.values[0, 0, 0, 0] - expected).max()
+    assert expected.min() > 1.0
+    assert off <= found.error[0, 0, 0, 0] <= 1e-3 * expected.max()
+
+
 def test_refusals() -> None:
+    with pytest.raises(OptionError, match="filter: single points"):
+        sr.hessian(SCENE, NAMES, [POINT], filter="box")
     with pytest.raises(OptionError, match="points, rays, size"):
         sr.hessian(SCENE, NAMES)
     with pytest.raises(Unsupported, match=r"background\.r"):

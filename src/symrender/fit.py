@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -17,6 +18,7 @@ from symrender.ledger.tables import html_table
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
 from symrender.scene.parameters import get, parameters
+from symrender.settings import Filter
 from symrender.truth import truth
 
 Array = npt.NDArray[np.float64]
@@ -97,6 +99,8 @@ def fit(
     iterations: int = 20,
     precision: float = 1e-9,
     disk: str = "2x2",
+    filter: Filter = "centre",
+    filter_radius: float = 0.0,
     threads: int = 0,
     progress: Callable[[Step], None] | None = None,
 ) -> Fit:
@@ -118,6 +122,8 @@ def fit(
     wanted = target.radiance
     size = (target.width, target.height)
     settings: dict[str, Any] = {"size": size, "disk": disk, "threads": threads}
+    settings |= {"filter": filter, "filter_radius": filter_radius}
+    _check_filter(target, filter)
 
     def image(x: Array, within: float) -> tuple[AnyScene, Array]:
         changed = here.replace(dict(zip(names, map(float, x), strict=True)))
@@ -167,6 +173,14 @@ def fit(
         residual=float(np.sqrt((residual**2).mean())),
         correlation=normal / np.outer(np.maximum(spread, 1e-300), np.maximum(spread, 1e-300)),
     )
+
+
+def _check_filter(target: Image, filter: Filter) -> None:
+    """Raise OptionError where the target's metadata say that its pixels are something else."""
+    # of what another program wrote nothing is known
+    said = json.loads(target.meta["settings"]).get("filter", filter) if "version" in target.meta else filter
+    if said != filter:
+        raise OptionError(f"filter: a pixel of the target is its {said}, got {filter}")
 
 
 def _found(precision: float, untold: Sequence[str]) -> tuple[str, bool]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ from symrender.probe_rays import Rays
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
 from symrender.scene.parameters import get
+from symrender.settings import Filter
 from symrender.truth import truth
 
 Array = npt.NDArray[np.float64]
@@ -73,6 +74,8 @@ def hessian(
     size: int | tuple[int, int] | None = None,
     tol: float = 1e-11,
     disk: str = "2x2",
+    filter: Filter = "centre",
+    filter_radius: float = 0.0,
 ) -> Hessian:
     """Second derivatives of ``probe`` at ``points`` of ``surface`` or along ``rays``, or of ``truth`` at ``size``.
 
@@ -84,6 +87,8 @@ def hessian(
     a larger step only costs that step. Values and slopes on both sides must have the middle ones as their mean, by the
     same extrapolation: what they miss is stated, so that an event between the smallest steps, or at the very value, is
     told by an infinite ``error``.
+    ``filter`` and ``filter_radius``, for an image, are what its pixels are, as for ``truth``; of means ``tol`` is asked
+    for in vain where ``gradient`` does not reach it, and what its gradients state is in ``error``.
     ``tol`` is the gradients' own. Choose it for single points and small images: it takes eighteen gradients a
     parameter and more. Raises Unsupported for a parameter at the end of its range.
     """
@@ -91,12 +96,15 @@ def hessian(
     names = components(loaded, wrt)
     if sum(given is not None for given in (points, rays, size)) != 1:
         raise OptionError("points, rays, size: give points of a surface, rays, or the size of an image")
+    if size is None and filter != "centre":
+        raise OptionError(f"filter: single points and rays have none, got {filter}")
 
     def look(changed: AnyScene) -> _Found:
         if size is None:
             return _probed(changed, names, points, rays, surface, tol, disk)
-        images = gradient(changed, names, size=size, tol=tol, disk=disk)
-        image = truth(changed, size=size, tol=tol, disk=disk)
+        asked: dict[str, Any] = {"size": size, "tol": tol, "disk": disk}
+        asked |= {"filter": filter, "filter_radius": filter_radius}
+        images, image = gradient(changed, names, **asked), truth(changed, **asked)
         return _Found(
             np.stack([images[name].radiance for name in names]),
             np.stack([images[name].layer("error") for name in names]),

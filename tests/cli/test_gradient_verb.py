@@ -51,6 +51,20 @@ def test_probe_prints_gradients(capsys: pytest.CaptureFixture[str]) -> None:
     assert rows[0]["gradient"]["ambient.r"]["error"] < 1e-8
 
 
+def test_fit_meets_means(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An outline is known to means of pixels; a target says which it holds."""
+    shown = ["--size", "6", "--filter", "box", "--tol", "1e-7", "--quiet", "--out", str(tmp_path)]
+    assert main(["truth", "furnace_radiometric", *shown]) == 0
+    words = ["fit", "furnace_radiometric", str(tmp_path / "truth.npz"), "--free", "camera.fov", "--json"]
+    capsys.readouterr()
+    assert main(words) == 2
+    assert "filter: a pixel of the target is its box, got centre" in capsys.readouterr().err
+    wide = ["-D", "camera.fov=31", "--filter", "box", "--tol", "1e-6", "--precision", "1e-4"]
+    assert main([*words, *wide]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["converged"] and report["values"]["camera.fov"] == pytest.approx(32.0, rel=1e-4)
+
+
 def test_fit_finds_a_light(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["truth", "furnace", "--size", "3", "--tol", "1e-8", "--quiet", "--out", str(tmp_path)]) == 0
     words = ["fit", "furnace", str(tmp_path / "truth.npz"), "--free", "ambient.r", "-D", "ambient.r=0.2"]

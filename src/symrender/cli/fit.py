@@ -8,7 +8,16 @@ from typing import Annotated
 import typer
 
 from symrender.cli._completions import numbers
-from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, any_scene_with, scene_files
+from symrender.cli._means import FilterOption, FilterRadius
+from symrender.cli._options import (
+    Define,
+    Force,
+    Json,
+    Quiet,
+    SceneArgument,
+    any_scene_with,
+    scene_files,
+)
 from symrender.images.output import check_target, write_bytes
 
 
@@ -25,6 +34,8 @@ def fit(
     iterations: Annotated[int, typer.Option(help="Most iterations.")] = 20,
     precision: Annotated[float, typer.Option(help="Relative change of the parameters that ends the fit.")] = 1e-9,
     disk: Annotated[str, typer.Option(help="Disk lights: KxK centroids, or exact.")] = "2x2",
+    filter: FilterOption = "centre",
+    filter_radius: FilterRadius = 0.0,
     define: Define = None,
     out: Annotated[str, typer.Option("--out", "-o", help="File the scene found is written to, .yaml.")] = "",
     force: Force = False,
@@ -57,7 +68,8 @@ def fit(
 
     names = [name.strip() for name in free.split(",") if name.strip()]
     found = find(
-        chosen, image, names, tol=tol, iterations=iterations, precision=precision, disk=disk, progress=told
+        chosen, image, names, tol=tol, iterations=iterations, precision=precision, disk=disk, filter=filter,
+        filter_radius=filter_radius, progress=told,
     )  # fmt: skip
     if out:
         from symrender.scene.dump import to_yaml
