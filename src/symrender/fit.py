@@ -110,8 +110,11 @@ def fit(
     within the parameters' ranges (SciPy's ``lsq_linear``) and halves the step while the cost rises. Pixels whose ray
     meets another shape, shadow or field than in the target jump as the parameters move, and no derivative at the
     pixel tells: residuals that the linear model leaves far beyond the others count less. ``tol`` is that of image and
-    gradient, ``precision`` the relative change of the parameters at which the fit is done. Raises OptionError without
-    the extra ``fit``, ImageError for a target without a radiance layer.
+    gradient, ``precision`` the relative change of the parameters at which the fit is done. ``filter`` and
+    ``filter_radius`` are what a pixel of the target is, as for ``truth``: means know silhouettes, and do not jump. They
+    are known to ``tol`` alone, so that a ``precision`` far below it is not reached.
+    Raises OptionError without the extra ``fit`` and for a target whose metadata name another filter, ImageError for one
+    without a radiance layer.
     """
     if importlib.util.find_spec("scipy") is None:
         raise OptionError(f"fit: needs SciPy: {remedy('fit')}")
@@ -159,17 +162,26 @@ def fit(
         if change < precision and within == tol:
             reason, converged = _found(precision, _untold(names, jacobian, weight))
             break
-    residual = (radiance - wanted).ravel()
+    known = float(tol), (radiance - wanted).ravel(), jacobian
+    return _ended(now, dict(zip(names, x.tolist(), strict=True)), scale, known, tuple(steps), (reason, converged))
+
+
+def _ended(
+    scene: AnyScene, values: Mapping[str, float], scale: Array, known: tuple[float, Array, Array],
+    steps: tuple[Step, ...], ended: tuple[str, bool],
+) -> Fit:  # fmt: skip
+    """What a fit found, of which the tolerance, the residuals left and the Jacobian over ``scale`` are ``known``."""
+    tol, residual, jacobian = known
     normal = np.linalg.pinv(jacobian.T @ jacobian)
     spread = np.sqrt(np.maximum(np.diag(normal), 0.0))
-    noise = max(tol, float(np.sqrt((residual @ residual) / max(1, residual.size - len(names)))))
+    noise = max(tol, float(np.sqrt((residual @ residual) / max(1, residual.size - len(values)))))
     return Fit(
-        scene=now,
-        values=dict(zip(names, x.tolist(), strict=True)),
-        deviations=dict(zip(names, (noise * spread * scale).tolist(), strict=True)),
-        steps=tuple(steps),
-        converged=converged,
-        reason=reason,
+        scene=scene,
+        values=values,
+        deviations=dict(zip(values, (noise * spread * scale).tolist(), strict=True)),
+        steps=steps,
+        converged=ended[1],
+        reason=ended[0],
         residual=float(np.sqrt((residual**2).mean())),
         correlation=normal / np.outer(np.maximum(spread, 1e-300), np.maximum(spread, 1e-300)),
     )
