@@ -51,6 +51,8 @@ _FIELD_NODES: Final = 40
 """Nodes that a field takes where all of them are cut at, about."""
 _QUARTERS: Final = 20
 """Nodes that the quarters of a part take at first, about."""
+_ENDLESS: Final = 1e12
+"""Fields that are as many as without end: no budget is enough for them."""
 _TEXTURE_LEVELS: Final = 3
 """Halvings that fields which are too many to be cut at are worth: means of textures miss less in smaller cells."""
 _LEAST: Final = 2000
@@ -212,8 +214,9 @@ class PixelRule:
         )
         deeper = asked & ~better & (state.parts["level"] < LEVELS)
         # where fields are too many to be cut at, their mean stays
-        fields = state.parts["fields"]
-        dear = pixels.evaluations / np.maximum(pixels.nodes, 1) * _FIELD_NODES * added(state.pixel, fields, len(whole))
+        fields = np.minimum(state.parts["fields"], _ENDLESS)
+        each = np.maximum(pixels.evaluations, 1) / np.maximum(pixels.nodes, 1)
+        dear = each * _FIELD_NODES * added(state.pixel, fields, len(whole))
         some = (fields == 0.0) | (state.parts["level"] < _TEXTURE_LEVELS)
         deeper &= some | (dear <= budget - pixels.evaluations)[state.pixel]
         raised = asked & better
