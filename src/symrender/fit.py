@@ -124,8 +124,9 @@ def fit(
     low, high = np.array([ranges.get(name, (-np.inf, np.inf)) for name in names]).T
     wanted = target.radiance
     size = (target.width, target.height)
-    settings: dict[str, Any] = {"size": size, "disk": disk, "threads": threads}
-    settings |= {"filter": filter, "filter_radius": filter_radius}
+    settings: dict[str, Any] = {
+        "size": size, "disk": disk, "filter": filter, "filter_radius": filter_radius, "threads": threads
+    }  # fmt: skip
     _check_filter(target, filter)
 
     def image(x: Array, within: float) -> tuple[AnyScene, Array]:

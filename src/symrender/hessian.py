@@ -102,8 +102,9 @@ def hessian(
     def look(changed: AnyScene) -> _Found:
         if size is None:
             return _probed(changed, names, points, rays, surface, tol, disk)
-        asked: dict[str, Any] = {"size": size, "tol": tol, "disk": disk}
-        asked |= {"filter": filter, "filter_radius": filter_radius}
+        asked: dict[str, Any] = {
+            "size": size, "tol": tol, "disk": disk, "filter": filter, "filter_radius": filter_radius
+        }  # fmt: skip
         images, image = gradient(changed, names, **asked), truth(changed, **asked)
         return _Found(
             np.stack([images[name].radiance for name in names]),

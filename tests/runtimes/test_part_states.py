@@ -6,7 +6,7 @@ import numpy as np
 
 from symrender.jit.records import table
 from symrender.radiometric.pixels.records import Part
-from symrender.runtimes.part_states import Best, State, spared
+from symrender.runtimes.part_states import Best, State, afforded, spared
 
 
 def test_the_smallest_errors_of_each_pixel_are_spared() -> None:
@@ -27,3 +27,13 @@ def test_halves_that_are_known_less_well_do_not_take_the_place_of_their_part() -
         best.keep(state, np.array(whole), 1, 0.1)
     # terms are added; what was within the tolerance stays
     assert best.values.tolist() == [[10.0], [7.0]] and best.error.tolist() == [0.2, 0.05]
+
+
+def test_what_a_budget_is_enough_for_begins_with_the_largest_error() -> None:
+    pixel, error = np.array([0, 0, 0, 1, 1]), np.array([1.0, 3.0, 2.0, 5.0, 4.0])
+    cost, left = np.array([10, 10, 10, 10**15, 1]), np.array([10, 0])
+    found = afforded(pixel, error, cost, left)
+    # the second of pixel 0 follows on ten of ten; however dear the first is it is asked, and nothing after it
+    np.testing.assert_array_equal(found, [False, True, True, True, False])
+    # of a pixel of its own the same
+    np.testing.assert_array_equal(afforded(pixel[3:] - 1, error[3:], cost[3:], left[1:]), found[3:])

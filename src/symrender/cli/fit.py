@@ -9,15 +9,7 @@ import typer
 
 from symrender.cli._completions import numbers
 from symrender.cli._means import FilterOption, FilterRadius
-from symrender.cli._options import (
-    Define,
-    Force,
-    Json,
-    Quiet,
-    SceneArgument,
-    any_scene_with,
-    scene_files,
-)
+from symrender.cli._options import Define, Force, Json, Quiet, SceneArgument, any_scene_with, scene_files
 from symrender.images.output import check_target, write_bytes
 
 

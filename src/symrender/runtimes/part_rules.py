@@ -96,16 +96,15 @@ class Taken:
         The difference of two rules, of what no curve enters ``slow`` times, and no less than ``doubt`` of the one
         before; where coefficients tell it no less than they say, and than ``doubt`` to the power of the orders between.
         """
-        smooth, slowly = is_smooth(self.kinds), np.where(is_smooth(self.kinds) | (self.kinds == COARSE), slow, 1.0)
-        hidden = np.where(smooth, _BENT * self.hint, 0.0)
+        smooth = is_smooth(self.kinds)
+        known = smooth & (self.order >= TOLD) if told else np.zeros_like(smooth)
+        slowly = np.where((self.kinds == CUT) | (self.kinds == DENSE_CUT), 1.0, slow)
         times = np.array([_FIRST[k] for k in range(len(_FIRST))])[self.kinds]
-        begun = slowly * times * np.maximum(self.gap, hidden)
-        found: Array = np.where(self.first, begun, np.maximum(slowly * self.gap, doubt * self.last))
-        if told:
-            fallen = doubt ** np.maximum(self.order - self.before, 1) * self.last
-            known = np.maximum(np.maximum(slowly * self.gap, self.hint), fallen)
-            found = np.where(smooth & (self.order >= TOLD), known, found)
-        return found
+        begun = slowly * times * np.maximum(self.gap, np.where(smooth, _BENT * self.hint, 0.0))
+        orders = np.where(known, self.order - self.before, 1)
+        later = np.maximum(slowly * self.gap, doubt**orders * self.last)
+        found: Array = np.where(self.first & ~known, begun, later)
+        return np.where(known, np.maximum(found, self.hint), found)
 
 
 def bends(owner: Ints, places: Array, weights: Array, values: Array, count: int) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -86,13 +87,30 @@ def added(owner: Ints, what: Array, count: int) -> Array:
     return np.asarray(np.bincount(owner, what, count), np.float64)
 
 
+def sums_within(pixel: Ints, order: Ints, what: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """(N,) sums, in an ``order`` of pixel after pixel, of what belongs to the same pixel: up to each, and with it."""
+    sums = np.cumsum(what[order])
+    first = np.flatnonzero(np.diff(pixel[order], prepend=-1))
+    before = np.concatenate([sums[:1] * 0, sums])[first]
+    found: npt.NDArray[Any] = sums - np.repeat(before, np.diff(first, append=len(order)))
+    return found
+
+
 def spared(pixel: Ints, error: Array, most: float) -> npt.NDArray[np.bool_]:
     """(N,) the parts of the smallest errors of each pixel, as many as make no more than ``most`` together."""
     order = np.lexsort((error, pixel))
-    # no larger than tells that it is too large: sums of all pixels are one sum
-    sums = np.cumsum(np.minimum(error[order], 2.0 * most))
-    first = np.flatnonzero(np.diff(pixel[order], prepend=-1))
-    before = np.concatenate([[0.0], sums])[first]
     found = np.zeros(len(pixel), np.bool_)
-    found[order] = sums - np.repeat(before, np.diff(first, append=len(order))) <= most
+    # no larger than tells that it is too large: sums of all pixels are one sum
+    found[order] = sums_within(pixel, order, np.minimum(error, 2.0 * most)) <= most
+    return found
+
+
+def afforded(pixel: Ints, error: Array, cost: Ints, left: Ints) -> npt.NDArray[np.bool_]:
+    """(N,) the parts of the largest errors of each pixel before which its others cost no more than is ``left`` of it.
+
+    The first one of a pixel is among them however dear it is. Costs are whole numbers, so that no tile changes a sum.
+    """
+    order = np.lexsort((-error, pixel))
+    found = np.zeros(len(pixel), np.bool_)
+    found[order] = sums_within(pixel, order, cost) - cost[order] <= left[pixel[order]]
     return found

@@ -35,7 +35,7 @@ from symrender.runtimes.part_rules import (
     kinds_of,
     tail,
 )
-from symrender.runtimes.part_states import Best, Ints, Pixels, State, added, spared
+from symrender.runtimes.part_states import Best, Ints, Pixels, State, added, afforded, spared
 from symrender.runtimes.pixel_blocks import Known, Picture, block_means
 
 INNER: Final = 0.5
@@ -220,27 +220,13 @@ class PixelRule:
         some = (fields == 0.0) | (state.parts["level"] < _TEXTURE_LEVELS)
         deeper &= some | (dear <= budget - pixels.evaluations)[state.pixel]
         raised = asked & better
-        kept = self._afforded(state, raised, deeper, outer, pixels, budget)
-        return np.flatnonzero(raised & kept), np.flatnonzero(deeper & kept)
-
-    def _afforded(
-        self, state: State, raised: npt.NDArray[np.bool_], deeper: npt.NDArray[np.bool_], outer: Array, pixels: Pixels,
-        budget: int,
-    ) -> npt.NDArray[np.bool_]:  # fmt: skip
-        """(N,) the parts of the largest errors that what is left of their pixels' budgets is enough for.
-
-        The first one of a pixel is among them however dear it is.
-        """
         order = self._rules.order(kinds_of(state.parts), state.stage + 2)
-        dear = pixels.evaluations / np.maximum(pixels.nodes, 1)
-        cost = np.where(raised, order**2, np.where(deeper, _QUARTERS, 0)) * dear[state.pixel]
-        rank = np.lexsort((-np.where(raised | deeper, outer, -1.0), state.pixel))
-        sums = np.cumsum(cost[rank])
-        first = np.flatnonzero(np.diff(state.pixel[rank], prepend=-1))
-        begun = np.repeat((sums - cost[rank])[first], np.diff(first, append=len(rank)))
-        found = np.zeros(len(rank), np.bool_)
-        found[rank] = sums - cost[rank] - begun <= np.maximum(budget - pixels.evaluations, 0)[state.pixel[rank]]
-        return found
+        nodes = np.where(raised, order**2, np.where(deeper, _QUARTERS, 0))
+        # what is not asked comes last and costs nothing
+        cost = np.ceil(nodes * (pixels.evaluations / np.maximum(pixels.nodes, 1))[state.pixel]).astype(np.int64)
+        left = np.maximum(budget - pixels.evaluations, 0)
+        kept = afforded(state.pixel, np.where(raised | deeper, outer, -1.0), cost, left)
+        return np.flatnonzero(raised & kept), np.flatnonzero(deeper & kept)
 
     def _halve(self, state: State, halved: Ints, grain: float) -> State:
         """The parts of the quarters of some, in their stead."""
@@ -293,13 +279,8 @@ class PixelRule:
         places, weights, ends = self._nodes(state.parts, some, orders)
         owner = np.repeat(np.arange(len(some)), np.diff(ends, prepend=0))
         parts = np.asarray(state.parts)[some][owner]
-        found = look(self._places(parts, places), inner, budget)
         pixel = state.pixel[some][owner]
-        np.minimum.at(pixels.low, pixel, found.values.min(axis=1))
-        np.maximum.at(pixels.high, pixel, found.values.max(axis=1))
-        np.maximum.at(pixels.status, pixel, found.status)
-        np.add.at(pixels.evaluations, pixel, found.evaluations)
-        np.add.at(pixels.nodes, pixel, 1)
+        found = self._seen_by(pixels, pixel, look(self._places(parts, places), inner, budget))
         sums = [added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
         stated = added(owner, np.abs(weights) * found.error, len(some))
         hint = bends(owner, places, weights, found.values, len(some))
@@ -307,13 +288,23 @@ class PixelRule:
         if self._rules.cornered and len(four):
             nodes = (ends[four, None] - np.arange(4, 0, -1)).ravel()
             corners = look(self._places(parts[nodes], at_corners(places[nodes])), inner, budget)
-            np.add.at(pixels.evaluations, pixel[nodes], corners.evaluations)
+            self._seen_by(pixels, pixel[nodes], corners)
             hint[four] = np.maximum(hint[four], cornered(weights[nodes], found.values[nodes], corners.values))
         if self._rules.told:
             for part in np.flatnonzero(is_smooth(kinds_of(state.parts)[some]) & (orders >= TOLD)).tolist():
                 mine = slice(ends[part] - orders[part] ** 2, ends[part])
                 hint[part] = tail(int(orders[part]), weights[mine, None] * found.values[mine])
         return np.column_stack(sums), stated, hint
+
+    @staticmethod
+    def _seen_by(pixels: Pixels, pixel: Ints, found: Light) -> Light:
+        """``found``, which nodes of these pixels see, noted there."""
+        np.minimum.at(pixels.low, pixel, found.values.min(axis=1))
+        np.maximum.at(pixels.high, pixel, found.values.max(axis=1))
+        np.maximum.at(pixels.status, pixel, found.status)
+        np.add.at(pixels.evaluations, pixel, found.evaluations)
+        np.add.at(pixels.nodes, pixel, 1)
+        return found
 
     def _places(self, parts: Any, places: Array) -> Places:
         """Where in the image places of parts lie."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from symrender.jit.marks import jitable
 from symrender.radiometric.pixels.cells import Cell, Eye, window_cell
-from symrender.radiometric.pixels.hot import near_hot
-from symrender.radiometric.pixels.parts import lobes_turn
+from symrender.radiometric.pixels.parts import followed
 from symrender.radiometric.pixels.pixel import begin, block_walls
 from symrender.radiometric.pixels.records import Ints, Room
 from symrender.radiometric.pixels.sight import put_reach
@@ -22,7 +21,7 @@ def is_smooth(eye: Eye, cell: Cell, room: Room, candidates: Ints, steps: float) 
         return False
     if put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit) != 0:
         return False
-    return not (lobes_turn(eye, cell, steps) or near_hot(eye, cell, room, limit, steps))
+    return followed(eye, cell, room, limit, steps)
 
 
 def smooth_blocks(

@@ -122,13 +122,9 @@ def put_cut(
 
 
 @jitable
-def dense_kind(eye: Eye, cell: Cell, room: Room, limit: float, densest: float) -> int:
-    """The kind of a cell that no curve enters, in which lobes turn further than four nodes follow; or ``_HALVE``."""
-    if densest >= 2.0 and not (lobes_turn(eye, cell, 2.0) or near_hot(eye, cell, room, limit, 2.0)):
-        return DENSE
-    if densest >= 3.0 and not (lobes_turn(eye, cell, 3.0) or near_hot(eye, cell, room, limit, 3.0)):
-        return DENSER
-    return _HALVE
+def followed(eye: Eye, cell: Cell, room: Room, limit: float, steps: float) -> bool:
+    """Whether nodes ``steps`` times denser than four a cell follow what lobes see in it."""
+    return not (lobes_turn(eye, cell, steps) or near_hot(eye, cell, room, limit, steps))
 
 
 @jitable
@@ -143,31 +139,32 @@ def look(
     ends = cell.level >= LEVELS or share <= grain
     own = int(room.counts[cell.level])
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-    dense = False
-    if densest > 0.0:
-        sharp = lobes_turn(eye, cell, 1.0) or near_hot(eye, cell, room, limit, 1.0)
-        if sharp and not ends and fits and own == 0 and lines == 0:
-            return dense_kind(eye, cell, room, limit, densest)
-        if sharp and not ends and fits and lines >= 0 and densest >= 2.0:
-            dense = not (lobes_turn(eye, cell, 2.0) or near_hot(eye, cell, room, limit, 2.0))
-            sharp = not dense
+    # how many times denser than four a cell nodes are to be, 0 where the cell is to be halved
+    steps = 0
+    if densest == 0.0:
+        steps = 0 if too_sharp(eye, cell, room, limit) else 1
     else:
-        sharp = too_sharp(eye, cell, room, limit)
-    if sharp and not ends:
+        curved = own > 0 or lines > 0
+        most = 1.0 if ends or not fits or lines < 0 else min(densest, 2.0) if curved else densest
+        for k in range(int(most)):
+            if followed(eye, cell, room, limit, k + 1.0):
+                steps = k + 1
+                break
+    if steps == 0 and not ends:
         return _HALVE
     if lines < 0:
         part.fields = fields(eye.families, cell.v, cell.vx, cell.vy, room, limit)
-    if fits and not sharp:
+    if fits and steps > 0:
         if lines < 0:
             # a weight that changes along a line counts as a break more
             breaks = own if eye.domain == BOX else own + 1
             part.beside = share * 1.5 * mean_error(eye.families, cell.v, cell.vx, cell.vy, room, limit, breaks)
         if own + max(lines, 0) == 0:
-            return SMOOTH
+            return SMOOTH if steps == 1 else DENSE if steps == 2 else DENSER
         if own + max(lines, 0) <= MOST_CUTS:
             kind = put_cut(eye, cell, room, own, max(lines, 0), grain, part)
             if kind == CUT:
-                return DENSE_CUT if dense else CUT
+                return DENSE_CUT if steps == 2 else CUT
     if ends:
         part.missed, part.beside = share, 0.0
         return COARSE
