@@ -103,3 +103,6 @@ def test_a_target_of_other_pixels_is_refused() -> None:
     target = sr.truth(true, size=2, tol=1e-3, filter="box")
     with pytest.raises(OptionError, match=r"filter: a pixel of the target is its box, got centre"):
         sr.fit(true, target, ["shapes.ball.radius"])
+    wide = sr.truth(true, size=2, tol=1e-3, filter="tent", filter_radius=1.5)
+    with pytest.raises(OptionError, match=r"filter_radius: the target's tent reaches 1\.5 pixels, got 1$"):
+        sr.fit(true, wide, ["shapes.ball.radius"], filter="tent")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -12,13 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import OptionError, remedy
+from symrender.execution.provenance import filtered
 from symrender.gradient import gradient
 from symrender.images.image import Image
 from symrender.ledger.tables import html_table
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
 from symrender.scene.parameters import get, parameters
-from symrender.settings import Filter
+from symrender.settings import RADII, Filter
 from symrender.truth import truth
 
 Array = npt.NDArray[np.float64]
@@ -127,7 +127,7 @@ def fit(
     settings: dict[str, Any] = {
         "size": size, "disk": disk, "filter": filter, "filter_radius": filter_radius, "threads": threads
     }  # fmt: skip
-    _check_filter(target, filter)
+    _check_filter(target, filter, filter_radius)
 
     def image(x: Array, within: float) -> tuple[AnyScene, Array]:
         changed = here.replace(dict(zip(names, map(float, x), strict=True)))
@@ -188,12 +188,13 @@ def _ended(
     )
 
 
-def _check_filter(target: Image, filter: Filter) -> None:
+def _check_filter(target: Image, filter: Filter, radius: float) -> None:
     """Raise OptionError where the target's metadata say that its pixels are something else."""
-    # of what another program wrote nothing is known
-    said = json.loads(target.meta["settings"]).get("filter", filter) if "version" in target.meta else filter
-    if said != filter:
-        raise OptionError(f"filter: a pixel of the target is its {said}, got {filter}")
+    said, reach = filtered(target.meta), radius or RADII[filter]
+    if said is not None and said.filter != filter:
+        raise OptionError(f"filter: a pixel of the target is its {said.filter}, got {filter}")
+    if said is not None and said.reach != reach:
+        raise OptionError(f"filter_radius: the target's {filter} reaches {said.reach:g} pixels, got {reach:g}")
 
 
 def _found(precision: float, untold: Sequence[str]) -> tuple[str, bool]:

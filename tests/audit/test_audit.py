@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 
 import symrender as sr
+from symrender.audit.audit import filter_of
 from symrender.errors import ImageError, OptionError, Unsupported
 from symrender.execution.fill import Crew
 from symrender.execution.jobs import Job
@@ -144,6 +147,18 @@ def test_series_scenes_are_audited_by_exact_derivatives() -> None:
     named = next(e for e in found if e.name == "floor.lobe.weight")
     assert named.current == current and named.how == "by its exact derivative"
     assert named.value == pytest.approx(0.303, abs=max(4 * named.error, 1e-4))
+
+
+@pytest.mark.parametrize("scene", ["gloss", "metal"])
+def test_a_truth_says_what_its_pixels_are(scene: str, tmp_path: Path) -> None:
+    """In either kind of units, also from a file; of an image made elsewhere nothing is known."""
+    changed = sr.load(scene).replace({"bounces": 0} if scene == "metal" else {"floor.lobe.weight": 0.0})
+    for name in ("centre", "box"):
+        true = sr.truth(changed, size=2, tol=1e-2, filter=name)  # type: ignore[arg-type]
+        path = tmp_path / f"{name}.exr"
+        true.save(path)
+        assert filter_of(true) == filter_of(path) == name
+    assert filter_of(replace(true, meta={})) == "centre"
 
 
 def test_a_sequence_stops_at_the_first_decision(mutants: ModuleType, truths: Truths) -> None:

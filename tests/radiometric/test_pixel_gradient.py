@@ -10,7 +10,7 @@ import pytest
 
 import symrender as sr
 from symrender.gradient import gradient_job
-from symrender.runtimes.pixel_gradient import prepare_box
+from symrender.runtimes.pixel_gradient import DirectRule, prepare_box
 from symrender.runtimes.pixels import prepare_means
 from symrender.scene.load import load_any
 from symrender.scene.parameters import get
@@ -161,6 +161,23 @@ def test_cells_that_err_either_way_do_not_hide_each_other() -> None:
     found, stated, expected = pixel_slope(scene, "shapes.A.center.x", 32, 1e-4, 7, 9)
     assert np.abs(expected).max() > 5e-3 and stated <= 1e-4
     assert np.abs(found - expected).max() <= 1.5 * stated + 1e-6
+
+
+def test_budgets_know_what_a_node_costs(monkeypatch: pytest.MonkeyPatch) -> None:
+    # of direct light one evaluation: taken for more, rounds look at few parts each and pixels miss their tolerance
+    seen: list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]] = []
+    plain = DirectRule._next
+
+    def noted(self: DirectRule, state: Any, outer: Any, whole: Any, pixels: Any, tol: float, budget: int) -> Any:
+        seen.append((pixels.nodes.copy(), pixels.evaluations.copy()))
+        return plain(self, state, outer, whole, pixels, tol, budget)
+
+    monkeypatch.setattr(DirectRule, "_next", noted)
+    scene = sr.load("metal").replace({"bounces": 0})
+    assert isinstance(scene, RadiometricScene)
+    pixel_slope(scene, "shapes.A.center.x", 32, 1e-4, 7, 9)
+    assert len(seen) > 2 and seen[-1][1].sum() > 500
+    assert all((nodes == evaluations).all() for nodes, evaluations in seen)
 
 
 def test_slopes_and_sweeps_that_err_by_as_much_do_not_hide_each_other() -> None:

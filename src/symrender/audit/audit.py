@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -18,6 +17,7 @@ from symrender.audit.regions import Region, regions
 from symrender.audit.sequential import sequential as in_turn
 from symrender.audit.verdict import Explanation, Verdict
 from symrender.errors import ImageError, OptionError
+from symrender.execution.provenance import filtered
 from symrender.gradient import gradient
 from symrender.images.image import Image, read_image
 from symrender.limits import MAX_AUDIT_PIXELS
@@ -26,7 +26,7 @@ from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import components
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.settings import RADII, Filter
+from symrender.settings import Filter
 from symrender.truth import STATUS, truth
 
 Array = npt.NDArray[np.float64]
@@ -92,8 +92,8 @@ def audit(
 def filter_of(given: Image | str | os.PathLike[str]) -> Filter:
     """What a pixel of a truth is, as its metadata say."""
     image = given if isinstance(given, Image) else read_image(str(Path(given)), max_pixels=MAX_AUDIT_PIXELS)
-    said = json.loads(image.meta.get("conventions", "{}"))
-    return next((name for name in RADII if name == said.get("filter")), "centre")
+    said = filtered(image.meta)
+    return "centre" if said is None else said.filter
 
 
 def _exposed(scene: AnyScene) -> bool:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
+from typing import NamedTuple
 
 from symrender.execution.jobs import CHANGES_NO_BYTE
 from symrender.scene.dump import to_yaml
@@ -11,7 +13,7 @@ from symrender.scene.load import AnyScene
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Rectangle, Triangle
 from symrender.scene.scene import Scene
-from symrender.settings import Settings
+from symrender.settings import RADII, Filter, Settings
 from symrender.version import VERSION
 
 
@@ -29,6 +31,22 @@ def provenance(scene: AnyScene, settings: Settings, method: str, estimator: str)
         "estimator": estimator,
         **(_conventions(scene, settings) if isinstance(scene, RadiometricScene) else _series(scene)),
     }
+
+
+class Filtered(NamedTuple):
+    """What a pixel of an image is: the mean under a ``filter`` whose support reaches so many pixels to every side."""
+
+    filter: Filter
+    reach: float
+
+
+def filtered(meta: Mapping[str, str]) -> Filtered | None:
+    """What the metadata of an image say of its pixels, None of an image that was made elsewhere."""
+    if "version" not in meta or "settings" not in meta:
+        return None
+    said = json.loads(meta["settings"])
+    name: Filter = next((known for known in RADII if known == said.get("filter")), "centre")
+    return Filtered(name, said.get("filter_radius", 0.0) or RADII[name])
 
 
 def sent_by(scene: RadiometricScene, settings: Settings) -> str:

@@ -79,7 +79,8 @@ def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> in
 
     Only the dearest of them is timed again: where tiles are dear the others would take as long as the image.
     Never so large that a worker would have fewer than sixty-four tiles, for the first ones to foretell the time of the
-    rest and the last ones to end together. Of pixels that squares tell a multiple of ``SQUARE``.
+    rest and the last ones to end together, unless they are of some pixels only. Of pixels that squares tell a multiple
+    of ``SQUARE``, two of them where pixels are cheap: what a tile's pixels wait for together costs each of them less.
     """
     width, height = job.settings.width, job.settings.height
     squares = job.settings.filter == "box"
@@ -100,7 +101,7 @@ def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> in
         workers.run(job, layers, [max(best, key=lambda tile: best[tile])], finished)
     affordable = math.isqrt(int(LONGEST / 2 / max(*best.values(), 1e-9)))
     shared = math.isqrt(width * height // (_SHARE * workers.count))
-    side = max(1, min(affordable, max(shared, 8), LARGEST))
+    side = max(1, min(affordable, max(shared, 2 * SQUARE if squares else SQUARE), LARGEST))
     # a part of a square costs as much as all of it
     return -(-side // SQUARE) * SQUARE if squares else side
 

@@ -163,6 +163,7 @@ class SweptRule(PixelRule):
             found[which], error[which] = seen.values, seen.error
             np.maximum.at(pixels.status, pixel[which], seen.status)
             np.add.at(pixels.evaluations, pixel[which], seen.evaluations)
+        np.add.at(pixels.nodes, pixel, 1)
         return found, error
 
     def _at(self, parts: Any, places: Array) -> tuple[Array, Array]:
