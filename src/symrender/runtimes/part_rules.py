@@ -111,20 +111,22 @@ def bends(owner: Ints, places: Array, weights: Array, values: Array, count: int)
     """(count,) what four nodes of a square let expect of its terms of second degree, in each of ``count`` rules.
 
     Two rules that differ by the sum of two curvatures agree on a saddle. The twist is seen by the nodes; a curvature is
-    expected to be the square of the slope over the value. 0 for rules of other than four nodes.
+    expected to be the square of the slope over the value. 0 for rules of other than four nodes. Nodes of a rule stand
+    one after the other, ``owner`` by ``owner``.
     """
-    nodes = np.maximum(np.bincount(owner, minlength=count), 1)
-    sides = [np.sign(x - (added(owner, x, count) / nodes)[owner]) for x in places.T]
-    found = np.zeros(count)
+    nodes = np.bincount(owner, minlength=count)
+    ends, four = np.cumsum(nodes), np.flatnonzero(nodes == 4)
+    which = ends[four, None] - np.arange(4, 0, -1)
+    at, light, weight = places[which], values[which], weights[which].sum(axis=1)
+    x, y = np.moveaxis(np.sign(at - at.mean(axis=1, keepdims=True)), 2, 0)[..., None]
     # what is not known is not bent: it is told as such elsewhere
-    for channel in np.where(np.isfinite(values), values, 0.0).T:
-        slope = sum(np.abs(added(owner, side * channel, count)) for side in sides)
-        twist = np.abs(added(owner, sides[0] * sides[1] * channel, count))
-        size = np.zeros(count)
-        np.maximum.at(size, owner, np.abs(channel))
-        curved = np.divide(slope * slope, 4.0 * size, out=np.zeros(count), where=size > 0.0)
-        found = np.maximum(found, 0.25 * np.maximum(twist, curved))
-    return np.where(nodes == 4, found * np.abs(added(owner, weights, count)), 0.0)
+    light = np.where(np.isfinite(light), light, 0.0)
+    slope = np.abs((x * light).sum(axis=1)) + np.abs((y * light).sum(axis=1))
+    twist, size = np.abs((x * y * light).sum(axis=1)), np.abs(light).max(axis=1)
+    curved = np.divide(slope * slope, 4.0 * size, out=np.zeros_like(slope), where=size > 0.0)
+    found = np.zeros(count)
+    found[four] = 0.25 * np.maximum(twist, curved).max(axis=1, initial=0.0) * np.abs(weight)
+    return found
 
 
 def at_corners(places: Array) -> Array:
