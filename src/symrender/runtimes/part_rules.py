@@ -13,7 +13,7 @@ from symrender.jit.records import Table
 from symrender.quadrature.line_errors import tail_error
 from symrender.radiometric.pixels.records import COARSE, CUT, DENSE, DENSE_CUT, DENSER, SMOOTH, Part
 from symrender.radiometric.vectors import Array
-from symrender.runtimes.part_states import Ints, added
+from symrender.runtimes.part_states import Ints
 from symrender.runtimes.pixel_blocks import rule_of
 
 TOLD: Final = 4
