@@ -50,51 +50,36 @@ PATTERNS = {
 }
 
 HAND_WRITTEN: dict[str, dict[str, int]] = {
-    "unit offset": {
-        "chambers/highlights.py": 3,
-        "chambers/traces.py": 1,
-        "quadrature/disk_points.py": 3,
-        "quadrature/light_nodes.py": 2,
-    },
-    "blinn": {
-        "quadrature/disk_points.py": 1,
-        "quadrature/light_nodes.py": 1,
-    },
-    "phong": {
-        "chambers/highlights.py": 1,
-        "quadrature/disk_refined.py": 1,
-        "quadrature/light_nodes.py": 1,
-    },
     "lobe density": {
+        "adjoint/lobe_mass.py": 3,
         "chambers/lobes/density.py": 1,
         "chambers/lobes/mass.py": 1,
-        "adjoint/lobe_mass.py": 3,
     },
     "log cosine": {
-        "chambers/lobes/mass.py": 1,
         "adjoint/lobe_mass.py": 4,
+        "chambers/lobes/mass.py": 1,
     },
     "normaliser": {
-        "chambers/lobes/mass.py": 1,
         "adjoint/lobe_mass.py": 1,
+        "chambers/lobes/mass.py": 1,
     },
     "lobe mass": {
-        "chambers/lobes/mass.py": 2,
-        "chambers/lobes/lattice.py": 1,
         "adjoint/lobe_mass.py": 4,
+        "chambers/lobes/lattice.py": 1,
+        "chambers/lobes/mass.py": 2,
     },
     "polar coordinate": {
-        "certify/floor_point.py": 1,
         "adjoint/walls.py": 2,
+        "certify/floor_point.py": 1,
     },
     "floor phase": {
+        "adjoint/grid.py": 1,
         "quadrature/grid_blocks.py": 2,
         "quadrature/split_grid.py": 1,
-        "adjoint/grid.py": 1,
     },
     "sphere place": {
-        "chambers/highlights.py": 1,
         "adjoint/walls.py": 2,
+        "chambers/highlights.py": 1,
         "quadrature/split_line.py": 2,
     },
     "sphere measure": {
@@ -102,25 +87,25 @@ HAND_WRITTEN: dict[str, dict[str, int]] = {
         "quadrature/split_line.py": 1,
     },
     "floor place": {
+        "adjoint/walls.py": 1,
         "chambers/line.py": 1,
         "chambers/place.py": 1,
-        "adjoint/walls.py": 1,
         "quadrature/split_line.py": 1,
     },
     "silhouette": {
         "adjoint/walls.py": 1,
     },
     "terminator": {
-        "chambers/tangencies.py": 1,
         "adjoint/walls.py": 1,
+        "chambers/tangencies.py": 1,
     },
     "shadow": {
-        "chambers/place.py": 1,
         "adjoint/walls.py": 1,
+        "chambers/place.py": 1,
     },
     "disk frame": {
-        "quadrature/light_points.py": 1,
         "adjoint/lights.py": 1,
+        "quadrature/light_points.py": 1,
     },
 }
 

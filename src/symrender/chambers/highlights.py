@@ -26,6 +26,7 @@ from symrender.chambers.records import Box
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
+from symrender.leaves import values
 from symrender.scene.arrays import CUT, EYE, PHONG
 
 Array = npt.NDArray[np.float64]
@@ -78,11 +79,8 @@ def chord_about(
         vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
     else:
         vx, vy, vz = chart.point[0] - qx, chart.point[1] - qy, chart.point[2] - qz
-    far_l = math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
-    far_v = math.sqrt(max(1e-300, vx * vx + vy * vy + vz * vz))
-    by_l, by_v = 1.0 / far_l, 1.0 / far_v
-    lx, ly, lz = lx * by_l, ly * by_l, lz * by_l
-    vx, vy, vz = vx * by_v, vy * by_v, vz * by_v
+    lx, ly, lz, far_l, _ = values.heading(lx, ly, lz)
+    vx, vy, vz, far_v, _ = values.heading(vx, vy, vz)
     a, b = chord_of(reach, far_l), chord_of(reach, far_v)
     wide = a
     if p.radius > 0.0:
@@ -92,18 +90,18 @@ def chord_about(
     if shading.terminator == CUT and facing + turn + wide < 0.0:
         return 2.0, 0.0, 0.0
     if shading.model == PHONG:
-        dx, dy, dz = 2.0 * facing * nx - lx - vx, 2.0 * facing * ny - ly - vy, 2.0 * facing * nz - lz - vz
+        rx, ry, rz = values.mirror_direction(-lx, -ly, -lz, nx, ny, nz)
+        square = values.lobe_chord(rx, ry, rz, vx, vy, vz)
         varies, most = 2.0 * turn + a + b, 2.0 * turn + wide + b
     else:
-        hx, hy, hz = lx + vx, ly + vy, lz + vz
-        inv = 1.0 / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
+        hx, hy, hz, _, inv = values.heading(lx + vx, ly + vy, lz + vz)
         t, u = (a + b) * inv, (wide + b) * inv
         if not t < 1.0:
             return 0.0, math.inf, 0.0
-        dx, dy, dz = hx * inv - nx, hy * inv - ny, hz * inv - nz
+        square = values.lobe_chord(hx, hy, hz, nx, ny, nz)
         varies = turn + t * (1.0 + 0.4142135623730951 * t * t)
         most = turn + u * (1.0 + 0.4142135623730951 * u * u) if u < 1.0 else 2.0
-    return math.sqrt(dx * dx + dy * dy + dz * dz), varies, max(0.0, most - varies)
+    return math.sqrt(square), varies, max(0.0, most - varies)
 
 
 @inlined
@@ -117,16 +115,14 @@ def slope_towards(
         vx, vy, vz = view.eye[0] - qx, view.eye[1] - qy, view.eye[2] - qz
     else:
         vx, vy, vz = chart.point[0] - qx, chart.point[1] - qy, chart.point[2] - qz
-    by_l = 1.0 / math.sqrt(max(1e-300, lx * lx + ly * ly + lz * lz))
-    by_v = 1.0 / math.sqrt(max(1e-300, vx * vx + vy * vy + vz * vz))
-    lx, ly, lz = lx * by_l, ly * by_l, lz * by_l
-    vx, vy, vz = vx * by_v, vy * by_v, vz * by_v
+    lx, ly, lz, _, by_l = values.heading(lx, ly, lz)
+    vx, vy, vz, _, by_v = values.heading(vx, vy, vz)
     ul, uv = ux * lx + uy * ly + uz * lz, ux * vx + uy * vy + uz * vz
     turns = by_l * math.sqrt(max(0.0, 1.0 - ul * ul)) + by_v * math.sqrt(max(0.0, 1.0 - uv * uv))
     if phong:
         return turns
-    hx, hy, hz = lx + vx, ly + vy, lz + vz
-    return turns / math.sqrt(max(1e-300, hx * hx + hy * hy + hz * hz))
+    _, _, _, _, by_h = values.heading(lx + vx, ly + vy, lz + vz)
+    return turns * by_h
 
 
 @inlined

@@ -25,8 +25,8 @@ def eye_view_rows(start: int, stop: int, eye_x: float, eye_y: float, eye_z: floa
         offset_x = eye_x - place_x
         offset_y = eye_y - place_y
         offset_z = eye_z - place_z
-        t1 = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
-        inverse = 1.0 / t1
+        far = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
+        inverse = 1.0 / far
         nodes.toward[0, i] = offset_x * inverse
         nodes.toward[1, i] = offset_y * inverse
         nodes.toward[2, i] = offset_z * inverse

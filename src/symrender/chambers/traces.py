@@ -37,6 +37,7 @@ from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held
 from symrender.jit.records import Table
+from symrender.leaves import values
 from symrender.scene.arrays import CUT
 
 Array = npt.NDArray[np.float64]
@@ -258,9 +259,7 @@ def passes_lobe(row: Wall, beyond: bool, view: View, work: Work) -> bool:
                 # it ends somewhere before here
                 return True
             continue
-        dx, dy, dz = qx - chart.point[0], qy - chart.point[1], qz - chart.point[2]
-        inv = 1.0 / math.sqrt(max(1e-300, dx * dx + dy * dy + dz * dz))
-        dx, dy, dz = dx * inv, dy * inv, dz * inv
+        dx, dy, dz, _, _ = values.heading(qx - chart.point[0], qy - chart.point[1], qz - chart.point[2])
         along = 0.0
         for a in range(3):
             axis = chart.lobe_cos * chart.pole[a] + chart.lobe_sin * chart.e1[a]

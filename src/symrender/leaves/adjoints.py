@@ -23,14 +23,14 @@ def eye_view_adjoint(
     offset_x = eye_x - place_x
     offset_y = eye_y - place_y
     offset_z = eye_z - place_z
-    t1 = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
-    inverse = 1.0 / t1
-    t2 = (view_z_weight * offset_z + view_y_weight * offset_y + view_x_weight * offset_x) * inverse
-    t3 = t2 * inverse * inverse
-    t4 = view_z_weight * inverse - t3 * offset_z
-    t5 = view_y_weight * inverse - t3 * offset_y
-    t6 = view_x_weight * inverse - t3 * offset_x
-    return offset_x * inverse, offset_y * inverse, offset_z * inverse, t6, t5, t4, -t6, -t5, -t4
+    far = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
+    inverse = 1.0 / far
+    t1 = (view_z_weight * offset_z + view_y_weight * offset_y + view_x_weight * offset_x) * inverse
+    t2 = t1 * inverse * inverse
+    t3 = view_z_weight * inverse - t2 * offset_z
+    t4 = view_y_weight * inverse - t2 * offset_y
+    t5 = view_x_weight * inverse - t2 * offset_x
+    return offset_x * inverse, offset_y * inverse, offset_z * inverse, t5, t4, t3, -t5, -t4, -t3
 
 
 @inlined

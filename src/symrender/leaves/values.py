@@ -13,6 +13,14 @@ from symrender.leaves.gleams import gleam
 
 
 @inlined
+def heading(offset_x: float, offset_y: float, offset_z: float) -> tuple[float, float, float, float, float]:
+    """(unit vector along an offset, its length, 1 over that)."""
+    far = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
+    inverse = 1.0 / far
+    return offset_x * inverse, offset_y * inverse, offset_z * inverse, far, inverse
+
+
+@inlined
 def eye_view(
     eye_x: float, eye_y: float, eye_z: float, place_x: float, place_y: float, place_z: float,
 ) -> tuple[float, float, float]:
@@ -20,8 +28,8 @@ def eye_view(
     offset_x = eye_x - place_x
     offset_y = eye_y - place_y
     offset_z = eye_z - place_z
-    t1 = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
-    inverse = 1.0 / t1
+    far = math.sqrt(max(offset_x * offset_x + offset_y * offset_y + offset_z * offset_z, 1e-300))
+    inverse = 1.0 / far
     return offset_x * inverse, offset_y * inverse, offset_z * inverse
 
 
@@ -82,6 +90,28 @@ def blinn_square(
     return (
         light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, t3,
         t3 * t3 / max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300),
+    )
+
+
+@inlined
+def blinn_glow(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+    view_x: float, view_y: float, view_z: float,
+) -> tuple[float, float]:
+    """(N.l, (N.h)^2), the second 0 where N.h is not positive."""
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
+    lift = max(normal_x * half_x + normal_y * half_y + normal_z * half_z, 0.0)
+    return (
+        light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z,
+        lift * lift / max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300),
     )
 
 

@@ -17,6 +17,7 @@ from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.chambers.records import NODES, LightPoint, Nodes
 from symrender.chambers.row_powers import powers
 from symrender.jit.marks import jitable
+from symrender.leaves import values
 from symrender.quadrature.gauss import DISK_STARTS
 from symrender.quadrature.node_rows import whole_vectors
 
@@ -71,28 +72,22 @@ def add_points(
         for i in range(m):
             a, c = b.across[0, i], b.across[1, i]
             lx, ly, lz = yx + a * e1x + c * e2x, yy + a * e1y + c * e2y, yz + a * e1z + c * e2z
-            inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-            b.cosines[i] += share * (lx * nx + ly * ny + lz * nz) * inv
+            b.cosines[i] += share * values.lambert(lx, ly, lz, nx, ny, nz)
         return
     if gleam.phong:
-        twice = 2.0 * (nx * vx + ny * vy + nz * vz)
         for i in range(m):
             a, c = b.across[0, i], b.across[1, i]
             lx, ly, lz = yx + a * e1x + c * e2x, yy + a * e1y + c * e2y, yz + a * e1z + c * e2z
-            inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-            cosine = (lx * nx + ly * ny + lz * nz) * inv
+            cosine, base = values.phong(lx, ly, lz, nx, ny, nz, vx, vy, vz)
             b.cosines[i] += share * cosine
-            b.radix[i] = min(1.0, max(0.0, twice * cosine - (lx * vx + ly * vy + lz * vz) * inv))
+            b.radix[i] = min(1.0, max(0.0, base))
     else:
         for i in range(m):
             a, c = b.across[0, i], b.across[1, i]
             lx, ly, lz = yx + a * e1x + c * e2x, yy + a * e1y + c * e2y, yz + a * e1z + c * e2z
-            inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-            lx, ly, lz = lx * inv, ly * inv, lz * inv
-            b.cosines[i] += share * (lx * nx + ly * ny + lz * nz)
-            hx, hy, hz = lx + vx, ly + vy, lz + vz
-            half = max(0.0, hx * nx + hy * ny + hz * nz)
-            b.radix[i] = min(1.0, half * half / max(hx * hx + hy * hy + hz * hz, 1e-300))
+            cosine, square = values.blinn_glow(lx, ly, lz, nx, ny, nz, vx, vy, vz)
+            b.cosines[i] += share * cosine
+            b.radix[i] = min(1.0, square)
     highlights(0, m, b, gleam.phong, gleam.shininess)
     for i in range(m):
         b.gleams[i] += share * b.power[i]

@@ -18,6 +18,7 @@ from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.chambers.records import Curve, LightPoint
 from symrender.chambers.work import CHORD_ROOM, View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
+from symrender.leaves.values import mirror_direction
 from symrender.quadrature.disk_chords import chord_breaks, place_crossings, place_events, shown, turn_curves
 from symrender.quadrature.disk_curves import EDGE
 from symrender.quadrature.disk_term import highlight_lean
@@ -58,7 +59,7 @@ def edge_curve(
     cosine = nx * vx + ny * vy + nz * vz
     gx, gy, gz = nx, ny, nz
     if phong:
-        gx, gy, gz = 2.0 * cosine * nx - vx, 2.0 * cosine * ny - vy, 2.0 * cosine * nz - vz
+        gx, gy, gz = mirror_direction(-vx, -vy, -vz, nx, ny, nz)
     g0 = yx * gx + yy * gy + yz * gz
     g1 = rho * (gx * p.e1[0] + gy * p.e1[1] + gz * p.e1[2])
     g2 = rho * (gx * p.e2[0] + gy * p.e2[1] + gz * p.e2[2])
@@ -83,8 +84,8 @@ def may_shine(
     far = math.sqrt(x * x + y * y + z * z)
     if far <= reach or shininess == 0.0:
         return 1.0
-    twice = 2.0 * (nx * vx + ny * vy + nz * vz)
-    cosine = (x * (twice * nx - vx) + y * (twice * ny - vy) + z * (twice * nz - vz)) / far
+    gx, gy, gz = mirror_direction(-vx, -vy, -vz, nx, ny, nz)
+    cosine = (x * gx + y * gy + z * gz) / far
     apart = math.acos(max(-1.0, min(1.0, cosine))) - math.asin(reach / far) - 1e-7
     if apart <= 0.0:
         return 1.0

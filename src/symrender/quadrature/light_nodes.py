@@ -28,6 +28,7 @@ from symrender.chambers.senders import sender_of
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
+from symrender.leaves import values
 from symrender.quadrature.disk_node import (
     FAR,
     GROWTH,
@@ -191,29 +192,24 @@ def disk_sums(
         if not gleaming:
             for i in range(start, stop):
                 lx, ly, lz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
-                dot = lx * b.normal[0, i] + ly * b.normal[1, i] + lz * b.normal[2, i]
-                b.cosines[i] += w * dot / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
+                b.cosines[i] += w * values.lambert(lx, ly, lz, b.normal[0, i], b.normal[1, i], b.normal[2, i])
             continue
         if phong:
             for i in range(start, stop):
                 lx, ly, lz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
                 nx, ny, nz = b.normal[0, i], b.normal[1, i], b.normal[2, i]
                 vx, vy, vz = b.toward[0, i], b.toward[1, i], b.toward[2, i]
-                inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-                cosine = (lx * nx + ly * ny + lz * nz) * inv
-                mirrored = 2.0 * cosine * (nx * vx + ny * vy + nz * vz) - (lx * vx + ly * vy + lz * vz) * inv
+                cosine, base = values.phong(lx, ly, lz, nx, ny, nz, vx, vy, vz)
                 b.cosines[i] += w * cosine
-                b.radix[i] = min(1.0, max(0.0, mirrored))
+                b.radix[i] = min(1.0, max(0.0, base))
         else:
             for i in range(start, stop):
                 lx, ly, lz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
                 nx, ny, nz = b.normal[0, i], b.normal[1, i], b.normal[2, i]
-                inv = 1.0 / math.sqrt(max(lx * lx + ly * ly + lz * lz, 1e-300))
-                lx, ly, lz = lx * inv, ly * inv, lz * inv
-                hx, hy, hz = lx + b.toward[0, i], ly + b.toward[1, i], lz + b.toward[2, i]
-                half = max(0.0, hx * nx + hy * ny + hz * nz)
-                b.cosines[i] += w * (lx * nx + ly * ny + lz * nz)
-                b.radix[i] = min(1.0, half * half / max(hx * hx + hy * hy + hz * hz, 1e-300))
+                vx, vy, vz = b.toward[0, i], b.toward[1, i], b.toward[2, i]
+                cosine, square = values.blinn_glow(lx, ly, lz, nx, ny, nz, vx, vy, vz)
+                b.cosines[i] += w * cosine
+                b.radix[i] = min(1.0, square)
         highlights(start, stop, b, phong, shininess)
         for i in range(start, stop):
             b.gleams[i] += w * b.power[i]

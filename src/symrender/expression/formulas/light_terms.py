@@ -9,16 +9,21 @@ from __future__ import annotations
 
 from typing import Final
 
-from symrender.expression.elementary import Real, clamp, gleam, length, positive, ratio, sqrt
+from symrender.expression.elementary import Real, clamp, gleam, length, positive, ramp, ratio, sqrt
 from symrender.expression.leaf import Leaf, Rows
 from symrender.expression.vectors import Vec3, dot, norm2
 
 
+def heading(offset: Vec3) -> tuple[Vec3, Real, Real]:
+    """(unit vector along an offset, its length, 1 over that)."""
+    far = length(norm2(offset))
+    inverse = 1 / far
+    return offset * inverse, far, inverse
+
+
 def eye_view(eye: Vec3, place: Vec3) -> Vec3:
     """Unit vector from a place to the eye, along which its highlight is seen (``highlight_view: eye``)."""
-    offset = eye - place
-    inverse = 1 / length(norm2(offset))
-    return offset * inverse
+    return heading(eye - place)[0]
 
 
 def ray_view(direction: Vec3) -> Vec3:
@@ -61,6 +66,15 @@ def blinn_square(to_light: Vec3, normal: Vec3, view: Vec3) -> tuple[Real, Real, 
     light = to_light * inverse
     half = half_vector(light, view)
     return dot(light, normal), dot(normal, half), blinn_cosine2(normal, half)
+
+
+def blinn_glow(to_light: Vec3, normal: Vec3, view: Vec3) -> tuple[Real, Real]:
+    """(N.l, (N.h)^2), the second 0 where N.h is not positive."""
+    inverse = 1 / length(norm2(to_light))
+    light = to_light * inverse
+    half = half_vector(light, view)
+    lift = ramp(dot(normal, half))
+    return dot(light, normal), lift * lift / positive(norm2(half))
 
 
 def phong(to_light: Vec3, normal: Vec3, view: Vec3) -> tuple[Real, Real]:
@@ -124,12 +138,14 @@ _TERMS: Final = (("cosine", "clear", "scale"), ("base", "radix", "set"))
 _FREE: Final = ("to_light", "normal", "view", "shininess")
 
 LEAVES: Final = (
+    Leaf(heading, ("direction:3", "far", "inverse")),
     Leaf(eye_view, ("view:3",), tangents=(), adjoint=("eye", "place"),
          rows=Rows((("place", "place"),), (("view", "toward", "set"),))),
     Leaf(ray_view, ("view:3",)),
     Leaf(lambert, ("cosine",), slopes=("to_light", "normal"), pages=True),
     Leaf(blinn, ("cosine", "base"), pages=True),
     Leaf(blinn_square, ("cosine", "lift", "square"), pages=True),
+    Leaf(blinn_glow, ("cosine", "square")),
     Leaf(phong, ("cosine", "base"), pages=True),
     Leaf(blinn_term, ("cosine", "highlight"), slopes=_FREE, adjoint=_FREE, pages=True),
     Leaf(phong_term, ("cosine", "highlight"), slopes=_FREE, adjoint=_FREE, pages=True),
