@@ -50,24 +50,6 @@ PATTERNS = {
 }
 
 HAND_WRITTEN: dict[str, dict[str, int]] = {
-    "lobe density": {
-        "adjoint/lobe_mass.py": 3,
-        "chambers/lobes/density.py": 1,
-        "chambers/lobes/mass.py": 1,
-    },
-    "log cosine": {
-        "adjoint/lobe_mass.py": 4,
-        "chambers/lobes/mass.py": 1,
-    },
-    "normaliser": {
-        "adjoint/lobe_mass.py": 1,
-        "chambers/lobes/mass.py": 1,
-    },
-    "lobe mass": {
-        "adjoint/lobe_mass.py": 4,
-        "chambers/lobes/lattice.py": 1,
-        "chambers/lobes/mass.py": 2,
-    },
     "polar coordinate": {
         "adjoint/walls.py": 2,
         "certify/floor_point.py": 1,

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from symrender.chambers.lobes.mass import NODES, graded, last_ring, ring_node
 from symrender.jit.marks import jitable
+from symrender.leaves import slopes, values
 
 Array = npt.NDArray[np.float64]
 
@@ -19,14 +20,10 @@ _NEGLIGIBLE = 42.0
 @jitable
 def normaliser_slopes(n: float, theta_max: float) -> tuple[float, float]:
     """Slopes in n and in theta_max of log W, W = 2 pi (1 - cos^u theta_max)/u, u = n + 1."""
-    u = n + 1.0
-    if theta_max >= 1.5707963267948966:
-        return -1.0 / u, 1.0 if n == 0.0 else 0.0
-    half = math.sin(0.5 * theta_max)
-    log = math.log1p(-2.0 * half * half)
-    missing = -math.expm1(u * log)
-    power = math.exp(n * log)
-    return -1.0 / u - power * math.exp(log) * log / missing, u * power * math.sin(theta_max) / missing
+    log_rim = values.log_rim(theta_max)
+    log_w, _, by_n = slopes.log_normaliser_slopes(log_rim, n)
+    # W grows by its rim: of its slope in log cos theta_max a difference would leave few digits where little is there
+    return by_n, 2.0 * math.pi * math.sin(theta_max) * values.power_density(log_rim, n, log_w)
 
 
 @jitable
@@ -40,10 +37,8 @@ def horizon_slopes(n: float, theta_max: float, alpha: float, share: float, gauss
     if alpha + rim <= 0.5 * math.pi:
         return 0.0, 0.0, 0.0
     by_n, by_theta = normaliser_slopes(n, theta_max)
-    half = math.sin(0.5 * rim)
-    log_rim = math.log1p(-2.0 * half * half) if rim < 1.5707963267948966 else -1e300
-    u = n + 1.0
-    scale = u / (2.0 * math.pi * -math.expm1(u * log_rim))
+    log_rim = values.log_rim(rim)
+    scale = 1.0 / values.normaliser(log_rim, n)
     sa, ca = math.sin(alpha), math.cos(alpha)
 
     last = math.acos(max(0.0, min(1.0, math.cos(rim) / sa))) if rim < 1.5707963267948966 else 0.5 * math.pi
@@ -53,14 +48,15 @@ def horizon_slopes(n: float, theta_max: float, alpha: float, share: float, gauss
     for node in range(NODES):
         at, weight = graded(node, gauss)
         along = math.cos(last * at)
-        tilt -= 2.0 * last * weight * scale * math.exp(n * math.log(max(sa * along, 1e-300))) * along
+        tilt -= 2.0 * last * weight * scale * values.cosine_power(max(sa * along, 1e-300), n) * along
 
     # rings below ``low`` are whole, those up to ``high`` cut by the horizon
     low, high = 0.5 * math.pi - alpha, rim
-    inner = 0.0
+    whole = 0.0
     if low > 0.0:
-        log_low = math.log1p(-2.0 * math.sin(0.5 * low) ** 2)
-        inner = -math.exp(u * log_low) * log_low / -math.expm1(u * log_rim)
+        # d/dn of what they hold over the normaliser, less the normaliser's own slope
+        mass, _, more = slopes.lobe_mass_slopes(values.log_rim(low), n)
+        whole = (more - mass / (n + 1.0)) / values.lobe_mass(log_rim, n)
     low = abs(low)
     high = min(high, last_ring(n, low, high))
     logs = 0.0
@@ -70,11 +66,6 @@ def horizon_slopes(n: float, theta_max: float, alpha: float, share: float, gauss
             if ct > 0.0:
                 arc = math.acos(max(-1.0, min(1.0, -ct * ca / max(st * sa, 1e-300))))
                 logs += weight * scale * math.log1p(-st * st / (1.0 + ct)) * 2.0 * arc
-    # of the whole rings: d/dn of (1 - c^u) over the normaliser, less the normaliser's own slope
-    whole = 0.0
-    if 0.5 * math.pi - alpha > 0.0:
-        log_low = math.log1p(-2.0 * math.sin(0.5 * (0.5 * math.pi - alpha)) ** 2)
-        whole = inner + -math.expm1(u * log_low) / -math.expm1(u * log_rim) * (-1.0 / u)
     rim_arc = math.acos(max(-1.0, min(1.0, -math.cos(rim) * ca / max(math.sin(rim) * sa, 1e-300))))
-    on_rim = scale * math.exp(n * log_rim) * math.sin(rim) * 2.0 * rim_arc if log_rim > -1e299 else 0.0
+    on_rim = values.power_density(log_rim, n, values.log_normaliser(log_rim, n)) * math.sin(rim) * 2.0 * rim_arc
     return logs + whole - by_n * share, on_rim - by_theta * share, tilt

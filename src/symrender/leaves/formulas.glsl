@@ -181,7 +181,8 @@ float log_power(float depth, float exponent) {
 float lobe_density(float square, float exponent, float log_normaliser) {
   float depth = 0.5 * square;
   if (!(depth < 1.0)) return 0.0;
-  return own_exp(exponent * own_log1p(-depth) - log_normaliser);
+  float log_cosine = own_log1p(-depth);
+  return own_exp(exponent * log_cosine - log_normaliser);
 }
 
 // log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis.

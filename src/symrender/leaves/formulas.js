@@ -107,7 +107,8 @@ function log_power(depth, exponent) {
 function lobe_density(square, exponent, log_normaliser) {
   const depth = 0.5 * square;
   if (!(depth < 1.0)) return 0.0;
-  return Math.exp(exponent * Math.log1p(-depth) - log_normaliser);
+  const log_cosine = Math.log1p(-depth);
+  return Math.exp(exponent * log_cosine - log_normaliser);
 }
 
 // log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis.

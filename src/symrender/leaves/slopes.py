@@ -123,9 +123,9 @@ def lobe_density_slopes(square: float, exponent: float, log_normaliser: float) -
     depth = 0.5 * square
     if not depth < 1.0:
         return 0.0, 0.0, 0.0, 0.0
-    t1 = math.log1p(-depth)
-    t2 = math.exp(exponent * t1 - log_normaliser)
-    return t2, -(t2 * exponent * (1.0 / (1.0 - depth)) * 0.5), t2 * t1, -t2
+    log_cosine = math.log1p(-depth)
+    t1 = math.exp(exponent * log_cosine - log_normaliser)
+    return t1, -(t1 * exponent * (1.0 / (1.0 - depth)) * 0.5), t1 * log_cosine, -t1
 
 
 @inlined

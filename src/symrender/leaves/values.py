@@ -292,7 +292,14 @@ def lobe_density(square: float, exponent: float, log_normaliser: float) -> float
     depth = 0.5 * square
     if not depth < 1.0:
         return 0.0
-    return math.exp(exponent * math.log1p(-depth) - log_normaliser)
+    log_cosine = math.log1p(-depth)
+    return math.exp(exponent * log_cosine - log_normaliser)
+
+
+@inlined
+def power_density(log_cosine: float, exponent: float, log_normaliser: float) -> float:
+    """cos^n theta / W of log cos theta."""
+    return math.exp(exponent * log_cosine - log_normaliser)
 
 
 @inlined
@@ -302,12 +309,27 @@ def cosine_power(cosine: float, exponent: float) -> float:
 
 
 @inlined
+def angle_power(angle: float, exponent: float) -> float:
+    """cos^n t of an angle less than pi/2, whose digits it keeps however small it is."""
+    half = math.sin(0.5 * angle)
+    return math.exp(exponent * math.log1p(-2.0 * half * half))
+
+
+@inlined
 def log_rim(theta_max: float) -> float:
     """log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis."""
     if not theta_max < 1.5707963267948966:
         return -1e+300
     half = math.sin(0.5 * theta_max)
     return math.log1p(-2.0 * half * half)
+
+
+@inlined
+def log_left(taken: float) -> float:
+    """log(1 - t), of a cosine that has fallen by the share t; ``NO_RIM`` where nothing is left."""
+    if not taken < 1.0:
+        return -1e+300
+    return math.log1p(-taken)
 
 
 @inlined

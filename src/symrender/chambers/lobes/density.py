@@ -44,7 +44,7 @@ def log_fall(versine: float, lobe: Lobe) -> float:
 @inlined
 def density_of(log: float, lobe: Lobe) -> float:
     """The density where the logarithm of cos(theta) is ``log``."""
-    return math.exp(lobe.exponent * log - lobe.log_normaliser)
+    return values.power_density(log, lobe.exponent, lobe.log_normaliser)
 
 
 @inlined

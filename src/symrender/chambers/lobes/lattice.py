@@ -8,6 +8,7 @@ from typing import Final
 from symrender.chambers.lobes.density import density_of
 from symrender.chambers.lobes.record import Lobe
 from symrender.jit.marks import inlined
+from symrender.leaves import values
 
 SHARPEST: Final = 1e6
 """Exponent above which the lobe's power has lost digits."""
@@ -37,5 +38,4 @@ def ring_mass(top: float, rest: float, span: float, lobe: Lobe) -> float:
 
     It begins where the density is ``top`` and the cosine ``rest``, and ends where that has fallen by ``span`` of it.
     """
-    ring = -math.expm1((lobe.exponent + 1.0) * math.log1p(-span)) if span < 1.0 else 1.0
-    return 2.0 * math.pi * top * rest * ring / (lobe.exponent + 1.0)
+    return top * rest * values.normaliser(values.log_left(span), lobe.exponent)

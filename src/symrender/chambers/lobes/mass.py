@@ -68,7 +68,7 @@ def ring_node(node: int, low: float, high: float, n: float, gauss: Array) -> tup
     at, weight = graded(node, gauss)
     theta = low + (high - low) * at
     st, ct = math.sin(theta), math.cos(theta)
-    density = math.exp(n * math.log1p(-2.0 * math.sin(0.5 * theta) ** 2)) if ct > 0.0 else 0.0
+    density = values.angle_power(theta, n) if ct > 0.0 else 0.0
     return weight * (high - low) * density * st, st, ct
 
 
@@ -87,13 +87,11 @@ def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Arra
     if full > 0.0:
         share = ring_share(n, 0.0, min(full, theta_max), theta_max)
     low, high = abs(full), min(theta_max, alpha + beta, 2.0 * math.pi - alpha - beta)
-    u = n + 1.0
     high = last_ring(n, low, high)
     high = min(high, theta_max)
     if not low < high:
         return share
-    mc = values.log_rim(theta_max)
-    scale = u / (2.0 * math.pi * -math.expm1(u * mc))
+    scale = 1.0 / values.normaliser(values.log_rim(theta_max), n)
     for node in range(NODES):
         weight, st, ct = ring_node(node, low, high, n, gauss)
         theta = math.atan2(st, ct)
@@ -113,12 +111,12 @@ def facing_mass(n: float, theta_max: float, beta: float, gauss: Array) -> float:
     """
     u = n + 1.0
     mc = values.log_rim(theta_max)
-    mass = -math.expm1(u * mc)
+    mass = values.lobe_mass(mc, n)
     full = 0.5 * math.pi - beta
     cb, sb = math.cos(beta), math.sin(beta)
     share = 0.0
     if full > 0.0:
-        share = ring_share(n + 1.0, 0.0, min(full, theta_max), theta_max) * -math.expm1((u + 1.0) * mc)
+        share = ring_share(n + 1.0, 0.0, min(full, theta_max), theta_max) * values.lobe_mass(mc, n + 1.0)
         share *= cb * u / ((u + 1.0) * mass)
     low, high = abs(full), theta_max
     high = last_ring(n, low, high)

@@ -33,10 +33,15 @@ def log_power(depth: Real, exponent: Real) -> Real:
     return exponent * log1p(-depth)
 
 
+def power_density(log_cosine: Real, exponent: Real, log_normaliser: Real) -> Real:
+    """cos^n theta / W of log cos theta."""
+    return exp(exponent * log_cosine - log_normaliser)
+
+
 def lobe_density(square: Real, exponent: Real, log_normaliser: Real) -> Real:
     """cos^n theta / W at a direction whose squared distance from m is ``square``; 0 below the plane across m."""
     depth = ratio(1, 2, square) * square
-    return where_positive(1 - depth, lambda: exp(log_power(depth, exponent) - log_normaliser), 0.0)
+    return where_positive(1 - depth, lambda: power_density(log1p(-depth), exponent, log_normaliser), 0.0)
 
 
 def cosine_power(cosine: Real, exponent: Real) -> Real:
@@ -50,9 +55,19 @@ def log_cosine(angle: Real) -> Real:
     return log1p(-2 * half * half)
 
 
+def angle_power(angle: Real, exponent: Real) -> Real:
+    """cos^n t of an angle less than pi/2, whose digits it keeps however small it is."""
+    return exp(exponent * log_cosine(angle))
+
+
 def log_rim(theta_max: Real) -> Real:
     """log cos theta_max; ``NO_RIM`` where the rim lies in the plane across the axis."""
     return where_positive(QUARTER - theta_max, lambda: log_cosine(theta_max), NO_RIM)
+
+
+def log_left(taken: Real) -> Real:
+    """log(1 - t), of a cosine that has fallen by the share t; ``NO_RIM`` where nothing is left."""
+    return where_positive(1 - taken, lambda: log1p(-taken), NO_RIM)
 
 
 def lobe_mass(log_cosine: Real, exponent: Real) -> Real:
@@ -93,8 +108,11 @@ LEAVES: Final = (
     Leaf(log_power, ("level",), pages=True),
     Leaf(lobe_density, ("density",), slopes=("square", "exponent", "log_normaliser"), pages=True,
          rows=Rows((("square", "chord"),), (("density", "power", "set"), ("density", "weight", "scale")))),
+    Leaf(power_density, ("density",)),
     Leaf(cosine_power, ("power",)),
+    Leaf(angle_power, ("power",)),
     Leaf(log_rim, ("log_cosine",), slopes=("theta_max",), pages=True),
+    Leaf(log_left, ("log_cosine",)),
     Leaf(lobe_mass, ("mass",), slopes=("log_cosine", "exponent"), pages=True),
     Leaf(normaliser, ("whole",), slopes=("log_cosine", "exponent")),
     Leaf(log_normaliser, ("log_normaliser",), slopes=("log_cosine", "exponent"), pages=True),
