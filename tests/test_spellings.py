@@ -49,47 +49,7 @@ PATTERNS = {
     "disk frame": r"np\.cross\(w, up\)",
 }
 
-HAND_WRITTEN: dict[str, dict[str, int]] = {
-    "polar coordinate": {
-        "adjoint/walls.py": 2,
-        "certify/floor_point.py": 1,
-    },
-    "floor phase": {
-        "adjoint/grid.py": 1,
-        "quadrature/grid_blocks.py": 2,
-        "quadrature/split_grid.py": 1,
-    },
-    "sphere place": {
-        "adjoint/walls.py": 2,
-        "chambers/highlights.py": 1,
-        "quadrature/split_line.py": 2,
-    },
-    "sphere measure": {
-        "adjoint/walls.py": 1,
-        "quadrature/split_line.py": 1,
-    },
-    "floor place": {
-        "adjoint/walls.py": 1,
-        "chambers/line.py": 1,
-        "chambers/place.py": 1,
-        "quadrature/split_line.py": 1,
-    },
-    "silhouette": {
-        "adjoint/walls.py": 1,
-    },
-    "terminator": {
-        "adjoint/walls.py": 1,
-        "chambers/tangencies.py": 1,
-    },
-    "shadow": {
-        "adjoint/walls.py": 1,
-        "chambers/place.py": 1,
-    },
-    "disk frame": {
-        "adjoint/lights.py": 1,
-        "quadrature/light_points.py": 1,
-    },
-}
+HAND_WRITTEN: dict[str, dict[str, int]] = {}
 
 
 def found() -> dict[str, dict[str, list[int]]]:

@@ -23,6 +23,7 @@ from symrender.adjoint.walls import BRIGHT, DARK
 from symrender.adjoint.work import Charted, GridWork
 from symrender.chambers.work import View
 from symrender.jit.marks import inlined, jitable
+from symrender.leaves.values import floor_phases
 from symrender.quadrature.fall_off import most_floor_light
 from symrender.quadrature.floor_conics import floor_conics, may_cross
 from symrender.quadrature.gauss import step_of
@@ -247,7 +248,8 @@ def replay_grid(tol: float, own: int, max_evaluations: int, on: Charted, grid: G
         return 0.0
     px, py = chart.point[0] - floor.offset[0], chart.point[1] - floor.offset[1]
     whole, reach, far, east, north, beyond = grid_reach(REPLAY_REACH, on.lobe, view, work)
-    ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
+    across, down = floor_phases(px + east, py + north, cell, 0.0, 0.0)
+    ci, cj = math.floor(across), math.floor(down)
     lowest = 1.0 if (ci + cj) % 2 == 0 else -1.0
     passes, before = 0, math.inf
     while True:

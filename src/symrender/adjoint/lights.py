@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Final
 
@@ -11,7 +10,8 @@ import numpy.typing as npt
 
 from symrender.chambers.records import LightMove, LightPoint
 from symrender.jit.records import Grid, Table, copied, grid
-from symrender.quadrature.light_points import disk_frame, light_rows
+from symrender.leaves import tangents
+from symrender.quadrature.light_points import disk_frame, light_rows, up_beside
 from symrender.scene.arrays import DISK, SceneArrays
 from symrender.scene.records import Frame, Light
 from symrender.settings import EXACT_DISK
@@ -97,19 +97,8 @@ def _exact_tangents(arrays: SceneArrays, moves: Grid[Light]) -> Grid[LightMove]:
 
 
 def _frame_tangent(position: Array, target: Array, dposition: Array, dtarget: Array) -> tuple[Array, Array]:
-    """Derivative of ``disk_frame``: w = unit(target - L), e1 = unit(w x up), e2 = w x e1."""
-    away = target - position
-    far = math.sqrt(float(away @ away))
-    w = away / far
-    dw = _unit_tangent(w, far, dtarget - dposition)
-    up = np.array([0.0, 1.0, 0.0]) if abs(w[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
-    side = np.cross(w, up)
-    length = math.sqrt(float(side @ side))
-    e1 = side / length
-    de1 = _unit_tangent(e1, length, np.cross(dw, up))
-    return de1, np.cross(dw, e1) + np.cross(w, de1)
-
-
-def _unit_tangent(unit: Array, length: float, change: Array) -> Array:
-    moved: Array = (change - (change @ unit) * unit) / length
-    return moved
+    """Derivative of ``disk_frame``, of which a step of its light's place is one back of its target's."""
+    up = up_beside(position, target)
+    slopes = np.array(tangents.disk_frame_tangents(*position, *target, *up)).reshape(4, 9)[1:]
+    change = (dtarget - dposition) @ slopes
+    return change[3:6], change[6:]

@@ -36,6 +36,7 @@ from symrender.chambers.walls import (
 )
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.leaves import slopes, tangents, values
 from symrender.scene.arrays import CHECKER
 from symrender.scene.records import Sphere
 
@@ -103,46 +104,32 @@ def chart_place(x: float, c: float, s: float, chart: Chart, here: Place) -> tupl
 
     Returns the solid angle per dx dphi and its logarithm's slope in k. The pole itself is no place of a chart: x > 0.
     """
-    sx, cx = math.sin(x), math.cos(x)
+    at, by_x, by_chart = here.at, here.by_x, here.by_chart
+    e, f, p = chart.e1, chart.e2, chart.pole
+    ex, ey, ez = values.chart_across(c, s, e[0], e[1], e[2], f[0], f[1], f[2])
     if chart.shape_index < 0.0:
-        h = chart.height
-        t = sx / cx
+        (
+            at[HIT, 0], at[HIT, 1], at[HIT, 2], at[TOWARD, 0], at[TOWARD, 1], at[TOWARD, 2], measure,
+            by_x[HIT, 0], by_x[HIT, 1], by_x[HIT, 2], by_x[TOWARD, 0], by_x[TOWARD, 1], by_x[TOWARD, 2], _,
+            by_chart[HIT, 0], by_chart[HIT, 1], _, _, _, _, _,
+        ) = tangents.floor_sight_tangents(x, ex, ey, ez, p[0], p[1], p[2], chart.height)  # fmt: skip
+        # P rises, Q stays on the plane
+        by_chart[HIT, 2] = 0.0
         for a in range(3):
-            e = c * chart.e1[a] + s * chart.e2[a]
-            pole = chart.pole[a]
-            here.at[HIT, a] = h * (t * e + pole)
-            here.at[FACING, a] = 0.0
-            here.at[TOWARD, a] = cx * pole + sx * e
-            here.by_chart[HIT, a] = t * e
-            here.by_chart[FACING, a] = here.by_chart[TOWARD, a] = 0.0
-            here.by_x[HIT, a] = h / (cx * cx) * e
-            here.by_x[FACING, a] = 0.0
-            here.by_x[TOWARD, a] = cx * e - sx * pole
-            here.by_radius[a] = 0.0
-        here.at[FACING, 2] = 1.0
-        return sx, 0.0
-    k, r = chart.ratio, chart.radius
-    sb = k * sx
-    cb = math.sqrt(1.0 - sb * sb)
-    cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
-    beta_k, beta_x = sx / cb, k * cx / cb
-    for a in range(3):
-        e = c * chart.e1[a] + s * chart.e2[a]
-        pole = chart.pole[a]
-        across = cg * e + sg * pole
-        swing = cb * e - sb * pole
-        normal = sg * e - cg * pole
-        here.at[FACING, a] = normal
-        here.at[TOWARD, a] = cb * pole + sb * e
-        here.by_radius[a] = pole / k + normal
-        here.at[HIT, a] = r * here.by_radius[a]
-        here.by_chart[FACING, a] = -beta_k * across
-        here.by_chart[HIT, a] = -r * (pole / (k * k) + beta_k * across)
-        here.by_chart[TOWARD, a] = beta_k * swing
-        here.by_x[FACING, a] = (1.0 - beta_x) * across
-        here.by_x[HIT, a] = r * here.by_x[FACING, a]
-        here.by_x[TOWARD, a] = beta_x * swing
-    return k * k * sx * cx / cb, 2.0 / k + sb * sx / (cb * cb)
+            at[FACING, a] = by_x[FACING, a] = by_chart[FACING, a] = by_chart[TOWARD, a] = here.by_radius[a] = 0.0
+        at[FACING, 2] = 1.0
+        return measure, 0.0
+    (
+        at[HIT, 0], at[HIT, 1], at[HIT, 2], at[FACING, 0], at[FACING, 1], at[FACING, 2],
+        at[TOWARD, 0], at[TOWARD, 1], at[TOWARD, 2], measure,
+        by_x[HIT, 0], by_x[HIT, 1], by_x[HIT, 2], by_x[FACING, 0], by_x[FACING, 1], by_x[FACING, 2],
+        by_x[TOWARD, 0], by_x[TOWARD, 1], by_x[TOWARD, 2], _,
+        by_chart[HIT, 0], by_chart[HIT, 1], by_chart[HIT, 2],
+        by_chart[FACING, 0], by_chart[FACING, 1], by_chart[FACING, 2],
+        by_chart[TOWARD, 0], by_chart[TOWARD, 1], by_chart[TOWARD, 2], slope,
+        here.by_radius[0], here.by_radius[1], here.by_radius[2], _, _, _, _, _, _, _,
+    ) = tangents.sphere_sight_tangents(x, ex, ey, ez, p[0], p[1], p[2], chart.radius, chart.ratio)  # fmt: skip
+    return measure, slope / measure
 
 
 @jitable
@@ -183,6 +170,14 @@ def along_line(bar: Array, here: Place) -> float:
 
 
 @inlined
+def add_three(out: Array, at: int, x: float, y: float, z: float) -> None:
+    """Add a vector to three columns."""
+    out[at] += x
+    out[at + 1] += y
+    out[at + 2] += z
+
+
+@inlined
 def rim_gradient(here: Place, work: Work, lobe: Array, bar: Array, own: Array) -> None:
     """Gradients of w.m - cos(theta_max): ``bar`` in Q, N, w, the rest added to the zeroed columns ``own``."""
     for a in range(3):
@@ -215,31 +210,31 @@ def wall_gradient(
             if sphere:
                 own[AT_POINT + a] -= n
     elif tag == SILHOUETTE and kind not in (NORMAL, BALL):
-        far2 = 0.0
-        for a in range(3):
-            o = view.spheres[shape].center[a] - chart.point[a]
-            bar[TOWARD, a] = o
-            far2 += o * o
-        r = view.spheres[shape].radius
-        tangent = math.sqrt(far2 - r * r)
-        for a in range(3):
-            o = here.at[TOWARD, a] - bar[TOWARD, a] / tangent
-            own[balls + 4 * shape + a] += o
-            own[AT_POINT + a] -= o
-        own[balls + 4 * shape + 3] += r / tangent
+        w, o, p = here.at[TOWARD], view.spheres[shape].center, chart.point
+        _, bar[TOWARD, 0], bar[TOWARD, 1], bar[TOWARD, 2], cx, cy, cz, by_radius, px, py, pz = (
+            slopes.silhouette_level_slopes(
+                w[0], w[1], w[2], o[0], o[1], o[2], view.spheres[shape].radius, p[0], p[1], p[2]
+            )
+        )
+        add_three(own, balls + 4 * shape, cx, cy, cz)
+        own[balls + 4 * shape + 3] += by_radius
+        add_three(own, AT_POINT, px, py, pz)
     elif tag == SILHOUETTE:
-        for a in range(3):
-            o = here.at[HIT, a] + chart.point[a] - view.spheres[shape].center[a]
-            bar[HIT, a] = 2.0 * o
-            own[balls + 4 * shape + a] -= 2.0 * o
-        own[balls + 4 * shape + 3] -= 2.0 * view.spheres[shape].radius
+        q, o, p = here.at[HIT], view.spheres[shape].center, chart.point
+        _, bar[HIT, 0], bar[HIT, 1], bar[HIT, 2], cx, cy, cz, by_radius = slopes.ball_level_slopes(
+            q[0] + p[0], q[1] + p[1], q[2] + p[2], o[0], o[1], o[2], view.spheres[shape].radius
+        )
+        add_three(own, balls + 4 * shape, cx, cy, cz)
+        own[balls + 4 * shape + 3] += by_radius
     elif tag == TERMINATOR:
         j = chart.shape_index
-        for a in range(3):
-            bar[FACING, a] = view.points[shape].position[a] - chart.center[a]
-            own[LIGHTS + 6 * shape + a] += here.at[FACING, a]
-            own[balls + 4 * j + a] -= here.at[FACING, a]
-        own[balls + 4 * j + 3] -= 1.0
+        n, o, p = here.at[FACING], chart.center, view.points[shape].position
+        _, bar[FACING, 0], bar[FACING, 1], bar[FACING, 2], lx, ly, lz, cx, cy, cz, by_radius = (
+            slopes.terminator_level_slopes(n[0], n[1], n[2], p[0], p[1], p[2], o[0], o[1], o[2], chart.radius)
+        )
+        add_three(own, LIGHTS + 6 * shape, lx, ly, lz)
+        add_three(own, balls + 4 * j, cx, cy, cz)
+        own[balls + 4 * j + 3] += by_radius
     elif tag == TEXTURE_EDGE:
         _texture_gradient(row, here, view.spheres[chart.shape_index], chart, bar, own)
     elif kind == SHADOW:
@@ -257,30 +252,16 @@ def wall_gradient(
 
 @jitable
 def _shadow_gradient(row: Wall, here: Place, view: View, work: Work, bar: Array, own: Array) -> None:
-    """``wall_gradient`` of r^2 u^2 - |u x g|^2, of a place and a ball's centre at u and g from the light."""
+    """``wall_gradient`` of ``shadow_level``."""
     chart, light, shape = work.chart, row.light, row.shape_index
     balls = LIGHTS + 6 * view.points.shape[0]
-    q, r = view.points[light], view.spheres[shape].radius
-    p = here.at[HIT]
-    ux, uy, uz = (
-        p[0] + chart.point[0] - q.position[0],
-        p[1] + chart.point[1] - q.position[1],
-        p[2] + chart.point[2] - q.position[2],
+    q, o, p, l = here.at[HIT], view.spheres[shape].center, chart.point, view.points[light].position
+    _, bar[HIT, 0], bar[HIT, 1], bar[HIT, 2], lx, ly, lz, cx, cy, cz, by_radius = slopes.shadow_level_slopes(
+        q[0] + p[0], q[1] + p[1], q[2] + p[2], l[0], l[1], l[2], o[0], o[1], o[2], view.spheres[shape].radius
     )
-    gx, gy, gz = (
-        view.spheres[shape].center[0] - q.position[0],
-        view.spheres[shape].center[1] - q.position[1],
-        view.spheres[shape].center[2] - q.position[2],
-    )
-    zx, zy, zz = uy * gz - uz * gy, uz * gx - ux * gz, ux * gy - uy * gx
-    bar[HIT, 0] = 2.0 * (r * r * ux - (gy * zz - gz * zy))
-    bar[HIT, 1] = 2.0 * (r * r * uy - (gz * zx - gx * zz))
-    bar[HIT, 2] = 2.0 * (r * r * uz - (gx * zy - gy * zx))
-    by_g = (-2.0 * (zy * uz - zz * uy), -2.0 * (zz * ux - zx * uz), -2.0 * (zx * uy - zy * ux))
-    for a in range(3):
-        own[balls + 4 * shape + a] += by_g[a]
-        own[LIGHTS + 6 * light + a] -= bar[HIT, a] + by_g[a]
-    own[balls + 4 * shape + 3] += 2.0 * r * (ux * ux + uy * uy + uz * uz)
+    add_three(own, LIGHTS + 6 * light, lx, ly, lz)
+    add_three(own, balls + 4 * shape, cx, cy, cz)
+    own[balls + 4 * shape + 3] += by_radius
 
 
 @jitable
@@ -296,30 +277,32 @@ def _contact_gradient(row: Wall, here: Place, view: View, work: Work, bar: Array
 
 
 @jitable
-def edge_number(row: Wall, here: Place, sphere: Sphere, chart: Chart) -> tuple[bool, float, float]:
-    """Whether a texture edge is a parallel, its number (whole on an edge) and, of a meridian, its azimuth."""
+def edge_number(row: Wall, here: Place, sphere: Sphere, chart: Chart) -> tuple[bool, float]:
+    """Whether a texture edge is a parallel, and its number, whole on an edge but for a meridian that is the seam."""
     up = -row.axis[0] * chart.pole[2] + row.axis[1] * chart.e1[2] + row.axis[2] * chart.e2[2]
-    if abs(up) > 0.5:
-        v = math.acos(max(-1.0, min(1.0, here.at[FACING, 2]))) / math.pi
-        return True, v * sphere.kv, 0.0
-    a = math.atan2(here.at[FACING, 1], here.at[FACING, 0])
-    return False, (a + math.pi) / (2.0 * math.pi) * sphere.ku, a
+    n = here.at[FACING]
+    across, down = values.texture_phases(n[0], n[1], n[2], sphere.ku, sphere.kv)
+    parallel = abs(up) > 0.5
+    return parallel, down if parallel else across
 
 
 @jitable
 def _texture_gradient(row: Wall, here: Place, sphere: Sphere, chart: Chart, bar: Array, own: Array) -> None:
-    parallel, number, a = edge_number(row, here, sphere, chart)
+    parallel, number = edge_number(row, here, sphere, chart)
     whole = math.floor(number + 0.5)
+    n = here.at[FACING]
     if parallel:
-        bar[FACING, 2] = 1.0
-        angle = math.pi * whole / sphere.kv
-        own[FREQUENCY + 1] -= math.sin(angle) * angle / sphere.kv
+        _, bar[FACING, 0], bar[FACING, 1], bar[FACING, 2], by_count = slopes.parallel_level_slopes(
+            n[0], n[1], n[2], whole, sphere.kv
+        )
+        own[FREQUENCY + 1] += by_count
         return
-    c, s = math.cos(a), math.sin(a)
-    bar[FACING, 0], bar[FACING, 1] = -s, c
+    _, bar[FACING, 0], bar[FACING, 1], bar[FACING, 2], by_count = slopes.meridian_level_slopes(
+        n[0], n[1], n[2], number, sphere.ku
+    )
     # the seam does not move: where a whole number of fields ends there, that holds as the number falls
     if abs(number - whole) < 1e-6 * (1.0 + whole) and whole < (1.0 - 1e-9) * sphere.ku:
-        own[FREQUENCY] += (here.at[FACING, 0] * c + here.at[FACING, 1] * s) * 2.0 * math.pi * whole / sphere.ku**2
+        own[FREQUENCY] += by_count
 
 
 @jitable
@@ -327,7 +310,8 @@ def on_a_parallel(here: Place, sphere: Sphere) -> bool:
     """Whether a parallel of a checker passes through this place."""
     if sphere.texture != CHECKER:
         return False
-    number = math.acos(max(-1.0, min(1.0, here.at[FACING, 2]))) / math.pi * sphere.kv
+    n = here.at[FACING]
+    _, number = values.texture_phases(n[0], n[1], n[2], sphere.ku, sphere.kv)
     return bool(abs(number - math.floor(number + 0.5)) < 1e-9 * (1.0 + number))
 
 

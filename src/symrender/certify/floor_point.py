@@ -89,10 +89,10 @@ class FloorPoint:
         return any(height < 0 for height in self.inward(light))
 
     def share(self) -> Any:
-        """Share of the lobe above the horizon: rings, on each of which the visible azimuths fall with the angle.
+        """Share of the lobe above the horizon: rings, on each of which the visible half-arc falls with the angle.
 
-        In BRDF units every direction counts with its cosine, whose mean over a ring of which the share a is visible is
-        (cos theta lift pi a + sin theta across sin(pi a))/pi.
+        In BRDF units every direction counts with its cosine, whose mean over a ring of visible half-arc a is
+        (cos theta lift a + sin theta across sin a)/pi.
         """
         from flint import arb
 
@@ -102,23 +102,23 @@ class FloorPoint:
         u = self.n + 1
         total = arb(0)
         theta_max = self.rim.acos()
-        before, seen_before, c_before, s_before = arb(1), arb(1), arb(1), arb(0)
+        before, arc_before, c_before, s_before = arb(1), arb.pi(), arb(1), arb(0)
         for k in range(1, rings + 1):
             theta = theta_max * k / rings
             c, s = theta.cos(), theta.sin()
             rest = cosine_power(c, u) if c > 0 else arb(0)
             if s * across <= c * lift:
-                seen = arb(1)
+                arc = arb.pi()
             elif c * lift <= -s * across:
-                seen = arb(0)
+                arc = arb(0)
             else:
                 ratio = c * lift / (s * across)
                 ratio = ratio.min(arb(1)).max(arb(-1))
-                seen = 1 - ratio.acos() / arb.pi()
-            up = seen.union(seen_before)
+                arc = (-ratio).acos()
+            up = arc.union(arc_before)
             if self.brdf:
-                arc = arb.pi() * up
-                up = (c.union(c_before) * lift * arc + s.union(s_before) * across * arc.sin()) / arb.pi()
+                up = c.union(c_before) * lift * up + s.union(s_before) * across * up.sin()
             total += (before - rest) * up
-            before, seen_before, c_before, s_before = rest, seen, c, s
+            before, arc_before, c_before, s_before = rest, arc, c, s
+        total /= arb.pi()
         return total * (self.n + 2) / (self.n + 1) if self.brdf else total / (1 - before)

@@ -197,18 +197,15 @@ def box_bounds(
     chart, shininess = work.chart, view.shading.shininess
     middle, half = 0.5 * (a + b), 0.5 * (b - a)
     c, s = math.cos(middle), math.sin(middle)
-    ex, ey, ez = (
-        c * chart.e1[0] + s * chart.e2[0],
-        c * chart.e1[1] + s * chart.e2[1],
-        c * chart.e1[2] + s * chart.e2[2],
-    )
+    e, f, p = chart.e1, chart.e2, chart.pole
+    ex, ey, ez = values.chart_across(c, s, e[0], e[1], e[2], f[0], f[1], f[2])
     g = 0.5 * (u + v)
     cg, sg, r = 0.0, 0.0, 0.0
     sphere = chart.shape_index >= 0.0
     if sphere:
         radius = chart.radius
         cg, sg = math.cos(g), math.sin(g)
-        nx, ny, nz = sg * ex - cg * chart.pole[0], sg * ey - cg * chart.pole[1], sg * ez - cg * chart.pole[2]
+        nx, ny, nz = values.sphere_normal(sg, cg, ex, ey, ez, p[0], p[1], p[2])
         qx, qy, qz = chart.center[0] + radius * nx, chart.center[1] + radius * ny, chart.center[2] + radius * nz
         # no less than the sine of v
         across = min(1.0, sg + 0.5 * (v - u))
@@ -217,8 +214,8 @@ def box_bounds(
     else:
         h = chart.height
         if v >= HALF_PI:
-            return far_floor(l, level, h * math.tan(u), view, work)
-        near, last = h * math.tan(u), h * math.tan(v)
+            return far_floor(l, level, values.floor_reach(u, h), view, work)
+        near, last = values.floor_reach(u, h), values.floor_reach(v, h)
         r = 0.5 * (near + last)
         nx, ny, nz = 0.0, 0.0, 1.0
         qx, qy, qz = chart.point[0] + r * ex, chart.point[1] + r * ey, 0.0

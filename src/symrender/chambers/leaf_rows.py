@@ -460,3 +460,53 @@ def lit_beckmann_rows(
         nodes.shares[0, i] = 0.5 * upright * (1.0 + (level - tilted) / (level + tilted)) * t20
         nodes.shares[1, i] = 0.5 * t27 * (1.0 + (t28 - t29) / (t28 + t29)) * t20
         nodes.shares[2, i] = 0.5 * t36 * (1.0 + (t37 - t38) / (t37 + t38)) * t20
+
+
+@jitable
+def sphere_nodes_rows(
+    start: int, stop: int, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
+    pole_z: float, center_x: float, center_y: float, center_z: float, radius: float, ratio: float, nodes: Nodes,
+) -> None:
+    """(Q, N, solid angle per dpsi dphi, sine and cosine of the angle to the pole) of a place on a sphere's chart, of
+    nodes ``start`` to ``stop``.
+    """
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        sine = nodes.sine[i]
+        cosine = nodes.cosine[i]
+        sb = ratio * sine
+        cb = math.sqrt(1.0 - sb * sb)
+        sg = sine * cb - cosine * sb
+        cg = cosine * cb + sine * sb
+        facing_x = across_x * sg - pole_x * cg
+        facing_y = across_y * sg - pole_y * cg
+        facing_z = across_z * sg - pole_z * cg
+        nodes.place[0, i] = center_x + facing_x * radius
+        nodes.place[1, i] = center_y + facing_y * radius
+        nodes.place[2, i] = center_z + facing_z * radius
+        nodes.normal[0, i] = facing_x
+        nodes.normal[1, i] = facing_y
+        nodes.normal[2, i] = facing_z
+        nodes.weight[i] *= ratio * ratio * sine * cosine / cb
+        nodes.sine[i] = sb
+        nodes.cosine[i] = cb
+
+
+@jitable
+def floor_nodes_rows(
+    start: int, stop: int, across_x: float, across_y: float, across_z: float, point_x: float, point_y: float,
+    point_z: float, height: float, nodes: Nodes,
+) -> None:
+    """(Q, N, solid angle per dbeta dphi) of a place on the floor's chart, of nodes ``start`` to ``stop``."""
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        sine = nodes.sine[i]
+        cosine = nodes.cosine[i]
+        far = height * sine / cosine
+        nodes.place[0, i] = point_x + across_x * far
+        nodes.place[1, i] = point_y + across_y * far
+        nodes.place[2, i] = 0.0
+        nodes.normal[0, i] = 0.0
+        nodes.normal[1, i] = 0.0
+        nodes.normal[2, i] = 1.0
+        nodes.weight[i] *= sine

@@ -31,6 +31,7 @@ from symrender.chambers.walls import (
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import moves, tangent
+from symrender.leaves.values import floor_reach
 
 Array = npt.NDArray[np.float64]
 
@@ -66,7 +67,7 @@ def wall_level(i: int, x: float, c: float, s: float, work: Work) -> float:
         return float(row.axis[0] * math.cos(x) + (row.axis[1] * c + row.axis[2] * s) * math.sin(x) - row.cos)
     if kind == SHADOW:
         return shadow_level(row, x, c, s, chart)
-    r = chart.height * math.tan(x)
+    r = floor_reach(x, chart.height)
     return float(r * (r - 2.0 * (row.foot[0] * c + row.foot[1] * s)) + row.power)
 
 

@@ -72,12 +72,14 @@ def shadow_level(row: Wall, x: float, c: float, s: float, chart: Chart) -> float
         r = chart.radius
         g = x - math.asin(chart.ratio * math.sin(x))
         n0, n1 = -math.cos(g), math.sin(g)
-        fx = row.first_level + r * (row.first[0] * n0 + (row.first[1] * c + row.first[2] * s) * n1)
-        fy = row.second_level + r * (row.second[0] * n0 + (row.second[1] * c + row.second[2] * s) * n1)
-        u2 = row.origin2 + r * r + 2.0 * r * (row.origin[0] * n0 + (row.origin[1] * c + row.origin[2] * s) * n1)
-        return float(row.sine2 * u2 - fx * fx - fy * fy)
+        by_first = row.first[0] * n0 + (row.first[1] * c + row.first[2] * s) * n1
+        by_second = row.second[0] * n0 + (row.second[1] * c + row.second[2] * s) * n1
+        along = row.origin[0] * n0 + (row.origin[1] * c + row.origin[2] * s) * n1
+        return values.shadow_row_level(
+            row.first_level, row.second_level, row.origin2, row.sine2, by_first, by_second, along, r
+        )
     by_first, by_second = row.first[1] * c + row.first[2] * s, row.second[1] * c + row.second[2] * s
-    along, reach = row.origin[1] * c + row.origin[2] * s, chart.height * math.tan(x)
+    along, reach = row.origin[1] * c + row.origin[2] * s, values.floor_reach(x, chart.height)
     return values.shadow_row_level(
         row.first_level, row.second_level, row.origin2, row.sine2, by_first, by_second, along, reach
     )

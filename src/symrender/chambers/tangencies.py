@@ -25,6 +25,7 @@ from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moves
 from symrender.jit.records import Table
+from symrender.leaves.values import sphere_pass
 from symrender.scene.arrays import CUT
 from symrender.scene.records import Sphere
 
@@ -156,18 +157,20 @@ def edge_turn(
     if light.fall == DISTANT:
         return straight_turn(psi, caster, beyond, chart, frame)
     c, s = math.cos(psi), math.sin(psi)
-    b, change, far2 = 0.0, 0.0, 0.0
+    o, p = chart.center, light.position
+    fx, fy, fz = o[0] - p[0], o[1] - p[1], o[2] - p[2]
+    ux = frame[0, 0] + c * frame[1, 0] + s * frame[2, 0]
+    uy = frame[0, 1] + c * frame[1, 1] + s * frame[2, 1]
+    uz = frame[0, 2] + c * frame[1, 2] + s * frame[2, 2]
+    along, square = sphere_pass(fx, fy, fz, ux, uy, uz, chart.radius)
+    change = 0.0
     for a in range(3):
-        w = light.position[a] - chart.center[a]
-        b += w * (frame[0, a] + c * frame[1, a] + s * frame[2, a])
-        change += w * (c * frame[2, a] - s * frame[1, a])
-        far2 += w * w
-    square = b * b - far2 + chart.radius * chart.radius
+        change -= (o[a] - p[a]) * (c * frame[2, a] - s * frame[1, a])
     if not square > 0.0:
         return math.nan, 0.0, 0.0, 0.0, False
     # where the ray enters the sphere, or where it leaves it
     root = -math.sqrt(square) if beyond else math.sqrt(square)
-    t = -b - root
+    t = along - root
     slope = change * t / root
     x, y, z, dx, dy, facing = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for a in range(3):

@@ -225,7 +225,8 @@ def sphere_hit_adjoint(
     t1 = offset_y * direction_z - offset_z * direction_y
     t2 = offset_z * direction_x - offset_x * direction_z
     t3 = offset_x * direction_y - offset_y * direction_x
-    half = math.sqrt(radius * radius - (t1 * t1 + t2 * t2 + t3 * t3))
+    square = radius * radius - (t1 * t1 + t2 * t2 + t3 * t3)
+    half = math.sqrt(square)
     t4 = (offset_x - direction_x * along + direction_x * half) / radius
     t5 = (offset_y - direction_y * along + direction_y * half) / radius
     t6 = (offset_z - direction_z * along + direction_z * half) / radius

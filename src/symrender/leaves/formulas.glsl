@@ -286,7 +286,8 @@ void sphere_hit(float offset_x, float offset_y, float offset_z, float direction_
   float t1 = offset_y * direction_z - offset_z * direction_y;
   float t2 = offset_z * direction_x - offset_x * direction_z;
   float t3 = offset_x * direction_y - offset_y * direction_x;
-  float t4 = own_sqrt(radius * radius - (t1 * t1 + t2 * t2 + t3 * t3));
+  float square = radius * radius - (t1 * t1 + t2 * t2 + t3 * t3);
+  float t4 = own_sqrt(square);
   out_far = along - t4;
   out_normal_x = -((offset_x - direction_x * along + direction_x * t4) / radius);
   out_normal_y = -((offset_y - direction_y * along + direction_y * t4) / radius);

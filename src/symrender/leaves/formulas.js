@@ -202,7 +202,8 @@ function sphere_hit(offset_x, offset_y, offset_z, direction_x, direction_y, dire
   const t1 = offset_y * direction_z - offset_z * direction_y;
   const t2 = offset_z * direction_x - offset_x * direction_z;
   const t3 = offset_x * direction_y - offset_y * direction_x;
-  const t4 = Math.sqrt(radius * radius - (t1 * t1 + t2 * t2 + t3 * t3));
+  const square = radius * radius - (t1 * t1 + t2 * t2 + t3 * t3);
+  const t4 = Math.sqrt(square);
   return [along - t4, -((offset_x - direction_x * along + direction_x * t4) / radius), -((offset_y - direction_y * along + direction_y * t4) / radius), -((offset_z - direction_z * along + direction_z * t4) / radius)];
 }
 

@@ -741,6 +741,44 @@ def chart_across(
 
 
 @inlined
+def sphere_normal(
+    sg: float, cg: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
+    pole_z: float,
+) -> tuple[float, float, float]:
+    """sin(gamma) e(phi) - cos(gamma) c"""
+    return across_x * sg - pole_x * cg, across_y * sg - pole_y * cg, across_z * sg - pole_z * cg
+
+
+@inlined
+def sphere_nodes(
+    sine: float, cosine: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
+    pole_z: float, center_x: float, center_y: float, center_z: float, radius: float, ratio: float,
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """(Q, N, solid angle per dpsi dphi, sine and cosine of the angle to the pole) of a place on a sphere's chart."""
+    sb = ratio * sine
+    cb = math.sqrt(1.0 - sb * sb)
+    sg = sine * cb - cosine * sb
+    cg = cosine * cb + sine * sb
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
+    return (
+        center_x + facing_x * radius, center_y + facing_y * radius, center_z + facing_z * radius, facing_x, facing_y,
+        facing_z, ratio * ratio * sine * cosine / cb, sb, cb,
+    )
+
+
+@inlined
+def floor_nodes(
+    sine: float, cosine: float, across_x: float, across_y: float, across_z: float, point_x: float, point_y: float,
+    point_z: float, height: float,
+) -> tuple[float, float, float, float, float, float, float]:
+    """(Q, N, solid angle per dbeta dphi) of a place on the floor's chart."""
+    far = height * sine / cosine
+    return point_x + across_x * far, point_y + across_y * far, 0.0, 0.0, 0.0, 1.0, sine
+
+
+@inlined
 def sphere_place(
     sine: float, cosine: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
     pole_z: float, center_x: float, center_y: float, center_z: float, radius: float, ratio: float,
@@ -837,6 +875,12 @@ def sphere_point(
 
 
 @inlined
+def floor_reach(x: float, height: float) -> float:
+    """Distance from the foot at inner coordinate ``x`` of the floor's chart."""
+    return height * math.tan(x)
+
+
+@inlined
 def floor_point(
     x: float, c: float, s: float, first_x: float, first_y: float, first_z: float, second_x: float, second_y: float,
     second_z: float, point_x: float, point_y: float, point_z: float, height: float,
@@ -849,6 +893,21 @@ def floor_point(
 
 
 @inlined
+def sphere_pass(
+    offset_x: float, offset_y: float, offset_z: float, direction_x: float, direction_y: float, direction_z: float,
+    radius: float,
+) -> tuple[float, float]:
+    """(f.w, R^2 - |f x w|^2) with f = C - P: how far on a ray is nearest to C, and the square of half its chord."""
+    t1 = offset_y * direction_z - offset_z * direction_y
+    t2 = offset_z * direction_x - offset_x * direction_z
+    t3 = offset_x * direction_y - offset_y * direction_x
+    return (
+        offset_x * direction_x + offset_y * direction_y + offset_z * direction_z,
+        radius * radius - (t1 * t1 + t2 * t2 + t3 * t3),
+    )
+
+
+@inlined
 def sphere_hit(
     offset_x: float, offset_y: float, offset_z: float, direction_x: float, direction_y: float, direction_z: float,
     radius: float,
@@ -858,7 +917,8 @@ def sphere_hit(
     t1 = offset_y * direction_z - offset_z * direction_y
     t2 = offset_z * direction_x - offset_x * direction_z
     t3 = offset_x * direction_y - offset_y * direction_x
-    half = math.sqrt(radius * radius - (t1 * t1 + t2 * t2 + t3 * t3))
+    square = radius * radius - (t1 * t1 + t2 * t2 + t3 * t3)
+    half = math.sqrt(square)
     return (
         along - half, -((offset_x - direction_x * along + direction_x * half) / radius),
         -((offset_y - direction_y * along + direction_y * half) / radius),
@@ -961,7 +1021,7 @@ def shadow_row_level(
     origin_f: float, origin_h: float, square: float, sine2: float, step_f: float, step_h: float, along: float,
     reach: float,
 ) -> float:
-    """``shadow_level``/|C - L|^2 at an origin plus ``reach`` times a unit vector, as on a line of the floor's chart."""
+    """``shadow_level``/|C - L|^2 at an origin plus ``reach`` times a unit vector, as on a line of a chart."""
     u2 = square + reach * (reach + 2.0 * along)
     fx = origin_f + reach * step_f
     fy = origin_h + reach * step_h

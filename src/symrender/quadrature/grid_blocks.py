@@ -12,6 +12,7 @@ from symrender.chambers.lobes.width import width_about
 from symrender.chambers.records import INVERSE_SQUARE, Chart
 from symrender.chambers.work import View
 from symrender.jit.marks import inlined, jitable
+from symrender.leaves.values import floor_phases
 from symrender.quadrature.fall_off import glow_beyond, most_light
 from symrender.quadrature.gauss import BLOCK_LEVELS
 from symrender.scene.arrays import STRIPES
@@ -37,9 +38,10 @@ def block_sign(x: float, y: float, side: float, floor: Floor) -> float:
     """Sign of a block at this offset from a block of even squares: that of its lowest square."""
     cell = floor.cell
     inner = 0.5 * min(side, cell)
-    odd = math.floor((x + inner) / cell)
+    across, down = floor_phases(x + inner, y + inner, cell, 0.0, 0.0)
+    odd = math.floor(across)
     if floor.kind != STRIPES:
-        odd += math.floor((y + inner) / cell)
+        odd += math.floor(down)
     return 1.0 if odd % 2 == 0 else -1.0
 
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from symrender.chambers.records import DISTANT, INVERSE_SQUARE, LINEAR, SMOOTH, LightPoint
 from symrender.jit.records import Table, joined, table
+from symrender.leaves import values
 from symrender.scene import arrays as at
 from symrender.scene.arrays import DISK, SceneArrays
 from symrender.scene.radiometric.arrays import SPOT
@@ -24,13 +25,14 @@ Array = npt.NDArray[np.float64]
 
 
 def disk_frame(position: Array, target: Array) -> tuple[Array, Array]:
-    """(e1, e2) spanning the disk that faces ``target``: w = unit(target - L), e1 = unit(w x up), e2 = w x e1."""
-    w = target - position
-    w = w / math.sqrt(float(w @ w))
-    up = np.array([0.0, 1.0, 0.0]) if abs(w[1]) < 0.9 else np.array([1.0, 0.0, 0.0])
-    e1 = np.cross(w, up)
-    e1 /= math.sqrt(float(e1 @ e1))
-    return e1, np.cross(w, e1)
+    """(e1, e2) spanning the disk that faces ``target``."""
+    frame = np.array(values.disk_frame(*position, *target, *up_beside(position, target)))
+    return frame[3:6], frame[6:]
+
+
+def up_beside(position: Array, target: Array) -> tuple[float, float, float]:
+    """What the frame of a disk is turned by: y, or x for one that faces along y."""
+    return (0.0, 1.0, 0.0) if abs(values.heading(*(target - position))[1]) < 0.9 else (1.0, 0.0, 0.0)
 
 
 def light_rows(arrays: SceneArrays, order: int, spots: Table[Beam] | None = None) -> Table[LightPoint]:

@@ -24,6 +24,7 @@ from symrender.chambers.lobes.width import width_at
 from symrender.chambers.work import View, Work, is_spent
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import held, moved, moves, tangent
+from symrender.leaves.values import floor_phases
 from symrender.quadrature.fall_off import light_beyond, most_floor_light
 from symrender.quadrature.floor_conics import floor_conics, is_felt, may_cross, touch_conics
 from symrender.quadrature.gauss import BLOCK_LEVELS, MIDDLE, step_of
@@ -327,7 +328,8 @@ def split_grid(
     if moves(reach):
         note_parted_lines(conics, count, view, work)
     px, py = chart.point[0] - view.floor.offset[0], chart.point[1] - view.floor.offset[1]
-    ci, cj = math.floor((px + east) / cell), math.floor((py + north) / cell)
+    across, down = floor_phases(px + east, py + north, cell, 0.0, 0.0)
+    ci, cj = math.floor(across), math.floor(down)
     out, best = stack[stack.shape[0] - 1], stack[stack.shape[0] - 2]
     aim, found, dark = tol / LEAVES, math.inf, 0.0
     places = stack[:8]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from symrender.chambers.cones import is_touch
 from symrender.chambers.labels import HIDDEN, PARTLY
-from symrender.chambers.leaf_rows import eye_view_rows
+from symrender.chambers.leaf_rows import eye_view_rows, floor_nodes_rows, sphere_nodes_rows
 from symrender.chambers.lobes.density import facing_of, facing_share
 from symrender.chambers.lobes.rows import densities, lean_line, least_error, tint
 from symrender.chambers.lobes.sending import end_power, reflects_wholly
@@ -223,37 +223,20 @@ def shape_nodes(m: int, c: float, s: float, step: int, view: View, work: Work) -
     """Fill ``m`` nodes of the line (c, s) from ``inner``: places, normals, views, solid angle times density."""
     m = whole_vectors(m)
     chart, b = work.chart, work.nodes
-    j, k = chart.shape_index, chart.ratio
+    j = chart.shape_index
     gx, gy, gz = chart.pole[0], chart.pole[1], chart.pole[2]
-    ex, ey, ez = c * chart.e1[0] + s * chart.e2[0], c * chart.e1[1] + s * chart.e2[1], c * chart.e1[2] + s * chart.e2[2]
+    e, f = chart.e1, chart.e2
+    ex, ey, ez = values.chart_across(c, s, e[0], e[1], e[2], f[0], f[1], f[2])
     flat = facing_of(chart.lobe)[0]
     lift, lean = facing_share(gx, gy, gz, chart.lobe) - flat, facing_share(ex, ey, ez, chart.lobe) - flat
     cbm, sbm = chart.lobe_cos, chart.lobe_sin
-    px, py, pz, radius = chart.center[0], chart.center[1], chart.center[2], chart.radius
     sines(m, b)
     if j >= 0:
-        for i in range(m):
-            sx, cx = b.sine[i], b.cosine[i]
-            sb = k * sx
-            cb = math.sqrt(1.0 - sb * sb)
-            cg, sg = cx * cb + sx * sb, sx * cb - cx * sb
-            nx, ny, nz = sg * ex - cg * gx, sg * ey - cg * gy, sg * ez - cg * gz
-            b.normal[0, i], b.normal[1, i], b.normal[2, i] = nx, ny, nz
-            b.place[0, i] = px + radius * nx
-            b.place[1, i] = py + radius * ny
-            b.place[2, i] = pz + radius * nz
-            b.weight[i] *= k * k * sx * cx / cb
-            b.sine[i], b.cosine[i] = sb, cb
+        o = chart.center
+        sphere_nodes_rows(0, m, ex, ey, ez, gx, gy, gz, o[0], o[1], o[2], chart.radius, chart.ratio, b)
     else:
-        px, py, height = chart.point[0], chart.point[1], chart.height
-        for i in range(m):
-            sx, cx = b.sine[i], b.cosine[i]
-            far = height * sx / cx
-            b.normal[0, i], b.normal[1, i], b.normal[2, i] = 0.0, 0.0, 1.0
-            b.place[0, i] = px + far * ex
-            b.place[1, i] = py + far * ey
-            b.place[2, i] = 0.0
-            b.weight[i] *= sx
+        o = chart.point
+        floor_nodes_rows(0, m, ex, ey, ez, o[0], o[1], o[2], chart.height, b)
     for i in range(m):
         sb, cb = b.sine[i], b.cosine[i]
         d0, d1, d2 = cb - cbm, sb * c - sbm, sb * s

@@ -12,7 +12,7 @@ from typing import Final
 
 from symrender.expression.elementary import Real, cos, sin, sqrt, tan
 from symrender.expression.intersection import approach, discriminant, normal, root
-from symrender.expression.leaf import Leaf
+from symrender.expression.leaf import Leaf, Rows
 from symrender.expression.vectors import Vec3, dot
 
 
@@ -21,15 +21,40 @@ def chart_across(c: Real, s: Real, first: Vec3, second: Vec3) -> Vec3:
     return first * c + second * s
 
 
+def sphere_angles(sine: Real, cosine: Real, ratio: Real) -> tuple[Real, Real, Real, Real]:
+    """(sin beta, cos beta, sin gamma, cos gamma) of a place on a sphere's chart."""
+    sb = ratio * sine
+    cb = sqrt(1 - sb * sb)
+    cg, sg = cosine * cb + sine * sb, sine * cb - cosine * sb
+    return sb, cb, sg, cg
+
+
+def sphere_normal(sg: Real, cg: Real, across: Vec3, pole: Vec3) -> Vec3:
+    """sin(gamma) e(phi) - cos(gamma) c"""
+    return across * sg - pole * cg
+
+
+def sphere_measure(sine: Real, cosine: Real, ratio: Real, cb: Real) -> Real:
+    """Solid angle per dpsi dphi, ``cb`` = cos beta."""
+    return ratio * ratio * sine * cosine / cb
+
+
 def sphere_place(
     sine: Real, cosine: Real, across: Vec3, pole: Vec3, center: Vec3, radius: Real, ratio: Real
 ) -> tuple[Vec3, Vec3, Vec3, Real]:
     """(hit point Q, unit normal N, direction w, solid angle per dpsi dphi) of a place on a sphere's chart."""
-    sb = ratio * sine
-    cb = sqrt(1 - sb * sb)
-    cg, sg = cosine * cb + sine * sb, sine * cb - cosine * sb
-    facing = across * sg - pole * cg
-    return center + facing * radius, facing, pole * cb + across * sb, ratio * ratio * sine * cosine / cb
+    sb, cb, sg, cg = sphere_angles(sine, cosine, ratio)
+    facing = sphere_normal(sg, cg, across, pole)
+    return center + facing * radius, facing, pole * cb + across * sb, sphere_measure(sine, cosine, ratio, cb)
+
+
+def sphere_nodes(
+    sine: Real, cosine: Real, across: Vec3, pole: Vec3, center: Vec3, radius: Real, ratio: Real
+) -> tuple[Vec3, Vec3, Real, Real, Real]:
+    """(Q, N, solid angle per dpsi dphi, sine and cosine of the angle to the pole) of a place on a sphere's chart."""
+    sb, cb, sg, cg = sphere_angles(sine, cosine, ratio)
+    facing = sphere_normal(sg, cg, across, pole)
+    return center + facing * radius, facing, sphere_measure(sine, cosine, ratio, cb), sb, cb
 
 
 def floor_place(
@@ -41,14 +66,20 @@ def floor_place(
     return place, pole * cosine + across * sine, sine
 
 
+def floor_nodes(sine: Real, cosine: Real, across: Vec3, point: Vec3, height: Real) -> tuple[Vec3, Vec3, Real]:
+    """(Q, N, solid angle per dbeta dphi) of a place on the floor's chart."""
+    far = height * sine / cosine
+    zero = 0 * far
+    return Vec3(point.x + across.x * far, point.y + across.y * far, zero), Vec3(zero, zero, 1 + zero), sine
+
+
 def sphere_sight(x: Real, across: Vec3, pole: Vec3, radius: Real, ratio: Real) -> tuple[Vec3, Vec3, Vec3, Real]:
     """(Q - P, N, w, solid angle per dpsi dphi) at inner coordinate ``x`` of a sphere's chart, free of the centre."""
     sine, cosine = sin(x), cos(x)
-    sb = ratio * sine
-    cb = sqrt(1 - sb * sb)
-    cg, sg = cosine * cb + sine * sb, sine * cb - cosine * sb
-    facing = across * sg - pole * cg
-    return (pole / ratio + facing) * radius, facing, pole * cb + across * sb, ratio * ratio * sine * cosine / cb
+    sb, cb, sg, cg = sphere_angles(sine, cosine, ratio)
+    facing = sphere_normal(sg, cg, across, pole)
+    measure = sphere_measure(sine, cosine, ratio, cb)
+    return (pole / ratio + facing) * radius, facing, pole * cb + across * sb, measure
 
 
 def floor_sight(x: Real, across: Vec3, pole: Vec3, height: Real) -> tuple[Vec3, Vec3, Real]:
@@ -65,11 +96,21 @@ def sphere_point(x: Real, c: Real, s: Real, pole: Vec3, first: Vec3, second: Vec
     return place, facing
 
 
+def floor_reach(x: Real, height: Real) -> Real:
+    """Distance from the foot at inner coordinate ``x`` of the floor's chart."""
+    return height * tan(x)
+
+
 def floor_point(x: Real, c: Real, s: Real, first: Vec3, second: Vec3, point: Vec3, height: Real) -> Vec3:
     """Hit point at inner coordinate ``x`` of the line (c, s) of the floor's chart; its z is 0."""
     across = chart_across(c, s, first, second)
-    far = height * tan(x)
+    far = floor_reach(x, height)
     return Vec3(point.x + across.x * far, point.y + across.y * far, 0 * far)
+
+
+def sphere_pass(offset: Vec3, direction: Vec3, radius: Real) -> tuple[Real, Real]:
+    """(f.w, R^2 - |f x w|^2) with f = C - P: how far on a ray is nearest to C, and the square of half its chord."""
+    return approach(offset, direction), discriminant(offset, direction, radius)
 
 
 def sphere_hit(offset: Vec3, direction: Vec3, radius: Real) -> tuple[Real, Vec3]:
@@ -77,8 +118,8 @@ def sphere_hit(offset: Vec3, direction: Vec3, radius: Real) -> tuple[Real, Vec3]
 
     The miss distance is |f x w|: nothing subtracts two large numbers that nearly agree.
     """
-    along = approach(offset, direction)
-    half = sqrt(discriminant(offset, direction, radius))
+    along, square = sphere_pass(offset, direction, radius)
+    half = sqrt(square)
     return root(along, half, 1), normal(offset, direction, along, half, 1, radius)
 
 
@@ -95,6 +136,14 @@ def area_measure(direction: Vec3, normal: Vec3, far: Real) -> Real:
 
 LEAVES: Final = (
     Leaf(chart_across, ("across:3",)),
+    Leaf(sphere_normal, ("normal:3",)),
+    Leaf(sphere_nodes, ("place:3", "normal:3", "measure", "sb", "cb"),
+         rows=Rows((("sine", "sine"), ("cosine", "cosine")),
+                   (("place", "place", "set"), ("normal", "normal", "set"), ("measure", "weight", "scale"),
+                    ("sb", "sine", "set"), ("cb", "cosine", "set")))),
+    Leaf(floor_nodes, ("place:3", "normal:3", "measure"),
+         rows=Rows((("sine", "sine"), ("cosine", "cosine")),
+                   (("place", "place", "set"), ("normal", "normal", "set"), ("measure", "weight", "scale")))),
     Leaf(sphere_place, ("place:3", "normal:3", "direction:3", "measure"),
          adjoint=("sine", "cosine", "across", "pole", "center", "radius", "ratio"), tangents=("ratio", "radius")),
     Leaf(floor_place, ("place:3", "direction:3", "measure"),
@@ -102,7 +151,9 @@ LEAVES: Final = (
     Leaf(sphere_sight, ("offset:3", "normal:3", "direction:3", "measure"), tangents=("x", "ratio", "radius")),
     Leaf(floor_sight, ("offset:3", "direction:3", "measure"), tangents=("x", "height")),
     Leaf(sphere_point, ("place:3", "normal:3"), tangents=("x",), pages=True),
+    Leaf(floor_reach, ("reach",)),
     Leaf(floor_point, ("place:3",), tangents=("x",), pages=True),
+    Leaf(sphere_pass, ("along", "square")),
     Leaf(sphere_hit, ("far", "normal:3"), adjoint=("offset", "direction", "radius"), pages=True),
     Leaf(floor_hit, ("far", "place:3"), adjoint=("point", "direction"), pages=True),
     Leaf(area_measure, ("measure",), adjoint=("direction", "normal", "far")),

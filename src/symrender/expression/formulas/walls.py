@@ -52,7 +52,7 @@ def shadow_level(place: Vec3, light: Vec3, center: Vec3, radius: Real) -> Real:
 def shadow_row_level(
     origin_f: Real, origin_h: Real, square: Real, sine2: Real, step_f: Real, step_h: Real, along: Real, reach: Real
 ) -> Real:
-    """``shadow_level``/|C - L|^2 at an origin plus ``reach`` times a unit vector, as on a line of the floor's chart.
+    """``shadow_level``/|C - L|^2 at an origin plus ``reach`` times a unit vector, as on a line of a chart.
 
     ``origin_f``, ``origin_h``: components of the origin less C along two unit vectors across the shadow's axis;
     ``square``: squared distance of the origin from the light; ``step_f``, ``step_h``: components of the unit vector,
