@@ -16,6 +16,7 @@ from symrender.adjoint.work import Charted, GridWork
 from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.records import Chart
 from symrender.jit.marks import inlined, jitable
+from symrender.leaves import slopes, values
 from symrender.quadrature.disk_term import disk_term
 
 Array = npt.NDArray[np.float64]
@@ -24,11 +25,10 @@ Array = npt.NDArray[np.float64]
 @jitable
 def grid_density(x: float, y: float, lobe: Array, chart: Chart) -> tuple[float, float, float]:
     """Lobe density times solid angle per floor area, cos(theta) and its logarithm, at (x, y) from the foot."""
-    h = chart.height
-    inv = 1.0 / math.sqrt(x * x + y * y + h * h)
-    dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
-    cosine, log, density = log_density_at(0.5 * (dx * dx + dy * dy + dz * dz), chart.lobe)
-    return density * h * inv * inv * inv, cosine, log
+    wx, wy, wz, measure = values.floor_seen(x, y, chart.height)
+    square = values.lobe_chord(wx, wy, wz, lobe[0], lobe[1], lobe[2])
+    cosine, log, density = log_density_at(0.5 * square, chart.lobe)
+    return density * measure, cosine, log
 
 
 @inlined
@@ -43,7 +43,7 @@ def lit_sum(x: float, y: float, step: int, states: Array, on: Charted, out: Arra
         p = view.points[i]
         qx, qy = chart.point[0] + x, chart.point[1] + y
         lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2]
-        cosine = lz / math.sqrt(lx * lx + ly * ly + lz * lz)
+        cosine = values.lambert(lx, ly, lz, 0.0, 0.0, 1.0)
         if on.disk is not None and p.radius > 0.0:
             place = LitPoint(qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0)
             cosine, _ = disk_term(i, int(states[i]), place, step, False, view, work, on.gauss)
@@ -70,9 +70,7 @@ def lit_adjoint(
             pulls[a, 1] += grid.node[0, 1]
         return
     lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2]
-    inv = 1.0 / math.sqrt(lx * lx + ly * ly + lz * lz)
-    cos_l = lz * inv
-    gx, gy, gz = -cos_l * lx * inv * inv, -cos_l * ly * inv * inv, (1.0 - cos_l * cos_l) * inv
+    cos_l, gx, gy, gz, _, _, _ = slopes.lambert_slopes(lx, ly, lz, 0.0, 0.0, 1.0)
     column = LIGHTS + 6 * i
     for a in range(3):
         total[a] += p.color[a] * cos_l

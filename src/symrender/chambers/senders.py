@@ -36,6 +36,7 @@ from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import brightest
+from symrender.leaves import values
 
 TAMED: Final = 1.5
 """Boxes over which h turns by no more than this times hypot(alpha, its angle) are halved no further."""
@@ -144,34 +145,31 @@ def lit_box(
         turn = math.sqrt(deep * deep + (min(1.0, math.sin(g) + deep) * half) ** 2)
         reach = chart.radius * turn
     else:
-        last = chart.height * math.tan(v) if v < HALF_PI else math.inf
-        turn, reach = 0.0, math.sqrt((last - chart.height * math.tan(g)) ** 2 + (last * half) ** 2)
-    vx, vy, vz = chart.point[0] - qx, chart.point[1] - qy, chart.point[2] - qz
-    lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2] - qz
-    far_v, far_l = math.sqrt(vx * vx + vy * vy + vz * vz), math.sqrt(lx * lx + ly * ly + lz * lz)
-    by_l, by_v = 1.0 / max(1e-300, far_l), 1.0 / max(1e-300, far_v)
+        last = values.floor_reach(v, chart.height) if v < HALF_PI else math.inf
+        turn, reach = 0.0, math.sqrt((last - values.floor_reach(g, chart.height)) ** 2 + (last * half) ** 2)
+    vx, vy, vz, far_v, by_v = values.heading(chart.point[0] - qx, chart.point[1] - qy, chart.point[2] - qz)
+    lx, ly, lz, far_l, _ = values.heading(p.position[0] - qx, p.position[1] - qy, p.position[2] - qz)
     swing = chord_of(reach, far_v) if sphere else math.sqrt(deep * deep + (math.sin(v) * half) ** 2)
     shift = chord_of(reach, far_l) if falling else 0.0
-    inward, outward = (nx * lx + ny * ly + nz * lz) * by_l, (nx * vx + ny * vy + nz * vz) * by_v
+    inward, outward = nx * lx + ny * ly + nz * lz, nx * vx + ny * vy + nz * vz
     angle = math.log(max(1e-300, 4.0 * math.pi * (reach * by_v) ** 2)) if 2.0 * reach < far_v else math.inf
     if inward + turn + shift < 0.0 or outward + turn + swing < 0.0:
         return Lit(0.0, 0.0, 2.0, 0.0, ample, angle)
-    hx, hy, hz = lx * by_l + vx * by_v, ly * by_l + vy * by_v, lz * by_l + vz * by_v
-    inv = 1.0 / max(1e-150, math.sqrt(hx * hx + hy * hy + hz * hz))
     if is_phong(row, view.senders):
-        mx, my, mz = 2.0 * inward * nx - hx, 2.0 * inward * ny - hy, 2.0 * inward * nz - hz
+        rx, ry, rz = values.mirror_direction(-lx, -ly, -lz, nx, ny, nz)
+        square = values.lobe_chord(rx, ry, rz, vx, vy, vz)
         varies = 2.0 * turn + shift + swing
     else:
-        mx, my, mz = hx * inv - nx, hy * inv - ny, hz * inv - nz
+        hx, hy, hz, _, inv = values.heading(lx + vx, ly + vy, lz + vz)
+        square = values.lobe_chord(hx, hy, hz, nx, ny, nz)
         t = (shift + swing) * inv
         # the unit vector turns by the chord of an angle whose sine is t
         varies = turn + t * (1.0 + 0.4142135623730951 * t * t) if t < 1.0 else math.inf
-    chord = math.sqrt(mx * mx + my * my + mz * mz)
-    nearest = max(0.0, chord - varies)
+    nearest = max(0.0, math.sqrt(square) - varies)
     tilt = math.cos(v) if not sphere else outward - turn - swing
     most = most_sent(nearest * nearest, tilt, inward + turn + shift, row, view.senders)
     most *= fall_off(p, max(far_l - reach, clearance(p, chart)))
-    here = most_sent(chord * chord, outward, inward, row, view.senders) * fall_off(p, far_l)
+    here = most_sent(square, outward, inward, row, view.senders) * fall_off(p, far_l)
     share = log_share(qx, qy, qz, reach, ample, work)
     return Lit(most, here if inward > 0.0 else 0.0, nearest, varies, share, angle)
 

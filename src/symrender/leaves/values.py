@@ -875,6 +875,14 @@ def sphere_point(
 
 
 @inlined
+def floor_seen(x: float, y: float, height: float) -> tuple[float, float, float, float]:
+    """(direction to, solid angle per area of) the place (x, y) of a plane from its foot, seen ``height`` above that."""
+    inverse = 1.0 / math.sqrt(x * x + y * y + height * height)
+    t1 = height * inverse
+    return x * inverse, y * inverse, -t1, t1 * inverse * inverse
+
+
+@inlined
 def floor_reach(x: float, height: float) -> float:
     """Distance from the foot at inner coordinate ``x`` of the floor's chart."""
     return height * math.tan(x)

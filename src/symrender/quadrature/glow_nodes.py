@@ -14,6 +14,7 @@ from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
 from symrender.leaves import radiometric as leaves
+from symrender.leaves.values import heading
 from symrender.radiometric.arcs import Room, put_circle
 from symrender.radiometric.region import few_irradiance
 from symrender.radiometric.vectors import Vector, minus, vector
@@ -31,11 +32,11 @@ def fade(start: int, stop: int, p: LightPoint, b: Nodes) -> None:
         if b.clear[q] == 0.0:
             continue
         x, y, z = p.position[0] - b.place[0, q], p.position[1] - b.place[1, q], p.position[2] - b.place[2, q]
-        inv = 1.0 / math.sqrt(max(1e-300, x * x + y * y + z * z))
+        x, y, z, _, _ = heading(x, y, z)
         if p.spot == LINEAR:
-            b.clear[q] *= leaves.linear_spot(x * inv, y * inv, z * inv, *axis, p.beam, p.cutoff)
+            b.clear[q] *= leaves.linear_spot(x, y, z, *axis, p.beam, p.cutoff)
         else:
-            b.clear[q] *= leaves.smooth_spot(x * inv, y * inv, z * inv, *axis, p.beam, p.cutoff)
+            b.clear[q] *= leaves.smooth_spot(x, y, z, *axis, p.beam, p.cutoff)
 
 
 @jitable

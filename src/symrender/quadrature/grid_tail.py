@@ -32,7 +32,7 @@ from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined
 from symrender.jit.moving import brightest, held, moved, moves, tangent
 from symrender.jit.records import Table
-from symrender.leaves import slopes
+from symrender.leaves import slopes, values
 from symrender.quadrature.conic_places import meetings, point_of_wave, straight_parts, wall_direction
 from symrender.quadrature.fall_off import most_floor_light, most_light
 from symrender.quadrature.glow_nodes import glow_at
@@ -104,10 +104,8 @@ def lit_at(x: float, y: float, lobe: Array, view: View, work: Work, states: Arra
 @inlined
 def density_towards(x: float, y: float, lobe: Array, work: Work) -> float:
     """Lobe density, or its bound, times solid angle per floor area at (x, y) from the foot."""
-    h = work.chart.height
-    inv = 1.0 / math.sqrt(x * x + y * y + h * h)
-    dx, dy, dz = x * inv - lobe[0], y * inv - lobe[1], -h * inv - lobe[2]
-    return largest_density(dx * dx + dy * dy + dz * dz, work.chart.lobe) * h * inv * inv * inv
+    wx, wy, wz, measure = values.floor_seen(x, y, work.chart.height)
+    return largest_density(values.lobe_chord(wx, wy, wz, lobe[0], lobe[1], lobe[2]), work.chart.lobe) * measure
 
 
 @inlined

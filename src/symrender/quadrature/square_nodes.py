@@ -13,6 +13,7 @@ from symrender.chambers.lobes.rows import densities, lean_square, tint
 from symrender.chambers.records import NODES, Nodes
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
+from symrender.leaves import values
 from symrender.quadrature.gauss import FALLS
 from symrender.quadrature.glow_nodes import add_glows
 from symrender.quadrature.light_nodes import light_nodes
@@ -57,11 +58,9 @@ def floor_nodes(
     flat, fx, fy, fz = facing_of(chart.lobe)
     for i in range(m):
         x, y = b.sine[i], b.cosine[i]
-        inv = 1.0 / math.sqrt(x * x + y * y + h * h)
-        wx, wy, wz = x * inv, y * inv, -h * inv
-        dx, dy, dz = wx - ax, wy - ay, wz - az
-        b.chord[i] = dx * dx + dy * dy + dz * dz
-        b.weight[i] *= h * inv * inv * inv * (flat + fx * wx + fy * wy + fz * wz)
+        wx, wy, wz, measure = values.floor_seen(x, y, h)
+        b.chord[i] = values.lobe_chord(wx, wy, wz, ax, ay, az)
+        b.weight[i] *= measure * (flat + fx * wx + fy * wy + fz * wz)
         b.place[0, i], b.place[1, i], b.place[2, i] = px + x, py + y, 0.0
     for i in range(m):
         b.normal[0, i], b.normal[1, i], b.normal[2, i] = 0.0, 0.0, 1.0

@@ -15,7 +15,7 @@ from symrender.chambers.records import NODES, Chart, Nodes
 from symrender.chambers.row_powers import powers
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.records import Table
-from symrender.leaves.values import seen_area
+from symrender.leaves.values import floor_seen, seen_area
 
 Array = npt.NDArray[np.float64]
 
@@ -103,8 +103,8 @@ def lean_square(m: int, axis: Array, chart: Chart, nodes: Nodes, conductors: Tab
     ax, ay, az = axis[0], axis[1], axis[2]
     for i in range(m):
         x, y = nodes.sine[i], nodes.cosine[i]
-        inv = 1.0 / math.sqrt(x * x + y * y + h * h)
-        nodes.near[i] = (x * inv - ax) * nx + (y * inv - ay) * ny + (-h * inv - az) * nz
+        wx, wy, wz, _ = floor_seen(x, y, h)
+        nodes.near[i] = (wx - ax) * nx + (wy - ay) * ny + (wz - az) * nz
 
 
 @jitable

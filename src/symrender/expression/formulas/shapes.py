@@ -96,6 +96,12 @@ def sphere_point(x: Real, c: Real, s: Real, pole: Vec3, first: Vec3, second: Vec
     return place, facing
 
 
+def floor_seen(x: Real, y: Real, height: Real) -> tuple[Vec3, Real]:
+    """(direction to, solid angle per area of) the place (x, y) of a plane from its foot, seen ``height`` above that."""
+    inverse = 1 / sqrt(x * x + y * y + height * height)
+    return Vec3(x * inverse, y * inverse, -height * inverse), height * inverse * inverse * inverse
+
+
 def floor_reach(x: Real, height: Real) -> Real:
     """Distance from the foot at inner coordinate ``x`` of the floor's chart."""
     return height * tan(x)
@@ -151,6 +157,7 @@ LEAVES: Final = (
     Leaf(sphere_sight, ("offset:3", "normal:3", "direction:3", "measure"), tangents=("x", "ratio", "radius")),
     Leaf(floor_sight, ("offset:3", "direction:3", "measure"), tangents=("x", "height")),
     Leaf(sphere_point, ("place:3", "normal:3"), tangents=("x",), pages=True),
+    Leaf(floor_seen, ("direction:3", "measure")),
     Leaf(floor_reach, ("reach",)),
     Leaf(floor_point, ("place:3",), tangents=("x",), pages=True),
     Leaf(sphere_pass, ("along", "square")),
