@@ -11,7 +11,7 @@ import numpy.typing as npt
 from symrender.chambers.records import LightMove, LightPoint
 from symrender.jit.records import Grid, Table, copied, grid
 from symrender.leaves import tangents
-from symrender.quadrature.light_points import disk_frame, light_rows, up_beside
+from symrender.quadrature.light_points import disk_frame, frame_numbers, light_rows
 from symrender.scene.arrays import DISK, SceneArrays
 from symrender.scene.records import Frame, Light
 from symrender.settings import EXACT_DISK
@@ -98,7 +98,6 @@ def _exact_tangents(arrays: SceneArrays, moves: Grid[Light]) -> Grid[LightMove]:
 
 def _frame_tangent(position: Array, target: Array, dposition: Array, dtarget: Array) -> tuple[Array, Array]:
     """Derivative of ``disk_frame``, of which a step of its light's place is one back of its target's."""
-    up = up_beside(position, target)
-    slopes = np.array(tangents.disk_frame_tangents(*position, *target, *up)).reshape(4, 9)[1:]
-    change = (dtarget - dposition) @ slopes
+    told: Array = np.array(tangents.disk_frame_tangents(*frame_numbers(position, target)))
+    change = (dtarget - dposition) @ told.reshape(4, 9)[1:]
     return change[3:6], change[6:]

@@ -113,7 +113,7 @@ def far_box(l: int, u: float, row: int, ample: float, view: View, work: Work) ->
     Where that is far, l and v are nearly one and level: |l + v| is more than 1.8.
     """
     chart, p = work.chart, view.points[l]
-    near, least = chart.height * math.tan(u), clearance(p, chart)
+    near, least = values.floor_reach(u, chart.height), clearance(p, chart)
     x, y, z = p.position[0] - chart.point[0], p.position[1] - chart.point[1], p.position[2]
     light = math.sqrt(x * x + y * y)
     if near < FAR * max(light, z, chart.height):
@@ -195,8 +195,8 @@ def strips(
         turns = (2.0 if phong else 1.0) / radius
         rate = radius * (1.0 - 2.0 * k * cg + k * k) / max(1e-300, 1.0 - k * cg)
     else:
-        r = chart.height * math.tan(g)
-        across = chart.height * math.tan(v) if v < HALF_PI else r
+        r = values.floor_reach(g, chart.height)
+        across = values.floor_reach(v, chart.height) if v < HALF_PI else r
         turns, rate = 0.0, (chart.height**2 + r * r) / chart.height
     return wide / max(1e-300, across * (turns + aside)), wide / max(1e-300, rate * (turns + inward))
 

@@ -26,13 +26,14 @@ Array = npt.NDArray[np.float64]
 
 def disk_frame(position: Array, target: Array) -> tuple[Array, Array]:
     """(e1, e2) spanning the disk that faces ``target``."""
-    frame = np.array(values.disk_frame(*position, *target, *up_beside(position, target)))
+    frame: Array = np.array(values.disk_frame(*frame_numbers(position, target)))
     return frame[3:6], frame[6:]
 
 
-def up_beside(position: Array, target: Array) -> tuple[float, float, float]:
-    """What the frame of a disk is turned by: y, or x for one that faces along y."""
-    return (0.0, 1.0, 0.0) if abs(values.heading(*(target - position))[1]) < 0.9 else (1.0, 0.0, 0.0)
+def frame_numbers(position: Array, target: Array) -> Array:
+    """What the frame of a disk is made of: L, the target and ``up``, which is x for a disk that faces along y."""
+    _, y, *_ = values.heading(*(target - position))
+    return np.concatenate((position, target, (0.0, 1.0, 0.0) if abs(y) < 0.9 else (1.0, 0.0, 0.0)))
 
 
 def light_rows(arrays: SceneArrays, order: int, spots: Table[Beam] | None = None) -> Table[LightPoint]:

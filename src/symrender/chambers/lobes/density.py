@@ -38,7 +38,7 @@ def log_fall(versine: float, lobe: Lobe) -> float:
     """By how much the logarithm of the density has fallen where 1 - cos theta is ``versine``, at least."""
     if lobe.kind == CONDUCTOR:
         return math.log(max(1e-300, largest_density(2.0 * versine, lobe))) - log_peak(lobe)
-    return lobe.exponent * math.log1p(-min(1.0 - 1e-15, versine))
+    return values.log_power(min(1.0 - 1e-15, versine), lobe.exponent)
 
 
 @inlined
