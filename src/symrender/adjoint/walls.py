@@ -123,13 +123,13 @@ def chart_place(x: float, c: float, s: float, chart: Chart, here: Place) -> tupl
         at[HIT, 0], at[HIT, 1], at[HIT, 2], at[FACING, 0], at[FACING, 1], at[FACING, 2],
         at[TOWARD, 0], at[TOWARD, 1], at[TOWARD, 2], measure,
         by_x[HIT, 0], by_x[HIT, 1], by_x[HIT, 2], by_x[FACING, 0], by_x[FACING, 1], by_x[FACING, 2],
-        by_x[TOWARD, 0], by_x[TOWARD, 1], by_x[TOWARD, 2], _,
+        by_x[TOWARD, 0], by_x[TOWARD, 1], by_x[TOWARD, 2],
         by_chart[HIT, 0], by_chart[HIT, 1], by_chart[HIT, 2],
         by_chart[FACING, 0], by_chart[FACING, 1], by_chart[FACING, 2],
-        by_chart[TOWARD, 0], by_chart[TOWARD, 1], by_chart[TOWARD, 2], slope,
-        here.by_radius[0], here.by_radius[1], here.by_radius[2], _, _, _, _, _, _, _,
-    ) = tangents.sphere_sight_tangents(x, ex, ey, ez, p[0], p[1], p[2], chart.radius, chart.ratio)  # fmt: skip
-    return measure, slope / measure
+        by_chart[TOWARD, 0], by_chart[TOWARD, 1], by_chart[TOWARD, 2],
+        here.by_radius[0], here.by_radius[1], here.by_radius[2], slope,
+    ) = values.sphere_motion(x, ex, ey, ez, p[0], p[1], p[2], chart.radius, chart.ratio)  # fmt: skip
+    return measure, slope
 
 
 @jitable

@@ -834,6 +834,53 @@ def sphere_sight(
 
 
 @inlined
+def sphere_motion(
+    x: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float, pole_z: float,
+    radius: float, ratio: float,
+) -> tuple[float, ...]:
+    """``sphere_sight``; slopes of Q - P, N, w in x; in ratio; of Q - P in radius; of the measure's logarithm in
+    ratio.
+    """
+    sine = math.sin(x)
+    sb = ratio * sine
+    cb = math.sqrt(1.0 - sb * sb)
+    cosine = math.cos(x)
+    sg = sine * cb - cosine * sb
+    t1 = sine * sb
+    cg = cosine * cb + t1
+    facing_x = across_x * sg - pole_x * cg
+    facing_y = across_y * sg - pole_y * cg
+    facing_z = across_z * sg - pole_z * cg
+    onward_x = across_x * cg + pole_x * sg
+    by_x = ratio * cosine / cb
+    t2 = 1.0 - by_x
+    turn_x = onward_x * t2
+    onward_y = across_y * cg + pole_y * sg
+    turn_y = onward_y * t2
+    onward_z = across_z * cg + pole_z * sg
+    turn_z = onward_z * t2
+    by_ratio = sine / cb
+    back_x = -(onward_x * by_ratio)
+    back_y = -(onward_y * by_ratio)
+    back_z = -(onward_z * by_ratio)
+    reach_x = pole_x / ratio + facing_x
+    reach_y = pole_y / ratio + facing_y
+    reach_z = pole_z / ratio + facing_z
+    t3 = ratio * ratio
+    swing_x = across_x * cb - pole_x * sb
+    swing_y = across_y * cb - pole_y * sb
+    swing_z = across_z * cb - pole_z * sb
+    return (
+        reach_x * radius, reach_y * radius, reach_z * radius, facing_x, facing_y, facing_z,
+        pole_x * cb + across_x * sb, pole_y * cb + across_y * sb, pole_z * cb + across_z * sb,
+        t3 * sine * cosine / cb, turn_x * radius, turn_y * radius, turn_z * radius, turn_x, turn_y, turn_z,
+        swing_x * by_x, swing_y * by_x, swing_z * by_x, (back_x - pole_x / t3) * radius,
+        (back_y - pole_y / t3) * radius, (back_z - pole_z / t3) * radius, back_x, back_y, back_z, swing_x * by_ratio,
+        swing_y * by_ratio, swing_z * by_ratio, reach_x, reach_y, reach_z, 2.0 / ratio + t1 / (cb * cb),
+    )
+
+
+@inlined
 def floor_sight(
     x: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float, pole_z: float,
     height: float,
