@@ -41,13 +41,20 @@ def text_of(code: CodeType, names: dict[str, Any]) -> str:
 
 
 @functools.lru_cache(maxsize=512)
-def _definitions(text: str) -> dict[tuple[str, int], ast.FunctionDef]:
-    """Every function of a text by its name and the first line of it or of its decorators."""
-    found = {}
-    for node in ast.walk(ast.parse(text)):
+def _definitions(text: str, nested: bool) -> dict[tuple[str, int], ast.FunctionDef]:
+    """Functions of a text by their name and the first line of them or of their decorators, of all or of its module."""
+    tree, found = ast.parse(text), {}
+    for node in ast.walk(tree) if nested else tree.body:
         if isinstance(node, ast.FunctionDef):
             found[node.name, min([node.lineno, *(part.lineno for part in node.decorator_list)])] = node
     return found
+
+
+def _definition(function: FunctionType) -> ast.FunctionDef | None:
+    """The tree of a function, which few are inside of anything."""
+    code = function.__code__
+    text, key = text_of(code, function.__globals__), (code.co_name, code.co_firstlineno)
+    return _definitions(text, False).get(key) or _definitions(text, True).get(key)
 
 
 @functools.lru_cache(maxsize=4096)
@@ -56,7 +63,7 @@ def source_of(function: FunctionType) -> Source:
     code = function.__code__
     if function.__closure__:
         raise Refused(f"{function.__qualname__} is a closure")
-    node = _definitions(text_of(code, function.__globals__)).get((code.co_name, code.co_firstlineno))
+    node = _definition(function)
     if node is None:
         raise Refused(f"{function.__qualname__} is not found in {code.co_filename}:{code.co_firstlineno}")
     where = shown_file(code.co_filename)

@@ -23,7 +23,7 @@ class Webs:
         env: Reaching = {}
         for argument in function.args.posonlyargs + function.args.args + function.args.kwonlyargs:
             self._define(argument, argument.arg, env)
-        self.assigned = {node.id for node in ast.walk(function) if isinstance(node, ast.Name) and _stores(node)}
+        self.assigned = {node.id for node in _names(function) if _stores(node)}
         self._block(function.body, env)
 
     def of(self, node: ast.AST) -> int | None:
@@ -113,8 +113,8 @@ class Webs:
         head = dict(env)
         for part in ([] if target is None else [target], body):
             for statement in part:
-                for node in ast.walk(statement):
-                    if isinstance(node, ast.Name) and _stores(node):
+                for node in _names(statement):
+                    if _stores(node):
                         head[node.id] = head.get(node.id, frozenset()) | {self._number(node)}
         if test is not None:
             self._read(test, head)
@@ -138,9 +138,26 @@ class Webs:
                 self._read(target, env)
 
     def _read(self, node: ast.AST, env: Reaching) -> None:
-        for part in ast.walk(node):
-            if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load):
+        for part in _names(node):
+            if isinstance(part.ctx, ast.Load):
                 self._use(part, env)
+
+
+def _names(tree: ast.AST) -> list[ast.Name]:
+    """The names in a tree: ``ast.walk`` asks every node for its fields, and takes three times as long."""
+    found: list[ast.Name] = []
+    nodes = [tree]
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, ast.Name):
+            found.append(node)
+            continue
+        for value in vars(node).values():
+            if isinstance(value, ast.AST):
+                nodes.append(value)
+            elif isinstance(value, list):
+                nodes.extend(item for item in value if isinstance(item, ast.AST))
+    return found
 
 
 def _stores(node: ast.Name) -> bool:
