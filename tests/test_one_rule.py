@@ -12,8 +12,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from chambers.charts import CHART_OF
 from emitted import FORMULAS
-from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.labels import is_hidden, light_state, texture_side
 from symrender.chambers.rooms import enter_room
 from symrender.chambers.unseen import list_seen
@@ -119,10 +119,7 @@ def seen_from(
     enter_room(view, work)
     work.chart.lobe.rim_cos, work.chart.lobe.rim_sin = 0.0, 1.0
     list_seen(-1, axis, view, work)
-    if own < 0:
-        floor_chart(0, -1, axis, view, work)
-    else:
-        sphere_chart(own, -1, axis, view, work)
+    CHART_OF(own, -1, axis, view, work)
     return None if is_hidden(*q, view, work) else (-axis, work, view)
 
 

@@ -1,4 +1,4 @@
-"""Charts of nasty scenes for tests: kernels in plain Python, on one lobe's shapes one after the other."""
+"""Charts of nasty scenes for tests, on one lobe's shapes one after the other."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from symrender.chambers.lobes.setup import lobe_setup
 from symrender.chambers.unseen import list_seen
 from symrender.chambers.work import View, Work, begin_counts, scene_view, work_arrays
 from symrender.errors import SymrenderError
+from symrender.jit.compiled import compiled
 from symrender.probe import _places
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.split_setup import inside_another, place_point
@@ -21,6 +22,17 @@ from symrender.scene.arrays import FIRST_SPHERE, FLOOR, scene_arrays
 from symrender.scene.load import load
 
 FLOOR_CHART = -1
+
+
+def chart_of(shape: int, own: int, axis: npt.NDArray[np.float64], view: View, work: Work) -> None:
+    """Chart the sphere ``shape``, or the floor."""
+    if shape == FLOOR_CHART:
+        floor_chart(0, own, axis, view, work)
+    else:
+        sphere_chart(shape, own, axis, view, work)
+
+
+CHART_OF = compiled(chart_of)
 Chart = tuple[int, View, Work, float, float, npt.NDArray[np.float64]]
 
 
@@ -49,12 +61,9 @@ def charts_of(case: Case, tol: float = 1e-9) -> Iterator[Chart]:
     for j in (*range(len(arrays.spheres)), FLOOR_CHART):
         if j == own:
             continue
-        if j == FLOOR_CHART:
-            if surface == FLOOR or arrays.floor.present == 0.0 or place[0, 2] == 0.0:
-                continue
-            floor_chart(0, own, lobe, view, work)
-        else:
-            sphere_chart(j, own, lobe, view, work)
+        if j == FLOOR_CHART and (surface == FLOOR or arrays.floor.present == 0.0 or place[0, 2] == 0.0):
+            continue
+        CHART_OF(j, own, lobe, view, work)
         low, high = line_range(work.chart)
         if low < high:
             yield j, view, work, low, high, lobe

@@ -8,18 +8,20 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from symrender.chambers.chart import floor_chart, sphere_chart
 from symrender.chambers.lobes.record import NO_RIM
 from symrender.chambers.reach import are_apart, passes
-from symrender.chambers.records import LightPoint
+from symrender.chambers.records import LightPoint, Wall
 from symrender.chambers.rooms import enter_room
 from symrender.chambers.unseen import list_seen
 from symrender.chambers.walls import BALL, DIRECTION
 from symrender.chambers.work import View, Work, scene_view, work_arrays
+from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, record, table
 from symrender.quadrature.light_points import disk_frame
 from symrender.scene.arrays import OPEN, SceneArrays
 from symrender.scene.records import Camera, Floor, Light, Shading, Sphere
+
+from .charts import CHART_OF
 
 Array = npt.NDArray[np.float64]
 LOOKS, BALLS = 600, 14
@@ -95,6 +97,16 @@ def hides(q: Array, light: Array, ball: Sphere) -> npt.NDArray[np.bool_]:
     return np.asarray((near * near).sum(axis=1) < ball.radius**2)
 
 
+def hidden_by(q: Array, lights: Array, balls: Table[Sphere]) -> npt.NDArray[np.bool_]:
+    """(points, balls): which of the points (n, 3) each ball hides from any of the light points above the floor."""
+    lights = lights[lights[:, 2] > 0]
+    to, f = lights - q[:, None], q[:, None] - balls["center"]
+    along, square = np.einsum("npa,nba->npb", to, f), (to * to).sum(axis=2)[:, :, None]
+    t = np.clip(-along / square, 0, 1)
+    near = (f * f).sum(axis=2)[:, None] + t * (2.0 * along + t * square)
+    return np.asarray((near < balls["radius"] ** 2).any(axis=1))
+
+
 @pytest.mark.parametrize("rho", [0.0, 0.2])
 def test_looks_into_the_lobe_meet_only_whom_the_chart_lists(rho: float) -> None:
     rng = np.random.default_rng(8)
@@ -107,10 +119,7 @@ def test_looks_into_the_lobe_meet_only_whom_the_chart_lists(rho: float) -> None:
         balls, floor = first_hits(place, w, view.spheres)
         list_seen(-1, axis, view, work)
         for j in [-1, *range(BALLS)]:
-            if j < 0:
-                floor_chart(0, -1, axis, view, work)
-            else:
-                sphere_chart(j, -1, axis, view, work)
+            CHART_OF(j, -1, axis, view, work)
             shape = floor if j < 0 else balls[:, j]
             others = np.where(np.arange(BALLS) == j, np.inf, balls)
             there = np.isfinite(shape)
@@ -130,10 +139,9 @@ def test_looks_into_the_lobe_meet_only_whom_the_chart_lists(rho: float) -> None:
                 for _, k in (caster for caster in casters if caster[0] == i):
                     known |= hides(q, light.position, view.spheres[k])
                 places = [light.position + rho * (np.cos(t) * light.e1 + np.sin(t) * light.e2) for t in turns]
+                darks = hidden_by(q, np.array([light.position, *places]), view.spheres)
                 for k in range(BALLS):
-                    dark = np.zeros(len(q), np.bool_)
-                    for p in [light.position, *places]:
-                        dark |= hides(q, p, view.spheres[k]) & (p[2] > 0)
+                    dark = darks[:, k]
                     if k == j or not dark.any() or (np.array(light.position)[2] < 0):
                         continue
                     own = j >= 0 and np.linalg.norm(light.position - view.spheres[j].center) < view.spheres[j].radius
@@ -185,12 +193,20 @@ def ranges_hold(view: View, work: Work, w: Array, floor: Array) -> int:
     return told
 
 
+def pairs_apart(walls: Table[Wall], found: npt.NDArray[np.bool_]) -> None:
+    """Whether each wall and each before it are told to be apart."""
+    for i in range(len(found)):
+        for k in range(i):
+            found[i, k] = are_apart(walls[i], walls[k])
+
+
+APART = compiled(pairs_apart)
+
+
 def pairs_hold(view: View, work: Work, w: Array, floor: Array) -> int:
     """How many pairs of walls are told to be apart; no look is inside of both."""
-    told, insides = 0, inside_of(view, work, w, floor)
-    for i, inside in enumerate(insides):
-        for k in range(i):
-            if are_apart(work.walls[i], work.walls[k]):
-                told += 1
-                assert not (inside & insides[k]).any()
-    return told
+    insides = np.array(inside_of(view, work, w, floor), np.int64)
+    apart = np.zeros((len(insides), len(insides)), np.bool_)
+    APART(work.walls, apart)
+    assert not (apart & (insides @ insides.T > 0)).any()
+    return int(apart.sum())

@@ -107,11 +107,12 @@ def seen(q: Array, scene: Crowd, shape: int) -> Array:
     sight = (w @ scene.lobe > math.cos(scene.rim) + 1e-7) & (w @ scene.normal > 1e-7)
     if shape >= 0:
         sight &= ((scene.point - q) * (q - scene.center[shape])).sum(1) > 1e-7
-    from_point = np.broadcast_to(scene.point, q.shape)
-    hidden = met_before(from_point, q, scene, 0)
+    from_point = np.broadcast_to(scene.point, q[sight].shape)
+    hidden = met_before(from_point, q[sight], scene, 0)
     if shape >= 0:
         hidden[:, shape] = False
-    return np.asarray(sight & ~hidden.any(1))
+    sight[sight] = ~hidden.any(1)
+    return np.asarray(sight)
 
 
 def directions(scene: Crowd, count: int, rng: np.random.Generator) -> Array:
