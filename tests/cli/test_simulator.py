@@ -9,23 +9,31 @@ import subprocess
 import sys
 import urllib.request
 
+import pytest
+
+from symrender.cli import main
 from symrender.simulator.build import simulator
 
 MAIN = "import sys; from symrender.cli import main; sys.exit(main(sys.argv[1:]))"
 COMMAND = (sys.executable, "-c", MAIN, "simulator", "furnace")
 
 
-def test_it_writes_one_page_and_says_how_large(tmp_path):
+@pytest.fixture(scope="module")
+def page():
+    return simulator("furnace").html
+
+
+def test_it_writes_one_page_and_says_how_large(page, tmp_path, capfd):
     out = tmp_path / "page.html"
-    done = subprocess.run([*COMMAND, "-o", str(out)], capture_output=True, text=True, check=True)
-    assert re.fullmatch(rf"wrote {re.escape(str(out))} \(\d+ kB\)", done.stdout.strip())
-    assert out.read_text(encoding="utf-8") == simulator("furnace").html
-    again = subprocess.run([*COMMAND, "-o", str(out)], capture_output=True, text=True)
-    assert again.returncode != 0
-    assert "page.html" in again.stderr and "Traceback" not in again.stderr
+    assert main(["simulator", "furnace", "-o", str(out)]) == 0
+    assert re.fullmatch(rf"wrote {re.escape(str(out))} \(\d+ kB\)", capfd.readouterr().out.strip())
+    assert out.read_text(encoding="utf-8") == page
+    assert main(["simulator", "furnace", "-o", str(out)]) != 0
+    said = capfd.readouterr().err
+    assert "page.html" in said and "Traceback" not in said
 
 
-def test_it_serves_the_page_until_it_is_interrupted(tmp_path):
+def test_it_serves_the_page_until_it_is_interrupted(page, tmp_path):
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(
         [*COMMAND, "--serve"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment
@@ -40,7 +48,7 @@ def test_it_serves_the_page_until_it_is_interrupted(tmp_path):
                 told = served.replace("; connect-src &#x27;self&#x27;", "", 1).replace(
                     '"served":true', '"served":false', 1
                 )
-                assert told == simulator("furnace").html != served
+                assert told == page != served
             process.send_signal(signal.SIGINT)
             _, said = process.communicate(timeout=60)
         finally:

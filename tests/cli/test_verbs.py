@@ -8,7 +8,7 @@ import os
 import resource
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -89,12 +89,15 @@ def test_compare_answers_in_under_800_ms(images: tuple[str, str]) -> None:
     assert answers_at_once("compare", *images)
 
 
-def test_every_verb_has_one_line_an_example_and_documented_options() -> None:
+def test_every_verb_has_one_line_an_example_and_documented_options(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "160")
     assert {"render", "compare", "expression", "scenes", "params", "doctor"} <= set(verbs())
     for verb in verbs():
-        shown = run(verb, "--help", COLUMNS="160")
-        assert shown.returncode == 0
-        assert f"Example: symrender {verb}" in shown.stdout and "Exit codes:" in shown.stdout
+        assert main([verb, "--help"]) == 0
+        shown = capfd.readouterr().out
+        assert f"Example: symrender {verb}" in shown and "Exit codes:" in shown
         module = __import__(f"symrender.cli.{verb}", fromlist=[verb])
         assert (inspect.getdoc(getattr(module, verb)) or "").splitlines()[0].endswith(".")
 
@@ -265,25 +268,40 @@ def test_doctor_is_one_block(capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["--version"]) == 0
 
 
-def completions(words: str) -> list[str]:
-    shown = run(_SYMRENDER_COMPLETE="complete_bash", COMP_WORDS=words, COMP_CWORD=str(len(words.split(" ")) - 1))
-    return shown.stdout.split()
+def asked(words: str) -> dict[str, str]:
+    """The environment in which a shell asks what may follow."""
+    return {"_SYMRENDER_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(len(words.split(" ")) - 1)}
 
 
-def test_shell_completion_knows_verbs_scenes_and_parameters() -> None:
-    assert completions("symrender re") == ["render"]
+@pytest.fixture
+def completions(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[[str], list[str]]:
+    """What may follow, told by this process."""
+
+    def told(words: str) -> list[str]:
+        for name, value in asked(words).items():
+            monkeypatch.setenv(name, value)
+        with pytest.raises(SystemExit) as left:
+            main([])
+        assert left.value.code == 0
+        return capfd.readouterr().out.split()
+
+    return told
+
+
+def test_shell_completion_knows_verbs_scenes_and_parameters(completions: Callable[[str], list[str]]) -> None:
+    assert run(**asked("symrender re")).stdout.split() == ["render"]
     assert "gloss" in completions("symrender render gl")
     assert completions("symrender params chapter8 -D floor.lobe.e") == ["floor.lobe.exponent="]
     assert completions("symrender params no-such -D floor.lobe.e") == []
 
 
-def test_shell_completion_knows_the_layers_of_a_file(tmp_path: Path) -> None:
+def test_shell_completion_knows_the_layers_of_a_file(tmp_path: Path, completions: Callable[[str], list[str]]) -> None:
     Image({"radiance": np.ones((2, 3, 3)), "error": np.ones((2, 3))}).save(tmp_path / "a.npz")
     assert completions(f"symrender view {tmp_path}/a.npz --layer e") == ["error"]
     assert completions(f"symrender view {tmp_path}/none.npz --layer e") == []
 
 
-def test_shell_completion_knows_what_options_name() -> None:
+def test_shell_completion_knows_what_options_name(completions: Callable[[str], list[str]]) -> None:
     assert completions("symrender probe gloss --surface ") == ["floor", "spheres.A", "spheres.B", "spheres.C"]
     assert completions("symrender probe room --surface p") == ["planes.rear", "planes.west", "planes.glass"]
     assert completions("symrender expression furnace --surface sph") == [

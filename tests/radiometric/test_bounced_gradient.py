@@ -87,8 +87,9 @@ def difference_of(scene: Any, name: str, step: float, layer: str, tol: float) ->
 @pytest.mark.parametrize("aim", AIMS)
 def test_derivatives_are_those_of_extrapolated_differences(aim: str) -> None:
     scene = towards(aim)
-    # half of the numbers, with those of what is seen
+    # half of the numbers, with those of what is seen; of B, whose pixel is dear, what the others are not asked
     names = NAMES[1::2] if aim == "A" else (*NAMES[::2], "materials.rough.eta.g")
+    names = names[3:5] + names[6:] if aim == "B" else names
     slopes = sr.gradient(scene, names, size=1, tol=1e-8, threads=1, tile=1)
     acting, met = 0, 0
     for name in names:

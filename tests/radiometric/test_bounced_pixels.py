@@ -40,12 +40,12 @@ def world(floor: Any, **more: Any) -> RadiometricScene:
 
 
 SOLID = [0.8, 0.77, 0.7]
-TILES = {"type": "checker", "bright": 0.8, "dark": [0.1, 0, 0.3], "cell": 0.4}
+TILES = {"type": "checker", "bright": 0.8, "dark": [0.1, 0, 0.3], "cell": 0.8}
 NARROW = {"type": "look_at", "eye": [0.3, -5.6, 2.5], "target": [0.15, -0.4, 0.6], "up": [0, 0, 1], "fov": 2.5}
 """Where ball B ends before the floor."""
-HALF = NARROW | {"target": [0.1, -0.2, 0.35], "fov": 14}
+HALF = NARROW | {"target": [0.1, -0.2, 0.35], "fov": 9.4}
 """Where both balls stand on the floor and in each other's light."""
-SIZE, TOL = 6, 3e-3
+SIZE, TOL = 4, 2e-3
 
 
 def on_a_grid(scene: RadiometricScene, pixel: tuple[int, int], side: int) -> tuple[Array, Array]:
@@ -68,9 +68,9 @@ def test_means_are_those_of_single_rays(floor: Any) -> None:
     image = sr.truth(scene, size=SIZE, tol=TOL, filter="box", threads=1)
     indirect, error = image.layers["indirect"], image.layer("error")
     assert (image.layer("status") == 0).mean() > 0.85
-    assert (indirect.max(axis=2) > 5 * error).sum() > 25, "much of the image says something of what bounces"
+    assert (indirect.max(axis=2) > 5 * error).sum() > 11, "much of the image says something of what bounces"
     judged = cut = 0
-    brightest = np.argsort(-indirect.max(axis=2), axis=None)[:30:6]
+    brightest = np.argsort(-indirect.max(axis=2), axis=None)[:9]
     for k in brightest.tolist():
         pixel = k % SIZE, k // SIZE
         expected, sigma = on_a_grid(scene, pixel, 12)
@@ -78,7 +78,7 @@ def test_means_are_those_of_single_rays(floor: Any) -> None:
         assert np.abs(value - expected).max() <= 1.5 * error[pixel[1], pixel[0]] + 5 * sigma.max() + TOL / 10
         judged += expected.max() > 1e-2
         cut += sigma.max() > 3e-4
-    assert judged >= 4 and cut >= 2
+    assert judged == 9 and cut >= 4
 
 
 @pytest.mark.parametrize("kind", ["tent", "mitchell"])

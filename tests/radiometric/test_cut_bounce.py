@@ -169,8 +169,8 @@ def test_means_over_a_bump_are_those_of_its_rays() -> None:
 
 def test_an_image_is_its_pixels_in_any_tiles() -> None:
     scene = room({"amplitude": 0.03, "height": WAVES})
-    image = sr.truth(scene, size=(10, 7), tol=2e-2, threads=1)
-    again = sr.truth(scene, size=(10, 7), tol=2e-2, threads=2, tile=3)
+    image = sr.truth(scene, size=(5, 4), tol=2e-2, threads=1)
+    again = sr.truth(scene, size=(5, 4), tol=2e-2, threads=2, tile=3)
     assert image.layer("indirect").max() > 0.02
     for name, layer in image.layers.items():
         assert layer.tobytes() == again.layer(name).tobytes(), name
