@@ -378,10 +378,12 @@ def supersampled(many):
     return fine.reshape(16, many, 16, many, 3).mean(axis=(1, 3))
 
 
-def test_the_reference_converges_to_the_mean_over_the_pixel(open_page):
+def test_the_reference_converges_to_the_mean_over_the_pixel(fresh):
     """256 pixels against 400 rays each of compiled kernels, whose own error is told by 225 of them."""
-    page = open_page("gloss", fragment=to_fragment(State(size=16, pixel=3, lobe=8, partition="equal_weight")))
+    page = fresh(16)
+    page.change("s.pixel = 3; s.lobe = 8; s.partition = 'equal_weight'")
     layers, told = reference_of(page, 512)
+    page.run("() => { simulator.app.paused = false; }")
     mean = layers.sum(axis=0)
     judge, other = supersampled(20), supersampled(15)
     rms = lambda values: float(np.sqrt(np.mean(values**2)))  # noqa: E731
