@@ -17,7 +17,7 @@ from symrender.scene.load import load_any
 Scene = dict[str, Any]
 SIZE, FOV = 4, 20.0
 EYE = np.array([0.0, -8.0, 10.0])
-GRID, DIM = 40, 16
+GRID, DIM = 40, 12
 """Rays along a side of a pixel, and where neither as few as the second nor the package find much light."""
 ROUGH = 0.08
 """What so coarse a grid may be off by, of the light."""
