@@ -42,10 +42,15 @@ def conductors(arrays: SceneArrays, rough: Rough, surface: int) -> Table[Conduct
     return rows
 
 
+def dark(arrays: SceneArrays) -> Array:
+    """That no sphere emits, said as images of conductors under lamps say it: the kernel is theirs."""
+    return np.zeros((len(arrays.spheres), 3))
+
+
 def integrated(case: RandomLobe, rough: Rough, tol: float) -> SplitResult:
     return gloss_points(
         case.arrays, case.point[None], case.normal[None], case.incoming[None], np.array([case.surface]), tol,
-        conductors=conductors(case.arrays, rough, case.surface),
+        conductors=conductors(case.arrays, rough, case.surface), emitted=dark(case.arrays),
     )  # fmt: skip
 
 
@@ -66,7 +71,8 @@ def test_a_checker_spheres_and_shadows_are_what_half_way_directions_see(alpha: f
     incoming /= np.linalg.norm(incoming, axis=1)[:, None]
     up, rough = np.array([0.0, 0.0, 1.0]), Rough(alpha, False, GOLD.eta, GOLD.k)
     args = (arrays, points, np.tile(up, (3, 1)), incoming, np.ones(3, np.int64))
-    loose, tight = (gloss_points(*args, tol, conductors=conductors(arrays, rough, 1)) for tol in (1e-4, 1e-8))
+    rows, none = conductors(arrays, rough, 1), dark(arrays)
+    loose, tight = (gloss_points(*args, tol, conductors=rows, emitted=none) for tol in (1e-4, 1e-8))
     assert (tight.status == 0).all() and (tight.error <= 1e-8).all() and (tight.chambers > 10).all()
     assert (np.abs(loose.gloss - tight.gloss).max(axis=1) <= loose.error).all()
     judged = 0
@@ -87,7 +93,7 @@ def test_the_squares_of_a_checker_are_seen_from_a_ball() -> None:
     rough = Rough(0.2, True, GOLD.eta, GOLD.k)
     found = gloss_points(
         arrays, point[None], normal[None], incoming[None], np.array([2]), 1e-6,
-        conductors=conductors(arrays, rough, 2),
+        conductors=conductors(arrays, rough, 2), emitted=dark(arrays),
     )  # fmt: skip
     one, other = (reflected(arrays, point, normal, incoming, 0, rough, n, n / 1e6) for n in (120_000, 80_000))
     apart, signal = np.abs(one - other).max(), np.abs(one).max()
@@ -145,7 +151,7 @@ def test_an_endless_plane_is_reflected_by_the_directional_albedo(
             incoming = -(cos_view * down + math.sqrt(1.0 - cos_view**2) * aside)
             found = gloss_points(
                 arrays, point[None], down[None], incoming[None], np.array([2]), 1e-9,
-                conductors=conductors(arrays, rough, 2),
+                conductors=conductors(arrays, rough, 2), emitted=dark(arrays),
             )  # fmt: skip
             expected = albedo(rough, cos_view, 200)
             assert expected.min() > 0.2 and expected.max() < 1.0
@@ -214,7 +220,9 @@ def test_a_background_is_what_nothing_hides_of_the_directional_albedo() -> None:
     incoming /= np.linalg.norm(incoming, axis=1)[:, None]
     up, rough = np.array([0.0, 0.0, 1.0]), Rough(0.3, True, GOLD.eta, GOLD.k)
     rows = conductors(arrays, rough, 1)
-    less = gloss_points(arrays, points, np.tile(up, (3, 1)), incoming, np.ones(3, np.int64), 1e-7, conductors=rows)
+    less = gloss_points(
+        arrays, points, np.tile(up, (3, 1)), incoming, np.ones(3, np.int64), 1e-7, conductors=rows, emitted=dark(arrays)
+    )
     whole = directional_albedo(rows[1], -incoming[:, 2], 1e-8, 10**6, split_work(arrays, light_rows(arrays, 2)))
     assert (less.status == 0).all() and (whole.status == 0).all() and (whole.error <= 1e-8).all()
     for i in range(3):
