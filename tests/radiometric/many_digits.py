@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from types import SimpleNamespace
 from typing import Any
@@ -39,16 +40,21 @@ _RULES = _loaded(inspect.getsource(rules))
 _KERNEL = _loaded(pushed_text(), rules=_RULES)
 
 
+@functools.lru_cache(maxsize=4096)
+def _digits(value: float) -> Any:
+    """A number in many digits; most of them are zeros of rooms that are still empty."""
+    return MP.mpf(value)
+
+
 def _exact(value: Any) -> Any:
     """Numbers of records and arrays in many digits."""
     if isinstance(value, np.ndarray) and value.dtype.names is None:
-        return np.array([MP.mpf(float(x)) for x in value.ravel()], dtype=object).reshape(value.shape)
-    return MP.mpf(float(value))
+        return np.array([_digits(x) for x in value.ravel().tolist()], dtype=object).reshape(value.shape)
+    return _digits(float(value))
 
 
 def _record(row: Any) -> SimpleNamespace:
-    return SimpleNamespace(**{name: _exact(np.asarray(row[name]) if np.ndim(row[name]) else row[name])
-                              for name in row.dtype.names})  # fmt: skip
+    return SimpleNamespace(**{name: _exact(row[name]) for name in row.dtype.names})
 
 
 class _Rows(list[Any]):
