@@ -53,7 +53,7 @@ def tally() -> Tally:
         names = [name for name in named if not re.search("velocity|shutter|aperture|focus", name)]
         assert len(names) > 12
         names = rng.permutation(names)[:24].tolist()
-        slopes = sr.gradient(scene, names, size=1)
+        slopes = sr.gradient(scene, names, size=1, threads=1, tile=1)
         acting = [name for name in names if np.abs(slopes[name].radiance).max() > 1e-9]
         idle = [name for name in names if name not in acting]
         for name in [*acting[:9], *idle[:1]]:
