@@ -51,18 +51,32 @@ def test_probe_prints_gradients(capsys: pytest.CaptureFixture[str]) -> None:
     assert rows[0]["gradient"]["ambient.r"]["error"] < 1e-8
 
 
+LAMP = """
+units: radiometric
+bounces: 0
+camera: {type: look_at, eye: [0, -6, 0], target: [0, 0, 0], up: [0, 0, 1], fov: 20}
+materials: {clay: {type: diffuse, reflectance: 0.5}}
+shapes:
+  - {type: sphere, name: ball, center: [0.1, 0, 0.05], radius: 0.7, material: clay}
+lights:
+  - {type: area, name: glow, shape: ball, radiance: [3, 2, 1]}
+"""
+
+
 def test_fit_meets_means(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """An outline is known to means of pixels; a target says which it holds."""
+    scene = tmp_path / "lamp.yaml"
+    scene.write_text(LAMP)
     shown = ["--size", "6", "--filter", "box", "--tol", "1e-7", "--quiet", "--out", str(tmp_path)]
-    assert main(["truth", "furnace_radiometric", *shown]) == 0
-    words = ["fit", "furnace_radiometric", str(tmp_path / "truth.npz"), "--free", "camera.fov", "--json"]
+    assert main(["truth", str(scene), *shown]) == 0
+    words = ["fit", str(scene), str(tmp_path / "truth.npz"), "--free", "shapes.ball.radius", "--json"]
     capsys.readouterr()
     assert main(words) == 2
     assert "filter: a pixel of the target is its box, got centre" in capsys.readouterr().err
-    wide = ["-D", "camera.fov=31", "--filter", "box", "--tol", "1e-6", "--precision", "1e-4"]
+    wide = ["-D", "shapes.ball.radius=0.74", "--filter", "box", "--tol", "1e-6", "--precision", "1e-5"]
     assert main([*words, *wide]) == 0
     report = json.loads(capsys.readouterr().out)
-    assert report["converged"] and report["values"]["camera.fov"] == pytest.approx(32.0, rel=1e-4)
+    assert report["converged"] and report["values"]["shapes.ball.radius"] == pytest.approx(0.7, rel=1e-5)
 
 
 def test_fit_finds_a_light(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -104,29 +104,32 @@ def chart_place(x: float, c: float, s: float, chart: Chart, here: Place) -> tupl
 
     Returns the solid angle per dx dphi and its logarithm's slope in k. The pole itself is no place of a chart: x > 0.
     """
-    at, by_x, by_chart = here.at, here.by_x, here.by_chart
     e, f, p = chart.e1, chart.e2, chart.pole
     ex, ey, ez = values.chart_across(c, s, e[0], e[1], e[2], f[0], f[1], f[2])
     if chart.shape_index < 0.0:
         (
-            at[HIT, 0], at[HIT, 1], at[HIT, 2], at[TOWARD, 0], at[TOWARD, 1], at[TOWARD, 2], measure,
-            by_x[HIT, 0], by_x[HIT, 1], by_x[HIT, 2], by_x[TOWARD, 0], by_x[TOWARD, 1], by_x[TOWARD, 2], _,
-            by_chart[HIT, 0], by_chart[HIT, 1], _, _, _, _, _,
+            here.at[HIT, 0], here.at[HIT, 1], here.at[HIT, 2],
+            here.at[TOWARD, 0], here.at[TOWARD, 1], here.at[TOWARD, 2], measure,
+            here.by_x[HIT, 0], here.by_x[HIT, 1], here.by_x[HIT, 2],
+            here.by_x[TOWARD, 0], here.by_x[TOWARD, 1], here.by_x[TOWARD, 2], _,
+            here.by_chart[HIT, 0], here.by_chart[HIT, 1], _, _, _, _, _,
         ) = tangents.floor_sight_tangents(x, ex, ey, ez, p[0], p[1], p[2], chart.height)  # fmt: skip
         # P rises, Q stays on the plane
-        by_chart[HIT, 2] = 0.0
+        here.by_chart[HIT, 2] = 0.0
         for a in range(3):
-            at[FACING, a] = by_x[FACING, a] = by_chart[FACING, a] = by_chart[TOWARD, a] = here.by_radius[a] = 0.0
-        at[FACING, 2] = 1.0
+            here.at[FACING, a] = here.by_x[FACING, a] = here.by_chart[FACING, a] = 0.0
+            here.by_chart[TOWARD, a] = here.by_radius[a] = 0.0
+        here.at[FACING, 2] = 1.0
         return measure, 0.0
     (
-        at[HIT, 0], at[HIT, 1], at[HIT, 2], at[FACING, 0], at[FACING, 1], at[FACING, 2],
-        at[TOWARD, 0], at[TOWARD, 1], at[TOWARD, 2], measure,
-        by_x[HIT, 0], by_x[HIT, 1], by_x[HIT, 2], by_x[FACING, 0], by_x[FACING, 1], by_x[FACING, 2],
-        by_x[TOWARD, 0], by_x[TOWARD, 1], by_x[TOWARD, 2],
-        by_chart[HIT, 0], by_chart[HIT, 1], by_chart[HIT, 2],
-        by_chart[FACING, 0], by_chart[FACING, 1], by_chart[FACING, 2],
-        by_chart[TOWARD, 0], by_chart[TOWARD, 1], by_chart[TOWARD, 2],
+        here.at[HIT, 0], here.at[HIT, 1], here.at[HIT, 2], here.at[FACING, 0], here.at[FACING, 1], here.at[FACING, 2],
+        here.at[TOWARD, 0], here.at[TOWARD, 1], here.at[TOWARD, 2], measure,
+        here.by_x[HIT, 0], here.by_x[HIT, 1], here.by_x[HIT, 2],
+        here.by_x[FACING, 0], here.by_x[FACING, 1], here.by_x[FACING, 2],
+        here.by_x[TOWARD, 0], here.by_x[TOWARD, 1], here.by_x[TOWARD, 2],
+        here.by_chart[HIT, 0], here.by_chart[HIT, 1], here.by_chart[HIT, 2],
+        here.by_chart[FACING, 0], here.by_chart[FACING, 1], here.by_chart[FACING, 2],
+        here.by_chart[TOWARD, 0], here.by_chart[TOWARD, 1], here.by_chart[TOWARD, 2],
         here.by_radius[0], here.by_radius[1], here.by_radius[2], slope,
     ) = values.sphere_motion(x, ex, ey, ez, p[0], p[1], p[2], chart.radius, chart.ratio)  # fmt: skip
     return measure, slope

@@ -24,12 +24,14 @@ def doctor(json: Json = False) -> None:
 
     Example: symrender doctor
     """
+    from symrender.jit.machine import processors
+
     facts = {
         "symrender": _version("symrender"),
         "python": f"{platform.python_version()} {platform.python_implementation()}",
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "processor": _processor(),
-        "threads": f"{_usable()} usable of {os.cpu_count()}",
+        "threads": f"{processors()} usable of {os.cpu_count()}",
         "kernels shipped": _shipped(),
         "kernel cache": _cache(),
         **{name: _version(name) for name in _CORE},
@@ -63,10 +65,6 @@ def _version(package: str) -> str:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
         return "not installed"
-
-
-def _usable() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _processor() -> str:

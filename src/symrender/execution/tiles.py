@@ -7,7 +7,6 @@ Kernels release the GIL and write disjoint pixels, so threads need no locks and 
 from __future__ import annotations
 
 import math
-import os
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,6 +15,7 @@ from queue import Empty, SimpleQueue
 from typing import Final, Protocol, TypeVar
 
 from symrender.execution.jobs import Job, Tile, TileKernel, prepared
+from symrender.jit.machine import processors
 from symrender.scene.arrays import Array
 
 Progress = Callable[[int, int, str], None]
@@ -69,9 +69,7 @@ def spread(work: Sequence[Tile], side: int) -> list[Tile]:
 
 def thread_count(threads: int) -> int:
     """``threads``, or for 0 the processors this process may use."""
-    if threads:
-        return threads
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return threads or processors()
 
 
 def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> int:

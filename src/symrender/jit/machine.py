@@ -61,9 +61,14 @@ def machine_code(modules: Sequence[str], level: str | None = None) -> bytes:
     return b"".join([len(codes).to_bytes(8, "little"), *(len(code).to_bytes(8, "little") for code in codes), *codes])
 
 
+def processors() -> int:
+    """The processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def _other_process(text: str, level: str | None) -> subprocess.Popen[bytes] | None:
     """A process that compiles a module, None where this machine has one processor, or gives us no process."""
-    if not sys.executable or len(os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else (0, 1)) < 2:
+    if not sys.executable or processors() < 2:
         return None
     words = [sys.executable, "-P", str(Path(__file__).with_name("assemble.py")), *([] if level is None else [level])]
     with tempfile.TemporaryFile() as file:

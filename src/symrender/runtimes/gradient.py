@@ -75,13 +75,15 @@ class Slopes:
         self.moved = moved = scene_moves(arrays, wrt)
         self.names = tuple(name for name, _ in wrt)
         refuse_unknown(arrays, moved, self.names)
-        text = numba.emitted(_emit, "tangent")
-        self.sight, self.hits = numba.kernel(text, "sight_dot"), numba.kernel(text, "hits_dot")
-        self.places = numba.kernel(text, "places_dot")
         self.lights = light_rows(arrays, settings.disk_order)
         # an exact disk is no point: its direct light is added to that of the points
         points = self.lights["radius"] == 0.0
         self.disks = not points.all()
+        with numba.emitting("tangent"):
+            _compile(arrays, moved, settings, self.disks)
+        text = numba.emitted("tangent")
+        self.sight, self.hits = numba.kernel(text, "sight_dot"), numba.kernel(text, "hits_dot")
+        self.places = numba.kernel(text, "places_dot")
         self.points = np.hstack([self.lights["position"][points], self.lights["color"][points]])
         light_moves = light_point_tangents(arrays, moved.lights, settings.disk_order)
         point_moves = np.concatenate([light_moves["position"], light_moves["color"]], axis=2)[:, points]
@@ -250,10 +252,3 @@ def _compile(arrays: SceneArrays, moved: SceneMoves, settings: Settings, disks: 
     gloss_gradients(arrays, none, none, none, nowhere, tangents, settings.tol, settings.disk_order)
     if disks:
         direct_gradients(arrays, none, none, none, nowhere, none, still[0], tangents, settings.tol)
-
-
-def _emit() -> str:
-    from symrender.kernel.tangent_sight import tangent_program
-    from symrender.targets.numba import emit
-
-    return emit(tangent_program())

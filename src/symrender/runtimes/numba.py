@@ -7,17 +7,22 @@ importing SymPy at all.
 from __future__ import annotations
 
 import hashlib
+import importlib
 import inspect
-from collections.abc import Callable
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, Final
 
 from symrender.jit.compiled import compiled
 from symrender.jit.entries import cache_directory, read_entry, write_entry
 from symrender.jit.generated import load_module
+from symrender.jit.machine import processors
 from symrender.jit.marks import jitable
 from symrender.jit.shelf import PACKAGE_FOLDER
 from symrender.jit.shipped import folders_to_fill
@@ -34,21 +39,63 @@ _SOURCES = (
 )
 
 
+PROGRAMS: Final[Mapping[str, tuple[str, str]]] = {
+    "image": ("symrender.kernel.assemble", "image_program"),
+    "tangent": ("symrender.kernel.tangent_sight", "tangent_program"),
+}
+"""What makes the program of every text: a module and its function."""
+
+
 @cache
-def emitted(recipe: Callable[[], str], name: str) -> str:
-    """Text named ``name`` that ``recipe`` emits: what came with the package or was kept, if made by this very code."""
-    shipped = read_entry(PACKAGE_FOLDER / _entry(name, ""), private=False)
-    if shipped is not None:
-        return shipped.decode()
-    directory, _ = cache_directory()
-    kept = None if directory is None else directory / _entry(name, metadata.version("sympy"))
-    stored = None if kept is None else read_entry(kept)
-    text = recipe() if stored is None else stored.decode()
-    if kept is not None and stored is None:
-        write_entry(kept, text.encode())
+def emitted(name: str) -> str:
+    """Text of the program ``name``: what came with the package or was kept, if made by this very code, or made now."""
+    stored = _stored(name)
+    if stored is None:
+        from symrender.targets.numba import emit
+
+        module, function = PROGRAMS[name]
+        text = emit(getattr(importlib.import_module(module), function)())
+        kept = _kept(name)
+        if kept is not None:
+            write_entry(kept, text.encode())
+    else:
+        text = stored.decode()
     for folder in folders_to_fill():
         write_entry(folder / _entry(name, ""), text.encode())
     return text
+
+
+@contextmanager
+def emitting(name: str) -> Iterator[None]:
+    """Within the block a process of its own makes a text that nobody has kept, where a processor is free for it.
+
+    Kernels may be compiled meanwhile, which takes longer. A process that fails leaves the text to ``emitted``.
+    """
+    process = None
+    if processors() > 1 and sys.executable and _kept(name) is not None and _stored(name) is None:
+        quiet = subprocess.DEVNULL
+        words = [sys.executable, "-m", "symrender.runtimes.numba", name]
+        process = subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet)
+    try:
+        yield
+        if process is not None:
+            process.wait()
+    finally:
+        if process is not None and process.poll() is None:
+            process.kill()
+            process.wait()
+
+
+def _stored(name: str) -> bytes | None:
+    """A text that came with the package or was kept."""
+    shipped, kept = read_entry(PACKAGE_FOLDER / _entry(name, ""), private=False), _kept(name)
+    return shipped if shipped is not None or kept is None else read_entry(kept)
+
+
+def _kept(name: str) -> Path | None:
+    """Where a text is kept, None without a cache."""
+    directory, _ = cache_directory()
+    return None if directory is None else directory / _entry(name, metadata.version("sympy"))
 
 
 def _entry(name: str, sympy: str) -> str:
@@ -78,11 +125,8 @@ def plain(text: str) -> ModuleType:
 
 def image_text() -> str:
     """Text of the image program, from the cache or emitted now."""
-    return emitted(_emit_image, "image")
+    return emitted("image")
 
 
-def _emit_image() -> str:
-    from symrender.kernel.assemble import image_program
-    from symrender.targets.numba import emit
-
-    return emit(image_program())
+if __name__ == "__main__":
+    emitted(sys.argv[1])

@@ -13,6 +13,7 @@ from symrender.quadrature.split_point import gloss_points
 from symrender.quadrature.split_scratch import split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.runtimes.image import TileKernel, prepare_sight
+from symrender.runtimes.numba import emitting
 from symrender.runtimes.series_pixels import prepare_series
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, lobes_of
@@ -47,8 +48,13 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     """
     if settings.filter != "centre":
         return prepare_series(arrays, settings)
-    sight = prepare_sight(arrays, settings)
     weights = showing(arrays) * lobe_weights(arrays)
+    none = np.zeros((0, 3))
+    with emitting("image"):
+        if weights.any():
+            # of no points it is but compiled
+            gloss_points(arrays, none, none, none, np.zeros(0, np.int64), disk_order=settings.disk_order)
+    sight = prepare_sight(arrays, settings)
     size = (settings.height, settings.width, 3)
     # memory is taken only where a tile is written
     places: dict[str, Array] = {name: np.zeros(size) for name in ("place", "normal", "incoming", "albedo")}
