@@ -65,3 +65,17 @@ def test_one_processor_makes_it_itself(empty: Path, monkeypatch: pytest.MonkeyPa
     with numba.emitting("image"):
         pass
     assert not list(empty.glob("*.text"))
+
+
+def test_a_folder_of_the_packages_name_is_no_program(
+    empty: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever lies where a command is called is not run."""
+    other = tmp_path / "here" / "symrender"
+    other.mkdir(parents=True)
+    (other / "__init__.py").write_text("import pathlib; pathlib.Path(__file__).with_name('ran').touch()")
+    monkeypatch.chdir(other.parent)
+    with numba.emitting("image"):
+        pass
+    assert not (other / "ran").exists()
+    assert list(empty.glob("*.text"))

@@ -36,7 +36,7 @@ def second_beside(jobs: Sequence[Job], progress: Progress | None = None) -> Iter
     missing = [mark for mark in marks if read_entry(mark) is None]
     process = None
     if len(missing) == 2 and not package_shelves() and thread_count(0) > 1:
-        words = [sys.executable, "-m", "symrender.execution.warm", jobs[1].kind, jobs[1].settings.disk]
+        words = [sys.executable, "-P", "-m", "symrender.execution.warm", jobs[1].kind, jobs[1].settings.disk]
         quiet = subprocess.DEVNULL
         process = subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet)
 

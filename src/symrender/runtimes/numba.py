@@ -74,7 +74,7 @@ def emitting(name: str) -> Iterator[None]:
     process = None
     if processors() > 1 and sys.executable and _kept(name) is not None and _stored(name) is None:
         quiet = subprocess.DEVNULL
-        words = [sys.executable, "-m", "symrender.runtimes.numba", name]
+        words = [sys.executable, "-P", "-m", "symrender.runtimes.numba", name]
         process = subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet)
     try:
         yield
