@@ -89,8 +89,8 @@ def test_a_pair_made_before_is_not_compiled_beside(empty_cache: Path, monkeypatc
 
         kill = wait
 
-    monkeypatch.setattr("symrender.execution.warm.subprocess.Popen", Process)
-    monkeypatch.setattr("symrender.execution.warm.thread_count", lambda _: 2)
+    monkeypatch.setattr("symrender.jit.beside.subprocess.Popen", Process)
+    monkeypatch.setattr("symrender.jit.beside.processors", lambda: 2)
     settings = Settings(width=2, height=2, lobe=1)
     jobs = tuple(Job.of(kind, load("chapter8"), settings) for kind in ("numeric", "symbolic"))
     said: list[tuple[int, int, str]] = []

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from symrender.jit import beside
 from symrender.runtimes import numba
 
 
@@ -17,7 +18,7 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty cache, and a package that brings no text."""
     monkeypatch.setenv("SYMRENDER_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(numba, "PACKAGE_FOLDER", tmp_path / "nothing")
-    monkeypatch.setattr(numba, "processors", lambda: 2)
+    monkeypatch.setattr(beside, "processors", lambda: 2)
     monkeypatch.setattr(numba, "folders_to_fill", tuple)
     return tmp_path / "cache"
 
@@ -37,7 +38,7 @@ def test_a_text_is_kept_at_the_end_of_the_block(empty: Path, monkeypatch: pytest
 
 
 def test_what_a_process_does_not_make_is_made_here(empty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numba.sys, "executable", "/bin/false")
+    monkeypatch.setattr(beside.sys, "executable", "/bin/false")
     with numba.emitting("image"):
         pass
     assert not list(empty.glob("*.text"))
@@ -53,7 +54,7 @@ def test_a_process_ends_with_a_block_that_fails(empty: Path, monkeypatch: pytest
         started.append(plain(*words, **options))
         return started[-1]
 
-    monkeypatch.setattr(numba.subprocess, "Popen", noted)
+    monkeypatch.setattr(beside.subprocess, "Popen", noted)
     with pytest.raises(KeyboardInterrupt), numba.emitting("image"):
         raise KeyboardInterrupt
     assert [process.poll() is not None for process in started] == [True]
@@ -61,7 +62,7 @@ def test_a_process_ends_with_a_block_that_fails(empty: Path, monkeypatch: pytest
 
 
 def test_one_processor_makes_it_itself(empty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numba, "processors", lambda: 1)
+    monkeypatch.setattr(beside, "processors", lambda: 1)
     with numba.emitting("image"):
         pass
     assert not list(empty.glob("*.text"))

@@ -24,7 +24,7 @@ def doctor(json: Json = False) -> None:
 
     Example: symrender doctor
     """
-    from symrender.jit.machine import processors
+    from symrender.jit.beside import processors
 
     facts = {
         "symrender": _version("symrender"),

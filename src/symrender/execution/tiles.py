@@ -15,7 +15,7 @@ from queue import Empty, SimpleQueue
 from typing import Final, Protocol, TypeVar
 
 from symrender.execution.jobs import Job, Tile, TileKernel, prepared
-from symrender.jit.machine import processors
+from symrender.jit.beside import processors
 from symrender.scene.arrays import Array
 
 Progress = Callable[[int, int, str], None]

@@ -7,7 +7,6 @@ compiled by a process of its own while this one compiles the first and renders w
 from __future__ import annotations
 
 import hashlib
-import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -15,7 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from symrender.execution.jobs import KINDS, Job, code_digest, compute
-from symrender.execution.tiles import Progress, thread_count
+from symrender.execution.tiles import Progress
+from symrender.jit.beside import beside
 from symrender.jit.entries import cache_directory, read_entry, write_entry
 from symrender.jit.shelf import package_shelves
 from symrender.settings import Settings
@@ -34,25 +34,18 @@ def second_beside(jobs: Sequence[Job], progress: Progress | None = None) -> Iter
     """
     marks = [mark for job in jobs if (mark := _compiled_mark(job.kind)) is not None]
     missing = [mark for mark in marks if read_entry(mark) is None]
-    process = None
-    if len(missing) == 2 and not package_shelves() and thread_count(0) > 1:
-        words = [sys.executable, "-P", "-m", "symrender.execution.warm", jobs[1].kind, jobs[1].settings.disk]
-        quiet = subprocess.DEVNULL
-        process = subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet)
+    wanted = len(missing) == 2 and not package_shelves()
+    words = (jobs[1].kind, jobs[1].settings.disk) if wanted else ()
+    with beside(wanted, "symrender.execution.warm", *words) as process:
 
-    def wait() -> None:
-        if process is None:
-            return
-        if process.poll() is None and progress is not None:
-            progress(0, 0, f"compiling {jobs[1].kind}, once, in a process of its own")
-        process.wait()
-
-    try:
-        yield wait
-    finally:
-        if process is not None:
-            process.kill()
+        def wait() -> None:
+            if process is None:
+                return
+            if process.poll() is None and progress is not None:
+                progress(0, 0, f"compiling {jobs[1].kind}, once, in a process of its own")
             process.wait()
+
+        yield wait
     for mark in missing:
         write_entry(mark, b"")
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import functools
 import hashlib
-import os
 import subprocess
 import sys
 import tempfile
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from symrender.jit.assemble import object_code, target_of
+from symrender.jit.beside import processors
 from symrender.jit.program import ENTRY
 
 _LOCK = threading.Lock()
@@ -59,11 +59,6 @@ def machine_code(modules: Sequence[str], level: str | None = None) -> bytes:
                 process.kill()
                 process.wait()
     return b"".join([len(codes).to_bytes(8, "little"), *(len(code).to_bytes(8, "little") for code in codes), *codes])
-
-
-def processors() -> int:
-    """The processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _other_process(text: str, level: str | None) -> subprocess.Popen[bytes] | None:

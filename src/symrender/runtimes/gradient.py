@@ -67,7 +67,7 @@ class _Seen:
 class Slopes:
     """A scene and its moves bound to their kernels; each thread has a scratch of its own.
 
-    ``weights`` and ``weight_moves`` are those of lobes by hit class.
+    ``weights`` and ``weight_moves`` are those of lobes by hit class, ``lobed`` those of which either is not nothing.
     """
 
     def __init__(self, arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> None:
@@ -79,8 +79,14 @@ class Slopes:
         # an exact disk is no point: its direct light is added to that of the points
         points = self.lights["radius"] == 0.0
         self.disks = not points.all()
+        shows = showing(arrays)
+        self.weights = shows * lobe_weights(arrays)
+        nothing = np.zeros((len(wrt), 1))
+        own = (nothing, moved.floor["weight"][:, None], moved.spheres["weight"], moved.planes["weight"])
+        self.weight_moves = shows * np.concatenate(own, axis=1)
+        self.lobed = (self.weights > 0) | (self.weight_moves != 0).any(axis=0)
         with numba.emitting("tangent"):
-            _compile(arrays, moved, settings, self.disks)
+            _compile(arrays, moved, settings, bool(self.lobed.any()), self.disks)
         text = numba.emitted("tangent")
         self.sight, self.hits = numba.kernel(text, "sight_dot"), numba.kernel(text, "hits_dot")
         self.places = numba.kernel(text, "places_dot")
@@ -101,18 +107,12 @@ class Slopes:
             numba.plain(text).stand_planes_dot(self.planes, self.plane_moves[q])
         self.eye = np.ascontiguousarray(arrays.camera.eye)
         self.eye_moves = np.ascontiguousarray(moved.camera["eye"])
-        shows = showing(arrays)
-        self.weights = shows * lobe_weights(arrays)
-        nothing = np.zeros((len(wrt), 1))
-        own = (nothing, moved.floor["weight"][:, None], moved.spheres["weight"], moved.planes["weight"])
-        self.weight_moves = shows * np.concatenate(own, axis=1)
         self.own = threading.local()
 
     def render(self, x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         """Fill one tile; an empty one compiles."""
         rays = self._rays(x0, y0, x1, y1)
         if x0 == x1 or y0 == y1:
-            _compile(self.arrays, self.moved, self.settings, self.disks)
             return 0
         tile = (slice(y0, y1), slice(x0, x1))
         layers["hit_class"][tile] = rays.classes[tile]
@@ -128,9 +128,8 @@ class Slopes:
         for q, name in enumerate(self.names):
             status = layers[f"status:{name}"][tile]
             status[self.one_sided[q, seen] & (status < EVENT)] = EVENT
-        lobed = (self.weights > 0) | (self.weight_moves != 0).any(axis=0)
         evaluations = 0
-        for surface in np.unique(seen[lobed[seen]]).tolist():
+        for surface in np.unique(seen[self.lobed[seen]]).tolist():
             rows, columns = np.nonzero(seen == surface)
             evaluations += self._add_gloss(rays, (rows + y0, columns + x0), surface, layers)
         return evaluations
@@ -243,12 +242,13 @@ def _nowhere(count: int) -> tuple[Array, Array, Array]:
     return none, none, none
 
 
-def _compile(arrays: SceneArrays, moved: SceneMoves, settings: Settings, disks: bool) -> None:
-    """Call the lobe's kernel, and that of exact disks, with no points, so that they are compiled before any clock."""
+def _compile(arrays: SceneArrays, moved: SceneMoves, settings: Settings, shines: bool, disks: bool) -> None:
+    """Call the kernels of lobes and of exact disks, where there are any, with no points, to compile them."""
     none = np.zeros((0, 3))
     still = _nowhere(len(moved.floor))
     tangents = tangents_of(arrays, moved, still, settings.disk_order)
     nowhere = np.zeros(0, np.int64)
-    gloss_gradients(arrays, none, none, none, nowhere, tangents, settings.tol, settings.disk_order)
+    if shines:
+        gloss_gradients(arrays, none, none, none, nowhere, tangents, settings.tol, settings.disk_order)
     if disks:
         direct_gradients(arrays, none, none, none, nowhere, none, still[0], tangents, settings.tol)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import importlib
 import inspect
-import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,10 +18,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
+from symrender.jit.beside import beside
 from symrender.jit.compiled import compiled
 from symrender.jit.entries import cache_directory, read_entry, write_entry
 from symrender.jit.generated import load_module
-from symrender.jit.machine import processors
 from symrender.jit.marks import jitable
 from symrender.jit.shelf import PACKAGE_FOLDER
 from symrender.jit.shipped import folders_to_fill
@@ -71,25 +70,20 @@ def emitting(name: str) -> Iterator[None]:
 
     Kernels may be compiled meanwhile, which takes longer. A process that fails leaves the text to ``emitted``.
     """
-    process = None
-    if processors() > 1 and sys.executable and _kept(name) is not None and _stored(name) is None:
-        quiet = subprocess.DEVNULL
-        words = [sys.executable, "-P", "-m", "symrender.runtimes.numba", name]
-        process = subprocess.Popen(words, stdin=quiet, stdout=quiet, stderr=quiet)
-    try:
+    wanted = _stored(name) is None and _kept(name) is not None
+    with beside(wanted, "symrender.runtimes.numba", name) as process:
         yield
         if process is not None:
-            process.wait()
-    finally:
-        if process is not None and process.poll() is None:
-            process.kill()
             process.wait()
 
 
 def _stored(name: str) -> bytes | None:
     """A text that came with the package or was kept."""
-    shipped, kept = read_entry(PACKAGE_FOLDER / _entry(name, ""), private=False), _kept(name)
-    return shipped if shipped is not None or kept is None else read_entry(kept)
+    shipped = read_entry(PACKAGE_FOLDER / _entry(name, ""), private=False)
+    if shipped is not None:
+        return shipped
+    kept = _kept(name)
+    return None if kept is None else read_entry(kept)
 
 
 def _kept(name: str) -> Path | None:
@@ -98,6 +92,7 @@ def _kept(name: str) -> Path | None:
     return None if directory is None else directory / _entry(name, metadata.version("sympy"))
 
 
+@cache
 def _entry(name: str, sympy: str) -> str:
     """File name of a text: a digest of all it was made of; a text of the package's serves whatever SymPy is there."""
     digest = hashlib.sha256(f"{name} {sympy}".encode())

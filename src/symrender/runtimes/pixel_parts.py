@@ -10,7 +10,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any, Final
 
 import numpy as np
@@ -299,8 +299,9 @@ class PixelRule:
     @staticmethod
     def _seen_by(pixels: Pixels, pixel: Ints, found: Light) -> Light:
         """``found``, which nodes of these pixels see, noted there."""
-        np.minimum.at(pixels.low, pixel, found.values.min(axis=1))
-        np.maximum.at(pixels.high, pixel, found.values.max(axis=1))
+        # channel by channel: along rows of three it takes several times as long
+        np.minimum.at(pixels.low, pixel, reduce(np.minimum, found.values.T))
+        np.maximum.at(pixels.high, pixel, reduce(np.maximum, found.values.T))
         np.maximum.at(pixels.status, pixel, found.status)
         np.add.at(pixels.evaluations, pixel, found.evaluations)
         np.add.at(pixels.nodes, pixel, 1)

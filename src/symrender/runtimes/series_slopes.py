@@ -151,7 +151,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
         here, shape, spent = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0), 0
         columns, rows = np.tile(np.arange(x0, x1) + 0.5, y1 - y0), np.repeat(np.arange(y0, y1) + 0.5, x1 - x0)
         for name, (slopes, moved, rules) in each.items():
-            shines = bool((slopes.weights > 0.0).any() or slopes.weight_moves.any())
+            shines = bool(slopes.lobed.any())
             share = DIRECT_SHARE if shines else 1.0
             bright = scene.direct.bright
             found = rules[0].means(x0, y0, x1, y1, _direct_look(slopes, bright), share * settings.tol, settings.budget)
@@ -208,7 +208,7 @@ def _gloss_look(slopes: Slopes, moved: SceneMoves, scratch: SplitWork) -> Callab
         seen = np.where(flat & ~facing, at.NOTHING, seen)
         values, error = np.zeros((count, 2 * _CHANNELS + 1)), np.zeros(count)
         status, spent = np.full(count, MET), np.zeros(count, np.int64)
-        for surface in np.unique(seen[(weights[seen] > 0.0) | (turns[seen] != 0.0)]).tolist():
+        for surface in np.unique(seen[slopes.lobed[seen]]).tolist():
             some = np.flatnonzero(seen == surface)
             weight, turn = float(weights[surface]), float(turns[surface])
             surfaces = np.full(len(some), surface)

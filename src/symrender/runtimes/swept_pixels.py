@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
-from functools import lru_cache, reduce
+from dataclasses import replace
+from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -125,10 +126,9 @@ class SweptRule(PixelRule):
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
         nodes, pixel = sweep.nodes[: len(own[0])], state.pixel[some][own[0]]
-        found, error = self._seen(parts[own[0]], nodes, fast[own[0]], pixel, pixels, look, inner, budget)
-        slopes, light = found[:, : self._channels], found[:, self._channels :]
-        np.minimum.at(pixels.low, pixel, reduce(np.minimum, light[:, :CHANNELS].T))
-        np.maximum.at(pixels.high, pixel, reduce(np.maximum, light[:, :CHANNELS].T))
+        seen = self._seen(parts[own[0]], nodes, fast[own[0]], look, inner, budget)
+        slopes, light, error = seen.values[:, : self._channels], seen.values[:, self._channels :], seen.error
+        self._seen_by(pixels, pixel, replace(seen, values=light[:, :CHANNELS]))
         parted, size = jumps(walls, light)
         moved = np.where((edges[:, 4] == 0.0) | (edges[:, 5] == moving.UNRESOLVED), 0.0, edges[:, 4] * speed)
         border = edges[:, 5] == moving.BORDER
@@ -149,22 +149,21 @@ class SweptRule(PixelRule):
         return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0), bent
 
     def _seen(
-        self, parts: Any, nodes: Array, fast: Array, pixel: Ints, pixels: Pixels, look: Look, inner: float, budget: int
-    ) -> tuple[Array, Array]:  # fmt: skip
-        """(what nodes see, what each may be off by), where walls of their parts are ``fast``."""
+        self, parts: Any, nodes: Array, fast: Array, look: Look, inner: float, budget: int
+    ) -> Light:  # fmt: skip
+        """What nodes see where walls of their parts are ``fast``."""
         columns, rows = self._at(parts, nodes)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
         power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)
-        found, error = np.zeros((len(nodes), 2 * self._channels + 1)), np.zeros(len(nodes))
+        count = len(nodes)
+        found = Light(np.zeros((count, 2 * self._channels + 1)), np.zeros(count), *np.zeros((2, count), np.int64))
         for each in np.unique(power).tolist():
             which = np.flatnonzero(power == each)
             places = Places(columns[which], rows[which], np.zeros(len(which), np.bool_))
             seen = look(places, inner * 4.0**-each, budget)
-            found[which], error[which] = seen.values, seen.error
-            np.maximum.at(pixels.status, pixel[which], seen.status)
-            np.add.at(pixels.evaluations, pixel[which], seen.evaluations)
-        np.add.at(pixels.nodes, pixel, 1)
-        return found, error
+            found.values[which], found.error[which] = seen.values, seen.error
+            found.status[which], found.evaluations[which] = seen.status, seen.evaluations
+        return found
 
     def _at(self, parts: Any, places: Array) -> tuple[Array, Array]:
         """Columns and rows of places of the pixels of parts."""

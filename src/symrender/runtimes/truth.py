@@ -85,9 +85,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
             layers["error"][y0:y1, x0:x1] = missed
             layers["status"][y0:y1, x0:x1] = np.where(missed > settings.tol, CAPPED, MET)
         evaluations = 0
-        # an empty tile asks for the kernels of any other, so that they are compiled before a clock runs
-        lobes = np.unique(seen[weights[seen] > 0]) if seen.size else np.flatnonzero(weights > 0)[:1]
-        for surface in lobes.tolist():
+        for surface in np.unique(seen[weights[seen] > 0]).tolist():
             rows, columns = np.nonzero(seen == surface)
             pixels = (rows + y0, columns + x0)
             found = gloss_points(
