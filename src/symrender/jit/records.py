@@ -15,6 +15,7 @@ an offset known when they are compiled, plain Python through the array, so that 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from operator import itemgetter
 from typing import (
@@ -22,6 +23,7 @@ from typing import (
     Annotated,
     Any,
     ClassVar,
+    Final,
     Protocol,
     TypeVar,
     cast,
@@ -40,6 +42,9 @@ Three = Annotated[Array, 3]
 
 R = TypeVar("R", bound="Record")
 S = TypeVar("S")
+
+LINE: Final = 64
+FEW_LINES: Final = 64
 
 if TYPE_CHECKING:
     # NumPy's stubs call its rows final; they are not
@@ -133,6 +138,20 @@ class Grid(Protocol[R]):
     def __getitem__(self, index: str, /) -> Array: ...
 
 
+def in_lines(shape: tuple[int, ...], layout: np.dtype[Any]) -> npt.NDArray[Any]:
+    """An array of zeros that begins where a line of the processor's cache does, if it is longer than a few.
+
+    What instructions take of a row of nodes at once is as long as such a line. Across two of them it takes longer: all
+    of a lobe's integral a sixth.
+    """
+    size = math.prod(shape) * layout.itemsize
+    if size < FEW_LINES * LINE:
+        return np.zeros(shape, layout)
+    room = np.zeros(size + LINE, np.uint8)
+    first = -room.ctypes.data % LINE
+    return room[first : first + size].view(layout).reshape(shape)
+
+
 def grid(kind: type[R], rows: int, count: int) -> Grid[R]:
     """``rows`` times ``count`` records of this kind, all zero."""
     return cast("Grid[R]", np.zeros((rows, count), kind.layout))
@@ -140,7 +159,7 @@ def grid(kind: type[R], rows: int, count: int) -> Grid[R]:
 
 def table(kind: type[R], count: int) -> Table[R]:
     """``count`` records of this kind, all zero."""
-    return cast("Table[R]", np.zeros(count, kind.layout))
+    return cast("Table[R]", in_lines((count,), kind.layout))
 
 
 def copied(rows: S) -> S:

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from symrender.jit.call import racked
 from symrender.jit.racks import Rack
+from symrender.jit.records import in_lines
 
 
 def moving_layout(layout: np.dtype[Any]) -> np.dtype[Any]:
@@ -40,7 +41,7 @@ def moving(value: Any, tangents: Any = None) -> Any:
         case np.ndarray():
             if moving_layout(value.dtype) == value.dtype:
                 return value
-            found = np.zeros(value.shape, moving_layout(value.dtype))
+            found = in_lines(value.shape, moving_layout(value.dtype))
             _fill(found, value, tangents)
             return found
     return value
