@@ -44,7 +44,9 @@ R = TypeVar("R", bound="Record")
 S = TypeVar("S")
 
 LINE: Final = 64
+"""Bytes of a line of the cache."""
 FEW_LINES: Final = 64
+"""Lines of an array that is small enough to lie anywhere."""
 
 if TYPE_CHECKING:
     # NumPy's stubs call its rows final; they are not
@@ -141,8 +143,7 @@ class Grid(Protocol[R]):
 def in_lines(shape: tuple[int, ...], layout: np.dtype[Any]) -> npt.NDArray[Any]:
     """An array of zeros that begins where a line of the processor's cache does, if it is longer than a few.
 
-    What instructions take of a row of nodes at once is as long as such a line. Across two of them it takes longer: all
-    of a lobe's integral a sixth.
+    What instructions take of a row of nodes at once is as long as such a line, and across two of them takes longer.
     """
     size = math.prod(shape) * layout.itemsize
     if size < FEW_LINES * LINE:
