@@ -12,8 +12,9 @@ FAR = """
 import ctypes, math, sys
 import numpy as np
 from symrender.jit import parts
+from symrender.jit.assemble import divided
 from symrender.jit.call import Loaded
-from symrender.jit.machine import loaded, machine_code, objects_in
+from symrender.jit.machine import loaded, machine_code
 from symrender.jit.program import translated
 from symrender.jit.types import type_of
 
@@ -33,7 +34,7 @@ if sys.argv[1] == "2":
     parts.LARGE = parts.LONG = 1
 made = translated(waves, types)
 code = machine_code(made.modules)
-assert len(objects_in(code)) == int(sys.argv[1])
+assert len(divided(code)) == int(sys.argv[1])
 expected = waves(values)
 libc = ctypes.CDLL(None)
 libc.mmap.restype = ctypes.c_void_p

@@ -1,4 +1,4 @@
-"""A large kernel is compiled in two modules: the same bits, nothing twice, and no harm where a process fails."""
+"""A large kernel is compiled in parts: the same bits, what kernels share once, and no harm where a process fails."""
 
 from __future__ import annotations
 
@@ -6,14 +6,17 @@ import math
 import re
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from symrender.jit import machine, parts
+from symrender.jit import entries, machine, parts
+from symrender.jit.assemble import divided
 from symrender.jit.call import Loaded
-from symrender.jit.machine import loaded, machine_code, objects_in
+from symrender.jit.compiled import compiled
+from symrender.jit.machine import loaded, machine_code
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.program import Translation, translated
 from symrender.jit.types import type_of
@@ -60,6 +63,10 @@ def kernel(values: Any) -> float:
     return total
 
 
+def other_kernel(values: Any) -> float:
+    return long_two(values[0], 5) - long_two(values[1], 5)
+
+
 VALUES = np.linspace(-1.0, 2.0, 17)
 
 
@@ -73,44 +80,69 @@ def run(made: Translation, code: bytes) -> float:
     return float(Loaded(loaded(code), (type_of(VALUES),), made.result)(VALUES))
 
 
-def test_two_modules_give_the_bits_of_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole, two = made_in(monkeypatch, 10**9), made_in(monkeypatch, 0)
-    assert len(whole.modules) == 1 and len(two.modules) == 2
-    code = machine_code(two.modules)
-    assert len(objects_in(code)) == 2
-    assert run(two, code) == run(whole, machine_code(whole.modules))
-    assert run(two, code) == pytest.approx(kernel(VALUES), rel=1e-12)
+def test_parts_give_the_bits_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, made = made_in(monkeypatch, 10**9), made_in(monkeypatch, 0)
+    assert len(whole.modules) == 1 and len(made.modules) == 3
+    code = machine_code(made.modules)
+    assert len(divided(code)) == 3
+    assert run(made, code) == run(whole, machine_code(whole.modules))
+    assert run(made, code) == pytest.approx(kernel(VALUES), rel=1e-12)
 
 
-def test_long_functions_are_in_one_module_and_short_ones_where_they_are_called(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_part_is_a_long_function_and_the_short_ones_it_calls(monkeypatch: pytest.MonkeyPatch) -> None:
     made = made_in(monkeypatch, 0)
     kinds = ("define fastcc", "define internal fastcc", "declare fastcc")
     names = [
-        {kind: set(re.findall(rf"^{kind} [^@]*@f\d+_(\w+)\(", text, re.M)) for kind in kinds} for text in made.modules
+        [set(re.findall(rf"^{kind} [^@]*@(\w+)\.[0-9a-f]+\(", text, re.M)) for kind in kinds] for text in made.modules
     ]
-    defined, copied, declared = ([each[kind] for each in names] for kind in kinds)
-    assert defined[0] | defined[1] | copied[0] | copied[1] == {"kernel", "long_one", "long_two", "short", "bent"}
-    assert not defined[0] & defined[1] and not (defined[0] | defined[1]) & {"short", "bent"}
-    assert declared[0] <= defined[1] and declared[1] <= defined[0] and declared[0] | declared[1]
-    assert sum(text.count("define i64 @symrender_kernel") for text in made.modules) == 1
+    assert names[0] == [set(), {"kernel"}, {"long_one", "long_two"}]
+    assert sorted(names[1:], key=str) == sorted(
+        [[{"long_one"}, {"short", "bent"}, set()], [{"long_two"}, {"short", "bent"}, {"long_one"}]], key=str
+    )
+    assert [text.count("define i64 @symrender_kernel") for text in made.modules] == [1, 0, 0]
+
+
+def test_what_kernels_share_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made_in(monkeypatch, 0)
+    entries._private_directory.cache_clear()
+    monkeypatch.setenv("SYMRENDER_CACHE", str(tmp_path))
+    texts, object_code = [], machine.object_code
+
+    def counted(text: str, level: str | None) -> bytes:
+        texts.append(text)
+        return object_code(text, level)
+
+    monkeypatch.setattr(machine, "object_code", counted)
+    value = compiled(kernel)(VALUES)
+    assert len(texts) == 3 and len(list(tmp_path.glob("*.part"))) == 3
+    assert compiled(other_kernel)(VALUES) == pytest.approx(other_kernel(VALUES), rel=1e-12)
+    assert len(texts) == 4 and "@long_two" in texts[-1] and "define fastcc" not in texts[-1]
+    for path in [*tmp_path.glob("*.kernel"), sorted(tmp_path.glob("*.part"))[0]]:
+        path.write_bytes(path.read_bytes()[:-1])
+    assert compiled(kernel)(VALUES) == value
+    assert compiled(other_kernel)(VALUES) == pytest.approx(other_kernel(VALUES), rel=1e-12)
+    assert len(texts) == 5 and len(set(texts)) == 4, "a damaged part is made again, and it alone"
+    entries._private_directory.cache_clear()
 
 
 def test_a_process_that_fails_costs_time_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     made, asked = made_in(monkeypatch, 0), []
 
-    def failing(text: str, level: str | None) -> subprocess.Popen[bytes] | None:
-        asked.append(text)
+    def failing(texts: list[str], level: str | None) -> subprocess.Popen[bytes] | None:
+        asked.append(texts)
         words = [sys.executable, "-c", "import sys; sys.stdout.write('no object'); sys.exit(1)"]
         return subprocess.Popen(words, stdout=subprocess.PIPE) if len(asked) == 1 else None
 
     expected = machine_code(made.modules)
+    monkeypatch.setattr(machine, "_ALONE", 0)
+    assert machine_code(made.modules) == expected
     monkeypatch.setattr(machine, "_other_process", failing)
     assert machine_code(made.modules) == machine_code(made.modules) == expected
-    assert len(asked) == 2
+    assert len(asked) == 2 and asked[0] == asked[1] and 0 < len(asked[0]) < 3
 
 
 def test_what_is_cut_short_is_no_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
     code = machine_code(made_in(monkeypatch, 0).modules)
     for cut in (b"", code[:7], code[:20], code[:-1], code + b"x"):
         with pytest.raises(ValueError, match="machine code of"):
-            objects_in(cut)
+            divided(cut)

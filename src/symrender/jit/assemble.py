@@ -1,6 +1,6 @@
-"""Object code of one module of LLVM IR. As a program of its own: IR on standard input, object code on standard output.
+"""Object code of modules of LLVM IR. As a program of its own: IR on standard input, object code on standard output.
 
-A process has one LLVM, which compiles one module at a time, so that a second module is given to a second process. It
+A process has one LLVM, which compiles one module at a time, so that half of many are given to a second process. It
 reads nothing of the package.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 EFFORT = 2
@@ -46,6 +47,25 @@ def object_code(text: str, level: str | None) -> bytes:
     return code
 
 
+def joined(contents: Sequence[bytes]) -> bytes:
+    """Several contents as one: how many, how long each is, and all of them."""
+    lengths = (len(contents), *map(len, contents))
+    return b"".join([*(length.to_bytes(8, "little") for length in lengths), *contents])
+
+
+def divided(whole: bytes) -> list[bytes]:
+    """What ``joined`` made one of; raises ``ValueError`` where it is cut short."""
+    count = int.from_bytes(whole[:8], "little")
+    places = range(8, 8 + 8 * min(count, len(whole) // 8), 8)
+    start, found = 8 * count + 8, []
+    for length in (int.from_bytes(whole[place : place + 8], "little") for place in places):
+        found.append(whole[start : start + length])
+        start += length
+    if start != len(whole) or not found:
+        raise ValueError(f"machine code of {len(whole)} bytes, of which {start} are known")
+    return found
+
+
 if __name__ == "__main__":
-    given = sys.stdin.buffer.read().decode()
-    sys.stdout.buffer.write(object_code(given, sys.argv[1] if len(sys.argv) > 1 else None))
+    chosen = sys.argv[1] if len(sys.argv) > 1 else None
+    sys.stdout.buffer.write(joined([object_code(each.decode(), chosen) for each in divided(sys.stdin.buffer.read())]))

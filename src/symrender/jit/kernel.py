@@ -131,7 +131,7 @@ class Kernel:
         begun = time.perf_counter()
         made = translated(self.function, types, checked=checked)
         try:
-            code = machine_code(made.modules)
+            code = machine_code(made.modules, kept=shelf)
             entry = loaded(code)
         except Exception as error:
             raise Refused(f"{name}: llvmlite cannot compile the translation: {error}") from error

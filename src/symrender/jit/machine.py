@@ -11,15 +11,28 @@ import tempfile
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Protocol
 
-from symrender.jit.assemble import object_code, target_of
+from symrender.jit.assemble import divided, joined, object_code, target_of
 from symrender.jit.beside import processors
 from symrender.jit.program import ENTRY
 
 _LOCK = threading.Lock()
 _LINKED: list[Any] = []
 """What holds loaded machine code: it stays for as long as the process does."""
+
+_ALONE: Final = 400_000
+"""Characters of IR for which no second process is started: it takes a third of a second to begin."""
+
+
+class Kept(Protocol):
+    """Where machine code of parts of kernels is kept (``shelf.py``)."""
+
+    def part(self, text: str) -> bytes | None:
+        """Object code of a part's IR, None where there is none."""
+
+    def put_part(self, text: str, code: bytes) -> None:
+        """Keep it."""
 
 
 @functools.lru_cache(maxsize=1)
@@ -38,54 +51,57 @@ def machine_name() -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def machine_code(modules: Sequence[str], level: str | None = None) -> bytes:
+def machine_code(modules: Sequence[str], level: str | None = None, kept: Kept | None = None) -> bytes:
     """Object code of a kernel's modules of LLVM IR, for this processor or a level of them.
 
-    All but the first are compiled by processes of their own meanwhile, or here, where there can be none.
+    Parts of a large kernel that are ``kept`` are not compiled again, whichever kernel they were compiled for.
     """
-    started = [_other_process(text, level) for text in modules[1:]]
+    if kept is None or len(modules) == 1:
+        return joined(_object_codes(modules, level))
+    known = {text: code for text in modules if (code := kept.part(text)) is not None}
+    missing = [text for text in modules if text not in known]
+    made = dict(zip(missing, _object_codes(missing, level), strict=True))
+    for text, code in made.items():
+        kept.put_part(text, code)
+    known |= made
+    return joined([known[text] for text in modules])
+
+
+def _object_codes(texts: Sequence[str], level: str | None) -> list[bytes]:
+    """Object code of each; of many, half is compiled by a process of its own meanwhile, where there can be one."""
+    here: list[str] = []
+    there: list[str] = []
+    for text in sorted(texts, key=len, reverse=True):
+        min(here, there, key=lambda half: sum(map(len, half))).append(text)
+    process = _other_process(there, level) if sum(map(len, texts)) > _ALONE else None
     try:
         with _LOCK:
-            codes = [object_code(modules[0], level)]
-        for text, process in zip(modules[1:], started, strict=True):
-            code = b"" if process is None else process.communicate()[0]
-            if not code or process is None or process.returncode != 0:
-                with _LOCK:
-                    code = object_code(text, level)
-            codes.append(code)
+            codes = {text: object_code(text, level) for text in here}
+        others = b"" if process is None else process.communicate()[0]
+        if not others or process is None or process.returncode != 0:
+            with _LOCK:
+                codes |= {text: object_code(text, level) for text in there}
+        else:
+            codes |= zip(there, divided(others), strict=True)
     finally:
-        for process in started:
-            if process is not None and process.poll() is None:
-                process.kill()
-                process.wait()
-    return b"".join([len(codes).to_bytes(8, "little"), *(len(code).to_bytes(8, "little") for code in codes), *codes])
+        if process is not None and process.poll() is None:
+            process.kill()
+            process.wait()
+    return [codes[text] for text in texts]
 
 
-def _other_process(text: str, level: str | None) -> subprocess.Popen[bytes] | None:
-    """A process that compiles a module, None where this machine has one processor, or gives us no process."""
-    if not sys.executable or processors() < 2:
+def _other_process(texts: Sequence[str], level: str | None) -> subprocess.Popen[bytes] | None:
+    """A process that compiles modules, None where this machine has one processor, or gives us no process."""
+    if not texts or not sys.executable or processors() < 2:
         return None
     words = [sys.executable, "-P", str(Path(__file__).with_name("assemble.py")), *([] if level is None else [level])]
     with tempfile.TemporaryFile() as file:
-        file.write(text.encode())
+        file.write(joined([text.encode() for text in texts]))
         file.seek(0)
         try:
             return subprocess.Popen(words, stdin=file, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         except OSError:
             return None
-
-
-def objects_in(code: bytes) -> list[bytes]:
-    """The object files in what ``machine_code`` gave; raises ``ValueError`` where it is cut short."""
-    count = int.from_bytes(code[:8], "little")
-    lengths = [int.from_bytes(code[8 * k + 8 : 8 * k + 16], "little") for k in range(min(count, 64))]
-    start, found = 8 * count + 8, []
-    for length in lengths:
-        found.append(code[start : start + length])
-        start += length
-    if start != len(code) or not found:
-        raise ValueError(f"machine code of {len(code)} bytes, of which {start} are known")
-    return found
 
 
 def loaded(code: bytes) -> Callable[[int], int]:
@@ -100,7 +116,7 @@ def loaded(code: bytes) -> Callable[[int], int]:
         target_of(None)
         linker = llvm.create_lljit_compiler(use_jit_link=True)
         library = llvm.JITLibraryBuilder().export_symbol(ENTRY).add_current_process()
-        for each in objects_in(code):
+        for each in divided(code):
             library.add_object_img(each)
         tracker = library.link(linker, ENTRY)
         _LINKED.append((linker, tracker))

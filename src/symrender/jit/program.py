@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import builtins
+import functools
 import hashlib
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import FunctionType, ModuleType
 from typing import Any, Final
@@ -34,6 +37,8 @@ from symrender.jit.types import (
 )
 
 ENTRY: Final = "symrender_kernel"
+
+_NAMES: Final = re.compile(r"@([\w.]+)")
 
 _ATTRIBUTES: Final = """
 attributes #0 = { alwaysinline nounwind }
@@ -77,6 +82,7 @@ class Program:
         self.texts: dict[str, str] = {}
         self.constants: dict[tuple[str, str], str] = {}
         self._functions: dict[tuple[FunctionType, tuple[Type, ...]], Function | None] = {}
+        self._symbols: set[str] = set()
         self._used: set[str] = set()
         self._tables: dict[str, str] = {}
         self._arrays: dict[int, tuple[Any, Value]] = {}
@@ -86,7 +92,10 @@ class Program:
         key = function, types
         if key not in self._functions:
             self._functions[key] = None
-            symbol = f"f{len(self._functions)}_{function.__name__}"
+            symbol = f"{function.__name__}.{_named_by(function, types)}"
+            while symbol in self._symbols:
+                symbol += "."
+            self._symbols.add(symbol)
             self._functions[key] = Function(self, function, types, symbol, is_inlined(function))
         found = self._functions[key]
         if found is None:
@@ -160,8 +169,7 @@ class Program:
             if not isinstance(element, Element):
                 raise Refused("a constant array of records")
             listed = ", ".join(f"i8 {byte}" for byte in np.ascontiguousarray(value).tobytes())
-            name = f"@c{len(self._arrays)}"
-            self._tables[f"{name} = private unnamed_addr constant [{value.nbytes} x i8] [{listed}], align 16"] = name
+            name = self._table(f"private unnamed_addr constant [{value.nbytes} x i8] [{listed}], align 16")
             parts = (name, *(str(n) for n in value.shape))
             self._arrays[id(value)] = value, Value(Array(element, value.ndim, True), parts)
         return self._arrays[id(value)][1]
@@ -172,12 +180,13 @@ class Program:
             return None
         listed = ", ".join(f"{kind.llvm} {operand}" for operand in operands)
         text = f"private unnamed_addr constant [{len(operands)} x {kind.llvm}] [{listed}]"
-        known = [name for line, name in self._tables.items() if line.endswith(f" = {text}")]
-        if known:
-            return known[0]
-        name = f"@t{len(self._tables)}"
-        self._tables[f"{name} = {text}"] = name
-        return name
+        return self._table(text)
+
+    def _table(self, text: str) -> str:
+        """Name of a constant: the same wherever the same is needed, so that parts of kernels can be the same."""
+        name = f"table.{_short_digest(text)}"
+        self._tables[name] = f"@{name} = {text}"
+        return f"@{name}"
 
     def translate(self, function: FunctionType, types: tuple[Type, ...]) -> Translation:
         """LLVM IR of a kernel for arguments of these types."""
@@ -189,27 +198,33 @@ class Program:
             if current.symbol not in reached:
                 reached[current.symbol] = current
                 waiting += current.callees
-        declared: dict[str, None] = {}
-        helpers = []
-        for name in sorted(self._used):
-            for line in (HELPERS[name] if name in HELPERS else EXTERNAL[name]).strip().splitlines():
-                if line.startswith("declare"):
-                    declared[line] = None
-                else:
-                    helpers.append(line)
         everything = [(each, False) for each in reached.values()]
         # what says which check failed is one place in memory
         divided = [everything] if self.checked else parted(entry, reached)
         called_abroad = {each.symbol for functions in divided for each, foreign in functions if foreign}
         modules = []
         for functions in divided:
-            parts = [*declared, *self._tables, *helpers]
-            for each, foreign in functions:
-                parts.append(_declared(each) if foreign else _defined(each, each.symbol in called_abroad))
+            parts = [
+                _declared(each) if foreign else _defined(each, each.symbol in called_abroad)
+                for each, foreign in functions
+            ]
             parts += [self._border(entry)] * (functions is divided[0])
-            modules.append("\n".join((*parts, _ATTRIBUTES)))
+            modules.append("\n".join((*self._needed(parts), *parts, _ATTRIBUTES)))
         result = entry.result or NOTHING
         return Translation(tuple(modules), result, self.texts, self.constants, tuple(self.sites), len(reached))
+
+    def _needed(self, parts: Sequence[str]) -> list[str]:
+        """Declarations, constants and helpers that these definitions use."""
+        named = set(_NAMES.findall("\n".join(parts)))
+        declared: dict[str, None] = {}
+        helpers = []
+        for name in sorted(self._used & named):
+            for line in (HELPERS[name] if name in HELPERS else EXTERNAL[name]).strip().splitlines():
+                if line.startswith("declare"):
+                    declared[line] = None
+                else:
+                    helpers.append(line)
+        return [*declared, *(self._tables[name] for name in sorted(self._tables.keys() & named)), *helpers]
 
     def _border(self, entry: Function) -> str:
         """The function called from Python: arguments from one block of slots, the result into the slots after them."""
@@ -263,6 +278,20 @@ def digest_of(value: Any) -> str:
         case np.dtype():
             return f"dtype {value.descr}"
     return f"{type(value).__name__} {value!r}"
+
+
+def _named_by(function: FunctionType, types: tuple[Type, ...]) -> str:
+    """What tells a function for these types from all others, in every process the same."""
+    return _short_digest(function.__module__, function.__qualname__, *map(_shown, types))
+
+
+@functools.lru_cache(maxsize=4096)
+def _shown(type: Type) -> str:
+    return _short_digest(repr(type))
+
+
+def _short_digest(*texts: str) -> str:
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:20]
 
 
 def translated(function: FunctionType, types: tuple[Type, ...], *, checked: bool = False) -> Translation:

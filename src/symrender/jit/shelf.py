@@ -5,6 +5,9 @@ translator's own texts, the texts of the modules whose functions were translated
 read. Which modules and globals these are is what the translator met, kept in a list of its own (``.list``) beside the
 machine code (``.kernel``): nobody keeps it by hand, and nothing can be left out.
 
+Parts of large kernels (``parts.py``) lie beside them (``.part``), named by their texts, for other kernels that have the
+same.
+
 There are two kinds: the folder that comes with the package, for levels of processors, only read; and the user's cache,
 for this very processor and this llvmlite.
 """
@@ -73,6 +76,17 @@ class Shelf:
         others = [each for each in self.listed(lists) if any(each[key] != names[key] for key in names)]
         kept = [names | {"seconds": seconds}, *others][:_LISTS]
         write_entry(lists, json.dumps(kept).encode())
+
+    def part(self, text: str) -> bytes | None:
+        """Machine code of a part of a kernel, made of this text."""
+        return read_entry(self._part_path(text), private=self.private)
+
+    def put_part(self, text: str, code: bytes) -> None:
+        """Keep the machine code of a part for other kernels."""
+        write_entry(self._part_path(text), code)
+
+    def _part_path(self, text: str) -> Path:
+        return self.folder / f"{_digest((text, self.machine, _translator()))}.part"
 
 
 def own_shelf() -> Shelf | None:
