@@ -3,7 +3,8 @@
 Kernels have most of their functions in common: a derivative's calls what the value's calls. A part is a long function
 and a copy of every short one that it calls without another long one between; calls from part to part are of long
 functions alone. Its text is the same in every kernel, so that its machine code, kept under that text (``shelf.py``), is
-compiled once. A small kernel is one module. Strict arithmetic gives the same bits however functions are copied into each other.
+compiled once. A small kernel is one module. Strict arithmetic gives the same bits however functions are copied into
+each other.
 """
 
 from __future__ import annotations
