@@ -14,6 +14,7 @@ import pytest
 
 import symrender
 from records_in_source import is_name, is_record, is_table, subscripts
+from symrender.chambers.records import Nodes
 from symrender.chambers.work import scene_view
 from symrender.jit.kernel import Kernel
 from symrender.jit.marks import jitable
@@ -34,6 +35,7 @@ from symrender.jit.records import (
     rows_of,
     table,
 )
+from symrender.jit.twins import moving
 from symrender.jit.types import type_of
 from symrender.quadrature.light_points import light_rows
 from symrender.scene.arrays import scene_arrays
@@ -75,6 +77,17 @@ def test_a_table_starts_at_zero_and_its_rows_are_records() -> None:
     assert all(isinstance(row, Outer) and isinstance(row.inner, Inner) for row in rows)
     assert not np.asarray(rows).view(np.uint8).any()
     assert len(table(Outer, 0)) == 0
+
+
+def test_rows_of_nodes_begin_where_lines_of_the_cache_do() -> None:
+    others = []
+    for k in range(40):
+        # what lies between moves where the next memory begins
+        others.append(np.zeros(2 * k + 1))
+        rows = table(Nodes, 1)
+        others += [np.asarray(rows), moving(rows)]
+        for memory in others[-2:]:
+            assert memory.nbytes > 10_000 and memory.ctypes.data % 64 == 0 and not memory.view(np.uint8).any()
 
 
 def test_rows_fields_and_columns_share_the_tables_memory() -> None:

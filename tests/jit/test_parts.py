@@ -64,7 +64,8 @@ def kernel(values: Any) -> float:
 
 
 def other_kernel(values: Any) -> float:
-    return long_two(values[0], 5) - long_two(values[1], 5)
+    # a short function first, so that functions are met in another order
+    return short(values[1], 2) - long_two(values[0], 5)
 
 
 VALUES = np.linspace(-1.0, 2.0, 17)
