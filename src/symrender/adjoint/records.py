@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final
 
+from symrender.chambers.records import NODES, Row
 from symrender.jit.records import Array, Record, Three
 
 ThreeRows = Annotated[Array, (3, 3)]
 FiveRows = Annotated[Array, (5, 3)]
+NodeThrees = Annotated[Array, (3, NODES)]
+Six = Annotated[Array, (6, NODES)]
+Nine = Annotated[Array, (9, NODES)]
 Channels = Annotated[Array, (3, 3, 3)]
+NodeChannels = Annotated[Array, (27, NODES)]
+LANES: Final = 8
+"""Sums kept side by side, so that they become vector instructions."""
+MOST_SUMS: Final = 24
+Lanes = Annotated[Array, (MOST_SUMS, LANES)]
 
 
 class Place(Record):
@@ -34,6 +43,58 @@ class Place(Record):
     """Radiance on one side of a wall, or what light gives without its albedo."""
     below: Three
     """That on the other side, or of highlights."""
+
+
+class Moved(Record):
+    """The nodes of a line, differentiated: a row a quantity, beside those of ``Nodes``.
+
+    Gradients are those in Q, N and the view, three rows each; ``node`` has nine of each channel.
+    """
+
+    weight: Row
+    """With density and solid angle; 0 of a node that does not count."""
+    off: Row
+    """Share of its piece off a blunt rim."""
+    cosine: Row
+    """To the lobe's axis."""
+    log: Row
+    """Its logarithm."""
+    slope: Row
+    """Of the measure's logarithm in the chart's k."""
+    hit: NodeThrees
+    """Q - P."""
+    way: NodeThrees
+    """The direction w."""
+    by_chart: Nine
+    """Slopes of Q - P, N and w in k, or in the height."""
+    by_radius: NodeThrees
+    """Of Q - P, in R."""
+    tint: Row
+    """What a texture multiplies the albedo by."""
+    dim: Row
+    """1 on dark fields of a checker."""
+    by_normal: NodeThrees
+    """Slopes of a marble in N."""
+    by_counts: Annotated[Array, (2, NODES)]
+    """In its frequencies."""
+    bases: Row
+    by_cosine: Six
+    """Slopes of N.l of one light in its place and in N."""
+    by_base: Nine
+    """Of a highlight's base, in the light's place, in N and in the view."""
+    bare: Row
+    """Sum of N.l over the lights of one colour, of their highlights, and of both ones' slopes."""
+    gleam: Row
+    bare_slopes: Six
+    gleam_slopes: Nine
+    above: NodeThrees
+    """What light gives without its albedo, a channel each."""
+    below: NodeThrees
+    """Highlights."""
+    node: NodeChannels
+    told: Row
+    """A number as smooth along the line as the radiance and the gradients of the disks' light."""
+    sums: Lanes
 
 
 class Origin(Record):

@@ -131,7 +131,9 @@ def chart_place(x: float, c: float, s: float, chart: Chart, here: Place) -> tupl
         here.by_chart[FACING, 0], here.by_chart[FACING, 1], here.by_chart[FACING, 2],
         here.by_chart[TOWARD, 0], here.by_chart[TOWARD, 1], here.by_chart[TOWARD, 2],
         here.by_radius[0], here.by_radius[1], here.by_radius[2], slope,
-    ) = values.sphere_motion(x, ex, ey, ez, p[0], p[1], p[2], chart.radius, chart.ratio)  # fmt: skip
+    ) = values.sphere_motion(
+        math.sin(x), math.cos(x), ex, ey, ez, p[0], p[1], p[2], chart.radius, chart.ratio
+    )  # fmt: skip
     return measure, slope
 
 

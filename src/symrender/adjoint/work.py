@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.adjoint.disk import disk_rows
-from symrender.adjoint.records import Origin, Place, Strip
+from symrender.adjoint.records import Moved, Origin, Place, Strip
 from symrender.adjoint.walls import adjoint_columns
 from symrender.chambers.records import Event, LightMove
 from symrender.chambers.work import MAX_WALLS, View, Work
@@ -51,16 +51,18 @@ class Tangents(NamedTuple):
 class TangentWork(NamedTuple):
     """What one point's derivatives are summed in; (parameters, 4) holds a number a channel and ``ONE_SIDED``.
 
-    ``lobe`` and ``axis`` (3,) are the lobe's axis in the world and in a plane's coordinates, ``here`` a place. ``own``
-    is one wall's adjoint, ``sums`` (SUMS, 4, columns) are those of a panel; ``moves`` (parameters, columns) tells how
-    every column moves, ``framed`` the same in a plane's coordinates, ``moving`` which walls do. ``low``, ``high``:
-    two orders, ``misses`` their errors; ``square``, ``shorter``, ``longer``: of the checker; ``value``, ``error``: of
-    the point; ``beyond`` (parameters,): what was left out.
+    ``lobe`` and ``axis`` (3,) are the lobe's axis in the world and in a plane's coordinates, ``here`` a place,
+    ``nodes`` those of a line. ``own`` is one wall's adjoint, ``sums`` (SUMS, 4, columns) are those of a panel.
+    ``moves`` (parameters, columns) tells how every column moves, ``framed`` the same in a plane's coordinates,
+    ``moving`` which walls do. ``low``, ``high``: two orders, ``misses`` their errors; ``square``, ``shorter``,
+    ``longer``: of the checker; ``value``, ``error``: of the
+    point; ``beyond`` (parameters,): what was left out.
     """
 
     lobe: Array
     axis: Array
     here: Place
+    nodes: Moved
     own: Array
     sums: Array
     moves: Array
@@ -169,6 +171,7 @@ def tangent_work(parameters: int, lights: int, spheres: int, planes: int, disks:
         lobe=np.zeros(3),
         axis=np.zeros(3),
         here=record(Place),
+        nodes=record(Moved),
         own=np.zeros(columns),
         sums=np.zeros((SUMS, 4, columns)),
         moves=moves,

@@ -29,6 +29,74 @@ def lambert_slopes(
 
 
 @inlined
+def blinn_slopes(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+    view_x: float, view_y: float, view_z: float,
+) -> tuple[float, ...]:
+    """(N.l, N.h) with h = (l + v)/|l + v|; N.h is 0 where l and v are opposite; then slopes of cosine and base in
+    to_light, normal, view.
+    """
+    t1 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t2 = math.sqrt(max(t1, 1e-300))
+    inverse = 1.0 / t2
+    light_dir_x = to_light_x * inverse
+    light_dir_y = to_light_y * inverse
+    light_dir_z = to_light_z * inverse
+    half_x = light_dir_x + view_x
+    half_y = light_dir_y + view_y
+    half_z = light_dir_z + view_z
+    t3 = math.sqrt(max(half_x * half_x + half_y * half_y + half_z * half_z, 1e-300))
+    t4 = (half_x * normal_x + half_y * normal_y + half_z * normal_z) / t3
+    t5 = (normal_z * to_light_z + normal_y * to_light_y + normal_x * to_light_x) * inverse * inverse
+    t6 = t5 * inverse
+    t7 = 1.0 / t3
+    t8 = t7 * t4 * t7
+    t9 = t7 * normal_z - t8 * half_z
+    t10 = t7 * normal_y - t8 * half_y
+    t11 = t7 * normal_x - t8 * half_x
+    t12 = (t9 * to_light_z + t10 * to_light_y + t11 * to_light_x) * inverse * inverse * inverse
+    return (
+        light_dir_x * normal_x + light_dir_y * normal_y + light_dir_z * normal_z, t4,
+        normal_x * inverse - t6 * to_light_x, normal_y * inverse - t6 * to_light_y,
+        normal_z * inverse - t6 * to_light_z, light_dir_x, light_dir_y, light_dir_z, 0.0, 0.0, 0.0,
+        t11 * inverse - t12 * to_light_x, t10 * inverse - t12 * to_light_y, t9 * inverse - t12 * to_light_z,
+        t7 * half_x, t7 * half_y, t7 * half_z, t11, t10, t9,
+    )
+
+
+@inlined
+def phong_slopes(
+    to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
+    view_x: float, view_y: float, view_z: float,
+) -> tuple[float, ...]:
+    """(N.l, r.v) with r = 2 (N.l) N - l; then slopes of cosine and base in to_light, normal, view."""
+    t1 = to_light_x * normal_x + to_light_y * normal_y + to_light_z * normal_z
+    t2 = to_light_x * to_light_x + to_light_y * to_light_y + to_light_z * to_light_z
+    t3 = math.sqrt(max(t2, 1e-300))
+    inverse = 1.0 / t3
+    cosine = t1 * inverse
+    t4 = 2.0 * cosine
+    facing = normal_x * view_x + normal_y * view_y + normal_z * view_z
+    t5 = to_light_x * view_x + to_light_y * view_y + to_light_z * view_z
+    toward = t5 * inverse
+    t6 = inverse * to_light_z
+    t7 = inverse * to_light_y
+    t8 = inverse * to_light_x
+    t9 = cosine * inverse * inverse
+    t10 = facing * 2.0
+    t11 = t10 * inverse
+    t12 = (t10 * t1 - t5) * inverse * inverse * inverse
+    return (
+        cosine, t4 * facing - toward, inverse * normal_x - t9 * to_light_x, inverse * normal_y - t9 * to_light_y,
+        inverse * normal_z - t9 * to_light_z, t8, t7, t6, 0.0, 0.0, 0.0,
+        t11 * normal_x - inverse * view_x - t12 * to_light_x, t11 * normal_y - inverse * view_y - t12 * to_light_y,
+        t11 * normal_z - inverse * view_z - t12 * to_light_z, t4 * view_x + t11 * to_light_x,
+        t4 * view_y + t11 * to_light_y, t4 * view_z + t11 * to_light_z, t4 * normal_x - t8, t4 * normal_y - t7,
+        t4 * normal_z - t6,
+    )
+
+
+@inlined
 def blinn_term_slopes(
     to_light_x: float, to_light_y: float, to_light_z: float, normal_x: float, normal_y: float, normal_z: float,
     view_x: float, view_y: float, view_z: float, shininess: float,

@@ -131,16 +131,17 @@ def floor_sight_tangents(
     sine = math.sin(x)
     cosine = math.cos(x)
     t1 = sine / cosine
-    t2 = across_x * t1 + pole_x
-    t3 = across_y * t1 + pole_y
-    t4 = across_z * t1 + pole_z
-    t5 = 1.0 / cosine
-    t6 = t5 * cosine + t1 * t5 * sine
+    reach_x = across_x * t1 + pole_x
+    reach_y = across_y * t1 + pole_y
+    reach_z = across_z * t1 + pole_z
+    t2 = 1.0 / cosine
+    t3 = t2 * cosine + t1 * t2 * sine
     return (
-        t2 * height, t3 * height, t4 * height, pole_x * cosine + across_x * sine, pole_y * cosine + across_y * sine,
-        pole_z * cosine + across_z * sine, sine, height * (across_x * t6), height * (across_y * t6),
-        height * (across_z * t6), across_x * cosine - pole_x * sine, across_y * cosine - pole_y * sine,
-        across_z * cosine - pole_z * sine, cosine, t2, t3, t4, 0.0, 0.0, 0.0, 0.0,
+        reach_x * height, reach_y * height, reach_z * height, pole_x * cosine + across_x * sine,
+        pole_y * cosine + across_y * sine, pole_z * cosine + across_z * sine, sine, height * (across_x * t3),
+        height * (across_y * t3), height * (across_z * t3), across_x * cosine - pole_x * sine,
+        across_y * cosine - pole_y * sine, across_z * cosine - pole_z * sine, cosine, reach_x, reach_y, reach_z, 0.0,
+        0.0, 0.0, 0.0,
     )
 
 

@@ -835,16 +835,14 @@ def sphere_sight(
 
 @inlined
 def sphere_motion(
-    x: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float, pole_z: float,
-    radius: float, ratio: float,
+    sine: float, cosine: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
+    pole_z: float, radius: float, ratio: float,
 ) -> tuple[float, ...]:
     """``sphere_sight``; slopes of Q - P, N, w in x; in ratio; of Q - P in radius; of the measure's logarithm in
     ratio.
     """
-    sine = math.sin(x)
     sb = ratio * sine
     cb = math.sqrt(1.0 - sb * sb)
-    cosine = math.cos(x)
     sg = sine * cb - cosine * sb
     t1 = sine * sb
     cg = cosine * cb + t1
@@ -881,6 +879,22 @@ def sphere_motion(
 
 
 @inlined
+def floor_motion(
+    sine: float, cosine: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float,
+    pole_z: float, height: float,
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """(Q - P, w, solid angle per dbeta dphi) of a place on the floor's chart; the slope of Q - P in ``height``."""
+    t1 = sine / cosine
+    reach_x = across_x * t1 + pole_x
+    reach_y = across_y * t1 + pole_y
+    reach_z = across_z * t1 + pole_z
+    return (
+        reach_x * height, reach_y * height, reach_z * height, pole_x * cosine + across_x * sine,
+        pole_y * cosine + across_y * sine, pole_z * cosine + across_z * sine, sine, reach_x, reach_y, reach_z,
+    )
+
+
+@inlined
 def floor_sight(
     x: float, across_x: float, across_y: float, across_z: float, pole_x: float, pole_y: float, pole_z: float,
     height: float,
@@ -889,10 +903,12 @@ def floor_sight(
     sine = math.sin(x)
     cosine = math.cos(x)
     t1 = sine / cosine
+    reach_x = across_x * t1 + pole_x
+    reach_y = across_y * t1 + pole_y
+    reach_z = across_z * t1 + pole_z
     return (
-        (across_x * t1 + pole_x) * height, (across_y * t1 + pole_y) * height, (across_z * t1 + pole_z) * height,
-        pole_x * cosine + across_x * sine, pole_y * cosine + across_y * sine, pole_z * cosine + across_z * sine,
-        sine,
+        reach_x * height, reach_y * height, reach_z * height, pole_x * cosine + across_x * sine,
+        pole_y * cosine + across_y * sine, pole_z * cosine + across_z * sine, sine,
     )
 
 

@@ -83,13 +83,12 @@ def sphere_sight(x: Real, across: Vec3, pole: Vec3, radius: Real, ratio: Real) -
 
 
 def sphere_motion(
-    x: Real, across: Vec3, pole: Vec3, radius: Real, ratio: Real
+    sine: Real, cosine: Real, across: Vec3, pole: Vec3, radius: Real, ratio: Real
 ) -> tuple[Vec3, Vec3, Vec3, Real, Vec3, Vec3, Vec3, Vec3, Vec3, Vec3, Vec3, Real]:
     """``sphere_sight``; slopes of Q - P, N, w in x; in ratio; of Q - P in radius; of the measure's logarithm in ratio.
 
     A sweep of ``sphere_sight`` does not know that N and w only turn: it takes twice as many products.
     """
-    sine, cosine = sin(x), cos(x)
     sb, cb, sg, cg = sphere_angles(sine, cosine, ratio)
     facing = sphere_normal(sg, cg, across, pole)
     by_ratio, by_x = sine / cb, ratio * cosine / cb
@@ -104,10 +103,15 @@ def sphere_motion(
     )  # fmt: skip
 
 
+def floor_motion(sine: Real, cosine: Real, across: Vec3, pole: Vec3, height: Real) -> tuple[Vec3, Vec3, Real, Vec3]:
+    """(Q - P, w, solid angle per dbeta dphi) of a place on the floor's chart; the slope of Q - P in ``height``."""
+    reach = across * (sine / cosine) + pole
+    return reach * height, pole * cosine + across * sine, sine, reach
+
+
 def floor_sight(x: Real, across: Vec3, pole: Vec3, height: Real) -> tuple[Vec3, Vec3, Real]:
     """(Q - P, w, solid angle per dbeta dphi) at inner coordinate ``x`` of the floor's chart."""
-    sine, cosine = sin(x), cos(x)
-    return (across * (sine / cosine) + pole) * height, pole * cosine + across * sine, sine
+    return floor_motion(sin(x), cos(x), across, pole, height)[:3]
 
 
 def sphere_point(x: Real, c: Real, s: Real, pole: Vec3, first: Vec3, second: Vec3, center: Vec3, radius: Real,
@@ -180,6 +184,7 @@ LEAVES: Final = (
     Leaf(sphere_motion, ("offset:3", "normal:3", "direction:3", "measure", "offset_by_x:3", "normal_by_x:3",
                          "direction_by_x:3", "offset_by_ratio:3", "normal_by_ratio:3", "direction_by_ratio:3",
                          "offset_by_radius:3", "log_measure_by_ratio")),
+    Leaf(floor_motion, ("offset:3", "direction:3", "measure", "offset_by_height:3")),
     Leaf(floor_sight, ("offset:3", "direction:3", "measure"), tangents=("x", "height")),
     Leaf(sphere_point, ("place:3", "normal:3"), tangents=("x",), pages=True),
     Leaf(floor_seen, ("direction:3", "measure")),

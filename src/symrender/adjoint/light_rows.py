@@ -1,0 +1,274 @@
+"""What lights give the nodes of a scan line, and how it changes, in rows.
+
+Lights are loops over nodes that become vector instructions; a disk light has a rule of its own at every node. Sums over
+lights of one colour are handed to the channels together. Columns of lights that no parameter moves stay 0.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from symrender.adjoint.disk import disk_adjoint, disk_gradient, monitor
+from symrender.adjoint.moves import any_moves
+from symrender.adjoint.records import LANES, MOST_SUMS, Moved
+from symrender.adjoint.walls import (
+    LIGHTS,
+    SHADING,
+)
+from symrender.adjoint.work import Charted
+from symrender.chambers.labels import DARK, GLINT
+from symrender.chambers.lit_point import LitPoint
+from symrender.chambers.records import NODES, LightPoint, Nodes
+from symrender.chambers.row_powers import powers
+from symrender.jit.marks import inlined, jitable
+from symrender.leaves import slopes
+from symrender.quadrature.light_nodes import mark_states
+from symrender.quadrature.node_rows import whole_vectors
+from symrender.scene.arrays import PHONG
+from symrender.scene.records import Shading
+
+Array = npt.NDArray[np.float64]
+
+
+@inlined
+def begin_color(m: int, r: Moved) -> None:
+    """The sums over lights of one colour, before the first of them."""
+    m = min(m, NODES)
+    for k in range(6):
+        for i in range(m):
+            r.bare_slopes[k, i] = 0.0
+    for k in range(9):
+        for i in range(m):
+            r.gleam_slopes[k, i] = 0.0
+    for i in range(m):
+        r.bare[i] = r.gleam[i] = 0.0
+
+
+@jitable
+def point_rows(
+    start: int, stop: int, p: LightPoint, phong: bool, gleaming: bool, shininess: float, b: Nodes, r: Moved
+) -> None:  # fmt: skip
+    """N.l of marked nodes into ``cosines``, their highlight into ``gleams``, and the slopes of both, of a light point.
+
+    Slopes of the highlight are those of ``by_base`` times ``share``.
+    """
+    stop = min(stop, NODES)
+    x, y, z = p.position[0], p.position[1], p.position[2]
+    if phong:
+        for i in range(start, stop):
+            (
+                cosine, base, r.by_cosine[0, i], r.by_cosine[1, i], r.by_cosine[2, i],
+                r.by_cosine[3, i], r.by_cosine[4, i], r.by_cosine[5, i], _, _, _,
+                r.by_base[0, i], r.by_base[1, i], r.by_base[2, i], r.by_base[3, i], r.by_base[4, i], r.by_base[5, i],
+                r.by_base[6, i], r.by_base[7, i], r.by_base[8, i],
+            ) = slopes.phong_slopes(
+                x - b.place[0, i], y - b.place[1, i], z - b.place[2, i], b.normal[0, i], b.normal[1, i],
+                b.normal[2, i], b.toward[0, i], b.toward[1, i], b.toward[2, i],
+            )  # fmt: skip
+            b.cosines[i] = b.clear[i] * cosine
+            r.bases[i] = b.radix[i] = min(1.0, max(0.0, base))
+    else:
+        for i in range(start, stop):
+            (
+                cosine, base, r.by_cosine[0, i], r.by_cosine[1, i], r.by_cosine[2, i],
+                r.by_cosine[3, i], r.by_cosine[4, i], r.by_cosine[5, i], _, _, _,
+                r.by_base[0, i], r.by_base[1, i], r.by_base[2, i], r.by_base[3, i], r.by_base[4, i], r.by_base[5, i],
+                r.by_base[6, i], r.by_base[7, i], r.by_base[8, i],
+            ) = slopes.blinn_slopes(
+                x - b.place[0, i], y - b.place[1, i], z - b.place[2, i], b.normal[0, i], b.normal[1, i],
+                b.normal[2, i], b.toward[0, i], b.toward[1, i], b.toward[2, i],
+            )  # fmt: skip
+            b.cosines[i] = b.clear[i] * cosine
+            r.bases[i] = b.radix[i] = min(1.0, max(0.0, base))
+    if gleaming:
+        powers(start, stop, b, shininess)
+        for i in range(start, stop):
+            shown = b.shining[i] * b.power[i]
+            b.gleams[i] = shown
+            b.share[i] = shininess * shown / max(r.bases[i], 1e-300)
+    else:
+        for i in range(start, stop):
+            b.gleams[i] = b.share[i] = 0.0
+    for i in range(start, stop):
+        r.bare[i] += b.cosines[i]
+        r.gleam[i] += b.gleams[i]
+    for k in range(6):
+        for i in range(start, stop):
+            r.bare_slopes[k, i] += b.clear[i] * r.by_cosine[k, i]
+    if gleaming:
+        for k in range(9):
+            for i in range(start, stop):
+                r.gleam_slopes[k, i] += b.share[i] * r.by_base[k, i]
+
+
+@inlined
+def clear_sums_of(count: int, r: Moved) -> None:
+    """Begin ``count`` sums."""
+    for k in range(min(count, MOST_SUMS)):
+        for lane in range(LANES):
+            r.sums[k, lane] = 0.0
+
+
+@inlined
+def summed(k: int, r: Moved) -> float:
+    """The sum over the lanes."""
+    low = (r.sums[k, 0] + r.sums[k, 1]) + (r.sums[k, 2] + r.sums[k, 3])
+    high = (r.sums[k, 4] + r.sums[k, 5]) + (r.sums[k, 6] + r.sums[k, 7])
+    return float(low + high)
+
+
+@inlined
+def add_own_node(i: int, lane: int, b: Nodes, r: Moved) -> None:
+    """Add what one node says of a light's own numbers to the sums."""
+    w = r.weight[i]
+    lit, shown = w * r.tint[i] * b.clear[i], w * b.share[i]
+    r.sums[0, lane] += w * r.tint[i] * b.cosines[i]
+    r.sums[1, lane] += w * b.gleams[i]
+    for k in range(3):
+        r.sums[2 + k, lane] += lit * r.by_cosine[k, i]
+        r.sums[5 + k, lane] += shown * r.by_base[k, i]
+
+
+@jitable
+def own_sums(start: int, stop: int, b: Nodes, r: Moved) -> None:
+    """Weighed sums over nodes of one light's cosine and highlight, and of their slopes in its place."""
+    stop = min(stop, NODES)
+    clear_sums_of(8, r)
+    at = start
+    while at + LANES <= stop:
+        for lane in range(LANES):
+            add_own_node(at + lane, lane, b, r)
+        at += LANES
+    for i in range(at, stop):
+        add_own_node(i, 0, b, r)
+
+
+@inlined
+def albedo_of(a: int, on: Charted) -> float:
+    """One channel of the charted shape's albedo, without its texture."""
+    j = on.work.chart.shape_index
+    return float(on.view.spheres[j].color[a] if j >= 0 else on.work.chart.albedo[a])
+
+
+@inlined
+def own_columns(i: int, start: int, stop: int, on: Charted, adjoint: Array) -> None:
+    """Add a light point's own columns, of the nodes ``point_rows`` has filled."""
+    b, r, shading = on.work.nodes, on.tangent.nodes, on.view.shading
+    column, point = LIGHTS + 6 * i, on.view.points[i]
+    if any_moves(on.moves, column, column + 6):
+        own_sums(start, stop, b, r)
+        for a in range(3):
+            out, albedo = adjoint[a], albedo_of(a, on) * shading.kd
+            out[column + 3 + a] += albedo * summed(0, r) + shading.ks * summed(1, r)
+            for k in range(3):
+                out[column + k] += point.color[a] * (albedo * summed(2 + k, r) + shading.ks * summed(5 + k, r))
+    if any_moves(on.moves, SHADING + 3, SHADING + 4):
+        total = 0.0
+        for q in range(start, stop):
+            if r.bases[q] > 0.0:
+                total += r.weight[q] * b.gleams[q] * math.log(r.bases[q])
+        for a in range(3):
+            adjoint[a, SHADING + 3] += shading.ks * point.color[a] * total
+
+
+@jitable
+def add_color(m: int, a: int, color: float, albedo: float, shading: Shading, r: Moved) -> None:
+    """Add to channel ``a`` of the nodes what the lights of one colour add up to."""
+    m = min(m, NODES)
+    diffuse, shine, at = color * shading.kd * albedo, color * shading.ks, 9 * a
+    for i in range(m):
+        r.above[a, i] += color * r.bare[i]
+        r.below[a, i] += color * r.gleam[i]
+    for k in range(3):
+        for i in range(m):
+            d, h = diffuse * r.weight[i] * r.tint[i], shine * r.weight[i]
+            r.node[at + k, i] -= d * r.bare_slopes[k, i] + h * r.gleam_slopes[k, i]
+            r.node[at + 3 + k, i] += d * r.bare_slopes[3 + k, i] + h * r.gleam_slopes[3 + k, i]
+            r.node[at + 6 + k, i] += h * r.gleam_slopes[6 + k, i]
+
+
+@inlined
+def end_color(m: int, i: int, on: Charted) -> None:
+    """Hand the sums over lights of the colour of light ``i`` to the channels, and begin those of another one."""
+    r = on.tangent.nodes
+    for a in range(3):
+        add_color(m, a, on.view.points[i].color[a], albedo_of(a, on), on.view.shading, r)
+    begin_color(m, r)
+
+
+@inlined
+def same_color(i: int, k: int, on: Charted) -> bool:
+    """Whether two lights have the same colour."""
+    one, other = on.view.points[i], on.view.points[k]
+    same = True
+    for a in range(3):
+        same = same and one.color[a] == other.color[a]
+    return same
+
+
+@inlined
+def disk_node_adjoint(i: int, state: int, q: int, step: int, on: Charted, adjoint: Array) -> None:
+    """Add what disk light ``i`` gives node ``q`` to the adjoint, to its row and to its radiance."""
+    view, shading, b, r = on.view, on.view.shading, on.work.nodes, on.tangent.nodes
+    here, table = on.tangent.here, on.disk
+    point, weight, factor = view.points[i], r.weight[q], r.tint[q]
+    if table is not None:
+        lit_point = LitPoint(
+            b.place[0, q], b.place[1, q], b.place[2, q], b.normal[0, q], b.normal[1, q], b.normal[2, q],
+            b.toward[0, q], b.toward[1, q], b.toward[2, q],
+        )  # fmt: skip
+        bare, gleam, by_shininess = disk_gradient(i, state, lit_point, step, True, view, on.work, on.gauss, table)
+        shown = 0.0 if state == GLINT else 1.0
+        strength, lit = weight * (point.color[0] + point.color[1] + point.color[2]), shown * bare
+        r.told[q] += monitor(strength * shading.kd * factor, strength * shading.ks, table)
+        column = LIGHTS + 6 * i
+        for a in range(3):
+            color, albedo, out = point.color[a], factor * albedo_of(a, on), adjoint[a]
+            r.above[a, q] += color * lit
+            r.below[a, q] += color * gleam
+            out[column + 3 + a] += weight * (albedo * shading.kd * lit + shading.ks * gleam)
+            out[SHADING + 3] += weight * shading.ks * color * by_shininess
+            node = here.node[a]
+            for row in range(3):
+                for k in range(3):
+                    node[row, k] = 0.0
+            diffuse, highlight = weight * color * shading.kd * albedo * shown, weight * color * shading.ks
+            disk_adjoint(i, diffuse, highlight, view, on.work, table, node, out)
+            for row in range(3):
+                for k in range(3):
+                    r.node[9 * a + 3 * row + k, q] += node[row, k]
+
+
+@inlined
+def light_rows(m: int, pieces: int, step: int, kept: bool, on: Charted, adjoint: Array) -> None:
+    """Add what every light gives ``m`` nodes of the first ``pieces`` pieces to its own columns of the adjoint.
+
+    And to the nodes' rows, unless only what disks do there is ``kept``.
+    """
+    view, work, shading, r = on.view, on.work, on.view.shading, on.tangent.nodes
+    gleaming = shading.ks != 0.0 or any_moves(on.moves, SHADING + 2, SHADING + 3)
+    rows = whole_vectors(m)
+    begin_color(rows, r)
+    lights, pending = view.points.shape[0], -1
+    for i in range(lights):
+        if on.disk is not None and view.points[i].radius > 0.0:
+            for piece in range(pieces):
+                state = int(work.lit[work.pieces[piece].cell, i])
+                first = work.pieces[piece].first
+                for q in range(first, first + work.pieces[piece].count):
+                    if state != DARK and r.weight[q] != 0.0:
+                        disk_node_adjoint(i, state, q, step, on, adjoint)
+            continue
+        start, stop = mark_states(pieces, i, work)
+        if not start < stop:
+            continue
+        if kept and pending >= 0 and not same_color(i, pending, on):
+            end_color(rows, pending, on)
+        pending = i
+        point_rows(start, stop, view.points[i], shading.model == PHONG, gleaming, shading.shininess, work.nodes, r)
+        own_columns(i, start, min(stop, m), on, adjoint)
+    if kept and pending >= 0:
+        end_color(rows, pending, on)
