@@ -171,7 +171,8 @@ def own_columns(i: int, start: int, stop: int, on: Charted, adjoint: Array) -> N
             if r.bases[q] > 0.0:
                 total += r.weight[q] * b.gleams[q] * math.log(r.bases[q])
         for a in range(3):
-            adjoint[a, SHADING + 3] += shading.ks * point.color[a] * total
+            out = adjoint[a]
+            out[SHADING + 3] += shading.ks * point.color[a] * total
 
 
 @jitable

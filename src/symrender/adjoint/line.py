@@ -27,7 +27,7 @@ from symrender.adjoint.line_nodes import (
     tint_rows,
     view_rows,
 )
-from symrender.adjoint.lobe import log_density_at
+from symrender.adjoint.lobe import log_density_at, pull
 from symrender.adjoint.records import Moved
 from symrender.adjoint.walls import TOWARD, chart_place
 from symrender.adjoint.work import Charted
@@ -186,7 +186,7 @@ def pad_nodes(m: int, b: Nodes, r: Moved) -> None:
 
 @jitable
 def density_rows(m: int, pieces: int, c: float, s: float, on: Charted) -> None:
-    """Multiply the nodes' weights by the lobe's density; their cosines to its axis, and the cosines' logarithms."""
+    """Multiply the nodes' weights by the lobe's density; how far off its axis they are, and how fast it falls there."""
     work, b, r = on.work, on.work.nodes, on.tangent.nodes
     lobe = work.chart.lobe
     for i in range(whole_vectors(m)):
@@ -205,6 +205,7 @@ def density_rows(m: int, pieces: int, c: float, s: float, on: Charted) -> None:
                         b.power[q] = density_of(r.log[q], lobe)
     for i in range(whole_vectors(m)):
         r.weight[i] *= b.power[i]
+        r.steep[i] = pull(1.0, r.cosine[i], lobe)
 
 
 @inlined

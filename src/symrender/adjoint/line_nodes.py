@@ -7,12 +7,11 @@ number of parameters.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
 from symrender.adjoint.light_rows import albedo_of, clear_sums_of, summed
+from symrender.adjoint.lobe import add_own_sums
 from symrender.adjoint.records import LANES, MOST_SUMS, Moved
 from symrender.adjoint.walls import (
     AMBIENT,
@@ -22,10 +21,8 @@ from symrender.adjoint.walls import (
     BRIGHT,
     CHART,
     CHART_RADIUS,
-    EXPONENT,
     EYE,
     FREQUENCY,
-    LOG_NORMALISER,
     SHADING,
     TURN,
 )
@@ -169,7 +166,7 @@ def eye_sums(m: int, a: int, eye: Array, b: Nodes, r: Moved) -> None:
             vx, vy, vz = b.toward[0, i], b.toward[1, i], b.toward[2, i]
             gx, gy, gz = r.node[at + 6, i], r.node[at + 7, i], r.node[at + 8, i]
             ox, oy, oz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
-            inverse = 1.0 / math.sqrt(max(ox * ox + oy * oy + oz * oz, 1e-300))
+            inverse = 1.0 / max(ox * vx + oy * vy + oz * vz, 1e-150)
             along = gx * vx + gy * vy + gz * vz
             tx, ty, tz = (gx - along * vx) * inverse, (gy - along * vy) * inverse, (gz - along * vz) * inverse
             r.sums[0, lane] += tx
@@ -183,7 +180,7 @@ def eye_sums(m: int, a: int, eye: Array, b: Nodes, r: Moved) -> None:
 
 @jitable
 def pull_channel(
-    m: int, a: int, lit: float, flat: float, ks: float, exponent: float, axis: Array, b: Nodes, r: Moved
+    m: int, a: int, lit: float, flat: float, ks: float, axis: Array, b: Nodes, r: Moved
 ) -> None:  # fmt: skip
     """Sums over nodes of what moves channel ``a``: of the surface, of the lobe, of the point, the frame and the chart.
 
@@ -202,7 +199,7 @@ def pull_channel(
             fx, fy, fz = b.normal[0, i], b.normal[1, i], b.normal[2, i]
             qx, qy, qz = r.hit[0, i], r.hit[1, i], r.hit[2, i]
             total = w * (lit * r.tint[i] * above + flat + ks * below)
-            drawn = total * exponent / max(r.cosine[i], 1e-300)
+            drawn = total * r.steep[i]
             gx, gy, gz = drawn * mx - r.node[at + 6, i], drawn * my - r.node[at + 7, i], drawn * mz - r.node[at + 8, i]
             r.sums[0, lane] += w
             r.sums[1, lane] += w * r.tint[i] * above
@@ -247,7 +244,7 @@ def channel_columns(m: int, a: int, ka: float, on: Charted, adjoint: Array) -> N
         for k in range(3):
             out[EYE + k] += summed(k, r)
     flat = ka * shading.ambient[a] - shading.background[a]
-    pull_channel(m, a, kd * albedo, flat, shading.ks, chart.lobe.exponent, on.lobe, on.work.nodes, r)
+    pull_channel(m, a, kd * albedo, flat, shading.ks, on.lobe, on.work.nodes, r)
     weight, lit, total = summed(0, r), summed(1, r), summed(4, r)
     if ka != 0.0 or j >= 0 or chart.side > 0.0:
         out[SHADING] += weight * shading.ambient[a]
@@ -255,8 +252,7 @@ def channel_columns(m: int, a: int, ka: float, on: Charted, adjoint: Array) -> N
     out[SHADING + 2] += summed(2, r)
     out[AMBIENT + a] += ka * weight
     out[BACKGROUND + a] -= weight
-    out[EXPONENT] += summed(5, r)
-    out[LOG_NORMALISER] -= total
+    add_own_sums(total, summed(5, r), out)
     out[CHART] += summed(16, r)
     for k in range(3):
         out[AXIS + k] += summed(6 + k, r)

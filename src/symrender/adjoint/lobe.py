@@ -39,8 +39,14 @@ def pull(weight: float, cosine: float, lobe: Lobe) -> float:
 @inlined
 def add_own(weight: float, log: float, out: Array) -> None:
     """Add ``weight`` times the slopes of the density's logarithm in the lobe's own numbers to their columns."""
-    out[EXPONENT] += weight * log
-    out[LOG_NORMALISER] -= weight
+    add_own_sums(weight, weight * log, out)
+
+
+@inlined
+def add_own_sums(weights: float, logs: float, out: Array) -> None:
+    """``add_own`` of nodes of which the weights, and the weights times the logarithms, are summed up."""
+    out[EXPONENT] += logs
+    out[LOG_NORMALISER] -= weights
 
 
 @inlined

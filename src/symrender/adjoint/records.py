@@ -59,6 +59,8 @@ class Moved(Record):
     """To the lobe's axis."""
     log: Row
     """Its logarithm."""
+    steep: Row
+    """Slope of the density's logarithm in the cosine."""
     slope: Row
     """Of the measure's logarithm in the chart's k."""
     hit: NodeThrees
