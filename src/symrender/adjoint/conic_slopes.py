@@ -61,7 +61,7 @@ def name_conics(view: View, work: Work, origins: Table[Origin]) -> None:
 @jitable
 def moving_conics(count: int, on: Charted, origins: Table[Origin]) -> bool:
     """Note which of the conics move; whether any does."""
-    view, moves = on.view, on.moves
+    view, moves = on.world, on.moves
     balls = LIGHTS + 6 * view.points.shape[0]
     some = False
     for k in range(count):
@@ -86,7 +86,7 @@ def moving_conics(count: int, on: Charted, origins: Table[Origin]) -> bool:
 def conic_gradient(origin: Origin, x: float, y: float, on: Charted, bar: Array) -> None:
     """Gradient of a conic's level: ``bar`` (3,) in Q at a fixed point P, the rest added to ``own``."""
     kind, shape, light = origin.kind, origin.shape_index, origin.light
-    lobe, view, own = on.lobe, on.view, on.tangent.own
+    lobe, view, own = on.lobe, on.world, on.tangent.own
     chart = on.work.chart
     h = chart.height
     balls = LIGHTS + 6 * view.points.shape[0]
@@ -174,4 +174,4 @@ def level_adjoint(origin: Origin, x: float, y: float, on: Charted, bar: Array) -
     point, own = on.work.chart.point, on.tangent.own
     clear_columns(own)
     conic_gradient(origin, x, y, on, bar)
-    ride(1.0, point[0] + x, point[1] + y, bar, on.view.floor, own)
+    ride(1.0, point[0] + x, point[1] + y, bar, on.world.floor, own)

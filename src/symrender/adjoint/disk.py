@@ -25,7 +25,7 @@ from symrender.chambers.lit_point import Gleam, LitPoint
 from symrender.chambers.records import LightPoint
 from symrender.chambers.rooms import height
 from symrender.chambers.work import View, Work
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.quadrature.disk_arcs import ARC, LINEAR, arc_log, arc_point, arc_side, corners, radial_log
 from symrender.quadrature.disk_curves import (
     BALL,
@@ -73,6 +73,22 @@ class ArcPoint(NamedTuple):
 def disk_rows(spheres: int, planes: int) -> int:
     """Rows of scratch that ``disk_gradient`` fills: one light's, two functionals', and a flag."""
     return BAR_ROWS + 2 * (BALLS + 2 * (spheres + planes)) + 1
+
+
+@inlined
+def clear_flag(table: Array | None) -> None:
+    """Forget that a disk was not differentiated."""
+    if table is None:
+        return
+    table[table.shape[0] - 1, 0] = 0.0
+
+
+@inlined
+def is_flagged(table: Array | None) -> bool:
+    """Whether some disk was not differentiated since the flag was cleared."""
+    if table is None:
+        return False
+    return bool(table[table.shape[0] - 1, 0] != 0.0)
 
 
 @jitable
@@ -241,14 +257,17 @@ def arc_gradient(
 
 @jitable
 def disk_gradient(
-    i: int, state: int, q: LitPoint, step: int, gleaming: bool, view: View, work: Work, gauss: Array, table: Array
+    i: int, state: int, q: LitPoint, step: int, gleaming: bool, view: View, work: Work, gauss: Array,
+    table: Array | None,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Gradients of both means of ``disk_term`` into ``table``; the means, and the highlight's slope in shininess.
 
     ``table`` is (``disk_rows``, 3). Without ``gleaming`` only those of the cosine. Where a ball touches the disk
     itself, or it is seen edge-on, nothing is differentiated and the first number of the last row, which the caller
-    clears, becomes 1.
+    clears, becomes 1. Without a table all of them are 0.
     """
+    if table is None:
+        return 0.0, 0.0, 0.0
     flag = table.shape[0] - 1
     for row in range(BAR_ROWS, flag):
         for c in range(3):
@@ -284,8 +303,10 @@ def disk_gradient(
 
 
 @jitable
-def monitor(lambert: float, shine: float, table: Array) -> float:
+def monitor(lambert: float, shine: float, table: Array | None) -> float:
     """One number that is as smooth as all gradients in ``table``: the means weighed, in light, balls and place."""
+    if table is None:
+        return 0.0
     total = 0.0
     for which in range(2):
         first = functional(which, table)
@@ -299,12 +320,14 @@ def monitor(lambert: float, shine: float, table: Array) -> float:
 
 @jitable
 def disk_adjoint(
-    i: int, diffuse: float, highlight: float, view: View, work: Work, table: Array, node: Array, out: Array
+    i: int, diffuse: float, highlight: float, view: View, work: Work, table: Array | None, node: Array, out: Array
 ) -> None:  # fmt: skip
     """Add ``diffuse`` x the cosine's gradients and ``highlight`` x the highlight's, of disk ``i`` in ``table``.
 
     ``node`` (3, 3) takes those in Q, N and the view, the adjoint ``out`` those in the disk and in what hides it.
     """
+    if table is None:
+        return
     balls = LIGHTS + 6 * view.points.shape[0]
     planes = plane_columns(view)
     column, more = LIGHTS + 6 * i, planes + 4 * view.sides.shape[0] + 4 * i

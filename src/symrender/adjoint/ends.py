@@ -42,7 +42,7 @@ def wall_adjoint(i: int, tag: int, scale: float, on: Charted, adjoint: Array, fi
     if i < 0:
         rim_gradient(here, on.work, on.lobe, bar, own)
     else:
-        wall_gradient(i, tag, here, on.view, on.work, bar, own)
+        wall_gradient(i, tag, here, on.world, on.work, bar, own)
     slope = along_line(bar, here)
     if slope == 0.0:
         return
@@ -70,7 +70,7 @@ def jump_at(cell: int, side_above: int, side_below: int, step: int, on: Charted)
 @inlined
 def end_adjoint(wall: int, hidden: bool, scale: float, on: Charted, adjoint: Array) -> None:
     """Add the moving end of a cell at the place at hand; ``hidden``: whether one of its sides is not seen."""
-    view, work, here = on.view, on.work, on.tangent.here
+    view, work, here = on.world, on.work, on.tangent.here
     if wall < 0:
         wall_adjoint(-1, 0, scale, on, adjoint, 0, 3)
         return
@@ -115,7 +115,7 @@ def walls_adjoint(c: float, s: float, weight: float, step: int, on: Charted, adj
             continue
         measure, _ = chart_place(x, c, s, chart, here)
         density = rim_density(chart.lobe) if wall < 0 else log_density(here, on.lobe, chart)[2]
-        set_view(here, on.view, chart)
+        set_view(here, on.world, chart)
         if jump_at(cell, side_above, side_below, step, on):
             hidden = side_above == HIDDEN or side_below == HIDDEN
             end_adjoint(wall, hidden, weight * measure * density, on, adjoint)

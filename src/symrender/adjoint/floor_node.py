@@ -34,7 +34,7 @@ def grid_density(x: float, y: float, lobe: Array, chart: Chart) -> tuple[float, 
 @inlined
 def lit_sum(x: float, y: float, step: int, states: Array, on: Charted, out: Array) -> None:
     """Sum over the lit lights of colour times cosine; ``out`` (3,)."""
-    view, work = on.view, on.work
+    view, work = on.world, on.work
     chart = work.chart
     out[0] = out[1] = out[2] = 0.0
     for i in range(view.points.shape[0]):
@@ -56,7 +56,7 @@ def lit_adjoint(
     i: int, qx: float, qy: float, w: float, step: int, on: Charted, grid: GridWork, adjoint: Array
 ) -> None:  # fmt: skip
     """Add what light ``i`` gives a floor node of weight ``w`` to the adjoint, to ``here`` and to ``pulls``."""
-    view, half, total, pulls = on.view, grid.half, grid.here, grid.pulls
+    view, half, total, pulls = on.world, grid.half, grid.here, grid.pulls
     p = view.points[i]
     if on.disk is not None and p.radius > 0.0:
         q = LitPoint(qx, qy, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0)
@@ -88,7 +88,7 @@ def grid_node(
     x: float, y: float, weight: float, step: int, on: Charted, grid: GridWork, adjoint: Array
 ) -> None:  # fmt: skip
     """Add one floor node, lit as ``above`` tells, to the adjoint; ``weight`` has the sign of its square."""
-    lobe, floor, shading = on.lobe, on.view.floor, on.view.shading
+    lobe, floor, shading = on.lobe, on.world.floor, on.world.shading
     half, total, bar, pulls = grid.half, grid.here, grid.bar, grid.pulls
     chart = on.work.chart
     h = chart.height
@@ -99,7 +99,7 @@ def grid_node(
     total[0] = total[1] = total[2] = 0.0
     clear(pulls)
     qx, qy = chart.point[0] + x, chart.point[1] + y
-    for i in range(on.view.points.shape[0]):
+    for i in range(on.world.points.shape[0]):
         if grid.above[i] != 0.0:
             lit_adjoint(i, qx, qy, w, step, on, grid, adjoint)
     r = math.sqrt(x * x + y * y + h * h)

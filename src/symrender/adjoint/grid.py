@@ -120,7 +120,7 @@ def block_adjoint(
             return 0.0, True
         return square_adjoint(block, share, on, grid), False
     middle = 0.5 * block.side
-    if not seen(block.x + middle, block.y + middle, on.lobe, on.view, on.work, grid.above):
+    if not seen(block.x + middle, block.y + middle, on.lobe, on.world, on.work, grid.above):
         return 0.0, False
     n = 1 + max(2, math.ceil((0.5 * fall if level == 0 else fall - 0.693 * level) / block.log_rho))
     if n > MAX_BLOCK_ORDER:
@@ -128,7 +128,7 @@ def block_adjoint(
     smooth_adjoint(block, n, on, grid)
     if level == 0:
         return largest_channel(square) * math.exp(-2.0 * (n - 1) * block.log_rho), False
-    return 10.0 * contrast_of(on.view) * bound * 2.0**-level * math.exp(-n * block.log_rho), False
+    return 10.0 * contrast_of(on.world) * bound * 2.0**-level * math.exp(-n * block.log_rho), False
 
 
 @jitable
@@ -139,7 +139,7 @@ def replay_once(
 
     The blocks are those of ``split_grid``; how fine a block's rule must be is judged by what the block can hold.
     """
-    view, work, blocks, reach = on.view, on.work, grid.blocks, squares.reach
+    view, work, blocks, reach = on.world, on.work, grid.blocks, squares.reach
     cell, contrast, light = view.floor.cell, contrast_of(view), most_floor_light(view)
     for a in range(3):
         grid.half[a] = 0.5 * view.shading.kd * (view.floor.bright[a] - view.floor.dark[a])
@@ -188,7 +188,7 @@ def tail_slopes(n: int, on: Charted, grid: GridWork) -> float:
     What a place holds changes by ``swing`` for every unit by which a wall moves across the checker there.
     """
     moves, own, bar = on.moves, on.tangent.own, grid.bar
-    largest, contrast = 0.0, contrast_of(on.view)
+    largest, contrast = 0.0, contrast_of(on.world)
     for p in range(moves.shape[0]):
         tint, other = 0.0, 0.0
         for k in range(moves.shape[1]):
@@ -200,7 +200,7 @@ def tail_slopes(n: int, on: Charted, grid: GridWork) -> float:
         for k in range(n):
             row = grid.remainders[k]
             # of the two colours the value is linear
-            total += 0.5 * abs(on.view.shading.kd) * tint * row.left / max(contrast, 1e-300)
+            total += 0.5 * abs(on.world.shading.kd) * tint * row.left / max(contrast, 1e-300)
             if on.nodes and other > 0.0:
                 # slopes in places and exponents are larger than what they are of
                 total += row.left * steepness(10.0, on.work.chart.lobe)
@@ -223,9 +223,9 @@ def tail_slopes(n: int, on: Charted, grid: GridWork) -> float:
 @jitable
 def tail_at(tol: float, reach: float, count: int, on: Charted, grid: GridWork) -> float:
     """Estimate of what no taper of this reach has seen of the derivatives."""
-    aim = 0.1 * min(1.0, on.view.floor.cell) * tol / max(contrast_of(on.view), 1e-300)
+    aim = 0.1 * min(1.0, on.world.floor.cell) * tol / max(contrast_of(on.world), 1e-300)
     n = remainders_of(
-        aim, reach, on.lobe, on.view, on.work, grid.conics, count, grid.above, grid.blocks[:8], grid.remainders
+        aim, reach, on.lobe, on.world, on.work, grid.conics, count, grid.above, grid.blocks[:8], grid.remainders
     )  # fmt: skip
     return tail_slopes(n, on, grid)
 
@@ -238,7 +238,7 @@ def replay_grid(tol: float, own: int, max_evaluations: int, on: Charted, grid: G
     doubled until the derivatives no longer change, and what no taper has seen is small: walls that move far out fall
     off more slowly than the value does.
     """
-    view, work, t = on.view, on.work, on.tangent
+    view, work, t = on.world, on.work, on.tangent
     chart, floor, cell = work.chart, view.floor, view.floor.cell
     count = floor_conics(own, on.lobe, view, work, grid.conics)
     if count > grid.conics.shape[0]:

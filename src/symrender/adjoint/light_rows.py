@@ -150,14 +150,14 @@ def own_sums(start: int, stop: int, b: Nodes, r: Moved) -> None:
 def albedo_of(a: int, on: Charted) -> float:
     """One channel of the charted shape's albedo, without its texture."""
     j = on.work.chart.shape_index
-    return float(on.view.spheres[j].color[a] if j >= 0 else on.work.chart.albedo[a])
+    return float(on.world.spheres[j].color[a] if j >= 0 else on.work.chart.albedo[a])
 
 
 @inlined
 def own_columns(i: int, start: int, stop: int, on: Charted, adjoint: Array) -> None:
     """Add a light point's own columns, of the nodes ``point_rows`` has filled."""
-    b, r, shading = on.work.nodes, on.tangent.nodes, on.view.shading
-    column, point = LIGHTS + 6 * i, on.view.points[i]
+    b, r, shading = on.work.nodes, on.tangent.nodes, on.world.shading
+    column, point = LIGHTS + 6 * i, on.world.points[i]
     if any_moves(on.moves, column, column + 6):
         own_sums(start, stop, b, r)
         for a in range(3):
@@ -196,14 +196,14 @@ def end_color(m: int, i: int, on: Charted) -> None:
     """Hand the sums over lights of the colour of light ``i`` to the channels, and begin those of another one."""
     r = on.tangent.nodes
     for a in range(3):
-        add_color(m, a, on.view.points[i].color[a], albedo_of(a, on), on.view.shading, r)
+        add_color(m, a, on.world.points[i].color[a], albedo_of(a, on), on.world.shading, r)
     begin_color(m, r)
 
 
 @inlined
 def same_color(i: int, k: int, on: Charted) -> bool:
     """Whether two lights have the same colour."""
-    one, other = on.view.points[i], on.view.points[k]
+    one, other = on.world.points[i], on.world.points[k]
     same = True
     for a in range(3):
         same = same and one.color[a] == other.color[a]
@@ -213,34 +213,33 @@ def same_color(i: int, k: int, on: Charted) -> bool:
 @inlined
 def disk_node_adjoint(i: int, state: int, q: int, step: int, on: Charted, adjoint: Array) -> None:
     """Add what disk light ``i`` gives node ``q`` to the adjoint, to its row and to its radiance."""
-    view, shading, b, r = on.view, on.view.shading, on.work.nodes, on.tangent.nodes
+    view, shading, b, r = on.world, on.world.shading, on.work.nodes, on.tangent.nodes
     here, table = on.tangent.here, on.disk
     point, weight, factor = view.points[i], r.weight[q], r.tint[q]
-    if table is not None:
-        lit_point = LitPoint(
-            b.place[0, q], b.place[1, q], b.place[2, q], b.normal[0, q], b.normal[1, q], b.normal[2, q],
-            b.toward[0, q], b.toward[1, q], b.toward[2, q],
-        )  # fmt: skip
-        bare, gleam, by_shininess = disk_gradient(i, state, lit_point, step, True, view, on.work, on.gauss, table)
-        shown = 0.0 if state == GLINT else 1.0
-        strength, lit = weight * (point.color[0] + point.color[1] + point.color[2]), shown * bare
-        r.told[q] += monitor(strength * shading.kd * factor, strength * shading.ks, table)
-        column = LIGHTS + 6 * i
-        for a in range(3):
-            color, albedo, out = point.color[a], factor * albedo_of(a, on), adjoint[a]
-            r.above[a, q] += color * lit
-            r.below[a, q] += color * gleam
-            out[column + 3 + a] += weight * (albedo * shading.kd * lit + shading.ks * gleam)
-            out[SHADING + 3] += weight * shading.ks * color * by_shininess
-            node = here.node[a]
-            for row in range(3):
-                for k in range(3):
-                    node[row, k] = 0.0
-            diffuse, highlight = weight * color * shading.kd * albedo * shown, weight * color * shading.ks
-            disk_adjoint(i, diffuse, highlight, view, on.work, table, node, out)
-            for row in range(3):
-                for k in range(3):
-                    r.node[9 * a + 3 * row + k, q] += node[row, k]
+    lit_point = LitPoint(
+        b.place[0, q], b.place[1, q], b.place[2, q], b.normal[0, q], b.normal[1, q], b.normal[2, q],
+        b.toward[0, q], b.toward[1, q], b.toward[2, q],
+    )  # fmt: skip
+    bare, gleam, by_shininess = disk_gradient(i, state, lit_point, step, True, view, on.work, on.gauss, table)
+    shown = 0.0 if state == GLINT else 1.0
+    strength, lit = weight * (point.color[0] + point.color[1] + point.color[2]), shown * bare
+    r.told[q] += monitor(strength * shading.kd * factor, strength * shading.ks, table)
+    column = LIGHTS + 6 * i
+    for a in range(3):
+        color, albedo, out = point.color[a], factor * albedo_of(a, on), adjoint[a]
+        r.above[a, q] += color * lit
+        r.below[a, q] += color * gleam
+        out[column + 3 + a] += weight * (albedo * shading.kd * lit + shading.ks * gleam)
+        out[SHADING + 3] += weight * shading.ks * color * by_shininess
+        node = here.node[a]
+        for row in range(3):
+            for k in range(3):
+                node[row, k] = 0.0
+        diffuse, highlight = weight * color * shading.kd * albedo * shown, weight * color * shading.ks
+        disk_adjoint(i, diffuse, highlight, view, on.work, table, node, out)
+        for row in range(3):
+            for k in range(3):
+                r.node[9 * a + 3 * row + k, q] += node[row, k]
 
 
 @inlined
@@ -249,7 +248,7 @@ def light_rows(m: int, pieces: int, step: int, kept: bool, on: Charted, adjoint:
 
     And to the nodes' rows, unless only what disks do there is ``kept``.
     """
-    view, work, shading, r = on.view, on.work, on.view.shading, on.tangent.nodes
+    view, work, shading, r = on.world, on.work, on.world.shading, on.tangent.nodes
     gleaming = shading.ks != 0.0 or any_moves(on.moves, SHADING + 2, SHADING + 3)
     rows = whole_vectors(m)
     begin_color(rows, r)

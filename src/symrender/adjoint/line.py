@@ -283,7 +283,7 @@ def line_adjoint(
     The nodes are those of ``integrate_cells``. ``adjoint`` is (4, columns): a row a channel and ``ONE_SIDED``. Returned
     are the size of what its nodes tell, and the error of the rules along the line in the same units.
     """
-    view, work, b, r = on.view, on.work, on.work.nodes, on.tangent.nodes
+    view, work, b, r = on.world, on.work, on.work.nodes, on.tangent.nodes
     chart = work.chart
     c, s = math.cos(phi), math.sin(phi)
     walls_adjoint(c, s, weight, step, on, adjoint)

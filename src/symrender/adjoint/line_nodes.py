@@ -90,8 +90,8 @@ def place_rows(m: int, c: float, s: float, chart: Chart, lobe: Array, b: Nodes, 
 def view_rows(m: int, on: Charted) -> None:
     """Directions in which highlights are seen."""
     b, r = on.work.nodes, on.tangent.nodes
-    if on.view.shading.highlight_view == FROM_EYE:
-        eye_view_rows(0, m, on.view.eye[0], on.view.eye[1], on.view.eye[2], b)
+    if on.world.shading.highlight_view == FROM_EYE:
+        eye_view_rows(0, m, on.world.eye[0], on.world.eye[1], on.world.eye[2], b)
         return
     for k in range(3):
         for i in range(min(m, NODES)):
@@ -123,13 +123,13 @@ def forget_rows(start: int, stop: int, r: Moved) -> None:
 @inlined
 def surface_rows(m: int, a: int, ka: float, on: Charted) -> None:
     """Add channel ``a`` of the radiance to ``told``, and to the nodes what moves a marble's veins."""
-    shading, r = on.view.shading, on.tangent.nodes
+    shading, r = on.world.shading, on.tangent.nodes
     m = min(m, NODES)
     lit, flat = shading.kd * albedo_of(a, on), ka * shading.ambient[a] - shading.background[a]
     ks, j = shading.ks, on.work.chart.shape_index
     for i in range(m):
         r.told[i] += r.weight[i] * (lit * r.tint[i] * r.above[a, i] + flat + ks * r.below[a, i])
-    if j >= 0 and on.view.spheres[j].texture == MARBLE:
+    if j >= 0 and on.world.spheres[j].texture == MARBLE:
         for k in range(3):
             for i in range(m):
                 r.node[9 * a + 3 + k, i] += r.weight[i] * lit * r.above[a, i] * r.by_normal[k, i]
@@ -140,8 +140,8 @@ def tint_rows(row: Piece, on: Charted) -> None:
     """What the texture does at the nodes of one piece."""
     b, r, j = on.work.nodes, on.tangent.nodes, on.work.chart.shape_index
     first, count, cell = row.first, row.count, row.cell
-    if j >= 0 and on.view.spheres[j].texture == MARBLE:
-        ku, kv = on.view.spheres[j].ku, on.view.spheres[j].kv
+    if j >= 0 and on.world.spheres[j].texture == MARBLE:
+        ku, kv = on.world.spheres[j].ku, on.world.spheres[j].kv
         for q in range(first, first + count):
             (
                 r.tint[q], r.by_normal[0, q], r.by_normal[1, q], r.by_normal[2, q], r.by_counts[0, q],
@@ -151,7 +151,7 @@ def tint_rows(row: Piece, on: Charted) -> None:
         return
     dim = j >= 0 and on.work.cell_side[cell] != 1
     for q in range(first, first + count):
-        r.tint[q], r.dim[q] = on.view.spheres[j].dark if dim else 1.0, 1.0 if dim else 0.0
+        r.tint[q], r.dim[q] = on.world.spheres[j].dark if dim else 1.0, 1.0 if dim else 0.0
 
 
 @jitable
@@ -237,10 +237,10 @@ def vein_columns(m: int, a: int, lit: float, on: Charted, out: Array) -> None:
 @inlined
 def channel_columns(m: int, a: int, ka: float, on: Charted, adjoint: Array) -> None:
     """Add one channel of all nodes of the line to its row of the adjoint."""
-    shading, chart, r, out = on.view.shading, on.work.chart, on.tangent.nodes, adjoint[a]
+    shading, chart, r, out = on.world.shading, on.work.chart, on.tangent.nodes, adjoint[a]
     j, kd, albedo = chart.shape_index, shading.kd, albedo_of(a, on)
     if shading.highlight_view == FROM_EYE:
-        eye_sums(m, a, on.view.eye, on.work.nodes, r)
+        eye_sums(m, a, on.world.eye, on.work.nodes, r)
         for k in range(3):
             out[EYE + k] += summed(k, r)
     flat = ka * shading.ambient[a] - shading.background[a]
@@ -266,5 +266,5 @@ def channel_columns(m: int, a: int, ka: float, on: Charted, adjoint: Array) -> N
     out[CHART_RADIUS] += summed(15, r)
     for k in range(3):
         out[TURN + k] += summed(12 + k, r)
-    if on.view.spheres[j].texture == MARBLE:
+    if on.world.spheres[j].texture == MARBLE:
         vein_columns(m, a, kd * albedo, on, out)

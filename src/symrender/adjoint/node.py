@@ -62,7 +62,7 @@ def set_view(here: Place, view: View, chart: Chart) -> float:
 @inlined
 def radiance(side: int, lit: npt.NDArray[np.uint8], step: int, on: Charted, out: Array) -> None:
     """Radiance minus background of a place as of the cell (side, lit); ``out`` (3,). Zero where it is hidden."""
-    view, work, here = on.view, on.work, on.tangent.here
+    view, work, here = on.world, on.work, on.tangent.here
     chart = work.chart
     out[0] = out[1] = out[2] = 0.0
     if side == HIDDEN:

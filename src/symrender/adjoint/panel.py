@@ -93,7 +93,7 @@ def panel_adjoint(p: Panel, step: int, n: int, scratch: Array, on: Charted) -> t
     signature = 0
     for q in range(n):
         phi, slope = panel_azimuth(gauss[0, base + q], p)
-        found = scan_line(phi, on.view, on.work, scratch)
+        found = scan_line(phi, on.world, on.work, scratch)
         if q == 0:
             signature = found
         elif found != signature:
@@ -223,7 +223,7 @@ def panel_slopes(
 @inlined
 def cut_panel(p: Panel, n: int, reached: Reached, exact: bool, outer: PanelWork, on: Charted) -> int:
     """Put two panels in the place of one: where a line of another structure lies, or its halves; their new number."""
-    view, work, panels, scratch = on.view, on.work, outer.panels, outer.scratch
+    view, work, panels, scratch = on.world, on.work, outer.panels, outer.scratch
     foreign = reached.foreign
     first, end, kind, end_kind = p.ends[0], p.ends[1], p.kinds[0], p.kinds[1]
     p.ends[0] = p.ends[1] = first
@@ -264,7 +264,7 @@ def replay_chart(tol: float, exact: bool, max_evaluations: int, outer: PanelWork
     The panels are those of ``split_chart`` on the same scratch. ``tol`` is absolute, of every derivative. Beyond half
     of the evaluations left no panel is refined any more: other charts follow.
     """
-    view, work, panels, scratch = on.view, on.work, outer.panels, outer.scratch
+    view, work, panels, scratch = on.world, on.work, outer.panels, outer.scratch
     n = panels_in_use(panels)
     most_evaluations = work.counts.evaluations + (max_evaluations - work.counts.evaluations) // 2
     if exact:

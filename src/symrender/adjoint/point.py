@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from symrender.adjoint.disk import clear_flag, is_flagged
 from symrender.adjoint.lights import light_point_tangents
 from symrender.adjoint.lobe import gradient_rim, own_moves
 from symrender.adjoint.lobe_mass import horizon_slopes
@@ -197,7 +198,7 @@ def plane_slopes(
 @inlined
 def state_slopes(i: int, tol: float, scratch: AdjointWork, out: Slopes) -> None:
     """Fill the results of point ``i``."""
-    t, disk = scratch.tangent, scratch.disk
+    t = scratch.tangent
     out.evaluations[i] = scratch.work.counts.evaluations
     for p in range(t.value.shape[0]):
         largest, total = 0.0, 0.0
@@ -208,7 +209,7 @@ def state_slopes(i: int, tol: float, scratch: AdjointWork, out: Slopes) -> None:
         total = SAFETY * total + t.beyond[p] + 1e-14 * largest
         out.error[p, i] = total
         out.status[p, i] = MET if total <= tol else CAPPED
-        if disk is not None and disk[disk.shape[0] - 1, 0] != 0.0:
+        if is_flagged(scratch.disk):
             out.error[p, i], out.status[p, i] = math.inf, UNSUPPORTED
         if out.status[p, i] != UNSUPPORTED and abs(t.value[p, ONE_SIDED]) > 1e-9 * (largest + 1e-12):
             out.status[p, i] = EVENT
@@ -219,7 +220,7 @@ def gradient_kernel(
     out: Slopes,
 ) -> None:  # fmt: skip
     """Fill the arrays of a ``GradientResult`` for every point; see ``gloss_gradients``."""
-    work, t, disk = scratch.work, scratch.tangent, scratch.disk
+    work, t = scratch.work, scratch.tangent
     tol, lobe, chart = wanted.tol, t.lobe, work.chart
     for i in range(places.points.shape[0]):
         begin_counts(wanted.evaluations, work)
@@ -240,8 +241,7 @@ def gradient_kernel(
             t.beyond[p] += outside * looks_pace(p, tangents)
         clear(t.value)
         clear(t.error)
-        if disk is not None:
-            disk[disk.shape[0] - 1, 0] = 0.0
+        clear_flag(scratch.disk)
         sky_slopes(at, normal, view, tangents, scratch)
         list_seen(at.own, lobe, view, work)
         spent = sphere_slopes(at, view, tangents, wanted, scratch)

@@ -33,7 +33,7 @@ RADIAL = 1e-12
 @jitable
 def radial_walls(scratch: Array, on: Charted, adjoint: Array) -> bool:
     """The adjoint (4, columns) of walls that are scan lines; whether there are any."""
-    view, work = on.view, on.work
+    view, work = on.world, on.work
     clear(adjoint)
     found = False
     for i in range(min(work.counts.walls, work.walls.shape[0])):
@@ -56,7 +56,7 @@ def radial_walls(scratch: Array, on: Charted, adjoint: Array) -> bool:
 @jitable
 def _sideways(i: int, phi: float, sign: float, on: Charted, adjoint: Array) -> None:
     """Add sign x the scanned line's integral of F times how wall ``i`` moves across the line."""
-    view, work, gauss, here, own = on.view, on.work, on.gauss, on.tangent.here, on.tangent.own
+    view, work, gauss, here, own = on.world, on.work, on.gauss, on.tangent.here, on.tangent.own
     chart = work.chart
     c, s = math.cos(phi), math.sin(phi)
     bar = here.bar[:3]

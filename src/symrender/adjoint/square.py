@@ -88,14 +88,14 @@ def row_roots(y: float, rows: Rows, work: Work, grid: GridWork) -> int:
 def scan_row(y: float, rows: Rows, on: Charted, grid: GridWork) -> int:
     """A signature of the structure of a square's line."""
     roots, which, below, above = grid.roots, grid.which, grid.below, grid.above
-    lights = on.view.points.shape[0]
+    lights = on.world.points.shape[0]
     k = row_roots(y, rows, on.work, grid)
     signature = 1469598103934665603
     left = rows.x0
     for i in range(k + 1):
         right = rows.x1 if i == k else roots[i]
         if right - left > 1e-14:
-            lit = seen(left + 0.5 * (right - left), y, on.lobe, on.view, on.work, above)
+            lit = seen(left + 0.5 * (right - left), y, on.lobe, on.world, on.work, above)
             changed = i == 0
             for l in range(lights):
                 state = 1.0 + above[l] if lit else 0.0
@@ -143,7 +143,7 @@ def stretch_adjoint(
     left: float, right: float, y: float, weight: float, rows: Rows, on: Charted, grid: GridWork, adjoint: Array
 ) -> None:  # fmt: skip
     """Add the nodes of a lit stretch of a line."""
-    gauss, step, lights = on.gauss, rows.step, on.view.points.shape[0]
+    gauss, step, lights = on.gauss, rows.step, on.world.points.shape[0]
     width = right - left
     soft = False
     for l in range(lights):
@@ -176,14 +176,14 @@ def row_adjoint(
         right = rows.x1 if i == found else grid.roots[i]
         if right - left < 1e-14:
             continue
-        lit = seen(left + 0.5 * (right - left), y, on.lobe, on.view, on.work, above)
+        lit = seen(left + 0.5 * (right - left), y, on.lobe, on.world, on.work, above)
         # nothing jumps at a penumbra's edge
         moves = i > 0 and grid.origins[grid.which[i - 1]].moves != 0 and grid.conics[grid.which[i - 1]].soft <= 0.0
         if moves and (lit or was_lit):
             root_adjoint(grid.which[i - 1], left, y, weight, was_lit, lit, rows, on, grid, adjoint)
         if lit and on.nodes:
             stretch_adjoint(left, right, y, weight, rows, on, grid, adjoint)
-        for l in range(on.view.points.shape[0]):
+        for l in range(on.world.points.shape[0]):
             below[l] = above[l]
         was_lit = lit
         left = right

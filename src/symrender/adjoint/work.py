@@ -153,7 +153,7 @@ class Charted(NamedTuple):
     """
 
     lobe: Array
-    view: View
+    world: View
     work: Work
     gauss: Array
     disk: Array | None

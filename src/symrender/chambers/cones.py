@@ -127,14 +127,23 @@ def is_touch(wall: int, view: View, work: Work) -> bool:
 @jitable
 def put_cones(view: View, work: Work) -> None:
     """Append to the walls of a chart all that this module is about."""
-    if view.cones is None:
+    if view.cones is None or (work.chart.shape_index < 0 and work.chart.side < 0.0):
+        return
+    put_edges(work, view.cones)
+    if view.glows is not None:
+        put_touches(view, work)
+    note_reach(view, work)
+
+
+@jitable
+def put_edges(work: Work, cones: Table[Cone] | None) -> None:
+    """Append where a chart meets the cones."""
+    if cones is None:
         return
     chart, walls = work.chart, work.walls
     sphere = chart.shape_index >= 0
-    if not sphere and chart.side < 0.0:
-        return
-    for c in range(view.cones.shape[0]):
-        cone = view.cones[c]
+    for c in range(cones.shape[0]):
+        cone = cones[c]
         if sphere and (cone.one == chart.shape_index or cone.other == chart.shape_index):
             continue
         at, ball = cone.apex.position, cone.ball.center
@@ -149,9 +158,6 @@ def put_cones(view: View, work: Work) -> None:
         )  # fmt: skip
         if before < work.counts.walls <= walls.shape[0]:
             walls[before].tag, walls[before].light = HIGHLIGHT, c
-    if view.glows is not None:
-        put_touches(view, work)
-    note_reach(view, work)
 
 
 @jitable

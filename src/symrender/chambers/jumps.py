@@ -18,14 +18,15 @@ import math
 from symrender.chambers.chart import FELT_END, add_direction, add_normal
 from symrender.chambers.lobes.fit import jump_cosine
 from symrender.chambers.lobes.levels import is_critical, level_axis
-from symrender.chambers.lobes.record import CONDUCTOR
+from symrender.chambers.lobes.record import CONDUCTOR, Conductor, Sender
 from symrender.chambers.lobes.sending import end_power, is_phong
 from symrender.chambers.reach import note_reach
 from symrender.chambers.records import DISTANT
 from symrender.chambers.senders import sender_of
 from symrender.chambers.walls import CRITICAL, DIRECTION, GLEAM_EDGE, HIGHLIGHT, add_circle, add_shadow
 from symrender.chambers.work import View, Work
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
+from symrender.jit.records import Table
 
 
 @jitable
@@ -37,25 +38,32 @@ def put_jumps(view: View, work: Work) -> None:
         n, cosine = chart.normal, jump_cosine(chart.lobe.alpha)
         add_direction(walls, counts, chart, n[0], n[1], n[2], cosine, HIGHLIGHT, -1)
     if view.conductors is not None and chart.lobe.kind == CONDUCTOR:
-        put_critical(view, work)
-    sender = sender_of(view, chart)
-    if view.senders is not None and sender >= 0:
-        rough = view.senders[sender].conductor
-        if view.senders[sender].kind == CONDUCTOR and rough.walter != 0.0:
-            put_sent_jumps(jump_cosine(rough.alpha), view, work)
-        if is_phong(sender, view.senders) and end_power(sender, view.senders) < FELT_END:
-            put_ends(view, work)
+        put_critical(work, view.conductors)
+    put_sent(sender_of(view, chart), view, work, view.senders)
     if counts.walls > before:
         note_reach(view, work)
 
 
+@inlined
+def put_sent(sender: int, view: View, work: Work, senders: Table[Sender] | None) -> None:
+    """Append where what the charted shape sends on jumps or ends, if it is no diffuse one."""
+    if senders is None:
+        return
+    if sender >= 0:
+        rough = senders[sender].conductor
+        if senders[sender].kind == CONDUCTOR and rough.walter != 0.0:
+            put_sent_jumps(jump_cosine(rough.alpha), view, work)
+        if is_phong(sender, senders) and end_power(sender, senders) < FELT_END:
+            put_ends(view, work)
+
+
 @jitable
-def put_critical(view: View, work: Work) -> None:
+def put_critical(work: Work, conductors: Table[Conductor] | None) -> None:
     """Append the cones at which the channels of the lobe's conductor begin to reflect all."""
-    if view.conductors is None:
+    if conductors is None:
         return
     chart = work.chart
-    conductor = view.conductors[chart.lobe.conductor]
+    conductor = conductors[chart.lobe.conductor]
     a0, a1, a2 = level_axis(True, chart)
     for i in range(3):
         if is_critical(conductor.eta[i], conductor.k[i]):

@@ -29,13 +29,14 @@ from symrender.chambers.highlights import (
     slope_towards,
 )
 from symrender.chambers.lobes.density import log_peak
-from symrender.chambers.lobes.record import LAMBERT
+from symrender.chambers.lobes.record import LAMBERT, Sender
 from symrender.chambers.lobes.sending import is_phong, most_sent, sent_width
 from symrender.chambers.place import surface_point
 from symrender.chambers.records import INVERSE_SQUARE, Chart, LightPoint
 from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.moving import brightest
+from symrender.jit.records import Table
 from symrender.leaves import values
 
 TAMED: Final = 1.5
@@ -65,12 +66,18 @@ class Lit(NamedTuple):
 
 
 @inlined
+def sender_at(row: int, senders: Table[Sender] | None) -> int:
+    """``row`` where it is no diffuse one, else -1."""
+    if senders is None:
+        return -1
+    return row if senders[row].kind != LAMBERT else -1
+
+
+@inlined
 def sender_of(view: View, chart: Chart) -> int:
     """Row of the charted shape where it is no diffuse one, else -1."""
-    if view.senders is None:
-        return -1
     row = chart.shape_index if chart.shape_index >= 0 else view.spheres.shape[0] + chart.plane
-    return row if view.senders[row].kind != LAMBERT else -1
+    return sender_at(row, view.senders)
 
 
 @inlined

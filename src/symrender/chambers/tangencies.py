@@ -10,6 +10,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.caps import Cone
 from symrender.chambers.events import CROSSING, ROOT, SMOOTH, add_event, within_lobe
 from symrender.chambers.penumbra_walls import edge_search
 from symrender.chambers.records import DISTANT, Chart, Event, LightPoint, Wall
@@ -271,12 +272,12 @@ def sphere_tangencies(
 
 @jitable
 def cone_tangencies(
-    c: int, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
+    c: int, cones: Table[Cone] | None, work: Work, events: Table[Event], n: int, low: float, high: float
 ) -> int:  # fmt: skip
     """Azimuths at which a scan line of the charted sphere touches a cone: either half, where it enters and leaves."""
-    if view.cones is None:
+    if cones is None:
         return n
-    cone = view.cones[c]
+    cone = cones[c]
     for side in range(2):
         n = sphere_tangencies(cone.apex, cone.ball, side == 1, work.chart, work.frame, events, n, low, high)
         if cone.apex.fall != DISTANT:
@@ -330,5 +331,5 @@ def tangencies(view: View, work: Work, events: Table[Event], n: int, low: float,
                     low, high,
                 )  # fmt: skip
         elif kind == SHADOW and row.tag == HIGHLIGHT:
-            n = cone_tangencies(row.light, view, work, events, n, low, high)
+            n = cone_tangencies(row.light, view.cones, work, events, n, low, high)
     return n

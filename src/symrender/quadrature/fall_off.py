@@ -96,33 +96,37 @@ def sphere_bound(j: int, view: View, chart: Chart) -> float:
 
 
 @inlined
-def most_emitted(sphere: int, emitted: Array) -> float:
+def most_emitted(sphere: int, emitted: Array | None) -> float:
     """Largest channel of what a sphere emits; 0 of a plane."""
+    if emitted is None:
+        return 0.0
     return brightest(emitted[sphere]) if sphere >= 0 else 0.0
 
 
 @jitable
-def most_glow(glows: Table[Glow]) -> float:
+def most_glow(glows: Table[Glow] | None) -> float:
     """No place gets more irradiance from skies and lamps together."""
     most = 0.0
+    if glows is None:
+        return most
     for g in range(glows.shape[0]):
         most += math.pi * brightest(glows[g].radiance)
     return float(most)
 
 
 @jitable
-def glow_beyond(x: float, y: float, reach: float, view: View) -> float:
+def glow_beyond(x: float, y: float, reach: float, view: View, glows: Table[Glow] | None) -> float:
     """No place of the plane z = 0 within ``reach`` of (x, y) gets more of skies and lamps."""
     most = 0.0
-    if view.glows is None:
+    if glows is None:
         return most
-    for g in range(view.glows.shape[0]):
-        lamp, share = int(view.glows[g].sphere), 1.0
+    for g in range(glows.shape[0]):
+        lamp, share = int(glows[g].sphere), 1.0
         if lamp >= 0:
             s = view.spheres[lamp]
             apart = max(0.0, math.hypot(s.center[0] - x, s.center[1] - y) - reach)
             share = min(1.0, s.radius * s.radius / max(TOUCHING, apart * apart + s.center[2] * s.center[2]))
-        most += math.pi * share * brightest(view.glows[g].radiance)
+        most += math.pi * share * brightest(glows[g].radiance)
     return float(most)
 
 

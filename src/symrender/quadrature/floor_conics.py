@@ -71,8 +71,10 @@ def is_edge(k: int, view: View, chart: Chart) -> bool:
 
 
 @jitable
-def cone_conics(n: int, paired: bool, cones: Table[Cone], px: float, py: float, conics: Table[Conic]) -> int:
+def cone_conics(n: int, paired: bool, cones: Table[Cone] | None, px: float, py: float, conics: Table[Conic]) -> int:
     """Append those of the cones of spots, or ``paired`` those about two spheres; new count."""
+    if cones is None:
+        return n
     for c in range(cones.shape[0]):
         at, ball = cones[c].apex.position, cones[c].ball
         if (cones[c].one >= 0.0) != paired:
@@ -108,17 +110,19 @@ def add_cylinder(
 
 
 @inlined
-def touch_conics(n: int, view: View, work: Work, conics: Table[Conic]) -> int:
+def touch_conics(n: int, view: View, work: Work, conics: Table[Conic], cones: Table[Cone] | None) -> int:
     """Append where what is seen of a sky or a lamp touches: cones about two spheres, spheres at other planes."""
     chart = work.chart
-    if view.glows is None or view.cones is None:
+    if cones is None:
+        return n
+    if view.glows is None:
         return n
     px, py, pz = chart.point[0], chart.point[1], chart.point[2]
     first = n
-    n = cone_conics(n, True, view.cones, px, py, conics)
-    for c in range(view.cones.shape[0]):
+    n = cone_conics(n, True, cones, px, py, conics)
+    for c in range(cones.shape[0]):
         # cones of pairs are appended in their order
-        one, other = int(view.cones[c].one), int(view.cones[c].other)
+        one, other = int(cones[c].one), int(cones[c].other)
         if one >= 0:
             if first < conics.shape[0]:
                 smaller = one if view.spheres[one].radius < view.spheres[other].radius else other

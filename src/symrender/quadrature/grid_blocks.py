@@ -81,7 +81,8 @@ def block_bound(
     solid = min(h * side * side / (near * near * near), 2.0 * math.pi)
     span = 2.0 * near * min(0.6, width_about(xc / d, yc / d, -h / d, around, lobe, chart.normal, chart.lobe))
     px, py = chart.point[0] + xc, chart.point[1] + yc
-    shine, falling, points = glow_beyond(px, py, 1.4143 * half, view), view.glows is not None, view.points
+    shine = glow_beyond(px, py, 1.4143 * half, view, view.glows)
+    falling, points = view.glows is not None, view.points
     span = min(span, ball_span(px, py, 1.4143 * half, view))
     for i in range(points.shape[0]):
         # light varies over its distance from the block, which its place on the floor bounds from below

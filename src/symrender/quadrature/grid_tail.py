@@ -40,6 +40,7 @@ from symrender.quadrature.records import Conic, Remainder
 from symrender.quadrature.square_nodes import seen
 from symrender.quadrature.veins import ALONG, RISE, SWINGS
 from symrender.scene.arrays import MARBLE, STRIPES
+from symrender.scene.radiometric.records import Glow
 
 Array = npt.NDArray[np.float64]
 
@@ -248,6 +249,18 @@ def spot_under(
 
 
 @inlined
+def ball_power(i: int, glows: Table[Glow] | None) -> float:
+    """pi times the radiance that ball ``i`` emits, or hides of skies."""
+    most = 0.0
+    if glows is None:
+        return most
+    for g in range(glows.shape[0]):
+        if glows[g].sphere == i or glows[g].sphere < 0.0:
+            most += math.pi * brightest(glows[g].radiance)
+    return most
+
+
+@inlined
 def note_spots(
     begin: float, n: int, lobe: Array, view: View, work: Work, states: Array, rows: Table[Remainder]
 ) -> int:  # fmt: skip
@@ -269,10 +282,7 @@ def note_spots(
         if x * x + y * y <= begin * begin:
             continue
         # from afar a ball is a point of pi radius^2 times radiance, and of a sky it hides as much
-        most = 0.0
-        for g in range(view.glows.shape[0]):
-            if view.glows[g].sphere == i or view.glows[g].sphere < 0.0:
-                most += math.pi * brightest(view.glows[g].radiance)
+        most = ball_power(i, view.glows)
         left, swing = spot_under(
             ball.center[2], most * ball.radius * ball.radius, 1.0, x, y, lobe, view, work, states
         )  # fmt: skip

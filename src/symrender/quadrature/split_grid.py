@@ -202,7 +202,7 @@ def find_crossing(
 
     Those that are felt less than ``least`` there are no walls.
     """
-    view, conics, foot = ground.view, ground.conics, ground.work.chart.point
+    view, conics, foot = ground.world, ground.conics, ground.work.chart.point
     found = 0
     for k in range(count):
         if view.glows is not None and not is_felt(conics[k], foot[0] + x + half, foot[1] + y + half, half, least, view):
@@ -218,10 +218,10 @@ def find_crossing(
 @inlined
 def levels_log(x: float, y: float, side: float, log_rho: float, ground: Ground) -> float:
     """The least of ``log_rho`` and that of what levels of a metal leave tame of a block."""
-    if not is_metal(ground.view, ground.work.chart):
+    if not is_metal(ground.world, ground.work.chart):
         return log_rho
     half = 0.5 * side
-    ratio = levels_span(held(x) + half, held(y) + half, half, ground.lobe, ground.view, ground.work) / side
+    ratio = levels_span(held(x) + half, held(y) + half, half, ground.lobe, ground.world, ground.work) / side
     return max(LEAST_LOG, min(log_rho, math.log(ratio + math.sqrt(1.0 + ratio * ratio))))
 
 
@@ -237,7 +237,7 @@ def grid_once(
     A block whose bound is small is left out, one too near to the point or too wide for the lobe is quartered, and so is
     one whose rule does not come within ``aim``.
     """
-    lobe, view, work, states = ground.lobe, ground.view, ground.work, ground.states
+    lobe, view, work, states = ground.lobe, ground.world, ground.work, ground.states
     chart = work.chart
     cell, kind = view.floor.cell, view.floor.kind
     light = most_floor_light(view)
@@ -321,7 +321,7 @@ def split_grid(
     chart = work.chart
     cell = view.floor.cell
     jumps = floor_conics(own, lobe, view, work, conics)
-    count = touch_conics(jumps, view, work, conics)
+    count = touch_conics(jumps, view, work, conics, view.cones)
     if count > conics.shape[0]:
         return math.inf, math.inf
     whole, reach, far, east, north, beyond = grid_reach(FIRST_REACH, lobe, view, work)

@@ -61,7 +61,7 @@ class Ground(NamedTuple):
     """The plane under a place: its lobe, the scene in the plane's frame, scratch, walls, rules and lights' states."""
 
     lobe: Array
-    view: View
+    world: View
     work: Work
     conics: Table[Conic]
     gauss: Array
@@ -171,7 +171,7 @@ def is_labelled(
     narrow = width < NARROW * size
     if narrow and not first:
         return True
-    side = 1 if seen(left + 0.5 * width, y, ground.lobe, ground.view, work, states) else HIDDEN
+    side = 1 if seen(left + 0.5 * width, y, ground.lobe, ground.world, work, states) else HIDDEN
     if first or abs(work.cell_side[piece]) == UNSURE:
         work.cell_side[piece] = UNSURE * side if narrow else side
         for i in range(states.shape[0]):
@@ -342,8 +342,8 @@ def cut_square(square: Square, ground: Ground, scratch: Array, out: Array) -> tu
         _, other = row_pieces(b - inset, x0, x1, crossing, crossings, conics, walls, chart, roots, ends, ids)
         x = 0.7 * span / (b - a)
         more, log_rho = level - step, math.log(x + math.sqrt(1.0 + x * x))
-        if is_metal(ground.view, work.chart):
-            log_rho = sides_log(a, b, kind_a, kind_b, x0, x1, log_rho, ground.lobe, ground.view, work)
+        if is_metal(ground.world, work.chart):
+            log_rho = sides_log(a, b, kind_a, kind_b, x0, x1, log_rho, ground.lobe, ground.world, work)
         lines = min(MAX_ORDER, max(3 + 2 * more, nodes(level, log_rho)))
         foreign = b - inset
         if other == signature:
