@@ -71,16 +71,19 @@ def lit_adjoint(
         return
     lx, ly, lz = p.position[0] - qx, p.position[1] - qy, p.position[2]
     cos_l, gx, gy, gz, _, _, _ = slopes.lambert_slopes(lx, ly, lz, 0.0, 0.0, 1.0)
-    column = LIGHTS + 6 * i
     for a in range(3):
         total[a] += p.color[a] * cos_l
         share = w * half[a] * p.color[a]
-        adjoint[a, column] += share * gx
-        adjoint[a, column + 1] += share * gy
-        adjoint[a, column + 2] += share * gz
-        adjoint[a, column + 3 + a] += w * half[a] * cos_l
         pulls[a, 0] -= share * gx
         pulls[a, 1] -= share * gy
+    if on.lights:
+        column = LIGHTS + 6 * i
+        for a in range(3):
+            share = w * half[a] * p.color[a]
+            adjoint[a, column] += share * gx
+            adjoint[a, column + 1] += share * gy
+            adjoint[a, column + 2] += share * gz
+            adjoint[a, column + 3 + a] += w * half[a] * cos_l
 
 
 @inlined
@@ -102,8 +105,13 @@ def grid_node(
     for i in range(on.world.points.shape[0]):
         if grid.above[i] != 0.0:
             lit_adjoint(i, qx, qy, w, step, on, grid, adjoint)
-    r = math.sqrt(x * x + y * y + h * h)
-    ux, uy, uz = x / r, y / r, -h / r
+    near = 1.0 / math.sqrt(x * x + y * y + h * h)
+    ux, uy, uz = x * near, y * near, -h * near
+    # by d = Q - P: through the density, and through |d_z| / r^3
+    steep = pull(1.0, cosine, chart.lobe)
+    fall = steep * cosine + 3.0
+    dx, dy = (steep * lobe[0] - fall * ux) * near, (steep * lobe[1] - fall * uy) * near
+    dz = (steep * lobe[2] - fall * uz) * near - 1.0 / h
     for a in range(3):
         out = adjoint[a]
         value = w * total[a]
@@ -111,11 +119,8 @@ def grid_node(
         out[SHADING + 1] += 0.5 * value * (floor.bright[a] - floor.dark[a])
         out[BRIGHT + a] += 0.5 * value * shading.kd
         out[DARK + a] -= 0.5 * value * shading.kd
-        drawn = pull(g, cosine, chart.lobe)
-        # by d = Q - P: through the density, and through |d_z| / r^3
-        bx = drawn * (lobe[0] - ux * cosine) / r - 3.0 * g * ux / r
-        by = drawn * (lobe[1] - uy * cosine) / r - 3.0 * g * uy / r
-        bz = drawn * (lobe[2] - uz * cosine) / r - 3.0 * g * uz / r - g / h
+        drawn = g * steep
+        bx, by, bz = g * dx, g * dy, g * dz
         out[AT_POINT] -= bx
         out[AT_POINT + 1] -= by
         out[AT_POINT + 2] -= bz

@@ -158,7 +158,7 @@ def own_columns(i: int, start: int, stop: int, on: Charted, adjoint: Array) -> N
     """Add a light point's own columns, of the nodes ``point_rows`` has filled."""
     b, r, shading = on.work.nodes, on.tangent.nodes, on.world.shading
     column, point = LIGHTS + 6 * i, on.world.points[i]
-    if any_moves(on.moves, column, column + 6):
+    if on.lights and any_moves(on.moves, column, column + 6):
         own_sums(start, stop, b, r)
         for a in range(3):
             out, albedo = adjoint[a], albedo_of(a, on) * shading.kd

@@ -149,7 +149,7 @@ class Charted(NamedTuple):
     """A charted shape as its lobe sees it, in the chart's coordinates, and what its adjoint is summed in.
 
     ``moves`` (parameters, columns) is how every column moves; ``nodes`` says whether the radiance or the density at
-    fixed places does.
+    fixed places does, ``lights`` whether a light does.
     """
 
     lobe: Array
@@ -160,6 +160,7 @@ class Charted(NamedTuple):
     tangent: TangentWork
     moves: Array
     nodes: bool
+    lights: bool
 
 
 def tangent_work(parameters: int, lights: int, spheres: int, planes: int, disks: bool) -> TangentWork:
