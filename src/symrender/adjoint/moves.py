@@ -11,6 +11,7 @@ from symrender.chambers.work import View, Work
 from symrender.jit.marks import inlined, jitable
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 
 @jitable
@@ -21,6 +22,17 @@ def any_moves(moves: Array, first: int, last: int) -> bool:
             if moves[p, k] != 0.0:
                 return True
     return False
+
+
+@jitable
+def used_columns(moves: Array, columns: Ints) -> int:
+    """Number the columns that some parameter moves; how many they are."""
+    n = 0
+    for k in range(moves.shape[1]):
+        if any_moves(moves, k, k + 1):
+            columns[n] = k
+            n += 1
+    return n
 
 
 @jitable

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from symrender.adjoint.line import line_adjoint
 from symrender.adjoint.moves import wall_moves
 from symrender.adjoint.panel_ends import NARROW, cut_odd_ends, polish_ends
-from symrender.adjoint.sums import add, clear, contract, largest_channel, put
+from symrender.adjoint.sums import add, clear, clear_used, contract, largest_channel, put
 from symrender.adjoint.work import LINE_SUM, Charted, PanelWork, TangentWork
 from symrender.chambers.events import ROOT, SMOOTH
 from symrender.chambers.line import LIMB, POLE_END, scan_line
@@ -87,8 +87,9 @@ def panel_adjoint(p: Panel, step: int, n: int, scratch: Array, on: Charted) -> t
     gauss, sums = on.gauss, on.tangent.sums
     line = sums[LINE_SUM]
     size, missed = 0.0, 0.0
-    for t in range(sums.shape[0]):
-        clear(sums[t])
+    for t in range(LINE_SUM):
+        clear_used(sums[t], on.used)
+    clear(line)
     base = n * (n - 1) // 2
     signature = 0
     for q in range(n):
@@ -105,14 +106,14 @@ def panel_adjoint(p: Panel, step: int, n: int, scratch: Array, on: Charted) -> t
             gauss[2, base + q], gauss[3, base + q], gauss[MIDDLE, base + q], gauss[MIDDLE + 1, base + q]
         )  # fmt: skip
         for row in range(4):
-            for k in range(sums.shape[2]):
+            for k in on.used:
                 t = line[row, k]
                 sums[0, row, k] += t
                 sums[1, row, k] += last * t
                 sums[2, row, k] += before * t
                 sums[3, row, k] += middle * t
                 sums[4, row, k] += lower * t
-                line[row, k] = 0.0
+        clear(line)
     return math.nan, (missed / size if size > 0.0 else 0.0)
 
 

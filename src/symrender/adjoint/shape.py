@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from symrender.adjoint.grid import contrast_of, replay_grid
 from symrender.adjoint.lights import LEVEL
-from symrender.adjoint.moves import any_moves, fastest_of, pace, what_moves
+from symrender.adjoint.moves import any_moves, fastest_of, pace, used_columns, what_moves
 from symrender.adjoint.panel import clear_panels, panels_in_use, replay_chart
 from symrender.adjoint.radial_walls import radial_walls
 from symrender.adjoint.sums import contract
@@ -80,8 +80,9 @@ def shape_slopes(
     nodes, some = what_moves(moves, disk is not None, view, work, t.moving)
     if not nodes and not some:
         return found
+    used = t.columns[: used_columns(moves, t.columns)]
     lights = any_moves(moves, LIGHTS, LIGHTS + 6 * view.points.shape[0])
-    on = Charted(lobe, view, work, scratch.gauss, disk, t, moves, nodes, lights)
+    on = Charted(lobe, view, work, scratch.gauss, disk, t, moves, nodes, lights, used)
     clear_panels(outer.panels)
     chart.pace, chart.least = fastest_of(moves) * outline(chart), math.inf
     found, _ = split_chart(

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from symrender.jit.marks import inlined, jitable
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 
 @inlined
@@ -15,6 +16,14 @@ def clear(sums: Array) -> None:
     """Set a table to 0."""
     for row in range(sums.shape[0]):
         for k in range(sums.shape[1]):
+            sums[row, k] = 0.0
+
+
+@inlined
+def clear_used(sums: Array, used: Ints) -> None:
+    """Set the columns ``used`` of a table to 0."""
+    for row in range(sums.shape[0]):
+        for k in used:
             sums[row, k] = 0.0
 
 

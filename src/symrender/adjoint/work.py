@@ -54,9 +54,9 @@ class TangentWork(NamedTuple):
     ``lobe`` and ``axis`` (3,) are the lobe's axis in the world and in a plane's coordinates, ``here`` a place,
     ``nodes`` those of a line. ``own`` is one wall's adjoint, ``sums`` (SUMS, 4, columns) are those of a panel.
     ``moves`` (parameters, columns) tells how every column moves, ``framed`` the same in a plane's coordinates,
-    ``moving`` which walls do. ``low``, ``high``: two orders, ``misses`` their errors; ``square``, ``shorter``,
-    ``longer``: of the checker; ``value``, ``error``: of the
-    point; ``beyond`` (parameters,): what was left out.
+    ``moving`` which walls do, ``columns`` is scratch. ``low``, ``high``: two orders, ``misses`` their errors;
+    ``square``, ``shorter``, ``longer``: of the checker; ``value``, ``error``: of the point; ``beyond`` (parameters,):
+    what was left out.
     """
 
     lobe: Array
@@ -68,6 +68,7 @@ class TangentWork(NamedTuple):
     moves: Array
     framed: Array
     moving: Array
+    columns: Ints
     low: Array
     high: Array
     value: Array
@@ -149,7 +150,7 @@ class Charted(NamedTuple):
     """A charted shape as its lobe sees it, in the chart's coordinates, and what its adjoint is summed in.
 
     ``moves`` (parameters, columns) is how every column moves; ``nodes`` says whether the radiance or the density at
-    fixed places does, ``lights`` whether a light does.
+    fixed places does, ``lights`` whether a light does. ``used`` are the columns that move.
     """
 
     lobe: Array
@@ -161,6 +162,7 @@ class Charted(NamedTuple):
     moves: Array
     nodes: bool
     lights: bool
+    used: Ints
 
 
 def tangent_work(parameters: int, lights: int, spheres: int, planes: int, disks: bool) -> TangentWork:
@@ -178,6 +180,7 @@ def tangent_work(parameters: int, lights: int, spheres: int, planes: int, disks:
         moves=moves,
         framed=framed,
         moving=np.zeros(MAX_WALLS + 1),
+        columns=np.zeros(columns, np.int64),
         low=low,
         high=high,
         value=value,
