@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from symrender.adjoint.disk import disk_adjoint, disk_gradient, monitor
 from symrender.adjoint.moves import any_moves
-from symrender.adjoint.records import LANES, MOST_SUMS, Moved
+from symrender.adjoint.records import Moved
 from symrender.adjoint.walls import (
     LIGHTS,
     SHADING,
@@ -104,46 +104,34 @@ def point_rows(
                 r.gleam_slopes[k, i] += b.share[i] * r.by_base[k, i]
 
 
-@inlined
-def clear_sums_of(count: int, r: Moved) -> None:
-    """Begin ``count`` sums."""
-    for k in range(min(count, MOST_SUMS)):
-        for lane in range(LANES):
-            r.sums[k, lane] = 0.0
-
-
-@inlined
-def summed(k: int, r: Moved) -> float:
-    """The sum over the lanes."""
-    low = (r.sums[k, 0] + r.sums[k, 1]) + (r.sums[k, 2] + r.sums[k, 3])
-    high = (r.sums[k, 4] + r.sums[k, 5]) + (r.sums[k, 6] + r.sums[k, 7])
-    return float(low + high)
-
-
-@inlined
-def add_own_node(i: int, lane: int, b: Nodes, r: Moved) -> None:
-    """Add what one node says of a light's own numbers to the sums."""
-    w = r.weight[i]
-    lit, shown = w * r.tint[i] * b.clear[i], w * b.share[i]
-    r.sums[0, lane] += w * r.tint[i] * b.cosines[i]
-    r.sums[1, lane] += w * b.gleams[i]
-    for k in range(3):
-        r.sums[2 + k, lane] += lit * r.by_cosine[k, i]
-        r.sums[5 + k, lane] += shown * r.by_base[k, i]
+@jitable
+def summed(k: int, start: int, stop: int, r: Moved) -> float:
+    """The sum of row ``k`` of what nodes give, over nodes start..stop - 1; eight at once, as vectors are."""
+    at, row, stop = start, r.given[k], min(stop, NODES)
+    s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0
+    while at + 8 <= stop:
+        s0, s1, s2, s3 = s0 + row[at], s1 + row[at + 1], s2 + row[at + 2], s3 + row[at + 3]
+        s4, s5, s6, s7 = s4 + row[at + 4], s5 + row[at + 5], s6 + row[at + 6], s7 + row[at + 7]
+        at += 8
+    for i in range(at, stop):
+        s0 += row[i]
+    return ((s0 + s1) + (s2 + s3)) + ((s4 + s5) + (s6 + s7))
 
 
 @jitable
-def own_sums(start: int, stop: int, b: Nodes, r: Moved) -> None:
-    """Weighed sums over nodes of one light's cosine and highlight, and of their slopes in its place."""
-    stop = min(stop, NODES)
-    clear_sums_of(8, r)
-    at = start
-    while at + LANES <= stop:
-        for lane in range(LANES):
-            add_own_node(at + lane, lane, b, r)
-        at += LANES
-    for i in range(at, stop):
-        add_own_node(i, 0, b, r)
+def own_rows(start: int, stop: int, b: Nodes, r: Moved) -> None:
+    """What nodes give one light: its cosine and highlight weighed, and their slopes in its place."""
+    for i in range(start, min(stop, NODES)):
+        w = r.weight[i]
+        lit, shown = w * r.tint[i] * b.clear[i], w * b.share[i]
+        r.given[0, i] = w * r.tint[i] * b.cosines[i]
+        r.given[1, i] = w * b.gleams[i]
+        r.given[2, i], r.given[3, i], r.given[4, i] = (
+            lit * r.by_cosine[0, i], lit * r.by_cosine[1, i], lit * r.by_cosine[2, i],
+        )  # fmt: skip
+        r.given[5, i], r.given[6, i], r.given[7, i] = (
+            shown * r.by_base[0, i], shown * r.by_base[1, i], shown * r.by_base[2, i],
+        )  # fmt: skip
 
 
 @inlined
@@ -159,12 +147,14 @@ def own_columns(i: int, start: int, stop: int, on: Charted, adjoint: Array) -> N
     b, r, shading = on.work.nodes, on.tangent.nodes, on.world.shading
     column, point = LIGHTS + 6 * i, on.world.points[i]
     if on.lights and any_moves(on.moves, column, column + 6):
-        own_sums(start, stop, b, r)
+        own_rows(start, stop, b, r)
         for a in range(3):
             out, albedo = adjoint[a], albedo_of(a, on) * shading.kd
-            out[column + 3 + a] += albedo * summed(0, r) + shading.ks * summed(1, r)
+            lit, shown = summed(0, start, stop, r), summed(1, start, stop, r)
+            out[column + 3 + a] += albedo * lit + shading.ks * shown
             for k in range(3):
-                out[column + k] += point.color[a] * (albedo * summed(2 + k, r) + shading.ks * summed(5 + k, r))
+                lit, shown = summed(2 + k, start, stop, r), summed(5 + k, start, stop, r)
+                out[column + k] += point.color[a] * (albedo * lit + shading.ks * shown)
     if any_moves(on.moves, SHADING + 3, SHADING + 4):
         total = 0.0
         for q in range(start, stop):

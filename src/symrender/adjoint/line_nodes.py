@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from symrender.adjoint.light_rows import albedo_of, clear_sums_of, summed
+from symrender.adjoint.light_rows import albedo_of, summed
 from symrender.adjoint.lobe import add_own_sums
-from symrender.adjoint.records import LANES, MOST_SUMS, Moved
+from symrender.adjoint.records import Moved
 from symrender.adjoint.walls import (
     AMBIENT,
     AT_POINT,
@@ -154,73 +154,67 @@ def tint_rows(row: Piece, on: Charted) -> None:
         r.tint[q], r.dim[q] = on.world.spheres[j].dark if dim else 1.0, 1.0 if dim else 0.0
 
 
-@jitable
-def eye_sums(m: int, a: int, eye: Array, b: Nodes, r: Moved) -> None:
-    """Turn gradients in the view into those in Q and, as sums 0 to 2, in the eye, along which highlights are seen."""
+@inlined
+def eye_rows(m: int, a: int, eye: Array, b: Nodes, r: Moved) -> None:
+    """Turn gradients in the view into those in Q and, into ``given`` 0 to 2, in the eye that sees highlights."""
     m = min(m, NODES)
-    clear_sums_of(3, r)
     at, x, y, z = 9 * a, eye[0], eye[1], eye[2]
-    for v in range(0, m, LANES):
-        for lane in range(LANES):
-            i = v + lane
-            vx, vy, vz = b.toward[0, i], b.toward[1, i], b.toward[2, i]
-            gx, gy, gz = r.node[at + 6, i], r.node[at + 7, i], r.node[at + 8, i]
-            ox, oy, oz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
-            inverse = 1.0 / max(ox * vx + oy * vy + oz * vz, 1e-150)
-            along = gx * vx + gy * vy + gz * vz
-            tx, ty, tz = (gx - along * vx) * inverse, (gy - along * vy) * inverse, (gz - along * vz) * inverse
-            r.sums[0, lane] += tx
-            r.sums[1, lane] += ty
-            r.sums[2, lane] += tz
-            r.node[at, i] -= tx
-            r.node[at + 1, i] -= ty
-            r.node[at + 2, i] -= tz
-            r.node[at + 6, i] = r.node[at + 7, i] = r.node[at + 8, i] = 0.0
+    for i in range(m):
+        vx, vy, vz = b.toward[0, i], b.toward[1, i], b.toward[2, i]
+        gx, gy, gz = r.node[at + 6, i], r.node[at + 7, i], r.node[at + 8, i]
+        ox, oy, oz = x - b.place[0, i], y - b.place[1, i], z - b.place[2, i]
+        inverse = 1.0 / max(ox * vx + oy * vy + oz * vz, 1e-150)
+        along = gx * vx + gy * vy + gz * vz
+        tx, ty, tz = (gx - along * vx) * inverse, (gy - along * vy) * inverse, (gz - along * vz) * inverse
+        r.given[0, i] = tx
+        r.given[1, i] = ty
+        r.given[2, i] = tz
+        r.node[at, i] -= tx
+        r.node[at + 1, i] -= ty
+        r.node[at + 2, i] -= tz
+        r.node[at + 6, i] = r.node[at + 7, i] = r.node[at + 8, i] = 0.0
 
 
-@jitable
-def pull_channel(
+@inlined
+def pull_rows(
     m: int, a: int, lit: float, flat: float, ks: float, axis: Array, b: Nodes, r: Moved
 ) -> None:  # fmt: skip
-    """Sums over nodes of what moves channel ``a``: of the surface, of the lobe, of the point, the frame and the chart.
+    """What nodes give all that moves channel ``a``: of the surface, of the lobe, of the point, the frame and the chart.
 
     ``lit`` is the albedo times kd, ``flat`` what there is without light.
     """
     m = min(m, NODES)
-    clear_sums_of(MOST_SUMS, r)
     at, mx, my, mz = 9 * a, axis[0], axis[1], axis[2]
-    for v in range(0, m, LANES):
-        for lane in range(LANES):
-            i = v + lane
-            w, above, below = r.weight[i], r.above[a, i], r.below[a, i]
-            hx, hy, hz = r.node[at, i], r.node[at + 1, i], r.node[at + 2, i]
-            nx, ny, nz = r.node[at + 3, i], r.node[at + 4, i], r.node[at + 5, i]
-            wx, wy, wz = r.way[0, i], r.way[1, i], r.way[2, i]
-            fx, fy, fz = b.normal[0, i], b.normal[1, i], b.normal[2, i]
-            qx, qy, qz = r.hit[0, i], r.hit[1, i], r.hit[2, i]
-            total = w * (lit * r.tint[i] * above + flat + ks * below)
-            drawn = total * r.steep[i]
-            gx, gy, gz = drawn * mx - r.node[at + 6, i], drawn * my - r.node[at + 7, i], drawn * mz - r.node[at + 8, i]
-            r.sums[0, lane] += w
-            r.sums[1, lane] += w * r.tint[i] * above
-            r.sums[2, lane] += w * below
-            r.sums[3, lane] += w * r.dim[i] * above
-            r.sums[4, lane] += total
-            r.sums[5, lane] += total * r.log[i]
-            r.sums[6, lane] += drawn * wx
-            r.sums[7, lane] += drawn * wy
-            r.sums[8, lane] += drawn * wz
-            r.sums[9, lane] += hx
-            r.sums[10, lane] += hy
-            r.sums[11, lane] += hz
-            r.sums[12, lane] += (qy * hz - qz * hy) + (fy * nz - fz * ny) + (wy * gz - wz * gy)
-            r.sums[13, lane] += (qz * hx - qx * hz) + (fz * nx - fx * nz) + (wz * gx - wx * gz)
-            r.sums[14, lane] += (qx * hy - qy * hx) + (fx * ny - fy * nx) + (wx * gy - wy * gx)
-            r.sums[15, lane] += hx * r.by_radius[0, i] + hy * r.by_radius[1, i] + hz * r.by_radius[2, i]
-            chart = hx * r.by_chart[0, i] + hy * r.by_chart[1, i] + hz * r.by_chart[2, i]
-            chart += nx * r.by_chart[3, i] + ny * r.by_chart[4, i] + nz * r.by_chart[5, i]
-            chart += gx * r.by_chart[6, i] + gy * r.by_chart[7, i] + gz * r.by_chart[8, i]
-            r.sums[16, lane] += chart + total * r.slope[i]
+    for i in range(m):
+        w, above, below = r.weight[i], r.above[a, i], r.below[a, i]
+        hx, hy, hz = r.node[at, i], r.node[at + 1, i], r.node[at + 2, i]
+        nx, ny, nz = r.node[at + 3, i], r.node[at + 4, i], r.node[at + 5, i]
+        wx, wy, wz = r.way[0, i], r.way[1, i], r.way[2, i]
+        fx, fy, fz = b.normal[0, i], b.normal[1, i], b.normal[2, i]
+        qx, qy, qz = r.hit[0, i], r.hit[1, i], r.hit[2, i]
+        total = w * (lit * r.tint[i] * above + flat + ks * below)
+        drawn = total * r.steep[i]
+        gx, gy, gz = drawn * mx - r.node[at + 6, i], drawn * my - r.node[at + 7, i], drawn * mz - r.node[at + 8, i]
+        r.given[0, i] = w
+        r.given[1, i] = w * r.tint[i] * above
+        r.given[2, i] = w * below
+        r.given[3, i] = w * r.dim[i] * above
+        r.given[4, i] = total
+        r.given[5, i] = total * r.log[i]
+        r.given[6, i] = drawn * wx
+        r.given[7, i] = drawn * wy
+        r.given[8, i] = drawn * wz
+        r.given[9, i] = hx
+        r.given[10, i] = hy
+        r.given[11, i] = hz
+        r.given[12, i] = (qy * hz - qz * hy) + (fy * nz - fz * ny) + (wy * gz - wz * gy)
+        r.given[13, i] = (qz * hx - qx * hz) + (fz * nx - fx * nz) + (wz * gx - wx * gz)
+        r.given[14, i] = (qx * hy - qy * hx) + (fx * ny - fy * nx) + (wx * gy - wy * gx)
+        r.given[15, i] = hx * r.by_radius[0, i] + hy * r.by_radius[1, i] + hz * r.by_radius[2, i]
+        chart = hx * r.by_chart[0, i] + hy * r.by_chart[1, i] + hz * r.by_chart[2, i]
+        chart += nx * r.by_chart[3, i] + ny * r.by_chart[4, i] + nz * r.by_chart[5, i]
+        chart += gx * r.by_chart[6, i] + gy * r.by_chart[7, i] + gz * r.by_chart[8, i]
+        r.given[16, i] = chart + total * r.slope[i]
 
 
 @inlined
@@ -240,31 +234,31 @@ def channel_columns(m: int, a: int, ka: float, on: Charted, adjoint: Array) -> N
     shading, chart, r, out = on.world.shading, on.work.chart, on.tangent.nodes, adjoint[a]
     j, kd, albedo = chart.shape_index, shading.kd, albedo_of(a, on)
     if shading.highlight_view == FROM_EYE:
-        eye_sums(m, a, on.world.eye, on.work.nodes, r)
+        eye_rows(m, a, on.world.eye, on.work.nodes, r)
         for k in range(3):
-            out[EYE + k] += summed(k, r)
+            out[EYE + k] += summed(k, 0, m, r)
     flat = ka * shading.ambient[a] - shading.background[a]
-    pull_channel(m, a, kd * albedo, flat, shading.ks, on.lobe, on.work.nodes, r)
-    weight, lit, total = summed(0, r), summed(1, r), summed(4, r)
+    pull_rows(m, a, kd * albedo, flat, shading.ks, on.lobe, on.work.nodes, r)
+    weight, lit, total = summed(0, 0, m, r), summed(1, 0, m, r), summed(4, 0, m, r)
     if ka != 0.0 or j >= 0 or chart.side > 0.0:
         out[SHADING] += weight * shading.ambient[a]
     out[SHADING + 1] += albedo * lit
-    out[SHADING + 2] += summed(2, r)
+    out[SHADING + 2] += summed(2, 0, m, r)
     out[AMBIENT + a] += ka * weight
     out[BACKGROUND + a] -= weight
-    add_own_sums(total, summed(5, r), out)
-    out[CHART] += summed(16, r)
+    add_own_sums(total, summed(5, 0, m, r), out)
+    out[CHART] += summed(16, 0, m, r)
     for k in range(3):
-        out[AXIS + k] += summed(6 + k, r)
-        out[AT_POINT + k] += summed(9 + k, r) if j >= 0 or k < 2 else 0.0
+        out[AXIS + k] += summed(6 + k, 0, m, r)
+        out[AT_POINT + k] += summed(9 + k, 0, m, r) if j >= 0 or k < 2 else 0.0
     if j < 0:
         out[BRIGHT + a] += 0.5 * kd * lit
         out[DARK_COLUMN + a] += 0.5 * kd * lit
         return
     out[BRIGHT + a] += kd * lit
-    out[DARK_COLUMN] += albedo * kd * summed(3, r)
-    out[CHART_RADIUS] += summed(15, r)
+    out[DARK_COLUMN] += albedo * kd * summed(3, 0, m, r)
+    out[CHART_RADIUS] += summed(15, 0, m, r)
     for k in range(3):
-        out[TURN + k] += summed(12 + k, r)
+        out[TURN + k] += summed(12 + k, 0, m, r)
     if on.world.spheres[j].texture == MARBLE:
         vein_columns(m, a, kd * albedo, on, out)

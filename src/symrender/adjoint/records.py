@@ -14,10 +14,8 @@ Six = Annotated[Array, (6, NODES)]
 Nine = Annotated[Array, (9, NODES)]
 Channels = Annotated[Array, (3, 3, 3)]
 NodeChannels = Annotated[Array, (27, NODES)]
-LANES: Final = 8
-"""Sums kept side by side, so that they become vector instructions."""
-MOST_SUMS: Final = 24
-Lanes = Annotated[Array, (MOST_SUMS, LANES)]
+GIVEN: Final = 17
+Givens = Annotated[Array, (GIVEN, NODES)]
 
 
 class Place(Record):
@@ -96,7 +94,8 @@ class Moved(Record):
     node: NodeChannels
     told: Row
     """A number as smooth along the line as the radiance and the gradients of the disks' light."""
-    sums: Lanes
+    given: Givens
+    """What a node gives to sums over nodes: of one channel, of one light or of the eye."""
 
 
 class Origin(Record):
