@@ -72,6 +72,10 @@ class Page:
         self.page.evaluate(f"() => simulator.app.change((s) => {{ {edit} }})")
         self.settle()
 
+    def converge(self, on: bool = True) -> None:
+        """Let the reference go on, or stand still: it takes a processor for seconds, and few tests ask for it."""
+        self.page.evaluate("(on) => { simulator.app.paused = !on; if (on) simulator.app.rest(); }", on)
+
     def run(self, code: str, argument: Any = None) -> Any:
         return self.page.evaluate(code, argument)
 
@@ -93,6 +97,7 @@ def gloss_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterat
     page.goto(f"{path.as_uri()}{to_fragment(State(size=32))}")
     opened = Page(page)
     opened.settle()
+    opened.converge(False)
     yield opened
     context.close()
     assert errors == []
@@ -103,6 +108,7 @@ def fresh(gloss_page: Page) -> Callable[[int], Page]:
     """The page of the default scene in its first state, at a size."""
 
     def reset(size: int) -> Page:
+        gloss_page.converge(False)
         gloss_page.change(f"Object.assign(s, structuredClone(simulator.data.defaults), {{size: {size}, cursor: null}})")
         gloss_page.run(FROM_THE_TOP)
         return gloss_page
@@ -131,6 +137,7 @@ def open_page(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Page]]:
         page.goto(f"{path.as_uri()}{fragment}")
         opened = Page(page)
         opened.settle()
+        opened.converge(False)
         return opened
 
     yield open_one

@@ -23,6 +23,7 @@ from .conftest import Page, page_of, without_webgl
 
 def converged(page, limit=120):
     """Wait until the reference is done; returns what it says of itself."""
+    page.converge()
     for _ in range(10 * limit):
         if page.run("() => simulator.app.frame.converger?.done === true"):
             return page.run("() => simulator.app.frame.converger.told")
@@ -40,8 +41,8 @@ FLOOR_POINTS = """() => {
 }"""
 
 
-def test_the_reference_converges_to_the_integral_and_says_how_far(open_page):
-    page = open_page("gloss", size=40)
+def test_the_reference_converges_to_the_integral_and_says_how_far(fresh):
+    page = fresh(40)
     told = converged(page)
     found = page.values(FLOOR_POINTS)
     assert len(found) > 60

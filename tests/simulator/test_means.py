@@ -70,8 +70,7 @@ def opened_once(browser, path, scene):
     page.page.on("pageerror", lambda error: errors.append(str(error)))
     page.page.goto(f"{path.as_uri()}{to_fragment(State(size=SIZE))}")
     page.settle()
-    # what nothing asks for would go on beside the tests
-    page.run("() => { simulator.app.paused = true; }")
+    page.converge(False)
     yield page
     context.close()
     assert errors == []
@@ -364,8 +363,9 @@ REFERENCE_LAYERS = """() => {
 
 def reference_of(page, passes):
     """Direct light and gloss of the reference, and the standard error it states, after so many passes."""
+    page.converge()
     page.until(f"simulator.app.frame.converger?.done || (simulator.app.frame.converger?.passes ?? 0) >= {passes}")
-    page.run("() => { simulator.app.paused = true; }")
+    page.converge(False)
     page.until("!simulator.app.sampling")
     found = np.array(page.values(REFERENCE_LAYERS)).reshape(2, SIZE, SIZE, 4)[..., :3]
     return found, page.run("() => simulator.app.frame.converger.told.rms")
@@ -383,7 +383,6 @@ def test_the_reference_converges_to_the_mean_over_the_pixel(fresh):
     page = fresh(16)
     page.change("s.pixel = 3; s.lobe = 8; s.partition = 'equal_weight'")
     layers, told = reference_of(page, 512)
-    page.run("() => { simulator.app.paused = false; }")
     mean = layers.sum(axis=0)
     judge, other = supersampled(20), supersampled(15)
     rms = lambda values: float(np.sqrt(np.mean(values**2)))  # noqa: E731
@@ -402,7 +401,6 @@ def test_the_reference_converges_over_lens_and_shutter(level_page):
     wide = OPEN | {"aperture": 0.6, "focus": 2.5, "velocity": (1.2, -1.0, 0.2)}
     state = State(size=SIZE, lobe=2, partition="equal_weight", **wide)
     page = level_page
-    page.run("() => { simulator.app.paused = false; }")
     page.change(f"Object.assign(s, {json.dumps(wide | {'lobe': 2, 'partition': 'equal_weight'})})")
     layers, told = reference_of(page, 256)
     halves = np.zeros((2, SIZE, SIZE, 3))

@@ -95,8 +95,6 @@ def check_references(page, name):
 @pytest.mark.parametrize("name", gallery.names())
 def test_gallery_scenes(open_page, name):
     page = open_page(name, size=SIZE)
-    # its reference, which nothing here asks for, would go on beside the comparisons
-    page.run("() => { simulator.app.paused = true; }")
     assert check_references(page, name) >= (0 if name in DARK else 2)
     exact, gpu = exact_and_gpu(page)
     image = render(name, size=SIZE, numeric="none").symbolic
@@ -114,7 +112,6 @@ def test_gallery_scenes(open_page, name):
 
 RANDOM = """async (states) => {
   const {app, makeTables, directExact, glossExact, onWall} = simulator, n = 16, out = [];
-  app.paused = true;
   while (app.sampling) await new Promise((r) => setTimeout(r, 5));
   for (const edit of states) {
     const t = makeTables({...app.state, ...edit, size: n}), gpu = {};
