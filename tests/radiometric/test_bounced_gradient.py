@@ -68,7 +68,7 @@ def light(scene: Any, tol: float = 1e-12, layer: str = "indirect") -> Array:
 
 def difference(scene: Any, name: str, step: float) -> tuple[Array, float]:
     """Central difference of bounced light."""
-    return difference_of(scene, name, step, "indirect", 1e-12)
+    return difference_of(scene, name, step, "indirect", 1e-10)
 
 
 def difference_of(scene: Any, name: str, step: float, layer: str, tol: float) -> tuple[Array, float]:

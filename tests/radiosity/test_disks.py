@@ -176,7 +176,7 @@ def test_a_disk_of_no_effect_changes_nothing_but_what_it_states() -> None:
 def just_above_the_floor() -> tuple[Any, table.Sendings]:
     """A room with a disk a ten thousandth above its floor, and its table, which rays of the package find made."""
     scene = sr.load(room(disk("D", [0.5, 0.5, 0.0001], [0, 0, 1], 0.25, "both")))
-    return scene, table_of(Need(radiometric_arrays(scene), 1e-2))
+    return scene, table_of(Need(radiometric_arrays(scene), 1e-1))
 
 
 def test_a_rim_close_by_is_stated(just_above_the_floor: tuple[Any, table.Sendings]) -> None:
@@ -191,8 +191,8 @@ def test_a_rim_close_by_is_stated(just_above_the_floor: tuple[Any, table.Sending
 def test_what_a_ray_meets_close_to_a_rim_states_it(just_above_the_floor: tuple[Any, table.Sendings]) -> None:
     """The bound of what lies along the rim is part of what is stated of the light a ray finds."""
     scene, made = just_above_the_floor
-    places = np.array([[0.751, 0.5, 0.0], [0.76, 0.5, 0.0]])
-    seen = sr.probe(scene, rays=(places + np.array([0, 0, 0.1]), [[0, 0, -1.0], [0, 0, -1.0]]), tol=1e-2)
+    places = np.array([[0.7502, 0.5, 0.0], [0.7505, 0.5, 0.0]])
+    seen = sr.probe(scene, rays=(places + np.array([0, 0, 0.1]), [[0, 0, -1.0], [0, 0, -1.0]]), tol=1e-1)
     assert set(seen.shape) == {"shapes.floor"}
     missed = 0.9 * made.missed(np.zeros(2, np.int64), places)
     assert (seen.error >= missed).all() and missed[0] > 5.0 * missed[1] > 0.0
