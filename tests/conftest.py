@@ -50,6 +50,11 @@ LONGEST: Final = (
     "radiometric/test_hot_places.py",
     "radiometric/test_gradient.py",
     "radiosity/test_cornell.py",
+    "radiometric/test_emission_slopes.py",
+    "radiometric/test_slopes_of_lights.py",
+    "radiometric/test_bounce_of_lights.py",
+    "radiometric/test_exposure.py",
+    "radiometric/test_cut_bounce.py",
 )
 """Files that take longest, which begin first: what begins last must be short, or one worker waits for the other.
 

@@ -107,7 +107,7 @@ def test_the_table_of_another_scene_is_replaced(changes: dict[str, Any], tmp_pat
 
 
 def test_the_table_of_another_tolerance_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    finer = job_of(Settings(width=8, height=6, tol=0.05, threads=1))
+    finer = job_of(Settings(width=8, height=6, tol=0.2, threads=1))
     alone = filled(finer, None)
     assert filled(job_of(), tmp_path) != alone
     assert filled(finer, tmp_path) == alone
