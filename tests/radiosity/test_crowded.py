@@ -205,13 +205,14 @@ def test_all_bounces_are_those_of_paths() -> None:
     spot |= {"beam": 10.0, "cutoff": 35.0}
     scene = sr.load(world(*shapes, lights=[spot], materials=MATERIALS | {"tiles": tiles}, bounces="all"))
     origins, directions = inside(14, (0.6, 0.2, 0.5))
-    seen = sr.probe(scene, rays=(origins, directions), tol=0.05)
+    seen = sr.probe(scene, rays=(origins, directions), tol=0.1)
     arrays = radiometric_arrays(scene)
     runs = np.array([numeric_rays(arrays, origins, directions, order=24, seed=k)[2] for k in range(8)])
     mean, wide = runs.mean(axis=0), runs.std(axis=0, ddof=1) / math.sqrt(len(runs))
     bright = seen.indirect > 0.04
     assert bright.sum() > 15 and len(set(seen.shape)) >= 4 and (seen.status == 0).mean() > 0.7
-    assert (np.abs(seen.indirect - mean) <= seen.error[:, None] + 8 * wide + 1e-9).all()
+    # what rough tables find is much better than they state
+    assert (np.abs(seen.indirect - mean) <= 0.5 * seen.error[:, None] + 8 * wide + 1e-9).all()
 
 
 def test_a_sky_makes_cells_near_shapes_small(monkeypatch: pytest.MonkeyPatch) -> None:
