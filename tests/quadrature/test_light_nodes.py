@@ -9,10 +9,10 @@ from symrender.chambers.labels import DARK, GLINT, LIT, PARTLY
 from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.records import LightPoint
 from symrender.chambers.work import Work, scene_view, work_arrays
-from symrender.jit.records import table
-from symrender.quadrature.disk_node import node_term
+from symrender.jit.records import Record, table
+from symrender.quadrature.disk_node import GROWTH, node_term
 from symrender.quadrature.disk_term import disk_term
-from symrender.quadrature.gauss import gauss_table
+from symrender.quadrature.gauss import FALLS, gauss_table
 from symrender.quadrature.light_nodes import (
     KINDS,
     NARROW_KIND,
@@ -24,7 +24,7 @@ from symrender.quadrature.light_nodes import (
 )
 from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.light_term import light_term
-from symrender.scene.arrays import CUT, OPEN, scene_arrays
+from symrender.scene.arrays import CUT, OPEN, PHONG, scene_arrays
 from symrender.scene.load import load
 
 from .test_node_rows import USED, fill
@@ -185,3 +185,51 @@ def test_the_nearest_node_of_a_piece_chooses_its_rule() -> None:
     # beside the disk every node is asked for itself
     fill(work.nodes.place, np.array([p.position + p.radius * p.e1, p.position + 0.1 * p.radius * p.axis]))
     assert [piece_rule(pieces[k], p, False, 5, 1e-9, view, work.nodes) for k in range(3)] == [-1, -1, -1]
+
+
+def mean_highlight(light: Record, place: np.ndarray, normal: np.ndarray, view: np.ndarray, shininess: float) -> float:
+    """Mean over a disk of Phong's highlight: Gauss in the square of the radius, even steps around."""
+    x, w = np.polynomial.legendre.leggauss(40)
+    r, turn = light.radius * np.sqrt(0.5 + 0.5 * x), 2.0 * np.pi * np.arange(96) / 96
+    along, aside = np.outer(r, np.cos(turn)).ravel(), np.outer(r, np.sin(turn)).ravel()
+    towards = light.position + np.outer(along, light.e1) + np.outer(aside, light.e2) - place
+    towards /= np.linalg.norm(towards, axis=1)[:, None]
+    facing = towards @ normal
+    base = (2.0 * facing[:, None] * normal - towards) @ view
+    return float(np.repeat(0.5 * w / 96, 96) @ (np.clip(base, 0.0, None) ** shininess * (facing > 0.0)))
+
+
+@pytest.mark.parametrize("step", [1, 2])
+@pytest.mark.parametrize("shininess", [16.0, 32.0, 64.0])
+def test_what_few_points_miss_of_a_highlight_on_its_flank_is_stated(shininess: float, step: int) -> None:
+    """Highlights beside a disk: the mean by few points errs by more than its step's share of what it finds."""
+    rng = np.random.default_rng(3)
+    a = scene_arrays(load("penumbra"))
+    a.shading.ks, a.shading.shininess, a.shading.model, a.shading.terminator = 1.0, shininess, float(PHONG), CUT
+    light = light_rows(a, 0)
+    places = 0.02 * rng.normal(size=(USED, 3)) + np.array([0.0, 0.0, 0.1])
+    towards = light[0].position - places
+    towards /= np.linalg.norm(towards, axis=1)[:, None]
+    normals = towards + 0.3 * units(rng, USED)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    views = 2.0 * (normals * towards).sum(axis=1)[:, None] * normals - towards
+    views += rng.uniform(0.2, 1.5, (USED, 1)) * units(rng, USED)
+    views /= np.linalg.norm(views, axis=1)[:, None]
+    view, work = scene_view(a, light), work_arrays(len(a.spheres), 1)
+    work.chart.shape_index, work.chart.plane, work.counts.casters = -1, 0, 0
+    work.chart.side = work.room[0] = 1.0
+    b = work.nodes
+    for row, values in ((b.place, places), (b.normal, normals), (b.toward, views), (b.factor, np.zeros((USED, 3)))):
+        fill(row, values)
+    b.weight[:] = 1.0
+    for i in range(USED):
+        own_piece(work, i, 1, LIT)
+        work.pieces[i].doubt = 0.0
+    wide = np.array([0 <= piece_rule(work.pieces[i], light[0], True, step, 0.0, view, b) < KINDS for i in range(USED)])
+    disk_light(0, USED, step, 1.0, view, work, TABLE)
+    most = float(light[0].color.max())
+    found, doubt = sums(work).max(axis=1) / most, work.pieces["doubt"][:USED] / most
+    exact = np.array([mean_highlight(light[0], places[i], normals[i], views[i], shininess) for i in range(USED)])
+    missed, share = np.abs(found - exact), GROWTH * FALLS[step] * exact
+    assert wide.sum() >= 30 and (missed > share)[wide].sum() >= 10
+    assert (missed <= share + doubt)[wide].all()
