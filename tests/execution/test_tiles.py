@@ -170,6 +170,38 @@ def test_measured_side_is_bounded_by_the_cost_of_a_pixel(
     assert cost * side * side <= max(under_test.LONGEST, cost)
 
 
+@pytest.mark.parametrize("filter", ["centre", "box"])
+def test_what_is_timed_is_a_small_part_of_the_image(filter: str) -> None:
+    class Clock:
+        count = 2
+
+        def run(self, job: Job, layers: Mapping[str, Array], work: Any, finished: Any) -> None:
+            for tile in work:
+                timed.append(under_test.area(tile))
+                finished(tile, 1, 1e-6 * under_test.area(tile))
+
+    shares = {}
+    for size in (
+        (1, 1),
+        (3, 3),
+        (4, 4),
+        (8, 8),
+        (12, 9),
+        (16, 16),
+        (24, 24),
+        (40, 30),
+        (64, 64),
+        (100, 70),
+        (256, 256),
+    ):
+        timed: list[int] = []
+        job = Job.of("truth", load("gloss"), Settings(width=size[0], height=size[1], filter=filter))
+        assert 1 <= measured_side(Clock(), job, {}) <= LARGEST
+        shares[size] = sum(timed) / (size[0] * size[1])
+    assert shares[256, 256] > 0.0 and max(shares.values()) < 0.4
+    assert max(share for size, share in shares.items() if min(size) >= 8) < 0.17
+
+
 def test_thread_count() -> None:
     assert thread_count(5) == 5
     assert 1 <= thread_count(0) <= (os.cpu_count() or 1)

@@ -33,7 +33,10 @@ LARGEST: Final = 128
 _PLASTIC: Final = (0.7548776662466927, 0.5698402909980532)
 SQUARE: Final = 8
 """Side of the largest squares of pixels that a filter does at once, whatever part of them a tile has."""
-_PROBE = 4
+_PROBES = ((16 * 16, 1, (2, 4)), (32 * 32, 1, (1, 3, 5)), (64 * 64, 2, (1, 3, 5)), (math.inf, 4, (1, 3, 5)))
+"""Of images of fewer pixels, side and places, sixths of the image, of tiles that are timed: a small part of it."""
+_FEW = 8 * 9 * SQUARE * SQUARE
+"""Pixels of an image of which nine squares are an eighth: of smaller ones none is timed."""
 _ROUNDS = 3
 _SHARE = 64
 _T = TypeVar("_T")
@@ -73,20 +76,27 @@ def thread_count(threads: int) -> int:
 
 
 def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> int:
-    """Side whose dearest tile should take half of ``LONGEST``, from nine small tiles spread over the image.
+    """Side whose dearest tile should take half of ``LONGEST``, from small tiles spread over the image.
 
-    Only the dearest of them is timed again: where tiles are dear the others would take as long as the image.
+    They are thrown away: only the dearest of them is timed again, and nothing is where it would take longer than what
+    it could save, in images of nine pixels or, of pixels that squares tell, of few squares.
     Never so large that a worker would have fewer than sixty-four tiles, for the first ones to foretell the time of the
     rest and the last ones to end together, unless they are of some pixels only. Of pixels that squares tell a multiple
     of ``SQUARE``, two of them where pixels are cheap: what a tile's pixels wait for together costs each of them less.
     """
     width, height = job.settings.width, job.settings.height
     squares = job.settings.filter == "box"
-    step, probe = (SQUARE, SQUARE) if squares else (1, _PROBE)
+    if squares and width * height < _FEW:
+        return SQUARE
+    if width * height <= 9:
+        return 1
+    step, (_, probe, places) = 1, next(each for each in _PROBES if width * height < each[0])
+    if squares:
+        step = probe = SQUARE
     probes = [
         (x, y, min(x + probe, width), min(y + probe, height))
-        for y in sorted({height * k // 6 // step * step for k in (1, 3, 5)})
-        for x in sorted({width * k // 6 // step * step for k in (1, 3, 5)})
+        for y in sorted({height * k // 6 // step * step for k in places})
+        for x in sorted({width * k // 6 // step * step for k in places})
     ]
     best: dict[Tile, float] = {}
 
