@@ -15,7 +15,7 @@ MEANT = {
     # a list of nodes that is evaluated, and begun again, when it is full
     ("arc_term", "m"), ("strip_integral", "m"), ("strip_integral", "placed"),
     # the height of a stack
-    ("integrate_cells", "top"),
+    ("integrate_cells", "top"), ("line_adjoint", "top"),
     # where a scan has arrived, and the structure there
     ("cut_strips", "before"), ("cut_strips", "left"), ("cut_strips", "start"),
     # the smallest so far

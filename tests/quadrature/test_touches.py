@@ -63,7 +63,7 @@ def listed(balls: list[tuple[Array, float]]) -> tuple[Table[Conic], int, Any]:
     work, conics = work_arrays(len(balls), 0), table(Conic, 100)
     work.chart.plane = 0
     work.chart.point[:] = (*FOOT, LIFT)
-    return conics, touch_conics(0, framed, work, conics), framed
+    return conics, touch_conics(0, framed, work, conics, framed.cones), framed
 
 
 def passes(row: Any, place: Array) -> float:
