@@ -12,10 +12,10 @@ import hashlib
 import importlib
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -94,7 +94,8 @@ KINDS: Final[Mapping[str, Kind]] = {
 class Job:
     """One image to be made: its ``kind`` (of ``KINDS``), its scene as text that loads bit for bit, its settings.
 
-    ``wrt`` is what the parameters move that a ``gradient`` differentiates by.
+    ``wrt`` is what the parameters move that a ``gradient`` differentiates by. ``held`` is the scene itself in the
+    process that made the job, which then need not read its text; elsewhere it is None, and no job differs by it.
     """
 
     kind: str
@@ -102,6 +103,11 @@ class Job:
     scene_hash: str
     settings: Settings
     wrt: tuple[Move, ...] = ()
+    held: AnyScene | None = field(default=None, compare=False, repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What another process is sent: all but the scene that this one holds."""
+        return self.__dict__ | {"held": None}
 
     @property
     def side(self) -> str:
@@ -111,7 +117,7 @@ class Job:
     @classmethod
     def of(cls, kind: str, scene: AnyScene, settings: Settings, wrt: tuple[Move, ...] = ()) -> Job:
         """The job that makes this image."""
-        return cls(kind, to_yaml(scene), scene.hash, settings, wrt)
+        return cls(kind, to_yaml(scene), scene.hash, settings, wrt, scene)
 
     def fields(self) -> dict[str, str]:
         """What decides the bytes of the image, by name: two jobs with equal fields make equal images."""
@@ -163,7 +169,7 @@ def prepared(job: Job) -> TileKernel:
 
 def arrays_of(job: Job) -> SceneArrays | RadiometricArrays:
     """The numbers of a job's scene."""
-    scene = parse_any(job.scene, "scene")
+    scene = job.held or parse_any(job.scene, "scene")
     return radiometric_arrays(scene) if isinstance(scene, RadiometricScene) else scene_arrays(scene)
 
 

@@ -89,7 +89,13 @@ def _stored(name: str) -> bytes | None:
 def _kept(name: str) -> Path | None:
     """Where a text is kept, None without a cache."""
     directory, _ = cache_directory()
-    return None if directory is None else directory / _entry(name, metadata.version("sympy"))
+    return None if directory is None else directory / _entry(name, _sympy())
+
+
+@cache
+def _sympy() -> str:
+    """The version of the SymPy installed, which is looked for in all folders of packages."""
+    return metadata.version("sympy")
 
 
 @cache
