@@ -129,6 +129,6 @@ def gradient_images(crew: Crew, job: Job, scene: AnyScene) -> Gradients:
         estimator = f"derivative in {name}, {split}, {spent}"
         parts = {layer: layers[f"{layer}:{name}"] for layer, _ in KINDS[job.kind].each}
         parts["hit_class"] = layers["hit_class"]
-        meta = provenance(scene, job.settings, "gradient", estimator)
+        meta = provenance(job, scene, "gradient", estimator)
         images[name] = Image(parts, meta | {"parameter": name, "units": f"{radiance} over the parameter's unit"})
     return images

@@ -231,7 +231,7 @@ def _one(crew: Crew, job: Job, scene: AnyScene) -> tuple[Image, Timing]:
         words = _paths(scene, job.settings) if job.side == "numeric" else sent_by(scene, job.settings)
     else:
         words = _numeric_estimator(job.settings) if job.side == "numeric" else _symbolic_estimator(job.settings)
-    return Image(layers, provenance(scene, job.settings, job.side, words)), timing
+    return Image(layers, provenance(job, scene, job.side, words)), timing
 
 
 def _paths(scene: RadiometricScene, settings: Settings) -> str:

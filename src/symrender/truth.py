@@ -125,9 +125,9 @@ def true_image(crew: Crew, job: Job, scene: AnyScene) -> Image:
     check_finite(layers, scene, "truth")
     if isinstance(scene, RadiometricScene):
         words = sent_by(scene, job.settings)
-        return Image(layers, provenance(scene, job.settings, "truth", f"{words}, tol {job.settings.tol:g}"))
+        return Image(layers, provenance(job, scene, "truth", f"{words}, tol {job.settings.tol:g}"))
     estimator = f"split at the walls, tol {job.settings.tol:g}, {timing.evaluations} evaluations"
-    return Image(layers, provenance(scene, job.settings, "truth", estimator))
+    return Image(layers, provenance(job, scene, "truth", estimator))
 
 
 @dataclass(frozen=True)

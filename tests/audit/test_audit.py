@@ -154,10 +154,11 @@ def test_series_scenes_are_audited_by_exact_derivatives() -> None:
 @pytest.mark.parametrize("scene", ["gloss", "metal"])
 def test_a_truth_says_what_its_pixels_are(scene: str, tmp_path: Path) -> None:
     """In either kind of units, also from a file; of an image made elsewhere nothing is known."""
+    loaded = sr.load(scene)
     for name in RADII:
         settings = split_settings(2, tol=1e-2, disk="2x2", aa="none", budget=9, threads=1, tile=0, filter=name)
         nothing = {"radiance": np.zeros((2, 2, 3))}
-        true = Image(nothing, provenance(sr.load(scene), settings, "truth", "none"))
+        true = Image(nothing, provenance(Job.of("truth", loaded, settings), loaded, "truth", "none"))
         path = tmp_path / f"{name}.exr"
         true.save(path)
         assert filter_of(true) == filter_of(path) == name

@@ -10,8 +10,12 @@ import pytest
 from symrender.execution import jobs as under_test
 from symrender.execution.jobs import Job, compute, prepared
 from symrender.runtimes import numba
-from symrender.scene.load import AnyScene, load_any
+from symrender.scene.dump import to_yaml
+from symrender.scene.load import AnyScene, load_any, parse_any
+from symrender.scene.radiometric.scene import RadiometricScene
+from symrender.scene.scene import Scene
 from symrender.settings import Settings
+from symrender.truth import truth
 
 TILE = (0, 0, 12, 12)
 
@@ -70,3 +74,19 @@ def test_the_version_of_sympy_is_looked_for_once(monkeypatch: pytest.MonkeyPatch
         with numba.emitting("image"):
             pass
     assert asked == ["sympy"]
+
+
+@pytest.mark.parametrize("name", ["gloss", "furnace_radiometric"])
+def test_an_image_carries_the_text_of_its_job_which_is_written_once(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: list[str] = []
+
+    def counted(scene: Scene | RadiometricScene) -> str:
+        written.append(scene.name)
+        return to_yaml(scene)
+
+    monkeypatch.setattr(under_test, "to_yaml", counted)
+    scene = load_any(name)
+    meta = truth(scene, size=2, tol=1e-2).meta
+    assert written == [scene.name]
+    assert meta["scene"] == to_yaml(scene) and meta["scene_hash"] == scene.hash
+    assert parse_any(meta["scene"], "meta") == scene

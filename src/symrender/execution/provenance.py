@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import NamedTuple
 
-from symrender.execution.jobs import CHANGES_NO_BYTE
-from symrender.scene.dump import to_yaml
+from symrender.execution.jobs import CHANGES_NO_BYTE, Job
 from symrender.scene.load import AnyScene
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.radiometric.shapes import Box, Disk, Mesh, Rectangle, Triangle
@@ -17,13 +16,14 @@ from symrender.settings import RADII, Filter, Settings
 from symrender.version import VERSION
 
 
-def provenance(scene: AnyScene, settings: Settings, method: str, estimator: str) -> dict[str, str]:
-    """Metadata of an image of ``scene``: the scene as text, the settings that decide its bytes, method and units."""
+def provenance(job: Job, scene: AnyScene, method: str, estimator: str) -> dict[str, str]:
+    """Metadata of the image that ``job`` makes of ``scene``: its text, settings that decide bytes, method, units."""
+    settings = job.settings
     decisive = {name: value for name, value in asdict(settings).items() if name not in CHANGES_NO_BYTE}
     return {
-        "scene": to_yaml(scene),
+        "scene": job.scene,
         "scene_name": scene.name,
-        "scene_hash": scene.hash,
+        "scene_hash": job.scene_hash,
         "method": method,
         "settings": json.dumps(decisive, sort_keys=True),
         "seed": str(settings.seed),
