@@ -197,3 +197,22 @@ def test_what_answers_at_once_loads_nothing_slow(program: str) -> None:
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert run.returncode == 0, run.stderr
     assert run.stdout.splitlines()[-1].split() == ["LOADED"]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "truth('gloss', size=1, tol=1e-2)",
+        "render('gloss', size=1)",
+        "gradient('gloss', ['spheres.B.center.x'], size=1, tol=1e-1)",
+        "probe('gloss', [(1.2, -0.4, 0.0)], tol=1e-2)",
+    ],
+)
+def test_a_scene_in_series_loads_nothing_that_only_others_need(call: str) -> None:
+    """What checks and makes images of radiometric scenes, verifies and encloses is a third of all there is."""
+    others = ("radiosity.table", "runtimes.radiometric", "runtimes.exposed", "verify", "certify", "execution.tables")
+    code = f"import sys, symrender as sr\nsr.{call}\n"
+    code += f"print('LOADED', *(m for m in {others!r} if 'symrender.' + m in sys.modules))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.splitlines()[-1].split() == ["LOADED"]

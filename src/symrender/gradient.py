@@ -19,14 +19,10 @@ from symrender.execution.provenance import provenance
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, UNSUPPORTED
-from symrender.runtimes.exposed import check_means
-from symrender.runtimes.radiometric_gradient import check_gradient
-from symrender.runtimes.series_refusals import check_series_pixels
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.moves import moves
 from symrender.scene.radiometric.arrays import radiometric_arrays
-from symrender.scene.radiometric.moves import radiometric_moves
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
 from symrender.settings import Antialias, Filter, Settings, split_settings
@@ -102,16 +98,22 @@ def file_stem(name: str) -> str:
 
 
 def gradient_job(scene: AnyScene, wrt: Sequence[str], settings: Settings) -> Job:
-    """The job that makes the images."""
+    """The job that makes the images; what checks radiometric scenes is imported for these alone."""
     if isinstance(wrt, str) or not wrt:
         raise OptionError("wrt: must be a sequence of at least one dotted name, such as ['spheres.B.center.x']")
     if isinstance(scene, RadiometricScene):
+        from symrender.runtimes.exposed import check_means
+        from symrender.runtimes.radiometric_gradient import check_gradient
+        from symrender.scene.radiometric.moves import radiometric_moves
+
         arrays, moved = radiometric_arrays(scene), radiometric_moves(scene, wrt)
         check_gradient(arrays, moved, settings.filter)
         check_means(arrays, settings)
         return Job.of("radiometric_gradient", scene, settings, moved)
     check_decided(scene)
     if settings.filter != "centre":
+        from symrender.runtimes.series_refusals import check_series_pixels
+
         check_series_pixels(scene_arrays(scene), settings)
         return Job.of("mean_gradient", scene, settings, moves(scene, wrt))
     return Job.of("gradient", scene, settings, moves(scene, wrt))

@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING, Final, TypeVar, overload
 import numpy as np
 import numpy.typing as npt
 
-from symrender.certify.enclosure import Enclosure
-from symrender.certify.enclosure import certify as enclose
 from symrender.errors import OptionError, SceneError, Unsupported
 from symrender.execution.tiles import run_threads, thread_count
 from symrender.ledger.tables import html_table
-from symrender.probe_rays import RayProbe, Rays, probe_rays
 from symrender.quadrature.split_point import SplitResult, gloss_points
 from symrender.scene import arrays as at
 from symrender.scene.arrays import SceneArrays, scene_arrays
@@ -30,6 +27,8 @@ from symrender.settings import Settings
 
 if TYPE_CHECKING:
     from symrender.adjoint.point import GradientResult
+    from symrender.certify.enclosure import Enclosure
+    from symrender.probe_rays import RayProbe, Rays
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -156,11 +155,7 @@ def probe(
     gloss, error, *counts = (np.concatenate([getattr(part, name) for part in parts]) for name in _VALUES)
     evaluations, status, chambers, crossings = counts
     values = (gloss, error, evaluations, status, chambers, crossings)
-    enclosures: tuple[Enclosure, ...] = ()
-    if certify:
-        if surface != "floor":
-            raise OptionError("certify: only points of the floor are enclosed")
-        enclosures = tuple(enclose(arrays, p, settings.disk_order, settings.tol) for p in place)
+    enclosures = _enclosed(arrays, place, surface, settings) if certify else ()
     if not wrt:
         return Probe(*values, enclosures=enclosures, convention=loaded.shading.lobe_units)
     from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
@@ -183,6 +178,15 @@ def probe(
     tables = (np.concatenate([getattr(part, name) for part in slopes], axis=1) for name in _SLOPES)
     by_name = [dict(zip(names, table, strict=True)) for table in tables]
     return Probe(*values, by_name[0], by_name[1], by_name[2], enclosures, loaded.shading.lobe_units)
+
+
+def _enclosed(arrays: SceneArrays, place: Array, surface: str, settings: Settings) -> tuple[Enclosure, ...]:
+    """Proved bounds of every point; OptionError where they are not of the floor."""
+    from symrender.certify.enclosure import certify
+
+    if surface != "floor":
+        raise OptionError("certify: only points of the floor are enclosed")
+    return tuple(certify(arrays, p, settings.disk_order, settings.tol) for p in place)
 
 
 def _at_points(scene: AnyScene, points: npt.ArrayLike | None) -> tuple[Scene, Array]:
@@ -216,6 +220,8 @@ def _along(
 
     def in_batches(run: Callable[[slice], _T], count: int) -> list[_T]:
         return _in_batches(run, count, threads, batch)
+
+    from symrender.probe_rays import probe_rays
 
     return probe_rays(scene, rays, tol, budget, in_batches, wrt)
 

@@ -43,9 +43,6 @@ from symrender.execution.tiles import Progress
 from symrender.execution.warm import second_beside
 from symrender.images.image import Image
 from symrender.ledger.ledger import Ledger, Timing, ledger
-from symrender.runtimes.exposed import check_means
-from symrender.runtimes.radiometric import check
-from symrender.runtimes.series_refusals import check_series_pixels
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
@@ -192,9 +189,14 @@ def plan(scene: AnyScene, settings: Settings) -> tuple[Job, ...]:
             )
         if "truth" in kinds:
             if settings.filter != "centre":
+                from symrender.runtimes.series_refusals import check_series_pixels
+
                 check_series_pixels(scene_arrays(scene), settings)
             check_decided(scene)
     elif "radiometric" in kinds:
+        from symrender.runtimes.exposed import check_means
+        from symrender.runtimes.radiometric import check
+
         check(radiometric_arrays(scene))
         check_means(radiometric_arrays(scene), settings)
     return tuple(Job.of(kind, scene, settings) for kind in kinds)

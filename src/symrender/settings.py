@@ -185,6 +185,12 @@ def split_settings(
     )
 
 
+def check_share(share: float) -> None:
+    """Raise OptionError where ``share``, of the pixels to be verified, is none."""
+    if isinstance(share, bool) or not isinstance(share, int | float) or not 0.0 <= share <= 1.0:
+        raise OptionError(f"verify: must be a share of the pixels from 0 to 1, got {share!r}")
+
+
 def image_size(size: Any) -> tuple[int, int]:
     """Width and height from ``size``: N for a square, or (width, height)."""
     pair = size if isinstance(size, tuple | list) else (size, size)

@@ -22,16 +22,12 @@ from symrender.execution.tev import watched
 from symrender.execution.tiles import Progress
 from symrender.images.image import Image
 from symrender.quadrature.split_setup import CAPPED, MET, NEAR_TANGENT, UNSUPPORTED
-from symrender.runtimes.exposed import check_means
-from symrender.runtimes.radiometric import check
-from symrender.runtimes.series_refusals import check_series_pixels
 from symrender.scene.arrays import scene_arrays
 from symrender.scene.load import AnyScene, Source, in_series, load_any
 from symrender.scene.radiometric.arrays import radiometric_arrays
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.undecided import check_decided
-from symrender.settings import Antialias, Filter, Settings, split_settings
-from symrender.verify import check_share, verified
+from symrender.settings import Antialias, Filter, Settings, check_share, split_settings
 
 STATUS: Final = {MET: "met", CAPPED: "capped", NEAR_TANGENT: "near-tangent", UNSUPPORTED: "unsupported"}
 """What the numbers of a status layer mean."""
@@ -104,16 +100,25 @@ def truth(
     shown = None if preview is None else watched(preview)
     with Crew(Means(threads, tile, cluster, insecure_cluster), (job,), progress, preview=shown) as crew:
         image = true_image(crew, job, loaded)
-    return image if judged is None else verified(image, judged, settings, verify, threads)
+    if judged is None:
+        return image
+    from symrender.verify import verified
+
+    return verified(image, judged, settings, verify, threads)
 
 
 def truth_job(scene: AnyScene, settings: Settings) -> Job:
-    """The job that makes the image."""
+    """The job that makes the image; what checks radiometric scenes is imported for these alone."""
     if isinstance(scene, RadiometricScene):
+        from symrender.runtimes.exposed import check_means
+        from symrender.runtimes.radiometric import check
+
         check(radiometric_arrays(scene))
         check_means(radiometric_arrays(scene), settings)
         return Job.of("radiometric", scene, settings)
     if settings.filter != "centre":
+        from symrender.runtimes.series_refusals import check_series_pixels
+
         check_series_pixels(scene_arrays(scene), settings)
     check_decided(scene)
     return Job.of("truth", scene, settings)

@@ -22,7 +22,6 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.errors import OptionError
 from symrender.execution.silhouettes import edges
 from symrender.execution.tiles import run_threads, thread_count
 from symrender.images.image import Image
@@ -30,7 +29,7 @@ from symrender.numeric.pipeline import prepare
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, lobes_of, scene_arrays
 from symrender.scene.scene import Scene
-from symrender.settings import EXACT_DISK, Settings
+from symrender.settings import EXACT_DISK, Settings, check_share
 
 REPLICATES: Final = 16
 SIDE: Final = 64
@@ -77,12 +76,6 @@ class Receipt:
     def json(self) -> str:
         """The receipt as metadata of an image."""
         return json.dumps(asdict(self), sort_keys=True)
-
-
-def check_share(share: float) -> None:
-    """Raise OptionError where ``share`` is no share."""
-    if isinstance(share, bool) or not isinstance(share, int | float) or not 0.0 <= share <= 1.0:
-        raise OptionError(f"verify: must be a share of the pixels from 0 to 1, got {share!r}")
 
 
 def verified(image: Image, scene: Scene, settings: Settings, share: float, threads: int = 0) -> Image:

@@ -40,7 +40,7 @@ from symrender.cli._progress import ProgressMode, progress
 from symrender.images.output import check_target, make_folder
 from symrender.limits import MAX_PIXELS
 from symrender.scene.nearest import did_you_mean
-from symrender.settings import Antialias, split_settings
+from symrender.settings import Antialias, check_share, split_settings
 
 if TYPE_CHECKING:
     from symrender.scene.load import AnyScene
@@ -102,7 +102,6 @@ def truth(
     Example: symrender truth chapter8 --size 128 --tol 1e-8 --layers error,crossings --out pictures
     """
     from symrender.scene.load import in_series
-    from symrender.verify import check_share
 
     wanted = _wanted(layers, counts=counts)
     check_share(verify)

@@ -10,12 +10,11 @@ from types import TracebackType
 from typing import Self
 
 from symrender.execution.first_use import first_use
-from symrender.execution.jobs import Job, Tile, blocks, prepared
+from symrender.execution.jobs import KINDS, Job, Tile, blocks, prepared
 from symrender.execution.journal import PATIENCE, Entry, Journal, Start
 from symrender.execution.notebook import in_notebook, notebook_preview, notebook_progress
 from symrender.execution.preview import Watch
 from symrender.execution.silhouettes import smooth
-from symrender.execution.tables import have_tables
 from symrender.execution.tiles import Progress, Threads, Workers, measured_side, spread, tiles
 from symrender.ledger.ledger import Timing
 from symrender.scene.arrays import Array
@@ -123,7 +122,11 @@ class Crew:
             self._journal.remove()
 
     def _have_tables(self, job: Job) -> None:
-        """The tables of an image lie beside its journal."""
+        """The tables of an image lie beside its journal; what makes them is imported where a kind of image has any."""
+        if not KINDS[job.kind].tabled:
+            return
+        from symrender.execution.tables import have_tables
+
         means, journal = self._means, self._means.journal
         path = None if journal is None else journal.with_suffix(".table")
         fresh = means.start == "restart"
