@@ -14,7 +14,6 @@ from symrender.quadrature.split_scratch import split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.runtimes.image import TileKernel, prepare_sight
 from symrender.runtimes.numba import emitting
-from symrender.runtimes.series_pixels import prepare_series
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays, lobes_of
 from symrender.scene.frames import frames
@@ -47,6 +46,8 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
     the scene, the settings and its place.
     """
     if settings.filter != "centre":
+        from symrender.runtimes.series_pixels import prepare_series
+
         return prepare_series(arrays, settings)
     weights = showing(arrays) * lobe_weights(arrays)
     none = np.zeros((0, 3))
