@@ -37,7 +37,7 @@ def wall_adjoint(i: int, tag: int, scale: float, on: Charted, adjoint: Array, fi
     The jump is in the place's ``above``. Wall -1 is the lobe's rim.
     """
     here, own = on.tangent.here, on.tangent.own
-    bar, jump = here.bar[:3], here.above
+    bar, jump = here.bar, here.above
     clear_columns(own)
     if i < 0:
         rim_gradient(here, on.work, on.lobe, bar, own)

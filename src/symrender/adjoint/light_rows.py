@@ -14,10 +14,8 @@ import numpy.typing as npt
 from symrender.adjoint.disk import disk_adjoint, disk_gradient, monitor
 from symrender.adjoint.moves import any_moves
 from symrender.adjoint.records import Moved
-from symrender.adjoint.walls import (
-    LIGHTS,
-    SHADING,
-)
+from symrender.adjoint.sums import clear
+from symrender.adjoint.walls import LIGHTS, SHADING
 from symrender.adjoint.work import Charted
 from symrender.chambers.labels import DARK, GLINT
 from symrender.chambers.lit_point import LitPoint
@@ -60,7 +58,7 @@ def point_rows(
     if phong:
         for i in range(start, stop):
             (
-                cosine, base, r.by_cosine[0, i], r.by_cosine[1, i], r.by_cosine[2, i],
+                b.cosines[i], r.bases[i], r.by_cosine[0, i], r.by_cosine[1, i], r.by_cosine[2, i],
                 r.by_cosine[3, i], r.by_cosine[4, i], r.by_cosine[5, i], _, _, _,
                 r.by_base[0, i], r.by_base[1, i], r.by_base[2, i], r.by_base[3, i], r.by_base[4, i], r.by_base[5, i],
                 r.by_base[6, i], r.by_base[7, i], r.by_base[8, i],
@@ -68,12 +66,10 @@ def point_rows(
                 x - b.place[0, i], y - b.place[1, i], z - b.place[2, i], b.normal[0, i], b.normal[1, i],
                 b.normal[2, i], b.toward[0, i], b.toward[1, i], b.toward[2, i],
             )  # fmt: skip
-            b.cosines[i] = b.clear[i] * cosine
-            r.bases[i] = b.radix[i] = min(1.0, max(0.0, base))
     else:
         for i in range(start, stop):
             (
-                cosine, base, r.by_cosine[0, i], r.by_cosine[1, i], r.by_cosine[2, i],
+                b.cosines[i], r.bases[i], r.by_cosine[0, i], r.by_cosine[1, i], r.by_cosine[2, i],
                 r.by_cosine[3, i], r.by_cosine[4, i], r.by_cosine[5, i], _, _, _,
                 r.by_base[0, i], r.by_base[1, i], r.by_base[2, i], r.by_base[3, i], r.by_base[4, i], r.by_base[5, i],
                 r.by_base[6, i], r.by_base[7, i], r.by_base[8, i],
@@ -81,8 +77,9 @@ def point_rows(
                 x - b.place[0, i], y - b.place[1, i], z - b.place[2, i], b.normal[0, i], b.normal[1, i],
                 b.normal[2, i], b.toward[0, i], b.toward[1, i], b.toward[2, i],
             )  # fmt: skip
-            b.cosines[i] = b.clear[i] * cosine
-            r.bases[i] = b.radix[i] = min(1.0, max(0.0, base))
+    for i in range(start, stop):
+        b.cosines[i] *= b.clear[i]
+        r.bases[i] = b.radix[i] = min(1.0, max(0.0, r.bases[i]))
     if gleaming:
         powers(start, stop, b, shininess)
         for i in range(start, stop):
@@ -105,9 +102,9 @@ def point_rows(
 
 
 @jitable
-def summed(k: int, start: int, stop: int, r: Moved) -> float:
-    """The sum of row ``k`` of what nodes give, over nodes start..stop - 1; eight at once, as vectors are."""
-    at, row, stop = start, r.given[k], min(stop, NODES)
+def summed(row: Array, start: int, stop: int) -> float:
+    """The sum of a row over nodes start..stop - 1; eight at once, as vectors are."""
+    at = start
     s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0
     while at + 8 <= stop:
         s0, s1, s2, s3 = s0 + row[at], s1 + row[at + 1], s2 + row[at + 2], s3 + row[at + 3]
@@ -121,17 +118,13 @@ def summed(k: int, start: int, stop: int, r: Moved) -> float:
 @jitable
 def own_rows(start: int, stop: int, b: Nodes, r: Moved) -> None:
     """What nodes give one light: its cosine and highlight weighed, and their slopes in its place."""
-    for i in range(start, min(stop, NODES)):
-        w = r.weight[i]
-        lit, shown = w * r.tint[i] * b.clear[i], w * b.share[i]
-        r.given[0, i] = w * r.tint[i] * b.cosines[i]
-        r.given[1, i] = w * b.gleams[i]
-        r.given[2, i], r.given[3, i], r.given[4, i] = (
-            lit * r.by_cosine[0, i], lit * r.by_cosine[1, i], lit * r.by_cosine[2, i],
-        )  # fmt: skip
-        r.given[5, i], r.given[6, i], r.given[7, i] = (
-            shown * r.by_base[0, i], shown * r.by_base[1, i], shown * r.by_base[2, i],
-        )  # fmt: skip
+    stop = min(stop, NODES)
+    for i in range(start, stop):
+        r.lit[i], r.shown[i] = r.weight[i] * r.tint[i] * b.cosines[i], r.weight[i] * b.gleams[i]
+    for k in range(3):
+        for i in range(start, stop):
+            r.drawn[k, i] = r.weight[i] * r.tint[i] * b.clear[i] * r.by_cosine[k, i]
+            r.flashed[k, i] = r.weight[i] * b.share[i] * r.by_base[k, i]
 
 
 @inlined
@@ -150,10 +143,10 @@ def own_columns(i: int, start: int, stop: int, on: Charted, adjoint: Array) -> N
         own_rows(start, stop, b, r)
         for a in range(3):
             out, albedo = adjoint[a], albedo_of(a, on) * shading.kd
-            lit, shown = summed(0, start, stop, r), summed(1, start, stop, r)
+            lit, shown = summed(r.lit, start, stop), summed(r.shown, start, stop)
             out[column + 3 + a] += albedo * lit + shading.ks * shown
             for k in range(3):
-                lit, shown = summed(2 + k, start, stop, r), summed(5 + k, start, stop, r)
+                lit, shown = summed(r.drawn[k], start, stop), summed(r.flashed[k], start, stop)
                 out[column + k] += point.color[a] * (albedo * lit + shading.ks * shown)
     if any_moves(on.moves, SHADING + 3, SHADING + 4):
         total = 0.0
@@ -204,7 +197,7 @@ def same_color(i: int, k: int, on: Charted) -> bool:
 def disk_node_adjoint(i: int, state: int, q: int, step: int, on: Charted, adjoint: Array) -> None:
     """Add what disk light ``i`` gives node ``q`` to the adjoint, to its row and to its radiance."""
     view, shading, b, r = on.world, on.world.shading, on.work.nodes, on.tangent.nodes
-    here, table = on.tangent.here, on.disk
+    table, node = on.disk, on.tangent.here.node
     point, weight, factor = view.points[i], r.weight[q], r.tint[q]
     lit_point = LitPoint(
         b.place[0, q], b.place[1, q], b.place[2, q], b.normal[0, q], b.normal[1, q], b.normal[2, q],
@@ -221,10 +214,7 @@ def disk_node_adjoint(i: int, state: int, q: int, step: int, on: Charted, adjoin
         r.below[a, q] += color * gleam
         out[column + 3 + a] += weight * (albedo * shading.kd * lit + shading.ks * gleam)
         out[SHADING + 3] += weight * shading.ks * color * by_shininess
-        node = here.node[a]
-        for row in range(3):
-            for k in range(3):
-                node[row, k] = 0.0
+        clear(node)
         diffuse, highlight = weight * color * shading.kd * albedo * shown, weight * color * shading.ks
         disk_adjoint(i, diffuse, highlight, view, on.work, table, node, out)
         for row in range(3):
@@ -236,7 +226,7 @@ def disk_node_adjoint(i: int, state: int, q: int, step: int, on: Charted, adjoin
 def light_rows(m: int, pieces: int, step: int, kept: bool, on: Charted, adjoint: Array) -> None:
     """Add what every light gives ``m`` nodes of the first ``pieces`` pieces to its own columns of the adjoint.
 
-    And to the nodes' rows, unless only what disks do there is ``kept``.
+    And to the nodes' own rows; those are of no use where it is not ``kept``, and what points give is left out.
     """
     view, work, shading, r = on.world, on.work, on.world.shading, on.tangent.nodes
     gleaming = shading.ks != 0.0 or any_moves(on.moves, SHADING + 2, SHADING + 3)

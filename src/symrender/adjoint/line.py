@@ -85,25 +85,18 @@ def is_rim(wall: int) -> bool:
 
 
 @inlined
-def piece_map(a: float, end: float, cell: int, soft: bool, work: Work) -> int:
-    """How nodes are placed in the piece a..end of a cell; -1 where the rim is at both ends and it must be cut."""
+def piece_map(row: Piece, work: Work) -> int:
+    """How nodes are placed in a piece of a cell; -1 where the rim is at both ends and it must be cut."""
     if blunt_rim(work.chart.lobe) and work.chart.lobe.rim_cos == 0.0:
-        first = a == work.cell_from[cell] and is_rim(work.cell_wall[cell])
-        last = end == work.cell_to[cell] and is_rim(work.cell_wall[cell + 1])
+        first = row.start == work.cell_from[row.cell] and is_rim(work.cell_wall[row.cell])
+        last = row.stop == work.cell_to[row.cell] and is_rim(work.cell_wall[row.cell + 1])
         if first and last:
             return -1
         if first:
             return _RIM_FIRST
         if last:
             return _RIM_LAST
-    return _SOFT if soft else _EVEN
-
-
-@inlined
-def placed_in(row: Piece, work: Work) -> int:
-    """``piece_map`` of a piece."""
-    placed: int = piece_map(row.start, row.stop, row.cell, row.soft != 0, work)
-    return placed
+    return _SOFT if row.soft != 0 else _EVEN
 
 
 @inlined
@@ -152,12 +145,10 @@ def piece_order(row: Piece, step: int, work: Work) -> int:
 @inlined
 def stack_cell(cell: int, view: View, work: Work) -> int:
     """Put off a cell, in halves where the blunt rim is at both its ends; the height of the stack, empty before."""
-    start, stop, soft = work.cell_from[cell], work.cell_to[cell], 1 if soft_cell(cell, view, work) else 0
-    if piece_map(start, stop, cell, soft != 0, work) >= 0:
-        return stack_piece(0, cell, start, stop, 0, 0, soft, work)
-    middle = start + 0.5 * (stop - start)
-    top = stack_piece(0, cell, middle, stop, 0, 0, soft, work)
-    return stack_piece(top, cell, start, middle, 0, 0, soft, work)
+    soft = 1 if soft_cell(cell, view, work) else 0
+    top = stack_piece(0, cell, work.cell_from[cell], work.cell_to[cell], 0, 0, soft, work)
+    row = work.pieces[NODES]
+    return top if piece_map(row, work) >= 0 else stack_halves(0, row, 0, work)
 
 
 @jitable
@@ -167,7 +158,7 @@ def place_nodes(m: int, piece: int, n: int, weight: float, top: int, on: Charted
     row = work.pieces[piece]
     work.pieces[piece] = work.pieces[NODES + top]
     row.first, row.count = m, n
-    placed = placed_in(row, work)
+    placed = piece_map(row, work)
     power = rim_power(work.chart.lobe) if placed in (_RIM_FIRST, _RIM_LAST) else 1.0
     base, length = n * (n - 1) // 2, row.stop - row.start
     for q in range(n):
@@ -194,7 +185,7 @@ def density_rows(m: int, pieces: int, c: float, s: float, on: Charted) -> None:
     if blunt_rim(lobe):
         for piece in range(pieces):
             row = work.pieces[piece]
-            placed = placed_in(row, work)
+            placed = piece_map(row, work)
             if placed in (_RIM_FIRST, _RIM_LAST):
                 rim = off_rim(row, placed, c, s, on)
                 for q in range(row.first, row.first + row.count):
@@ -212,7 +203,7 @@ def density_rows(m: int, pieces: int, c: float, s: float, on: Charted) -> None:
 def piece_miss(row: Piece, on: Charted) -> tuple[float, float]:
     """Of what the nodes of a piece tell, the size and the rule's error."""
     gauss, r, lobe = on.gauss, on.tangent.nodes, on.work.chart.lobe
-    n, placed = row.count, placed_in(row, on.work)
+    n, placed = row.count, piece_map(row, on.work)
     base = n * (n - 1) // 2
     at_rim = placed in (_RIM_FIRST, _RIM_LAST) and rim_power(lobe) != 1.0
     whole, last, before, middle, lower = 0.0, 0.0, 0.0, 0.0, 0.0

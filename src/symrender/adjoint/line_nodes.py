@@ -54,36 +54,32 @@ def place_rows(m: int, c: float, s: float, chart: Chart, lobe: Array, b: Nodes, 
     sines(m, b)
     if chart.shape_index < 0:
         for i in range(m):
-            hx, hy, hz, wx, wy, wz, measure, kx, ky, _ = values.floor_motion(
-                b.sine[i], b.cosine[i], ex, ey, ez, px, py, pz, height
-            )
-            r.hit[0, i], r.hit[1, i], r.hit[2, i] = hx, hy, hz
-            r.way[0, i], r.way[1, i], r.way[2, i] = wx, wy, wz
-            b.place[0, i], b.place[1, i], b.place[2, i] = ox + hx, oy + hy, oz + hz
+            (
+                r.hit[0, i], r.hit[1, i], r.hit[2, i], r.way[0, i], r.way[1, i], r.way[2, i], measure,
+                r.by_chart[0, i], r.by_chart[1, i], _,
+            ) = values.floor_motion(b.sine[i], b.cosine[i], ex, ey, ez, px, py, pz, height)  # fmt: skip
             b.normal[0, i], b.normal[1, i], b.normal[2, i] = 0.0, 0.0, 1.0
-            r.by_chart[0, i], r.by_chart[1, i] = kx, ky
             r.weight[i] *= measure
-            b.chord[i] = (wx - lx) * (wx - lx) + (wy - ly) * (wy - ly) + (wz - lz) * (wz - lz)
         for k in range(2, 9):
             # P rises, Q stays on the plane
             for i in range(m):
                 r.by_chart[k, i] = 0.0
         for i in range(m):
             r.by_radius[0, i] = r.by_radius[1, i] = r.by_radius[2, i] = r.slope[i] = 0.0
-        return
+    else:
+        for i in range(m):
+            (
+                r.hit[0, i], r.hit[1, i], r.hit[2, i], b.normal[0, i], b.normal[1, i], b.normal[2, i],
+                r.way[0, i], r.way[1, i], r.way[2, i], measure, _, _, _, _, _, _, _, _, _,
+                r.by_chart[0, i], r.by_chart[1, i], r.by_chart[2, i], r.by_chart[3, i], r.by_chart[4, i],
+                r.by_chart[5, i], r.by_chart[6, i], r.by_chart[7, i], r.by_chart[8, i],
+                r.by_radius[0, i], r.by_radius[1, i], r.by_radius[2, i], r.slope[i],
+            ) = values.sphere_motion(b.sine[i], b.cosine[i], ex, ey, ez, px, py, pz, radius, ratio)  # fmt: skip
+            r.weight[i] *= measure
     for i in range(m):
-        (
-            hx, hy, hz, nx, ny, nz, wx, wy, wz, measure, _, _, _, _, _, _, _, _, _,
-            r.by_chart[0, i], r.by_chart[1, i], r.by_chart[2, i], r.by_chart[3, i], r.by_chart[4, i],
-            r.by_chart[5, i], r.by_chart[6, i], r.by_chart[7, i], r.by_chart[8, i],
-            r.by_radius[0, i], r.by_radius[1, i], r.by_radius[2, i], r.slope[i],
-        ) = values.sphere_motion(b.sine[i], b.cosine[i], ex, ey, ez, px, py, pz, radius, ratio)  # fmt: skip
-        r.hit[0, i], r.hit[1, i], r.hit[2, i] = hx, hy, hz
-        r.way[0, i], r.way[1, i], r.way[2, i] = wx, wy, wz
-        b.place[0, i], b.place[1, i], b.place[2, i] = ox + hx, oy + hy, oz + hz
-        b.normal[0, i], b.normal[1, i], b.normal[2, i] = nx, ny, nz
-        r.weight[i] *= measure
-        b.chord[i] = (wx - lx) * (wx - lx) + (wy - ly) * (wy - ly) + (wz - lz) * (wz - lz)
+        b.place[0, i], b.place[1, i], b.place[2, i] = ox + r.hit[0, i], oy + r.hit[1, i], oz + r.hit[2, i]
+        dx, dy, dz = r.way[0, i] - lx, r.way[1, i] - ly, r.way[2, i] - lz
+        b.chord[i] = dx * dx + dy * dy + dz * dz
 
 
 @inlined
@@ -102,9 +98,7 @@ def view_rows(m: int, on: Charted) -> None:
 def begin_rows(m: int, r: Moved) -> None:
     """Nodes before any light."""
     m = min(m, NODES)
-    for k in range(27):
-        for i in range(m):
-            r.node[k, i] = 0.0
+    forget_rows(0, m, r)
     for k in range(3):
         for i in range(m):
             r.above[k, i] = r.below[k, i] = 0.0
@@ -156,7 +150,7 @@ def tint_rows(row: Piece, on: Charted) -> None:
 
 @inlined
 def eye_rows(m: int, a: int, eye: Array, b: Nodes, r: Moved) -> None:
-    """Turn gradients in the view into those in Q and, into ``given`` 0 to 2, in the eye that sees highlights."""
+    """Turn gradients in the view into those in Q and, into ``drawn``, in the eye that sees highlights."""
     m = min(m, NODES)
     at, x, y, z = 9 * a, eye[0], eye[1], eye[2]
     for i in range(m):
@@ -166,9 +160,7 @@ def eye_rows(m: int, a: int, eye: Array, b: Nodes, r: Moved) -> None:
         inverse = 1.0 / max(ox * vx + oy * vy + oz * vz, 1e-150)
         along = gx * vx + gy * vy + gz * vz
         tx, ty, tz = (gx - along * vx) * inverse, (gy - along * vy) * inverse, (gz - along * vz) * inverse
-        r.given[0, i] = tx
-        r.given[1, i] = ty
-        r.given[2, i] = tz
+        r.drawn[0, i], r.drawn[1, i], r.drawn[2, i] = tx, ty, tz
         r.node[at, i] -= tx
         r.node[at + 1, i] -= ty
         r.node[at + 2, i] -= tz
@@ -195,26 +187,17 @@ def pull_rows(
         total = w * (lit * r.tint[i] * above + flat + ks * below)
         drawn = total * r.steep[i]
         gx, gy, gz = drawn * mx - r.node[at + 6, i], drawn * my - r.node[at + 7, i], drawn * mz - r.node[at + 8, i]
-        r.given[0, i] = w
-        r.given[1, i] = w * r.tint[i] * above
-        r.given[2, i] = w * below
-        r.given[3, i] = w * r.dim[i] * above
-        r.given[4, i] = total
-        r.given[5, i] = total * r.log[i]
-        r.given[6, i] = drawn * wx
-        r.given[7, i] = drawn * wy
-        r.given[8, i] = drawn * wz
-        r.given[9, i] = hx
-        r.given[10, i] = hy
-        r.given[11, i] = hz
-        r.given[12, i] = (qy * hz - qz * hy) + (fy * nz - fz * ny) + (wy * gz - wz * gy)
-        r.given[13, i] = (qz * hx - qx * hz) + (fz * nx - fx * nz) + (wz * gx - wx * gz)
-        r.given[14, i] = (qx * hy - qy * hx) + (fx * ny - fy * nx) + (wx * gy - wy * gx)
-        r.given[15, i] = hx * r.by_radius[0, i] + hy * r.by_radius[1, i] + hz * r.by_radius[2, i]
+        r.lit[i], r.shown[i], r.dimmed[i] = w * r.tint[i] * above, w * below, w * r.dim[i] * above
+        r.total[i], r.logs[i] = total, total * r.log[i]
+        r.axis[0, i], r.axis[1, i], r.axis[2, i] = drawn * wx, drawn * wy, drawn * wz
+        r.turned[0, i] = (qy * hz - qz * hy) + (fy * nz - fz * ny) + (wy * gz - wz * gy)
+        r.turned[1, i] = (qz * hx - qx * hz) + (fz * nx - fx * nz) + (wz * gx - wx * gz)
+        r.turned[2, i] = (qx * hy - qy * hx) + (fx * ny - fy * nx) + (wx * gy - wy * gx)
+        r.wide[i] = hx * r.by_radius[0, i] + hy * r.by_radius[1, i] + hz * r.by_radius[2, i]
         chart = hx * r.by_chart[0, i] + hy * r.by_chart[1, i] + hz * r.by_chart[2, i]
         chart += nx * r.by_chart[3, i] + ny * r.by_chart[4, i] + nz * r.by_chart[5, i]
         chart += gx * r.by_chart[6, i] + gy * r.by_chart[7, i] + gz * r.by_chart[8, i]
-        r.given[16, i] = chart + total * r.slope[i]
+        r.deep[i] = chart + total * r.slope[i]
 
 
 @inlined
@@ -236,29 +219,29 @@ def channel_columns(m: int, a: int, ka: float, on: Charted, adjoint: Array) -> N
     if shading.highlight_view == FROM_EYE:
         eye_rows(m, a, on.world.eye, on.work.nodes, r)
         for k in range(3):
-            out[EYE + k] += summed(k, 0, m, r)
+            out[EYE + k] += summed(r.drawn[k], 0, m)
     flat = ka * shading.ambient[a] - shading.background[a]
     pull_rows(m, a, kd * albedo, flat, shading.ks, on.lobe, on.work.nodes, r)
-    weight, lit, total = summed(0, 0, m, r), summed(1, 0, m, r), summed(4, 0, m, r)
+    weight, lit, total = summed(r.weight, 0, m), summed(r.lit, 0, m), summed(r.total, 0, m)
     if ka != 0.0 or j >= 0 or chart.side > 0.0:
         out[SHADING] += weight * shading.ambient[a]
     out[SHADING + 1] += albedo * lit
-    out[SHADING + 2] += summed(2, 0, m, r)
+    out[SHADING + 2] += summed(r.shown, 0, m)
     out[AMBIENT + a] += ka * weight
     out[BACKGROUND + a] -= weight
-    add_own_sums(total, summed(5, 0, m, r), out)
-    out[CHART] += summed(16, 0, m, r)
+    add_own_sums(total, summed(r.logs, 0, m), out)
+    out[CHART] += summed(r.deep, 0, m)
     for k in range(3):
-        out[AXIS + k] += summed(6 + k, 0, m, r)
-        out[AT_POINT + k] += summed(9 + k, 0, m, r) if j >= 0 or k < 2 else 0.0
+        out[AXIS + k] += summed(r.axis[k], 0, m)
+        out[AT_POINT + k] += summed(r.node[9 * a + k], 0, m) if j >= 0 or k < 2 else 0.0
     if j < 0:
         out[BRIGHT + a] += 0.5 * kd * lit
         out[DARK_COLUMN + a] += 0.5 * kd * lit
         return
     out[BRIGHT + a] += kd * lit
-    out[DARK_COLUMN] += albedo * kd * summed(3, 0, m, r)
-    out[CHART_RADIUS] += summed(15, 0, m, r)
+    out[DARK_COLUMN] += albedo * kd * summed(r.dimmed, 0, m)
+    out[CHART_RADIUS] += summed(r.wide, 0, m)
     for k in range(3):
-        out[TURN + k] += summed(12 + k, 0, m, r)
+        out[TURN + k] += summed(r.turned[k], 0, m)
     if on.world.spheres[j].texture == MARBLE:
         vein_columns(m, a, kd * albedo, on, out)

@@ -9,11 +9,7 @@ import numpy.typing as npt
 
 from symrender.adjoint.lobe import log_density_at
 from symrender.adjoint.records import Place
-from symrender.adjoint.walls import (
-    FACING,
-    HIT,
-    TOWARD,
-)
+from symrender.adjoint.walls import FACING, HIT, TOWARD
 from symrender.adjoint.work import Charted
 from symrender.chambers.labels import BEYOND_SEAM, GLINT, HIDDEN
 from symrender.chambers.labels import DARK as UNLIT
@@ -21,7 +17,7 @@ from symrender.chambers.lit_point import LitPoint
 from symrender.chambers.records import Chart
 from symrender.chambers.work import View
 from symrender.jit.marks import inlined, jitable
-from symrender.leaves.values import marble
+from symrender.leaves import values
 from symrender.quadrature.disk_term import disk_term
 from symrender.quadrature.light_term import light_term
 from symrender.scene.arrays import EYE as FROM_EYE
@@ -43,20 +39,16 @@ def log_density(here: Place, lobe: Array, chart: Chart) -> tuple[float, float, f
 
 
 @inlined
-def set_view(here: Place, view: View, chart: Chart) -> float:
-    """Direction a highlight at this place is seen along, into ``gaze``; the distance to the eye, 0 if the ray's own."""
-    if view.shading.highlight_view != FROM_EYE:
-        for a in range(3):
-            here.gaze[a] = -here.at[TOWARD, a]
-        return 0.0
-    far2 = 0.0
-    for a in range(3):
-        here.gaze[a] = view.eye[a] - chart.point[a] - here.at[HIT, a]
-        far2 += here.gaze[a] ** 2
-    far = math.sqrt(max(far2, 1e-300))
-    for a in range(3):
-        here.gaze[a] /= far
-    return far
+def set_view(here: Place, view: View, chart: Chart) -> None:
+    """Direction a highlight at this place is seen along, into ``gaze``."""
+    if view.shading.highlight_view == FROM_EYE:
+        e, p, hit = view.eye, chart.point, here.at[HIT]
+        here.gaze[0], here.gaze[1], here.gaze[2] = values.eye_view(
+            e[0], e[1], e[2], p[0] + hit[0], p[1] + hit[1], p[2] + hit[2]
+        )
+        return
+    w = here.at[TOWARD]
+    here.gaze[0], here.gaze[1], here.gaze[2] = values.ray_view(w[0], w[1], w[2])
 
 
 @inlined
@@ -76,7 +68,7 @@ def radiance(side: int, lit: npt.NDArray[np.uint8], step: int, on: Charted, out:
             n = here.at[FACING]
             # on the seam the side tells, and not how the normal is rounded
             ny = n[1] if abs(n[1]) > ON_SEAM else math.copysign(n[1], -1.0 if side == BEYOND_SEAM else 1.0)
-            factor = marble(n[0], ny, n[2], view.spheres[j].ku, view.spheres[j].kv)
+            factor = values.marble(n[0], ny, n[2], view.spheres[j].ku, view.spheres[j].kv)
     ambient = 0.0 if j < 0 and chart.side < 0.0 else shading.ka
     for i in range(view.points.shape[0]):
         if lit[i] == UNLIT:

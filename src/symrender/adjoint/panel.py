@@ -89,7 +89,6 @@ def panel_adjoint(p: Panel, step: int, n: int, scratch: Array, on: Charted) -> t
     size, missed = 0.0, 0.0
     for t in range(LINE_SUM):
         clear_used(sums[t], on.used)
-    clear(line)
     base = n * (n - 1) // 2
     signature = 0
     for q in range(n):
@@ -99,6 +98,7 @@ def panel_adjoint(p: Panel, step: int, n: int, scratch: Array, on: Charted) -> t
             signature = found
         elif found != signature:
             return phi, 1.0
+        clear(line)
         whole, miss = line_adjoint(phi, gauss[1, base + q] * slope, step, on, line)
         size += whole
         missed += miss
@@ -113,7 +113,6 @@ def panel_adjoint(p: Panel, step: int, n: int, scratch: Array, on: Charted) -> t
                 sums[2, row, k] += before * t
                 sums[3, row, k] += middle * t
                 sums[4, row, k] += lower * t
-        clear(line)
     return math.nan, (missed / size if size > 0.0 else 0.0)
 
 

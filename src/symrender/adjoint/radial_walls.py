@@ -59,7 +59,7 @@ def _sideways(i: int, phi: float, sign: float, on: Charted, adjoint: Array) -> N
     view, work, gauss, here, own = on.world, on.work, on.gauss, on.tangent.here, on.tangent.own
     chart = work.chart
     c, s = math.cos(phi), math.sin(phi)
-    bar = here.bar[:3]
+    bar = here.bar
     n = MAX_ORDER
     base = n * (n - 1) // 2
     for cell in range(work.counts.cells):

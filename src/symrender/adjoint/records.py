@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final
+from typing import Annotated
 
 from symrender.chambers.records import NODES, Row
 from symrender.jit.records import Array, Record, Three
 
 ThreeRows = Annotated[Array, (3, 3)]
-FiveRows = Annotated[Array, (5, 3)]
 NodeThrees = Annotated[Array, (3, NODES)]
 Six = Annotated[Array, (6, NODES)]
 Nine = Annotated[Array, (9, NODES)]
-Channels = Annotated[Array, (3, 3, 3)]
 NodeChannels = Annotated[Array, (27, NODES)]
-GIVEN: Final = 17
-Givens = Annotated[Array, (GIVEN, NODES)]
 
 
 class Place(Record):
@@ -31,16 +27,16 @@ class Place(Record):
     """Along the line."""
     by_radius: Three
     """Of Q, in R."""
-    bar: FiveRows
-    """Gradients of one light, as of ``offset_gradient``, or of one wall: in Q, N and w."""
-    node: Channels
-    """Gradients of a node's light, a channel at a time: in Q, N and the view."""
+    bar: ThreeRows
+    """Gradients of one wall: in Q, N and w."""
+    node: ThreeRows
+    """Gradients of one channel of a disk's light: in Q, N and the view."""
     gaze: Three
     """Direction a highlight is seen along."""
     above: Three
-    """Radiance on one side of a wall, or what light gives without its albedo."""
+    """Radiance on one side of a wall."""
     below: Three
-    """That on the other side, or of highlights."""
+    """That on the other side."""
 
 
 class Moved(Record):
@@ -94,8 +90,28 @@ class Moved(Record):
     node: NodeChannels
     told: Row
     """A number as smooth along the line as the radiance and the gradients of the disks' light."""
-    given: Givens
-    """What a node gives to sums over nodes: of one channel, of one light or of the eye."""
+    lit: Row
+    """What a node adds to sums over nodes of one channel, or of one light's own: its diffuse light, weighed."""
+    shown: Row
+    """Its highlight, weighed."""
+    dimmed: Row
+    """That diffuse light, on dark fields."""
+    total: Row
+    """All of the channel, weighed."""
+    logs: Row
+    """The same times the logarithm of the cosine."""
+    deep: Row
+    """What moves with the chart's k, or height."""
+    wide: Row
+    """With R."""
+    axis: NodeThrees
+    """With the lobe's axis."""
+    turned: NodeThrees
+    """With the frame."""
+    drawn: NodeThrees
+    """With a light's place through N.l, or with the eye."""
+    flashed: NodeThrees
+    """With a light's place through the highlight."""
 
 
 class Origin(Record):
