@@ -34,7 +34,7 @@ def deaf(*_, **__):
             pass
 
 if __name__ == "__main__":
-    assembled.application = lambda: types.SimpleNamespace(main=deaf)
+    assembled.application = lambda *_: types.SimpleNamespace(main=deaf)
     sys.exit(main())
 """
 JOINS = """
@@ -51,7 +51,7 @@ def joins(*_, **__):
     time.sleep(60)
 
 if __name__ == "__main__":
-    assembled.application = lambda: types.SimpleNamespace(main=joins)
+    assembled.application = lambda *_: types.SimpleNamespace(main=joins)
     sys.exit(main())
 """
 LEAVES = """
@@ -64,7 +64,7 @@ def stuck(*_, **__):
     print("ready", flush=True)
     threading.Event().wait(60)
 
-assembled.application = lambda: types.SimpleNamespace(main=stuck)
+assembled.application = lambda *_: types.SimpleNamespace(main=stuck)
 sys.exit(main())
 """
 

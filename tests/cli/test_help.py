@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from symrender.cli import main
-from symrender.cli._application import PANELS, verbs
+from symrender.cli._application import PANELS, application, verbs, verbs_for
 from symrender.cli._help import OPTION_PANELS
 from symrender.errors import extras, remedy
 
@@ -19,6 +19,28 @@ from symrender.errors import extras, remedy
 def test_every_verb_stands_under_one_heading() -> None:
     listed = [verb for members in PANELS.values() for verb in members]
     assert sorted(listed) == verbs()
+
+
+def test_only_the_verb_that_is_asked_for_is_read() -> None:
+    for verb in verbs():
+        assert verbs_for([verb, "--help"]) == [verb]
+        assert list(application([verb]).commands) == [verb]
+    assert verbs_for(["--version"]) == []
+    for others in ([], ["--help"], ["trut"], ["--debug", "truth"], ["--show-completion", "truth"]):
+        assert verbs_for(others) == verbs()
+
+
+def test_a_verb_alone_is_the_same_as_among_all() -> None:
+    every = application()
+    assert sorted(every.commands) == verbs()
+    for verb in verbs():
+        alone, among = application([verb]).commands[verb], every.commands[verb]
+        read = [
+            [(p.name, p.opts, p.default, p.required, p.help, getattr(p, "rich_help_panel", "")) for p in each.params]
+            for each in (alone, among)
+        ]
+        assert read[0] == read[1] and len(read[0]) >= 1
+        assert (alone.help, alone.epilog, alone.context_settings) == (among.help, among.epilog, among.context_settings)
 
 
 def test_the_help_has_its_headings() -> None:

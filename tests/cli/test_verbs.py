@@ -9,6 +9,7 @@ import resource
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -266,6 +267,7 @@ def test_doctor_is_one_block(capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["doctor", "--json"]) == 0
     assert json.loads(capfd.readouterr().out)["numpy"] == np.__version__
     assert main(["--version"]) == 0
+    assert capfd.readouterr().out == f"symrender {metadata.version('symrender')}\n"
 
 
 def asked(words: str) -> dict[str, str]:

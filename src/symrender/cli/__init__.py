@@ -39,7 +39,8 @@ def _run(arguments: list[str]) -> int:
         with interruptible():
             from symrender.cli._application import application
 
-            code = application().main([a for a in arguments if a != "--debug"], "symrender", standalone_mode=False)
+            given = [a for a in arguments if a != "--debug"]
+            code = application(given).main(given, "symrender", standalone_mode=False)
             sys.stdout.flush()
     except KeyboardInterrupt:
         code = _INTERRUPTED
