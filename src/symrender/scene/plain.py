@@ -12,6 +12,8 @@ from symrender.limits import MAX_DEPTH, MAX_KEYS
 from symrender.scene.printable import printable, shown
 
 _TOO_LARGE: Final = 1024
+_AS_THEY_ARE: Final = frozenset({float, str, bool, type(None)})
+"""Types of most of what a scene holds; those derived of them are looked at."""
 
 
 def plain(value: Any, name: str = "scene") -> Any:
@@ -26,6 +28,8 @@ def plain(value: Any, name: str = "scene") -> Any:
         nonlocal entries
         if depth > MAX_DEPTH:
             raise SceneError(f"{printable(name, 100)}: nesting must be at most {MAX_DEPTH} deep")
+        if type(value) in _AS_THEY_ARE:
+            return value
         if isinstance(value, BaseModel):
             value = value.model_dump()
         elif hasattr(value, "tolist"):
