@@ -37,6 +37,20 @@ def test_threads_and_batches_change_no_bit() -> None:
     assert max(np.abs(values).max() for values in one.gradient.values()) > 0.01
 
 
+def test_one_batch_is_asked_once_and_several_are_tried_on_nothing_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+
+    def counted(arrays: object, points: np.ndarray, *rest: object) -> SplitResult:
+        asked.append(len(points))
+        return gloss_points(arrays, points, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(sys.modules[probe.__module__], "gloss_points", counted)
+    for count, parts in ((1, [1]), (8, [8]), (9, [0, 1, 8]), (20, [0, 4, 8, 8])):
+        asked.clear()
+        assert probe(SCENE, POINTS[:count], tol=1e-2).gloss.shape == (count, 3)
+        assert asked[0] == parts[0] and sorted(asked) == parts
+
+
 def test_an_interrupt_comes_between_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     done: list[int] = []
 

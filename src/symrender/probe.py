@@ -235,8 +235,9 @@ def _in_batches(run: Callable[[slice], _T], count: int, threads: int, batch_size
         made[first] = run(slice(first, stop))
         return 0
 
-    # one thread loads or compiles the kernel; several would each do it
-    run(slice(0, 0))
+    if len(work) != 1:
+        # one thread loads or compiles the kernel; several would each do it
+        run(slice(0, 0))
     run_threads(batch, {}, work, thread_count(threads), lambda *_: None)
     return [made[first] for first, *_ in work]
 
