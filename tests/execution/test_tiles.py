@@ -202,6 +202,23 @@ def test_what_is_timed_is_a_small_part_of_the_image(filter: str) -> None:
     assert max(share for size, share in shares.items() if min(size) >= 8) < 0.17
 
 
+@pytest.mark.parametrize("dearest", [0.001, 0.5])
+def test_what_takes_long_is_timed_once(dearest: float) -> None:
+    timed: list[tuple[int, int]] = []
+
+    class Clock:
+        count = 2
+
+        def run(self, job: Job, layers: Mapping[str, Array], work: Any, finished: Any) -> None:
+            for tile in work:
+                timed.append(tile[:2])
+                finished(tile, 1, dearest if len(set(timed)) == 1 else 0.1 * dearest)
+
+    measured_side(Clock(), Job.of("truth", load("gloss"), Settings(width=256, height=256)), {})
+    assert len(set(timed)) == 9
+    assert timed.count(timed[0]) == (3 if dearest < 0.01 else 1)
+
+
 def test_thread_count() -> None:
     assert thread_count(5) == 5
     assert 1 <= thread_count(0) <= (os.cpu_count() or 1)

@@ -38,6 +38,8 @@ _PROBES = ((16 * 16, 1, (2, 4)), (32 * 32, 1, (1, 3, 5)), (64 * 64, 2, (1, 3, 5)
 _FEW = 8 * 9 * SQUARE * SQUARE
 """Pixels of an image of which nine squares are an eighth: of smaller ones none is timed."""
 _ROUNDS = 3
+_TOLD = 0.01
+"""Seconds of a tile of which once is enough."""
 _SHARE = 64
 _T = TypeVar("_T")
 
@@ -78,8 +80,8 @@ def thread_count(threads: int) -> int:
 def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> int:
     """Side whose dearest tile should take half of ``LONGEST``, from small tiles spread over the image.
 
-    They are thrown away: only the dearest of them is timed again, and nothing is where it would take longer than what
-    it could save, in images of nine pixels or, of pixels that squares tell, of few squares.
+    They are thrown away: only the dearest of them is timed again, where it is soon done, and nothing is where it would
+    take longer than what it could save, in images of nine pixels or, of pixels that squares tell, of few squares.
     Never so large that a worker would have fewer than sixty-four tiles, for the first ones to foretell the time of the
     rest and the last ones to end together, unless they are of some pixels only. Of pixels that squares tell a multiple
     of ``SQUARE``, two of them where pixels are cheap: what a tile's pixels wait for together costs each of them less.
@@ -106,7 +108,10 @@ def measured_side(workers: Workers, job: Job, layers: Mapping[str, Array]) -> in
     workers.run(job, layers, probes, finished)
     # the best of a few, for a busy machine slows a tile down but never speeds it up
     for _ in range(0 if squares else _ROUNDS - 1):
-        workers.run(job, layers, [max(best, key=lambda tile: best[tile])], finished)
+        dearest = max(best, key=lambda tile: best[tile])
+        if best[dearest] * area(dearest) > _TOLD:
+            break
+        workers.run(job, layers, [dearest], finished)
     affordable = math.isqrt(int(LONGEST / 2 / max(*best.values(), 1e-9)))
     shared = math.isqrt(width * height // (_SHARE * workers.count))
     side = max(1, min(affordable, max(shared, 2 * SQUARE if squares else SQUARE), LARGEST))

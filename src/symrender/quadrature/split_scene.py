@@ -61,6 +61,14 @@ def split_scene(
     return SplitScene(lights, view, scene_frames(arrays, view), lobes, scales, bound)
 
 
+def alike(weights: Array, scene: SplitScene) -> Ints:
+    """A number of every hit class, the same of those whose points can be asked together.
+
+    They are those of one ``weights`` (classes,) and one scale: a tolerance of what is weighed is one of their lobes.
+    """
+    return np.unique(np.stack([weights, scene.scales]), axis=1, return_inverse=True)[1].reshape(-1)
+
+
 def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:
     """(L,) squared distance of every light that falls off from the nearest surface it lights, 1 of the others."""
     squares = np.ones(len(points))

@@ -18,7 +18,8 @@ import numpy as np
 from symrender.errors import Unsupported
 from symrender.jit.records import Table, copied, record, table
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_point import gloss_at
+from symrender.quadrature.split_scene import SplitScene, alike, split_scene
 from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.radiometric.bounds import laid_bounds
@@ -204,9 +205,10 @@ def _direct_look(scene: SeriesScene) -> Callable[[Places, float, int], Light]:
     return look
 
 
-def _gloss_look(scene: SeriesScene, scratch: SplitWork) -> Callable[[Places, float, int], Light]:
-    arrays, settings = scene.arrays, scene.settings
+def _gloss_look(scene: SeriesScene, ready: SplitScene, scratch: SplitWork) -> Callable[[Places, float, int], Light]:
+    arrays = scene.arrays
     weights = np.concatenate([[0.0], lobes_of(arrays)[:, 0]])
+    groups = alike(weights, ready)
 
     def look(places: Places, tol: float, budget: int) -> Light:
         origins, directions = scene.rays(places)
@@ -216,11 +218,12 @@ def _gloss_look(scene: SeriesScene, scratch: SplitWork) -> Callable[[Places, flo
         flat = (met.shape == 0) | (met.shape > len(arrays.spheres))
         hit = np.where((met.behind != 0.0) & flat, at.NOTHING, met.shape + 1)
         found = Light(np.zeros((count, 3)), np.zeros(count), np.full(count, MET), np.zeros(count, np.int64))
-        for surface in np.unique(hit[weights[hit] > 0.0]).tolist():
-            some, weight = np.flatnonzero(hit == surface), float(weights[surface])
-            seen = gloss_points(
-                arrays, met.place[some], met.normal[some], directions[some], np.full(len(some), surface),
-                tol / weight, settings.disk_order, budget, scratch, walled=False,
+        for group in np.unique(groups[hit[weights[hit] > 0.0]]).tolist():
+            some = np.flatnonzero(groups[hit] == group)
+            weight = float(weights[hit[some[0]]])
+            seen = gloss_at(
+                ready, met.place[some], met.normal[some], directions[some], hit[some], tol / weight, budget, scratch,
+                walled=False,
             )  # fmt: skip
             found.values[some], found.error[some] = weight * seen.gloss, weight * seen.error
             found.status[some], found.evaluations[some] = seen.status, seen.evaluations
@@ -243,19 +246,20 @@ def prepare_series(arrays: SceneArrays, settings: Settings) -> TileKernel:
     shines = bool((lobes_of(arrays)[:, 0] > 0.0).any())
     share = DIRECT_SHARE if shines else 1.0
     own, direct = threading.local(), _direct_look(scene)
+    ready = split_scene(arrays, settings.disk_order)
     size = (settings.height, settings.width, 3)
     places = {name: np.zeros(size) for name in ("place", "normal", "incoming", "albedo")}
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
         sight(x0, y0, x1, y1, {**layers, **places})
         if not hasattr(own, "scratch"):
-            own.scratch = split_work(arrays, light_rows(arrays, settings.disk_order))
+            own.scratch = split_work(arrays, ready.lights)
         here, shape = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0)
         found = rules[0].means(x0, y0, x1, y1, direct, share * settings.tol, settings.budget // _DIRECT_COST)
         layers["direct"][here] = layers["radiance"][here] = found.values.reshape(*shape, 3)
         error, status, spent = found.error, found.status, found.evaluations
         if shines:
-            look = _gloss_look(scene, own.scratch)
+            look = _gloss_look(scene, ready, own.scratch)
             more = rules[1].means(x0, y0, x1, y1, look, (1.0 - share) * settings.tol, settings.budget)
             layers["gloss"][here] = more.values.reshape(*shape, 3)
             layers["radiance"][here] += layers["gloss"][here]

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from symrender.quadrature.disk_direct import disk_direct
-from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_point import gloss_at
+from symrender.quadrature.split_scene import alike, split_scene
 from symrender.quadrature.split_scratch import split_work
 from symrender.quadrature.split_setup import CAPPED, MET
 from symrender.runtimes.image import TileKernel, prepare_sight
@@ -50,11 +50,13 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
 
         return prepare_series(arrays, settings)
     weights = showing(arrays) * lobe_weights(arrays)
+    ready = split_scene(arrays, settings.disk_order)
+    groups = alike(weights, ready)
     none = np.zeros((0, 3))
     with emitting("image"):
         if weights.any():
             # of no points it is but compiled
-            gloss_points(arrays, none, none, none, np.zeros(0, np.int64), disk_order=settings.disk_order)
+            gloss_at(ready, none, none, none, np.zeros(0, np.int64), 1.0, 0, split_work(arrays, ready.lights))
     sight = prepare_sight(arrays, settings)
     size = (settings.height, settings.width, 3)
     # memory is taken only where a tile is written
@@ -67,7 +69,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
         seen = layers["hit_class"][y0:y1, x0:x1].astype(np.int64)
         missed = np.zeros(seen.shape)
         if not hasattr(own, "scratch"):
-            own.scratch = split_work(arrays, light_rows(arrays, settings.disk_order))
+            own.scratch = split_work(arrays, ready.lights)
         if disks:
             rows, columns = np.nonzero(seen != at.NOTHING)
             pixels = (rows + y0, columns + x0)
@@ -86,24 +88,25 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
             layers["error"][y0:y1, x0:x1] = missed
             layers["status"][y0:y1, x0:x1] = np.where(missed > settings.tol, CAPPED, MET)
         evaluations = 0
-        for surface in np.unique(seen[weights[seen] > 0]).tolist():
-            rows, columns = np.nonzero(seen == surface)
+        for group in np.unique(groups[seen[weights[seen] > 0]]).tolist():
+            rows, columns = np.nonzero(groups[seen] == group)
             pixels = (rows + y0, columns + x0)
-            found = gloss_points(
-                arrays,
+            surfaces = seen[rows, columns]
+            weight = float(weights[surfaces[0]])
+            found = gloss_at(
+                ready,
                 places["place"][pixels],
                 places["normal"][pixels],
                 places["incoming"][pixels],
-                np.full(len(rows), surface),
-                (1.0 - DIRECT_SHARE if disks else 1.0) * settings.tol / weights[surface],
-                settings.disk_order,
+                surfaces,
+                (1.0 - DIRECT_SHARE if disks else 1.0) * settings.tol / weight,
                 settings.budget,
                 own.scratch,
                 walled=settings.counts,
             )
             layers["gloss"][pixels] = found.gloss
-            layers["radiance"][pixels] += weights[surface] * found.gloss
-            layers["error"][pixels] = missed[rows, columns] + weights[surface] * found.error
+            layers["radiance"][pixels] += weight * found.gloss
+            layers["error"][pixels] = missed[rows, columns] + weight * found.error
             for name in FACTS:
                 layers[name][pixels] = getattr(found, name)
             over = layers["error"][pixels] > settings.tol
