@@ -158,7 +158,7 @@ def probe(
     enclosures = _enclosed(arrays, place, surface, settings) if certify else ()
     if not wrt:
         return Probe(*values, enclosures=enclosures, convention=loaded.shading.lobe_units)
-    from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
+    from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, slope_scene
 
     moved = moves(loaded, wrt)
     names = tuple(name for name, _ in moved)
@@ -166,12 +166,13 @@ def probe(
     refuse_unknown(arrays, tangents, names)
     moving = _place_tangents(arrays, tangents, given, normal, away / length, length, hit_class)
 
+    ready = slope_scene(arrays, tangents, settings.disk_order)
+
     def slopes_of(part: slice) -> GradientResult:
-        moving_here = moving[0][:, part], moving[1][:, part], moving[2][:, part]
-        here = tangents_of(arrays, tangents, moving_here, settings.disk_order)
+        here = moving[0][:, part], moving[1][:, part], moving[2][:, part]
         return gloss_gradients(
-            arrays, place[part], normal[part], away[part] / length[part], surfaces[part], here,
-            settings.tol, settings.disk_order, BUDGET * settings.budget,
+            ready, place[part], normal[part], away[part] / length[part], surfaces[part], here,
+            settings.tol, BUDGET * settings.budget,
         )  # fmt: skip
 
     slopes = _in_batches(slopes_of, len(place), settings.threads)

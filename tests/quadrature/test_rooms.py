@@ -9,7 +9,7 @@ import pytest
 
 from quadrature.rooms import AT_HOME, SPHERES, elsewhere, places, room
 from symrender.adjoint.direct import direct_gradients
-from symrender.adjoint.point import gloss_gradients, tangents_of
+from symrender.adjoint.point import gloss_gradients, slope_scene
 from symrender.quadrature.disk_direct import disk_direct
 from symrender.quadrature.split_point import gloss_points
 from symrender.quadrature.split_setup import MET
@@ -72,8 +72,8 @@ def test_slopes_equal_differences(order: int, rooms: int, least: int) -> None:
         arrays, step = scene_arrays(scene), 1e-4
         moved = scene_moves(arrays, moves(scene, names))
         still = np.zeros((len(names), *place.shape))
-        tangents = tangents_of(arrays, moved, (still, still, still), order)
-        found = gloss_gradients(arrays, place, normal, ray, surface, tangents, tol=1e-5, disk_order=order)
+        ready = slope_scene(arrays, moved, order)
+        found = gloss_gradients(ready, place, normal, ray, surface, (still, still, still), tol=1e-5)
 
         def values(name: str, by: float, scene: Scene = scene, given: tuple = (place, normal, ray, surface)) -> tuple:
             changed = scene_arrays(scene.replace({name: float(get(scene, name)) + by}))
@@ -113,7 +113,7 @@ def test_direct_slopes_of_a_disk_cut_by_planes_equal_differences() -> None:
         names = ["planes.w0.point.x", "planes.w0.normal.z", "planes.w1.normal.x", "lights.b.position.z"]
         arrays = scene_arrays(scene)
         still = np.zeros((len(names), *place.shape))
-        tangents = tangents_of(arrays, scene_moves(arrays, moves(scene, names)), (still, still, still), 0)
+        tangents = slope_scene(arrays, scene_moves(arrays, moves(scene, names)), 0).at((still, still, still))
         slope, error = direct_gradients(arrays, place, normal, ray, surface, grey, still, tangents, 1e-7)
 
         def light(

@@ -32,16 +32,14 @@ from symrender.chambers.lobes.density import largest_density
 from symrender.chambers.lobes.mass import cap_share, tilt_of
 from symrender.chambers.lobes.units import is_brdf
 from symrender.chambers.lobes.width import fastest_fall
-from symrender.chambers.records import LightPoint
 from symrender.chambers.unseen import list_seen
-from symrender.chambers.work import Frames, View, begin_counts, scene_frames, scene_view
+from symrender.chambers.work import Frames, View, begin_counts
 from symrender.errors import Unsupported
 from symrender.jit.compiled import compiled
 from symrender.jit.marks import inlined
 from symrender.jit.records import Table, copied, joined, one, stacked, table
-from symrender.quadrature.light_points import light_rows
 from symrender.quadrature.mirror import NARROWEST
-from symrender.quadrature.split_scene import radiance_bound
+from symrender.quadrature.split_scene import SplitScene, radiance_bound, split_scene
 from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import (
     CAPPED,
@@ -54,7 +52,7 @@ from symrender.quadrature.split_setup import (
     sphere_strips,
     stand_in_frame,
 )
-from symrender.scene.arrays import FIRST_SPHERE, FLOOR, MARBLE, SceneArrays, lobes_of
+from symrender.scene.arrays import FIRST_SPHERE, MARBLE, SceneArrays
 from symrender.scene.frames import floor_of, frame_moves
 from symrender.scene.moves import SceneMoves
 from symrender.scene.records import Floor, Frame
@@ -266,16 +264,11 @@ def refuse_unknown(arrays: SceneArrays, moved: SceneMoves, names: tuple[str, ...
                 )
 
 
-def tangents_of(
-    arrays: SceneArrays, moved: SceneMoves, places: tuple[Array, Array, Array], disk_order: int
-) -> Tangents:
-    """``Tangents`` from those of the scene's arrays (``scene/moves.py``) and of N points, normals and directions.
-
-    Each of ``places`` is (Q, N, 3).
-    """
+def tangents_of(arrays: SceneArrays, moved: SceneMoves, disk_order: int) -> Tangents:
+    """``Tangents`` from those of the scene's arrays (``scene/moves.py``), of no points."""
     lights = light_point_tangents(arrays, moved.lights, disk_order)
     eye = np.ascontiguousarray(moved.camera["eye"])
-    place, normal, incoming = map(np.ascontiguousarray, places)
+    nowhere = np.zeros((len(moved.floor), 0, 3))
     first = 1 if arrays.floor.present else 0
     count, planes = len(moved.floor), range(len(arrays.planes))
     turned = frame_moves(arrays.planes, moved.planes)
@@ -287,47 +280,64 @@ def tangents_of(
         turns.append(joined(Frame, [table(Frame, first), turned[q]]))
     size = first + len(planes)
     floors, frames = stacked(Floor, made, size), stacked(Frame, turns, size)
-    return Tangents(place, normal, incoming, moved.spheres, floors, frames, lights, moved.shading, eye)
+    return Tangents(nowhere, nowhere, nowhere, moved.spheres, floors, frames, lights, moved.shading, eye)
 
 
-def _bound(arrays: SceneArrays, lights: Table[LightPoint], tangents: Tangents) -> float:
-    """As of ``radiance_bound``, of radiance and of what it changes by if a colour or a factor moves."""
-    lit: Any = copied(lights)
+@dataclass(frozen=True)
+class SlopeScene:
+    """A scene and how it moves, made ready once for many points; kernels read it only.
+
+    ``tangents`` are of no points yet, ``bound`` is an upper bound of radiance and of what it changes by if a colour or
+    a factor moves.
+    """
+
+    arrays: SceneArrays
+    split: SplitScene
+    tangents: Tangents
+    bound: float
+
+    def at(self, moving: tuple[Array, Array, Array]) -> Tangents:
+        """The same of points that move so: places, normals and directions, (Q, N, 3) each."""
+        place, normal, incoming = map(np.ascontiguousarray, moving)
+        return self.tangents._replace(place=place, normal=normal, incoming=incoming)
+
+
+def slope_scene(arrays: SceneArrays, moved: SceneMoves, disk_order: int) -> SlopeScene:
+    """``arrays`` and their moves made ready."""
+    split = split_scene(arrays, disk_order)
+    tangents = tangents_of(arrays, moved, disk_order)
+    lit: Any = copied(split.lights)
     lit["color"] = np.maximum(lit["color"], np.abs(tangents.points["color"]).max(axis=0, initial=0.0))
     shading: Any = copied(arrays.shading)
     for name in ("ka", "kd", "ks", "ambient", "background"):
         shading[name] = np.maximum(shading[name], np.abs(tangents.shading[name]).max(axis=0, initial=0.0))
-    return radiance_bound(replace(arrays, shading=shading), lit)
+    return SlopeScene(arrays, split, tangents, radiance_bound(replace(arrays, shading=shading), lit))
 
 
 def gloss_gradients(
-    arrays: SceneArrays,
+    scene: SlopeScene,
     points: Array,
     normals: Array,
     incoming: Array,
     surface: Ints,
-    tangents: Tangents,
+    moving: tuple[Array, Array, Array],
     tol: float = 1e-6,
-    disk_order: int = 2,
     max_evaluations: int = BUDGET * 1_000_000,
     scratch: SplitWork | None = None,
 ) -> GradientResult:
-    """d gloss(P)/dp of every point in every parameter of ``tangents``; the other arguments as in ``gloss_points``.
+    """d gloss(P)/dp of every point in every parameter of ``scene``; points, surfaces and budget as in ``gloss_points``.
 
-    ``tol`` is absolute, in scene units of radiance over a parameter's unit. Silhouettes, shadows, terminators, texture
-    lines, horizon and rim move with the parameters; between events the result is the derivative of the integral, not
-    of a sum. Where walls coincide and part, the status is ``EVENT`` and the value belongs to one side.
+    ``moving``: how points, normals and directions move, (Q, N, 3) each. ``tol`` is absolute, in scene units of radiance
+    over a parameter's unit. Silhouettes, shadows, terminators, texture lines, horizon and rim move with the parameters;
+    between events the result is the derivative of the integral, not of a sum. Where walls coincide and part, the
+    status is ``EVENT`` and the value belongs to one side.
     """
-    lights = light_rows(arrays, disk_order)
-    view = scene_view(arrays, lights)
-    frames = scene_frames(arrays, view)
-    lobes = np.zeros((len(frames.homes), 2))
-    lobes[FLOOR:] = lobes_of(arrays)[:, 1:]
-    s = scratch or split_work(arrays, lights)
+    split, tangents = scene.split, scene.at(moving)
+    s = scratch or split_work(scene.arrays, split.lights)
     np.asarray(s.panels)["step"] = UNUSED
     count, n = tangents.place.shape[:2]
-    disks = bool((lights["radius"] > 0.0).any())
-    own = adjoint_work(s, count, len(lights), len(arrays.spheres), len(frames.axes), disks)
+    disks = bool((split.lights["radius"] > 0.0).any())
+    own = adjoint_work(s, count, len(split.lights), len(scene.arrays.spheres), len(split.frames.axes), disks)
     result = GradientResult(
         np.zeros((count, n, 3)), np.zeros((count, n)), np.zeros((count, n), np.int64), np.zeros(n, np.int64)
     )
@@ -337,7 +347,7 @@ def gloss_gradients(
         np.ascontiguousarray(incoming, dtype=np.float64),
         np.ascontiguousarray(surface, dtype=np.int64),
     )
-    wanted = Wanted(float(tol), _bound(arrays, lights, tangents), int(max_evaluations), tol < 1e-5)
+    wanted = Wanted(float(tol), scene.bound, int(max_evaluations), tol < 1e-5)
     slopes = Slopes(result.gradient, result.error, result.status, result.evaluations)
-    _kernel()(places, lobes, view, frames, tangents, own, wanted, slopes)
+    _kernel()(places, split.lobes, split.view, split.frames, tangents, own, wanted, slopes)
     return result

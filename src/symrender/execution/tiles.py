@@ -33,7 +33,7 @@ LARGEST: Final = 128
 _PLASTIC: Final = (0.7548776662466927, 0.5698402909980532)
 SQUARE: Final = 8
 """Side of the largest squares of pixels that a filter does at once, whatever part of them a tile has."""
-_PROBES = ((16 * 16, 1, (2, 4)), (32 * 32, 1, (1, 3, 5)), (64 * 64, 2, (1, 3, 5)), (math.inf, 4, (1, 3, 5)))
+_PROBES = ((16 * 16, 1, (2, 4)), (32 * 32, 1, (1, 3, 5)), (128 * 128, 2, (1, 3, 5)), (math.inf, 4, (1, 3, 5)))
 """Of images of fewer pixels, side and places, sixths of the image, of tiles that are timed: a small part of it."""
 _FEW = 8 * 9 * SQUARE * SQUARE
 """Pixels of an image of which nine squares are an eighth: of smaller ones none is timed."""

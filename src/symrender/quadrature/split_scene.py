@@ -61,12 +61,12 @@ def split_scene(
     return SplitScene(lights, view, scene_frames(arrays, view), lobes, scales, bound)
 
 
-def alike(weights: Array, scene: SplitScene) -> Ints:
-    """A number of every hit class, the same of those whose points can be asked together.
+def alike(rows: Array) -> Ints:
+    """A number of every hit class, the same of those that have the same column of ``rows`` (k, classes).
 
-    They are those of one ``weights`` (classes,) and one scale: a tolerance of what is weighed is one of their lobes.
+    Points of classes of one weight and one scale can be asked together: a tolerance of all is one of each lobe.
     """
-    return np.unique(np.stack([weights, scene.scales]), axis=1, return_inverse=True)[1].reshape(-1)
+    return np.unique(rows, axis=1, return_inverse=True)[1].reshape(-1)
 
 
 def nearest_squares(arrays: SceneArrays, points: Table[LightPoint]) -> Array:

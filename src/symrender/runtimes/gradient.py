@@ -10,13 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.adjoint.direct import direct_gradients
-from symrender.adjoint.lights import light_point_tangents, lights_leaving
-from symrender.adjoint.point import BUDGET, gloss_gradients, refuse_unknown, tangents_of
-from symrender.chambers.records import LightPoint
-from symrender.chambers.work import scene_frames, scene_view
-from symrender.jit.records import Table, copied
-from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import gloss_points
+from symrender.adjoint.lights import lights_leaving
+from symrender.adjoint.point import BUDGET, SlopeScene, gloss_gradients, refuse_unknown, slope_scene
+from symrender.jit.records import copied
+from symrender.quadrature.split_point import gloss_at
+from symrender.quadrature.split_scene import alike
 from symrender.quadrature.split_scratch import split_work
 from symrender.quadrature.split_setup import CAPPED, EVENT, MET, NEAR_TANGENT, UNSUPPORTED
 from symrender.runtimes import numba
@@ -24,7 +22,7 @@ from symrender.runtimes.image import TileKernel
 from symrender.runtimes.truth import DIRECT_SHARE, lobe_weights, showing
 from symrender.scene import arrays as at
 from symrender.scene.arrays import Array, SceneArrays
-from symrender.scene.moves import Move, SceneMoves, scene_moves
+from symrender.scene.moves import Move, scene_moves
 from symrender.settings import Settings
 
 _PLACES = ("place", "normal", "incoming")
@@ -75,7 +73,8 @@ class Slopes:
         self.moved = moved = scene_moves(arrays, wrt)
         self.names = tuple(name for name, _ in wrt)
         refuse_unknown(arrays, moved, self.names)
-        self.lights = light_rows(arrays, settings.disk_order)
+        self.ready = slope_scene(arrays, moved, settings.disk_order)
+        self.lights = self.ready.split.lights
         # an exact disk is no point: its direct light is added to that of the points
         points = self.lights["radius"] == 0.0
         self.disks = not points.all()
@@ -85,16 +84,17 @@ class Slopes:
         own = (nothing, moved.floor["weight"][:, None], moved.spheres["weight"], moved.planes["weight"])
         self.weight_moves = shows * np.concatenate(own, axis=1)
         self.lobed = (self.weights > 0) | (self.weight_moves != 0).any(axis=0)
+        self.groups = alike(np.vstack([self.weights, self.weight_moves]))
         with numba.emitting("tangent"):
-            _compile(arrays, moved, settings, bool(self.lobed.any()), self.disks)
+            _compile(self.ready, settings, bool(self.lobed.any()), self.disks)
         text = numba.emitted("tangent")
         self.sight, self.hits = numba.kernel(text, "sight_dot"), numba.kernel(text, "hits_dot")
         self.places = numba.kernel(text, "places_dot")
         self.points = np.hstack([self.lights["position"][points], self.lights["color"][points]])
-        light_moves = light_point_tangents(arrays, moved.lights, settings.disk_order)
+        light_moves = self.ready.tangents.points
         point_moves = np.concatenate([light_moves["position"], light_moves["color"]], axis=2)[:, points]
         self.point_moves = np.ascontiguousarray(point_moves)
-        self.one_sided = _leaving(arrays, moved, self.lights, settings.disk_order)
+        self.one_sided = _leaving(self.ready)
         self.axes, self.axes_moves = np.zeros(10), np.zeros((len(wrt), 10))
         if arrays.camera.kind == at.LOOK_AT:
             axes_kernel = numba.plain(text).camera_axes_dot
@@ -129,9 +129,9 @@ class Slopes:
             status = layers[f"status:{name}"][tile]
             status[self.one_sided[q, seen] & (status < EVENT)] = EVENT
         evaluations = 0
-        for surface in np.unique(seen[self.lobed[seen]]).tolist():
-            rows, columns = np.nonzero(seen == surface)
-            evaluations += self._add_gloss(rays, (rows + y0, columns + x0), surface, layers)
+        for group in np.unique(self.groups[seen[self.lobed[seen]]]).tolist():
+            rows, columns = np.nonzero(self.groups[seen] == group)
+            evaluations += self._add_gloss(rays, (rows + y0, columns + x0), seen[rows, columns], layers)
         return evaluations
 
     def shown(self, columns: Array, rows: Array) -> tuple[Array, list[Array], list[Array]]:
@@ -184,7 +184,7 @@ class Slopes:
         light, missed = direct_gradients(
             self.arrays, place, normal, incoming, surfaces, rays.found["albedo"][pixels],
             rays.slopes["albedo"][:, pixels[0], pixels[1]],
-            tangents_of(self.arrays, self.moved, rays.moving(pixels), self.settings.disk_order),
+            self.ready.at(rays.moving(pixels)),
             DIRECT_SHARE * self.settings.tol, (self.own.scratch.work, self.own.scratch.gauss),
         )  # fmt: skip
         for q, name in enumerate(self.names):
@@ -194,19 +194,17 @@ class Slopes:
             unknown = np.where(np.isinf(missed[q]), UNSUPPORTED, CAPPED)
             layers[f"status:{name}"][pixels] = np.where(missed[q] > self.settings.tol, unknown, MET)
 
-    def _add_gloss(self, rays: _Seen, pixels: Pixels, surface: int, layers: Mapping[str, Array]) -> int:
-        """The gloss of the ``pixels`` that see ``surface``, times its weight, which may move; evaluations taken."""
-        arrays, settings = self.arrays, self.settings
-        places = rays.at(pixels)
-        surfaces = np.full(len(pixels[0]), surface)
-        weight, weight_moves = self.weights[surface], self.weight_moves[:, surface]
+    def _add_gloss(self, rays: _Seen, pixels: Pixels, surfaces: Surfaces, layers: Mapping[str, Array]) -> int:
+        """The gloss of ``pixels`` that see ``surfaces`` of one weight, which may move, times it; evaluations taken."""
+        settings, places = self.settings, rays.at(pixels)
+        weight, weight_moves = self.weights[surfaces[0]], self.weight_moves[:, surfaces[0]]
         steepest = float(np.abs(weight_moves).max())
         aim = (1.0 - DIRECT_SHARE if self.disks else 1.0) * settings.tol
         # where the weight moves, the value's error is a part of the derivative's
         share = aim if steepest == 0.0 else 0.5 * aim
         result = gloss_gradients(
-            arrays, *places, surfaces, tangents_of(arrays, self.moved, rays.moving(pixels), settings.disk_order),
-            share / weight if weight > 0 else 1.0, settings.disk_order, BUDGET * settings.budget, self.own.scratch,
+            self.ready, *places, surfaces, rays.moving(pixels), share / weight if weight > 0 else 1.0,
+            BUDGET * settings.budget, self.own.scratch,
         )  # fmt: skip
         layers["evaluations"][pixels] = result.evaluations
         for q, name in enumerate(self.names):
@@ -215,9 +213,9 @@ class Slopes:
             layers[f"error:{name}"][pixels] += weight * result.error[q]
             layers[f"status:{name}"][pixels] = np.maximum(layers[f"status:{name}"][pixels], result.status[q])
         if steepest != 0.0:
-            gloss = gloss_points(
-                arrays, *places, surfaces, share / steepest, settings.disk_order, settings.budget, self.own.scratch
-            )
+            gloss = gloss_at(
+                self.ready.split, *places, surfaces, share / steepest, settings.budget, self.own.scratch
+            )  # fmt: skip
             value_status = np.where(gloss.status == NEAR_TANGENT, CAPPED, gloss.status)
             for q, name in enumerate(self.names):
                 if weight_moves[q] != 0.0:
@@ -227,11 +225,10 @@ class Slopes:
         return int(result.evaluations.sum())
 
 
-def _leaving(arrays: SceneArrays, moved: SceneMoves, lights: Table[LightPoint], order: int) -> npt.NDArray[np.bool_]:
+def _leaving(ready: SlopeScene) -> npt.NDArray[np.bool_]:
     """(Q, hit classes): whether what is seen is a plane in which a light lies that leaves it."""
-    frames = scene_frames(arrays, scene_view(arrays, lights))
-    tangents = tangents_of(arrays, moved, _nowhere(len(moved.floor)), order)
-    found = lights_leaving(lights, tangents.points, frames.axes, tangents.turns)
+    frames, tangents = ready.split.frames, ready.tangents
+    found = lights_leaving(ready.split.lights, tangents.points, frames.axes, tangents.turns)
     # a column of False behind all planes, for what is none
     return np.pad(found, ((0, 0), (0, 1)))[:, frames.homes]
 
@@ -242,13 +239,11 @@ def _nowhere(count: int) -> tuple[Array, Array, Array]:
     return none, none, none
 
 
-def _compile(arrays: SceneArrays, moved: SceneMoves, settings: Settings, shines: bool, disks: bool) -> None:
+def _compile(ready: SlopeScene, settings: Settings, shines: bool, disks: bool) -> None:
     """Call the kernels of lobes and of exact disks, where there are any, with no points, to compile them."""
-    none = np.zeros((0, 3))
-    still = _nowhere(len(moved.floor))
-    tangents = tangents_of(arrays, moved, still, settings.disk_order)
-    nowhere = np.zeros(0, np.int64)
+    none, nowhere = np.zeros((0, 3)), np.zeros(0, np.int64)
+    still = _nowhere(len(ready.tangents.eye))
     if shines:
-        gloss_gradients(arrays, none, none, none, nowhere, tangents, settings.tol, settings.disk_order)
+        gloss_gradients(ready, none, none, none, nowhere, still, settings.tol)
     if disks:
-        direct_gradients(arrays, none, none, none, nowhere, none, still[0], tangents, settings.tol)
+        direct_gradients(ready.arrays, none, none, none, nowhere, none, still[0], ready.at(still), settings.tol)

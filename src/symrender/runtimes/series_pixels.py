@@ -208,7 +208,7 @@ def _direct_look(scene: SeriesScene) -> Callable[[Places, float, int], Light]:
 def _gloss_look(scene: SeriesScene, ready: SplitScene, scratch: SplitWork) -> Callable[[Places, float, int], Light]:
     arrays = scene.arrays
     weights = np.concatenate([[0.0], lobes_of(arrays)[:, 0]])
-    groups = alike(weights, ready)
+    groups = alike(np.stack([weights, ready.scales]))
 
     def look(places: Places, tol: float, budget: int) -> Light:
         origins, directions = scene.rays(places)

@@ -15,10 +15,10 @@ from typing import Final
 import numpy as np
 
 from symrender.adjoint.lights import light_point_tangents
-from symrender.adjoint.point import BUDGET, gloss_gradients, tangents_of
+from symrender.adjoint.point import BUDGET, gloss_gradients
 from symrender.jit.records import Table, record, table
 from symrender.quadrature.light_points import light_rows
-from symrender.quadrature.split_point import gloss_points
+from symrender.quadrature.split_point import gloss_at
 from symrender.quadrature.split_scratch import SplitWork, split_work
 from symrender.quadrature.split_setup import CAPPED, MET, UNSUPPORTED
 from symrender.radiometric.bounds import Bound
@@ -142,7 +142,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
                 canvas.eye, Seen(world, eye, canvas.window), still, "list_series_walls", settings, *parts
             )  # fmt: skip
             rules.append(kind(canvas, _CHANNELS, speeds, beginning))
-        each[move[0]] = slopes, moved, rules
+        each[move[0]] = slopes, rules
     own = threading.local()
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
@@ -150,7 +150,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             own.scratch = split_work(arrays, light_rows(arrays, settings.disk_order))
         here, shape, spent = (slice(y0, y1), slice(x0, x1)), (y1 - y0, x1 - x0), 0
         columns, rows = np.tile(np.arange(x0, x1) + 0.5, y1 - y0), np.repeat(np.arange(y0, y1) + 0.5, x1 - x0)
-        for name, (slopes, moved, rules) in each.items():
+        for name, (slopes, rules) in each.items():
             shines = bool(slopes.lobed.any())
             share = DIRECT_SHARE if shines else 1.0
             bright = scene.direct.bright
@@ -160,7 +160,7 @@ def prepare(arrays: SceneArrays, settings: Settings, wrt: tuple[Move, ...]) -> T
             layers[f"direct:{name}"][here] = values.reshape(*shape, _CHANNELS)
             layers[f"gloss:{name}"][here] = 0.0
             if shines:
-                look = _gloss_look(slopes, moved, own.scratch)
+                look = _gloss_look(slopes, own.scratch)
                 more = rules[1].means(
                     x0, y0, x1, y1, look, (1.0 - share) * settings.tol, NODES * settings.budget
                 )  # fmt: skip
@@ -192,11 +192,10 @@ def _direct_look(slopes: Slopes, bright: float) -> Look:
     return look
 
 
-def _gloss_look(slopes: Slopes, moved: SceneMoves, scratch: SplitWork) -> Callable[[Places, float, int], Light]:
+def _gloss_look(slopes: Slopes, scratch: SplitWork) -> Callable[[Places, float, int], Light]:
     """The same of gloss, times the weight of its lobe."""
-    arrays, order = slopes.arrays, slopes.settings.disk_order
-    weights, turns = slopes.weights, slopes.weight_moves[0]
-    planes = 1 + len(arrays.spheres)
+    weights, turns, ready = slopes.weights, slopes.weight_moves[0], slopes.ready
+    planes = 1 + len(slopes.arrays.spheres)
 
     def look(places: Places, tol: float, budget: int) -> Light:
         classes, found, moving = slopes.shown(places.columns, places.rows)
@@ -208,17 +207,16 @@ def _gloss_look(slopes: Slopes, moved: SceneMoves, scratch: SplitWork) -> Callab
         seen = np.where(flat & ~facing, at.NOTHING, seen)
         values, error = np.zeros((count, 2 * _CHANNELS + 1)), np.zeros(count)
         status, spent = np.full(count, MET), np.zeros(count, np.int64)
-        for surface in np.unique(seen[slopes.lobed[seen]]).tolist():
-            some = np.flatnonzero(seen == surface)
-            weight, turn = float(weights[surface]), float(turns[surface])
-            surfaces = np.full(len(some), surface)
+        for group in np.unique(slopes.groups[seen[slopes.lobed[seen]]]).tolist():
+            some = np.flatnonzero(slopes.groups[seen] == group)
+            surfaces = seen[some]
+            weight, turn = float(weights[surfaces[0]]), float(turns[surfaces[0]])
             at_places = place[some], normal[some], incoming[some], surfaces
-            tangents = tangents_of(arrays, moved, (moving[0][None, some], moving[1][None, some], moving[2][None, some]),
-                                   order)  # fmt: skip
+            turning = moving[0][None, some], moving[1][None, some], moving[2][None, some]
             aim = tol / max(weight, 1e-300) if weight > 0.0 else 1.0
-            result = gloss_gradients(arrays, *at_places, tangents, min(1.0, aim), order, BUDGET * budget, scratch)
+            result = gloss_gradients(ready, *at_places, turning, min(1.0, aim), BUDGET * budget, scratch)
             closer = min(1.0, _VALUE * tol / max(weight, abs(turn)))
-            value = gloss_points(arrays, *at_places, closer, order, budget, scratch, walled=False)
+            value = gloss_at(ready.split, *at_places, closer, budget, scratch, walled=False)
             values[some, :3] = weight * result.gradient[0] + turn * value.gloss
             values[some, 3:6], values[some, 6] = weight * value.gloss, weight * value.error
             error[some] = weight * result.error[0] + abs(turn) * value.error

@@ -51,7 +51,7 @@ def prepare(arrays: SceneArrays, settings: Settings) -> TileKernel:
         return prepare_series(arrays, settings)
     weights = showing(arrays) * lobe_weights(arrays)
     ready = split_scene(arrays, settings.disk_order)
-    groups = alike(weights, ready)
+    groups = alike(np.stack([weights, ready.scales]))
     none = np.zeros((0, 3))
     with emitting("image"):
         if weights.any():
