@@ -110,3 +110,15 @@ def test_a_floor_in_which_a_light_lies_has_one_sided_derivatives() -> None:
         assert floor.sum() > 30 and (~floor).sum() > 3
         assert ((up.layers["status"] == EVENT) == (floor & kinked)).all()
         assert (along.layers["status"] != EVENT).all()
+
+
+def test_surfaces_asked_together_are_those_asked_alone() -> None:
+    """Spheres of one weight share a call of the kernel, but not where the weight of one of them moves."""
+    scene = sr.load("gloss").replace({f"spheres.{name}.lobe.weight": 0.4 for name in "AC"})
+    wrt = ["spheres.A.lobe.weight", "spheres.B.center.x"]
+    whole, alone = (sr.gradient(scene, wrt, size=8, tol=1e-3, tile=tile, threads=1) for tile in (8, 1))
+    assert len(np.unique(whole[wrt[0]].layers["hit_class"])) == 4
+    assert all(np.abs(whole[name].layers["radiance"]).max() > 0.01 for name in wrt)
+    for name in wrt:
+        for layer, values in whole[name].layers.items():
+            assert values.tobytes() == alone[name].layers[layer].tobytes(), (name, layer)

@@ -255,3 +255,16 @@ def test_wrong_points_are_one_line(points: Any, surface: str, message: str) -> N
     with pytest.raises(Exception, match=message) as caught:
         probe("gloss", points, surface=surface)
     assert len(str(caught.value).splitlines()) == 1 and getattr(caught.value, "exit_code", 0) == 2
+
+
+def test_surfaces_asked_together_are_those_asked_alone() -> None:
+    """Spheres of one weight share a call of the kernel, but not where the units of their lobes give them two scales."""
+    scene = load("gloss").replace({
+        "spheres.A.lobe.weight": 0.4, "spheres.A.lobe.exponent": 3.0, "spheres.A.texture": {"type": "solid"},
+        "spheres.C.lobe.weight": 0.4, "shading.lobe_units": "brdf_normalised",
+    })  # fmt: skip
+    whole, alone = (truth(scene, size=10, tol=1e-3, tile=tile, threads=1) for tile in (10, 1))
+    seen = whole.layers["hit_class"]
+    assert len(np.unique(seen)) == 4 and (whole.layers["gloss"][seen > 1].max(axis=-1) > 0.0).sum() >= 10
+    for name, layer in whole.layers.items():
+        assert layer.tobytes() == alone.layers[name].tobytes(), name

@@ -255,7 +255,7 @@ def _layer(name: Any, value: Any) -> Array:
 
 
 def _is_unicode(text: str) -> bool:
-    return not any("\ud800" <= c <= "\udfff" for c in text)
+    return text.isascii() or not any("\ud800" <= c <= "\udfff" for c in text)
 
 
 def _require_finite(radiance: Array) -> None:

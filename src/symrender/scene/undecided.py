@@ -38,16 +38,23 @@ def one_surface(centre: Array, radius: Array, point: Array, normal: Array, eye: 
     normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
     away = np.linalg.norm(centre - eye, axis=1)
     unsure = ROUNDINGS * np.finfo(np.float64).eps * (np.abs(centre).max(axis=1, initial=0.0) + radius + away)
+    height = ((centre[:, None] - point) * normal).sum(axis=2)
+    far = np.linalg.norm(centre[:, None] - height[..., None] * normal - eye, axis=2)
+    on_planes = np.argwhere(_ball_on_plane(np.abs(height), radius[:, None], unsure[:, None]) > PATCH * far).tolist()
+    axes = np.ascontiguousarray(centre.T)
     for j in range(count):
-        patch, place = _spheres_in_one(centre[:j], radius[:j], centre[j], radius[j], unsure[j])
-        # a circle of crossing is somewhere on the sphere
-        far = np.where(np.isfinite(place).all(axis=1), np.linalg.norm(place - eye, axis=1), abs(away[j] - radius[j]))
-        for i in np.flatnonzero(patch > PATCH * far):
-            return j, int(i)
-        height = ((centre[j] - point) * normal).sum(axis=1)
-        far = np.linalg.norm(centre[j] - height[:, None] * normal - eye, axis=1)
-        for i in np.flatnonzero(_ball_on_plane(np.abs(height), radius[j], unsure[j]) > PATCH * far):
-            return j, count + int(i)
+        # what is further away than both radii shares nothing
+        x, y, z = np.abs(axes[:, :j] - axes[:, j, None])
+        some = np.flatnonzero(np.maximum(np.maximum(x, y), z) <= radius[:j] + radius[j] + unsure[j])
+        if len(some):
+            patch, place = _spheres_in_one(centre[some], radius[some], centre[j], radius[j], unsure[j])
+            # a circle of crossing is somewhere on the sphere
+            known = np.isfinite(place).all(axis=1)
+            far = np.where(known, np.linalg.norm(place - eye, axis=1), abs(away[j] - radius[j]))
+            for i in some[patch > PATCH * far]:
+                return j, int(i)
+        if on_planes and on_planes[0][0] == j:
+            return j, count + on_planes[0][1]
     for j in range(len(point)):
         for k in range(j):
             between = np.linalg.norm(point[j] - point[k])
@@ -109,8 +116,8 @@ def _spheres_in_one(centres: Array, radius: Array, centre: Array, own: float, un
     return np.asarray(patch), place
 
 
-def _ball_on_plane(height: Array, radius: float, unsure: float) -> Array:
-    """Radius of the patch in which a sphere is nearer than ``unsure`` to planes its centre is ``height`` away from."""
+def _ball_on_plane(height: Array, radius: Array, unsure: Array) -> Array:
+    """Radius of the patch in which spheres are nearer than ``unsure`` to planes whose ``height`` over them is given."""
     with np.errstate(divide="ignore", invalid="ignore"):
         gap = height - radius
         touching = np.sqrt(2.0 * np.maximum(unsure - gap, 0.0) * radius)
