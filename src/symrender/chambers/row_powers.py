@@ -2,38 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 from symrender.chambers.records import NODES, Nodes
-from symrender.jit.marks import inlined, jitable
+from symrender.jit.marks import jitable
 from symrender.leaves.gleams import MOST_SQUARED
-
-VECTOR: Final = 8
-"""Nodes that one instruction takes at once, where processors have such wide ones."""
-
-
-@inlined
-def square_up(at: int, count: int, whole: int, b: Nodes) -> None:
-    """``power`` = ``radix``^whole of ``count`` nodes from ``at`` on, two binary digits a turn."""
-    for k in range(count):
-        b.power[at + k] = 1.0
-    while whole > 0:
-        digits = whole % 4
-        whole //= 4
-        if digits == 1:
-            for k in range(count):
-                b.power[at + k] *= b.radix[at + k]
-        elif digits == 2:
-            for k in range(count):
-                b.power[at + k] *= b.radix[at + k] * b.radix[at + k]
-        elif digits == 3:
-            for k in range(count):
-                x = b.radix[at + k]
-                b.power[at + k] *= x * (x * x)
-        if whole > 0:
-            for k in range(count):
-                square = b.radix[at + k] * b.radix[at + k]
-                b.radix[at + k] = square * square
 
 
 @jitable
@@ -45,10 +16,23 @@ def powers(start: int, stop: int, b: Nodes, exponent: float) -> None:
         for i in range(start, stop):
             b.power[i] = b.radix[i] ** exponent
         return
-    # vector by vector, so that one stays in its register for all digits; what no whole vector covers follows
-    at = start
-    while at + VECTOR <= stop:
-        square_up(at, VECTOR, whole, b)
-        at += VECTOR
-    for i in range(at, stop):
-        square_up(i, 1, whole, b)
+    for i in range(start, stop):
+        b.power[i] = 1.0
+    # two binary digits a turn
+    while whole > 0:
+        digits = whole % 4
+        whole //= 4
+        if digits == 1:
+            for i in range(start, stop):
+                b.power[i] *= b.radix[i]
+        elif digits == 2:
+            for i in range(start, stop):
+                b.power[i] *= b.radix[i] * b.radix[i]
+        elif digits == 3:
+            for i in range(start, stop):
+                x = b.radix[i]
+                b.power[i] *= x * (x * x)
+        if whole > 0:
+            for i in range(start, stop):
+                square = b.radix[i] * b.radix[i]
+                b.radix[i] = square * square
