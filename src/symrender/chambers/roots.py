@@ -90,6 +90,14 @@ def bernstein_value(p: Array, x: float) -> float:
 
 
 @jitable
+def bernstein_slope(p: Array, x: float) -> float:
+    """Its derivative there."""
+    y = 1.0 - x
+    ends = y * y * y * (p[1] - p[0]) + x * x * x * (p[4] - p[3])
+    return float(4.0 * (ends + 3.0 * (y * x) * (y * (p[2] - p[1]) + x * (p[3] - p[2]))))
+
+
+@jitable
 def moving_root(p: Array, x: float) -> float:
     """A root x of the quartic ``p``, which moves with its coefficients by the implicit function theorem."""
     still = held(x)
@@ -116,8 +124,8 @@ def bernstein_variations(p: Array) -> int:
 def quartic_roots(p: Array, stack: Array, out: Array) -> int:
     """Roots in (0, 1) of the quartic with Bernstein coefficients ``p``, ascending in ``out``; their number.
 
-    Subdivides until the sign-variation bound isolates each root, then regula falsi (Illinois). A pair closer than 1e-10
-    counts as none: the cell between them is too thin to matter. ``stack`` (n, 7) is scratch.
+    Subdivides until the sign-variation bound isolates each root, then Newton's rule within its ends. A pair closer than
+    1e-10 counts as none: the cell between them is too thin to matter. ``stack`` (n, 7) is scratch.
     """
     found = 0
     if bernstein_variations(p) == 0:
@@ -147,18 +155,21 @@ def quartic_roots(p: Array, stack: Array, out: Array) -> int:
             if fa * fb >= 0.0:
                 x = 0.0 if abs(fa) < abs(fb) else 1.0
             else:
+                x = (xa * fb - xb * fa) / (fb - fa)
                 for _ in range(60):
-                    x = (xa * fb - xb * fa) / (fb - fa)
                     f = bernstein_value(stack[top], x)
-                    if f == 0.0 or abs(xb - xa) < 1e-15:
+                    if f == 0.0:
                         break
                     if f * fb < 0.0:
-                        xa, fa = xb, fb
+                        xa = x
                     else:
-                        fa *= 0.5
-                    step = abs(x - xb)
-                    xb, fb = x, f
-                    if step < 1e-15:
+                        xb = x
+                    before, slope = x, bernstein_slope(stack[top], x)
+                    x = x - f / slope if slope != 0.0 else math.nan
+                    if not xa <= x <= xb:
+                        x = 0.5 * (xa + xb)
+                    # a step of Newton's leaves a multiple of its square
+                    if abs(x - before) < 1e-10:
                         break
             if found < out.shape[0]:
                 out[found] = lo + (hi - lo) * x
