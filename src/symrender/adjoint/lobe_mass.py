@@ -62,7 +62,7 @@ def horizon_slopes(n: float, theta_max: float, alpha: float, share: float, gauss
     logs = 0.0
     if low < high:
         for node in range(NODES):
-            weight, st, ct = ring_node(node, low, high, n, gauss)
+            weight, _, st, ct = ring_node(node, low, high, n, gauss)
             if ct > 0.0:
                 arc = math.acos(max(-1.0, min(1.0, -ct * ca / max(st * sa, 1e-300))))
                 logs += weight * scale * math.log1p(-st * st / (1.0 + ct)) * 2.0 * arc

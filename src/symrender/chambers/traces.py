@@ -20,7 +20,7 @@ from symrender.chambers.labels import is_hidden
 from symrender.chambers.line import wall_level
 from symrender.chambers.place import surface_point
 from symrender.chambers.reach import are_apart
-from symrender.chambers.records import DISTANT, Event, Wall
+from symrender.chambers.records import DISTANT, SAMPLES, Event, Wall
 from symrender.chambers.tangencies import edge_frame, straight_place
 from symrender.chambers.walls import (
     BALL,
@@ -41,9 +41,6 @@ from symrender.leaves import values
 from symrender.scene.arrays import CUT
 
 Array = npt.NDArray[np.float64]
-
-SAMPLES = 24
-"""Places along a curve between which the other wall's level is followed."""
 
 
 class Pair(NamedTuple):
@@ -111,6 +108,20 @@ def edge_place(psi: float, row: Wall, beyond: bool, view: View, work: Work) -> t
 
 
 @inlined
+def level_there(x: float, c: float, s: float, other: int, work: Work) -> float:
+    """Level of wall ``other``, or of the rim for -1, at inner coordinate ``x`` of the line (c, s)."""
+    chart = work.chart
+    if other >= 0:
+        return wall_level(other, x, c, s, work)
+    if chart.shape_index < 0.0:
+        sb, cb = math.sin(x), math.cos(x)
+    else:
+        sb = chart.ratio * math.sin(x)
+        cb = math.sqrt(max(0.0, (1.0 - sb) * (1.0 + sb)))
+    return float(cb * chart.lobe_cos + sb * c * chart.lobe_sin - chart.lobe.rim_cos)
+
+
+@inlined
 def along_level(
     psi: float, row: Wall, other: int, beyond: bool, view: View, work: Work
 ) -> tuple[float, float, float, float]:  # fmt: skip
@@ -118,20 +129,11 @@ def along_level(
 
     The level is NaN where the curve has no place.
     """
-    chart = work.chart
     qx, qy, qz, there = edge_place(psi, row, beyond, view, work)
     if not there:
         return math.nan, 0.0, 1.0, 0.0
     x, c, s = chart_place_of(qx, qy, qz, work)
-    if other < 0:
-        if chart.shape_index < 0.0:
-            sb, cb = math.sin(x), math.cos(x)
-        else:
-            sb = chart.ratio * math.sin(x)
-            cb = math.sqrt(max(0.0, (1.0 - sb) * (1.0 + sb)))
-        level = cb * chart.lobe_cos + sb * c * chart.lobe_sin - chart.lobe.rim_cos
-    else:
-        level = wall_level(other, x, c, s, work)
+    level = level_there(x, c, s, other, work)
     return level, x, c, s
 
 
@@ -159,13 +161,14 @@ def note_trace(
 def trace_pair(
     pair: Pair, view: View, work: Work, events: Table[Event], n: int, low: float, high: float
 ) -> int:  # fmt: skip
-    """Note where the other wall crosses the curve of the one that is walked along; new count."""
+    """Note where the other wall crosses the curve of the one that ``walk`` is laid along; new count."""
     row, other, beyond = work.walls[pair.walked], pair.other, pair.beyond
     step = 2.0 * math.pi / SAMPLES
     f0, f1 = math.nan, math.nan
+    first = SAMPLES if beyond else 0
     for k in range(SAMPLES + 3):
-        psi = k * step
-        f2, _, _, _ = along_level(psi, row, other, beyond, view, work)
+        psi, at = k * step, work.walk[first + k % SAMPLES]
+        f2 = level_there(at.inner, at.c, at.s, other, work) if at.there != 0 else math.nan
         left, right, fa, fb = psi - step, psi, f1, f2
         if 0 < k <= SAMPLES and (fa != fa) != (fb != fb):
             # the curve ends between the two: look up to there
@@ -246,31 +249,45 @@ def solve_trace(
 
 
 @jitable
-def passes_lobe(row: Wall, beyond: bool, view: View, work: Work) -> bool:
-    """Whether the curve of a wall may pass through the lobe: one of its samples is no farther than their spacing."""
+def walk_along(row: Wall, beyond: bool, view: View, work: Work) -> bool:
+    """Fill the places of ``walk`` along the curve of a wall; whether it may pass through the lobe.
+
+    One of the places is then no farther from it than their spacing, or the curve ends somewhere between two.
+    """
     chart = work.chart
-    rim = math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos)
-    nearest, widest = math.inf, 0.0
-    x0, y0, z0, known = 0.0, 0.0, 0.0, False
-    for k in range(SAMPLES + 1):
-        qx, qy, qz, there = edge_place(2.0 * math.pi * k / SAMPLES, row, beyond, view, work)
-        if not there:
-            if known:
-                # it ends somewhere before here
-                return True
-            continue
-        dx, dy, dz, _, _ = values.heading(qx - chart.point[0], qy - chart.point[1], qz - chart.point[2])
+    most, least, ends, first = -1.0, 1.0, False, SAMPLES if beyond else 0
+    x0, y0, z0 = 0.0, 0.0, 0.0
+    for k in range(SAMPLES):
+        at = work.walk[first + k]
+        x, y, z, there = edge_place(2.0 * math.pi * k / SAMPLES, row, beyond, view, work)
+        at.place[0], at.place[1], at.place[2], at.there = x, y, z, int(there)
+        ends = ends or at.there != work.walk[first].there
+        dx, dy, dz, _, _ = values.heading(x - chart.point[0], y - chart.point[1], z - chart.point[2])
         along = 0.0
         for a in range(3):
             axis = chart.lobe_cos * chart.pole[a] + chart.lobe_sin * chart.e1[a]
             along += axis * (dx if a == 0 else dy if a == 1 else dz)
-        nearest = min(nearest, math.acos(max(-1.0, min(1.0, along))) - rim)
-        if known:
-            widest = max(widest, math.acos(max(-1.0, min(1.0, dx * x0 + dy * y0 + dz * z0))))
-        elif k > 0:
-            return True
-        x0, y0, z0, known = dx, dy, dz, True
-    return nearest < widest
+        most = max(most, along)
+        if k > 0:
+            least = min(least, dx * x0 + dy * y0 + dz * z0)
+        x0, y0, z0 = dx, dy, dz
+    if ends or work.walk[first].there == 0:
+        return ends
+    last = work.walk[first].place
+    dx, dy, dz, _, _ = values.heading(last[0] - chart.point[0], last[1] - chart.point[1], last[2] - chart.point[2])
+    least = min(least, dx * x0 + dy * y0 + dz * z0)
+    nearest = math.acos(min(1.0, most)) - math.atan2(chart.lobe.rim_sin, chart.lobe.rim_cos)
+    return nearest < math.acos(max(-1.0, least))
+
+
+@jitable
+def chart_walk(beyond: bool, work: Work) -> None:
+    """Fill inner coordinates and lines of the places of ``walk``."""
+    first = SAMPLES if beyond else 0
+    for k in range(first, first + SAMPLES):
+        at = work.walk[k]
+        if at.there != 0:
+            at.inner, at.c, at.s = chart_place_of(at.place[0], at.place[1], at.place[2], work)
 
 
 @inlined
@@ -293,9 +310,10 @@ def trace_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
             kind == SHADOW and not edge_frame(view.points[one.light], view.spheres[one.shape_index], work.frame)
         ):
             continue
-        near, beyond = passes_lobe(one, False, view, work), sides == 2 and passes_lobe(one, True, view, work)
+        near, beyond = walk_along(one, False, view, work), sides == 2 and walk_along(one, True, view, work)
         if not (near or beyond):
             continue
+        charted = False
         for j in range(-1, count):
             if j < 0:
                 # the floor's rim is a circle of directions, for which there is a closed form
@@ -308,6 +326,9 @@ def trace_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
                 continue
             hides = j < 0 or not (one.tag == SHADOW_EDGE and (walls[j].tag in (TEXTURE_EDGE, TERMINATOR, SHADOW_EDGE)))
             for side in range(sides):
+                if not charted:
+                    chart_walk(side == 1, work)
                 if near if side == 0 else beyond:
                     n = trace_pair(Pair(i, j, side == 1, hides), view, work, events, n, low, high)
+            charted = True
     return n

@@ -11,6 +11,7 @@ from symrender.chambers.caps import Arc, Cone, Crossing
 from symrender.chambers.lobes.record import Conductor, Sender
 from symrender.chambers.records import (
     NODES,
+    SAMPLES,
     Aim,
     Box,
     Caster,
@@ -25,6 +26,7 @@ from symrender.chambers.records import (
     Side,
     Spot,
     Wall,
+    Waypoint,
 )
 from symrender.jit.call import racked
 from symrender.jit.marks import inlined, jitable
@@ -124,6 +126,7 @@ class Work(NamedTuple):
     turns: Array
     breaks: Array
     chords: Array
+    walk: Table[Waypoint]
     spots: Table[Spot]
     highlights: Table[Highlight]
     boxes: Table[Box]
@@ -302,6 +305,7 @@ def work_arrays(spheres: int, points: int) -> Work:
         aim=table(Aim, 1)[0],
         notes=table(Notes, 1)[0],
         pieces=table(Piece, NODES + PENDING),
+        walk=table(Waypoint, 2 * SAMPLES),
         spots=table(Spot, min(MOST_SPOTS, 3 * cores + 2 + MOST_OF_LOBE + 2 * (2 + spheres) * (cores + 1))),
         highlights=table(Highlight, 64 + 192 * points),
         boxes=table(Box, 96),

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from symrender.chambers.lobes.mass import NODES, RINGS_FROM, RINGS_ROW, graded_rule
 from symrender.jit.marks import jitable
 
 Array = npt.NDArray[np.float64]
@@ -78,7 +79,7 @@ def gauss_table() -> Array:
     as factors of the weights, the Legendre coefficients of degrees n - 1 and n - 2 of what the rule sees: how fast they
     fall tells the rule's error. A row is 0 where that degree would be 0 or less. Row 3 + k has the weights for 2^k
     cells of alternating sign (``block_means``). Rows ``MIDDLE`` and the next are like rows 2 and 3, of half their
-    degrees, rounded down. The disk rules have x, y and weights in rows 0 to 2.
+    degrees, rounded down. The disk rules have x, y and weights in rows 0 to 2, below them stands ``graded_rule``.
     """
     table = np.zeros((MIDDLE + 2, DISK_STARTS[-1]))
     means = [block_means(level) for level in range(1, BLOCK_LEVELS)]
@@ -98,6 +99,9 @@ def gauss_table() -> Array:
             table[3 + level, start : start + n] = 0.5 * w * (legendre @ mean[:n])
     for degree, start, stop in zip(DISK_DEGREES, DISK_STARTS, DISK_STARTS[1:], strict=False):
         table[:3, start:stop] = disk_rule(degree)
+    finest = MAX_ORDER * (MAX_ORDER - 1) // 2
+    rule = table[:2, finest : finest + MAX_ORDER]
+    table[RINGS_ROW : RINGS_ROW + 2, RINGS_FROM : RINGS_FROM + NODES] = graded_rule(*rule)
     return table
 
 

@@ -8,17 +8,18 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.jit.marks import jitable
+from symrender.jit.marks import inlined, jitable
 from symrender.leaves import values
 
 Array = npt.NDArray[np.float64]
 
-_ORDER = 24
-_PIECES = 8
-_FIRST = _ORDER * (_ORDER - 1) // 2
-"""Where the Gauss rule of that order stands in ``gauss_table()``."""
+_ORDER: Final = 24
+_PIECES: Final = 8
 NODES: Final = _ORDER * _PIECES
 """Rings of a sum over those a circle crosses."""
+RINGS_ROW: Final = 3
+RINGS_FROM: Final = 300
+"""Where ``gauss_table()`` has the places of the rings' nodes; their weights are a row below."""
 ROUNDED_SHARE: Final = 3e-14
 """What rounding and ``NODES`` rings may leave of a share."""
 
@@ -47,29 +48,33 @@ def tilt_of(axis: Array, normal: Array) -> float:
     return math.atan2(math.sqrt(x * x + y * y + z * z), along)
 
 
-@jitable
-def graded(node: int, gauss: Array) -> tuple[float, float]:
-    """One of ``NODES`` nodes of [0, 1] and its weight, after a map of fourth order at both ends.
+def graded_rule(nodes: Array, weights: Array) -> Array:
+    """(2, ``NODES``): nodes of [0, 1] and their weights, of this Gauss rule on pieces, mapped at both ends.
 
-    It makes the square root smooth by which the arc of a circle begins or ends, and leaves of a fractional power, as
-    of cos^n at a right angle, what rounding hides: sin^2 of sin^2.
+    The map is of fourth order there. It makes the square root smooth by which the arc of a circle begins or ends, and
+    leaves of a fractional power, as of cos^n at a right angle, what rounding hides: sin^2 of sin^2.
     """
-    x = (node // _ORDER + gauss[0, _FIRST + node % _ORDER]) / _PIECES
+    x = ((np.arange(_PIECES)[:, None] + nodes) / _PIECES).ravel()
     half = 0.5 * math.pi
-    inner = math.sin(half * x) ** 2
-    at = math.sin(half * inner)
-    slope = half * half * math.sin(math.pi * inner) * math.sin(math.pi * x)
-    return at * at, gauss[1, _FIRST + node % _ORDER] / _PIECES * slope
+    inner = np.sin(half * x) ** 2
+    slope = half * half * np.sin(math.pi * inner) * np.sin(math.pi * x)
+    return np.stack([np.sin(half * inner) ** 2, np.tile(weights, _PIECES) / _PIECES * slope])
+
+
+@inlined
+def graded(node: int, gauss: Array) -> tuple[float, float]:
+    """One of ``NODES`` nodes of [0, 1] and its weight, of ``graded_rule``."""
+    return float(gauss[RINGS_ROW, RINGS_FROM + node]), float(gauss[RINGS_ROW + 1, RINGS_FROM + node])
 
 
 @jitable
-def ring_node(node: int, low: float, high: float, n: float, gauss: Array) -> tuple[float, float, float]:
-    """Weight cos^n theta sin theta dtheta, sine and cosine of one of ``NODES`` rings from ``low`` to ``high``."""
+def ring_node(node: int, low: float, high: float, n: float, gauss: Array) -> tuple[float, float, float, float]:
+    """Weight cos^n theta sin theta dtheta, theta, its sine and cosine of one of ``NODES`` rings between two."""
     at, weight = graded(node, gauss)
     theta = low + (high - low) * at
     st, ct = math.sin(theta), math.cos(theta)
     density = values.angle_power(theta, n) if ct > 0.0 else 0.0
-    return weight * (high - low) * density * st, st, ct
+    return weight * (high - low) * density * st, theta, st, ct
 
 
 @jitable
@@ -78,9 +83,9 @@ def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Arra
 
     On the ring theta the cap covers the half-arc A with cos A = (cos alpha - cos theta cos beta)/(sin theta sin beta),
     taken from half angles, tan^2(A/2) = sin(s - theta) sin(s - beta)/(sin s sin(s - alpha)) with 2 s the sum, so that
-    narrow lobes and discs keep their digits; its square-root ends are removed by ``graded``, and the ring's weight is
-    integrated exactly where the whole ring lies inside. A horizon is the cap alpha = pi/2 about the normal. ``gauss``
-    is ``gauss_table()``.
+    narrow lobes and discs keep their digits; its square-root ends are removed by ``graded_rule``, and the ring's weight
+    is integrated exactly where the whole ring lies inside. A horizon is the cap alpha = pi/2 about the normal.
+    ``gauss`` is ``gauss_table()``.
     """
     full = alpha - beta
     share = 0.0
@@ -93,8 +98,7 @@ def cap_share(n: float, theta_max: float, beta: float, alpha: float, gauss: Arra
         return share
     scale = 1.0 / values.normaliser(values.log_rim(theta_max), n)
     for node in range(NODES):
-        weight, st, ct = ring_node(node, low, high, n, gauss)
-        theta = math.atan2(st, ct)
+        weight, theta, _, _ = ring_node(node, low, high, n, gauss)
         opposite = math.sin(0.5 * (alpha + beta - theta)) * math.sin(0.5 * (alpha + theta - beta))
         beside = math.sin(0.5 * (alpha + beta + theta)) * math.sin(0.5 * (beta + theta - alpha))
         arc = 2.0 * math.atan2(math.sqrt(max(0.0, opposite)), math.sqrt(max(0.0, beside)))
@@ -123,7 +127,7 @@ def facing_mass(n: float, theta_max: float, beta: float, gauss: Array) -> float:
     if not low < high:
         return share
     for node in range(NODES):
-        weight, st, ct = ring_node(node, low, high, n, gauss)
+        weight, _, st, ct = ring_node(node, low, high, n, gauss)
         arc = math.acos(max(-1.0, min(1.0, -ct * cb / max(st * sb, 1e-300))))
         share += weight * u / mass * (ct * cb * arc + st * sb * math.sin(arc)) / math.pi
     return share
