@@ -66,13 +66,15 @@ def test_the_area_of_a_ball_in_a_pixel() -> None:
         "shapes": [{"type": "sphere", "name": "ball", "center": [0, 0, 0], "radius": radius, "material": "clay"}],
         "lights": [{"type": "area", "name": "glow", "shape": "ball", "radiance": [3, 2, 1]}],
     })  # fmt: skip
-    found = sr.hessian(scene, ["shapes.ball.radius"], size=1, tol=1e-8, filter="box")
+    found = sr.hessian(scene, ["shapes.ball.radius"], size=1, tol=1e-6, filter="box")
     rest = distance**2 - radius**2
     curved = 2.0 * distance**2 * (distance**2 + 3.0 * radius**2) / rest**3
     expected = np.pi / (4.0 * half**2) * curved * np.array([3.0, 2.0, 1.0])
     off = np.abs(found.values[0, 0, 0, 0] - expected).max()
     assert expected.min() > 1.0
     assert off <= found.error[0, 0, 0, 0] <= 1e-3 * expected.max()
+    # a looser tolerance loosens what is stated, not what is found
+    assert off <= 1e-6 * expected.max()
 
 
 def test_refusals() -> None:
