@@ -142,14 +142,41 @@ class Clock:
 CLOCK: Final = Clock()
 
 
+@contextmanager
+def alone(path: Path) -> Iterator[bool]:
+    """Within the block no other process is in one of the same file; gives whether one was, and had to be waited for."""
+    import fcntl
+
+    with path.open("w") as file:
+        waited = False
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            waited = True
+            fcntl.flock(file, fcntl.LOCK_EX)
+        try:
+            yield waited
+        finally:
+            # a process forked meanwhile has the file open too
+            fcntl.flock(file, fcntl.LOCK_UN)
+
+
 @pytest.fixture(scope="session", autouse=True)
-def compiling_takes_no_time() -> Iterator[None]:
-    """Our own compiling."""
-    translate = Kernel._compile
+def compiling_takes_no_time(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Our own compiling, where of two workers that need the same kernel at the same time one compiles it.
+
+    Kernels of one function have most of their parts in common, whatever their types, so one is compiled at a time.
+    """
+    translate, folder = Kernel._compile, tmp_path_factory.getbasetemp().parent
+    shared = "PYTEST_XDIST_WORKER" in os.environ and sys.platform != "win32"
 
     def untimed(kernel: Kernel, *types: Any) -> Any:
         with CLOCK.stopped():
-            return translate(kernel, *types)
+            if not shared:
+                return translate(kernel, *types)
+            with alone(folder / f"{'.'.join(kernel.name)}.compiling") as waited:
+                made = kernel._read(*types) if waited else None
+                return translate(kernel, *types) if made is None else made
 
     Kernel._compile = untimed  # type: ignore[method-assign]
     yield

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import signal
 import sys
+import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from conftest import alone
 from symrender.jit.compiled import compiled
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="POSIX alarms")
@@ -73,3 +75,23 @@ def test_numbas_takes_none_either() -> None:
         assert numba.njit(square)(np.float64(3.0)) == 9.0
     assert seen and seen[0] == 0.0
     assert signal.getitimer(signal.ITIMER_REAL)[0] > 990.0
+
+
+def test_who_needs_what_another_compiles_waits_for_it(tmp_path: Path) -> None:
+    found, order = [], []
+
+    def second() -> None:
+        with alone(tmp_path / "kernel") as waited:
+            order.append("second")
+            found.append(waited)
+
+    with alone(tmp_path / "kernel") as waited:
+        found.append(waited)
+        other = threading.Thread(target=second)
+        other.start()
+        other.join(0.2)
+        order.append("first")
+    other.join()
+    assert (order, found) == (["first", "second"], [False, True])
+    with alone(tmp_path / "kernel") as waited:
+        assert not waited
