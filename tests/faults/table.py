@@ -137,7 +137,7 @@ FAULTS = (
     Fault("truth", "execution/finite.py", 'np.isnan(layers["error"])', 'np.isneginf(layers["error"])',
           ("test_truth.py",),
           "an error that is not a number let out"),
-    Fault("truth", "runtimes/truth.py", 'layers["radiance"][pixels] += weights[surface] * found.gloss',
+    Fault("truth", "runtimes/truth.py", 'layers["radiance"][pixels] += weight * found.gloss',
           'layers["radiance"][pixels] += found.gloss', ("test_truth.py",), "the lobe's weight forgotten"),
     Fault("scene", "scene/arrays.py", "MIN_LENGTH if place in earlier else sphere.radius", "sphere.radius",
           ("runtimes/test_properties.py",), "equal spheres that shade each other"),

@@ -203,20 +203,6 @@ class Caster(Record):
     """On the floor, 1 if P sees nothing of the shadow's edge, so that all it sees is inside or all is outside."""
 
 
-SAMPLES: Final = 24
-"""Places along a curve between which another wall's level is followed."""
-
-
-class Waypoint(Record):
-    """A place along a curve, where it is ``there``, and its inner coordinate on the line (c, s)."""
-
-    place: Three
-    inner: float
-    c: float
-    s: float
-    there: int
-
-
 class Spot(Record):
     """A singularity of the chart's integrand beside the real azimuths, and how far off them it lies."""
 

@@ -20,8 +20,9 @@ from symrender.chambers.labels import is_hidden
 from symrender.chambers.line import wall_level
 from symrender.chambers.place import surface_point
 from symrender.chambers.reach import are_apart
-from symrender.chambers.records import DISTANT, SAMPLES, Event, Wall
+from symrender.chambers.records import DISTANT, Event, Wall
 from symrender.chambers.tangencies import edge_frame, straight_place
+from symrender.chambers.walk import SAMPLES
 from symrender.chambers.walls import (
     BALL,
     DIRECTION,

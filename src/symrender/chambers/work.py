@@ -11,7 +11,6 @@ from symrender.chambers.caps import Arc, Cone, Crossing
 from symrender.chambers.lobes.record import Conductor, Sender
 from symrender.chambers.records import (
     NODES,
-    SAMPLES,
     Aim,
     Box,
     Caster,
@@ -26,8 +25,8 @@ from symrender.chambers.records import (
     Side,
     Spot,
     Wall,
-    Waypoint,
 )
+from symrender.chambers.walk import SAMPLES, Waypoint
 from symrender.jit.call import racked
 from symrender.jit.marks import inlined, jitable
 from symrender.jit.racks import Rack

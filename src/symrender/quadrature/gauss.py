@@ -81,28 +81,28 @@ def gauss_table() -> Array:
     cells of alternating sign (``block_means``). Rows ``MIDDLE`` and the next are like rows 2 and 3, of half their
     degrees, rounded down. The disk rules have x, y and weights in rows 0 to 2, below them stands ``graded_rule``.
     """
-    table = np.zeros((MIDDLE + 2, DISK_STARTS[-1]))
+    gauss = np.zeros((MIDDLE + 2, DISK_STARTS[-1]))
     means = [block_means(level) for level in range(1, BLOCK_LEVELS)]
     for n in range(1, MAX_ORDER + 1):
         x, w = np.polynomial.legendre.leggauss(n)
         start = n * (n - 1) // 2
-        table[0, start : start + n] = 0.5 * (1.0 + x)
-        table[1, start : start + n] = 0.5 * w
+        gauss[0, start : start + n] = 0.5 * (1.0 + x)
+        gauss[1, start : start + n] = 0.5 * w
         for row, degree in ((2, n - 1), (3, n - 2), (MIDDLE, (n - 1) // 2), (MIDDLE + 1, (n - 1) // 2 - 1)):
             if degree > 0:
                 series = np.zeros(degree + 1)
                 series[degree] = 2 * degree + 1
-                table[row, start : start + n] = np.polynomial.legendre.legval(x, series)
+                gauss[row, start : start + n] = np.polynomial.legendre.legval(x, series)
         # int sign L_i of the Lagrange polynomials of the nodes, through their Legendre coefficients
         legendre = np.polynomial.legendre.legvander(x, n - 1) * (2.0 * np.arange(n) + 1.0)
         for level, mean in enumerate(means, 1):
-            table[3 + level, start : start + n] = 0.5 * w * (legendre @ mean[:n])
+            gauss[3 + level, start : start + n] = 0.5 * w * (legendre @ mean[:n])
     for degree, start, stop in zip(DISK_DEGREES, DISK_STARTS, DISK_STARTS[1:], strict=False):
-        table[:3, start:stop] = disk_rule(degree)
-    finest = MAX_ORDER * (MAX_ORDER - 1) // 2
-    rule = table[:2, finest : finest + MAX_ORDER]
-    table[RINGS_ROW : RINGS_ROW + 2, RINGS_FROM : RINGS_FROM + NODES] = graded_rule(*rule)
-    return table
+        gauss[:3, start:stop] = disk_rule(degree)
+    x, w = np.polynomial.legendre.leggauss(MAX_ORDER)
+    for row, values in enumerate(graded_rule(0.5 * (1.0 + x), 0.5 * w)):
+        gauss[RINGS_ROW + row, RINGS_FROM : RINGS_FROM + NODES] = values
+    return gauss
 
 
 @jitable
