@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from math import comb
 
+import mpmath as mp
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -53,3 +55,44 @@ def test_quartic_roots_match_a_fine_scan(coefficients: list[float]) -> None:
     crossed = np.flatnonzero(values[:-1] * values[1:] < 0)
     for i in crossed:
         assert ((out[:n] >= grid[i] - 1e-9) & (out[:n] <= grid[i + 1] + 1e-9)).any()
+
+
+def bernstein_of(roots: list[float]) -> np.ndarray:
+    """(5,): the quartic with these roots, rounded."""
+    powers = [mp.mpf(1)]
+    for root in roots:
+        higher, lower = [mp.mpf(0), *powers], [*powers, mp.mpf(0)]
+        powers = [up - mp.mpf(root) * down for up, down in zip(higher, lower, strict=True)]
+    return np.array([float(sum(mp.mpf(comb(i, k)) / comb(4, k) * powers[k] for k in range(i + 1))) for i in range(5)])
+
+
+def known_roots(p: np.ndarray) -> list[float]:
+    """What the rounded quartic has in (0, 1)."""
+    exact = [mp.mpf(float(value)) for value in p]
+    powers = [sum((-1) ** (k - i) * comb(4, k) * comb(k, i) * exact[i] for i in range(k + 1)) for k in range(5)]
+    found = mp.polyroots(powers[::-1], maxsteps=200, extraprec=200)
+    return sorted(float(root.real) for root in found if abs(root.imag) < mp.mpf(10) ** -25 and 0 < root.real < 1)
+
+
+def test_quartic_roots_have_the_digits_that_their_coefficients_give() -> None:
+    """Of pairs 1e-8 to .1 apart and of roots 1e-12 to .1 from the ends."""
+    rng, judged, close = np.random.default_rng(1), 0, 0
+    for trial in range(240):
+        a, apart = float(rng.uniform(0.0, 1.0)), 10.0 ** float(rng.uniform(-8.0, -1.0))
+        near, far = (10.0 ** float(rng.uniform(-12.0, -1.0)) for _ in range(2))
+        pair = [a, a + apart, *rng.uniform(-1.0, 2.0, 2).tolist()]
+        with mp.workdps(40):
+            p = bernstein_of(pair if trial % 2 else [near, 1.0 - far, 5.0, -3.0])
+            known = known_roots(p)
+        out = np.zeros(4)
+        found = quartic_roots(p, np.zeros((64, 7)), out)
+        if found != len(known):
+            # two that the coefficients hardly tell apart
+            assert trial % 2 and apart < 1e-7
+            continue
+        for root, true in zip(out[:found], known, strict=True):
+            slope = abs(bernstein_value(p, true + 1e-7) - bernstein_value(p, true - 1e-7)) / 2e-7
+            noise = 4e-16 * np.abs(p).max() / slope
+            assert abs(root - true) <= 0.5 * noise + 2e-16, (trial, root, true)
+            judged, close = judged + 1, close + (noise > 1e-13)
+    assert judged >= 400 and close >= 30

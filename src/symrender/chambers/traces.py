@@ -263,6 +263,8 @@ def walk_along(row: Wall, beyond: bool, view: View, work: Work) -> bool:
         x, y, z, there = edge_place(2.0 * math.pi * k / SAMPLES, row, beyond, view, work)
         at.place[0], at.place[1], at.place[2], at.there = x, y, z, int(there)
         ends = ends or at.there != work.walk[first].there
+        if not there:
+            continue
         dx, dy, dz, _, _ = values.heading(x - chart.point[0], y - chart.point[1], z - chart.point[2])
         along = 0.0
         for a in range(3):
@@ -327,9 +329,9 @@ def trace_crossings(view: View, work: Work, events: Table[Event], n: int, low: f
                 continue
             hides = j < 0 or not (one.tag == SHADOW_EDGE and (walls[j].tag in (TEXTURE_EDGE, TERMINATOR, SHADOW_EDGE)))
             for side in range(sides):
-                if not charted:
-                    chart_walk(side == 1, work)
                 if near if side == 0 else beyond:
+                    if not charted:
+                        chart_walk(side == 1, work)
                     n = trace_pair(Pair(i, j, side == 1, hides), view, work, events, n, low, high)
             charted = True
     return n
