@@ -165,13 +165,18 @@ def add_color(m: int, a: int, color: float, albedo: float, shading: Shading, r: 
     diffuse, shine, at = color * shading.kd * albedo, color * shading.ks, 9 * a
     for i in range(m):
         r.above[a, i] += color * r.bare[i]
+    for i in range(m):
         r.below[a, i] += color * r.gleam[i]
+    for i in range(m):
+        r.lit[i], r.shown[i] = diffuse * r.weight[i] * r.tint[i], shine * r.weight[i]
+    # a row a loop: of more at once, whose places depend on the channel, the compiler cannot tell that they are apart
     for k in range(3):
         for i in range(m):
-            d, h = diffuse * r.weight[i] * r.tint[i], shine * r.weight[i]
-            r.node[at + k, i] -= d * r.bare_slopes[k, i] + h * r.gleam_slopes[k, i]
-            r.node[at + 3 + k, i] += d * r.bare_slopes[3 + k, i] + h * r.gleam_slopes[3 + k, i]
-            r.node[at + 6 + k, i] += h * r.gleam_slopes[6 + k, i]
+            r.node[at + k, i] -= r.lit[i] * r.bare_slopes[k, i] + r.shown[i] * r.gleam_slopes[k, i]
+        for i in range(m):
+            r.node[at + 3 + k, i] += r.lit[i] * r.bare_slopes[3 + k, i] + r.shown[i] * r.gleam_slopes[3 + k, i]
+        for i in range(m):
+            r.node[at + 6 + k, i] += r.shown[i] * r.gleam_slopes[6 + k, i]
 
 
 @inlined

@@ -177,16 +177,24 @@ def pull_rows(
     """
     m = min(m, NODES)
     at, mx, my, mz = 9 * a, axis[0], axis[1], axis[2]
+    # where the channel's rows lie the compiler does not know: at places of their own they are taken eight at a time
+    for k in range(9):
+        for i in range(m):
+            r.pulled[k, i] = r.node[at + k, i]
     for i in range(m):
-        w, above, below = r.weight[i], r.above[a, i], r.below[a, i]
-        hx, hy, hz = r.node[at, i], r.node[at + 1, i], r.node[at + 2, i]
-        nx, ny, nz = r.node[at + 3, i], r.node[at + 4, i], r.node[at + 5, i]
+        r.pulled[9, i] = r.above[a, i]
+    for i in range(m):
+        r.pulled[10, i] = r.below[a, i]
+    for i in range(m):
+        w, above, below = r.weight[i], r.pulled[9, i], r.pulled[10, i]
+        hx, hy, hz = r.pulled[0, i], r.pulled[1, i], r.pulled[2, i]
+        nx, ny, nz = r.pulled[3, i], r.pulled[4, i], r.pulled[5, i]
         wx, wy, wz = r.way[0, i], r.way[1, i], r.way[2, i]
         fx, fy, fz = b.normal[0, i], b.normal[1, i], b.normal[2, i]
         qx, qy, qz = r.hit[0, i], r.hit[1, i], r.hit[2, i]
         total = w * (lit * r.tint[i] * above + flat + ks * below)
         drawn = total * r.steep[i]
-        gx, gy, gz = drawn * mx - r.node[at + 6, i], drawn * my - r.node[at + 7, i], drawn * mz - r.node[at + 8, i]
+        gx, gy, gz = drawn * mx - r.pulled[6, i], drawn * my - r.pulled[7, i], drawn * mz - r.pulled[8, i]
         r.lit[i], r.shown[i], r.dimmed[i] = w * r.tint[i] * above, w * below, w * r.dim[i] * above
         r.total[i], r.logs[i] = total, total * r.log[i]
         r.axis[0, i], r.axis[1, i], r.axis[2, i] = drawn * wx, drawn * wy, drawn * wz

@@ -88,6 +88,8 @@ class Moved(Record):
     below: NodeThrees
     """Highlights."""
     node: NodeChannels
+    pulled: Annotated[Array, (11, NODES)]
+    """The nine of one channel, and its light and highlight."""
     told: Row
     """A number as smooth along the line as the radiance and the gradients of the disks' light."""
     lit: Row
