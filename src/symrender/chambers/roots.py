@@ -144,7 +144,7 @@ def quartic_roots(p: Array, stack: Array, out: Array) -> int:
             continue
         if changes == 1:
             fa, fb = stack[top, 0], stack[top, 4]
-            xa, xb, x = 0.0, 1.0, 0.5
+            xa, xb = 0.0, 1.0
             # a zero at an end is not the root that the coefficients announce
             if fa == 0.0:
                 xa = 1e-4

@@ -233,17 +233,10 @@ def _leaving(ready: SlopeScene) -> npt.NDArray[np.bool_]:
     return np.pad(found, ((0, 0), (0, 1)))[:, frames.homes]
 
 
-def _nowhere(count: int) -> tuple[Array, Array, Array]:
-    """How no points move in ``count`` parameters."""
-    none = np.zeros((count, 0, 3))
-    return none, none, none
-
-
 def _compile(ready: SlopeScene, settings: Settings, shines: bool, disks: bool) -> None:
     """Call the kernels of lobes and of exact disks, where there are any, with no points, to compile them."""
-    none, nowhere = np.zeros((0, 3)), np.zeros(0, np.int64)
-    still = _nowhere(len(ready.tangents.eye))
+    none, nowhere, still = np.zeros((0, 3)), np.zeros(0, np.int64), ready.tangents.place
     if shines:
-        gloss_gradients(ready, none, none, none, nowhere, still, settings.tol)
+        gloss_gradients(ready, none, none, none, nowhere, (still, still, still), settings.tol)
     if disks:
-        direct_gradients(ready.arrays, none, none, none, nowhere, none, still[0], ready.at(still), settings.tol)
+        direct_gradients(ready.arrays, none, none, none, nowhere, none, still, ready.tangents, settings.tol)

@@ -18,8 +18,8 @@ _PIECES: Final = 8
 NODES: Final = _ORDER * _PIECES
 """Rings of a sum over those a circle crosses."""
 RINGS_ROW: Final = 3
-RINGS_FROM: Final = 300
-"""Where ``gauss_table()`` has the places of the rings' nodes; their weights are a row below."""
+RINGS_FROM: Final = _ORDER * (_ORDER + 1) // 2
+"""Where ``gauss_table()`` has the places of the rings' nodes, behind all Gauss rules; their weights are a row below."""
 ROUNDED_SHARE: Final = 3e-14
 """What rounding and ``NODES`` rings may leave of a share."""
 
