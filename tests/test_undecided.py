@@ -57,6 +57,8 @@ ONE = {
     ),
     "a plane in the floor": scene(planes=[([5, 3, 0], [0, 0, 2])]),
     "a huge ball under the floor": scene([([0, 0, -1e8], 1e8)]),
+    "a large ball within a huge one": scene([([0, 0, -1e8], 1e8), ([0, 0, -1e6], 1e6)], floor=False),
+    "a huge ball about a large one": scene([([0, 0, -1e6], 1e6), ([0, 0, -1e8], 1e8)], floor=False),
     "huge balls within each other": scene([([0, 0, -1e9], 1e9), ([0, 0, -1e9 - 1], 1e9 + 1)], floor=False),
 }
 TWO = {
