@@ -25,9 +25,9 @@ MAX_PLANES: Final = 16
 """Most planes in a scene, beside its floor."""
 MAX_SHAPES: Final = 1024
 """Most shapes in a radiometric scene."""
-MAX_TRIANGLES: Final = 5000
+MAX_TRIANGLES: Final = 100_000
 """Most triangles of all meshes in a radiometric scene together, and most vertices of one mesh."""
-MAX_MESH_BYTES: Final = 1 << 22
+MAX_MESH_BYTES: Final = 1 << 25
 """Largest file of a mesh, bytes."""
 MAX_LIGHTS: Final = 256
 """Most lights in a scene."""

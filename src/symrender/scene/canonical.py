@@ -18,7 +18,7 @@ def _canonical(value: Any) -> Any:
 
 
 def _said(value: Any) -> Any:
-    """``value`` without lens, motion, shutter and bumps where they are none."""
+    """``value`` without notes, and without lens, motion, shutter and bumps where they are none."""
     if isinstance(value, tuple):
         return tuple(map(_said, value))
     if not isinstance(value, dict):
@@ -26,14 +26,14 @@ def _said(value: Any) -> Any:
     sharp = value.get("aperture") == 0.0
     still = {name for name in ("velocity", "shutter") if name in value and not any(value[name])}
     flat = {"bump"} if value.get("bump", 0) is None else set()
-    left = still | flat | ({"aperture", "focus"} if sharp else set())
+    left = {"notes"} | still | flat | ({"aperture", "focus"} if sharp else set())
     return {key: _said(entry) for key, entry in value.items() if key not in left}
 
 
 def canonical(scene: Part) -> str:
     """``scene`` as text that depends on its values alone: keys sorted, defaults filled in, floats in hexadecimal.
 
-    ``name`` and ``description`` are left out, for no image depends on them. -0.0 is 0.0. A scene without planes says
+    ``name``, ``description`` and the notes of meshes are left out, for no image depends on them. -0.0 is 0.0. A scene without planes says
     nothing of them, as before there were any, nor does one of what does not move, a lens without a width, no exposure,
     and one without a bump no bump.
     """

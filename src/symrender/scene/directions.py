@@ -29,14 +29,30 @@ def _unit(v: Triple) -> Triple:
 
 def parallel(v: Triple, start: Triple, end: Triple) -> bool:
     """Whether ``v`` is along the line from ``start`` to ``end``; none of the two directions is zero."""
-    return along(v, (end[0] - start[0], end[1] - start[1], end[2] - start[2]))
+    return along(v, minus(end, start))
 
 
 def along(v: Triple, w: Triple) -> bool:
     """Whether ``v`` and ``w`` lie on one line; none of the two is zero."""
     ax, ay, az = _unit(v)
     bx, by, bz = _unit(w)
-    return math.hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx) < _PARALLEL
+    return math.hypot(*cross((ax, ay, az), (bx, by, bz))) < _PARALLEL
+
+
+def collinear(a: Triple, b: Triple, c: Triple) -> bool:
+    """Whether a triangle of these corners has no area in double precision."""
+    u, v, w = minus(b, a), minus(c, a), minus(c, b)
+    return any(coincide(edge, (0.0, 0.0, 0.0)) for edge in (u, v, w)) or along(u, v) or along(w, u)
+
+
+def minus(a: Triple, b: Triple) -> Triple:
+    """``a - b``."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def cross(v: Triple, w: Triple) -> Triple:
+    """``v x w``."""
+    return (v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0])
 
 
 def check_frame(normal: Triple, x: Triple) -> None:

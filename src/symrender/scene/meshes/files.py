@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Callable
 from pathlib import PurePath
 from typing import Any, Final
@@ -9,7 +10,7 @@ from typing import Any, Final
 from symrender.errors import SceneError
 from symrender.limits import MAX_MESH_BYTES
 from symrender.scene.document import Document, Problem
-from symrender.scene.meshes.net import BadMesh, Net
+from symrender.scene.meshes.net import BadMesh
 from symrender.scene.meshes.obj import read_obj
 from symrender.scene.meshes.ply import read_ply
 from symrender.scene.printable import printable, shown
@@ -26,8 +27,8 @@ def beside(path: str) -> Opener:
     return lambda name, most: read_bytes(str(folder / name), most)
 
 
-def read_mesh(name: str, opener: Opener) -> Net:
-    """Vertices and faces of the file ``name``; SceneError names it and where in it the fault is."""
+def read_mesh(name: str, opener: Opener) -> dict[str, Any]:
+    """Vertices, faces and notes of the file ``name``; SceneError names it and where in it the fault is."""
     origin = printable(name, _SHOWN)
     suffix = PurePath(name).suffix.lower()
     if suffix not in (".obj", ".ply"):
@@ -36,10 +37,21 @@ def read_mesh(name: str, opener: Opener) -> Net:
     if len(data) > MAX_MESH_BYTES:
         raise SceneError(f"{origin}: a mesh's file may hold at most {MAX_MESH_BYTES} bytes")
     try:
-        return read_ply(data) if suffix == ".ply" else read_obj(decoded(data, origin, MAX_MESH_BYTES, "a mesh"))
+        read = read_ply(data) if suffix == ".ply" else read_obj(_text(data, origin))
+        return read.fields()
     except BadMesh as error:
         mark = "" if str(error)[:1].isdigit() else " "
         raise SceneError(f"{origin}:{mark}{error}") from None
+
+
+def _text(data: bytes, origin: str) -> str:
+    """The text of an OBJ file; where it is not UTF-8 it is Latin-1, as only its names and comments tell these apart."""
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        if not data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            data = data.decode("latin-1").encode("utf-8")
+    return decoded(data, origin, 2 * MAX_MESH_BYTES, "a mesh")
 
 
 def with_meshes(document: Document, opener: Opener) -> tuple[Document, list[Problem]]:
@@ -61,11 +73,9 @@ def with_meshes(document: Document, opener: Opener) -> tuple[Document, list[Prob
             problems.append(Problem(path, "a mesh has a file, or vertices and faces, got both"))
         else:
             try:
-                net = read_mesh(name, opener)
+                changed[index] = rest | read_mesh(name, opener)
             except SceneError as error:
                 problems.append(Problem(path, str(error)))
-            else:
-                changed[index] = rest | {"vertices": net.vertices, "faces": net.faces}
     read = {**data, "shapes": changed}
     return Document(read, document.origin, document.marks, document.labels, document.problems), problems
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import io
+import itertools
 import math
 import re
 import warnings
@@ -10,31 +12,39 @@ from typing import Any, Final
 
 from symrender.errors import SceneError, remedy
 from symrender.limits import MAX_TRIANGLES
-from symrender.scene.meshes.net import BadMesh, Net
+from symrender.scene.meshes.net import NO_NORMALS, BadMesh, Net
 from symrender.scene.printable import printable
 
-_HEADER: Final = 1 << 14
+_HEADER: Final = 1 << 16
 """Bytes within which a header has to end."""
-_ELEMENT: Final = re.compile(rb"[ \t]*element[ \t]+(\S+)[ \t]+(\S+)[ \t]*\r?")
-_COUNT: Final = re.compile(rb"[0-9]{1,9}")
+_LINE: Final = re.compile(rb"([^\r\n]*)(\r\n|\r|\n)")
+_COUNT: Final = re.compile(r"[0-9]{1,9}")
+_FORMATS: Final = ("ascii", "binary_little_endian", "binary_big_endian")
+_TYPES: Final = frozenset(
+    "char uchar short ushort int uint float double int8 uint8 int16 uint16 int32 uint32 float32 float64".split()
+)
 _AXES: Final = ("x", "y", "z")
+_NORMAL: Final = {"nx", "ny", "nz"}
 _LISTS: Final = ("vertex_indices", "vertex_index")
 
 
 def read_ply(data: bytes) -> Net:
     """Vertices and faces of a PLY file; BadMesh with the line of its header, or the row of its element."""
-    _check_header(data)
+    header, body = _parted(data)
     try:
         import plyfile  # type: ignore[import-untyped]
     except ImportError:
         raise SceneError(f"a mesh in PLY is read by plyfile, which is not installed; {remedy('mesh')}") from None
     try:
         with warnings.catch_warnings():
-            # what it only warns of, rows without numbers, is no mesh either
+            # what it only warns of, rows without numbers, is no mesh either; a face without corners is told by its row
             warnings.simplefilter("error")
-            file = plyfile.PlyData.read(io.BytesIO(data))
-    except (plyfile.PlyParseError, ValueError, TypeError, OverflowError, Warning) as error:
+            warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+            file = plyfile.PlyData.read(io.BytesIO(header + body))
+    except plyfile.PlyParseError as error:
         raise BadMesh(printable(str(error), 200)) from None
+    except (ValueError, TypeError, OverflowError, Warning) as error:
+        raise BadMesh(f"its rows cannot be read: {printable(str(error), 200)}") from None
     elements = {element.name: element for element in file.elements}
     net = Net()
     for name in ("vertex", "face"):
@@ -42,27 +52,73 @@ def read_ply(data: bytes) -> Net:
             raise BadMesh(f"must have an element '{name}', has {printable(', '.join(elements) or 'none', 100)}")
     _put_vertices(net, elements["vertex"])
     _put_faces(net, elements["face"])
-    if not net.faces:
+    if not net.polygons:
         raise BadMesh("element 'face': must have a row, got none")
+    if {each.name for each in elements["vertex"].properties} >= _NORMAL:
+        net.notes.append(NO_NORMALS)
     return net
 
 
-def _check_header(data: bytes) -> None:
-    """Refuse counts that no memory should be taken for, before plyfile takes it."""
-    head, end, _ = data[:_HEADER].partition(b"end_header")
-    if not end:
-        raise BadMesh(f"must have a header that ends within {_HEADER} bytes")
-    for number, line in enumerate(head.split(b"\n"), 1):
-        match = _ELEMENT.fullmatch(line)
-        if match is None:
-            continue
-        name = printable(match[1].decode("ascii", "replace"), 40)
-        if not _COUNT.fullmatch(match[2]):
-            raise BadMesh(f"{number}:1: element '{name}': must have a whole count of rows")
-        if int(match[2]) > MAX_TRIANGLES and name in ("vertex", "face"):
-            raise BadMesh(f"{number}:1: element '{name}': must have at most {MAX_TRIANGLES} rows, got {int(match[2])}")
-        if int(match[2]) > len(data):
-            raise BadMesh(f"{number}:1: element '{name}': has more rows than the file has bytes")
+def _parted(data: bytes) -> tuple[bytes, bytes]:
+    """The header as plyfile takes it, in ASCII, without comments, and what follows it.
+
+    Counts that no memory should be taken for are refused before plyfile takes it.
+    """
+    at = 3 if data.startswith(codecs.BOM_UTF8) else 0
+    lines: list[str] = []
+    ends: set[bytes] = set()
+    for number in itertools.count(1):
+        match = _LINE.match(data, at)
+        if match is None or match.end() > _HEADER:
+            raise BadMesh(f"must have a header that ends within {_HEADER} bytes")
+        text, at = match[1].decode("ascii", "backslashreplace").strip(), match.end()
+        if number == 1 and text != "ply":
+            raise BadMesh(f"1:1: must begin with the line ply, got '{_short(text)}'")
+        words = text.split()
+        if number > 1 and words and words[0] not in ("comment", "obj_info"):
+            _check_line(words, number, len(data))
+        if not words or words[0] not in ("comment", "obj_info"):
+            lines.append(" ".join(words))
+        if text == "end_header":
+            break
+        ends.add(match[2])
+    if match[2] == b"\r\n" and ends == {b"\r"}:
+        at -= 1  # the first byte of what follows is \n
+    body = data[at:]
+    if any(line.startswith("format ascii") for line in lines):
+        body = re.sub(rb"[ \t]*(?:\r\n|\r|\n)\s*", b"\n", body)
+        if not body.isascii():
+            row = next(k for k, line in enumerate(body.split(b"\n")) if not line.isascii())
+            raise BadMesh(f"{number + 1 + row}:1: must be numbers, got bytes that are no ASCII")
+    return "\n".join([*lines, ""]).encode("ascii"), body
+
+
+def _check_line(words: list[str], number: int, size: int) -> None:
+    """Refuse a line of a header that says nothing plyfile knows, or counts more rows than there may be."""
+    match words:
+        case ["end_header"]:
+            return
+        case ["format", kind, "1.0"] if kind in _FORMATS:
+            return
+        case ["property", kind, _] if kind in _TYPES:
+            return
+        case ["property", "list", length, kind, _] if length in _TYPES and kind in _TYPES:
+            return
+        case ["element", name, count]:
+            where = f"{number}:1: element '{_short(name)}'"
+            if not _COUNT.fullmatch(count):
+                raise BadMesh(f"{where}: must have a whole count of rows")
+            if int(count) > MAX_TRIANGLES and name in ("vertex", "face"):
+                raise BadMesh(f"{where}: must have at most {MAX_TRIANGLES} rows, got {int(count)}")
+            if int(count) > size:
+                raise BadMesh(f"{where}: has more rows than the file has bytes")
+        case _:
+            known = "format, comment, obj_info, element, property or end_header, as PLY writes them"
+            raise BadMesh(f"{number}:1: must be {known}, got '{_short(' '.join(words))}'")
+
+
+def _short(text: str) -> str:
+    return printable(text, 40)
 
 
 def _put_vertices(net: Net, element: Any) -> None:
@@ -86,7 +142,7 @@ def _put_faces(net: Net, element: Any) -> None:
         raise BadMesh(f"element 'face': must have a property '{_LISTS[0]}'")
     for row, listed in enumerate(element.data[name]):
         where = f"element 'face': row {row}"
-        if getattr(listed, "dtype", None) is None or listed.dtype.kind not in "iu" or listed.ndim != 1:
+        if getattr(listed, "dtype", None) is None or listed.ndim != 1 or (listed % 1 != 0).any():
             raise BadMesh(f"{where}: property '{name}': must be a list of whole numbers")
         corners = [int(k) for k in listed]
         wrong = next((k for k in corners if not 0 <= k < len(net.vertices)), None)

@@ -8,11 +8,12 @@ from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from symrender.limits import MAX_TRIANGLES
-from symrender.scene.directions import Triple, along, check_frame, coincide
+from symrender.scene.directions import Triple, along, check_frame, coincide, collinear, minus
 from symrender.scene.radiometric.values import Corners, Rotation, Size3, Velocity
 from symrender.scene.root import wrong
 from symrender.scene.values import Length, Part, PartName, Point3, at_most, listed
 
+Note = Annotated[str, Field(max_length=400)]
 _AXES: Final = 3
 
 
@@ -85,8 +86,8 @@ class Triangle(Part):
     def _has_an_area(self) -> Self:
         a, b, c = self.vertices
         names = "vertices[1] - vertices[0]", "vertices[2] - vertices[0]"
-        _check_edges(_difference(b, a), _difference(c, a), *names)
-        _check_edges(_difference(c, b), _difference(b, a), "vertices[2] - vertices[1]", names[0])
+        _check_edges(minus(b, a), minus(c, a), *names)
+        _check_edges(minus(c, b), minus(b, a), "vertices[2] - vertices[1]", names[0])
         return self
 
 
@@ -161,6 +162,11 @@ class Mesh(Part):
         Field(description="three vertices each by their places in the list, from 0, counter-clockwise from outside"),
         BeforeValidator(at_most(MAX_TRIANGLES)),
     ] = ()
+    notes: Annotated[
+        tuple[Note, ...],
+        Field(max_length=8, description="what of its file is not used, written where it is read"),
+        BeforeValidator(listed),
+    ] = ()
     position: Annotated[Point3, Field(description="where the mesh's origin stands")] = (0.0, 0.0, 0.0)
     scale: Annotated[Length, Field(description="factor of its lengths")] = 1.0
     rotation: Annotated[Rotation, Field(description="by how much it is turned about z, counter-clockwise")] = 0.0
@@ -177,7 +183,8 @@ class Mesh(Part):
             if max(face) >= len(self.vertices):
                 raise wrong(f"there are {len(self.vertices)} vertices, from 0, got {max(face)}", "faces", index)
             corners = [self.vertices[k] for k in face]
-            _check_face(corners, index)
+            if collinear(*corners):
+                raise wrong("its vertices lie on one line: it has no area", "faces", index)
             other = known.setdefault(frozenset(corners), index)
             if other != index:
                 raise wrong(
@@ -185,19 +192,6 @@ class Mesh(Part):
                     "faces", index,
                 )  # fmt: skip
         return self
-
-
-def _check_face(vertices: list[Triple], index: int) -> None:
-    """Raise PydanticCustomError where a face of a mesh has no area."""
-    a, b, c = vertices
-    zero = (0.0, 0.0, 0.0)
-    u, v, w = _difference(b, a), _difference(c, a), _difference(c, b)
-    if any(coincide(edge, zero) for edge in (u, v, w)) or along(u, v) or along(w, u):
-        raise wrong("its vertices lie on one line: it has no area", "faces", index)
-
-
-def _difference(a: Triple, b: Triple) -> Triple:
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 def _check_edges(u: Triple, v: Triple, first: str, second: str) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from symrender.scene.radiometric.lights import Point, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
-from symrender.scene.radiometric.shapes import Box, Plane, Shape, Sphere
+from symrender.scene.radiometric.shapes import Box, Mesh, Plane, Shape, Sphere
 from symrender.scene.values import Part
 
 _Point = tuple[float, float, float]
@@ -56,9 +56,12 @@ def _lights(scene: RadiometricScene) -> Iterator[str]:
 def _shapes(scene: RadiometricScene) -> Iterator[str]:
     if not scene.shapes:
         yield "there is nothing to see: no shapes"
+    for shape in scene.shapes:
+        if isinstance(shape, Mesh):
+            yield from (f"shapes.{shape.name}: {note}" for note in shape.notes)
     first: dict[Part, str] = {}
     for shape in scene.shapes:
-        same = shape.model_copy(update={"name": "shape", "material": "material"})
+        same = shape.model_copy(update={"name": "shape", "material": "material", "notes": ()})
         other = first.setdefault(same, shape.name)
         if other != shape.name:
             yield f"shapes.{other} and shapes.{shape.name} are the same shape: rounding decides which is seen"
