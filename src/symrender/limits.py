@@ -13,6 +13,8 @@ MAX_DEPTH: Final = 32
 """Deepest nesting of a scene file."""
 MAX_KEYS: Final = 100_000
 """Most keys and items in a scene file: as many spheres as there may be, all of them told in full, take 73,813."""
+MAX_ITEMS: Final = 1 << 20
+"""Most keys and items of a scene that Python holds, or that symrender wrote: those of all triangles there may be."""
 MAX_MAPPING: Final = 64
 """Most keys of one mapping in a scene file."""
 MAX_NAME: Final = 100

@@ -210,7 +210,14 @@ class Auditor:
             )
         if self.given is not None and "scene_hash" not in true.meta:
             notes.append("unverified truth: its file names no scene")
-        lost = int((~seen.usable).sum())
+        held = seen.measured.origin.held(true.height, true.width)
+        if not held.all():
+            notes.append(f"{int((~held).sum())} pixels lie outside the data window of the render and are not judged")
+        if seen.measured.origin.precision == "half":
+            notes.append("the render has 16-bit floats: half a unit in the last place is allowed for at every pixel")
+        if seen.measured.origin.chromaticities:
+            notes.append("the render's colours are converted to linear sRGB from the primaries that its file names")
+        lost = int((held & ~seen.usable).sum())
         if lost:
             notes.append(f"{lost} pixels have no truth and are left out")
         if "status" in true.layers and (missed := int((true.layer("status") != 0).sum())):

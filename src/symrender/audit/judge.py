@@ -63,7 +63,7 @@ class Evidence:
 
 def evidence(measured: Measured, radiance: Array, error: Array, classes: Array | None) -> Evidence:
     """What was measured beside the truth ``radiance`` (h, w, 3) of stated ``error`` (h, w), infinite if unknown."""
-    usable = np.isfinite(error)
+    usable = np.isfinite(error) & measured.origin.held(*error.shape)
     truth = measured.of(np.where(usable[..., None], radiance, 0.0))
     bound = np.where(usable, error, 0.0)[..., None] * np.abs(measured.basis).sum(axis=1)
     if measured.source == "none":
@@ -72,11 +72,12 @@ def evidence(measured: Measured, radiance: Array, error: Array, classes: Array |
         rounding = size * (np.abs(truth) + 1e-2 * np.abs(truth).mean())
     else:
         rounding = (SINGLE if measured.single else 1e-14) * np.abs(truth)
+    allowance = bound + rounding + measured.origin.rounding(measured.mean)
     pooled = _pooled(measured.variance, truth, classes, usable, _GROUPS)
     usual = _pooled(measured.variance, truth, classes, usable, 1)
     difference = np.where(usable[..., None], measured.mean - truth, 0.0)
     spread = 1.0 if measured.seeds is not None else _correlation(difference, pooled, usable)
-    return Evidence(measured, truth, difference, measured.variance, pooled, usual, bound + rounding, usable, spread)
+    return Evidence(measured, truth, difference, measured.variance, pooled, usual, allowance, usable, spread)
 
 
 def region_tests(seen: Evidence, regions: Sequence[Region]) -> list[Finding]:

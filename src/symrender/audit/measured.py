@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import ImageError, OptionError
+from symrender.images.exr import srgb_of
 from symrender.images.image import Image, read_image
 from symrender.limits import MAX_AUDIT_PIXELS, MAX_AUDIT_SAMPLES, MAX_SEEDS, MIN_SEEDS
 
 Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 Render = Image | str | os.PathLike[str]
 Source = Literal["moments", "variance", "seeds", "none"]
 
@@ -24,7 +26,50 @@ XYZ_OF_RGB: Final = np.array(
 """CIE XYZ of linear sRGB, as Mitsuba's moment integrator turns what it squares."""
 SINGLE: Final = 2.0**-22
 """Relative rounding allowed to a value that was kept in 32-bit float: conversions and one sum."""
+_HALF: Final = 2.0**-11
+"""Half a unit in the last place of a 16-bit float, relative."""
+_LEAST_HALF: Final = 2.0**-25
+"""Half the distance of the least 16-bit floats."""
 _MIN_SAMPLES: Final = 16
+
+
+class Origin(NamedTuple):
+    """What the file of an image says of its pixels, as its metadata hold it: see ``symrender.images.exr``."""
+
+    data_window: str = ""
+    precision: str = ""
+    chromaticities: str = ""
+
+    @classmethod
+    def of(cls, image: Image) -> Origin:
+        """The origin of an image."""
+        return cls(*(image.meta.get(name, "") for name in cls._fields))
+
+    def held(self, height: int, width: int) -> Mask:
+        """(h, w): which pixels the file holds; the others are NaN."""
+        found = np.zeros((height, width), dtype=bool)
+        try:
+            x0, y0, x1, y1 = map(int, self.data_window.split() or (0, 0, width - 1, height - 1))
+        except ValueError:
+            raise ImageError(f"data_window: must be four whole numbers, got {self.data_window[:40]!r}") from None
+        found[max(y0, 0) : y1 + 1, max(x0, 0) : x1 + 1] = True
+        return found
+
+    def within(self, values: Array) -> Array:
+        """Values (h, w, c) with 0 where the file holds none."""
+        return np.where(self.held(*values.shape[:2])[..., None], values, 0.0) if self.data_window else values
+
+    def rounding(self, values: Array) -> Array:
+        """(h, w, c): half a unit in the last place of the 16-bit numbers that values were, and 0 of others."""
+        if self.precision != "half":
+            return np.zeros_like(values)
+        matrix = srgb_of([float(c) for c in self.chromaticities.split()]) if self.chromaticities else np.eye(3)
+        kept = np.abs(values @ np.linalg.inv(matrix).T)
+        return (_HALF * kept + _LEAST_HALF) @ np.abs(matrix).T
+
+
+NOWHERE: Final = Origin()
+"""The origin of an image that no file tells anything of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +78,8 @@ class Measured:
 
     ``samples`` a pixel (seeds: how many images), ``freedom`` the degrees of freedom of one variance. ``seeds``
     (K, h, w, c) are the images themselves where the variance comes from them. ``basis`` takes radiance (h, w, 3) to
-    the channels that were measured. ``single``: every mean is a 32-bit number. ``receipts``: the scene hashes that the
-    images carry, "" where one carries none.
+    the channels that were measured. ``single``: every mean is a number of at most 32 bits. ``receipts``: the scene
+    hashes that the images carry, "" where one carries none. ``origin`` is what their files say of all their pixels.
     """
 
     mean: Array
@@ -46,6 +91,7 @@ class Measured:
     single: bool
     receipts: tuple[str, ...] = ()
     seeds: Array | None = None
+    origin: Origin = NOWHERE
 
     @property
     def freedom(self) -> int:
@@ -70,10 +116,12 @@ def measured(renders: Sequence[Render], samples: int = 0, *, noise_free: bool = 
         if len(renders) > 1:
             raise OptionError(f"noise-free: one render says all, got {len(renders)}")
         image, name = _read(renders[0])
-        mean = finite(image.radiance, f"{name}: radiance")
+        origin = Origin.of(image)
+        mean = finite(origin.within(image.radiance), f"{name}: radiance")
         return Measured(
-            mean, np.zeros_like(mean), 1, "none", ("R", "G", "B"), np.eye(3), _is_single(mean), (_receipt(image),)
-        )
+            mean, np.zeros_like(mean), 1, "none", ("R", "G", "B"), np.eye(3), _is_single(mean, origin),
+            (_receipt(image),), origin=origin,
+        )  # fmt: skip
     if len(renders) == 1:
         return _of_moments(renders[0], samples)
     if not MIN_SEEDS <= len(renders) <= MAX_SEEDS:
@@ -81,14 +129,17 @@ def measured(renders: Sequence[Render], samples: int = 0, *, noise_free: bool = 
     return of_seeds(*radiances(renders))
 
 
-def radiances(renders: Iterable[Render]) -> tuple[Array, tuple[str, ...]]:
-    """Radiance of images of one size, (K, h, w, 3), and their receipts."""
+def radiances(renders: Iterable[Render], origin: Origin | None = None) -> tuple[Array, tuple[str, ...], Origin]:
+    """Radiance of images of one size, (K, h, w, 3), their receipts, and their ``origin``, which they must share."""
     found: list[Array] = []
     receipts: list[str] = []
     pixels = 0
     for render in renders:
         image, name = _read(render)
-        values = finite(image.radiance, f"{name}: radiance")
+        origin = origin or Origin.of(image)
+        if Origin.of(image) != origin:
+            raise ImageError(f"{name}: has another data window, precision or chromaticities than the first render")
+        values = finite(origin.within(image.radiance), f"{name}: radiance")
         if found and values.shape != found[0].shape:
             raise ImageError(f"{name}: is {_size(values)} pixels, the first render {_size(found[0])}")
         pixels += values.shape[0] * values.shape[1]
@@ -96,10 +147,10 @@ def radiances(renders: Iterable[Render]) -> tuple[Array, tuple[str, ...]]:
             raise ImageError(f"{name}: {pixels} pixels together exceed {MAX_AUDIT_PIXELS}")
         found.append(values)
         receipts.append(_receipt(image))
-    return np.stack(found), tuple(receipts)
+    return np.stack(found), tuple(receipts), origin or NOWHERE
 
 
-def of_seeds(seeds: Array, receipts: tuple[str, ...] = ()) -> Measured:
+def of_seeds(seeds: Array, receipts: tuple[str, ...] = (), origin: Origin = NOWHERE) -> Measured:
     """Images (K, h, w, 3) of K seeds as one measurement; equal images are refused, for they are one seed."""
     count = len(seeds)
     mean = seeds.mean(axis=0)
@@ -107,8 +158,8 @@ def of_seeds(seeds: Array, receipts: tuple[str, ...] = ()) -> Measured:
     alike = [k for k in range(1, count) if np.array_equal(seeds[0], seeds[k])]
     if alike and variance.any():
         raise ImageError(f"renders: images 1 and {alike[0] + 1} are equal, each must have a seed of its own")
-    exact = _is_single(seeds[0])
-    return Measured(mean, variance, count, "seeds", ("R", "G", "B"), np.eye(3), exact, receipts, seeds)
+    exact = _is_single(seeds[0], origin)
+    return Measured(mean, variance, count, "seeds", ("R", "G", "B"), np.eye(3), exact, receipts, seeds, origin)
 
 
 def _of_moments(render: Render, samples: int) -> Measured:
@@ -118,10 +169,13 @@ def _of_moments(render: Render, samples: int) -> Measured:
     if not _MIN_SAMPLES <= samples <= MAX_AUDIT_SAMPLES:
         got = "none" if samples == 0 else str(samples)
         raise OptionError(f"samples: must be the samples a pixel, {_MIN_SAMPLES} to {MAX_AUDIT_SAMPLES}, got {got}")
-    mean, second = finite(mean, f"{name}: mean"), finite(second, f"{name}: {source}")
+    origin = Origin.of(image)
+    mean, second = finite(origin.within(mean), f"{name}: mean"), finite(origin.within(second), f"{name}: {source}")
+    single = _is_single(mean, origin)
     if source == "moments":
-        # 32-bit sums of squares cancel: what is below their rounding is no variance
-        rounding = (SINGLE * 2 if _is_single(mean) else 1e-14) * second
+        # sums of squares of few digits cancel: what is below their rounding is no variance
+        rounding = (SINGLE * 2 if single else 1e-14) * second
+        rounding = rounding + origin.rounding(second) + 2.0 * np.abs(mean) * origin.rounding(mean)
         spread = second - mean * mean
         bad = int((spread < -64.0 * rounding).sum())
         if bad:
@@ -132,7 +186,7 @@ def _of_moments(render: Render, samples: int) -> Measured:
         if (second < 0.0).any():
             raise ImageError(f"{name}: a variance must not be negative, got {float(second.min()):.4g}")
         variance = second / samples
-    return Measured(mean, variance, samples, source, channels, basis, _is_single(mean), (_receipt(image),))
+    return Measured(mean, variance, samples, source, channels, basis, single, (_receipt(image),), origin=origin)
 
 
 def _layers(image: Image, name: str) -> tuple[Array, Array, Source, tuple[str, ...], Array]:
@@ -190,7 +244,10 @@ def _samples(image: Image) -> int:
     return int(told) if told.isascii() and told.isdigit() and len(told) < 19 else 0
 
 
-def _is_single(values: Array) -> bool:
+def _is_single(values: Array, origin: Origin) -> bool:
+    """Whether values were kept in at most 32 bits, of which a conversion of colours makes numbers of more."""
+    if origin.chromaticities:
+        return True
     with np.errstate(over="ignore", under="ignore"):
         return bool(np.array_equal(values, values.astype(np.float32)))
 

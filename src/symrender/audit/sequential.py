@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 import numpy.typing as npt
 
-from symrender.audit.measured import Measured, Render, of_seeds, radiances
+from symrender.audit.measured import NOWHERE, Measured, Origin, Render, of_seeds, radiances
 from symrender.audit.verdict import Verdict
 from symrender.errors import OptionError
 from symrender.limits import MAX_SEEDS, MIN_SEEDS
@@ -30,11 +30,12 @@ def sequential(renders: Iterable[Render], level: float, visible: float, look: Lo
     source: Iterator[Render] = iter(renders)
     held: Array | None = None
     receipts: tuple[str, ...] = ()
+    origin: Origin | None = None
     verdict: Verdict | None = None
     for number, count in enumerate(_looks(), start=1):
         fresh = [render for _, render in zip(range(count - (0 if held is None else len(held))), source, strict=False)]
         if fresh:
-            more, named = radiances(fresh)
+            more, named, origin = radiances(fresh, origin)
             receipts += named
             if held is not None and more.shape[1:] != held.shape[1:]:
                 raise OptionError("renders: must all have the size of the first")
@@ -44,7 +45,7 @@ def sequential(renders: Iterable[Render], level: float, visible: float, look: Lo
         if held is None or len(held) < MIN_SEEDS:
             got = 0 if held is None else len(held)
             raise OptionError(f"sequential: needs at least {MIN_SEEDS} images of {MIN_SEEDS} seeds, got {got}")
-        verdict = look(of_seeds(held, receipts), level / 2.0**number, number)
+        verdict = look(of_seeds(held, receipts, origin or NOWHERE), level / 2.0**number, number)
         whole = max((t.visible_relative for t in verdict.regions if t.region == "all"), default=np.inf)
         if not verdict.passed or whole <= visible or len(held) < count:
             return verdict

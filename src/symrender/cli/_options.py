@@ -52,10 +52,11 @@ def any_scene_with(source: str, changes: list[str] | None) -> AnyScene:
 
     An image file that carries its scene is that scene.
     """
+    from symrender.limits import MAX_ITEMS
     from symrender.scene.load import load_any, parse_any
 
     if Path(source).suffix.lower() in IMAGES:
-        scene = parse_any(_recipe(source)[0], source)
+        scene = parse_any(_recipe(source)[0], source, most=MAX_ITEMS)
     else:
         scene = load_any(source)
     return scene.replace(dict(_change(text) for text in changes)) if changes else scene

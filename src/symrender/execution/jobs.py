@@ -20,6 +20,7 @@ from typing import Any, Final
 import numpy as np
 
 from symrender import version
+from symrender.limits import MAX_ITEMS
 from symrender.scene.arrays import Array, SceneArrays, scene_arrays
 from symrender.scene.dump import to_yaml
 from symrender.scene.load import AnyScene, parse_any
@@ -169,7 +170,7 @@ def prepared(job: Job) -> TileKernel:
 
 def arrays_of(job: Job) -> SceneArrays | RadiometricArrays:
     """The numbers of a job's scene."""
-    scene = job.held or parse_any(job.scene, "scene")
+    scene = job.held or parse_any(job.scene, "scene", most=MAX_ITEMS)
     return radiometric_arrays(scene) if isinstance(scene, RadiometricScene) else scene_arrays(scene)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -16,6 +16,12 @@ Array = npt.NDArray[np.float64]
 PREFIX: Final = "symrender."
 """What our attribute names begin with, so that no other program's attribute is taken for ours."""
 _RGB: Final = ("R", "G", "B")
+_SRGB: Final = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+"""x and y of red, green, blue and white, as an EXR has them where it names none."""
+_XYZ: Final = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0)
+_SPELLED: Final = 5e-4
+"""Difference of chromaticities that are the same, spelled with three digits."""
+_Box = tuple[int, int, int, int]
 
 
 def encode(layers: Mapping[str, Array], meta: Mapping[str, str]) -> bytes:
@@ -54,44 +60,111 @@ def encode(layers: Mapping[str, Array], meta: Mapping[str, str]) -> bytes:
 
 
 def decode(data: bytes, max_pixels: int) -> tuple[dict[str, Array], dict[str, str]]:
-    """Layers and string attributes of an EXR; parts of one size are merged."""
+    """Layers and string attributes of an EXR of one part, at the size of its display window.
+
+    Pixels of the display window that the file does not hold are NaN, and ``data_window`` in the metadata names those
+    that it does: ``x0 y0 x1 y1``, the last two inclusive. ``precision`` is ``half`` where colours have 16 bits. Colours
+    in CIE XYZ, or of other primaries with the white of sRGB, are converted to linear sRGB.
+    """
     import OpenEXR
 
     try:
         with OpenEXR.File(io.BytesIO(data), header_only=True) as file:
-            sizes = {_size(part.header) for part in file.parts}
-        if len(sizes) != 1:
-            raise ImageError(f"an EXR whose parts all have one size is needed, got {sorted(sizes) or 'no parts'}")
-        ((width, height),) = sizes
-        if width * height > max_pixels:
-            raise ImageError(f"{width} x {height} pixels exceed max_pixels {max_pixels}")
+            headers = [dict(part.header) for part in file.parts]
+        if len(headers) != 1:
+            raise ImageError(f"an EXR of one part is needed, got {len(headers)} parts")
+        (header,) = headers
+        if header.get("type") in (OpenEXR.deepscanline, OpenEXR.deeptile):
+            raise ImageError("a flat EXR is needed, got a deep one, whose pixels are lists of samples")
+        held, shown = _box(header["dataWindow"]), _box(header["displayWindow"])
+        for x0, y0, x1, y1 in (held, shown):
+            width, height = x1 - x0 + 1, y1 - y0 + 1
+            if width * height > max_pixels:
+                raise ImageError(f"{width} x {height} pixels exceed max_pixels {max_pixels}")
         with OpenEXR.File(io.BytesIO(data), separate_channels=True) as file:
-            channels: dict[str, npt.NDArray[Any]] = {}
-            meta: dict[str, str] = {}
-            for part in file.parts:
-                for name, channel in part.channels.items():
-                    if name in channels:
-                        raise ImageError(f"channel {name} occurs in two parts")
-                    channels[name] = channel.pixels
-                for name, value in part.header.items():
-                    if isinstance(value, str):
-                        key = name.removeprefix(PREFIX) if name.startswith(PREFIX) else f"exr.{name}"
-                        meta[key] = value
+            (part,) = file.parts
+            channels: dict[str, npt.NDArray[Any]] = {name: each.pixels for name, each in part.channels.items()}
     except (RuntimeError, ValueError, TypeError, KeyError, UnicodeDecodeError, MemoryError) as error:
         raise ImageError(f"not a readable EXR: {' '.join(str(error).split())}") from None
     if not channels:
         raise ImageError("not a readable EXR: its pixels are missing or damaged")
+    meta: dict[str, str] = {}
+    for name, value in header.items():
+        if isinstance(value, str):
+            meta[name.removeprefix(PREFIX) if name.startswith(PREFIX) else f"exr.{name}"] = value
+    if any(pixels.dtype == np.float16 for name, pixels in channels.items() if name.rpartition(".")[2] in (*_RGB, "Y")):
+        meta["precision"] = "half"
+    shape = held[3] - held[1] + 1, held[2] - held[0] + 1
     for name, pixels in channels.items():
-        if pixels.shape != (height, width):
-            raise ImageError(f"channel {name!r} must have shape {(height, width)}, got {pixels.shape}")
+        if pixels.shape != shape:
+            raise ImageError(f"channel {name!r} must have shape {shape}, got {pixels.shape}")
     # a signalling NaN becomes a quiet one, which is all that "invalid" means here
     with np.errstate(invalid="ignore"):
-        return _layers(channels), meta
+        layers = _layers(channels)
+    if "chromaticities" in header:
+        layers = _in_srgb(layers, tuple(float(c) for c in header["chromaticities"]), meta)
+    if held != shown:
+        layers, filled = _placed(layers, held, shown)
+        meta |= {"data_window": filled} if filled else {}
+    return layers, meta
 
 
-def _size(header: Mapping[str, Any]) -> tuple[int, int]:
-    low, high = header["dataWindow"]
-    return int(high[0]) - int(low[0]) + 1, int(high[1]) - int(low[1]) + 1
+def _box(window: Any) -> _Box:
+    """(x0, y0, x1, y1) of a window, the last two inclusive."""
+    low, high = window
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+
+
+def _placed(layers: dict[str, Array], held: _Box, shown: _Box) -> tuple[dict[str, Array], str]:
+    """Layers of the window ``held`` within the window ``shown``, and which pixels of that they fill."""
+    x0, y0, x1, y1 = (
+        max(held[0], shown[0]), max(held[1], shown[1]), min(held[2], shown[2]), min(held[3], shown[3])
+    )  # fmt: skip
+    if x0 > x1 or y0 > y1:
+        raise ImageError(f"its data window {held} lies outside its display window {shown}: it holds no pixel")
+    found: dict[str, Array] = {}
+    for name, layer in layers.items():
+        whole = np.full((shown[3] - shown[1] + 1, shown[2] - shown[0] + 1, *layer.shape[2:]), np.nan)
+        inner = layer[y0 - held[1] : y1 - held[1] + 1, x0 - held[0] : x1 - held[0] + 1]
+        whole[y0 - shown[1] : y1 - shown[1] + 1, x0 - shown[0] : x1 - shown[0] + 1] = inner
+        found[name] = whole
+    filled = f"{x0 - shown[0]} {y0 - shown[1]} {x1 - shown[0]} {y1 - shown[1]}"
+    return found, "" if (x0, y0, x1, y1) == shown else filled
+
+
+def _in_srgb(layers: dict[str, Array], given: tuple[float, ...], meta: dict[str, str]) -> dict[str, Array]:
+    """Colours of other primaries in linear sRGB; refused where that needs a choice of how whites are adapted."""
+    if np.abs(np.subtract(given, _SRGB)).max() <= _SPELLED:
+        return layers
+    named = " ".join(f"{c:.4g}" for c in given)
+    if given[:6] != _XYZ[:6] and np.abs(np.subtract(given[6:], _SRGB[6:])).max() > _SPELLED:
+        raise ImageError(f"its chromaticities are {named}: only colours with the white of sRGB, and CIE XYZ, are read")
+    if (second := next((name for name in layers if name.startswith("m2_") or name.lower() == "variance"), "")) != "":
+        raise ImageError(f"its chromaticities are {named}: layer {second!r} is no colour that can be converted")
+    matrix = srgb_of(given)
+    meta["chromaticities"] = " ".join(map(repr, given))
+    return {name: layer @ matrix.T if layer.ndim == 3 else layer for name, layer in layers.items()}
+
+
+def srgb_of(chromaticities: Sequence[float]) -> Array:
+    """(3, 3): the matrix that takes colours of these primaries and white to linear sRGB, without adaptation.
+
+    ``chromaticities`` are x and y of red, green, blue and white.
+    """
+    try:
+        return np.asarray(np.linalg.inv(_xyz_of(_SRGB)) @ _xyz_of(chromaticities))
+    except np.linalg.LinAlgError:
+        raise ImageError("its chromaticities name three primaries on one line") from None
+
+
+def _xyz_of(chromaticities: Sequence[float]) -> Array:
+    """(3, 3): CIE XYZ of colours; their white (1, 1, 1) has Y = 1."""
+    x, y = np.reshape(chromaticities, (4, 2)).T
+    places = np.stack([x, y, 1.0 - x - y])
+    if not np.isfinite(places).all() or y[3] == 0.0:
+        raise ImageError("its chromaticities name no white")
+    weights = np.linalg.solve(places[:, :3], places[:, 3] / y[3])
+    return np.asarray(places[:, :3] * weights)
 
 
 def _layers(channels: dict[str, npt.NDArray[Any]]) -> dict[str, Array]:

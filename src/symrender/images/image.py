@@ -222,7 +222,8 @@ def read_image(path: str | Path, *, max_pixels: int = MAX_PIXELS) -> Image:
     EXR channels R, G, B (or Y) become ``radiance``, ``name.R`` ``.G`` ``.B`` become ``name``, any other channel a
     (h, w) layer. A PNG is decoded from sRGB (no colour profile is applied); it is a picture clipped to [0, 1] and
     rounded to 8 bits, not a measurement. The size in the header is checked against ``max_pixels`` before anything
-    is decoded. NaN is kept. Raises ``ImageError``.
+    is decoded. NaN is kept. An EXR has the size of its display window; what its data window lacks is NaN, and colours
+    of other primaries are converted to sRGB. Raises ``ImageError``; deep EXR and those of several parts are refused.
     """
     source = Path(path)
     decode = _READERS.get(source.suffix.lower())
@@ -236,7 +237,7 @@ def read_image(path: str | Path, *, max_pixels: int = MAX_PIXELS) -> Image:
         raise ImageError(f"{str(source)!r}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     try:
         layers, meta = decode(data, max_pixels)
-        return Image(layers, {key: value for key, value in meta.items() if _META_KEY.fullmatch(key)})
+        return Image(layers, {key: _text(value) for key, value in meta.items() if _META_KEY.fullmatch(key)})
     except ImageError as error:
         raise ImageError(f"{source}: {error}") from None
 
@@ -252,6 +253,11 @@ def _layer(name: Any, value: Any) -> Array:
     view = np.ascontiguousarray(array, dtype=np.float64).view()
     view.setflags(write=False)
     return view
+
+
+def _text(value: Any) -> Any:
+    """Text of a file's metadata without what no text has: NUL, and halves of surrogate pairs."""
+    return value.replace("\0", "").encode("utf-8", "replace").decode() if isinstance(value, str) else value
 
 
 def _is_unicode(text: str) -> bool:

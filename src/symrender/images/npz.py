@@ -39,6 +39,7 @@ def decode(data: bytes, max_pixels: int) -> tuple[dict[str, Array], dict[str, st
     """Layers and metadata; shapes are read from the array headers before anything is unpacked."""
     layers: dict[str, Array] = {}
     meta: dict[str, str] = {}
+    half = False
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = archive.infolist()
@@ -52,11 +53,12 @@ def decode(data: bytes, max_pixels: int) -> tuple[dict[str, Array], dict[str, st
                 elif member.filename.endswith(".npy"):
                     name = member.filename.removesuffix(".npy")
                     layers[name] = _array(archive, member, name, max_pixels)
+                    half = half or layers[name].dtype == np.float16
     except (zipfile.BadZipFile, zlib.error, ValueError, RecursionError, EOFError, OSError, RuntimeError) as error:
         raise ImageError(f"not a readable NPZ: {error}") from None
     if not isinstance(meta, dict):
         raise ImageError(f"not a readable NPZ: {META} is not an object")
-    return layers, meta
+    return layers, meta | ({"precision": "half"} if half else {})
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str, max_pixels: int) -> Array:

@@ -9,6 +9,7 @@ from pathlib import PurePath
 from typing import Any, Final
 
 from symrender.errors import SceneError, Unsupported
+from symrender.limits import MAX_KEYS
 from symrender.scene import gallery
 from symrender.scene.document import Document, Malformed, Mark, Problem, failure
 from symrender.scene.meshes.files import Opener, beside, with_meshes
@@ -56,15 +57,17 @@ Source = Scene | RadiometricScene | str | os.PathLike[str] | Mapping[str, Any]
 _ROOTS: Final[Mapping[str, type[Scene] | type[RadiometricScene]]] = {"series": Scene, "radiometric": RadiometricScene}
 
 
-def parse_any(text: str, origin: str, suffix: str = ".yaml", opener: Opener | None = None) -> AnyScene:
+def parse_any(
+    text: str, origin: str, suffix: str = ".yaml", opener: Opener | None = None, most: int = MAX_KEYS
+) -> AnyScene:
     """The scene in ``text``, of either units, read as the file ending ``suffix`` says.
 
     ``origin`` is what messages call it, ``opener`` opens files of meshes; without it they lie in the current folder.
-    Raises SceneError, one line per problem, the first of them complete in itself.
+    YAML may hold ``most`` keys and items. Raises SceneError, one line per problem, the first of them complete in itself.
     """
     language, parser = _PARSERS[suffix]
     try:
-        document = parser(text, origin)
+        document = parse_yaml(text, origin, most) if parser is parse_yaml else parser(text, origin)
     except Malformed as error:
         raise failure(Document(None, origin), [error.problem]) from None
     data = document.data

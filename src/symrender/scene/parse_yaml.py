@@ -51,7 +51,8 @@ def _plain(text: str) -> Any:
 class _Builder:
     """Grows plain data from events; one frame per open mapping or list."""
 
-    def __init__(self) -> None:
+    def __init__(self, most: int) -> None:
+        self.most = most
         self.root: Any = None
         self.marks: dict[Path, Mark] = {}
         self.problems: list[Problem] = []
@@ -71,8 +72,8 @@ class _Builder:
 
     def count(self, mark: Mark) -> None:
         self.entries += 1
-        if self.entries > MAX_KEYS:
-            raise Malformed(f"a scene file may hold at most {MAX_KEYS} keys and items", mark)
+        if self.entries > self.most:
+            raise Malformed(f"a scene file may hold at most {self.most} keys and items", mark)
 
     def take_key(self, event: yaml.ScalarEvent, mark: Mark) -> None:
         name = str(event.value)
@@ -134,8 +135,8 @@ class _Builder:
         self.put(value, mark)
 
 
-def _build(text: str, loader: Any = _LOADER) -> _Builder:
-    builder = _Builder()
+def _build(text: str, most: int, loader: Any = _LOADER) -> _Builder:
+    builder = _Builder(most)
     documents = 0
     for event in yaml.parse(text, Loader=loader):
         start = event.start_mark
@@ -160,16 +161,16 @@ def _build(text: str, loader: Any = _LOADER) -> _Builder:
     return builder
 
 
-def parse_yaml(text: str, origin: str) -> Document:
-    """Plain data and the mark of each key and item; Malformed says where the text is no YAML, or more than data."""
+def parse_yaml(text: str, origin: str, most: int = MAX_KEYS) -> Document:
+    """Plain data and the mark of each key and item, at most so many; Malformed says where the text is no YAML, or more than data."""
     try:
         try:
-            builder = _build(text)
+            builder = _build(text, most)
         except yaml.scanner.ScannerError as error:
             if "nesting" not in str(error.problem):
                 raise
             # libyaml reads ahead and gives up at a depth of its own; PyYAML's own scanner comes to where ours ends
-            builder = _build(text, yaml.SafeLoader)
+            builder = _build(text, most, yaml.SafeLoader)
     except yaml.YAMLError as error:
         where = getattr(error, "problem_mark", None)
         control = _CONTROL.search(text) if isinstance(error, ReaderError) else None

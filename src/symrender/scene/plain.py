@@ -8,7 +8,7 @@ from typing import Any, Final
 from pydantic import BaseModel
 
 from symrender.errors import SceneError
-from symrender.limits import MAX_DEPTH, MAX_KEYS
+from symrender.limits import MAX_DEPTH, MAX_ITEMS
 from symrender.scene.printable import printable, shown
 
 _TOO_LARGE: Final = 1024
@@ -36,8 +36,8 @@ def plain(value: Any, name: str = "scene") -> Any:
             value = value.tolist()
         if isinstance(value, Mapping | list | tuple):
             entries += len(value)
-            if entries > MAX_KEYS:
-                raise SceneError(f"{printable(name, 100)}: a scene may hold at most {MAX_KEYS} keys and items")
+            if entries > MAX_ITEMS:
+                raise SceneError(f"{printable(name, 100)}: a scene may hold at most {MAX_ITEMS} keys and items")
         if isinstance(value, Mapping):
             wrong = next((key for key in value if not isinstance(key, str)), None)
             if wrong is not None:

@@ -37,11 +37,11 @@ def read_mesh(name: str, opener: Opener) -> dict[str, Any]:
     if len(data) > MAX_MESH_BYTES:
         raise SceneError(f"{origin}: a mesh's file may hold at most {MAX_MESH_BYTES} bytes")
     try:
-        read = read_ply(data) if suffix == ".ply" else read_obj(_text(data, origin))
-        return read.fields()
+        fields = (read_ply(data) if suffix == ".ply" else read_obj(_text(data, origin))).fields()
     except BadMesh as error:
         mark = "" if str(error)[:1].isdigit() else " "
         raise SceneError(f"{origin}:{mark}{error}") from None
+    return fields | ({"notes": f"{origin}: {fields['notes']}"} if "notes" in fields else {})
 
 
 def _text(data: bytes, origin: str) -> str:

@@ -67,7 +67,9 @@ class Net:
         if flat or double:
             parts_left = [f"{flat} without an area"] * (flat > 0) + [f"{double} that lie in others"] * (double > 0)
             self.notes.append(f"of {len(self.polygons)} faces {' and '.join(parts_left)} are left out")
-        return {"vertices": self.vertices, "faces": faces, "notes": self.notes}
+        if not faces:
+            raise BadMesh(f"{self.polygons[0][1]}: a mesh must have a face with an area, got none")
+        return {"vertices": self.vertices, "faces": faces} | ({"notes": "; ".join(self.notes)} if self.notes else {})
 
 
 def _outline(corners: list[int]) -> tuple[int, ...]:

@@ -13,7 +13,6 @@ from symrender.scene.radiometric.values import Corners, Rotation, Size3, Velocit
 from symrender.scene.root import wrong
 from symrender.scene.values import Length, Part, PartName, Point3, at_most, listed
 
-Note = Annotated[str, Field(max_length=400)]
 _AXES: Final = 3
 
 
@@ -163,10 +162,8 @@ class Mesh(Part):
         BeforeValidator(at_most(MAX_TRIANGLES)),
     ] = ()
     notes: Annotated[
-        tuple[Note, ...],
-        Field(max_length=8, description="what of its file is not used, written where it is read"),
-        BeforeValidator(listed),
-    ] = ()
+        str, Field(max_length=1000, description="what of its file is not used; written when the file is read")
+    ] = ""
     position: Annotated[Point3, Field(description="where the mesh's origin stands")] = (0.0, 0.0, 0.0)
     scale: Annotated[Length, Field(description="factor of its lengths")] = 1.0
     rotation: Annotated[Rotation, Field(description="by how much it is turned about z, counter-clockwise")] = 0.0

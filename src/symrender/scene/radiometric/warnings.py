@@ -57,11 +57,11 @@ def _shapes(scene: RadiometricScene) -> Iterator[str]:
     if not scene.shapes:
         yield "there is nothing to see: no shapes"
     for shape in scene.shapes:
-        if isinstance(shape, Mesh):
-            yield from (f"shapes.{shape.name}: {note}" for note in shape.notes)
+        if isinstance(shape, Mesh) and shape.notes:
+            yield f"shapes.{shape.name}: {shape.notes}"
     first: dict[Part, str] = {}
     for shape in scene.shapes:
-        same = shape.model_copy(update={"name": "shape", "material": "material", "notes": ()})
+        same = shape.model_copy(update={"name": "shape", "material": "material", "notes": ""})
         other = first.setdefault(same, shape.name)
         if other != shape.name:
             yield f"shapes.{other} and shapes.{shape.name} are the same shape: rounding decides which is seen"
