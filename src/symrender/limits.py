@@ -28,7 +28,7 @@ MAX_PLANES: Final = 16
 MAX_SHAPES: Final = 1024
 """Most shapes in a radiometric scene."""
 MAX_TRIANGLES: Final = 100_000
-"""Most triangles of all meshes in a radiometric scene together, and most vertices of one mesh."""
+"""Most triangles of all meshes in a radiometric scene together, and most vertices of one mesh: 1 GB of memory."""
 MAX_MESH_BYTES: Final = 1 << 25
 """Largest file of a mesh, bytes."""
 MAX_LIGHTS: Final = 256

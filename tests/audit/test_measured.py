@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symrender.audit.measured import XYZ_OF_RGB, measured, of_seeds
+from symrender.audit.measured import measured, of_seeds
 from symrender.errors import ImageError, OptionError, SymrenderError
+from symrender.images.exr import XYZ_OF_RGB
 from symrender.images.image import Image
 
 N = 64

@@ -227,7 +227,7 @@ CASES = {
     "two skies": (behind('LightSource "infinite"\n' * 2), r"at most one light is a sky"),
     "head late": (behind('Film "rgb"'), r"Film: must stand before WorldBegin"),
     "world early": ('Shape "sphere"\n' + GOOD, r"Shape: must stand behind WorldBegin"),
-    "two cameras": ('Camera "perspective"\n' + GOOD, r"Camera: must be given once"),
+    "two cameras": (changed("WorldBegin", 'Camera "perspective"\nWorldBegin'), r"Camera: must be given once"),
     "mirrored": (
         changed("Scale -1 1 1", ""),
         r"Camera: must stand behind `Scale -1 1 1`: coordinates of pbrt are left",

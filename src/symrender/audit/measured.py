@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from symrender.errors import ImageError, OptionError
-from symrender.images.exr import srgb_of
+from symrender.images.exr import XYZ_OF_RGB, srgb_of
 from symrender.images.image import Image, read_image
 from symrender.limits import MAX_AUDIT_PIXELS, MAX_AUDIT_SAMPLES, MAX_SEEDS, MIN_SEEDS
 
@@ -20,10 +20,6 @@ Mask = npt.NDArray[np.bool_]
 Render = Image | str | os.PathLike[str]
 Source = Literal["moments", "variance", "seeds", "none"]
 
-XYZ_OF_RGB: Final = np.array(
-    [[0.412453, 0.357580, 0.180423], [0.212671, 0.715160, 0.072169], [0.019334, 0.119193, 0.950227]]
-)
-"""CIE XYZ of linear sRGB, as Mitsuba's moment integrator turns what it squares."""
 SINGLE: Final = 2.0**-22
 """Relative rounding allowed to a value that was kept in 32-bit float: conversions and one sum."""
 _HALF: Final = 2.0**-11

@@ -62,6 +62,11 @@ def sent_by(scene: RadiometricScene, settings: Settings) -> str:
     return f"closed forms, one bounce split at the walls, budget {settings.budget}"
 
 
+def _notes(scene: RadiometricScene) -> dict[str, str]:
+    """What of the files of its meshes is not used, by the name of the mesh."""
+    return {shape.name: shape.notes for shape in scene.shapes if isinstance(shape, Mesh) and shape.notes}
+
+
 def _series(scene: Scene) -> dict[str, str]:
     return {"units": "scene radiance, linear RGB", "convention": scene.shading.lobe_units}
 
@@ -75,6 +80,7 @@ def _conventions(scene: RadiometricScene, settings: Settings) -> dict[str, str]:
         **({"filter_radius": settings.reach} if settings.filter not in ("centre", "box") else {}),
         **({"lens": "thin, uniform disk"} if scene.camera.aperture > 0.0 else {}),
         **({"shutter": "open all the time, positions linear"} if scene.shutter[0] < scene.shutter[1] else {}),
+        **({"meshes": notes} if (notes := _notes(scene)) else {}),
         "lights": "point intensity/r^2, directional irradiance, sky and area radiance",
         "materials": {
             name: material.model_dump(include={"type", "distribution", "masking", "g1", "two_sided"})

@@ -21,6 +21,10 @@ _SRGB: Final = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 _XYZ: Final = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0)
 _SPELLED: Final = 5e-4
 """Difference of chromaticities that are the same, spelled with three digits."""
+XYZ_OF_RGB: Final = np.array(
+    [[0.412453, 0.357580, 0.180423], [0.212671, 0.715160, 0.072169], [0.019334, 0.119193, 0.950227]]
+)
+"""CIE XYZ of linear sRGB as Mitsuba writes it; its white differs from that of the primaries by 3e-4 in Z."""
 _Box = tuple[int, int, int, int]
 
 
@@ -137,7 +141,7 @@ def _in_srgb(layers: dict[str, Array], given: tuple[float, ...], meta: dict[str,
     if np.abs(np.subtract(given, _SRGB)).max() <= _SPELLED:
         return layers
     named = " ".join(f"{c:.4g}" for c in given)
-    if given[:6] != _XYZ[:6] and np.abs(np.subtract(given[6:], _SRGB[6:])).max() > _SPELLED:
+    if np.abs(np.subtract(given, _XYZ)).max() > _SPELLED and np.abs(np.subtract(given[6:], _SRGB[6:])).max() > _SPELLED:
         raise ImageError(f"its chromaticities are {named}: only colours with the white of sRGB, and CIE XYZ, are read")
     if (second := next((name for name in layers if name.startswith("m2_") or name.lower() == "variance"), "")) != "":
         raise ImageError(f"its chromaticities are {named}: layer {second!r} is no colour that can be converted")
@@ -151,6 +155,8 @@ def srgb_of(chromaticities: Sequence[float]) -> Array:
 
     ``chromaticities`` are x and y of red, green, blue and white.
     """
+    if np.abs(np.subtract(chromaticities, _XYZ)).max() <= _SPELLED:
+        return np.asarray(np.linalg.inv(XYZ_OF_RGB))
     try:
         return np.asarray(np.linalg.inv(_xyz_of(_SRGB)) @ _xyz_of(chromaticities))
     except np.linalg.LinAlgError:

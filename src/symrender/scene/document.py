@@ -45,11 +45,24 @@ class Problem:
 
 
 class Malformed(Exception):
-    """A parser's refusal of a text, before there is any data; carries one :class:`Problem`."""
+    """A parser's refusal of a text, before there is any data, or of a part of it; carries its :class:`Problem`.
+
+    ``others`` are further problems of the same part.
+    """
 
     def __init__(self, message: str, mark: Mark | None = None, path: Path = ()) -> None:
         super().__init__(message)
         self.problem = Problem(path, message, mark)
+        self.others: list[Problem] = []
+
+    @property
+    def problems(self) -> list[Problem]:
+        """All problems."""
+        return [self.problem, *self.others]
+
+
+class Unreadable(Malformed):
+    """A refusal behind which nothing can be read."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from symrender.scene.printable import printable, shown
 from symrender.scene.radiometric.scene import RadiometricScene
 from symrender.scene.read import read_file, read_stdin
 from symrender.scene.scene import Scene
-from symrender.scene.validate import validated
+from symrender.scene.validate import MOST_LISTED, validated
 
 Parser = Callable[[str, str], Document]
 
@@ -63,13 +63,14 @@ def parse_any(
     """The scene in ``text``, of either units, read as the file ending ``suffix`` says.
 
     ``origin`` is what messages call it, ``opener`` opens files of meshes; without it they lie in the current folder.
-    YAML may hold ``most`` keys and items. Raises SceneError, one line per problem, the first of them complete in itself.
+    YAML may hold ``most`` keys and items. Raises SceneError, one line per problem, the first complete in itself.
     """
     language, parser = _PARSERS[suffix]
     try:
         document = parse_yaml(text, origin, most) if parser is parse_yaml else parser(text, origin)
     except Malformed as error:
-        raise failure(Document(None, origin), [error.problem]) from None
+        problems = sorted(error.problems, key=lambda problem: problem.mark or Mark(0, 0))
+        raise failure(Document(None, origin), problems[:MOST_LISTED], max(0, len(problems) - MOST_LISTED)) from None
     data = document.data
     if not isinstance(data, dict) or not data:
         read = "nothing" if data in (None, {}) else shown(data)

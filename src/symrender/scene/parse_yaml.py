@@ -162,7 +162,10 @@ def _build(text: str, most: int, loader: Any = _LOADER) -> _Builder:
 
 
 def parse_yaml(text: str, origin: str, most: int = MAX_KEYS) -> Document:
-    """Plain data and the mark of each key and item, at most so many; Malformed says where the text is no YAML, or more than data."""
+    """Plain data and the mark of each key and item, at most ``most``.
+
+    Malformed says where the text is no YAML, or more than data.
+    """
     try:
         try:
             builder = _build(text, most)

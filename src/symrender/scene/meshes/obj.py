@@ -17,9 +17,10 @@ _WORD: Final = re.compile(r"\S+")
 _WHOLE: Final = re.compile(r"[+-]?[0-9]{1,9}")
 _COORDINATES: Final = 3
 _LINES: Final = re.compile(r"\r\n|\r|\n")
-_PASSED_OVER: Final = frozenset(
-    "vt vn vp g o s usemtl mtllib l p mg lod bevel c_interp d_interp usemap maplib shadow_obj trace_obj".split()
-)
+_PASSED_OVER: Final = frozenset((
+    "vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg", "lod", "bevel",
+    "c_interp", "d_interp", "usemap", "maplib", "shadow_obj", "trace_obj",
+))  # fmt: skip
 """What says nothing of where faces lie: texture coordinates, normals, names, materials, lines, points, attributes."""
 _REFUSED: Final = {
     **dict.fromkeys(("surf", "bzp", "bsp", "cdc", "cdp"), "a free-form surface is not read"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import codecs
 import io
-import itertools
 import math
 import re
 import warnings
@@ -20,9 +19,7 @@ _HEADER: Final = 1 << 16
 _LINE: Final = re.compile(rb"([^\r\n]*)(\r\n|\r|\n)")
 _COUNT: Final = re.compile(r"[0-9]{1,9}")
 _FORMATS: Final = ("ascii", "binary_little_endian", "binary_big_endian")
-_TYPES: Final = frozenset(
-    "char uchar short ushort int uint float double int8 uint8 int16 uint16 int32 uint32 float32 float64".split()
-)
+_TYPES: Final = re.compile("u?(?:char|short|int|int8|int16|int32)|float|double|float32|float64")
 _AXES: Final = ("x", "y", "z")
 _NORMAL: Final = {"nx", "ny", "nz"}
 _LISTS: Final = ("vertex_indices", "vertex_index")
@@ -67,7 +64,9 @@ def _parted(data: bytes) -> tuple[bytes, bytes]:
     at = 3 if data.startswith(codecs.BOM_UTF8) else 0
     lines: list[str] = []
     ends: set[bytes] = set()
-    for number in itertools.count(1):
+    number = 0
+    while True:
+        number += 1
         match = _LINE.match(data, at)
         if match is None or match.end() > _HEADER:
             raise BadMesh(f"must have a header that ends within {_HEADER} bytes")
@@ -100,9 +99,9 @@ def _check_line(words: list[str], number: int, size: int) -> None:
             return
         case ["format", kind, "1.0"] if kind in _FORMATS:
             return
-        case ["property", kind, _] if kind in _TYPES:
+        case ["property", kind, _] if _TYPES.fullmatch(kind):
             return
-        case ["property", "list", length, kind, _] if length in _TYPES and kind in _TYPES:
+        case ["property", "list", length, kind, _] if _TYPES.fullmatch(length) and _TYPES.fullmatch(kind):
             return
         case ["element", name, count]:
             where = f"{number}:1: element '{_short(name)}'"

@@ -10,6 +10,7 @@ from symrender.scene.numerals import number
 from symrender.scene.printable import printable
 
 IGNORED: Final = ("id", "version")
+_PARTS: Final = ("bsdf", "emitter", "film", "sampler", "rfilter")
 VALUES: Final = ("integer", "float", "string", "boolean", "rgb", "point", "vector", "transform")
 
 
@@ -45,6 +46,9 @@ class Properties:
             if name is None:
                 if child.tag in VALUES:
                     raise Malformed(f"{child.tag} of {name_of(element)}: needs a name", child.mark)
+                self.others.append(child)
+            elif child.tag in _PARTS or (child.tag == "ref" and element.tag == "shape"):
+                # the name of a part says nothing beside its tag
                 self.others.append(child)
             elif name in self.named:
                 first = self.named[name].mark.line
@@ -98,7 +102,9 @@ class Properties:
 
     def done(self, known: str) -> None:
         """Refuse what was not taken."""
-        for name, child in self.named.items():
-            raise self.wrong(f"{printable(name)} has no meaning here; known are {known}", child)
-        for child in self.others:
-            raise self.wrong(f"{name_of(child)} has no meaning here; known are {known}", child)
+        left = [(printable(name), child) for name, child in self.named.items()]
+        left += [(name_of(child), child) for child in self.others]
+        wrong = [self.wrong(f"{what} has no meaning here; known are {known}", child) for what, child in left]
+        if wrong:
+            wrong[0].others = [each.problem for each in wrong[1:]]
+            raise wrong[0]

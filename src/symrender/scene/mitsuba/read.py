@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import PurePath
 from typing import Any, Final
 
 from symrender.limits import MAX_NAME, MAX_PART_NAME
-from symrender.scene.document import Document, Malformed, Mark, Path
+from symrender.scene.document import Document, Malformed, Mark, Path, Problem
 from symrender.scene.mitsuba.finite import check_chart, flat_fields
 from symrender.scene.mitsuba.flats import fields_of, told_shape
 from symrender.scene.mitsuba.lights import light
@@ -20,6 +22,8 @@ from symrender.scene.radiometric.shapes import Plane
 
 FLATS: Final = {"rectangle": "rectangle", "disk": "disk", "cube": "box"}
 """Flat shapes and what they are called here."""
+_NOTHING_MISSING: Final = {"bounces": 0, "camera": {"type": "look_at", "eye": [0, -1, 0], "target": [0, 0, 0]}}
+"""What stands for an integrator or a sensor that is refused, so that the rest is looked at."""
 _NO_LETTER: Final = re.compile(r"[^A-Za-z0-9_-]")
 
 
@@ -32,6 +36,15 @@ class _Scene:
         self.marks: dict[Path, Mark] = {(): Mark(1, 1)}
         self.bsdfs: dict[str, Element] = {}
         self.clip: tuple[float, float, Mark] = (0.0, math.inf, Mark(1, 1))
+        self.problems: list[Problem] = []
+
+    @contextmanager
+    def part(self) -> Iterator[None]:
+        """Read a part of the file; what is wrong with it is kept, and the parts behind it are read too."""
+        try:
+            yield
+        except Malformed as error:
+            self.problems += error.problems
 
     def put(self, key: str, entry: dict[str, Any], mark: Mark, marks: dict[str, Mark]) -> None:
         """Append to a list of parts."""
@@ -51,38 +64,41 @@ class _Scene:
 
 
 def parse_mitsuba(text: str, origin: str) -> Document:
-    """The scene of a Mitsuba file as plain data; Malformed says which line has no meaning here, and why."""
+    """The scene of a Mitsuba file as plain data, with which lines have no meaning here, and why.
+
+    Malformed where it is no scene at all.
+    """
     root = parse_xml(text)
     if root.tag != "scene":
         raise Malformed(f"must be a scene, got {printable(root.tag)}", root.mark)
     read = _Scene(origin)
     for child in root.children:
         if child.tag == "bsdf" and "id" in child.attributes:
-            if child.attributes["id"] in read.bsdfs:
-                raise Malformed(f"id {printable(child.attributes['id'])}: given twice", child.mark)
-            read.bsdfs[child.attributes["id"]] = child
+            with read.part():
+                if child.attributes["id"] in read.bsdfs:
+                    raise Malformed(f"id {printable(child.attributes['id'])}: given twice", child.mark)
+                read.bsdfs[child.attributes["id"]] = child
     for element in read.bsdfs.values():
-        _material(read, element)
+        with read.part():
+            _material(read, element)
+    readers = {"integrator": _integrator, "sensor": _sensor, "shape": _shape, "emitter": _emitter}
     for child in root.children:
-        match child.tag:
-            case "bsdf" if "id" in child.attributes:
-                continue
-            case "integrator":
-                _integrator(read, child)
-            case "sensor":
-                _sensor(read, child)
-            case "shape":
-                _shape(read, child)
-            case "emitter":
-                _emitter(read, child)
-            case _:
+        if child.tag == "bsdf" and "id" in child.attributes:
+            continue
+        with read.part():
+            if child.tag not in readers:
                 known = "integrator, sensor, bsdf with an id, shape and emitter"
                 raise Malformed(f"{name_of(child)} has no meaning here; known are {known}", child.mark)
-    for key, what in (("bounces", "integrator, whose max_depth is the bounces + 2"), ("camera", "sensor")):
-        if key not in read.data:
-            raise Malformed(f"scene: needs one {what}", root.mark)
-    _clipped(read)
-    return Document(read.data, origin, read.marks)
+            readers[child.tag](read, child)
+    for tag, what in (("integrator", "integrator, whose max_depth is the bounces + 2"), ("sensor", "sensor")):
+        if all(child.tag != tag for child in root.children):
+            read.problems.append(Problem((), f"scene: needs one {what}", root.mark))
+    if read.problems:
+        read.data = _NOTHING_MISSING | read.data
+    else:
+        with read.part():
+            _clipped(read)
+    return Document(read.data, origin, read.marks, problems=list(dict.fromkeys(read.problems)))
 
 
 def _clipped(read: _Scene) -> None:
@@ -173,7 +189,9 @@ def _material(read: _Scene, element: Element) -> tuple[str, list[float] | None]:
         if len(element.children) != 1 or element.children[0].tag != "bsdf":
             raise Malformed("bsdf twosided: must hold one bsdf", element.mark)
         element = element.children[0]
-    material = _surface(element)
+    material: dict[str, Any] = {"type": "diffuse"}
+    with read.part():
+        material = _surface(element)
     scales = material.pop("scales", None)
     if two_sided:
         material["two_sided"] = True
@@ -240,10 +258,18 @@ def _shape(read: _Scene, element: Element) -> None:
     kind = str(element.attributes.get("type"))
     name = read.name(element, "shape-", "shapes")
     properties = Properties(element)
-    lamp = [child for child in element.children if child.tag == "emitter"]
-    if lamp:
-        _lamp(read, name, lamp[0])
-        properties.others.remove(lamp[0])
+    lamps = [child for child in element.children if child.tag == "emitter"]
+    if lamps:
+        properties.others.remove(lamps[0])
+    count = len(read.data["shapes"])
+    with read.part():
+        _solid(read, element, properties, kind, name)
+    for lamp in lamps[:1]:
+        _lamp(read, name if len(read.data["shapes"]) > count else "", lamp)
+
+
+def _solid(read: _Scene, element: Element, properties: Properties, kind: str, name: str) -> None:
+    """Read what a shape is but its emitter."""
     plane = next((found for comment in element.comments if (found := told(comment))), None)
     if kind == "sphere" or (kind == "rectangle" and plane is not None):
         material, scales = _surface_of(read, properties)
@@ -286,12 +312,14 @@ def _flat(read: _Scene, element: Element, properties: Properties, kind: str, nam
 
 
 def _lamp(read: _Scene, shape: str, element: Element) -> None:
-    """The emitter inside a shape as an area light."""
+    """The emitter inside a shape as an area light; looked at only where the shape was refused and has no name."""
     properties = Properties(element)
     if element.attributes.get("type") != "area":
         raise properties.wrong("a shape emits as area, no other way")
     radiance, mark = properties.triple("radiance", "rgb")
     properties.done("radiance")
+    if not shape:
+        return
     name = read.name(element, "light-", "lights")
     read.put("lights", {"type": "area", "name": name, "shape": shape, "radiance": radiance}, element.mark,
              {"radiance": mark})  # fmt: skip
@@ -301,7 +329,7 @@ def _surface_of(read: _Scene, properties: Properties) -> tuple[str, list[float] 
     """Name of the material of a shape, and the scale of its texture."""
     found = [child for child in properties.others if child.tag in ("bsdf", "ref")]
     if len(found) != 1:
-        raise properties.wrong("needs one bsdf, or a ref to one")
+        raise properties.wrong(f"needs one bsdf, or a ref to one, got {len(found)}")
     properties.others.remove(found[0])
     bsdf = found[0]
     if bsdf.tag == "ref":

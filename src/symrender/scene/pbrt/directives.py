@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from symrender.limits import MAX_KEYS, MAX_MAPPING
-from symrender.scene.document import Malformed, Mark
+from symrender.scene.document import Malformed, Mark, Problem, Unreadable
 from symrender.scene.nearest import did_you_mean
 from symrender.scene.pbrt.tokens import Token, float_of, is_integer, said, tokens
 from symrender.scene.printable import printable
@@ -88,27 +88,43 @@ class _Words:
         self._step()
         return token
 
+    def skip(self) -> None:
+        """Go on to what looks like the next directive."""
+        while self.ahead is not None and not (self.ahead.kind == "word" and self.ahead.text[:1].isupper()):
+            self._step()
+
     def counted(self, mark: Mark) -> None:
         """Count one directive, parameter or comment."""
         self.count += 1
         if self.count > MAX_KEYS:
-            raise Malformed(f"a scene file may hold at most {MAX_KEYS} directives, parameters and comments", mark)
+            raise Unreadable(f"a scene file may hold at most {MAX_KEYS} directives, parameters and comments", mark)
 
     def at(self, kind: str, text: str | None = None) -> bool:
         """Whether the next word is of a kind, and that one."""
         return self.ahead is not None and self.ahead.kind == kind and text in (None, self.ahead.text)
 
 
-def directives(text: str) -> Iterator[Directive]:
-    """The directives of ``text`` in order; Malformed where one is unknown, refused or ill-formed."""
+def directives(text: str, problems: list[Problem]) -> Iterator[Directive]:
+    """The directives of ``text`` in order; to ``problems`` goes what is wrong with one that is passed over.
+
+    Unreadable where no more can be told apart.
+    """
     words = _Words(text)
     while words.ahead is not None:
         comments, words.comments = tuple(words.comments), []
-        token = words.next("a directive", ())
-        words.counted(token.mark)
-        if token.kind != "word" or token.text not in KNOWN:
-            raise _unknown(token)
-        yield _directive(words, token, comments)
+        try:
+            token = words.next("a directive", ())
+            words.counted(token.mark)
+            if token.kind != "word" or token.text not in KNOWN:
+                raise _unknown(token)
+            directive = _directive(words, token, comments)
+        except Unreadable:
+            raise
+        except Malformed as error:
+            problems += error.problems
+            words.skip()
+        else:
+            yield directive
 
 
 def _unknown(token: Token) -> Malformed:

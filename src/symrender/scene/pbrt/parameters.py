@@ -138,5 +138,8 @@ class Parameters:
 
     def done(self, known: str) -> None:
         """Refuse what was not taken."""
-        for name, parameter in self._left.items():
-            raise self.wrong(name, f"must be left out, got {parameter.type}: known are {known}")
+        left = self._left.items()
+        wrong = [self.wrong(name, f"must be left out, got {each.type}: known are {known}") for name, each in left]
+        if wrong:
+            wrong[0].others = [each.problem for each in wrong[1:]]
+            raise wrong[0]

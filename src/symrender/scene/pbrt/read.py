@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from symrender.limits import MAX_DEPTH, MAX_NAME, MAX_PART_NAME
-from symrender.scene.document import Document, Malformed, Mark, Path
+from symrender.scene.document import Document, Malformed, Mark, Path, Problem, Unreadable
 from symrender.scene.pbrt import camera, lights, materials, shapes
 from symrender.scene.pbrt.directives import Directive, directives
 from symrender.scene.pbrt.parameters import Parameters
@@ -26,6 +26,8 @@ _MOVES: Final = ("Identity", "Translate", "Scale", "Rotate", "LookAt", "Transfor
 _BEFORE: Final = ("Camera", "Film", "PixelFilter", "Integrator", "Sampler", "Accelerator", "Option", "WorldBegin")
 _ANYWHERE: Final = (*_MOVES, "CoordinateSystem", "CoordSysTransform", "ColorSpace")
 _OPTIONS: Final = ("disablepixeljitter", "disabletexturefiltering", "seed")
+_NOTHING_MISSING: Final = {"bounces": 0, "camera": {"type": "look_at", "eye": [0, -1, 0], "target": [0, 0, 0]}}
+"""What stands for an integrator or a camera that is refused, so that the rest is looked at."""
 _UNNAMED: Final = materials.Surface({"type": "diffuse", "two_sided": True}, materials.DEFAULT, "", Mark(1, 1))
 
 
@@ -55,9 +57,22 @@ class _Reader:
         self.seen_from = IDENTITY
         self.told: dict[str, str] = {}
         self.world = False
+        self.problems: list[Problem] = []
 
     def read(self, directive: Directive) -> None:
-        """Take in one directive."""
+        """Take in one directive; what is wrong with it is kept, and what follows is read too."""
+        try:
+            self._take(directive)
+        except Unreadable:
+            raise
+        except Malformed as error:
+            self.problems += error.problems
+            if directive.name == "MakeNamedMaterial":
+                self.named.setdefault(directive.strings[0], _UNNAMED)
+            elif directive.name == "Texture":
+                self.textures.setdefault(directive.strings[0], materials.DEFAULT)
+
+    def _take(self, directive: Directive) -> None:
         name = directive.name
         for comment in directive.comments:
             if (found := _TOLD.fullmatch(comment)) is not None:
@@ -120,7 +135,7 @@ class _Reader:
     def _nest(self, directive: Directive) -> None:
         if directive.name == "AttributeBegin":
             if len(self.kept) >= MAX_DEPTH:
-                raise Malformed(f"nesting must be at most {MAX_DEPTH} deep", directive.mark, ("AttributeBegin",))
+                raise Unreadable(f"nesting must be at most {MAX_DEPTH} deep", directive.mark, ("AttributeBegin",))
             self.kept.append(self.state)
             return
         if not self.kept:
@@ -193,30 +208,57 @@ class _Reader:
         self.data[key].append(entry)
 
     def end(self) -> None:
-        """Say who looks, and refuse a file that lacks something."""
+        """Say who looks, and what the file lacks."""
         if not self.world:
-            raise Malformed("must have a WorldBegin, got none", Mark(1, 1))
+            # what stands where is then not known
+            self.problems = self.problems[:1] or [Problem((), "must have a WorldBegin, got none", Mark(1, 1))]
+            self.data = _NOTHING_MISSING | self.data
+            return
         if self.kept:
-            raise Malformed(f"must end {len(self.kept)} AttributeBegin more", Mark(1, 1), ("AttributeEnd",))
+            self._lacks(f"must end {len(self.kept)} AttributeBegin more", "AttributeEnd")
         for name, told in (
             ("Integrator", '"path" with maxdepth 1, 2 or all'),
             ("Camera", '"perspective"'),
             ("PixelFilter", '"box"; without one pbrt filters by a Gaussian'),
         ):
+            if name not in self.head and all(problem.path[:1] != (name,) for problem in self.problems):
+                self._lacks(f"must be {told}, got none", name)
+        size = camera.DEFAULT_SIZE
+        for name in ("PixelFilter", "Film", "Integrator", "Camera"):
             if name not in self.head:
-                raise Malformed(f"must be {told}, got none", Mark(1, 1), (name,))
-        camera.pixel_filter(self.head["PixelFilter"])
-        size = camera.film(self.head["Film"]) if "Film" in self.head else camera.DEFAULT_SIZE
-        self.data["bounces"] = camera.integrator(self.head["Integrator"])
-        self.data["camera"] = camera.camera(self.head["Camera"], self.seen_from, size)
-        self.marks[("bounces",)] = self.head["Integrator"].mark
-        self.marks[("camera",)] = self.head["Camera"].mark
+                continue
+            try:
+                if name == "PixelFilter":
+                    camera.pixel_filter(self.head[name])
+                elif name == "Film":
+                    size = camera.film(self.head[name])
+                elif name == "Integrator":
+                    self.data["bounces"] = camera.integrator(self.head[name])
+                else:
+                    self.data["camera"] = camera.camera(self.head[name], self.seen_from, size)
+            except Malformed as error:
+                self.problems += error.problems
+        for field, name in (("bounces", "Integrator"), ("camera", "Camera")):
+            if name in self.head:
+                self.marks[(field,)] = self.head[name].mark
+        if self.problems:
+            self.data = _NOTHING_MISSING | self.data
+
+    def _lacks(self, message: str, name: str) -> None:
+        self.problems.append(Problem((name,), message, Mark(1, 1)))
 
 
 def parse_pbrt(text: str, origin: str) -> Document:
-    """The scene of a pbrt file as plain data; Malformed says which directive has no meaning here, and why."""
+    """The scene of a pbrt file as plain data, with which directives have no meaning here, and why.
+
+    Unreadable where the text ends before the scene does, as far as it can be read.
+    """
     reader = _Reader(origin)
-    for directive in directives(text):
-        reader.read(directive)
+    try:
+        for directive in directives(text, reader.problems):
+            reader.read(directive)
+    except Unreadable as error:
+        error.others = reader.problems
+        raise
     reader.end()
-    return Document(reader.data, origin, reader.marks)
+    return Document(reader.data, origin, reader.marks, problems=list(dict.fromkeys(reader.problems)))

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
-from symrender.scene.document import Malformed, Mark
+from symrender.scene.document import Malformed, Mark, Unreadable
 from symrender.scene.numerals import number
 from symrender.scene.printable import printable
 
@@ -27,7 +27,7 @@ class Token(NamedTuple):
 
 
 def tokens(text: str) -> Iterator[Token]:
-    """The words of ``text`` in order; Malformed where a string does not end."""
+    """The words of ``text`` in order; Unreadable where a string does not end."""
     at, line, begins = 0, 1, 0
     while True:
         found = _TOKEN.match(text, at)
@@ -37,7 +37,7 @@ def tokens(text: str) -> Iterator[Token]:
             line, begins = line + breaks, text.rindex("\n", at, begin) + 1
         mark = Mark(line, begin - begins + 1)
         if found is None:
-            raise Malformed("a string must end on its line, and have no backslash", mark)
+            raise Unreadable("a string must end on its line, and have no backslash", mark)
         if kind is None:
             return
         at = found.end()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Final
 
 from symrender.scene.radiometric.lights import Point, Sky
 from symrender.scene.radiometric.scene import RadiometricScene
@@ -11,6 +12,16 @@ from symrender.scene.radiometric.shapes import Box, Mesh, Plane, Shape, Sphere
 from symrender.scene.values import Part
 
 _Point = tuple[float, float, float]
+_MANY: Final = 5000
+"""Triangles from which on a scene is expensive."""
+_READY: Final = 4e-4
+_BYTES: Final = 9e3
+_PIXEL: Final = 1e-5
+"""Seconds of a processor and bytes that a triangle takes before the first pixel, and seconds in a pixel of a light.
+
+Measured: dented balls of 4,760 and 19,320 triangles under a point light took 3.1 and 8.8 s and 154 and 283 MB to the
+first pixel, and .042 and .19 s a pixel over 100 pixels.
+"""
 
 
 def radiometric_warnings(scene: RadiometricScene) -> tuple[str, ...]:
@@ -59,6 +70,13 @@ def _shapes(scene: RadiometricScene) -> Iterator[str]:
     for shape in scene.shapes:
         if isinstance(shape, Mesh) and shape.notes:
             yield f"shapes.{shape.name}: {shape.notes}"
+    triangles = sum(len(shape.faces) for shape in scene.shapes if isinstance(shape, Mesh))
+    if triangles > _MANY:
+        yield (
+            f"its meshes have {triangles} triangles: an image without noise takes {_READY * triangles:.2g} s and "
+            f"{_BYTES * triangles / 1e6:.2g} MB before its first pixel, then {_PIXEL * triangles:.2g} s a pixel for "
+            "every light, without bounces; with them far more"
+        )
     first: dict[Part, str] = {}
     for shape in scene.shapes:
         same = shape.model_copy(update={"name": "shape", "material": "material", "notes": ""})
