@@ -9,14 +9,16 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import symrender as sr
 from symrender.errors import SceneError
-from symrender.limits import MAX_MESH_BYTES, MAX_TRIANGLES
+from symrender.limits import MAX_ITEMS, MAX_MESH_BYTES, MAX_TRIANGLES
 from symrender.scene.dump import to_yaml
-from symrender.scene.load import load_any
+from symrender.scene.load import load_any, parse_any
 from symrender.scene.radiometric.shapes import Mesh
+from symrender.scene.warnings import warnings
 
 VERTICES = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
@@ -158,6 +160,87 @@ def test_all_triangles_of_a_scene_are_counted(monkeypatch: pytest.MonkeyPatch) -
     one = {"type": "mesh", "material": "white", "vertices": [*arc, [0.0, 0.0, 1.0]], "faces": [*fan, [0, 1, half + 1]]}
     with pytest.raises(SceneError, match=r"shapes\[1\].faces: meshes may have at most 500 triangles together"):
         sr.load(scene() | {"shapes": [one | {"name": "A"}, one | {"name": "B"}]})
+
+
+def test_what_of_a_file_is_not_used_is_told_and_is_no_part_of_the_scene(tmp_path: Path) -> None:
+    smooth = OBJ.replace("f 1/2/3 3 2", "f 1/2/1 3/2/1 2/2/1")
+    plain = loaded(tmp_path, "a.obj", OBJ.replace("1//1 4//1 3//1", "1 4 3").replace("f 1/2/3", "f 1"))
+    made = load_any(tmp_path / "scene.json")
+    assert loaded(tmp_path, "a.obj", smooth).notes.startswith("a.obj: its shading normals are not used")
+    noted = load_any(tmp_path / "scene.json")
+    assert plain.notes == "" and noted != made and noted.hash == made.hash
+    assert load_any(plain_text(tmp_path, to_yaml(noted))) == noted
+    assert [line for line in warnings(noted) if "shading normals" in line] and not any(
+        map("normals".count, warnings(made))
+    )
+    kept = noted.replace({"shapes.M.scale": 2.0})
+    image = sr.truth(kept, size=2, tol=1e-3)
+    assert json.loads(image.meta["conventions"])["meshes"] == {"M": noted.shapes[0].notes}  # type: ignore[union-attr]
+    normals = PLY.replace("float z\n", "float z\nproperty float nx\nproperty float ny\nproperty float nz\n")
+    for row in ROWS.splitlines():
+        normals = normals.replace(f"\n{row}\n", f"\n{row} 0 0 1\n", 1)
+    assert "shading normals" in loaded(tmp_path, "a.ply", normals).notes
+
+
+def plain_text(folder: Path, text: str) -> Path:
+    (folder / "again.yaml").write_text(text)
+    return folder / "again.yaml"
+
+
+def test_a_mesh_of_many_triangles_is_read_changed_and_sent(tmp_path: Path) -> None:
+    side = 95
+    rows = [f"v {x} {y} {0.1 * (x * y % 7)}" for x in range(side) for y in range(side)]
+    rows += [
+        f"f {(at := x * side + y + 1)} {at + side} {at + side + 1} {at + 1}"
+        for x in range(side - 1) for y in range(side - 1)
+    ]  # fmt: skip
+    mesh = loaded(tmp_path, "a.obj", "\n".join(rows))
+    assert len(mesh.faces) == 2 * (side - 1) ** 2 > 17_500
+    scene = load_any(tmp_path / "scene.json")
+    (cost,) = [line for line in warnings(scene) if "triangles" in line]
+    assert "17672 triangles" in cost and "s a pixel" in cost
+    moved = scene.replace({"shapes.M.scale": 2.0})
+    text = to_yaml(moved)
+    assert parse_any(text, "scene", most=MAX_ITEMS) == moved
+    with pytest.raises(SceneError, match="may hold at most 100000 keys"):
+        parse_any(text, "scene")
+
+
+HEADERS = [
+    (HEAD.replace("ascii", "text"), r"a.ply:2:1: must be format, comment, .*got 'format text 1.0'"),
+    (HEAD.replace("float z", "number z"), r"a.ply:6:1: must be .*got 'property number z'"),
+    (HEAD.replace("ply", "pyl", 1), r"a.ply:1:1: must begin with the line ply, got 'pyl'"),
+    (HEAD + "wrong\n", r"a.ply:7:1: must be .*got 'wrong'"),
+    (
+        "\ufeff" + HEAD.replace("format", "comment Küche\nformat") + "elemént face 1\n",
+        r"a.ply:8:1: must be .*got 'elem",
+    ),
+]
+
+
+@pytest.mark.parametrize(("head", "told"), HEADERS, ids=["format", "type", "magic", "keyword", "utf-8"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_a_fault_of_a_ply_header_is_told_by_its_line(head: str, told: str, end: str, tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=told) as caught:
+        loaded(tmp_path, "a.ply", (head + LIST + ROWS).replace("\n", end))
+    assert "codec" not in str(caught.value)
+
+
+def test_a_ply_of_any_line_ends_and_words_is_read(tmp_path: Path) -> None:
+    for end in ("\n", "\r\n", "\r"):
+        # behind lone carriage returns a line feed is the first byte of the rows
+        for last in ("\r",) if end == "\r" else ("\n", "\r\n"):
+            head = (HEAD.replace("format", "comment é\nobj_info ü\nformat") + LIST).replace(
+                "ascii", "binary_little_endian"
+            )
+            head = head.removesuffix("end_header\n").replace("\n", end) + "end_header" + last
+            body = binary()[len((HEAD + LIST).replace("ascii", "binary_little_endian")) :]
+            assert len(loaded(tmp_path, "a.ply", head.encode() + body).faces) == 4
+    head = (HEAD + LIST).replace("ascii", "binary_little_endian").replace("\n", "\r").encode()
+    # the first number of the rows begins with a line feed
+    body = binary()[len(head) :]
+    mesh = loaded(tmp_path, "a.ply", head + struct.pack("<I", 0x3F80000A) + body[4:])
+    assert mesh.vertices[0][0] == np.frombuffer(struct.pack("<I", 0x3F80000A), "<f4")[0]
 
 
 def test_the_gallery_has_the_meshes_its_program_writes() -> None:

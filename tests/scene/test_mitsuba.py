@@ -119,6 +119,37 @@ def test_a_refusal_is_one_line_with_its_place(name: str, tmp_path: Path) -> None
     assert len(first) < 400 and "Traceback" not in err.getvalue()
 
 
+def test_all_faults_of_a_file_are_told_together(tmp_path: Path) -> None:
+    path = tmp_path / "case.xml"
+    text = changed('name="alpha" value="0.05"', 'name="alpha" value="-1"')
+    for old, new in (
+        ('name="radius" value="0.62"', 'name="radius" value="wide"'),
+        ('emitter type="point"', 'emitter type="projector"'),
+        ('<rfilter type="box"/>', '<rfilter type="tent"/>'),
+        ("</scene>", '<medium/><shape type="bunny"><emitter type="projector"/></shape></scene>'),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    path.write_text(text)
+    with pytest.raises(SceneError) as caught:
+        sr.load(path)
+    lines = str(caught.value).splitlines()
+    told = ("alpha: must be", "needs an rfilter box", "must be numbers, got wide", "no such emitter", "medium has no",
+            "shape bunny: no such shape", "a shape emits as area")  # fmt: skip
+    assert len(lines) == len(told) and all(sum(part in line for line in lines) == 1 for part in told), lines
+    places = [tuple(map(int, line.removeprefix(f"{path}:").split(":")[:2])) for line in lines]
+    assert places == sorted(places)
+
+
+def test_a_bsdf_may_have_a_name(tmp_path: Path) -> None:
+    path = tmp_path / "case.xml"
+    path.write_text(changed('<ref id="material-gold05"/>', '<ref name="bsdf" id="material-gold05"/>'))
+    assert len(sr.load(path).shapes) > 1  # type: ignore[attr-defined]
+    path.write_text(changed('<ref id="material-gold05"/>', '<ref id="material-gold05"/><ref id="material-gold05"/>'))
+    with pytest.raises(SceneError, match="needs one bsdf, or a ref to one, got 2"):
+        sr.load(path)
+
+
 def test_a_mark_is_the_line_of_the_property(tmp_path: Path) -> None:
     path = tmp_path / "case.xml"
     path.write_text(changed('name="alpha" value="0.1"', 'name="alpha" value="5"'))

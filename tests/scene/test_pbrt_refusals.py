@@ -294,6 +294,29 @@ def test_what_the_cases_change_is_read(tmp_path: Path) -> None:
     assert len(sr.load(path).shapes) >= 4  # type: ignore[attr-defined]
 
 
+def test_all_faults_of_a_file_are_told_together(tmp_path: Path) -> None:
+    path = tmp_path / "case.pbrt"
+    text = behind(
+        'Include "a"\nFoo 1 "x"\nBar\nShape "sphere" "float radius" -1\nShape "cone"\n'
+        'MakeNamedMaterial "m" "string type" "glass"\nNamedMaterial "m"\nTexture "t" "spectrum" "imagemap"\n'
+        'Material "diffuse" "texture reflectance" "t"\nShape "sphere" "float zmax" .2 "float alpha" 1\nLightSource 3'
+    )
+    path.write_text(text.replace('maxdepth" [ 2 ]', 'maxdepth" [ 9 ]'))
+    with pytest.raises(SceneError) as caught:
+        sr.load(path)
+    lines = str(caught.value).splitlines()
+    told = ("Integrator.maxdepth", "Include: must not", "got Foo", "got Bar", "radius: must be > 0", "got cone",
+            "MakeNamedMaterial", "Texture: must be of numbers", "zmax: must be",
+            "LightSource: must be a string")  # fmt: skip
+    assert len(lines) == len(told), lines
+    assert all(part in line for part, line in zip(told, lines, strict=True)), lines
+    path.write_text(text + 'Shape "open')
+    with pytest.raises(SceneError) as caught:
+        sr.load(path)
+    lines = str(caught.value).splitlines()
+    assert len(lines) > 5 and "a string must end on its line" in lines[-1] and "WorldBegin" not in str(caught.value)
+
+
 def test_a_mark_is_line_and_column_of_the_parameter(tmp_path: Path) -> None:
     path = tmp_path / "case.pbrt"
     path.write_text(changed('"float roughness" [ .2 ]', '"float roughness" [ 5 ]'))

@@ -1,6 +1,6 @@
 """Polygons of a mesh's file, cut into triangles that cover each polygon exactly once.
 
-A polygon is cut in its projection along its Newell normal, with one coordinate left out, so no coordinate is rounded.
+A polygon is cut in its projection along its Newell normal, with one coordinate left out: a flat one is not rounded.
 Where the projection is convex the triangles are a fan about the first corner: a quadrilateral that is not flat is bent
 along the diagonal from its first to its third corner, as other renderers read it. All other polygons are cut by
 mapbox_earcut, and what it returns is checked: no triangle is turned over, no two overlap, and together they have the
@@ -57,13 +57,19 @@ def triangles(corners: Sequence[int], vertices: Sequence[Sequence[float]]) -> li
 
 
 def _projected(at: Sequence[Triple]) -> list[Triple]:
-    """The corners counter-clockwise in the plane z = 0, scaled by a power of two, which rounds nothing."""
+    """The corners counter-clockwise in the plane z = 0; of a flat polygon scaled by a power of two, which is exact."""
     arms = [minus(p, at[0]) for p in at]
     parts = [cross(u, v) for u, v in pairwise(arms)]
     normal = [math.fsum(part[axis] for part in parts) for axis in range(3)]
     axis = max(range(3), key=lambda k: abs(normal[k]))
     if abs(normal[axis]) <= _FLAT * math.fsum(math.hypot(*part) for part in parts):
         raise CrossesItself
+    # only what lies off the plane by more than rounding is moved along the normal
+    size, reach = math.hypot(*normal), max(math.hypot(*arm) for arm in arms)
+    up = [n / size for n in normal]
+    heights = [sum(x * n for x, n in zip(arm, up, strict=True)) for arm in arms]
+    if max(heights) - min(heights) > _FLAT * reach:
+        at = [(p[0] - h * up[0], p[1] - h * up[1], p[2] - h * up[2]) for p, h in zip(at, heights, strict=True)]
     scale = math.ldexp(1.0, -math.frexp(max(abs(x) for p in at for x in p))[1])
     u, v = (axis + 1) % 3, (axis + 2) % 3
     if normal[axis] < 0.0:
