@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -10,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from symrender.errors import OptionError, remedy
+from symrender.errors import OptionError
 from symrender.execution.provenance import filtered
 from symrender.gradient import gradient
 from symrender.images.image import Image
@@ -113,11 +112,8 @@ def fit(
     gradient, ``precision`` the relative change of the parameters at which the fit is done. ``filter`` and
     ``filter_radius`` are what a pixel of the target is, as for ``truth``: means know silhouettes, and do not jump. They
     are known to ``tol`` alone, so that a ``precision`` far below it is not reached.
-    Raises OptionError without the extra ``fit`` and for a target whose metadata name another filter, ImageError for one
-    without a radiance layer.
+    Raises OptionError for a target whose metadata name another filter, ImageError for one without a radiance layer.
     """
-    if importlib.util.find_spec("scipy") is None:
-        raise OptionError(f"fit: needs SciPy: {remedy('fit')}")
     here = load_any(scene)
     names = components(here, free)
     ranges = {p.name: (p.low, p.high) for p in parameters(here)}

@@ -15,7 +15,7 @@ import typer
 from symrender.cli._options import Json
 from symrender.errors import extras
 
-_CORE = ("numpy", "sympy", "numba", "llvmlite", "pydantic", "PyYAML", "typer", "rich", "pillow", "OpenEXR")
+_CORE = ("numpy", "scipy", "sympy", "numba", "llvmlite", "pydantic", "PyYAML", "typer", "rich", "pillow", "OpenEXR")
 _FEATURES = ("sse4_2", "avx", "avx2", "fma", "avx512f", "asimd", "sve")
 
 
