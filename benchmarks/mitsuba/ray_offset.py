@@ -62,10 +62,10 @@ def rendered(folder: Path, samples: int, seed: int, *, bounces: int = 1) -> Path
     name, depth = f"depth_{bounces + 2}.xml", '<integer name="max_depth" value="{}"/>'
     assert depth.format(3) in text
     (folder / name).write_text(text.replace(depth.format(3), depth.format(bounces + 2)), "utf-8")
-    out = f"seed_{seed}_bounces_{bounces}"
-    words = ["--samples", str(samples), "--seed", str(seed), "--scene", name, "--out", out]
+    out = folder / f"seed_{seed}_bounces_{bounces}"
+    words = ["--samples", str(samples), "--seed", str(seed), "--scene", name, "--out", str(out)]
     subprocess.run([sys.executable, str(folder / "run.py"), *words], check=True, stdout=sys.stderr)
-    return folder / f"{out}.npz"
+    return out.with_suffix(".npz")
 
 
 def mean(render: Path) -> float:

@@ -192,7 +192,7 @@ def _enclosed(arrays: SceneArrays, place: Array, surface: str, settings: Setting
 
 def _at_points(scene: AnyScene, points: npt.ArrayLike | None) -> tuple[Scene, Array]:
     if isinstance(scene, RadiometricScene):
-        raise Unsupported("points: radiometric scenes are probed along rays=(origins, directions) alone yet")
+        raise Unsupported(f"points: a radiometric scene ({scene.name}) is probed along rays=(origins, directions)")
     if points is None:
         raise OptionError("points, rays: one of them must be given")
     return scene, np.atleast_2d(np.asarray(points, dtype=np.float64))

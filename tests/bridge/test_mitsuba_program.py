@@ -77,13 +77,13 @@ def set_variant(_):
 
 def drawn(folder: Path, seed: int, samples: int) -> list[int]:
     """What Mitsuba's sampler was seeded with, round by round."""
-    words = ["--samples", str(samples), "--seed", str(seed), "--out", f"seed_{seed}"]
+    words = ["--samples", str(samples), "--seed", str(seed), "--out", f"seeds/{seed}"]
     done = subprocess.run(
         [sys.executable, str(folder / "out" / "run.py"), *words],
-        env=os.environ | {"PYTHONPATH": str(folder)}, capture_output=True, text=True, timeout=120,
+        env=os.environ | {"PYTHONPATH": str(folder)}, capture_output=True, text=True, timeout=120, cwd=folder,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    return [int(word) for word in (folder / "out" / f"seed_{seed}.exr.seeds").read_text().split()]
+    return [int(word) for word in (folder / "seeds" / f"{seed}.exr.seeds").read_text().split()]
 
 
 def test_seeds_share_no_random_numbers(tmp_path: Path) -> None:
@@ -94,7 +94,7 @@ def test_seeds_share_no_random_numbers(tmp_path: Path) -> None:
     rounds = [drawn(tmp_path, seed, 70_000) for seed in (0, 1, 2)]
     assert {len(each) for each in rounds} == {5}
     assert len({number for each in rounds for number in each}) == 15
-    found = measured([tmp_path / "out" / "seed_1.npz"])
+    found = measured([tmp_path / "seeds" / "1.npz"])
     shares = np.array([16_384] * 4 + [70_000 - 4 * 16_384])
     assert found.samples == 70_000 and found.receipts == (made.receipt["scene_hash"],)
     assert np.allclose(found.mean, (shares * rounds[1]).sum() / 70_000 / 2**20)

@@ -253,9 +253,11 @@ def test_its_program_joins_three_renders_as_an_audit_reads_them(rays: str, tmp_p
     fake.write_text(FAKE.format(python=sys.executable, centre=rays == "centre", width=6, height=4))
     fake.chmod(0o755)
     program = [sys.executable, str(tmp_path / "out" / "run.py"), "--pbrt", str(fake)]
-    done = subprocess.run(program, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
+    for words in ([], ["--out", "there/s2"]):
+        done = subprocess.run([*program, *words], capture_output=True, text=True, timeout=120, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
     render = measured([str(tmp_path / "out" / "render.npz")])
+    assert (measured([str(tmp_path / "there" / "s2.npz")]).mean == render.mean).all()
     assert render.samples == 32 and render.source == "variance"
     assert render.mean.shape == (4, 6, 3) and render.mean[0, 0].tolist() == [1.0, 2.0, 3.0]
     assert render.variance[0, 0].tolist() == [0.25 / 32, 0.5 / 32, 0.75 / 32]

@@ -57,6 +57,8 @@ def fails(capfd: pytest.CaptureFixture[str], arguments: list[str], code: int = 2
         (["truth", "--tol", "1e-300"], "tol: 1e-300 is below double precision"),
         (["probe", "gloss", "-p", "1,x"], "point: must be numbers X,Y or X,Y,Z, got '1,x'"),
         (["probe", "gloss", "-p", "nan,0"], "points: must be finite numbers"),
+        (["probe", "metal", "-p", "0,0"], "point: metal is a radiometric scene, which is probed along rays: --ray X,"),
+        (["export", "metal", "--to", "glsl", "--out", "x.glsl"], "export to glsl: does not know radiometric scenes"),
         (["render", "--seed", "9" * 30], "seed: must be a whole number"),
         (["render", "--disk", "0x0"], "disk: must be 'exact' or 'KxK'"),
         (["render", "--numeric", "magic"], "--numeric"),

@@ -59,7 +59,7 @@ def export(
     if form == "glsl":
         from symrender.bridge.glsl import glsl
 
-        made = glsl(in_series(loaded, "export"), lobe=options.get("lobe", 4))
+        made = glsl(in_series(loaded, "export to glsl"), lobe=options.get("lobe", 4))
     else:
         if not isinstance(loaded, RadiometricScene):
             raise Unsupported(

@@ -11,7 +11,7 @@ import typer
 from symrender.cli._completions import numbers, surfaces
 from symrender.cli._console import show_json
 from symrender.cli._means import Threads
-from symrender.cli._options import Define, Json, SceneArgument, any_scene_with, scene_with
+from symrender.cli._options import Define, Json, SceneArgument, any_scene_with
 
 if TYPE_CHECKING:
     from symrender.probe import Probe
@@ -65,6 +65,8 @@ def probe(
     Example: symrender probe chapter8 -p 1.2,-0.4 -p 0.5,-1.1 --tol 1e-10
     """
     from symrender.errors import OptionError
+    from symrender.scene.printable import printable
+    from symrender.scene.radiometric.scene import RadiometricScene
 
     if bool(point) == bool(ray):
         raise OptionError("point, ray: give points of a surface, or rays through a radiometric scene")
@@ -74,7 +76,12 @@ def probe(
                     threads=threads)  # fmt: skip
         return
     points = _points(point or [])
-    chosen = scene_with(scene, define, "probe --point")
+    chosen = any_scene_with(scene, define)
+    if isinstance(chosen, RadiometricScene):
+        raise OptionError(
+            f"point: {printable(chosen.name)} is a radiometric scene, which is probed along rays: "
+            "--ray X,Y,Z,DX,DY,DZ, an origin and a direction"
+        )
 
     from symrender.cli._progress import progress
     from symrender.execution.first_use import first_use

@@ -84,7 +84,8 @@ def _chords(face: Piece, disk: Piece) -> list[Array]:
     way = np.cross(along, disk.up) / sine
     rise = float(way @ face.up)
     middle = disk.place - height / rise * way
-    half = np.sqrt(disk.radius**2 - (height / rise) ** 2) * along / sine
+    # where the disk all but touches the plane, rounding may leave less than nothing
+    half = np.sqrt(max(0.0, disk.radius**2 - (height / rise) ** 2)) * along / sine
     return [np.array([middle - half, middle + half])]
 
 
@@ -240,10 +241,11 @@ def _hull_on(face: Piece, side: float, light: Light, places: Array, outline: lis
     """(n, 3) corners of the hull of polygons and edges on the plane of a face, as seen from the corners of a light."""
     up = side * face.up
     shadow: list[Array] = []
+    far = light.kind == DIRECTIONAL
     for place in places:
-        far = light.kind == DIRECTIONAL
         height = float(place @ up) if far else float((place - face.place) @ up)
-        if height <= 0.0:
+        # of a light in the plane of the face a rounded height would be divided by
+        if height <= TOUCH * max(float(np.abs(place).max()), 0.0 if far else float(np.abs(face.place).max())):
             continue
         for polygon in outline:
             corners = _kept(polygon, (polygon - face.place) @ up)

@@ -147,6 +147,6 @@ def in_series(scene: AnyScene, verb: str = "") -> Scene:
     """``scene``, or ``Unsupported`` naming it and ``verb`` where it is radiometric."""
     if isinstance(scene, RadiometricScene):
         what = f"{verb}: does not know" if verb else "this does not know"
-        known = "render, truth, probe, gradient and fit do"
+        known = "render, truth, probe along rays, gradient, hessian, fit and audit do"
         raise Unsupported(f"{what} radiometric scenes yet ({printable(scene.name)}); {known}")
     return scene
