@@ -158,7 +158,7 @@ def functions() -> None:
         "expression": lambda: sr.expression("gloss"),
         "export": lambda: sr.export("gloss", "glsl"),
         "simulator": lambda: sr.simulator("gloss"),
-        "animate": lambda: sr.animate("gloss", orbit=2, size=4, out="turn", video="none"),
+        "animate": lambda: sr.animate("gloss", "turn", orbit=2, size=4, video="none"),
         "explore": lambda: sr.explore("gloss"),
         "report": lambda: sr.report("gloss"),
         "audit": lambda: sr.audit("truth.npz", "gloss", noise_free=True),

@@ -110,7 +110,7 @@ def test_lamps_are_what_the_split_rule_finds() -> None:
         pair = shaken_rays(arrays, origins, directions)
         for tol in (1e-3, 1e-6):
             one = Bouncer(arrays, True).sent(pair, tol, 1_000_000)
-            two = Gatherer(arrays, tol, lamps=True).sent(pair, tol, 0)
+            two = Gatherer(arrays, tol, lamps=True).sent(pair, tol, 4_000_000)
             known = np.isfinite(one.error)
             off = np.abs(one.indirect - two.indirect).max(axis=1)[known]
             assert (two.error[known] <= tol).mean() > 0.9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
@@ -29,6 +30,7 @@ from symrender.radiosity.fields import field_lines
 from symrender.radiosity.inner import Inner, inner_of
 from symrender.radiosity.near import Thing, too_large
 from symrender.radiosity.records import CHANNELS, NONE, Cell, Ints
+from symrender.radiosity.work import Spent
 
 Evaluate = Callable[[Ints, Array, Array], tuple[Array, Array]]
 """``evaluate(face, side, places)`` of M places: what they send (M, CHANNELS), and what that may be off (M,)."""
@@ -102,6 +104,9 @@ class Limits:
     anywhere: bool = False
     matters: Array | None = None
     """(pieces,) what deviations on each face count, where some face is seen from far away alone; else all count 1."""
+    spent: Spent = field(default_factory=Spent)
+    part: float = 1.0
+    """Part of what may be spent after which no cell is halved."""
 
 
 def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Evaluate, limits: Limits) -> Grown:
@@ -119,6 +124,7 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
     quads = joined(growing.parts)
     fresh = np.arange(len(quads))
     unseen: list[Array] = []
+    begun = limits.spent.evaluations
     held: list[tuple[Array, Array, Array, Array]] = []
     while len(fresh):
         some = quads.some(fresh)
@@ -139,6 +145,11 @@ def grown(world: World, roots: Quads, segments: list[list[Array]], evaluate: Eva
             urgency *= limits.matters[some.face]
         urgency += large
         room = (limits.most - len(quads)) // 2
+        if not math.isinf(limits.spent.most):
+            # halves are expected to take what cells took so far
+            each = (limits.spent.evaluations - begun) / len(quads)
+            rest = limits.part * limits.spent.most - limits.spent.evaluations
+            room = min(room, max(0, int(rest / max(2.0 * each, 1.0))))
         chosen = np.flatnonzero(leaf & ((urgency > 1.0) | large) & (share > SMALLEST))
         if len(chosen) > room:
             order = np.argsort(-urgency[chosen], kind="stable")

@@ -48,8 +48,8 @@ from symrender.radiosity.rings import lies_about, put_rings, surround
 from symrender.scene.radiometric.arrays import DIFFUSE, PHONG
 from symrender.scene.radiometric.records import Material
 
-ENOUGH: Final = 4e6
-"""Nodes of one place from which on parts are taken as they are, and their bounds stated."""
+MOST_NODES: Final = 4_000_000
+"""Nodes of one place, unless said otherwise, from which on parts are not looked at and their bounds are stated."""
 
 
 @jitable
@@ -106,7 +106,7 @@ def takes_whole(cell: Cell, height: float, at: Receiver, rings: int, fine: float
 @jitable
 def add_cell(
     material: Material, cell: Cell, occluders: int, rings: int, clear: bool, height: float, at: Receiver, fine: float,
-    scratch: Scratch, sums: Array,
+    most_nodes: float, scratch: Scratch, sums: Array,
 ) -> None:  # fmt: skip
     """Add what the visible parts of a cell send; the circles of ``rings`` spheres may hide some of it."""
     place, hidden = at.place, occluders + rings
@@ -135,7 +135,9 @@ def add_cell(
             waiting -= 1
             continue
         b = scratch.done[part]
-        full = waiting + scratch.stride + 2 >= scratch.sizes.shape[0] or sums[WORK] > ENOUGH
+        full = waiting + scratch.stride + 2 >= scratch.sizes.shape[0]
+        # a bound of what a part sends takes one node, and is enough where anything is
+        asked = math.inf if sums[WORK] > most_nodes else fine
         if b < occluders:
             waiting = subtract(scratch, part, b)
             continue
@@ -146,9 +148,9 @@ def add_cell(
             # it may have had more corners than were kept
             sums[RULE] += math.inf
         if material.kind == DIFFUSE and scratch.rings[part] == FREE:
-            added = add_part(scratch, part, cell, height, at.normal, way, fine, doubt, full, sums)
+            added = add_part(scratch, part, cell, height, at.normal, way, asked, doubt, full, sums)
         else:
-            added = add_lobe(scratch, part, material, at, cell, way, fine, full, sums)
+            added = add_lobe(scratch, part, material, at, cell, way, asked, full, sums)
         if added:
             waiting -= 1
             continue
@@ -203,8 +205,9 @@ def subtract(scratch: Scratch, part: int, b: int) -> int:
 
 @jitable
 def gather_face(
-    world: World, cells: Table[Cell], root: int, at: Receiver, rings: int, fine: float, scratch: Scratch, sums: Array
-) -> None:
+    world: World, cells: Table[Cell], root: int, at: Receiver, rings: int, fine: float, most_nodes: float,
+    scratch: Scratch, sums: Array,
+) -> None:  # fmt: skip
     """Add what the cells under ``root`` send to a place, before which are the spheres of ``rings`` circles."""
     top = cells[root]
     place, normal = at.place, at.normal
@@ -239,21 +242,22 @@ def gather_face(
             else:
                 mass = largest_mass(material, cell, height, at)
                 taken = (cell.doubt + cell.drift) * mass <= fine * (mass + SMALL)
-            if not taken:
+            # of no finer cells than it has nodes left for: what they are off it states
+            if not (taken or (sums[WORK] > most_nodes and cell.rough < NEVER)):
                 scratch.waiting[waiting] = 2 * cell.first + (1 if clear else 0)
                 scratch.waiting[waiting + 1] = 2 * cell.second + (1 if clear else 0)
                 waiting += 2
                 continue
-        add_cell(material, cell, occluders, rings, clear, height, at, fine, scratch, sums)
+        add_cell(material, cell, occluders, rings, clear, height, at, fine, most_nodes, scratch, sums)
 
 
 def gather_places(
     world: World, cells: Table[Cell], roots: Ints, owns: Ints, fronts: Ints, places: Array, normals: Array,
-    views: Array, fine: float, scratch: Scratch, sums: Array,
+    views: Array, fine: float, most_nodes: float, scratch: Scratch, sums: Array,
 ) -> None:  # fmt: skip
     """Add to the rows of ``sums`` what places of pieces ``owns`` gather, each on the front or the back of its piece.
 
-    ``normals`` are unit, ``views`` unit ways to who looks.
+    ``normals`` are unit, ``views`` unit ways to who looks. A place takes about ``most_nodes`` nodes of each forest.
     """
     for i in range(places.shape[0]):
         place = (places[i, 0], places[i, 1], places[i, 2])
@@ -261,4 +265,4 @@ def gather_places(
         at = Receiver(owns[i], fronts[i] != 0, place, normal, (views[i, 0], views[i, 1], views[i, 2]))
         rings = put_rings(world, at, scratch)
         for r in range(roots.shape[0]):
-            gather_face(world, cells, roots[r], at, rings, fine, scratch, sums[i])
+            gather_face(world, cells, roots[r], at, rings, fine, most_nodes, scratch, sums[i])

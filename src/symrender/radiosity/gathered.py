@@ -15,9 +15,9 @@ from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 from symrender.radiosity.endless import Laid
 from symrender.radiosity.forest import Forest
-from symrender.radiosity.gather import gather_places
+from symrender.radiosity.gather import MOST_NODES, gather_places
 from symrender.radiosity.places import fill_lit
-from symrender.radiosity.records import CHANNELS, SUMS, Ints, make_scratch
+from symrender.radiosity.records import CHANNELS, SUMS, WORK, Ints, make_scratch
 from symrender.radiosity.work import Work
 
 ALONE: Final = Work()
@@ -52,8 +52,10 @@ def gather(
     return gather_at(scene, forests, Places(owns, fronts, places, normals, normals), fine, work)
 
 
-def gather_at(scene: Laid, forests: Sequence[Forest], at: Places, fine: float, work: Work = ALONE) -> Array:
-    """(N, SUMS) of ``gather_places``, over all forests."""
+def gather_at(
+    scene: Laid, forests: Sequence[Forest], at: Places, fine: float, work: Work = ALONE, most: int = MOST_NODES
+) -> Array:  # fmt: skip
+    """(N, SUMS) of ``gather_places``, over all forests, of each of which a place takes about ``most`` nodes."""
     world = scene.world
     each = (at.own, at.front, at.place, at.normal, at.view)
 
@@ -61,10 +63,12 @@ def gather_at(scene: Laid, forests: Sequence[Forest], at: Places, fine: float, w
         some = tuple(rows[part] for rows in each)
         for forest in forests:
             scratch = make_scratch(len(world.pieces), len(forest.cells), len(scene.rims), scene.corners)
-            _gather_kernel()(world, forest.cells, forest.roots, *some, fine, scratch, sums)
+            _gather_kernel()(world, forest.cells, forest.roots, *some, fine, float(most), scratch, sums)
 
-    common = [_GATHERED, np.array([fine]), *(part for forest in forests for part in (forest.cells, forest.roots))]
-    return work.filled(SUMS, fill, common, each)
+    common = [_GATHERED, np.array([fine, most]), *(part for forest in forests for part in (forest.cells, forest.roots))]
+    found = work.filled(SUMS, fill, common, each)
+    work.spent.evaluations += float(found[:, WORK].sum())
+    return found
 
 
 def direct(world: World, face: Ints, side: Array, places: Array, work: Work = ALONE) -> Array:
@@ -74,6 +78,7 @@ def direct(world: World, face: Ints, side: Array, places: Array, work: Work = AL
     def fill(part: slice, found: Array) -> None:
         _lit_kernel()(world, face[part], fronts[part], places[part], sky_room(world), found)
 
+    work.spent.evaluations += float(len(places) * len(world.lights))
     return work.filled(CHANNELS, fill, [_LIT], (face, fronts, places))
 
 

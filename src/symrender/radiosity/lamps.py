@@ -92,8 +92,8 @@ def lay_square(cell: Cell, ring: Ring, at: Receiver, sent: Vector) -> None:
 
 @jitable
 def gather_ball(
-    world: World, lamp: int, sent: Vector, at: Receiver, fine: float, scratch: Scratch, sums: Array
-) -> None:
+    world: World, lamp: int, sent: Vector, at: Receiver, fine: float, most_nodes: float, scratch: Scratch, sums: Array
+) -> None:  # fmt: skip
     """Add what a glossy place makes of sphere ``lamp``, of radiance ``sent``."""
     light = world.pieces[lamp]
     offset = minus(vector(light.place), at.place)
@@ -130,12 +130,12 @@ def gather_ball(
         if some:
             found += 1
     material = world.materials[int(world.pieces[at.own].material)]
-    add_cell(material, cell, found, rings, found == 0, 1.0, at, fine, scratch, sums)
+    add_cell(material, cell, found, rings, found == 0, 1.0, at, fine, most_nodes, scratch, sums)
 
 
 def gather_lamps(
     world: World, cells: Table[Cell], owns: Ints, fronts: Ints, places: Array, normals: Array, views: Array,
-    fine: float, scratch: Scratch, sums: Array,
+    fine: float, most_nodes: float, scratch: Scratch, sums: Array,
 ) -> None:  # fmt: skip
     """Add to the rows of ``sums`` what glossy places make of all shapes that emit; ``cells`` are the flat ones."""
     for i in range(places.shape[0]):
@@ -146,7 +146,7 @@ def gather_lamps(
         at = Receiver(owns[i], fronts[i] != 0, place, normal, (views[i, 0], views[i, 1], views[i, 2]))
         rings = put_rings(world, at, scratch)
         for r in range(cells.shape[0]):
-            gather_face(world, cells, r, at, rings, fine, scratch, sums[i])
+            gather_face(world, cells, r, at, rings, fine, most_nodes, scratch, sums[i])
         for k in range(world.lights.shape[0]):
             light = world.lights[k]
             if light.kind != AREA:
@@ -154,4 +154,4 @@ def gather_lamps(
             for lamp in range(world.pieces.shape[0]):
                 piece = world.pieces[lamp]
                 if int(piece.owner) == int(light.emitter) and piece.kind == SPHERE and lamp != at.own:
-                    gather_ball(world, lamp, vector(light.emitted), at, fine, scratch, sums[i])
+                    gather_ball(world, lamp, vector(light.emitted), at, fine, most_nodes, scratch, sums[i])

@@ -70,6 +70,9 @@ _AIM: Final = 0.9
 _FALLS: Final = 0.57
 """Power of the target with which what is stated falls, as long as nothing else is known of it."""
 _SHARE_MET: Final = 0.9
+_PARTS: Final = (0.25, 0.5, 0.75, 1.0)
+"""Parts of the evaluations of a table up to which cells of direct light are halved, those of reflected light are,
+reflections are added, and bounds are."""
 
 
 @dataclass(frozen=True)
@@ -115,9 +118,9 @@ class Sendings:
         """(N, SUMS): what places of pieces gather, the bound, the rule's error and how many nodes it took."""
         return gather(self.laid, self.forests, owns, fronts, places, self.fine, work)
 
-    def reflected(self, at: Places, fine: float) -> Array:
-        """The same of places as they are seen, whose lobes weigh what they gather."""
-        return gather_at(self.laid, self.forests, at, fine)
+    def reflected(self, at: Places, fine: float, most: int) -> Array:
+        """The same of places as they are seen, whose lobes weigh what they gather, of about ``most`` nodes each."""
+        return gather_at(self.laid, self.forests, at, fine, most=most)
 
     def missed(self, owns: Ints, places: Array) -> Array:
         """(N,) most that diffuse places of pieces ``owns`` gather beside all cells: beyond nets, and along rims."""
@@ -133,7 +136,10 @@ def brightest(forests: tuple[Forest, ...]) -> float:
 
 
 def sendings(scene: Laid, bounces: bool, tol: float, work: Work = ALONE) -> Sendings:
-    """What faces send to each other, for values to ``tol``, a radiance; ``bounces`` says whether more than once."""
+    """What faces send to each other, for values to ``tol``, a radiance; ``bounces`` says whether more than once.
+
+    Where ``work`` has evaluations for no more it is coarser, or lacks reflections, and doubts so much more.
+    """
     net, piece = scene.net, scene.piece
     faces = reflecting(net)
     most = float(faces.albedo.max(initial=0.0))
@@ -153,26 +159,34 @@ def sendings(scene: Laid, bounces: bool, tol: float, work: Work = ALONE) -> Send
     glossy = any(net.materials[int(each.material)].kind != DIFFUSE for each in net.pieces)
     target, limits = (_COARSE if bounces else 1.0) * tol, (MOST_SHARP if glossy else MOST_LIT, MOST_GATHERED)
     solver = _Solver(scene, faces, fine, work)
-    falls, last = _FALLS, (0.0, 0.0)
+    falls, last, spent, best = _FALLS, (0.0, 0.0), work.spent, math.inf
+    kept = Sendings(scene, (), fine)
     for _ in range(_TRIES):
+        begun = spent.evaluations
         aim = min(target, _SHARP * tol) if glossy else target
-        lit_by = Limits(aim, limits[0], scene.ended(lamps(net)), glossy, scene.matters)
+        lit_by = Limits(aim, limits[0], scene.ended(lamps(net)), glossy, scene.matters, spent, _PARTS[0])
         first = _grown(scene, roots, cuts, lit, lit_by).forest
         made = Sendings(scene, (first,), fine)
         if bounces:
-            things = Limits(target, MOST_GATHERED, scene.ended(pieces_of(net)), matters=scene.matters)
+            ends = scene.ended(pieces_of(net))
+            things = Limits(target, MOST_GATHERED, ends, False, scene.matters, spent, _PARTS[1])
             made = Sendings(scene, (first, solver.reflected(first, roots, edges, things)), fine)
         stated = most * np.quantile(_stated(made, near, work), _SHARE_MET)
         full = any(
             len(forest.cells) >= most_cells - 1 for forest, most_cells in zip(made.forests, limits, strict=False)
         )
+        if stated < best or not kept.forests:
+            kept, best = made, stated
         if stated <= _ENOUGH * tol or full:
+            return made
+        # finer cells take no less, and less than all of that
+        if not spent.lasts(1.0, 2.0 * (spent.evaluations - begun)):
             break
         if last[0] > 0.0:
             falls = min(1.0, max(0.3, math.log(stated / last[1]) / math.log(target / last[0])))
         last = (target, stated)
         target *= max(1e-3, (_AIM * tol / stated) ** (1.0 / falls))
-    return made
+    return made if math.isinf(spent.most) else kept
 
 
 def _edges(scene: Laid, faces: Faces) -> tuple[list[list[Array]], list[list[Array]]]:
@@ -264,8 +278,9 @@ class _Solver:
         total = np.asarray(cells["terms"])[rows].reshape(len(rows), CHANNELS, -1).copy()
         term, before = total, (powers @ total.transpose(0, 2, 1)).reshape(-1, CHANNELS)
         # without something known the second forest holds the first term of the series, else all but a residual of it
-        missing = bool(self.known)
+        missing, spent = bool(self.known), self.work.spent
         for _ in range(_MOST_TERMS):
+            begun = spent.evaluations
             put_terms(cells, rows, term)
             second.inner.write(cells)
             values, _ = sampled(quads, nodes, self.gathered((first, second.forest) if missing else (second.forest,)))
@@ -279,7 +294,9 @@ class _Solver:
             ratio = np.clip((now * before).sum(axis=0) / np.maximum((before**2).sum(axis=0), 1e-300), 0.0, most)
             off = np.abs(now - ratio * before).max(initial=0.0)
             before = now
-            if float(off) * most / (1.0 - most) < _TAIL * target:
+            # what is left out is part of the residual
+            lasts = spent.lasts(_PARTS[2], spent.evaluations - begun)
+            if float(off) * most / (1.0 - most) < _TAIL * target or not lasts:
                 total += term * (ratio / (1.0 - ratio))[None, :, None]
                 break
         put_terms(cells, rows, total)
@@ -305,14 +322,16 @@ class _Solver:
         reflects = (
             self.faces.of(np.repeat(quads.face, few.shape[1]), few.reshape(-1, 3)).max(axis=1).reshape(-1, few.shape[1])
         )
+        spent = self.work.spent
         for _ in range(_MOST_TERMS):
+            begun = spent.evaluations
             sums = gather(self.laid, forests, face, fronts, few.reshape(-1, 3), self.fine, self.work)
             more = reflects * sums[:, BOUND].reshape(-1, few.shape[1])
             grows += more
             rest = _rest(more.max(axis=1), before, self.most)[:, None]
             # cells far out on planes doubt much, of which little arrives: their largest is no measure of others
             enough = np.maximum(grows, _LITTLE * target) if self.laid.beyond else grows.max(initial=0.0)
-            if (rest <= _REST * enough).all():
+            if (rest <= _REST * enough).all() or not spent.lasts(_PARTS[3], spent.evaluations - begun):
                 grows += rest
                 break
             before = more.max(axis=1) if self.laid.beyond else None

@@ -8,10 +8,11 @@ bit, and nothing that another scene, another tolerance or another cell was asked
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
 import numpy as np
@@ -35,16 +36,29 @@ class Kept(Protocol):
         """Keep it."""
 
 
+@dataclass
+class Spent:
+    """Evaluations that a table has taken so far, of at most about ``most``."""
+
+    most: float = math.inf
+    evaluations: float = 0.0
+
+    def lasts(self, part: float, more: float = 0.0) -> bool:
+        """Whether ``more`` evaluations fit into this part of the most."""
+        return self.evaluations + more <= part * self.most
+
+
 @dataclass(frozen=True)
 class Work:
     """How rows are worked out: on how many ``threads``, 0 for all, and where they are ``kept``, if anywhere.
 
-    ``about`` names what they are made of beside arrays: the scene.
+    ``about`` names what they are made of beside arrays: the scene. What they take is added to ``spent``.
     """
 
     threads: int = 1
     kept: Kept | None = None
     about: str = ""
+    spent: Spent = field(default_factory=Spent)
 
     def filled(
         self, width: int, fill: Callable[[slice, Array], None], common: Sequence[Any], each: Sequence[npt.NDArray[Any]]

@@ -42,6 +42,10 @@ LEAST_SHARE: Final = 1e-9
 """What reflects less is asked for as much."""
 AGAIN: Final = ((0.3, 1e3), (0.2, 1e6))
 """Parts of a budget, beyond it, each for a tolerance so many times looser."""
+LATE: Final = 1.3
+"""Times its budget a place takes at most of which looser rules are asked."""
+BESIDE: Final = 0.3
+"""Part of a budget, beyond it, for what rays meet in shaken scenes where that is not what they meet."""
 HOPELESS: Final = 10.0
 """How many times the tolerance an error is that is not almost met."""
 RULE: Final = 1
@@ -150,7 +154,7 @@ class Bouncer:
         for other in others:
             same = (first.shape == other.shape) & (first.behind == other.behind)
             elsewhere = np.flatnonzero(~same)
-            again = self.light(other.some(elsewhere), tol, budget) if len(elsewhere) else None
+            again = self.light(other.some(elsewhere), tol, beside(budget, len(others))) if len(elsewhere) else None
             doubts.append(doubted(found, np.abs(other.albedo - first.albedo), elsewhere, again))
         found.error[:] += np.max(doubts, axis=0)
         return found
@@ -244,19 +248,20 @@ class Bouncer:
             if self._scratch is None:
                 self._scratch = split_work(world, scene.lights, bounce.glows is not None)
             surface = np.full(len(some), bounce.classes[own])
-            share = SHARE * tol / (most * len(bounce.parts))
+            share, each = SHARE * tol / (most * len(bounce.parts)), max(1, budget // len(bounce.parts))
             sky = world.shading.background
             under = float(sky.max())
             if conductors is not None and material.kind == CONDUCTOR and under > 0.0:
+                each = max(1, each // 2)
                 # one half of the tolerance is for what shapes take from the sky, the other for the whole of it
                 share *= 0.5
                 whole = directional_albedo(
-                    conductors[int(bounce.classes[own])], -(travel * normal).sum(axis=1), share / under, budget,
+                    conductors[int(bounce.classes[own])], -(travel * normal).sum(axis=1), share / under, each,
                     self._scratch,
                 )  # fmt: skip
                 self._add(some, whole, sky, total, missed, found)
             lobes = (place, normal, -normal if material.kind == DIFFUSE else travel, surface)
-            seen = gloss_within(scene, *lobes, share, budget, self._scratch)
+            seen = gloss_within(scene, *lobes, share, each, self._scratch)
             self._add(some, seen, np.ones(3), total, missed, found)
         albedo = hits.albedo[some]
         found.indirect[some], found.incoming[some] = albedo * total, total
@@ -274,6 +279,11 @@ class Bouncer:
         missed += float(color.max()) * seen.error
         found.status[some] = np.maximum(found.status[some], seen.status)
         found.evaluations[some] += seen.evaluations
+
+
+def beside(budget: int, others: int) -> int:
+    """Evaluations for what a ray meets in one of so many shaken scenes."""
+    return max(1, int(BESIDE * budget) // max(1, others))
 
 
 def doubted(found: Bounced, off: Array, elsewhere: Ints, again: Bounced | None) -> Array:
@@ -308,13 +318,16 @@ def gloss_within(
     """
     seen = gloss_at(scene, points, normals, incoming, surface, tol, budget, scratch)
     allowed = tol
+    # one that was none for a first rule is none for a looser one
+    lasted = seen.evaluations <= LATE * budget
     for part, looser in AGAIN:
-        left = np.flatnonzero((seen.status != MET) & (seen.error > HOPELESS * allowed) & np.isfinite(seen.error))
+        short = lasted & (seen.status != MET) & (seen.error > HOPELESS * allowed) & np.isfinite(seen.error)
+        left = np.flatnonzero(short)
         if not len(left):
             break
         allowed = looser * tol
         lobes = (points[left], normals[left], incoming[left], surface[left])
-        again = gloss_at(scene, *lobes, allowed, int(part * budget), scratch)
+        again = gloss_at(scene, *lobes, allowed, max(1, int(part * budget)), scratch)
         seen.evaluations[left] += again.evaluations
         better = again.error < seen.error[left]
         seen.gloss[left[better]], seen.error[left[better]] = again.gloss[better], again.error[better]

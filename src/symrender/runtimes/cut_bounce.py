@@ -21,7 +21,7 @@ from symrender.radiometric.shaken import shaken
 from symrender.radiometric.sky import sky_room
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
-from symrender.runtimes.bounce import SHARE, SLACK, ULP, Bounced, doubted, sharpness
+from symrender.runtimes.bounce import SHARE, SLACK, ULP, Bounced, beside, doubted, sharpness
 from symrender.runtimes.pixels import MOST_WALLS, mean_world
 from symrender.scene.arrays import SOLID
 from symrender.scene.radiometric.arrays import DIFFUSE, DISK, SPHERE, RadiometricArrays
@@ -87,7 +87,7 @@ class CutBouncer:
             elsewhere = np.flatnonzero((first.piece != other.piece) | (first.shows != other.shows))
             again = None
             if len(elsewhere):
-                again = self._light(other.some(elsewhere), rays[0][1][elsewhere], tol, budget)
+                again = self._light(other.some(elsewhere), rays[0][1][elsewhere], tol, beside(budget, len(others)))
             doubts.append(doubted(found, np.abs(other.albedo - first.albedo), elsewhere, again))
         return replace(found, error=found.error + np.max(doubts, axis=0))
 

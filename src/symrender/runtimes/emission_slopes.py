@@ -42,8 +42,8 @@ def check_emission(arrays: RadiometricArrays, wrt: tuple[Move, ...]) -> None:
 class EmissionSlopes:
     """A scene of flat shapes; ``sloped`` answers as ``SlopeBouncer`` does."""
 
-    def __init__(self, arrays: RadiometricArrays, wrt: tuple[Move, ...], tol: float, lamps: bool) -> None:
-        self._gatherers = [Gatherer(alone(arrays, move), tol, 1, lamps) for move in wrt]
+    def __init__(self, arrays: RadiometricArrays, wrt: tuple[Move, ...], tol: float, budget: int, lamps: bool) -> None:
+        self._gatherers = [Gatherer(alone(arrays, move), tol, budget, lamps=lamps) for move in wrt]
 
     def sloped(self, rays: list[list[tuple[Complex, Complex]]], tol: float, budget: int) -> BouncedSlopes:
         """Derivatives along rays, each to ``tol``, absolute; what moves with the rays has no part in it."""
@@ -69,9 +69,9 @@ def alone(arrays: RadiometricArrays, move: Move) -> RadiometricArrays:
 
 
 def bouncer_of(
-    arrays: RadiometricArrays, wrt: tuple[Move, ...], layer: str, tol: float
+    arrays: RadiometricArrays, wrt: tuple[Move, ...], layer: str, tol: float, budget: int
 ) -> SlopeBouncer | EmissionSlopes:  # fmt: skip
     """Who differentiates what a layer has beside closed forms, to ``tol``."""
     if is_round(arrays):
         return SlopeBouncer(arrays, wrt, layer == "direct")
-    return EmissionSlopes(arrays, wrt, tol, layer == "direct")
+    return EmissionSlopes(arrays, wrt, tol, budget, layer == "direct")

@@ -24,7 +24,7 @@ from symrender.radiosity.coincident import coincident
 from symrender.radiosity.endless import netted
 from symrender.radiosity.fields import MOST_FIELDS, too_many_fields
 from symrender.runtimes.bounce import Bouncer
-from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
+from symrender.runtimes.bounced_pixels import DIRECT_BUDGET, DIRECT_SHARE, node_tolerance, prepare_bounced
 from symrender.runtimes.cut_bounce import CutBouncer
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel
@@ -84,7 +84,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         if not integrated:
             return count
         if not hasattr(own, "bouncers"):
-            own.bouncers = {name: _bouncer(arrays, name, settings.tol) for name in integrated}
+            own.bouncers = {name: _bouncer(arrays, name, settings.tol, settings.budget) for name in integrated}
         sent = []
         for view in views:
             directions = np.zeros((count, 3))
@@ -95,7 +95,7 @@ def prepare(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
             # a tile may be rendered twice
             layers["indirect"][here] = 0.0
         for name, bouncer in own.bouncers.items():
-            found_there = bouncer.sent(sent, settings.tol, settings.budget)
+            found_there = bouncer.sent(sent, settings.tol, max(1, settings.budget // len(own.bouncers)))
             light = found_there.indirect.reshape(*shape, 3)
             layers[name][here] += light
             layers["radiance"][here] += light
@@ -120,8 +120,11 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         tol = node_tolerance(settings.tol)
         for need in tables_needed(arrays, settings):
             table_of(need, settings.threads)
-        bounced = prepare_bounced(arrays, settings, lambda: _quick_bouncer(arrays, "indirect", tol))
-    closed = replace(settings, tol=DIRECT_SHARE * settings.tol) if bounced else settings
+        bounced = prepare_bounced(arrays, settings, lambda: _quick_bouncer(arrays, "indirect", tol, settings.budget))
+    closed = settings
+    if bounced:
+        direct = max(1, int(DIRECT_BUDGET * settings.budget))
+        closed = replace(settings, tol=DIRECT_SHARE * settings.tol, budget=direct)
     means = (prepare_exposed if is_exposed(arrays) else prepare_means)(arrays, closed)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:
@@ -150,22 +153,23 @@ def tables_needed(arrays: RadiometricArrays, settings: Settings) -> tuple[Need, 
     """The tables of what faces send each other that ``prepare`` makes, unless they are had before."""
     if not arrays.bounces or not is_flat(arrays) or is_exposed(arrays) or cut_reason(arrays):
         return ()
-    return (Need(arrays, settings.tol if settings.filter == "centre" else node_tolerance(settings.tol)),)
+    tol = settings.tol if settings.filter == "centre" else node_tolerance(settings.tol)
+    return (Need(arrays, tol, settings.budget),)
 
 
-def _bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | CutBouncer | Gatherer:
+def _bouncer(arrays: RadiometricArrays, layer: str, tol: float, budget: int) -> Bouncer | CutBouncer | Gatherer:
     """Who integrates what a layer has beside closed forms, to ``tol``."""
     if layer == "indirect" and cut_reason(arrays):
         return CutBouncer(arrays)
-    return _quick_bouncer(arrays, layer, tol)
+    return _quick_bouncer(arrays, layer, tol, budget)
 
 
-def _quick_bouncer(arrays: RadiometricArrays, layer: str, tol: float) -> Bouncer | Gatherer:
+def _quick_bouncer(arrays: RadiometricArrays, layer: str, tol: float, budget: int) -> Bouncer | Gatherer:
     """The same where places are not cut by windows: what means over pixels may ask."""
     if layer == "indirect" and is_flat(arrays):
-        return Gatherer(arrays, tol, 1)
+        return Gatherer(arrays, tol, budget)
     if layer == "direct" and not is_round(arrays):
-        return Gatherer(arrays, tol, 1, lamps=True)
+        return Gatherer(arrays, tol, budget, lamps=True)
     return Bouncer(arrays, layer == "direct")
 
 
@@ -209,9 +213,9 @@ def ray_answers(arrays: RadiometricArrays, tol: float, budget: int = BUDGET) -> 
         indirect, evaluations = np.zeros((count, 3)), np.ones(count, np.int64)
         status = np.where(lost, UNSUPPORTED, MET)
         if not hasattr(own, "bouncers"):
-            own.bouncers = {name: _bouncer(arrays, name, tol) for name in integrated}
+            own.bouncers = {name: _bouncer(arrays, name, tol, budget) for name in integrated}
         for name, bouncer in own.bouncers.items():
-            bounced = bouncer.sent(sent, tol, budget)
+            bounced = bouncer.sent(sent, tol, max(1, budget // len(own.bouncers)))
             if name == "direct":
                 direct = direct + bounced.indirect
             else:

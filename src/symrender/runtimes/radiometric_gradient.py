@@ -99,7 +99,9 @@ def prepare(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]
         if not integrated:
             return count
         if not hasattr(own, "bouncers"):
-            own.bouncers = {layer: bouncer_of(arrays, wrt, layer, settings.tol) for layer in integrated}
+            own.bouncers = {
+                layer: bouncer_of(arrays, wrt, layer, settings.tol, settings.budget) for layer in integrated
+            }
         tile = (x0, y0, x1, y1)
         rays = [
             [moving_rays(*pair, width, height, tile) for pair in zip(views, moves, strict=True)]
@@ -124,7 +126,7 @@ def tables_needed(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move
     """The tables of what faces send each other that the kernel of ``prepare`` makes, unless they are had before."""
     if not arrays.bounces or is_round(arrays):
         return ()
-    return tuple(Need(alone(arrays, move), settings.tol) for move in wrt)
+    return tuple(Need(alone(arrays, move), settings.tol, settings.budget) for move in wrt)
 
 
 def _prepare_means(arrays: RadiometricArrays, settings: Settings, wrt: tuple[Move, ...]) -> TileKernel:

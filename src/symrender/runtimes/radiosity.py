@@ -18,7 +18,7 @@ from symrender.radiosity.lamps import gather_lamps, lamp_cells
 from symrender.radiosity.places import fill_met
 from symrender.radiosity.records import BOUND, CHANNELS, NEAR, RULE, SUMS, WORK, make_scratch
 from symrender.radiosity.table import brightest
-from symrender.runtimes.bounce import Bounced, Ints, blurred_albedo, sharpness
+from symrender.runtimes.bounce import AGAIN, LATE, Bounced, Ints, beside, blurred_albedo, sharpness
 from symrender.runtimes.tables import Need, table_of
 from symrender.scene.radiometric.arrays import AREA, DIFFUSE, SPHERE, RadiometricArrays
 
@@ -35,7 +35,9 @@ class Gatherer:
     With ``lamps`` for the light of shapes that emit on what is glossy, else for what faces reflect.
     """
 
-    def __init__(self, arrays: RadiometricArrays, tol: float, threads: int = 1, lamps: bool = False) -> None:
+    def __init__(
+        self, arrays: RadiometricArrays, tol: float, budget: int = 1_000_000, threads: int = 1, lamps: bool = False
+    ) -> None:  # fmt: skip
         self._arrays, self._lamps, self._tol = arrays, lamps, tol
         self._worlds = [make_world(each) for each in shaken(arrays)]
         world = self._worlds[0]
@@ -44,25 +46,25 @@ class Gatherer:
             self._scratch = make_scratch(len(world.pieces), len(self._cells))
             self._brightest = float(max(light.emitted.max() for light in world.lights if light.kind == AREA))
         else:
-            self._sendings = table_of(Need(arrays, tol), threads)
+            self._sendings = table_of(Need(arrays, tol, budget), threads)
             self._brightest = brightest(self._sendings.forests)
         corners = float(np.abs(np.asarray(world.pieces["corners"])).max(initial=0.0))
         places = np.abs(np.asarray(world.pieces["place"])).max(axis=1, initial=0.0) + np.asarray(world.pieces["radius"])
         self._extent = max(corners, float(places.max(initial=0.0)))
 
     def sent(
-        self, rays: list[tuple[Array, Array]], tol: float, _budget: int, blurred: npt.NDArray[np.bool_] | None = None
+        self, rays: list[tuple[Array, Array]], tol: float, budget: int, blurred: npt.NDArray[np.bool_] | None = None
     ) -> Bounced:  # fmt: skip
-        """Reflected light along rays; ``rays`` are as ``Bouncer.sent`` takes them.
+        """Reflected light along rays, each of about ``budget`` nodes; ``rays`` are as ``Bouncer.sent`` takes them.
 
         ``tol`` is absolute, and decides the status alone: the table was made for it.
         """
         first, *others = (self._met(world, *pair, blurred) for world, pair in zip(self._worlds, rays, strict=True))
-        found = self._light(*first)
+        found = self._light(*first, budget)
         for at, albedo in others:
             elsewhere = np.flatnonzero((at.own != first[0].own) | (at.front != first[0].front))
             if len(elsewhere):
-                again = self._light(at.some(elsewhere), albedo[elsewhere])
+                again = self._light(at.some(elsewhere), albedo[elsewhere], beside(budget, len(others)))
                 off = np.abs(again.indirect - found.indirect[elsewhere]).max(axis=1) + again.error
                 found.error[elsewhere] = np.maximum(found.error[elsewhere], off)
                 found.evaluations[elsewhere] += again.evaluations
@@ -80,7 +82,7 @@ class Gatherer:
             albedo = blurred_albedo(self._arrays, shape, albedo, blurred)
         return at, albedo
 
-    def _light(self, at: Places, albedo: Array) -> Bounced:
+    def _light(self, at: Places, albedo: Array, budget: int) -> Bounced:
         count = len(at.own)
         found = Bounced(
             np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count), np.full(count, MET), np.zeros(count, np.int64)
@@ -94,25 +96,31 @@ class Gatherer:
             lit &= kinds != DIFFUSE
         found.status[lit & inside], found.error[lit & inside] = UNSUPPORTED, np.inf
         for m in np.unique(materials[lit & ~inside]).tolist():
-            self._of_material(np.flatnonzero(lit & ~inside & (materials == m)), m, at, albedo, found)
+            self._of_material(np.flatnonzero(lit & ~inside & (materials == m)), m, at, albedo, budget, found)
         return found
 
-    def _of_material(self, some: Ints, m: int, at: Places, albedo: Array, found: Bounced) -> None:
+    def _of_material(self, some: Ints, m: int, at: Places, albedo: Array, budget: int, found: Bounced) -> None:
         """Fill ``found`` at places ``some``, of material ``m``."""
         world, some_at = self._worlds[0], at.some(some)
         material = world.materials[m]
         most = albedo[some].max(axis=1, initial=0.0)
         # of all of the material, not of these places alone: what a place gathers does not depend on its neighbours
         fine = FINE * self._tol / float(np.maximum(material.bright, material.dark).max())
-        if self._lamps:
-            sums = np.zeros((len(some), SUMS))
-            one = (some_at.own, some_at.front, some_at.place, some_at.normal, some_at.view)
-            _lamps_kernel()(world, self._cells, *one, fine, self._scratch, sums)
-        elif material.kind == DIFFUSE:
-            sums = self._sendings.reflected(some_at, self._sendings.fine)
+        if not self._lamps and material.kind == DIFFUSE:
+            fine = self._sendings.fine
+        sums = self._sums(some_at, fine, budget)
+        for part, looser in AGAIN:
+            # what was not looked at is all that its bound says
+            short = np.flatnonzero((sums[:, WORK] > budget) & (sums[:, WORK] < LATE * budget))
+            if not len(short):
+                break
+            again = self._sums(some_at.some(short), looser * fine, max(1, int(part * budget)))
+            better = again[:, BOUND] + again[:, RULE] < sums[short, BOUND] + sums[short, RULE]
+            again[:, WORK] += sums[short, WORK]
+            sums[short, WORK] = again[:, WORK]
+            sums[short[better]] = again[better]
+        if not self._lamps and material.kind == DIFFUSE:
             sums[:, BOUND] += self._sendings.missed(some_at.own, some_at.place)
-        else:
-            sums = self._sendings.reflected(some_at, fine)
         found.incoming[some] = sums[:, :CHANNELS]
         found.indirect[some] = albedo[some] * found.incoming[some]
         size = self._extent + np.abs(some_at.place).max(axis=1, initial=0.0)
@@ -122,6 +130,15 @@ class Gatherer:
         astray *= sharpness(material, cosine)
         found.error[some] = most * (sums[:, BOUND] + sums[:, RULE] + astray)
         found.evaluations[some] = sums[:, WORK].astype(np.int64)
+
+    def _sums(self, at: Places, fine: float, budget: int) -> Array:
+        """(N, SUMS) of places, of about ``budget`` nodes each."""
+        if not self._lamps:
+            return self._sendings.reflected(at, fine, budget)
+        sums = np.zeros((len(at.own), SUMS))
+        one = (at.own, at.front, at.place, at.normal, at.view)
+        _lamps_kernel()(self._worlds[0], self._cells, *one, fine, float(budget), self._scratch, sums)
+        return sums
 
 
 def met(world: World, origins: Array, directions: Array) -> tuple[Places, Array]:

@@ -56,7 +56,7 @@ def ray_slopes(
             slopes = [_closed(*each) for each in zip(worlds, moves, sent, strict=True)]
             found.slopes[q], found.error[q] = slopes[0], doubt(slopes[0], slopes[1:])
         if integrated and not hasattr(own, "bouncers"):
-            own.bouncers = [bouncer_of(arrays, wrt, layer, tol) for layer in integrated]
+            own.bouncers = [bouncer_of(arrays, wrt, layer, tol, budget) for layer in integrated]
         still = [(origins_ + 0j, directions_ + 0j) for origins_, directions_ in sent]
         for bouncer in own.bouncers if integrated else ():
             light = bouncer.sloped([still] * len(wrt), tol, budget)

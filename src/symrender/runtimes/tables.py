@@ -15,11 +15,14 @@ import numpy as np
 from symrender.radiosity.endless import laid
 from symrender.radiosity.stored import packed, unpacked
 from symrender.radiosity.table import Sendings, sendings
-from symrender.radiosity.work import Kept, Work
+from symrender.radiosity.work import Kept, Spent, Work
 from symrender.scene.radiometric.arrays import ALL, RadiometricArrays
 
 KEPT: Final = 16
 """Tables that are kept in memory; a derivative has its own."""
+
+SHARED: Final = 256
+"""Evaluations of a table, over those of a ray: all rays of a scene share it."""
 
 _tables: OrderedDict[str, Sendings] = OrderedDict()
 _lock = threading.Lock()
@@ -27,10 +30,14 @@ _lock = threading.Lock()
 
 @dataclass(frozen=True)
 class Need:
-    """A table that is needed: what the faces of a scene send each other, for radiances to ``tol``."""
+    """A table that is needed: what the faces of a scene send each other, for radiances to ``tol``.
+
+    It takes about ``SHARED`` times as many evaluations as ``budget``, those of a ray, at most.
+    """
 
     arrays: RadiometricArrays
     tol: float
+    budget: int = 1_000_000
 
     @cached_property
     def key(self) -> str:
@@ -38,7 +45,7 @@ class Need:
         of = self.arrays
         parts = (of.materials, of.terms, of.shapes, of.facets, of.frames, of.lights, of.directions)
         digest = hashlib.sha256()
-        for part in (*parts, np.array([of.bounces, of.first_gloss], np.int64), np.array([self.tol])):
+        for part in (*parts, np.array([of.bounces, of.first_gloss, self.budget], np.int64), np.array([self.tol])):
             data = np.ascontiguousarray(part).tobytes()
             digest.update(len(data).to_bytes(8, "little") + data)
         return digest.hexdigest()
@@ -48,7 +55,7 @@ def table_of(need: Need, threads: int = 1, kept: Kept | None = None) -> Sendings
     """The table that is needed; made once, and kept in memory. What it is made of may be ``kept`` on the way."""
     with _lock:
         if need.key not in _tables:
-            work = Work(threads, kept, need.key)
+            work = Work(threads, kept, need.key, Spent(float(SHARED) * need.budget))
             _put(need, sendings(laid(need.arrays), need.arrays.bounces == ALL, need.tol, work))
         _tables.move_to_end(need.key)
         return _tables[need.key]

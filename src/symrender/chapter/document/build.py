@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import platform
 import time
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from symrender.chapter.document.effort import FULL, QUICK, Effort
 from symrender.chapter.document.figures import Figure, Measured, figures_of, merged
 from symrender.chapter.document.laboratory import laboratory
 from symrender.chapter.document.page import compose
+from symrender.errors import OptionError, remedy
 from symrender.execution.tiles import Progress
 from symrender.images.output import write_bytes
 from symrender.simulator.build import simulator
@@ -34,6 +36,12 @@ SUBJECTS: Final = (
 )
 """The measurements, each a file of ``measure/``."""
 _SIMULATED: Final = "gloss"
+_PACKAGES: Final = {
+    "matplotlib": "Matplotlib",
+    "latex2mathml": "latex2mathml",
+    "markdown_it": "markdown-it-py",
+    "pygments": "Pygments",
+}
 
 
 @dataclass(frozen=True)
@@ -56,6 +64,10 @@ def chapter(path: str | Path | None = None, *, quick: bool = False, progress: Pr
     Needs the extra ``chapter``. Raises OptionError naming a package that is missing or a hole of the prose that no
     measurement fills, CellError where a cell of the laboratory does not find what it expects.
     """
+    missing = [name for module, name in _PACKAGES.items() if importlib.util.find_spec(module) is None]
+    if missing:
+        # before minutes of measurements, not after them
+        raise OptionError(f"chapter: {', '.join(missing)} not installed: {remedy('chapter')}")
     begun = time.process_time()
     effort = QUICK if quick else FULL
     measured = measure(effort, progress)

@@ -185,7 +185,7 @@ def round_cell(eye: Eye, cell: Cell, room: Room) -> bool:
 
 @jitable
 def cut_cell(
-    eye: Eye, cell: Cell, room: Room, limit: float, own: int, lines: int, blurred: bool, beside: float
+    eye: Eye, cell: Cell, room: Room, limit: float, own: int, lines: int, blurred: bool, beside: float, budget: int
 ) -> bool:  # fmt: skip
     """Integrate a cell line by line, if its curves are monotone along some; False where it is to be halved.
 
@@ -220,6 +220,8 @@ def cut_cell(
             take(room, 1, whole)
             return True
         note(room, 1, whole)
+        if room.total[7] > budget:
+            return False
         if room.trial is not None and (hopeless or error > _HOPE * cell.allowed):
             return False
         if error > (50.0 if trial == 1 else 300.0) * cell.allowed and trial > 0 and cell.level < 6:
@@ -251,9 +253,10 @@ def blurred_cell(eye: Eye, cell: Cell, room: Room, limit: float, ends: bool, bud
     hopeless = held * _FIELD_COST > budget - room.total[7]
     off = cell.area * beside * 1.5 * brightest(room.span) * weight_bound(eye, cell)
     if off <= cell.allowed or (hopeless and cell.level >= _TEXTURE_LEVELS) or ends:
-        if cut_cell(eye, cell, room, limit, own, 0, True, beside):
+        spent = room.total[7] > budget
+        if not spent and cut_cell(eye, cell, room, limit, own, 0, True, beside, budget):
             return 1
-        if hopeless and cell.level >= _TEXTURE_LEVELS + 4:
+        if spent or (hopeless and cell.level >= _TEXTURE_LEVELS + 4):
             return -1
     return 0
 
@@ -283,7 +286,7 @@ def one_cell(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, budget:
             return smooth_cell(eye, cell, room)
         if own + lines == 1 and cell.level == 0 and eye.domain == DISK and round_cell(eye, cell, room):
             return True
-        if own + lines <= MOST_CUTS and cut_cell(eye, cell, room, limit, own, lines, False, 0.0):
+        if own + lines <= MOST_CUTS and cut_cell(eye, cell, room, limit, own, lines, False, 0.0, budget):
             return True
     if many and fits and not sharp:
         done = blurred_cell(eye, cell, room, limit, ends, budget)
@@ -356,7 +359,7 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
     put_reach(eye, whole, room)
     held = fields(eye.families, whole.v, whole.vx, whole.vy, room, math.inf)
     # where fields are too many to be cut at, a first run need not find it out at length
-    limit = budget // 4 if held * _FIELD_COST <= budget // 4 else min(budget, max(_FIRST, budget // 64))
+    limit = budget // 4 if held * _FIELD_COST <= budget // 4 else min(budget // 2, max(_FIRST, budget // 64))
     best[6] = math.inf
     for _ in range(_RUNS):
         pixel_mean(eye, whole, room, candidates, count, share * tol, limit)
@@ -365,7 +368,7 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
         if room.total[6] < best[6]:
             for c in range(7):
                 best[c] = room.total[c]
-        if best[6] <= tol or (used > limit and tightens):
+        if best[6] <= tol or (used > limit and tightens) or spent >= budget:
             break
         if used > limit:
             loose = True
@@ -378,6 +381,7 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
             if used * _LOOSER > limit:
                 break
             share /= _LOOSER
+        limit = min(limit, int(budget - spent))
     return spent
 
 
