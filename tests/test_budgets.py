@@ -1,7 +1,7 @@
 """No engine takes more than twice the evaluations it is given, and what it could not do is part of the error it states.
 
 Values are judged by the same scenes to a tolerance that they meet with evaluations to spare.
-``benchmarks/budgets_hold.py`` crosses more shapes, materials, lights, filters and bounces with more budgets.
+Pixels of bounced light are not among them: their nodes do not share a budget yet.
 """
 
 from __future__ import annotations

@@ -24,6 +24,7 @@ from symrender.radiometric import tile
 from symrender.radiometric.shaken import shaken
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World, make_worlds
+from symrender.runtimes.budgets import AGAIN, HOPELESS, LATE, beside
 from symrender.scene.arrays import FIRST_SPHERE, SOLID, SceneArrays
 from symrender.scene.radiometric.arrays import BECKMANN, CONDUCTOR, DIFFUSE, PHONG, SPHERE, RadiometricArrays
 from symrender.scene.radiometric.bounce import Bounce, bounce_scenes, lamp_scene, shape_classes
@@ -40,14 +41,6 @@ STEPS: Final = 4.0
 """Places whose reflectances differ by no more than the root of 2 of this degree share a tolerance."""
 LEAST_SHARE: Final = 1e-9
 """What reflects less is asked for as much."""
-AGAIN: Final = ((0.3, 1e3), (0.2, 1e6))
-"""Parts of a budget, beyond it, each for a tolerance so many times looser."""
-LATE: Final = 1.3
-"""Times its budget a place takes at most of which looser rules are asked."""
-BESIDE: Final = 0.3
-"""Part of a budget, beyond it, for what rays meet in shaken scenes where that is not what they meet."""
-HOPELESS: Final = 10.0
-"""How many times the tolerance an error is that is not almost met."""
 RULE: Final = 1
 """``disk_order``: there are no disk lights."""
 FELT_SLOPE: Final = 9.0
@@ -279,11 +272,6 @@ class Bouncer:
         missed += float(color.max()) * seen.error
         found.status[some] = np.maximum(found.status[some], seen.status)
         found.evaluations[some] += seen.evaluations
-
-
-def beside(budget: int, others: int) -> int:
-    """Evaluations for what a ray meets in one of so many shaken scenes."""
-    return max(1, int(BESIDE * budget) // max(1, others))
 
 
 def doubted(found: Bounced, off: Array, elsewhere: Ints, again: Bounced | None) -> Array:

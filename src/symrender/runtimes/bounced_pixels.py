@@ -22,8 +22,6 @@ from symrender.settings import Settings
 
 DIRECT_SHARE: Final = 0.3
 """Part of the tolerance that direct light takes where light bounces."""
-DIRECT_BUDGET: Final = 0.25
-"""Part of the budget that direct light takes there."""
 CHANNELS: Final = 3
 
 BouncedMeans = Callable[[int, int, int, int], Mean]
@@ -60,19 +58,19 @@ def prepare_bounced(arrays: RadiometricArrays, settings: Settings, sender: Calla
     views = seen_all(shaken(arrays), settings.width, settings.height)
     canvas = canvas_of(views[0], settings)
     rule, own = PixelRule(canvas, CHANNELS), threading.local()
-    tol, budget = (1.0 - DIRECT_SHARE) * settings.tol, max(1, int((1.0 - DIRECT_BUDGET) * settings.budget))
+    tol = (1.0 - DIRECT_SHARE) * settings.tol
 
     def means(x0: int, y0: int, x1: int, y1: int) -> Mean:
         if not hasattr(own, "sends"):
             own.sends = sender()
         sends: Sends = own.sends
 
-        def look(places: Places, asked: float, most: int) -> Light:
+        def look(places: Places, asked: float, budget: int) -> Light:
             rays = [(_eyes(each, places), _through(each, places, settings)) for each in views]
-            found = sends.sent(rays, asked, most, places.blurred)
+            found = sends.sent(rays, asked, budget, places.blurred)
             return Light(found.indirect, found.error, found.status, found.evaluations)
 
-        return rule.means(x0, y0, x1, y1, look, tol, budget)
+        return rule.means(x0, y0, x1, y1, look, tol, settings.budget)
 
     return means
 

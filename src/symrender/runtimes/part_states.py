@@ -75,18 +75,11 @@ class Pixels:
     low: Array
     high: Array
     status: Ints
-    budget: Ints
     evaluations: Ints = field(init=False)
     nodes: Ints = field(init=False)
 
     def __post_init__(self) -> None:
         self.evaluations, self.nodes = np.zeros((2, len(self.low)), np.int64)
-
-    @property
-    def left(self) -> Ints:
-        """(N,) what is left of their budgets."""
-        found: Ints = np.maximum(self.budget - self.evaluations, 0)
-        return found
 
 
 def added(owner: Ints, what: Array, count: int) -> Array:

@@ -108,24 +108,22 @@ class Known:
         return np.asarray(~self.known & (self.hope[:, square] <= _HOPE * tol))
 
 
-Seen = Callable[[Array, Array, float, float], tuple[Array, Array, Ints, Ints]]
-"""What places of the image, columns and rows, show, to a tolerance, of which each is so many pixels' share of a square:
-(values (N, C), error, status, evaluations)."""
+Seen = Callable[[Array, Array, float], tuple[Array, Array, Ints, Ints]]
+"""What places of the image, columns and rows, show, to a tolerance: (values (N, C), error, status, evaluations)."""
 
 
 def block_means(
-    picture: Picture, tile: Tile, look: Seen, tol: float, channels: int, slow: float = 1.0, most: int = 1 << 62
+    picture: Picture, tile: Tile, look: Seen, tol: float, channels: int, slow: float = 1.0
 ) -> Known:  # fmt: skip
     """Means over the pixels of a tile that lie in smooth squares, each to ``tol``.
 
-    ``slow`` is how many times what polynomials are seen to miss they are taken to. Of a pixel that took ``most``
-    evaluations no square is tried. Squares lie at multiples of their
+    ``slow`` is how many times what polynomials are seen to miss they are taken to. Squares lie at multiples of their
     side of the image, and all of one is done wherever a tile ends, so that no tile changes a byte.
     """
     x0, y0, x1, y1 = tile
     found = Known.nothing((x1 - x0) * (y1 - y0), channels)
     for square, (side, order) in enumerate(SQUARES):
-        corners = _corners(picture, tile, side, found.promising(square, tol) & (found.evaluations < most))
+        corners = _corners(picture, tile, side, found.promising(square, tol))
         if not len(corners):
             continue
         smooth = np.zeros(len(corners), np.int64)
@@ -156,7 +154,7 @@ def _fill(tile: Tile, corners: Ints, rule: Rule, look: Seen, tol: float, slow: f
     count, (side, order) = len(corners), rule.means.shape
     across = np.tile(side * rule.nodes, count * order) + np.repeat(corners[:, 0], order**2)
     down = np.tile(np.repeat(side * rule.nodes, order), count) + np.repeat(corners[:, 1], order**2)
-    values, error, status, spent = look(across, down, INNER * tol / rule.spread, side**2 / order**2)
+    values, error, status, spent = look(across, down, INNER * tol / rule.spread)
     light = values.reshape(count, order, order, -1)
     fall = falls(np.einsum("ai,bj,njic->nbac", rule.series, rule.series, light))
     beyond = slow * missed(fall)

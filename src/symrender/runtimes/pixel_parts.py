@@ -18,12 +18,10 @@ import numpy.typing as npt
 
 from symrender.jit.compiled import compiled
 from symrender.jit.records import Table, chosen, table
-from symrender.quadrature.split_setup import MET
 from symrender.radiometric.pixels import parts as kernels
 from symrender.radiometric.pixels.cells import BOX, Eye
 from symrender.radiometric.pixels.records import LEVELS, SMOOTH, Nodes, Part, Room, make_room
 from symrender.radiometric.vectors import Array
-from symrender.runtimes.bounce import AGAIN, HOPELESS, LATE
 from symrender.runtimes.part_rules import (
     DIRECT,
     LOBES,
@@ -59,10 +57,6 @@ _TEXTURE_LEVELS: Final = 3
 """Halvings that fields which are too many to be cut at are worth: means of textures miss less in smaller cells."""
 _LEAST: Final = 2000
 """Evaluations of a node, at least."""
-_SQUARES: Final = 4
-"""Part of a budget that one try of a square of pixels may take is one over this; twice as much ends all tries."""
-_TRIES: Final = 3
-"""How often nodes are asked whose share of a budget did not last."""
 _FLOOR: Final = 1e-3
 """Part of the tolerance below which the error of a part is not what keeps a pixel from it."""
 
@@ -89,45 +83,6 @@ class Places:
 
 Look = Callable[[Places, float, int], Light]
 """What nodes see, each to a tolerance or a number of evaluations."""
-
-
-def look_within(look: Look, places: Places, pixel: Ints, tol: float, left: Ints, each: int) -> Light:
-    """What nodes see, of which those of a ``pixel`` (N,) together take about what is ``left`` (pixels,) of its budget.
-
-    They share it alike at first; then what they left is shared by those for which it did not last. No node takes more
-    than about ``each``.
-    """
-    left, some, had = left.copy(), np.arange(len(pixel)), np.zeros(len(pixel), np.int64)
-    found: Light | None = None
-    for _ in range(_TRIES):
-        share = np.clip(left[pixel[some]] // np.bincount(pixel[some], minlength=len(left))[pixel[some]], 1, each)
-        # powers of two, so that nodes of many pixels are asked together
-        asked = np.where(share < each, 2 ** np.floor(np.log2(share)).astype(np.int64), each)
-        more = asked >= 2 * had[some]
-        some, asked = some[more], asked[more]
-        if not len(some):
-            break
-        had[some] = asked
-        for one in np.unique(asked).tolist():
-            which = some[asked == one]
-            seen = look(Places(places.columns[which], places.rows[which], places.blurred[which]), tol, one)
-            if found is None:
-                values = np.zeros((len(pixel), seen.values.shape[1]))
-                found = Light(values, np.full(len(pixel), np.inf), *np.zeros((2, len(pixel)), np.int64))
-            # what has no value has an error without end, from the first time on
-            better = ~(seen.error >= found.error[which]) | ~np.isfinite(seen.error)
-            kept = which[better]
-            found.values[kept], found.error[kept] = seen.values[better], seen.error[better]
-            found.status[kept] = seen.status[better]
-            found.evaluations[which] += seen.evaluations
-            np.subtract.at(left, pixel[which], seen.evaluations)
-            ran_out = (seen.status != MET) & np.isfinite(seen.error) & (2 * seen.evaluations >= one)
-            had[which[~ran_out]] = each
-        left = np.maximum(left, 0)
-        some = np.flatnonzero(had < each)
-    if found is None:
-        return look(places, tol, each)
-    return found
 
 
 @dataclass(frozen=True)
@@ -184,25 +139,11 @@ class PixelRule:
 
         A pixel is a function of its own parts alone, so that no tile changes a byte.
         """
-        found = self._smooth((x0, y0, x1, y1), look, tol, budget)
+        found = self._smooth((x0, y0, x1, y1), look, tol, max(_LEAST, budget // _SHARE))
         left = np.flatnonzero(~found.known)
         columns, rows = np.tile(np.arange(x0, x1), y1 - y0)[left], np.repeat(np.arange(y0, y1), x1 - x0)[left]
         if len(left):
-            own, each = np.maximum(budget - found.evaluations[left], 1), max(_LEAST, budget // _SHARE)
-            rest = self._cut_means(columns, rows, look, tol, own, each)
-            allowed = tol
-            for part, looser in AGAIN:
-                # where a budget ended early, rules that are asked for less know more
-                short = (rest.evaluations >= own) & (rest.evaluations <= LATE * own) & np.isfinite(rest.error)
-                short &= rest.error > HOPELESS * allowed
-                some, allowed = np.flatnonzero(short), looser * tol
-                if len(some):
-                    budgets = np.maximum((part * own[some]).astype(np.int64), 1)
-                    again = self._cut_means(columns[some], rows[some], look, allowed, budgets, each)
-                    rest.evaluations[some] += again.evaluations
-                    kept = again.error < rest.error[some]
-                    better = some[kept]
-                    rest.values[better], rest.error[better] = again.values[kept], again.error[kept]
+            rest = self._cut_means(columns, rows, look, tol, budget)
             found.values[left], found.error[left], found.status[left] = rest.values, rest.error, rest.status
             found.evaluations[left] += rest.evaluations
         return Mean(found.values, found.error, found.status, found.evaluations)
@@ -213,34 +154,33 @@ class PixelRule:
         if canvas.eye.domain != BOX or not canvas.lobes:
             return Known.nothing((tile[2] - tile[0]) * (tile[3] - tile[1]), channels)
 
-        def seen(columns: Array, rows: Array, inner: float, share: float) -> tuple[Array, Array, Ints, Ints]:
+        def seen(columns: Array, rows: Array, inner: float) -> tuple[Array, Array, Ints, Ints]:
             places = Places(columns, rows, np.zeros(len(columns), np.bool_))
-            most = min(max(_LEAST, budget // _SHARE), int(share * budget / _SQUARES))
-            found = look(places, inner, max(1, most))
+            found = look(places, inner, budget)
             return found.values[:, :channels], found.error, found.status, found.evaluations
 
         room, candidates, _ = self.scratch()
         picture = Picture(canvas.eye, canvas.window, canvas.width, canvas.height, room, candidates)
-        return block_means(picture, tile, seen, tol, channels, self.slow, budget // _SQUARES)
+        return block_means(picture, tile, seen, tol, channels, self.slow)
 
-    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: Ints, each: int) -> Mean:
-        """The same of pixels, each of a ``budget`` of its own, cut at their curves; a node takes ``each`` at most."""
+    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int) -> Mean:
+        """The same of pixels, cut at their curves."""
         canvas, channels = self.canvas, self._channels
         starts = table(Part, len(columns))
         np.asarray(starts)["column"], np.asarray(starts)["row"] = columns, rows
         count = len(starts)
-        pixels = Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64), budget)
+        pixels = Pixels(np.full(count, np.inf), np.full(count, -np.inf), np.zeros(count, np.int64))
         grain = _GRAIN * tol / canvas.bright
         parts, origins = self._cut(starts, grain)
         state = State.of(parts, origins, channels * self._terms)
         inner, whole = self.inner * tol, np.zeros(count)
-        best = Best(np.zeros((count, channels)), np.full(count, np.inf))
+        each, best = max(_LEAST, budget // _SHARE), Best(np.zeros((count, channels)), np.full(count, np.inf))
         for _ in range(_ROUNDS):
             self._integrate(state, np.flatnonzero(state.stage < 0), pixels, look, inner, each)
             outer = state.error + self._unseen(state, pixels)
             whole = added(state.pixel, outer + state.inner, count)
             best.keep(state, whole, channels, tol)
-            raised, halved = self._next(state, outer, whole, pixels, tol)
+            raised, halved = self._next(state, outer, whole, pixels, tol, budget)
             if not (len(raised) or len(halved)):
                 break
             self._integrate(state, raised, pixels, look, inner, each)
@@ -255,14 +195,14 @@ class PixelRule:
         return found + np.maximum(pixels.high, 0.0)[state.pixel] * state.parts["beside"]
 
     def _next(
-        self, state: State, outer: Array, whole: Array, pixels: Pixels, tol: float
+        self, state: State, outer: Array, whole: Array, pixels: Pixels, tol: float, budget: int
     ) -> tuple[Ints, Ints]:  # fmt: skip
         """The parts that are to take a rule of a higher order, and those that are to be halved."""
         worst = np.zeros(len(whole))
         np.maximum.at(worst, state.pixel, np.where(np.isfinite(outer), outer, 0.0))
         # what rays state is no less in halves
         stuck = added(state.pixel, state.inner, len(whole)) > tol
-        going = (whole > tol) & ~stuck & (pixels.evaluations < pixels.budget)
+        going = (whole > tol) & ~stuck & (pixels.evaluations <= budget)
         asked = going[state.pixel] & (outer >= _WORST * worst[state.pixel]) & (outer > _FLOOR * tol)
         if self.eager:
             asked = going[state.pixel] & ~spared(state.pixel, outer, 0.5 * tol)
@@ -278,13 +218,14 @@ class PixelRule:
         each = np.maximum(pixels.evaluations, 1) / np.maximum(pixels.nodes, 1)
         dear = each * _FIELD_NODES * added(state.pixel, fields, len(whole))
         some = (fields == 0.0) | (state.parts["level"] < _TEXTURE_LEVELS)
-        deeper &= some | (dear <= pixels.left)[state.pixel]
+        deeper &= some | (dear <= budget - pixels.evaluations)[state.pixel]
         raised = asked & better
         order = self._rules.order(kinds_of(state.parts), state.stage + 2)
         nodes = np.where(raised, order**2, np.where(deeper, _QUARTERS, 0))
         # what is not asked comes last and costs nothing
         cost = np.ceil(nodes * (pixels.evaluations / np.maximum(pixels.nodes, 1))[state.pixel]).astype(np.int64)
-        kept = afforded(state.pixel, np.where(raised | deeper, outer, -1.0), cost, pixels.left)
+        left = np.maximum(budget - pixels.evaluations, 0)
+        kept = afforded(state.pixel, np.where(raised | deeper, outer, -1.0), cost, left)
         return np.flatnonzero(raised & kept), np.flatnonzero(deeper & kept)
 
     def _halve(self, state: State, halved: Ints, grain: float) -> State:
@@ -339,16 +280,14 @@ class PixelRule:
         owner = np.repeat(np.arange(len(some)), np.diff(ends, prepend=0))
         parts = np.asarray(state.parts)[some][owner]
         pixel = state.pixel[some][owner]
-        found = look_within(look, self._places(parts, places), pixel, inner, pixels.left, budget)
-        self._seen_by(pixels, pixel, found)
+        found = self._seen_by(pixels, pixel, look(self._places(parts, places), inner, budget))
         sums = [added(owner, weights * found.values[:, c], len(some)) for c in range(self._channels)]
         stated = added(owner, np.abs(weights) * found.error, len(some))
         hint = bends(owner, places, weights, found.values, len(some))
         four = np.flatnonzero(is_smooth(kinds_of(state.parts)[some]) & (orders == 2))
         if self._rules.cornered and len(four):
             nodes = (ends[four, None] - np.arange(4, 0, -1)).ravel()
-            beside = self._places(parts[nodes], at_corners(places[nodes]))
-            corners = look_within(look, beside, pixel[nodes], inner, pixels.left, budget)
+            corners = look(self._places(parts[nodes], at_corners(places[nodes])), inner, budget)
             self._seen_by(pixels, pixel[nodes], corners)
             hint[four] = np.maximum(hint[four], cornered(weights[nodes], found.values[nodes], corners.values))
         if self._rules.told:

@@ -24,7 +24,7 @@ from symrender.radiosity.coincident import coincident
 from symrender.radiosity.endless import netted
 from symrender.radiosity.fields import MOST_FIELDS, too_many_fields
 from symrender.runtimes.bounce import Bouncer
-from symrender.runtimes.bounced_pixels import DIRECT_BUDGET, DIRECT_SHARE, node_tolerance, prepare_bounced
+from symrender.runtimes.bounced_pixels import DIRECT_SHARE, node_tolerance, prepare_bounced
 from symrender.runtimes.cut_bounce import CutBouncer
 from symrender.runtimes.exposed import is_exposed, prepare_exposed
 from symrender.runtimes.image import TileKernel
@@ -121,10 +121,7 @@ def _prepare_means(arrays: RadiometricArrays, settings: Settings) -> TileKernel:
         for need in tables_needed(arrays, settings):
             table_of(need, settings.threads)
         bounced = prepare_bounced(arrays, settings, lambda: _quick_bouncer(arrays, "indirect", tol, settings.budget))
-    closed = settings
-    if bounced:
-        direct = max(1, int(DIRECT_BUDGET * settings.budget))
-        closed = replace(settings, tol=DIRECT_SHARE * settings.tol, budget=direct)
+    closed = replace(settings, tol=DIRECT_SHARE * settings.tol) if bounced else settings
     means = (prepare_exposed if is_exposed(arrays) else prepare_means)(arrays, closed)
 
     def render(x0: int, y0: int, x1: int, y1: int, layers: Mapping[str, Array]) -> int:

@@ -28,7 +28,7 @@ from symrender.runtimes.bounce_slopes import Complex, SlopeBouncer
 from symrender.runtimes.bounced_pixels import CHANNELS, DIRECT_SHARE, canvas_of
 from symrender.runtimes.part_rules import Rules, bends
 from symrender.runtimes.part_states import Ints, Pixels, State, added
-from symrender.runtimes.pixel_parts import Canvas, Light, Look, Mean, PixelRule, Places, look_within
+from symrender.runtimes.pixel_parts import Canvas, Light, Look, Mean, PixelRule, Places
 from symrender.runtimes.speeds import Speeds, Steps, jumps, make_sweep, unresolved
 from symrender.scene.moves import Move
 from symrender.scene.radiometric.arrays import RadiometricArrays
@@ -106,8 +106,8 @@ class SweptRule(PixelRule):
         length = np.minimum(length, 0.5 ** np.asarray(state.parts["level"], np.float64))
         return np.asarray(swing * length * np.where(length > 0.0, state.fastest, 0.0) + state.rough)
 
-    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: Ints, each: int) -> Mean:
-        found = super()._cut_means(columns, rows, look, tol, budget, each)
+    def _cut_means(self, columns: Ints, rows: Ints, look: Look, tol: float, budget: int) -> Mean:
+        found = super()._cut_means(columns, rows, look, tol, budget)
         # a part of which nothing is known may have become ones that are
         found.status[:] = np.where(np.isfinite(found.error), found.status, UNSUPPORTED)
         return found
@@ -126,7 +126,7 @@ class SweptRule(PixelRule):
         fast[ends[:, 2] == 1] = np.inf
         state.fastest[some] = np.maximum(state.fastest[some], fast)
         nodes, pixel = sweep.nodes[: len(own[0])], state.pixel[some][own[0]]
-        seen = self._seen(parts[own[0]], nodes, fast[own[0]], look, inner, budget, pixel, pixels)
+        seen = self._seen(parts[own[0]], nodes, fast[own[0]], look, inner, budget)
         slopes, light, error = seen.values[:, : self._channels], seen.values[:, self._channels :], seen.error
         self._seen_by(pixels, pixel, replace(seen, values=light[:, :CHANNELS]))
         parted, size = jumps(walls, light)
@@ -149,21 +149,18 @@ class SweptRule(PixelRule):
         return np.where(known[:, None], values, 0.0), np.where(known, stated, 0.0), bent
 
     def _seen(
-        self, parts: Any, nodes: Array, fast: Array, look: Look, inner: float, budget: int, pixel: Ints, pixels: Pixels,
+        self, parts: Any, nodes: Array, fast: Array, look: Look, inner: float, budget: int
     ) -> Light:  # fmt: skip
         """What nodes see where walls of their parts are ``fast``."""
         columns, rows = self._at(parts, nodes)
         # light beside fast walls has to be the better known; a part's own nodes alone have a say
         power = np.ceil(np.log2(np.clip(fast / _SLOW, 1.0, 2.0**20)) / 2.0)
-        count, left = len(nodes), pixels.left
-        # those of one power have their share of what is left of a pixel
-        whole = np.maximum(np.bincount(pixel, minlength=len(left)), 1)
+        count = len(nodes)
         found = Light(np.zeros((count, 2 * self._channels + 1)), np.zeros(count), *np.zeros((2, count), np.int64))
         for each in np.unique(power).tolist():
             which = np.flatnonzero(power == each)
             places = Places(columns[which], rows[which], np.zeros(len(which), np.bool_))
-            share = left * np.bincount(pixel[which], minlength=len(left)) // whole
-            seen = look_within(look, places, pixel[which], inner * 4.0**-each, share, budget)
+            seen = look(places, inner * 4.0**-each, budget)
             found.values[which], found.error[which] = seen.values, seen.error
             found.status[which], found.evaluations[which] = seen.status, seen.evaluations
         return found

@@ -92,7 +92,8 @@ def box_rule(
 ) -> tuple[float, float, bool]:  # fmt: skip
     """(what inner means state, evaluations, whether all nodes have the same walls) of a box; its light to ``sums``.
 
-    An inner mean takes ``budget`` at most, and all of them together about what is ``left``.
+    An inner mean takes ``budget`` at most, and all of them together about what is ``left``. Arguments are many because
+    a record would be made anew for every box.
     """
     stated, spent, first, same = 0.0, 0.0, -1, True
     sums = waiting.sums
