@@ -15,7 +15,6 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
-from symrender.errors import SceneError, remedy
 from symrender.scene.directions import Triple, coincide, collinear, cross, minus
 
 if TYPE_CHECKING:
@@ -131,12 +130,7 @@ def _reversals(ring: Sequence[int], at: Sequence[Triple]) -> int:
 
 def _ears(ring: Sequence[int], at: Sequence[Triple]) -> list[Face]:
     """The triangles that mapbox_earcut cuts a ring into, without those that have no area."""
-    try:
-        import mapbox_earcut
-    except ImportError:
-        raise SceneError(
-            f"a polygon that is not convex is cut by mapbox_earcut, which is not installed; {remedy('mesh')}"
-        ) from None
+    import mapbox_earcut
     import numpy as np
 
     flat = np.array([at[k][:2] for k in ring])
