@@ -78,7 +78,7 @@ def series_world(arrays: SceneArrays, disk_order: int, exponents: Array) -> Worl
     points = light_rows(arrays, disk_order)
     lamps = table(Lamp, len(points))
     for lamp, point in zip(lamps, points, strict=True):
-        lamp.kind, lamp.place[:] = POINT, point.position
+        lamp.kind, lamp.place[:], lamp.emitted[:] = POINT, point.position, 1.0
     return World(materials, table(Term, 0), pieces, lamps, laid_bounds(pieces))
 
 

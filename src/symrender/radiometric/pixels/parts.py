@@ -26,6 +26,7 @@ from symrender.radiometric.pixels.cells import (
     step,
     window_cell,
 )
+from symrender.radiometric.pixels.highlights import hidden_powers
 from symrender.radiometric.pixels.hot import near_hot
 from symrender.radiometric.pixels.pixel import begin, block_walls
 from symrender.radiometric.pixels.records import (
@@ -140,9 +141,10 @@ def look(
     own = int(room.counts[cell.level])
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
     # how many times denser than four a cell nodes are to be, 0 where the cell is to be halved
-    steps = 0
+    steps, hidden = 0, 0.0
     if densest == 0.0:
-        steps = 0 if too_sharp(eye, cell, room, limit) else 1
+        hidden = share * hidden_powers(eye, cell, room, limit)
+        steps = 0 if hidden > grain or too_sharp(eye, cell) else 1
     else:
         curved = own > 0 or lines > 0
         most = 1.0 if ends or not fits or lines < 0 else min(densest, 2.0) if curved else densest
@@ -160,10 +162,12 @@ def look(
             breaks = own if eye.domain == BOX else own + 1
             part.beside = share * 1.5 * mean_error(eye.families, cell.v, cell.vx, cell.vy, room, limit, breaks)
         if own + max(lines, 0) == 0:
+            part.missed = hidden
             return SMOOTH if steps == 1 else DENSE if steps == 2 else DENSER
         if own + max(lines, 0) <= MOST_CUTS:
             kind = put_cut(eye, cell, room, own, max(lines, 0), grain, part)
             if kind == CUT:
+                part.missed += hidden
                 return DENSE_CUT if steps == 2 else CUT
     if ends:
         part.missed, part.beside = share, 0.0

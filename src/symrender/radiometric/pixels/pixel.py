@@ -23,6 +23,7 @@ from symrender.radiometric.pixels.cells import (
     outside,
 )
 from symrender.radiometric.pixels.curves import BESIDE, SLACK, misses, put_curve, put_quarter
+from symrender.radiometric.pixels.highlights import hidden_light
 from symrender.radiometric.pixels.lobes import light_bound, lobe_bends, weight_bound
 from symrender.radiometric.pixels.records import (
     LEVELS,
@@ -53,6 +54,8 @@ _DOUBT: Final = 0.02
 _HOPE: Final = 1000.0
 """Times what a cell may take that a rule of 5 x 5 nodes may miss for one of 8 x 8 to be tried: of a Gaussian, which no
 polynomial of low degree is."""
+_MISSED: Final = 0.5
+"""Part of what a cell may take that nodes may miss for rules to be tried."""
 _LITTLE: Final = 0.005
 """``_DOUBT`` of rules between walls, which are far apart in order."""
 
@@ -118,8 +121,8 @@ def note(room: Room, row: int, error: float) -> None:
 
 
 @inlined
-def spread(eye: Eye, cell: Cell, room: Room, limit: float, sharp: bool) -> float:
-    """What radiance may differ by where nodes have not looked: as it was met to differ, or ``bright``, or ``peak``.
+def spread(eye: Eye, cell: Cell, room: Room, limit: float) -> float:
+    """What radiance may differ by where nodes have not looked: as it was met to differ, or ``bright``.
 
     Of a lobe, and where there are bumps, it is no more than lights may cause in the cell.
     """
@@ -127,21 +130,21 @@ def spread(eye: Eye, cell: Cell, room: Room, limit: float, sharp: bool) -> float
         return light_bound(eye, cell, room, limit)
     span = room.span
     met = max(span[1, 0] - span[0, 0], max(span[1, 1] - span[0, 1], span[1, 2] - span[0, 2]))
-    most = float(max(met, max(eye.bright, eye.peak) if sharp else eye.bright))
+    most = float(max(met, eye.bright))
     if room.models is None:
         return most
     return min(most, light_bound(eye, cell, room, limit))
 
 
 @jitable
-def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
-    """Integrate a cell without curves; False where it is to be halved."""
+def smooth_cell(eye: Eye, cell: Cell, room: Room, missed: float) -> bool:
+    """Integrate a cell without curves, of which nodes may miss so much; False where it is to be halved."""
     world = eye.world
     tensor_rule(eye, world, cell, 1, 0, room)
     tensor_rule(eye, world, cell, 2, 1, room)
     tensor_rule(eye, world, cell, 3, 2, room)
     before, error = gap(room, 0, 1), gap(room, 1, 2)
-    error = max(error, _DOUBT * before)
+    error = max(error, _DOUBT * before) + missed
     if error <= cell.allowed:
         take(room, 2, error)
         return True
@@ -150,7 +153,7 @@ def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
         return False
     before = gap(room, 1, 2)
     tensor_rule(eye, world, cell, 5, 1, room)
-    error = max(gap(room, 1, 2), _DOUBT * before)
+    error = max(gap(room, 1, 2), _DOUBT * before) + missed
     if error <= cell.allowed:
         take(room, 1, error)
         return True
@@ -158,7 +161,7 @@ def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
     if eye.domain == GAUSSIAN and error <= _HOPE * cell.allowed:
         before = gap(room, 1, 2)
         tensor_rule(eye, world, cell, 8, 2, room)
-        error = max(gap(room, 1, 2), _DOUBT * before)
+        error = max(gap(room, 1, 2), _DOUBT * before) + missed
         if error <= cell.allowed:
             take(room, 2, error)
             return True
@@ -166,14 +169,14 @@ def smooth_cell(eye: Eye, cell: Cell, room: Room) -> bool:
 
 
 @jitable
-def round_cell(eye: Eye, cell: Cell, room: Room) -> bool:
-    """Integrate a lens that its rim alone cuts; False where it is to be halved."""
+def round_cell(eye: Eye, cell: Cell, room: Room, missed: float) -> bool:
+    """Integrate a lens that its rim alone cuts, of which nodes may miss so much; False where it is to be halved."""
     before = math.inf
     round_rule(eye, cell, 2, 0, room)
     for trial in range(3):
         round_rule(eye, cell, 3 if trial == 0 else (5 if trial == 1 else 8), 1, room)
         error = gap(room, 0, 1)
-        error = max(error, _DOUBT * before) if trial > 0 else 2.0 * error
+        error = missed + (max(error, _DOUBT * before) if trial > 0 else 2.0 * error)
         if error <= cell.allowed:
             take(room, 1, error)
             return True
@@ -185,11 +188,13 @@ def round_cell(eye: Eye, cell: Cell, room: Room) -> bool:
 
 @jitable
 def cut_cell(
-    eye: Eye, cell: Cell, room: Room, limit: float, own: int, lines: int, blurred: bool, beside: float, budget: int
+    eye: Eye, cell: Cell, room: Room, limit: float, own: int, lines: int, blurred: bool, beside: float, budget: int,
+    hidden: float,
 ) -> bool:  # fmt: skip
     """Integrate a cell line by line, if its curves are monotone along some; False where it is to be halved.
 
     ``blurred`` takes textures of planes as their means, ``beside`` is what they may be off by over the brightest light.
+    Of a radiance of ``hidden`` nodes may see nothing.
     """
     mode = cutting_mode(room, own, lines, cell.level)
     if mode < 0:
@@ -200,7 +205,7 @@ def cut_cell(
     panels, risk = put_panels(room, count, mode)
     heavy = weight_bound(eye, cell)
     # the cell's own area is 4, t and s cover half of it where x, y = t + s, t - s
-    missed = cell.area * risk * (0.25 if mode < 2 else 0.5) * spread(eye, cell, room, limit, False) * heavy
+    missed = cell.area * (risk * (0.25 if mode < 2 else 0.5) * spread(eye, cell, room, limit) + hidden) * heavy
     hopeless = missed > cell.allowed
     if panels == 0 or (hopeless and room.trial is None):
         return False
@@ -233,17 +238,17 @@ def cut_cell(
 
 
 @jitable
-def coarse_cell(eye: Eye, cell: Cell, room: Room, limit: float, blurred: bool, sharp: bool) -> None:
+def coarse_cell(eye: Eye, cell: Cell, room: Room, limit: float, blurred: bool, hidden: float) -> None:
     """Integrate a cell as if it were smooth and state its area times what radiance may differ by in it."""
     world = eye.mean if blurred else eye.world
     tensor_rule(eye, world, cell, 2, 0, room)
-    swing = spread(eye, cell, room, limit, sharp) + (brightest(room.span) if blurred else 0.0)
+    swing = max(spread(eye, cell, room, limit), hidden) + (brightest(room.span) if blurred else 0.0)
     error = cell.area * swing * weight_bound(eye, cell)
     take(room, 0, error)
 
 
 @jitable
-def blurred_cell(eye: Eye, cell: Cell, room: Room, limit: float, ends: bool, budget: int) -> int:
+def blurred_cell(eye: Eye, cell: Cell, room: Room, limit: float, ends: bool, budget: int, hidden: float) -> int:
     """Integrate a cell of many fields with its texture's mean: 1 where that is done, 0 to halve it, -1 to end there."""
     own = int(room.counts[cell.level])
     # a weight that changes along a line counts as a break more
@@ -254,7 +259,7 @@ def blurred_cell(eye: Eye, cell: Cell, room: Room, limit: float, ends: bool, bud
     off = cell.area * beside * 1.5 * brightest(room.span) * weight_bound(eye, cell)
     if off <= cell.allowed or (hopeless and cell.level >= _TEXTURE_LEVELS) or ends:
         spent = room.total[7] > budget
-        if not spent and cut_cell(eye, cell, room, limit, own, 0, True, beside, budget):
+        if not spent and cut_cell(eye, cell, room, limit, own, 0, True, beside, budget, hidden):
             return 1
         if spent or (hopeless and cell.level >= _TEXTURE_LEVELS + 4):
             return -1
@@ -274,28 +279,30 @@ def one_cell(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, budget:
     own = int(room.counts[cell.level])
     lines = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit)
     many = lines < 0
-    sharp = too_sharp(eye, cell, room, limit)
+    hidden = hidden_light(eye, cell, room, limit)
+    missed = cell.area * hidden * weight_bound(eye, cell) if hidden > 0.0 else 0.0
+    sharp = missed > _MISSED * cell.allowed or too_sharp(eye, cell)
     if eye.lobe is not None:
         # of its light there is a bound, whatever nodes miss
         fits, sharp = fits and not sharp and not lobe_bends(eye, cell), False
     if room.models is not None:
-        swing = cell.area * spread(eye, cell, room, limit, False) * weight_bound(eye, cell)
+        swing = cell.area * spread(eye, cell, room, limit) * weight_bound(eye, cell)
         fits = fits and not waves(eye, cell, room, room.models, limit, cell.allowed / max(swing, cell.allowed))
     if not ends and fits and not many and not sharp:
         if own + lines == 0:
-            return smooth_cell(eye, cell, room)
-        if own + lines == 1 and cell.level == 0 and eye.domain == DISK and round_cell(eye, cell, room):
+            return smooth_cell(eye, cell, room, missed)
+        if own + lines == 1 and cell.level == 0 and eye.domain == DISK and round_cell(eye, cell, room, missed):
             return True
-        if own + lines <= MOST_CUTS and cut_cell(eye, cell, room, limit, own, lines, False, 0.0, budget):
+        if own + lines <= MOST_CUTS and cut_cell(eye, cell, room, limit, own, lines, False, 0.0, budget, hidden):
             return True
     if many and fits and not sharp:
-        done = blurred_cell(eye, cell, room, limit, ends, budget)
+        done = blurred_cell(eye, cell, room, limit, ends, budget, hidden)
         if done > 0:
             return True
         ends = ends or done < 0
-    swing = spread(eye, cell, room, limit, False) + (brightest(room.span) if many else 0.0)
+    swing = max(spread(eye, cell, room, limit), hidden) + (brightest(room.span) if many else 0.0)
     if ends or (not sharp and cell.area * swing * weight_bound(eye, cell) <= cell.allowed):
-        coarse_cell(eye, cell, room, limit, many, sharp)
+        coarse_cell(eye, cell, room, limit, many, hidden)
         return True
     return False
 

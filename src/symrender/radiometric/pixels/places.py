@@ -10,7 +10,6 @@ from symrender.radiometric.arcs import Room as Arcs
 from symrender.radiometric.bumps import shading_normal
 from symrender.radiometric.pixels.cells import BOX, Eye, Lobe
 from symrender.radiometric.pixels.records import Family, Ints, Queue, Room, Wall
-from symrender.radiometric.pixels.spots import some_side
 from symrender.radiometric.pixels.walls import put_families, put_line, put_walls
 from symrender.radiometric.pixels.worst import worst_sum
 from symrender.radiometric.reflection import reflectance
@@ -20,6 +19,12 @@ from symrender.radiometric.world import World
 from symrender.scene.radiometric.arrays import SPHERE
 
 _ULP = 2.0**-52
+
+
+@jitable
+def some_side(v: Vector) -> Vector:
+    """Some vector across a direction, of no length in particular."""
+    return cross(v, (1.0, 0.0, 0.0) if abs(v[0]) < 0.6 else (0.0, 1.0, 0.0))
 
 
 @jitable

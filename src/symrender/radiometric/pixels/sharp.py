@@ -1,4 +1,4 @@
-"""What is smooth and may still be missed by nodes: highlights narrower than a cell, lights nearer than it is wide."""
+"""What is smooth and may still be missed by nodes: veins narrower than a cell, lamps nearer than it is wide."""
 
 from __future__ import annotations
 
@@ -8,17 +8,13 @@ from typing import Final
 from symrender.jit.marks import jitable
 from symrender.leaves import radiometric as leaves
 from symrender.leaves import values
-from symrender.radiometric.bumps import shading_normal
 from symrender.radiometric.pieces import Piece
 from symrender.radiometric.pixels.cells import Cell, Eye, ray_of, step
-from symrender.radiometric.pixels.records import Room
-from symrender.radiometric.pixels.sight import may_show
-from symrender.radiometric.pixels.spots import shows_spot
 from symrender.radiometric.sight import height_over, nearest
 from symrender.radiometric.vectors import Vector, dot, minus, vector
 from symrender.radiometric.world import World
 from symrender.scene.arrays import MARBLE
-from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, DIFFUSE, DIRECTIONAL, POINT, SKY, SPHERE, SPOT
+from symrender.scene.radiometric.arrays import AREA, CONDUCTOR, SPHERE
 from symrender.scene.radiometric.records import Material
 
 NEAR: Final = 0.8
@@ -71,18 +67,14 @@ def plane_spreads(piece: Piece, eye: Vector, there: Vector, size: float, share: 
 
 
 @jitable
-def place_spreads(
-    world: World, own: int, light: int, ray: Vector, place: Vector, normal: Vector,
-    other_ray: Vector, other: Vector, other_normal: Vector,
-) -> bool:  # fmt: skip
-    """Whether a light looks too different from two places of shape ``own`` for nodes between them to tell."""
-    lamp, piece = world.lights[light], world.pieces[own]
-    material = world.materials[int(piece.material)]
-    step = minus(other, place)
-    moved = math.sqrt(dot(step, step))
-    if lamp.kind == SKY:
-        return False
-    if lamp.kind == AREA:
+def lamp_spreads(world: World, own: int, place: Vector, other: Vector) -> bool:
+    """Whether a lamp looks too different from two places of shape ``own`` for nodes between them to tell."""
+    apart = minus(other, place)
+    moved = math.sqrt(dot(apart, apart))
+    for i in range(world.lights.shape[0]):
+        lamp = world.lights[i]
+        if lamp.kind != AREA:
+            continue
         # emitters are shapes: all of their pieces are spheres here
         for k in range(world.pieces.shape[0]):
             ball = world.pieces[k]
@@ -90,25 +82,7 @@ def place_spreads(
             near = abs(math.sqrt(dot(way, way)) - ball.radius)
             if ball.owner == lamp.emitter and k != own and moved > NEAR * near:
                 return True
-        return False
-    at = vector(lamp.place)
-    if lamp.kind == DIRECTIONAL:
-        toward = (-at[0], -at[1], -at[2])
-        other_toward = toward
-    else:
-        way, other_way = minus(at, place), minus(at, other)
-        far, other_far = math.sqrt(dot(way, way)), math.sqrt(dot(other_way, other_way))
-        if piece.kind == SPHERE and moved > NEAR * max(far, other_far):
-            return True
-        if far == 0.0 or other_far == 0.0:
-            return True
-        toward = (way[0] / far, way[1] / far, way[2] / far)
-        other_toward = (other_way[0] / other_far, other_way[1] / other_far, other_way[2] / other_far)
-    if material.kind == DIFFUSE or dot(normal, toward) <= 0.0 >= dot(other_normal, other_toward):
-        return False
-    x, y, z, width = off_axis(material, normal, (-ray[0], -ray[1], -ray[2]), toward)
-    a, b, c, _ = off_axis(material, other_normal, (-other_ray[0], -other_ray[1], -other_ray[2]), other_toward)
-    return far_apart((x, y, z), (a, b, c), width)
+    return False
 
 
 @jitable
@@ -130,44 +104,31 @@ def veins_turn(world: World, own: int, place: Vector, other: Vector) -> bool:
 
 
 @jitable
-def met_by(eye: Eye, origin: Vector, d: Vector, room: Room) -> tuple[int, Vector, Vector]:
-    """(piece or -1, place, unit normal by which it reflects) that a ray of an eye meets."""
-    if eye.lobe is not None:
-        own, _, place, normal, front = nearest(eye.lobe.sight, origin, d)
-    else:
-        own, _, place, normal, front = nearest(eye.world, origin, d)
-    if own >= 0:
-        normal = shading_normal(eye.world, own, front, place, normal, room.sky)
-    return own, place, normal
+def is_even(world: World) -> bool:
+    """Whether a world has neither lamps with an extent nor veins about a sphere."""
+    for i in range(world.lights.shape[0]):
+        if world.lights[i].kind == AREA:
+            return False
+    for j in range(world.pieces.shape[0]):
+        piece = world.pieces[j]
+        if piece.kind == SPHERE and world.materials[int(piece.material)].texture == MARBLE:
+            return False
+    return True
 
 
 @jitable
-def too_sharp(eye: Eye, cell: Cell, room: Room, limit: float) -> bool:
-    """Whether nodes of a cell may miss what is sharp in it."""
-    if not eye.delicate:
+def too_sharp(eye: Eye, cell: Cell) -> bool:
+    """Whether nodes of a cell may miss what veins about a sphere and lamps with an extent show in it."""
+    world = eye.lobe.sight if eye.lobe is not None else eye.world
+    if is_even(world):
         return False
-    world = eye.world
-    for j in range(world.pieces.shape[0]):
-        if world.pieces[j].kind == SPHERE or not may_show(room, float(j), limit):
-            continue
-        for i in range(world.lights.shape[0]):
-            lamp = world.lights[i]
-            point = lamp.kind in (POINT, SPOT)
-            if point and plane_spreads(world.pieces[j], eye.place, vector(lamp.place), 0.0, NEAR, cell):
-                return True
-    if shows_spot(eye, cell, room, limit):
-        return True
     origin, ray = ray_of(eye, cell.v)
-    own, place, normal = met_by(eye, origin, ray, room)
+    own, _, place, _, _ = nearest(world, origin, ray)
     for corner in range(4):
         a, b = 1.0 if corner % 2 == 1 else -1.0, 1.0 if corner >= 2 else -1.0
         origin, d = ray_of(eye, step(cell.v, a, cell.vx, b, cell.vy))
-        other, at, facing = met_by(eye, origin, d, room)
-        if own >= 0 and other == own:
-            if veins_turn(world, own, place, at):
-                return True
-            for i in range(world.lights.shape[0]):
-                if place_spreads(world, own, i, ray, place, normal, d, at, facing):
-                    return True
-        ray, own, place, normal = d, other, at, facing
+        other, _, at, _, _ = nearest(world, origin, d)
+        if own >= 0 and other == own and (veins_turn(world, own, place, at) or lamp_spreads(world, own, place, at)):
+            return True
+        own, place = other, at
     return False

@@ -321,6 +321,22 @@ def put_turned_wall(eye: Eye, cell: Cell, room: Room, wall: Wall, held: int, out
     return True, put_turned_curve(eye, cell, wall, held, room.models, out)
 
 
+@jitable
+def bump_cap(eye: Eye, cell: Cell, room: Room, own: int, models: Array) -> tuple[Vector, float]:
+    """(unit turned normal of piece ``own`` in the middle of a cell, largest angle off it in the cell)."""
+    room.total[7] += labour(eye.world, own)
+    put_bump(eye, cell, own, models)
+    wide = 0.0
+    for c in range(3):
+        turned = spread(models[_NORMAL + c]) + abs(models[_NORMAL + c, REST])
+        wide += turned * turned
+    n = (models[_NORMAL, 0], models[_NORMAL + 1, 0], models[_NORMAL + 2, 0])
+    size, wide = math.sqrt(dot(n, n)), math.sqrt(wide)
+    if not wide < size:
+        return vector(eye.world.pieces[own].up), math.pi
+    return (n[0] / size, n[1] / size, n[2] / size), math.asin(wide / size)
+
+
 @inlined
 def width_of(material: Material) -> float:
     """By how much a normal may turn before what it reflects has changed altogether, about."""

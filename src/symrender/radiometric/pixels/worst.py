@@ -12,6 +12,7 @@ from typing import Final
 
 from symrender.jit.marks import jitable
 from symrender.radiometric.pixels.cells import BOX, Cell, Eye, Lobe, cell_at
+from symrender.radiometric.pixels.highlights import hidden_light
 from symrender.radiometric.pixels.lobes import window_of
 from symrender.radiometric.pixels.pixel import begin, coarse_cell, known_walls, one_cell
 from symrender.radiometric.pixels.records import WINDOWS, Ints, Queue, Room
@@ -87,7 +88,7 @@ def attend(
     k = int(queue.waiting[0])
     if not done:
         many = put_lines(eye.families, cell.v, cell.vx, cell.vy, room, limit) < 0
-        coarse_cell(eye, cell, room, limit, many, eye.lobe is None)
+        coarse_cell(eye, cell, room, limit, many, hidden_light(eye, cell, room, limit))
         if room.trial is not None and room.trial[6] < total[6]:
             for c in range(7):
                 total[c] = room.trial[c]
