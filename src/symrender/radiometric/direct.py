@@ -122,9 +122,10 @@ def direct_light(
 
 
 @jitable
-def along_ray(world: World, origin: Vector, d: Vector, room: Room) -> tuple[int, Vector, Vector]:
-    """(hit class, emitted, direct) along a unit ray; 0 is nothing, where the sky is seen."""
-    own, _, place, normal, front = nearest(world, origin, d)
+def leaving(
+    world: World, own: int, place: Vector, normal: Vector, front: bool, d: Vector, room: Room
+) -> tuple[int, Vector, Vector]:  # fmt: skip
+    """(hit class, emitted, direct) of what a unit ray meets, as ``nearest`` tells; 0 is nothing: the sky is seen."""
     emitted = (0.0, 0.0, 0.0)
     if own < 0:
         for i in range(world.lights.shape[0]):
@@ -138,3 +139,10 @@ def along_ray(world: World, origin: Vector, d: Vector, room: Room) -> tuple[int,
                 emitted = vector(world.lights[i].emitted)
     view = (-d[0], -d[1], -d[2])
     return FIRST_SHAPE + shape, emitted, direct_light(world, own, front, place, normal, view, room)
+
+
+@jitable
+def along_ray(world: World, origin: Vector, d: Vector, room: Room) -> tuple[int, Vector, Vector]:
+    """(hit class, emitted, direct) along a unit ray."""
+    own, _, place, normal, front = nearest(world, origin, d)
+    return leaving(world, own, place, normal, front, d, room)

@@ -27,7 +27,7 @@ from symrender.scene.radiometric.records import Light, Material
 
 _STEEP: Final = 3.0
 """Largest change of the logarithm of a factor, from the middle of a cell, that rules of few nodes resolve."""
-_MASKED: Final = 2.0
+_MASKED: Final = 6.0
 """Largest change of a cosine in a cell, over its least value plus alpha, for which they resolve masking."""
 _RIGHT: Final = 0.5 * math.pi
 

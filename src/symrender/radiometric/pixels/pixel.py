@@ -103,10 +103,11 @@ def begin(eye: Eye, cell: Cell, room: Room, candidates: Ints, count: int, limit:
 
 @jitable
 def take(room: Room, row: int, error: float) -> None:
-    """Add a cell to the pixel: a row of sums and what it may be off by."""
+    """Add a cell to the pixel: a row of sums and what it may be off by, to which that of its nodes is added."""
     for c in range(6):
         room.total[c] += room.sums[row, c]
-    room.total[6] += error
+    room.total[6] += error + room.sums[row, 6]
+    room.total[8] += room.sums[row, 6]
 
 
 @jitable
@@ -114,10 +115,10 @@ def note(room: Room, row: int, error: float) -> None:
     """Keep a row of sums as what is known of a cell that does not meet what it may take, if it is the best so far."""
     if room.trial is None:
         return
-    if error < room.trial[6]:
+    if error + room.sums[row, 6] < room.trial[6]:
         for c in range(6):
             room.trial[c] = room.sums[row, c]
-        room.trial[6] = error
+        room.trial[6] = error + room.sums[row, 6]
 
 
 @inlined
@@ -310,7 +311,7 @@ def one_cell(eye: Eye, cell: Cell, room: Room, limit: float, fits: bool, budget:
 @jitable
 def pixel_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int, tol: float, budget: int) -> None:
     """Leave the mean of a pixel in ``room.total``, each cell to its part of ``tol``."""
-    for c in range(8):
+    for c in range(9):
         room.total[c] = 0.0
     for c in range(3):
         room.span[0, c], room.span[1, c] = math.inf, -math.inf
@@ -375,7 +376,8 @@ def stated_mean(eye: Eye, whole: Cell, room: Room, candidates: Ints, count: int,
         if room.total[6] < best[6]:
             for c in range(7):
                 best[c] = room.total[c]
-        if best[6] <= tol or (used > limit and tightens) or spent >= budget:
+        # no stricter run brings down what roundings do
+        if best[6] <= tol or (used > limit and tightens) or spent >= budget or room.total[8] > tol:
             break
         if used > limit:
             loose = True

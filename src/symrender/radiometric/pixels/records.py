@@ -191,13 +191,13 @@ class Room(NamedTuple):
     trial: Array | None
     """(7,): the best mean of a cell that is to be halved and what it is off by; None where nobody keeps it."""
     sums: Array
-    """(3, 6): emitted and direct light by three rules."""
+    """(3, 7): emitted and direct light by three rules, and what roundings may change of it at their nodes."""
     span: Array
     """(2, 3): least and largest radiance met."""
     path: Ints
     """(LEVELS + 1,): which quarter of the cell above each cell is."""
     total: Array
-    """(8,): emitted and direct light of the pixel, its error, evaluations."""
+    """(9,): emitted and direct light of the pixel, its error, evaluations, the error's part that is roundings."""
     best: Array
     """(7,): the same of its best run."""
 
@@ -228,9 +228,9 @@ def make_room(world: World, keeps: bool = False) -> Room:
         work=np.zeros((8, TERMS)),
         models=np.zeros((MODELS + 4 * MAX_TERMS, TERMS)) if len(world.terms) else None,
         trial=np.zeros(7) if keeps else None,
-        sums=np.zeros((3, 6)),
+        sums=np.zeros((3, 7)),
         span=np.zeros((2, 3)),
         path=np.zeros(LEVELS + 1, np.int64),
-        total=np.zeros(8),
+        total=np.zeros(9),
         best=np.zeros(7),
     )

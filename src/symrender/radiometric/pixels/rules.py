@@ -8,11 +8,13 @@ from typing import Final
 import numpy as np
 
 from symrender.jit.marks import inlined, jitable
-from symrender.radiometric.direct import along_ray
+from symrender.radiometric.direct import leaving
 from symrender.radiometric.pixels.cells import BOX, Cell, Eye, ray_of, step, weight_of
+from symrender.radiometric.pixels.coincident import undecided_light
 from symrender.radiometric.pixels.curves import crossing, put_turned, slope_bounds
 from symrender.radiometric.pixels.lobes import add_sent
 from symrender.radiometric.pixels.records import KINK, MOST_CUTS, PANELS, REST, TERMS, TOUCH, Room
+from symrender.radiometric.sight import nearest
 from symrender.radiometric.vectors import Array
 from symrender.radiometric.world import World
 
@@ -56,8 +58,10 @@ def add_light(
         add_sent(eye, eye.lobe, world, step(cell.v, x, cell.vx, y, cell.vy), weight, row, room)
         return
     origin, d = ray_of(eye, step(cell.v, x, cell.vx, y, cell.vy))
-    _, emitted, direct = along_ray(world, origin, d, room.sky)
+    own, _, place, normal, front = nearest(world, origin, d)
+    _, emitted, direct = leaving(world, own, place, normal, front, d, room.sky)
     sums, span = room.sums, room.span
+    sums[row, 6] += abs(weight) * undecided_light(world, own, origin, place, d, room.sky)
     for c in range(3):
         sums[row, c] += weight * emitted[c]
         sums[row, 3 + c] += weight * direct[c]
@@ -80,7 +84,7 @@ def gap(room: Room, first: int, second: int) -> float:
 @jitable
 def clear(room: Room, row: int) -> None:
     """Empty a row of sums."""
-    for c in range(6):
+    for c in range(7):
         room.sums[row, c] = 0.0
 
 
