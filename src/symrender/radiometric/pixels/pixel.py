@@ -3,7 +3,8 @@
 A cell that no curve enters is smooth and takes a tensor rule; one whose curves are monotone along lines of some
 direction is integrated line by line; any other is halved, until its area times the span of radiance is small enough to
 be stated as its error. So nothing rests on a list of events: a curve that is not proved to miss a cell, to be monotone
-in it or to be too small to matter is looked at more closely.
+in it or to be too small to matter is looked at more closely. The file is long because every way to integrate a cell
+states its errors by the same constants.
 """
 
 from __future__ import annotations
@@ -51,6 +52,8 @@ _STRICTER: Final = 0.2
 _LOOSER: Final = 32.0
 _DOUBT: Final = 0.02
 """Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
+_CHANCE: Final = 0.1
+"""The same of the first three rules, of so few nodes that two of them agree by chance once in a few hundred cells."""
 _HOPE: Final = 1000.0
 """Times what a cell may take that a rule of 5 x 5 nodes may miss for one of 8 x 8 to be tried: of a Gaussian, which no
 polynomial of low degree is."""
@@ -145,7 +148,7 @@ def smooth_cell(eye: Eye, cell: Cell, room: Room, missed: float) -> bool:
     tensor_rule(eye, world, cell, 2, 1, room)
     tensor_rule(eye, world, cell, 3, 2, room)
     before, error = gap(room, 0, 1), gap(room, 1, 2)
-    error = max(error, _DOUBT * before) + missed
+    error = max(error, _CHANCE * before) + missed
     if error <= cell.allowed:
         take(room, 2, error)
         return True
@@ -211,16 +214,17 @@ def cut_cell(
     if panels == 0 or (hopeless and room.trial is None):
         return False
     world = eye.mean if blurred else eye.world
-    before = math.inf
+    cut_rule(eye, world, cell, 1, 1, count, mode, panels, room)
     cut_rule(eye, world, cell, 2, 0, count, mode, panels, room)
+    before = gap(room, 0, 1)
     for trial in range(4):
         order = 3 if trial == 0 else (5 if trial == 1 else (8 if trial == 2 else 12))
         # drawn to the ends of panels where a piece beside a limb shrinks to nothing, from a third rule on
         way = mode if trial < 2 else mode + 4
         cut_rule(eye, world, cell, order, 1, count, way, panels, room)
         error = gap(room, 0, 1)
-        # the first pair of rules is trusted less
-        error = max(error, _LITTLE * before) if trial > 0 else 8.0 * error
+        # the first pair of rules is trusted less, and may agree by chance
+        error = max(error, _LITTLE * before) if trial > 0 else max(8.0 * error, _CHANCE * before)
         whole = error + missed + cell.area * beside * 1.5 * brightest(room.span) * heavy
         if whole <= cell.allowed or (blurred and error + missed <= cell.allowed):
             take(room, 1, whole)
