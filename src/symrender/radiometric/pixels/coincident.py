@@ -19,14 +19,14 @@ _SAME: Final = 2.0**-46
 
 
 @jitable
-def most_leaving(world: World, own: int, place: Vector, view: Vector, room: Room) -> float:
-    """The radiance of a flat piece at a place if nothing hides any light from it, the largest of the channels."""
+def unhidden_light(world: World, own: int, place: Vector, view: Vector, room: Room) -> Vector:
+    """The radiance of a flat piece at a place if nothing hides any light from it; of a sky it is no more."""
     piece = world.pieces[own]
     material = world.materials[int(piece.material)]
     up = vector(piece.up)
     front = dot(up, view) > 0.0
     if not front and material.two_sided == 0.0:
-        return 0.0
+        return (0.0, 0.0, 0.0)
     turned = shading_normal(world, own, front, place, up if front else minus_of(up), room)
     albedo, total = reflectance(world, own, place), (0.0, 0.0, 0.0)
     for i in range(world.lights.shape[0]):
@@ -41,12 +41,23 @@ def most_leaving(world: World, own: int, place: Vector, view: Vector, room: Room
         elif material.kind == DIFFUSE:
             share = albedo
         total = (total[0] + share[0] * e[0], total[1] + share[1] * e[1], total[2] + share[2] * e[2])
-    return float(max(total[0], max(total[1], total[2])))
+    return total
 
 
 @jitable
-def undecided_light(world: World, own: int, origin: Vector, place: Vector, d: Vector, room: Room) -> float:
-    """What roundings may change of the radiance along a ray: 0 but where it meets two flat shapes in one plane."""
+def apart(a: Vector, b: Vector) -> float:
+    """Largest difference over the channels."""
+    return max(abs(a[0] - b[0]), max(abs(a[1] - b[1]), abs(a[2] - b[2])))
+
+
+@jitable
+def undecided_light(
+    world: World, own: int, origin: Vector, place: Vector, d: Vector, light: Vector, room: Room
+) -> float:  # fmt: skip
+    """What roundings may have changed of the ``light`` along a ray that meets two flat shapes in one plane, else 0.
+
+    Either shape is seen, and neither hides light from the other: the light differs from that of both by no more.
+    """
     if own < 0 or world.pieces[own].kind == SPHERE:
         return 0.0
     size = max(abs(place[0]) + abs(origin[0]), max(abs(place[1]) + abs(origin[1]), abs(place[2]) + abs(origin[2])))
@@ -58,5 +69,5 @@ def undecided_light(world: World, own: int, origin: Vector, place: Vector, d: Ve
         height = height_over(piece, place)
         far = max(abs(piece.place[0]), max(abs(piece.place[1]), abs(piece.place[2])))
         if abs(height) <= _SAME * (size + far) and passes(piece, height, 1.0, place, vector(piece.up)):
-            most, met = max(most, most_leaving(world, j, place, view, room)), True
-    return max(most, most_leaving(world, own, place, view, room)) if met else 0.0
+            most, met = max(most, apart(unhidden_light(world, j, place, view, room), light)), True
+    return max(most, apart(unhidden_light(world, own, place, view, room), light)) if met else 0.0

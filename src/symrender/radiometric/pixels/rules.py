@@ -61,12 +61,12 @@ def add_light(
     own, _, place, normal, front = nearest(world, origin, d)
     _, emitted, direct = leaving(world, own, place, normal, front, d, room.sky)
     sums, span = room.sums, room.span
-    sums[row, 6] += abs(weight) * undecided_light(world, own, origin, place, d, room.sky)
+    light = (emitted[0] + direct[0], emitted[1] + direct[1], emitted[2] + direct[2])
+    sums[row, 6] += abs(weight) * undecided_light(world, own, origin, place, d, light, room.sky)
     for c in range(3):
         sums[row, c] += weight * emitted[c]
         sums[row, 3 + c] += weight * direct[c]
-        whole = emitted[c] + direct[c]
-        span[0, c], span[1, c] = min(span[0, c], whole), max(span[1, c], whole)
+        span[0, c], span[1, c] = min(span[0, c], light[c]), max(span[1, c], light[c])
     room.total[7] += 1.0
 
 
