@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import symrender as sr
+from symrender.settings import Filter
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 SQUARE = np.polynomial.legendre.leggauss(6)
@@ -175,10 +176,11 @@ def twice(rng: np.random.Generator, material: dict[str, Any]) -> dict[str, Any]:
 
 def test_roundings_between_coincident_shapes_reach_the_error_of_a_mean() -> None:
     material = {"type": "diffuse", "reflectance": [0.5, 0.6, 0.7], "two_sided": True}
+    filters: list[Filter] = ["box", "tent", "mitchell"]
     noisy, pixels, worst = 0, 0, 0.0
     for seed in range(14):
         rng = np.random.default_rng(seed)
-        scene, filter_ = twice(rng, material), ("box", "tent", "mitchell")[seed % 3]
+        scene, filter_ = twice(rng, material), filters[seed % 3]
         alone = scene | {"shapes": scene["shapes"][:1]}
         image = sr.truth(scene, size=2, tol=1e-4, filter=filter_, budget=5000, threads=1)
         judge = sr.truth(alone, size=2, tol=1e-7, filter=filter_, threads=1)

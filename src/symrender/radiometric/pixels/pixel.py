@@ -53,7 +53,8 @@ _LOOSER: Final = 32.0
 _DOUBT: Final = 0.02
 """Part of the difference of the two rules before that the difference of two rules is trusted to fall by, at most."""
 _CHANCE: Final = 0.1
-"""The same of the first three rules, of so few nodes that two of them agree by chance once in a few hundred cells."""
+"""Part of the difference between the first two rules that their successor is off by, at least: rules of so few nodes
+agree by chance once in a few hundred cells."""
 _HOPE: Final = 1000.0
 """Times what a cell may take that a rule of 5 x 5 nodes may miss for one of 8 x 8 to be tried: of a Gaussian, which no
 polynomial of low degree is."""
